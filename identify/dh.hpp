@@ -1,0 +1,39 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Geometry>
+
+namespace identify {
+
+/// One row of a Denavit-Hartenberg table in the paper's notation (Table 1): from frame i to i+1,
+///   T = Tz(b) Rz(theta) Tx(a) Rx(alpha).
+/// The numbers are those of standard (distal) DH with d = b.
+struct DhRow {
+  double b_mm = 0;       ///< joint offset: along Z_i from X_i to X_i+1
+  double theta_rad = 0;  ///< joint angle: about Z_i from X_i to X_i+1
+  double a_mm = 0;       ///< link length: along X_i+1 from Z_i to Z_i+1
+  double alpha_rad = 0;  ///< twist angle: about X_i+1 from Z_i to Z_i+1
+};
+
+/// Pose of frame i+1 in frame i.
+[[nodiscard]] Eigen::Isometry3d transform(const DhRow& row);
+
+/// An arm of revolute joints as its maker specifies it. Frame 1 is the robot's base.
+struct Arm {
+  std::vector<DhRow> rows;       ///< one a joint; theta as it is at `home_rad`
+  std::vector<double> home_rad;  ///< the controller's joint angles that belong to the rows' thetas
+  /// +1 where the controller's positive rotation is about +Z_i of the row, -1 where about -Z_i.
+  std::vector<int> positive;
+  /// The target point in the frame after the last row.
+  Eigen::Vector3d tool_mm = Eigen::Vector3d::Zero();
+
+  [[nodiscard]] std::size_t joints() const { return rows.size(); }
+};
+
+/// Pose of the frame after the last row in the base, for the controller's joint angles `angles_rad`
+/// (as many as the arm has joints). Its origin is not the tool: apply it to `arm.tool_mm`.
+[[nodiscard]] Eigen::Isometry3d forward_kinematics(const Arm& arm,
+                                                   const std::vector<double>& angles_rad);
+
+}  // namespace identify

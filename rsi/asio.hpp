@@ -1,0 +1,11 @@
+#pragma once
+
+// The only door to Boost.Asio: Boost 1.74 uses std::exchange in its C++20 coroutine header without
+// including <utility>, so that must come first.
+#include <utility>
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
