@@ -1,0 +1,56 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include <boost/lockfree/spsc_queue.hpp>
+
+#include "rsi/datagram.hpp"
+
+namespace rsi {
+
+/// Bounded queue of datagrams from one thread (the reply thread) to one other (acquisition).
+/// All memory is taken at construction: a push copies into it, without lock or allocation.
+class DatagramQueue {
+ public:
+  /// Room for `bytes` of datagrams, each with some 40 bytes of its own. Throws std::system_error.
+  explicit DatagramQueue(std::size_t bytes);
+  ~DatagramQueue();
+  DatagramQueue(const DatagramQueue&) = delete;
+  DatagramQueue& operator=(const DatagramQueue&) = delete;
+
+  /// Producer's thread. False, and counted, if there is no room: nothing is waited for.
+  bool push(const Datagram& datagram) noexcept;
+
+  /// Consumer's thread. The payload is valid until the next pop.
+  bool pop(Datagram& datagram);
+
+  /// Consumer's thread: sleeps until something was pushed since the last wait, or for `longest`.
+  void wait(std::chrono::milliseconds longest);
+
+  /// Any thread: ends a wait.
+  void wake() noexcept;
+
+  /// Any thread: datagrams that found no room.
+  [[nodiscard]] std::uint64_t overflows() const noexcept {
+    return overflows_.load(std::memory_order_relaxed);
+  }
+
+ private:
+  struct Header {
+    Timestamp time;
+    Endpoint source;
+    Endpoint destination;
+    std::uint32_t size;
+    bool cut;
+  };
+
+  boost::lockfree::spsc_queue<char> bytes_;
+  std::atomic<std::uint64_t> overflows_{0};
+  std::string payload_;
+  int event_;  // eventfd: the one way to wake a thread that costs the waker a single system call
+};
+
+}  // namespace rsi

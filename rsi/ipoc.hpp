@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace rsi {
+
+/// The digits of the last <IPOC>…</IPOC> in a datagram, found without parsing the rest: whatever
+/// else is wrong with it, a telegram that carries an IPOC can be answered. Upper or lower case,
+/// blanks around the digits, 1 to 20 digits; empty if there is none. The view is part of
+/// `datagram`. Neither allocates nor fails; made for the reply thread.
+[[nodiscard]] std::string_view find_ipoc(std::string_view datagram) noexcept;
+
+/// The number that `digits` stand for; nothing if it is no unsigned 64-bit number.
+[[nodiscard]] std::optional<std::uint64_t> ipoc_number(std::string_view digits) noexcept;
+
+}  // namespace rsi

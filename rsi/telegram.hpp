@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace rsi {
+
+/// One value of a telegram: an attribute (<AIPos A1="0.0"/> is AIPos, A1, 0.0) or, with an empty
+/// attribute name, the text of an element (<DiL>0</DiL> is DiL, "", 0). Views into the datagram.
+struct Signal {
+  std::string_view element;
+  std::string_view attribute;
+  std::string_view text;
+};
+
+/// Why a datagram is no usable telegram.
+enum class Defect {
+  none,
+  empty,           ///< no byte but blanks and NULs
+  not_a_telegram,  ///< its first element is no <Rob>: binary, foreign, or a reply
+  truncated,       ///< it ends before </Rob>
+  no_ipoc,         ///< whole, but without a usable IPOC
+};
+inline constexpr std::size_t kDefects = 5;
+[[nodiscard]] std::string_view text(Defect defect) noexcept;
+
+/// Reads one telegram of the controller, in every variant that is known: any order of elements and
+/// attributes, flat, wrapped in <Dat> or pretty-printed, Type in any case, dotted tags folded into
+/// one element, and names that begin with a digit (<GPIO 01="1"/>), which no XML parser accepts.
+///
+/// Reuse one object: it keeps its memory and stops allocating after the first telegrams. Signals
+/// are views into the datagram last parsed. Not thread-safe. Never throws for what a datagram
+/// holds.
+class Telegram {
+ public:
+  /// Takes the place of what was parsed before. With a defect, `signals` holds what could be read.
+  Defect parse(std::string_view datagram);
+
+  /// In the order of the telegram; the root's attributes and the IPOC are not among them.
+  [[nodiscard]] const std::vector<Signal>& signals() const noexcept { return signals_; }
+  [[nodiscard]] std::uint64_t ipoc() const noexcept { return ipoc_.value_or(0); }
+
+  /// Index into signals(), looked for at `hint` first: telegrams of one controller all look alike.
+  [[nodiscard]] std::optional<std::size_t> find(std::string_view element,
+                                                std::string_view attribute,
+                                                std::size_t hint = 0) const noexcept;
+
+ private:
+  std::vector<Signal> signals_;
+  std::optional<std::uint64_t> ipoc_;
+};
+
+/// A finite decimal number, with or without sign and exponent; nothing for anything else.
+[[nodiscard]] std::optional<double> number(std::string_view text) noexcept;
+
+/// Digits after the decimal point of a number as it was printed: "-90.0" has 1.
+[[nodiscard]] int decimals(std::string_view text) noexcept;
+
+}  // namespace rsi

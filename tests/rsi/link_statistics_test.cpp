@@ -1,0 +1,119 @@
+#include "rsi/link_statistics.hpp"
+
+#include <random>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+using rsi::Arrival;
+using rsi::LinkStatistics;
+
+namespace {
+
+constexpr rsi::Endpoint kController{0xc0a80114, 50000};
+constexpr rsi::Endpoint kRestarted{0xc0a80114, 50001};
+
+}  // namespace
+
+TEST_CASE("the step of the IPOC is learned, for 4 and 12 ms and for simulators that count by one") {
+  for (const std::uint64_t step : {1u, 4u, 12u}) {
+    LinkStatistics link;
+    CHECK_FALSE(link.step());
+    for (std::uint64_t k = 0; k < 100; ++k)
+      if (k != 1 && k != 50) link.add(237433 + k * step, kController, {});
+    CHECK(link.step() == step);
+    CHECK(link.counts().telegrams == 98);
+    CHECK(link.counts().lost == 2);
+  }
+}
+
+TEST_CASE("a telegram that came late is reordered, not lost; one that came again is a duplicate") {
+  LinkStatistics link;
+  const auto add = [&](std::uint64_t ipoc) { return link.add(ipoc, kController, {}); };
+  CHECK(add(1000) == Arrival::in_order);
+  CHECK(add(1004) == Arrival::in_order);
+  CHECK(add(1012) == Arrival::in_order);
+  CHECK(link.counts().lost == 1);
+  CHECK(add(1008) == Arrival::reordered);
+  CHECK(link.counts().lost == 0);
+  CHECK(add(1008) == Arrival::duplicate);
+  CHECK(add(1012) == Arrival::duplicate);
+  CHECK(add(996) == Arrival::reordered);
+  CHECK(link.counts().reordered == 2);
+  CHECK(link.counts().duplicated == 2);
+  CHECK(link.counts().telegrams == 7);
+}
+
+TEST_CASE("an IPOC that jumps, or a new port, is a restart and not a loss") {
+  LinkStatistics link;
+  for (std::uint64_t k = 0; k < 10; ++k) link.add(5'000'000 + 4 * k, kController, {});
+  SECTION("back") {
+    CHECK(link.add(100, kController, {}) == Arrival::restart);
+  }
+  SECTION("far ahead") {
+    CHECK(link.add(9'000'000, kController, {}) == Arrival::restart);
+  }
+  SECTION("a new port") {
+    CHECK(link.add(5'000'400, kRestarted, {}) == Arrival::restart);
+  }
+  CHECK(link.counts().restarts == 1);
+  CHECK(link.counts().lost == 0);
+}
+
+TEST_CASE("a gap within a run is counted telegram by telegram, also over several restarts") {
+  LinkStatistics link;
+  for (const std::uint64_t start : {1'000'000u, 100u, 700'000u})
+    for (std::uint64_t k = 0; k < 1000; ++k)
+      if (k % 100 != 50) link.add(start + 12 * k, kController, {});
+  CHECK(link.counts().restarts == 2);
+  CHECK(link.counts().lost == 30);
+}
+
+TEST_CASE("the controller's Delay counts runs of late replies") {
+  LinkStatistics link;
+  std::uint64_t ipoc = 0;
+  for (const std::uint64_t delay : {0u, 1u, 2u, 0u, 1u, 0u, 0u, 1u, 2u, 3u, 4u, 0u})
+    link.add(ipoc += 4, kController, delay);
+  CHECK(link.counts().late_replies == 7);
+  CHECK(link.counts().late_runs == 3);
+  CHECK(link.counts().longest_late_run == 4);
+}
+
+TEST_CASE("loss, duplication and exchange at random are counted exactly") {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<> chance;
+  constexpr std::uint64_t kCycles = 100'000;
+  std::uint64_t lost = 0;
+  std::uint64_t duplicated = 0;
+  std::uint64_t swapped = 0;
+  std::vector<std::uint64_t> kept;
+  for (std::uint64_t k = 0; k < kCycles; ++k) {
+    if (k > 0 && k + 1 < kCycles && chance(random) < 0.01)
+      ++lost;
+    else
+      kept.push_back(1'525'084 + 4 * k);
+  }
+  LinkStatistics link;
+  const auto send = [&](std::uint64_t ipoc) {
+    link.add(ipoc, kController, {});
+    if (chance(random) < 0.005) {
+      ++duplicated;
+      link.add(ipoc, kController, {});
+    }
+  };
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    if (i + 1 < kept.size() && chance(random) < 0.005) {
+      ++swapped;
+      send(kept[i + 1]);
+      send(kept[i]);
+      ++i;
+    } else {
+      send(kept[i]);
+    }
+  }
+  CHECK(link.step() == 4u);
+  CHECK(link.counts().telegrams == kept.size() + duplicated);
+  CHECK(link.counts().lost == lost);
+  CHECK(link.counts().duplicated == duplicated);
+  CHECK(link.counts().reordered == swapped);
+}
