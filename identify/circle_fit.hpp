@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Core>
+
+namespace identify {
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+/// The circle through the positions of one target point while one joint turned.
+struct CircleFit {
+  Eigen::Vector3d center_mm = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< unit; the points run about it, right-hand
+  double radius_mm = 0;
+  double arc_rad = 0;        ///< from the first to the last angle about the centre that was reached
+  double plane_rms_mm = 0;   ///< distances of the points from the plane
+  double radial_rms_mm = 0;  ///< distances from the circle within the plane
+  std::size_t points = 0;
+};
+
+/// The paper's fit: plane by the singular value decomposition of the centred points (eqs. 1-4),
+/// circle within it by linear least squares (eqs. 5-8), r = sqrt(c1^2 + c2^2 + k3) (eq. 9 prints
+/// -k3, which its own definition of k3 contradicts; eqs. 6 and 7 print 2x' twice for 2x', 2y').
+///
+/// `points_mm` are columns in the order of the motion. The sign of the normal is that of the
+/// motion, summed over the whole stroke, so that a stroke there and back a little is not misjudged.
+/// Nothing for fewer than four points or points on a line or in one place.
+[[nodiscard]] std::optional<CircleFit> fit_circle(const Eigen::Matrix3Xd& points_mm);
+
+/// Distances of a point from a circle: from its plane, and within the plane from the circle.
+struct CircleResidual {
+  double plane_mm = 0;
+  double radial_mm = 0;
+};
+[[nodiscard]] CircleResidual residual(const CircleFit& circle, const Eigen::Vector3d& point_mm);
+
+/// Covariance of the axis that a circle gives, (direction, centre) in this order, first order, for
+/// independent errors of `plane_sigma_mm` along the normal and `radial_sigma_mm` across the arc.
+/// A target close to the axis or a short arc shows here, not in the residuals.
+[[nodiscard]] Matrix6d axis_covariance(const CircleFit& circle, const Eigen::Matrix3Xd& points_mm,
+                                       double plane_sigma_mm, double radial_sigma_mm);
+
+}  // namespace identify

@@ -1,0 +1,276 @@
+#include "identify/dh_extraction.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+namespace identify {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Eigen::Vector4d;
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kUncertainFoot = 0.02;  // of the arm's size
+constexpr double kReach = 2;             // in sizes of the arm
+constexpr double kSigmas = 3;
+constexpr double kExact = 1e-9;  // what counts as zero for axes without uncertainty, relative
+
+double largest_sigma(const Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, solver.eigenvalues()(2)));
+}
+
+/// Turns `v` into the plane across `axis`, unit; zero if it lies along it.
+Vector3d across(const Vector3d& v, const Vector3d& axis) {
+  const Vector3d part = v - axis * axis.dot(v);
+  return part.norm() > 1e-6 * v.norm() ? part.normalized() : Vector3d::Zero();
+}
+
+double angle_about(const Vector3d& axis, const Vector3d& from, const Vector3d& to) {
+  return std::atan2(axis.dot(from.cross(to)), from.dot(to));
+}
+
+/// What is decided once and then held while the numbers are differentiated.
+struct Choice {
+  Relation relation = Relation::unknown;
+  double sign = 1;  // of the common normal
+};
+
+/// Where a frame stands: its Z is an axis.
+struct Frame {
+  Vector3d origin = Vector3d::Zero();
+  Vector3d x = Vector3d::UnitX();
+};
+
+Frame first_frame(const Line& axis) {
+  Frame frame{axis.point_mm(), across(Vector3d::UnitX(), axis.direction)};
+  if (frame.x.isZero()) frame.x = across(Vector3d::UnitY(), axis.direction);
+  return frame;
+}
+
+/// The DH numbers (b, theta, a, alpha) that take `frame` on the first axis to the next frame on the
+/// second; `frame` becomes that.
+Vector4d advance(const Line& first, const Line& second, const Choice& choice, Frame& frame) {
+  const LinePair pair = relate(first, second);
+  const Vector3d z = first.direction;
+  Vector3d foot = frame.origin;
+  Frame next;
+  if (choice.relation == Relation::skew || choice.relation == Relation::intersecting) {
+    foot = pair.first_foot_mm;
+    next = {pair.second_foot_mm, choice.sign * pair.cross.normalized()};
+  } else {
+    // Where the second axis passes the plane across the first one through the frame's origin.
+    const Vector3d start = second.point_mm();
+    next.origin =
+        start + second.direction * (z.dot(frame.origin - start) / z.dot(second.direction));
+    next.x = choice.relation == Relation::parallel
+                 ? Vector3d(choice.sign * (next.origin - foot).normalized())
+                 : frame.x;
+  }
+  const Vector4d numbers((foot - frame.origin).dot(z), angle_about(z, frame.x, next.x),
+                         (next.origin - foot).dot(next.x),
+                         angle_about(next.x, z, second.direction));
+  next.x = across(next.x, second.direction);
+  frame = next;
+  return numbers;
+}
+
+Choice choose(const Axis& first, const Axis& second, double size, const DhRow* specified) {
+  Choice choice{relation_between(first, second, size), 1};
+  const auto numbers = [&](double sign) {
+    Frame frame = first_frame(first.line());
+    return advance(first.line(), second.line(), {choice.relation, sign}, frame);
+  };
+  const Vector4d plus = numbers(1);
+  if (specified != nullptr) {
+    const auto misfit = [&](const Vector4d& row) {
+      return std::abs(row(2) - specified->a_mm) / size +
+             std::abs(wrapped(row(3) - specified->alpha_rad));
+    };
+    if (misfit(numbers(-1)) < misfit(plus)) choice.sign = -1;
+  } else if (choice.relation == Relation::skew && plus(2) < 0) {
+    choice.sign = -1;
+  }
+  return choice;
+}
+
+/// Axes without a gap between them, from axis `start` on.
+struct Run {
+  std::size_t start = 0;
+  std::vector<Axis> axes;
+  std::vector<Choice> choices;  // one fewer
+};
+
+/// b, theta, a, alpha of all rows of the run but its last.
+std::vector<Vector4d> rows_of(const Run& run) {
+  std::vector<Vector4d> rows;
+  Frame frame = first_frame(run.axes.front().line());
+  for (std::size_t i = 0; i + 1 < run.axes.size(); ++i)
+    rows.push_back(advance(run.axes[i].line(), run.axes[i + 1].line(), run.choices[i], frame));
+  return rows;
+}
+
+std::vector<Vector4d> variances_of(const Run& run) {
+  constexpr double kDirectionStep = 1e-6;
+  constexpr double kPointStep_mm = 1e-3;
+  std::vector<Vector4d> variances(run.choices.size(), Vector4d::Zero());
+  Run moved = run;
+  for (std::size_t k = 0; k < run.axes.size(); ++k) {
+    std::vector<Eigen::Matrix<double, 4, 6>> jacobians(run.choices.size());
+    for (Eigen::Index p = 0; p < 6; ++p) {
+      const double step = p < 3 ? kDirectionStep : kPointStep_mm;
+      const auto rows_at = [&](double by) {
+        moved.axes[k] = run.axes[k];
+        (p < 3 ? moved.axes[k].direction(p) : moved.axes[k].point_mm(p - 3)) += by;
+        return rows_of(moved);
+      };
+      const auto above = rows_at(step);
+      const auto below = rows_at(-step);
+      for (std::size_t i = 0; i < jacobians.size(); ++i) {
+        Vector4d change = above[i] - below[i];
+        change(1) = wrapped(change(1));
+        change(3) = wrapped(change(3));
+        jacobians[i].col(p) = change / (2 * step);
+      }
+    }
+    moved.axes[k] = run.axes[k];
+    for (std::size_t i = 0; i < jacobians.size(); ++i)
+      variances[i] += (jacobians[i] * run.axes[k].covariance * jacobians[i].transpose()).diagonal();
+  }
+  return variances;
+}
+
+DhNumber conventional() {
+  return {0, 0, Knowledge::by_convention};
+}
+
+void fill(const Run& run, std::vector<DhEstimate>& table) {
+  const auto rows = rows_of(run);
+  const auto variances = variances_of(run);
+  // Without the axis before, neither X nor origin of the run's first frame is known.
+  bool origin_known = run.start == 0;
+  bool x_known = run.start == 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    DhEstimate& row = table[run.start + i];
+    const Choice& choice = run.choices[i];
+    const auto number = [&](Eigen::Index k) {
+      return DhNumber{rows[i](k), std::sqrt(std::max(0.0, variances[i](k))), Knowledge::identified};
+    };
+    row.relation = choice.relation;
+    row.a_mm = number(2);
+    row.alpha_rad = number(3);
+    if (choice.relation == Relation::coincident) {
+      row.b_mm = row.theta_rad = row.a_mm = conventional();
+      row.alpha_rad.value = std::abs(row.alpha_rad.value) < kPi / 2 ? 0 : kPi;
+      row.alpha_rad.knowledge = Knowledge::by_convention;
+      row.alpha_rad.sigma = 0;
+      continue;
+    }
+    if (x_known) row.theta_rad = number(1);
+    x_known = true;
+    if (choice.relation == Relation::parallel) {
+      row.b_mm = conventional();
+      continue;
+    }
+    if (origin_known) row.b_mm = number(0);
+    origin_known = true;
+  }
+}
+
+}  // namespace
+
+double wrapped(double angle) {
+  const double turned = std::remainder(angle, 2 * kPi);
+  return turned <= -kPi ? turned + 2 * kPi : turned;
+}
+
+std::string_view text(Relation relation) noexcept {
+  switch (relation) {
+    case Relation::skew:
+      return "skew";
+    case Relation::parallel:
+      return "parallel";
+    case Relation::intersecting:
+      return "intersecting";
+    case Relation::coincident:
+      return "coincident";
+    case Relation::last:
+      return "last";
+    case Relation::unknown:
+      return "unknown";
+  }
+  return "";
+}
+
+Axis Axis::reversed() const {
+  Axis axis = *this;
+  axis.direction = -direction;
+  axis.covariance.topRightCorner<3, 3>() *= -1;
+  axis.covariance.bottomLeftCorner<3, 3>() *= -1;
+  return axis;
+}
+
+double Axis::direction_sigma_rad() const {
+  return largest_sigma(covariance.topLeftCorner<3, 3>());
+}
+
+double Axis::point_sigma_mm() const {
+  const Matrix3d across_it = Matrix3d::Identity() - direction * direction.transpose();
+  return largest_sigma(across_it * covariance.bottomRightCorner<3, 3>() * across_it);
+}
+
+Relation relation_between(const Axis& first, const Axis& second, double size) {
+  const LinePair pair = relate(first.line(), second.line());
+  const double direction_sigma =
+      std::hypot(first.direction_sigma_rad(), second.direction_sigma_rad());
+  const double point_sigma = std::hypot(first.point_sigma_mm(), second.point_sigma_mm());
+  const double offset = first.direction.cross(second.point_mm - first.point_mm).norm();
+
+  bool parallel = pair.sine < kExact;
+  double lever = size;
+  if (!parallel) {
+    // The foot moves by a sigma_dir / sin^2 where the axes are apart, sigma_point / sin where they
+    // meet.
+    const double foot_sigma =
+        std::hypot(point_sigma, size * direction_sigma) / pair.sine +
+        std::abs(pair.distance_mm) * direction_sigma / (pair.sine * pair.sine);
+    lever = std::max((pair.first_foot_mm - first.point_mm).norm(),
+                     (pair.second_foot_mm - second.point_mm).norm());
+    parallel = foot_sigma > kUncertainFoot * size || lever > kReach * size;
+  }
+  if (parallel) lever = size;
+  const double distance = parallel ? offset : std::abs(pair.distance_mm);
+  const double distance_sigma = std::hypot(point_sigma, lever * direction_sigma);
+  const bool touching = distance < std::max(kSigmas * distance_sigma, kExact * size);
+  if (parallel) return touching ? Relation::coincident : Relation::parallel;
+  return touching ? Relation::intersecting : Relation::skew;
+}
+
+std::vector<DhEstimate> extract_dh(const std::vector<std::optional<Axis>>& axes, double size,
+                                   const std::vector<DhRow>& specified) {
+  std::vector<DhEstimate> table(axes.size());
+  for (std::size_t i = 0; i < axes.size();) {
+    if (!axes[i]) {
+      ++i;
+      continue;
+    }
+    Run run{i, {}, {}};
+    for (; i < axes.size() && axes[i]; ++i) {
+      if (!run.axes.empty())
+        run.choices.push_back(choose(run.axes.back(), *axes[i], size,
+                                     specified.empty() ? nullptr : &specified[i - 1]));
+      run.axes.push_back(*axes[i]);
+    }
+    fill(run, table);
+  }
+  if (!table.empty()) {
+    table.back() = {conventional(), conventional(), conventional(), conventional(), Relation::last};
+  }
+  return table;
+}
+
+}  // namespace identify

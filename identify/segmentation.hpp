@@ -1,0 +1,75 @@
+#pragma once
+
+#include <array>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "identify/sample.hpp"
+#include "identify/sweep.hpp"
+
+namespace identify {
+
+/// Recognises single-joint strokes in a stream of samples, one sample at a time.
+///
+/// With angles, a stroke is where exactly one joint moves, without turning back. Without, it is a
+/// stretch of motion between rests or reversals whose positions lie on a circle. Motion is judged
+/// by the speed over a window of +-0.1 s with hysteresis, so a stroke is reported that long after
+/// its end. Strokes of less than half a degree are motion, but never reported.
+///
+/// The stream is one kind or the other: the first sample decides. Bounded memory while nothing
+/// moves; a stroke that outgrows `kMostSamples` is ended there and goes on as another.
+class Segmenter {
+ public:
+  /// The first `joints` angles of each sample count (at most kMostJoints).
+  explicit Segmenter(std::size_t joints);
+
+  /// How finely the numbers are printed, as far as is known by now: thresholds never lie below it.
+  void set_resolution(const Resolution& resolution) { resolution_ = resolution; }
+
+  /// Samples in strict order of time; others are ignored. Returns the strokes, hardly ever more
+  /// than one, that have just proved to be over. A gap of more than a quarter second ends a stroke.
+  [[nodiscard]] std::vector<Sweep> push(const Sample& sample);
+
+  /// The stream has ended or broken off: returns what was under way.
+  [[nodiscard]] std::vector<Sweep> finish();
+
+  static constexpr std::size_t kMostSamples = 200'000;
+
+ private:
+  /// What moves: nothing of use, one joint in one direction, or the target (no angles).
+  struct Motion {
+    int joint = kNothing;
+    int sign = 0;
+    friend bool operator==(const Motion&, const Motion&) = default;
+  };
+  static constexpr int kNothing = -1;
+  static constexpr int kTarget = -2;
+
+  void decide(const Sample& centre);
+  [[nodiscard]] Motion joint_motion(const Sample& first, const Sample& last);
+  [[nodiscard]] Motion target_motion(const Sample& first, const Sample& last);
+  void close();
+  void trim();
+  [[nodiscard]] double travel(const Sample& from, const Sample& to) const;
+  void judge_by_angles(Sweep& sweep) const;
+  void judge_by_positions(Sweep& sweep) const;
+
+  std::size_t joints_;
+  Resolution resolution_;
+  std::optional<bool> with_angles_;
+  std::deque<Sample> window_;
+  std::size_t undecided_ = 0;  // index in window_ of the first sample without a verdict
+  std::array<bool, kMostJoints> joint_moves_{};
+  bool target_moves_ = false;
+  Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();
+  Motion motion_;
+  std::vector<Sample> stroke_;
+  std::vector<Sweep> ended_;
+};
+
+/// Strokes below this range or number of samples are reported as defective.
+inline constexpr double kShortestRange_rad = 5 * 3.14159265358979323846 / 180;
+inline constexpr std::size_t kFewestSamples = 20;
+
+}  // namespace identify
