@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identify/dh.hpp"
+
+namespace sweepd {
+
+/// What a joint's angle may be, in the controller's degrees; infinite where that is not known.
+struct JointLimits {
+  double min_deg = -std::numeric_limits<double>::infinity();
+  double max_deg = std::numeric_limits<double>::infinity();
+
+  [[nodiscard]] bool contain(double angle_deg) const {
+    return min_deg <= angle_deg && angle_deg <= max_deg;
+  }
+};
+
+/// A robot as its maker specifies it: config/robots/*.toml.
+struct RobotDescription {
+  std::string name;
+  std::string source;               ///< where the figures come from; may be empty
+  std::vector<double> home_deg;     ///< as many as joints; empty if the file has none
+  std::vector<JointLimits> limits;  ///< one a joint, 1 to 12
+  /// The specified DH table, its thetas at `home_deg`; absent if the robot has none to compare
+  /// with.
+  std::optional<identify::Arm> arm;
+
+  [[nodiscard]] std::size_t joints() const { return limits.size(); }
+};
+
+/// Reads and checks a robot description; throws ConfigError.
+[[nodiscard]] RobotDescription load_robot(const std::filesystem::path& file);
+
+}  // namespace sweepd

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rsi/endpoint.hpp"
+
+namespace sweepd {
+
+/// Where in a telegram the measured values stand, as `Element` (its text) or `Element.attribute`.
+struct SignalNames {
+  std::array<std::string, 3> position{"RIst.X", "RIst.Y", "RIst.Z"};     ///< mm
+  std::array<std::string, 3> orientation{"RIst.A", "RIst.B", "RIst.C"};  ///< deg, KUKA's A, B, C
+  /// Axis angles in deg, joint 1 first.
+  std::vector<std::string> angles{"AIPos.A1", "AIPos.A2", "AIPos.A3",
+                                  "AIPos.A4", "AIPos.A5", "AIPos.A6"};
+};
+
+/// One [[robot]] of the settings: a controller that is served. The defaults are those of the file.
+/// Paths are absolute, or relative to the working directory as the path of the settings file was.
+struct RobotSettings {
+  std::string name;                         ///< fit for a folder's name; unique
+  std::filesystem::path description;        ///< see robot_description.hpp
+  rsi::Endpoint listen;                     ///< local; 0.0.0.0 is every interface
+  std::optional<std::uint32_t> controller;  ///< host byte order; absent: the first that speaks
+  std::optional<std::filesystem::path> ethernet_config;  ///< the controller's own file
+  std::filesystem::path output;
+  std::optional<std::filesystem::path> plan;  ///< see sweep_plan.hpp
+  bool record = true;
+  std::chrono::milliseconds silence{2000};  ///< the stream has ended when nothing came for so long
+  std::size_t queue_bytes = std::size_t{4} << 20;
+  SignalNames signals;
+};
+
+struct Settings {
+  std::filesystem::path file;
+  std::vector<RobotSettings> robots;  ///< at least one
+};
+
+/// Reads and checks the settings; throws ConfigError. Whether the files that they name exist is
+/// left to who reads those.
+[[nodiscard]] Settings load_settings(const std::filesystem::path& file);
+
+/// An option of [[robot]] in words, for a manual.
+struct OptionText {
+  std::string key;       ///< "signals.position" stands in [robot.signals]
+  std::string value;     ///< what is written, with its range: "whole number, 100 to 3600000"
+  std::string fallback;  ///< the default as TOML; empty if there is none
+  bool required = false;
+  std::string help;  ///< one line
+};
+[[nodiscard]] std::vector<OptionText> robot_options();
+
+}  // namespace sweepd

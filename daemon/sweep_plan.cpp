@@ -1,0 +1,78 @@
+#include "daemon/sweep_plan.hpp"
+
+#include "daemon/toml_table.hpp"
+
+namespace sweepd {
+namespace {
+
+constexpr double kLeastSpeed_deg_s = 0.01;
+constexpr double kMostSpeed_deg_s = 1000;
+constexpr double kMostAcceleration_deg_s2 = 1e5;
+constexpr double kMostAngle_deg = 1e5;
+constexpr std::int64_t kMostDwell_ms = 600'000;
+
+PlannedSweep read_sweep(const TomlTable& table, std::size_t joints) {
+  table.allow_only({"joint", "start_deg", "end_deg", "speed_deg_s"});
+  PlannedSweep sweep;
+  sweep.line = table.line();
+  sweep.joint =
+      static_cast<std::size_t>(table.whole_number("joint", 1, static_cast<std::int64_t>(joints)));
+  sweep.start_deg = table.number("start_deg", -kMostAngle_deg, kMostAngle_deg);
+  sweep.end_deg = table.number("end_deg", -kMostAngle_deg, kMostAngle_deg);
+  sweep.speed_deg_s = table.number("speed_deg_s", kLeastSpeed_deg_s, kMostSpeed_deg_s);
+  if (sweep.start_deg == sweep.end_deg)
+    table.fail("end_deg",
+               "expected another angle than start_deg, found the same: a sweep has to "
+               "turn the joint");
+  return sweep;
+}
+
+}  // namespace
+
+SweepPlan load_plan(const std::filesystem::path& file) {
+  const TomlTable top = TomlTable::load(file);
+  top.allow_only(
+      {"home_deg", "positioning_speed_deg_s", "acceleration_deg_s2", "dwell_ms", "sweep"});
+  SweepPlan plan;
+  plan.file = file;
+  plan.home_deg = top.numbers("home_deg");
+  if (plan.home_deg.empty() || plan.home_deg.size() > 12)
+    top.fail("home_deg", "expected 1 to 12 angles, one a joint, found " + top.found("home_deg") +
+                             ": give the pose from which each sweep begins");
+  plan.positioning_speed_deg_s =
+      top.number("positioning_speed_deg_s", kLeastSpeed_deg_s, kMostSpeed_deg_s);
+  plan.acceleration_deg_s2 = top.number("acceleration_deg_s2", 1, kMostAcceleration_deg_s2);
+  plan.dwell = std::chrono::milliseconds(top.whole_number("dwell_ms", 0, kMostDwell_ms));
+  for (const TomlTable& table : top.tables("sweep"))
+    plan.sweeps.push_back(read_sweep(table, plan.home_deg.size()));
+  return plan;
+}
+
+std::vector<std::string> check_plan(const SweepPlan& plan, const RobotDescription& robot) {
+  std::vector<std::string> findings;
+  const std::string file = plan.file.string();
+  if (plan.home_deg.size() != robot.joints()) {
+    findings.push_back(file + ": home_deg: expected " + std::to_string(robot.joints()) +
+                       " angles, as the robot has joints, found " +
+                       std::to_string(plan.home_deg.size()) + ": choose the plan of this robot");
+    return findings;
+  }
+  const auto check = [&](const std::string& place, std::size_t joint, double angle_deg) {
+    const JointLimits& limits = robot.limits[joint - 1];
+    if (limits.contain(angle_deg)) return;
+    findings.push_back(place + ": expected joint " + std::to_string(joint) + " from " +
+                       number_text(limits.min_deg) + " to " + number_text(limits.max_deg) +
+                       " degrees, found " + number_text(angle_deg) +
+                       ": correct it, or the limits in the robot description");
+  };
+  for (std::size_t i = 0; i < plan.home_deg.size(); ++i)
+    check(file + ": home_deg", i + 1, plan.home_deg[i]);
+  for (const PlannedSweep& sweep : plan.sweeps) {
+    const std::string place = file + ':' + std::to_string(sweep.line);
+    check(place + ": sweep.start_deg", sweep.joint, sweep.start_deg);
+    check(place + ": sweep.end_deg", sweep.joint, sweep.end_deg);
+  }
+  return findings;
+}
+
+}  // namespace sweepd

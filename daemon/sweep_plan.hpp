@@ -1,0 +1,41 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "daemon/robot_description.hpp"
+
+namespace sweepd {
+
+/// One joint turns from start to end while the others stand at the plan's home.
+struct PlannedSweep {
+  std::size_t joint = 0;  ///< from 1
+  double start_deg = 0;
+  double end_deg = 0;
+  double speed_deg_s = 0;
+  int line = 0;  ///< in the plan's file
+};
+
+/// The sweep program of a campaign: config/plans/*.toml. Each sweep begins and ends at home: the
+/// joint is positioned at its start, rests, sweeps, rests, and goes back.
+struct SweepPlan {
+  std::filesystem::path file;
+  std::vector<double> home_deg;  ///< one a joint
+  double positioning_speed_deg_s = 0;
+  double acceleration_deg_s2 = 0;     ///< of every move
+  std::chrono::milliseconds dwell{};  ///< rest at both ends of a sweep
+  std::vector<PlannedSweep> sweeps;   ///< in order of time, at least one; a joint may come again
+};
+
+/// Reads a plan and checks it by itself; throws ConfigError.
+[[nodiscard]] SweepPlan load_plan(const std::filesystem::path& file);
+
+/// What `robot` cannot do of `plan`, one sentence each in the form of a ConfigError; empty if it
+/// can do all: as many joints, home and sweeps within the limits.
+[[nodiscard]] std::vector<std::string> check_plan(const SweepPlan& plan,
+                                                  const RobotDescription& robot);
+
+}  // namespace sweepd

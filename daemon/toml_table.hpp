@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sweepd {
+
+/// A table of a TOML file, read strictly: every mistake is a ConfigError that names file, line,
+/// column and key. Copies are cheap and keep the file's content alive.
+///
+/// Units stand at the end of a key (`_ms`, `_mm`, `_deg` ...) and are named in the errors. A
+/// function that reads a key throws where the key is missing, except has(), found() and table().
+class TomlTable {
+ public:
+  /// The top table of `file`; throws if it cannot be read or is not TOML.
+  [[nodiscard]] static TomlTable load(const std::filesystem::path& file);
+  /// The same from memory; `file` is what errors name.
+  [[nodiscard]] static TomlTable parse(std::string_view text, const std::filesystem::path& file);
+
+  /// Throws at the first key, from the top, that is not one of `keys`, with the one that was
+  /// probably meant.
+  void allow_only(const std::vector<std::string_view>& keys) const;
+
+  [[nodiscard]] bool has(std::string_view key) const;
+  /// A string with something in it.
+  [[nodiscard]] std::string text(std::string_view key) const;
+  [[nodiscard]] bool flag(std::string_view key) const;
+  /// A finite number, whole or not, from `least` to `most`.
+  [[nodiscard]] double number(std::string_view key, double least, double most) const;
+  [[nodiscard]] std::int64_t whole_number(std::string_view key, std::int64_t least,
+                                          std::int64_t most) const;
+  /// An array of finite numbers, perhaps empty.
+  [[nodiscard]] std::vector<double> numbers(std::string_view key) const;
+  /// An array of strings, perhaps empty.
+  [[nodiscard]] std::vector<std::string> texts(std::string_view key) const;
+  /// The tables [[key]] in order of appearance, at least one.
+  [[nodiscard]] std::vector<TomlTable> tables(std::string_view key) const;
+  /// The table [key], if it is there.
+  [[nodiscard]] std::optional<TomlTable> table(std::string_view key) const;
+
+  /// Line on which this table begins, from 1.
+  [[nodiscard]] int line() const;
+  /// The value of `key` in words, for errors: `the string "abc"`, `the number 5`, `nothing`.
+  [[nodiscard]] std::string found(std::string_view key) const;
+  /// Throws a ConfigError at the value of `key`, or at this table if there is none.
+  [[noreturn]] void fail(std::string_view key, const std::string& problem) const;
+
+ private:
+  struct Node;
+  explicit TomlTable(std::shared_ptr<const Node> node);
+
+  std::shared_ptr<const Node> node_;
+};
+
+/// A number as a person writes it: the shortest text that reads back as `value`, in any locale.
+[[nodiscard]] std::string number_text(double value);
+
+}  // namespace sweepd

@@ -1,0 +1,246 @@
+#include "daemon/settings.hpp"
+
+#include <fstream>
+#include <sstream>
+
+#include <catch2/catch.hpp>
+#include <unistd.h>
+
+#include "daemon/config_error.hpp"
+
+using sweepd::load_settings;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A settings file in a folder of its own, which goes when the test ends.
+struct SettingsFile {
+  fs::path folder = fs::temp_directory_path() / ("sweepd-settings-" + std::to_string(getpid()));
+  fs::path path = folder / "sweepd.toml";
+
+  explicit SettingsFile(const std::string& text) {
+    fs::create_directories(folder);
+    std::ofstream(path, std::ios::binary) << text;
+  }
+  SettingsFile(const SettingsFile&) = delete;
+  SettingsFile& operator=(const SettingsFile&) = delete;
+  ~SettingsFile() { fs::remove_all(folder); }
+};
+
+/// The four keys that every robot must have, each in a line of its own after [[robot]].
+const std::string kRobot =
+    "[[robot]]\nname = \"a\"\ndescription = \"a.toml\"\nlisten = \"0.0.0.0:49152\"\n"
+    "output = \"out\"\n";
+
+/// The error without the file's name; "no error" if the settings are fine.
+std::string error_of(const std::string& text) {
+  const SettingsFile file(text);
+  try {
+    (void)load_settings(file.path);
+  } catch (const sweepd::ConfigError& error) {
+    const std::string what = error.what();
+    const std::string prefix = file.path.string() + ':';
+    REQUIRE(what.starts_with(prefix));
+    return what.substr(prefix.size());
+  }
+  return "no error";
+}
+
+std::string with(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  REQUIRE(at != text.npos);
+  return text.replace(at, from.size(), to);
+}
+
+}  // namespace
+
+TEST_CASE("a robot needs four keys, and the rest has defaults") {
+  const SettingsFile file(kRobot);
+  const auto settings = load_settings(file.path);
+  CHECK(settings.file == file.path);
+  REQUIRE(settings.robots.size() == 1);
+  const auto& robot = settings.robots[0];
+  CHECK(robot.name == "a");
+  CHECK(robot.listen == rsi::parse_endpoint("0.0.0.0:49152"));
+  CHECK_FALSE(robot.controller);
+  CHECK_FALSE(robot.ethernet_config);
+  CHECK_FALSE(robot.plan);
+  CHECK(robot.record);
+  CHECK(robot.silence == std::chrono::seconds(2));
+  CHECK(robot.queue_bytes == 4u * 1024 * 1024);
+  CHECK(robot.signals.position[2] == "RIst.Z");
+  CHECK(robot.signals.orientation[0] == "RIst.A");
+  CHECK(robot.signals.angles.size() == 6);
+}
+
+TEST_CASE("every option of a robot can be set") {
+  const SettingsFile file(
+      kRobot +
+      "controller = \"192.168.1.20\"\nethernet_config = \"e.xml\"\nplan = \"p.toml\"\n"
+      "record = false\nsilence_ms = 500\nqueue_bytes = 65536\n"
+      "[robot.signals]\nposition = [\"Act_X\", \"Act_Y\", \"Pos.Z\"]\n"
+      "orientation = [\"A\", \"B\", \"C\"]\nangles = [\"GPIO.01\"]\n");
+  const auto robot = load_settings(file.path).robots.at(0);
+  CHECK(robot.controller == rsi::parse_address("192.168.1.20"));
+  CHECK(robot.ethernet_config == file.folder / "e.xml");
+  CHECK(robot.plan == file.folder / "p.toml");
+  CHECK_FALSE(robot.record);
+  CHECK(robot.silence == std::chrono::milliseconds(500));
+  CHECK(robot.queue_bytes == 65536);
+  CHECK(robot.signals.position == std::array<std::string, 3>{"Act_X", "Act_Y", "Pos.Z"});
+  CHECK(robot.signals.orientation == std::array<std::string, 3>{"A", "B", "C"});
+  CHECK(robot.signals.angles == std::vector<std::string>{"GPIO.01"});
+}
+
+TEST_CASE("a relative path starts at the folder of the settings, an absolute one stays") {
+  const SettingsFile file(
+      with(with(kRobot, "\"a.toml\"", "\"../x/./a.toml\""), "\"out\"", "\"/var/lib/sweepd\""));
+  const auto robot = load_settings(file.path).robots.at(0);
+  CHECK(robot.description == file.folder.parent_path() / "x" / "a.toml");
+  CHECK(robot.output == "/var/lib/sweepd");
+}
+
+TEST_CASE("a required option that is missing is named with what it is for") {
+  for (const std::string key : {"name", "description", "listen", "output"}) {
+    std::string text = kRobot;
+    const auto begin = text.find(key + " =");
+    text.erase(begin, text.find('\n', begin) + 1 - begin);
+    CHECK_THAT(error_of(text), Catch::StartsWith("1:1: robot." + key + ": missing: add it ("));
+  }
+}
+
+TEST_CASE("a misspelt option is found in the robot, its signals and the file") {
+  CHECK(error_of(kRobot + "recrod = true\n") ==
+        "6:1: robot.recrod: unknown key: did you mean \"record\"?");
+  CHECK(error_of(kRobot + "[robot.signal]\n") ==
+        "6:8: robot.signal: unknown key: did you mean \"signals\"?");
+  CHECK(error_of(kRobot + "[robot.signals]\nangels = [\"a\"]\n") ==
+        "7:1: robot.signals.angels: unknown key: did you mean \"angles\"?");
+  CHECK(error_of("[[robots]]\n") == "1:3: robots: unknown key: did you mean \"robot\"?");
+  SECTION("a misspelt required option is reported as misspelt rather than missing") {
+    CHECK(error_of(with(kRobot, "listen", "lisen")) ==
+          "4:1: robot.lisen: unknown key: did you mean \"listen\"?");
+  }
+}
+
+TEST_CASE("a name that could not name a folder is refused") {
+  const std::vector<std::string> wrong{"a/b", "..",   ".hidden", "-x",
+                                       "a b", "a\\b", "ä",       std::string(65, 'x')};
+  for (const auto& name : wrong)
+    CHECK_THAT(error_of(with(kRobot, "\"a\"", '"' + name + '"')),
+               Catch::StartsWith("2:8: robot.name: expected a name"));
+  CHECK(error_of(with(kRobot, "\"a\"", "\"KR5_arc-2.b\"")) == "no error");
+}
+
+TEST_CASE("addresses are checked") {
+  CHECK(error_of(with(kRobot, "0.0.0.0:49152", "localhost:49152")) ==
+        "4:10: robot.listen: expected an IPv4 address and a port (1 to 65535), found the string "
+        "\"localhost:49152\": write it like \"0.0.0.0:49152\"");
+  for (const auto* wrong : {"192.168.1.20:1", "0.0.0.0", "robot"})
+    CHECK_THAT(error_of(kRobot + "controller = \"" + wrong + "\"\n"),
+               Catch::StartsWith("6:14: robot.controller: expected the controller's IPv4 address"));
+}
+
+TEST_CASE("times and sizes are whole numbers within their ranges") {
+  CHECK(error_of(kRobot + "silence_ms = \"abc\"\n") ==
+        "6:14: robot.silence_ms: expected a whole number of milliseconds, found the string "
+        "\"abc\": write it without quotes");
+  for (const auto* text : {"queue_bytes = 65535", "queue_bytes = 1073741825", "queue_bytes = -1",
+                           "silence_ms = 99", "silence_ms = 0"})
+    CHECK_THAT(error_of(kRobot + text + "\n"), Catch::Contains("choose one in between"));
+  CHECK(error_of(kRobot + "queue_bytes = 1073741824\nsilence_ms = 100\n") == "no error");
+}
+
+TEST_CASE("signals are an element, or an element and an attribute") {
+  const auto position = [](const std::string& signals) {
+    return error_of(kRobot + "[robot.signals]\nposition = " + signals + "\n");
+  };
+  CHECK_THAT(position("[\"X\", \"Y\"]"),
+             Catch::Contains("expected three signals, found an array of 2"));
+  CHECK_THAT(position("\"X\""), Catch::Contains("expected an array of strings"));
+  for (const std::string wrong : {"", ".", "a.", ".a", "a.b.c", "a b", "<a>"})
+    CHECK_THAT(position("[\"X\", \"Y\", \"" + wrong + "\"]"),
+               Catch::Contains("found \"" + wrong + "\": write the element"));
+  CHECK_THAT(error_of(kRobot + "[robot.signals]\nangles = []\n"),
+             Catch::Contains("expected 1 to 12 signals"));
+}
+
+TEST_CASE("two robots share neither a name nor a port on one address") {
+  std::string second = with(with(kRobot, "\"a\"", "\"b\""), "49152", "49153");
+  CHECK(error_of(kRobot + second) == "no error");
+  CHECK(error_of(kRobot + with(second, "\"b\"", "\"a\"")) ==
+        "7:8: robot.name: expected a name of its own, found the name of the robot in line 1: "
+        "change one");
+  CHECK(error_of(kRobot + with(second, "49153", "49152")) ==
+        "9:10: robot.listen: expected an address and port of its own, found 0.0.0.0:49152, which "
+        "collides with 0.0.0.0:49152 of the robot in line 1: choose another port");
+  SECTION("0.0.0.0 takes a port on every address") {
+    CHECK_THAT(error_of(kRobot + with(second, "0.0.0.0:49153", "10.0.0.1:49152")),
+               Catch::Contains("collides with"));
+  }
+  SECTION("one port on two addresses is fine") {
+    CHECK(error_of(with(kRobot, "0.0.0.0", "10.0.0.1") +
+                   with(second, "0.0.0.0:49153", "10.0.0.2:49152")) == "no error");
+  }
+}
+
+TEST_CASE("settings without a robot are refused") {
+  CHECK_THAT(error_of(""), Catch::Contains("missing: expected at least one table [[robot]]"));
+}
+
+TEST_CASE("the manual lists every option with its default and range") {
+  const auto options = sweepd::robot_options();
+  const auto option = [&](const std::string& key) {
+    for (const auto& text : options)
+      if (text.key == key) return text;
+    FAIL("no option " + key);
+    return options[0];
+  };
+  CHECK(options.size() == 13);
+  CHECK(option("listen").required);
+  CHECK(option("listen").fallback.empty());
+  CHECK_FALSE(option("controller").required);
+  CHECK(option("record").fallback == "true");
+  CHECK(option("silence_ms").fallback == "2000");
+  CHECK(option("queue_bytes").value == "whole number, 65536 to 1073741824");
+  CHECK(option("signals.position").fallback == "[\"RIst.X\", \"RIst.Y\", \"RIst.Z\"]");
+  for (const auto& text : options) CHECK_FALSE(text.help.empty());
+}
+
+TEST_CASE("the shipped settings are valid") {
+  const fs::path config = fs::path(SWEEPD_SOURCE_DIR) / "config";
+  const auto settings = load_settings(config / "sweepd.toml");
+  REQUIRE(settings.robots.size() == 1);
+  const auto& robot = settings.robots[0];
+  CHECK(robot.name == "kr5-arc");
+  CHECK(robot.description == config / "robots" / "kr5_arc.toml");
+  CHECK(robot.ethernet_config == config / "controller" / "krc4" / "sweepd_ethernet.xml");
+  CHECK(robot.output == "/var/lib/sweepd");
+  CHECK(robot.listen == rsi::parse_endpoint("0.0.0.0:49152"));
+}
+
+TEST_CASE("the shipped settings show every option, and the true default of each") {
+  std::ifstream in(fs::path(SWEEPD_SOURCE_DIR) / "config" / "sweepd.toml");
+  std::ostringstream content;
+  content << in.rdbuf();
+  const std::string text = content.str();
+  for (const auto& option : sweepd::robot_options()) {
+    const std::string key = option.key.substr(option.key.find('.') + 1);
+    INFO(key);
+    if (option.fallback.empty())
+      CHECK_THAT(text, Catch::Contains("\n" + key + " = ") || Catch::Contains("\n#" + key + " = "));
+    else
+      CHECK_THAT(text, Catch::Contains("\n#" + key + " = " + option.fallback));
+  }
+  SECTION("and what they show in comments is valid when it is uncommented") {
+    std::string shown;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);)
+      shown += (line.starts_with('#') && !line.starts_with("# ") ? line.substr(1) : line) + '\n';
+    const SettingsFile file(shown);
+    const auto robot = load_settings(file.path).robots.at(0);
+    CHECK(robot.controller == rsi::parse_address("192.168.1.20"));
+    CHECK(robot.plan == file.folder / "plans" / "kr5_arc_90deg.toml");
+    CHECK(robot.signals.angles == sweepd::SignalNames{}.angles);
+  }
+}

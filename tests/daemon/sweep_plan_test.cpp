@@ -1,0 +1,130 @@
+#include "daemon/sweep_plan.hpp"
+
+#include <fstream>
+
+#include <catch2/catch.hpp>
+#include <unistd.h>
+
+#include "daemon/config_error.hpp"
+
+using sweepd::check_plan;
+using sweepd::load_plan;
+namespace fs = std::filesystem;
+
+namespace {
+
+const fs::path kConfig = fs::path(SWEEPD_SOURCE_DIR) / "config";
+
+struct PlanFile {
+  fs::path path = fs::temp_directory_path() / ("sweepd-plan-" + std::to_string(getpid()) + ".toml");
+
+  explicit PlanFile(const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
+  PlanFile(const PlanFile&) = delete;
+  PlanFile& operator=(const PlanFile&) = delete;
+  ~PlanFile() { fs::remove(path); }
+};
+
+/// The error without the file's name; "no error" if the plan is fine.
+std::string error_of(const std::string& text) {
+  const PlanFile file(text);
+  try {
+    (void)load_plan(file.path);
+  } catch (const sweepd::ConfigError& error) {
+    return std::string(error.what()).substr(file.path.string().size() + 1);
+  }
+  return "no error";
+}
+
+const std::string kHead =
+    "home_deg = [0, 10]\npositioning_speed_deg_s = 60\nacceleration_deg_s2 = 200\ndwell_ms = 0\n";
+const std::string kSweep = "[[sweep]]\njoint = 2\nstart_deg = -5.5\nend_deg = 5\nspeed_deg_s = 1\n";
+
+sweepd::RobotDescription robot_of(std::vector<sweepd::JointLimits> limits) {
+  sweepd::RobotDescription robot;
+  robot.limits = std::move(limits);
+  return robot;
+}
+
+void check_table_2(const char* file, const std::vector<std::pair<double, double>>& ranges,
+                   double speed_deg_s) {
+  const auto plan = load_plan(kConfig / "plans" / file);
+  CHECK(plan.home_deg == std::vector<double>{90, -90, 90, 0, 90, 0});
+  CHECK(plan.dwell == std::chrono::milliseconds(300));
+  CHECK(plan.positioning_speed_deg_s == 60);
+  CHECK(plan.acceleration_deg_s2 == 200);
+  REQUIRE(plan.sweeps.size() == ranges.size());
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    CHECK(plan.sweeps[i].joint == i + 1);
+    CHECK(plan.sweeps[i].start_deg == ranges[i].first);
+    CHECK(plan.sweeps[i].end_deg == ranges[i].second);
+    CHECK(plan.sweeps[i].speed_deg_s == speed_deg_s);
+  }
+  CHECK(check_plan(plan, sweepd::load_robot(kConfig / "robots" / "kr5_arc.toml")).empty());
+}
+
+}  // namespace
+
+TEST_CASE("the shipped plans are the two sets of Table 2, and a KR 5 arc can do them") {
+  check_table_2("kr5_arc_90deg.toml",
+                {{-45, 45}, {-60, -130}, {120, 30}, {90, 0}, {90, 0}, {0, 90}}, 20);
+  check_table_2("kr5_arc_30deg.toml",
+                {{-15, 15}, {-60, -90}, {120, 90}, {90, 60}, {90, 60}, {0, 30}}, 10);
+}
+
+TEST_CASE("sweeps keep the order of the file, and a joint may come again") {
+  const PlanFile file(kHead + kSweep + "[[sweep]]\njoint = 1\nstart_deg = 0\nend_deg = 9\n" +
+                      "speed_deg_s = 2.5\n" + kSweep);
+  const auto plan = load_plan(file.path);
+  REQUIRE(plan.sweeps.size() == 3);
+  CHECK(plan.sweeps[0].joint == 2);
+  CHECK(plan.sweeps[0].start_deg == -5.5);
+  CHECK(plan.sweeps[0].line == 5);
+  CHECK(plan.sweeps[1].joint == 1);
+  CHECK(plan.sweeps[1].speed_deg_s == 2.5);
+  CHECK(plan.sweeps[2].joint == 2);
+  CHECK(plan.sweeps[2].line == 15);
+}
+
+TEST_CASE("a wrong figure of a plan is found in its line") {
+  const auto sweep = [](const std::string& from, const std::string& to) {
+    std::string text = kSweep;
+    text.replace(text.find(from), from.size(), to);
+    return error_of(kHead + text);
+  };
+  CHECK(error_of(kHead + kSweep) == "no error");
+  CHECK_THAT(sweep("joint = 2", "joint = 3"),
+             Catch::StartsWith("6:9: sweep.joint: expected a whole number from 1 to 2, found the "
+                               "number 3"));
+  CHECK_THAT(sweep("joint = 2", "joint = 0"), Catch::StartsWith("6:9: sweep.joint"));
+  CHECK_THAT(sweep("end_deg = 5", "end_deg = -5.5"),
+             Catch::StartsWith("8:11: sweep.end_deg: expected another angle than start_deg"));
+  CHECK_THAT(sweep("speed_deg_s = 1", "speed_deg_s = 0"),
+             Catch::Contains("expected a number of degrees per second from 0.01 to 1000"));
+  CHECK(sweep("speed_deg_s", "speed") ==
+        "9:1: sweep.speed: unknown key: did you mean \"speed_deg_s\"?");
+  CHECK_THAT(error_of(kHead), Catch::Contains("missing: expected at least one table [[sweep]]"));
+  CHECK_THAT(error_of("home_deg = []\n" + kHead.substr(kHead.find('\n') + 1) + kSweep),
+             Catch::StartsWith("1:12: home_deg: expected 1 to 12 angles"));
+}
+
+TEST_CASE("a plan is checked against the robot that shall run it") {
+  const PlanFile file(kHead + kSweep);
+  const auto plan = load_plan(file.path);
+  const std::string name = file.path.string();
+  CHECK(check_plan(plan, robot_of({{}, {}})).empty());
+  CHECK(check_plan(plan, robot_of({{0, 0}, {-5.5, 10}})).empty());
+
+  const auto outside = check_plan(plan, robot_of({{1, 2}, {-5, 4}}));
+  REQUIRE(outside.size() == 4);
+  CHECK(outside[0] == name +
+                          ": home_deg: expected joint 1 from 1 to 2 degrees, found 0: correct "
+                          "it, or the limits in the robot description");
+  CHECK_THAT(outside[1], Catch::Contains("home_deg: expected joint 2 from -5 to 4"));
+  CHECK_THAT(outside[2], Catch::StartsWith(name + ":5: sweep.start_deg: expected joint 2 from -5"));
+  CHECK_THAT(outside[3], Catch::StartsWith(name + ":5: sweep.end_deg"));
+
+  const auto other_robot = check_plan(plan, robot_of({{}, {}, {}}));
+  REQUIRE(other_robot.size() == 1);
+  CHECK_THAT(other_robot[0],
+             Catch::Contains("expected 3 angles, as the robot has joints, found 2"));
+}

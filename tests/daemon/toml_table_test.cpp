@@ -1,0 +1,180 @@
+#include "daemon/toml_table.hpp"
+
+#include <filesystem>
+#include <fstream>
+
+#include <catch2/catch.hpp>
+
+#include "daemon/config_error.hpp"
+
+using sweepd::ConfigError;
+using sweepd::TomlTable;
+
+namespace {
+
+TomlTable table(std::string_view text) {
+  return TomlTable::parse(text, "some/file.toml");
+}
+
+/// The text of the ConfigError that `read` throws; "no error" if it does not.
+template <typename Read>
+std::string error_of(Read read) {
+  try {
+    (void)read();
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+std::string unknown_key(std::string_view text, const std::vector<std::string_view>& known) {
+  return error_of([&] {
+    table(text).allow_only(known);
+    return 0;
+  });
+}
+
+}  // namespace
+
+TEST_CASE("values are read as they are written") {
+  const auto t = table(
+      "word = \"KR 5\"\nyes = true\nwhole = 7\nbroken = -2.5e1\n"
+      "numbers = [1, 2.5]\nwords = [\"a\", \"b\"]\n[sub]\nx = 1\n[[many]]\nx = 1\n[[many]]\nx = "
+      "2\n");
+  CHECK(t.text("word") == "KR 5");
+  CHECK(t.flag("yes"));
+  CHECK(t.whole_number("whole", 7, 7) == 7);
+  CHECK(t.number("whole", 0, 10) == 7.0);
+  CHECK(t.number("broken", -25, 0) == -25.0);
+  CHECK(t.numbers("numbers") == std::vector<double>{1, 2.5});
+  CHECK(t.texts("words") == std::vector<std::string>{"a", "b"});
+  REQUIRE(t.table("sub"));
+  CHECK(t.table("sub")->whole_number("x", 1, 1) == 1);
+  CHECK_FALSE(t.table("absent"));
+  REQUIRE(t.tables("many").size() == 2);
+  CHECK(t.tables("many")[1].whole_number("x", 0, 9) == 2);
+  CHECK(t.tables("many")[1].line() == 11);
+  CHECK(t.has("whole"));
+  CHECK_FALSE(t.has("hole"));
+}
+
+TEST_CASE("a table outlives the object that it was read from") {
+  const auto inner = table("[a.b]\nc = \"kept\"\n").table("a")->table("b");
+  CHECK(inner->text("c") == "kept");
+}
+
+TEST_CASE("an unknown key is named with its place and the key that was probably meant") {
+  const std::vector<std::string_view> known{"name", "listen", "silence_ms"};
+  CHECK(unknown_key("name = 1\n  listn = 2\n", known) ==
+        "some/file.toml:2:3: listn: unknown key: did you mean \"listen\"?");
+  SECTION("two swapped letters count as one mistake") {
+    CHECK_THAT(unknown_key("naem = 1", known), Catch::EndsWith("did you mean \"name\"?"));
+  }
+  SECTION("a forgotten unit is a near miss") {
+    CHECK_THAT(unknown_key("silence = 1", known), Catch::EndsWith("did you mean \"silence_ms\"?"));
+    CHECK_THAT(unknown_key("silence_s = 1", known),
+               Catch::EndsWith("did you mean \"silence_ms\"?"));
+  }
+  SECTION("where nothing is near, what is known is listed") {
+    CHECK_THAT(unknown_key("colour = 1", known),
+               Catch::EndsWith("unknown key: this table may have name, listen, silence_ms"));
+    CHECK_THAT(unknown_key(std::string(70'000, 'x') + " = 1", known),
+               Catch::Contains("this table may have"));
+  }
+  SECTION("a table's key is checked where its header stands") {
+    CHECK_THAT(unknown_key("name = 1\n[listening]\n", {"name"}),
+               Catch::StartsWith("some/file.toml:2:2: listening: unknown key"));
+  }
+  SECTION("of several the first in the file is reported") {
+    CHECK_THAT(unknown_key("zzz = 1\naaa = 2\n", known), Catch::Contains(":1:1: zzz:"));
+  }
+  SECTION("known keys pass") {
+    CHECK(unknown_key("listen = 1", known) == "no error");
+  }
+}
+
+TEST_CASE("a value of a wrong type is described beside what was expected, with its unit") {
+  const auto t = table(
+      "silence_ms = \"abc\"\nspeed_deg_s = true\nname = 5\nrecord = 1.5\nhome_deg = [1, \"x\"]\n"
+      "broken_ms = 1.5\ndate = 2020-01-01\nlist = [1]\nempty = \"\"\n");
+  CHECK(error_of([&] { return t.whole_number("silence_ms", 0, 1); }) ==
+        "some/file.toml:1:14: silence_ms: expected a whole number of milliseconds, found the "
+        "string \"abc\": write it without quotes");
+  CHECK(error_of([&] { return t.number("speed_deg_s", 0, 1); }) ==
+        "some/file.toml:2:15: speed_deg_s: expected a number of degrees per second, found true: "
+        "correct it");
+  CHECK(error_of([&] { return t.text("name"); }) ==
+        "some/file.toml:3:8: name: expected a string, found the number 5: put it in quotes");
+  CHECK_THAT(error_of([&] { return t.flag("record"); }),
+             Catch::Contains("expected true or false, found the number 1.5"));
+  CHECK_THAT(error_of([&] { return t.numbers("home_deg"); }),
+             Catch::StartsWith("some/file.toml:5:16: home_deg: expected a number of degrees, found "
+                               "the string \"x\""));
+  CHECK_THAT(error_of([&] { return t.whole_number("broken_ms", 0, 9); }),
+             Catch::Contains("expected a whole number of milliseconds, found the number 1.5"));
+  CHECK_THAT(error_of([&] { return t.numbers("date"); }), Catch::Contains("a date or a time"));
+  CHECK_THAT(error_of([&] { return t.table("list"); }),
+             Catch::Contains("expected a table [list], found an array of 1 value"));
+  CHECK_THAT(error_of([&] { return t.texts("list"); }), Catch::Contains("found the number 1"));
+  CHECK_THAT(error_of([&] { return t.text("empty"); }), Catch::Contains("found an empty one"));
+}
+
+TEST_CASE("a number outside its range is told the range") {
+  const auto t = table("dwell_ms = 5\na_mm = -1e9\nnan = nan\nendless = inf\n");
+  CHECK(error_of([&] { return t.whole_number("dwell_ms", 10, 600); }) ==
+        "some/file.toml:1:12: dwell_ms: expected a whole number of milliseconds from 10 to 600, "
+        "found the number 5: choose one in between");
+  CHECK_THAT(error_of([&] { return t.number("a_mm", -0.5, 1e5); }),
+             Catch::Contains("expected a number of millimetres from -0.5 to 1e+05, found the "
+                             "number -1e+09"));
+  CHECK_THAT(error_of([&] { return t.number("nan", 0, 1); }), Catch::Contains("found the number"));
+  CHECK_THAT(error_of([&] { return t.number("endless", 0, 1); }),
+             Catch::Contains("found the number inf"));
+}
+
+TEST_CASE("a missing key is reported at the table that lacks it") {
+  const auto t = table("# nothing\n[[robot]]\nname = \"a\"\n").tables("robot")[0];
+  CHECK(error_of([&] { return t.text("listen"); }) ==
+        "some/file.toml:2:1: robot.listen: missing: expected a string: add it to this table");
+}
+
+TEST_CASE("an array of tables is not mistaken for a table") {
+  CHECK_THAT(error_of([] { return table("[robot]\nx = 1\n").tables("robot"); }),
+             Catch::Contains("expected [[robot]], found a single table"));
+  CHECK_THAT(error_of([] { return table("robot = [1]\n").tables("robot"); }),
+             Catch::Contains("expected a table [[robot]], found the number 1"));
+  CHECK_THAT(error_of([] { return table("robot = []\n").tables("robot"); }),
+             Catch::Contains("at least one table [[robot]], found an array of 0 values"));
+  CHECK_THAT(error_of([] { return table("\n").tables("robot"); }),
+             Catch::Contains("missing: expected at least one table [[robot]]"));
+  CHECK_THAT(error_of([] { return table("[[robot]]\n").table("robot"); }),
+             Catch::Contains("expected a table [robot], found an array of 1 value"));
+}
+
+TEST_CASE("a mistake of syntax has its place too") {
+  CHECK_THAT(error_of([] { return table("a = 1\nb = \n"); }),
+             Catch::StartsWith("some/file.toml:2:") && Catch::Contains("not valid TOML"));
+  CHECK_THAT(error_of([] { return table("a = 1\na = 2\n"); }),
+             Catch::StartsWith("some/file.toml:2:"));
+  CHECK_THAT(error_of([] { return table("a = \"\xff\"\n"); }),
+             Catch::StartsWith("some/file.toml:1:"));
+}
+
+TEST_CASE("text from a file cannot break a message apart") {
+  const auto t = table("a = \"line\\nbreak\\u001b[31m" + std::string(500, 'x') + "\"\n");
+  const std::string error = error_of([&] { return t.number("a", 0, 1); });
+  CHECK(error.find('\n') == std::string::npos);
+  CHECK(error.find('\x1b') == std::string::npos);
+  CHECK(error.size() < 200);
+  CHECK_THAT(unknown_key("\"new\\nline\" = 1", {"a"}), Catch::Contains("new?line: unknown key"));
+}
+
+TEST_CASE("a file that cannot be read is named with the reason") {
+  const auto folder = std::filesystem::temp_directory_path();
+  CHECK_THAT(error_of([] { return TomlTable::load("/nowhere/sweepd.toml"); }),
+             Catch::StartsWith("/nowhere/sweepd.toml: cannot be read: No such file or directory"));
+  CHECK_THAT(error_of([&] { return TomlTable::load(folder); }),
+             Catch::Contains("cannot be read: Is a directory"));
+  CHECK_THAT(error_of([] { return TomlTable::load("/dev/zero"); }),
+             Catch::Contains("expected a TOML file of at most 1 MiB"));
+}
