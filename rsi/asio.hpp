@@ -4,8 +4,12 @@
 // including <utility>, so that must come first.
 #include <utility>
 
+// g++ 12 sees null pointers in Asio's epoll reactor where there are none.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wnull-dereference"
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
+#pragma GCC diagnostic pop

@@ -104,7 +104,8 @@ TEST_CASE("a telegram cut anywhere is truncated, and no half number is taken fro
   const auto all = telegram.signals();
   for (std::size_t size = 4; size < whole.size(); ++size) {
     CAPTURE(size);
-    CHECK(telegram.parse(whole.substr(0, size)) == Defect::truncated);
+    const std::string cut = whole.substr(0, size);
+    CHECK(telegram.parse(cut) == Defect::truncated);
     REQUIRE(telegram.signals().size() <= all.size());
     for (std::size_t i = 0; i < telegram.signals().size(); ++i) {
       CHECK(telegram.signals()[i].element == all[i].element);

@@ -1,0 +1,155 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <random>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "rsi/endpoint.hpp"
+#include "rsi/ethernet_config.hpp"
+#include "rsi/latency_histogram.hpp"
+#include "rsi/reply.hpp"
+#include "rsi/telegram_writer.hpp"
+
+namespace rsi {
+
+/// What a controller has against a reply.
+enum class ReplyFault {
+  unasked,       ///< the Ethernet file says ONLYSEND
+  wrong_source,  ///< not from where the telegrams go to
+  malformed,
+  wrong_type,   ///< Type is not SENTYPE
+  wrong_ipoc,   ///< of no telegram since RSI started
+  late,         ///< its cycle was over
+  repeated,     ///< its telegram was answered already
+  missing_tag,  ///< a tag of the RECEIVE list is not there
+  correction,   ///< a value is not zero: the robot would move
+};
+inline constexpr std::size_t kReplyFaults = 9;
+[[nodiscard]] std::string_view text(ReplyFault fault) noexcept;
+
+/// The RSI of a controller without its robot, socket and clock: what it sends in each cycle and
+/// what it makes of the replies. Times are given by the caller, from any one steady clock.
+///
+/// A reply counts for the cycle of its telegram if it comes from the server, can be read, has the
+/// right Type, the telegram's IPOC and every tag of the RECEIVE list, and comes before the cycle is
+/// over. Then a correction is counted as a fault, yet the reply is accepted: a controller would
+/// obey it.
+class SimulatedController {
+ public:
+  struct Options {
+    Endpoint server{};  ///< replies must come from here
+    std::chrono::milliseconds cycle{4};
+    std::uint64_t first_ipoc = 100'000;
+    int precision = 4;            ///< decimals
+    std::uint64_t timeout = 100;  ///< it stops after so many unanswered cycles in a row
+  };
+
+  struct Counts {
+    std::uint64_t telegrams = 0;
+    std::uint64_t replies = 0;  ///< datagrams that came in
+    std::uint64_t accepted = 0;
+    std::uint64_t unanswered = 0;                      ///< cycles without a reply that was accepted
+    std::uint64_t longest_unanswered = 0;              ///< in a row
+    std::array<std::uint64_t, kReplyFaults> faults{};  ///< a reply may have two: late, correction
+
+    [[nodiscard]] std::uint64_t of(ReplyFault fault) const {
+      return faults[static_cast<std::size_t>(fault)];
+    }
+  };
+
+  /// Throws std::invalid_argument for options that no controller has.
+  SimulatedController(const EthernetConfig& config, const Options& options);
+
+  /// Ends the cycle and appends the telegram of the next one to `telegram`; its Delay is the
+  /// controller's own. False, and nothing appended, once the controller has stopped.
+  [[nodiscard]] bool next_telegram(SignalValues values, std::string& telegram);
+  /// The time at which this telegram goes out.
+  void sent(std::chrono::nanoseconds time) { sent_ = time; }
+  void on_reply(std::string_view payload, const Endpoint& source, std::chrono::nanoseconds time);
+  /// Ends the last cycle, so that the counts are complete.
+  void finish();
+  /// RSI is switched off and on again: IPOC starts anew, a stopped controller runs again.
+  void restart(std::uint64_t first_ipoc);
+
+  [[nodiscard]] bool stopped() const { return unanswered_ >= timeout_; }
+  [[nodiscard]] bool expects_reply() const { return awaiting_; }
+  [[nodiscard]] std::uint64_t ipoc() const { return ipoc_; }
+  [[nodiscard]] const Counts& counts() const { return counts_; }
+  /// From a telegram to the reply that was accepted.
+  [[nodiscard]] const LatencyHistogram& latency() const { return latency_; }
+  /// The first fault of all in words, with IPOC and sender; empty while there is none.
+  [[nodiscard]] const std::string& first_fault() const { return first_fault_; }
+  /// The first of this kind.
+  [[nodiscard]] const std::string& first_fault(ReplyFault kind) const {
+    return first_faults_[static_cast<std::size_t>(kind)];
+  }
+
+ private:
+  void count(ReplyFault fault, std::string_view subject, std::string_view detail);
+
+  TelegramWriter writer_;
+  ReplyCheck check_;
+  std::string sentype_;
+  bool only_send_;
+  Endpoint server_;
+  std::chrono::milliseconds cycle_;
+  std::uint64_t timeout_;
+
+  std::uint64_t first_ipoc_;
+  std::uint64_t next_ipoc_;
+  std::uint64_t ipoc_ = 0;  // of the last telegram
+  std::chrono::nanoseconds sent_{0};
+  bool awaiting_ = false;         // the last telegram has no reply yet
+  std::uint64_t unanswered_ = 0;  // cycles in a row
+
+  Counts counts_;
+  LatencyHistogram latency_;
+  std::string first_fault_;
+  std::array<std::string, kReplyFaults> first_faults_;
+};
+
+/// A network that loses, duplicates and swaps telegrams on purpose. One telegram suffers at most
+/// one of these, and the first none, so that the counts say exactly what a receiver can find (but
+/// for losses after the last telegram that arrived). The same seed does the same again.
+class FaultyWire {
+ public:
+  /// Probabilities for each telegram.
+  struct Rates {
+    double lose = 0;
+    double duplicate = 0;
+    double swap = 0;  ///< with the next one
+  };
+
+  struct Counts {
+    std::uint64_t lost = 0;
+    std::uint64_t duplicated = 0;
+    std::uint64_t swapped = 0;  ///< pairs
+  };
+
+  /// Throws std::invalid_argument unless the rates are probabilities whose sum is at most 1.
+  FaultyWire(const Rates& rates, std::uint64_t seed);
+
+  /// Takes the next telegram and returns what goes on the wire now, in order: none, one or two. A
+  /// telegram to be swapped is held back until the next one. Valid until the next call, and as long
+  /// as `telegram`.
+  [[nodiscard]] const std::vector<std::string_view>& pass(std::string_view telegram);
+  /// At the end: a telegram that is still held back.
+  [[nodiscard]] const std::vector<std::string_view>& flush();
+
+  [[nodiscard]] const Counts& counts() const { return counts_; }
+
+ private:
+  Rates rates_;
+  std::mt19937_64 random_;
+  Counts counts_;
+  std::string held_;
+  bool holding_ = false;
+  bool first_ = true;
+  std::vector<std::string_view> out_;
+};
+
+}  // namespace rsi

@@ -1,0 +1,349 @@
+#include "rsi/simulated_controller.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <catch2/catch.hpp>
+
+#include "rsi/ipoc.hpp"
+
+using namespace std::chrono_literals;
+using rsi::EthernetConfig;
+using rsi::ReplyFault;
+using Type = EthernetConfig::Element::Type;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const rsi::Endpoint kServer{0x0a000005, 49152};
+const rsi::Endpoint kStranger{0x0a000006, 49152};
+
+EthernetConfig config_with_corrections() {
+  EthernetConfig config;
+  config.sentype = "ImFree";
+  config.send = {{"DEF_Delay", Type::LONG, 0, false, 0}};
+  config.receive = {{"AK.A1", Type::DOUBLE, 1, true, 0}, {"GPIO.01", Type::BOOL, 2, true, 0}};
+  return config;
+}
+
+/// A controller at 4 ms with its time, cycle by cycle.
+struct Bench {
+  EthernetConfig config = config_with_corrections();
+  rsi::SimulatedController controller;
+  rsi::Reply reply{config};
+  std::chrono::nanoseconds now = 1000s;
+  std::string telegram;
+
+  explicit Bench(EthernetConfig ethernet = config_with_corrections(), std::uint64_t timeout = 100)
+      : config(std::move(ethernet)),
+        controller(config,
+                   {.server = kServer, .cycle = 4ms, .first_ipoc = 500, .timeout = timeout}) {}
+
+  bool cycle() {
+    now += 4ms;
+    telegram.clear();
+    const bool runs = controller.next_telegram({}, telegram);
+    controller.sent(now);
+    return runs;
+  }
+  void answer(std::uint64_t ipoc, std::chrono::nanoseconds after = 100us) {
+    controller.on_reply(reply.with_ipoc(std::to_string(ipoc)), kServer, now + after);
+  }
+  void answer() { answer(controller.ipoc()); }
+  void answer(const std::string& text) { controller.on_reply(text, kServer, now + 1ms); }
+
+  std::string delay() const {
+    const auto at = telegram.find("D=\"") + 3;
+    return telegram.substr(at, telegram.find('"', at) - at);
+  }
+  std::uint64_t count(ReplyFault fault) const { return controller.counts().of(fault); }
+  std::uint64_t faults() const {
+    std::uint64_t sum = 0;
+    for (const auto number : controller.counts().faults) sum += number;
+    return sum;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("IPOC rises by the milliseconds of a cycle, whatever happens to replies") {
+  Bench bench;
+  for (std::uint64_t k = 0; k < 20; ++k) {
+    REQUIRE(bench.cycle());
+    CHECK(rsi::find_ipoc(bench.telegram) == std::to_string(500 + 4 * k));
+    if (k % 3 == 0) bench.answer();
+  }
+  rsi::SimulatedController slow(config_with_corrections(),
+                                {.server = kServer, .cycle = 12ms, .first_ipoc = 500});
+  std::string telegrams;
+  REQUIRE(slow.next_telegram({}, telegrams));
+  REQUIRE(slow.next_telegram({}, telegrams));
+  CHECK(slow.ipoc() == 512);
+}
+
+TEST_CASE("a reply in time is accepted and its latency counted") {
+  Bench bench;
+  for (int k = 0; k < 10; ++k) {
+    bench.cycle();
+    CHECK(bench.controller.expects_reply());
+    bench.answer();
+    CHECK_FALSE(bench.controller.expects_reply());
+  }
+  bench.controller.finish();
+  CHECK(bench.controller.counts().telegrams == 10);
+  CHECK(bench.controller.counts().replies == 10);
+  CHECK(bench.controller.counts().accepted == 10);
+  CHECK(bench.controller.counts().unanswered == 0);
+  CHECK(bench.faults() == 0);
+  CHECK(bench.controller.first_fault().empty());
+  CHECK(bench.controller.latency().count() == 10);
+  CHECK(bench.controller.latency().max() == 100us);
+}
+
+TEST_CASE("Delay is the run of late packets and 0 again after one in time") {
+  // As it was recorded on a controller: 0 0 1 0 1 2 0 for replies yes no yes no no yes.
+  Bench bench;
+  std::string delays;
+  for (const bool answered : {true, false, true, false, false, true, true}) {
+    bench.cycle();
+    delays += bench.delay() + " ";
+    if (answered) bench.answer();
+  }
+  CHECK(delays == "0 0 1 0 1 2 0 ");
+  CHECK(bench.controller.counts().unanswered == 3);
+  CHECK(bench.controller.counts().longest_unanswered == 2);
+}
+
+TEST_CASE("a late reply counts for no cycle, neither before nor after the next telegram") {
+  Bench bench;
+  bench.cycle();
+  bench.answer(500, 4ms);  // the cycle is over, even if the next telegram is not out yet
+  CHECK(bench.count(ReplyFault::late) == 1);
+  CHECK_THAT(bench.controller.first_fault(),
+             Contains("reply to IPOC 500 from 10.0.0.5:49152: late: it took 4000 us"));
+  bench.cycle();
+  CHECK(bench.delay() == "1");
+  bench.answer(500);
+  CHECK(bench.count(ReplyFault::late) == 2);
+  bench.answer(504, 3999us);
+  CHECK(bench.controller.counts().accepted == 1);
+  bench.cycle();
+  CHECK(bench.delay() == "0");
+}
+
+TEST_CASE("the controller stops after as many unanswered cycles in a row as Timeout says") {
+  Bench bench(config_with_corrections(), 10);
+  for (int k = 0; k < 9; ++k) REQUIRE(bench.cycle());
+  bench.answer();
+  for (int k = 0; k < 10; ++k) REQUIRE(bench.cycle());
+  CHECK_FALSE(bench.controller.stopped());
+  CHECK(bench.delay() == "9");
+  CHECK_FALSE(bench.cycle());
+  CHECK(bench.controller.stopped());
+  CHECK(bench.telegram.empty());
+  CHECK_FALSE(bench.cycle());
+  CHECK(bench.controller.counts().telegrams == 19);
+  CHECK(bench.controller.counts().unanswered == 18);
+  CHECK(bench.controller.counts().longest_unanswered == 10);
+}
+
+TEST_CASE("with ONLYSEND the controller expects nothing and never stops") {
+  auto config = config_with_corrections();
+  config.only_send = true;
+  Bench bench(config, 3);
+  for (int k = 0; k < 1000; ++k) REQUIRE(bench.cycle());
+  CHECK(bench.delay() == "0");
+  CHECK_FALSE(bench.controller.expects_reply());
+  CHECK(bench.controller.counts().unanswered == 0);
+  bench.answer();
+  CHECK(bench.count(ReplyFault::unasked) == 1);
+}
+
+TEST_CASE("each kind of wrong reply is dropped, counted and put into words") {
+  Bench bench;
+  bench.cycle();
+  const std::string good =
+      "<Sen Type=\"ImFree\"><AK A1=\"0.0\"/><GPIO 01=\"0\"/><IPOC>500</IPOC></Sen>";
+  ReplyFault kind{};
+  std::string words;
+
+  SECTION("from elsewhere") {
+    bench.controller.on_reply(good, kStranger, bench.now + 1ms);
+    kind = ReplyFault::wrong_source;
+    words = "reply from 10.0.0.6:49152: wrong source: expected 10.0.0.5:49152";
+  }
+  SECTION("unreadable") {
+    bench.answer("<Sen Type=\"ImFree\"><IPOC>500</IPOC>");
+    kind = ReplyFault::malformed;
+    words = "malformed: it ends too early";
+  }
+  SECTION("another Type") {
+    bench.answer("<Sen Type=\"KMC\"><AK A1=\"0\"/><GPIO 01=\"0\"/><IPOC>500</IPOC></Sen>");
+    kind = ReplyFault::wrong_type;
+    words = "to IPOC 500 from 10.0.0.5:49152: wrong Type: expected \"ImFree\", found \"KMC\"";
+  }
+  SECTION("an IPOC of the future") {
+    bench.answer(504);
+    kind = ReplyFault::wrong_ipoc;
+    words = "reply to IPOC 504 from 10.0.0.5:49152: wrong IPOC: the last telegram has 500";
+  }
+  SECTION("a tag left out") {
+    bench.answer("<Sen Type=\"ImFree\"><AK A1=\"0.0\"/><IPOC>500</IPOC></Sen>");
+    kind = ReplyFault::missing_tag;
+    words = "missing tag: GPIO.01";
+  }
+
+  CHECK(bench.faults() == 1);
+  CHECK(bench.count(kind) == 1);
+  CHECK_THAT(bench.controller.first_fault(), Contains(words));
+  CHECK(bench.controller.first_fault(kind) == bench.controller.first_fault());
+  CHECK(bench.controller.counts().accepted == 0);
+  // The cycle still waits, and a right reply ends it.
+  bench.answer(good);
+  CHECK(bench.controller.counts().accepted == 1);
+  CHECK(bench.faults() == 1);
+}
+
+TEST_CASE("a correction is obeyed as a controller would, but counted with its tag") {
+  Bench bench;
+  bench.cycle();
+  bench.answer("<Sen Type=\"ImFree\"><AK A1=\"0.1\"/><GPIO 01=\"0\"/><IPOC>500</IPOC></Sen>");
+  CHECK(bench.count(ReplyFault::correction) == 1);
+  CHECK_THAT(bench.controller.first_fault(), Contains("correction: AK.A1 = 0.1"));
+  CHECK(bench.controller.counts().accepted == 1);
+  // Nor does one go unseen because it came late.
+  bench.cycle();
+  bench.answer("<Sen Type=\"ImFree\"><AK A1=\"0.0\"/><GPIO 01=\"1\"/><IPOC>500</IPOC></Sen>");
+  CHECK(bench.count(ReplyFault::correction) == 2);
+  CHECK(bench.count(ReplyFault::late) == 1);
+}
+
+TEST_CASE("a second reply to one telegram is counted once") {
+  Bench bench;
+  bench.cycle();
+  bench.answer();
+  bench.answer();
+  CHECK(bench.controller.counts().accepted == 1);
+  CHECK(bench.count(ReplyFault::repeated) == 1);
+}
+
+TEST_CASE("a reply before the first telegram, or with an IPOC of none, answers nothing") {
+  Bench bench;
+  bench.answer(0);
+  CHECK(bench.count(ReplyFault::wrong_ipoc) == 1);
+  bench.cycle();
+  bench.cycle();
+  bench.answer(502);
+  bench.answer(496);
+  CHECK(bench.count(ReplyFault::wrong_ipoc) == 3);
+}
+
+TEST_CASE("after a restart of RSI the IPOC starts again and old replies are of no telegram") {
+  Bench bench(config_with_corrections(), 2);
+  while (bench.cycle()) {
+  }
+  CHECK(bench.controller.stopped());
+  bench.controller.restart(40);
+  CHECK_FALSE(bench.controller.stopped());
+  bench.answer(500);
+  CHECK(bench.count(ReplyFault::wrong_ipoc) == 1);
+  REQUIRE(bench.cycle());
+  CHECK(bench.controller.ipoc() == 40);
+  CHECK(bench.delay() == "0");
+  bench.answer(500);
+  CHECK(bench.count(ReplyFault::wrong_ipoc) == 2);
+  bench.answer(40);
+  CHECK(bench.controller.counts().accepted == 1);
+}
+
+TEST_CASE("options that no controller has are refused") {
+  const auto refused = [](auto change) {
+    rsi::SimulatedController::Options options;
+    change(options);
+    CHECK_THROWS_AS(rsi::SimulatedController({}, options), std::invalid_argument);
+  };
+  refused([](auto& options) { options.cycle = 0ms; });
+  refused([](auto& options) { options.timeout = 0; });
+  refused([](auto& options) { options.precision = 99; });
+}
+
+namespace {
+
+/// The numbers of the telegrams 0 to `count` - 1 as a receiver gets them.
+std::vector<int> sent_over(rsi::FaultyWire& wire, int count) {
+  std::vector<int> received;
+  const auto take = [&](const std::vector<std::string_view>& telegrams) {
+    for (const auto telegram : telegrams) received.push_back(std::stoi(std::string(telegram)));
+  };
+  for (int i = 0; i < count; ++i) {
+    const auto telegram = std::to_string(i);
+    take(wire.pass(telegram));
+  }
+  take(wire.flush());
+  return received;
+}
+
+}  // namespace
+
+TEST_CASE("a wire without faults passes everything in order") {
+  rsi::FaultyWire wire({}, 1);
+  const auto received = sent_over(wire, 1000);
+  REQUIRE(received.size() == 1000);
+  CHECK(std::is_sorted(received.begin(), received.end()));
+  CHECK(wire.counts().lost + wire.counts().duplicated + wire.counts().swapped == 0);
+}
+
+TEST_CASE("a receiver finds exactly the faults that the wire counts") {
+  const auto seed = GENERATE(1u, 2u, 3u);
+  rsi::FaultyWire wire({.lose = 0.05, .duplicate = 0.03, .swap = 0.02}, seed);
+  const int count = 20000;
+  const auto received = sent_over(wire, count);
+
+  std::set<int> seen;
+  std::uint64_t duplicated = 0;
+  std::uint64_t overtaken = 0;
+  int newest = -1;
+  for (const int number : received) {
+    if (!seen.insert(number).second)
+      ++duplicated;
+    else if (number < newest)
+      ++overtaken;
+    newest = std::max(newest, number);
+  }
+  CHECK(wire.counts().lost == count - seen.size());
+  CHECK(wire.counts().duplicated == duplicated);
+  CHECK(wire.counts().swapped == overtaken);
+  CHECK(received.front() == 0);
+
+  // Five standard deviations of a binomial count; the telegram that completes a swap draws no
+  // fault, so that rates come out 2 % lower.
+  CHECK(std::abs(static_cast<double>(wire.counts().lost) - 980) < 5 * 31);
+  CHECK(std::abs(static_cast<double>(wire.counts().duplicated) - 588) < 5 * 24);
+  CHECK(std::abs(static_cast<double>(wire.counts().swapped) - 392) < 5 * 20);
+}
+
+TEST_CASE("the same seed makes the same faults, another seed others") {
+  const rsi::FaultyWire::Rates rates{.lose = 0.1, .duplicate = 0.1, .swap = 0.1};
+  rsi::FaultyWire one(rates, 5), same(rates, 5), other(rates, 6);
+  const auto received = sent_over(one, 200);
+  CHECK(sent_over(same, 200) == received);
+  CHECK(sent_over(other, 200) != received);
+}
+
+TEST_CASE("a swap holds a telegram back until the next one, at the end until the flush") {
+  rsi::FaultyWire wire({.swap = 1}, 1);
+  CHECK(wire.pass("0") == std::vector<std::string_view>{"0"});
+  CHECK(wire.pass("1").empty());
+  CHECK(wire.pass("2") == std::vector<std::string_view>{"2", "1"});
+  CHECK(wire.pass("3").empty());
+  CHECK(wire.counts().swapped == 1);
+  CHECK(wire.flush() == std::vector<std::string_view>{"3"});
+  CHECK(wire.flush().empty());
+  CHECK(wire.counts().swapped == 1);
+}
+
+TEST_CASE("rates that are no probabilities are refused") {
+  CHECK_THROWS_AS(rsi::FaultyWire({.lose = -0.1}, 1), std::invalid_argument);
+  CHECK_THROWS_AS(rsi::FaultyWire({.lose = 0.6, .swap = 0.6}, 1), std::invalid_argument);
+}
