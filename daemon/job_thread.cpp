@@ -1,0 +1,40 @@
+#include "daemon/job_thread.hpp"
+
+#include <utility>
+
+namespace sweepd {
+
+JobThread::JobThread() : thread_([this] { run(); }) {}
+
+JobThread::~JobThread() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  changed_.notify_one();
+  thread_.join();
+}
+
+void JobThread::submit(std::function<void()> job, bool interim) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!jobs_.empty() && jobs_.back().interim) jobs_.pop_back();
+    jobs_.push_back({std::move(job), interim});
+  }
+  changed_.notify_one();
+}
+
+void JobThread::run() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [this] { return ending_ || !jobs_.empty(); });
+    if (jobs_.empty()) return;
+    const Job job = std::move(jobs_.front());
+    jobs_.pop_front();
+    lock.unlock();
+    job.work();
+    lock.lock();
+  }
+}
+
+}  // namespace sweepd

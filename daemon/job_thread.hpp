@@ -1,0 +1,37 @@
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+namespace sweepd {
+
+/// A thread that does one job after the other. An interim job that has not begun gives way to the
+/// next one: only the newest is worth doing.
+class JobThread {
+ public:
+  JobThread();
+  ~JobThread();  ///< after the jobs that wait
+  JobThread(const JobThread&) = delete;
+  JobThread& operator=(const JobThread&) = delete;
+
+  void submit(std::function<void()> job, bool interim);
+
+ private:
+  struct Job {
+    std::function<void()> work;
+    bool interim;
+  };
+
+  void run();
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Job> jobs_;
+  bool ending_ = false;
+  std::thread thread_;
+};
+
+}  // namespace sweepd

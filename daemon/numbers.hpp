@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+namespace sweepd {
+
+/// `value` with so many decimals, whatever the locale; never "-0.000".
+[[nodiscard]] std::string fixed(double value, int decimals);
+
+/// `value` rounded to so many decimals: what a file holds of it.
+[[nodiscard]] double rounded(double value, int decimals);
+
+}  // namespace sweepd

@@ -1,0 +1,85 @@
+#include "daemon/pipeline.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <numeric>
+#include <utility>
+
+namespace sweepd {
+namespace {
+
+constexpr std::size_t kHeldBack = 4;
+
+std::string row_start(double time_s, std::uint64_t ipoc) {
+  std::array<char, 64> text;
+  auto* const last = text.data() + text.size();
+  // Milliseconds are what IPOC counts; microseconds are more than a reception deserves.
+  auto end = std::to_chars(text.data(), last, time_s, std::chars_format::fixed, 3).ptr;
+  *end++ = ',';
+  end = std::to_chars(end, last, ipoc).ptr;
+  return {text.data(), end};
+}
+
+}  // namespace
+
+std::uint64_t SourceCounts::malformed_in_all() const {
+  return std::accumulate(malformed.begin(), malformed.end(), std::uint64_t{0});
+}
+
+Pipeline::Pipeline(std::size_t joints, const SignalNames& signals, Observer observer)
+    : observer_(std::move(observer)),
+      reader_(signals, joints),
+      segmenter_(std::min(joints, signals.angles.size())) {}
+
+bool Pipeline::telegram(const rsi::Datagram& datagram) {
+  auto defect = telegram_.parse(datagram.payload);
+  if (datagram.cut && defect == rsi::Defect::none) defect = rsi::Defect::truncated;
+  if (defect != rsi::Defect::none) {
+    ++malformed_[static_cast<std::size_t>(defect)];
+    return false;
+  }
+  const auto arrival = link_.add(telegram_.ipoc(), datagram.source, reader_.delay(telegram_));
+  if (arrival == rsi::Arrival::duplicate) return true;
+  const bool restarted = arrival == rsi::Arrival::restart;
+  if (restarted) finish();
+
+  Waiting waiting{reader_.read(telegram_), {}};
+  waiting.sample.time_s = clock_.seconds(telegram_.ipoc(), datagram.time, link_.step(), restarted);
+  waiting.row = row_start(waiting.sample.time_s, telegram_.ipoc());
+  reader_.append_csv(telegram_, waiting.row);
+  hold(std::move(waiting));
+  release(kHeldBack);
+  return true;
+}
+
+void Pipeline::finish() {
+  release(0);
+  report(segmenter_.finish());
+}
+
+SourceCounts Pipeline::counts() const {
+  return {link_.counts(), malformed_, reader_.unusable(), link_.step()};
+}
+
+void Pipeline::hold(Waiting waiting) {
+  auto place = waiting_.end();
+  while (place != waiting_.begin() && std::prev(place)->sample.time_s > waiting.sample.time_s)
+    --place;
+  waiting_.insert(place, std::move(waiting));
+}
+
+void Pipeline::release(std::size_t keep) {
+  for (; waiting_.size() > keep; waiting_.pop_front()) {
+    const Waiting& next = waiting_.front();
+    if (observer_.on_sample) observer_.on_sample(next.sample, next.row);
+    segmenter_.set_resolution(reader_.resolution());
+    report(segmenter_.push(next.sample));
+  }
+}
+
+void Pipeline::report(const std::vector<identify::Sweep>& sweeps) const {
+  if (!observer_.on_sweep) return;
+  for (const auto& sweep : sweeps) observer_.on_sweep(sweep);
+}
+
+}  // namespace sweepd

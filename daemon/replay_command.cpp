@@ -1,0 +1,112 @@
+#include "daemon/replay_command.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/atomic_file.hpp"
+#include "daemon/config_error.hpp"
+#include "daemon/progress.hpp"
+#include "daemon/report.hpp"
+#include "daemon/result_files.hpp"
+#include "daemon/robot_setup.hpp"
+#include "daemon/session.hpp"
+#include "rsi/capture_reader.hpp"
+
+namespace sweepd {
+namespace {
+
+using Paths = std::vector<std::filesystem::path>;
+
+/// The robot of the settings that a conversation belongs to: the only one, or the one whose port it
+/// is.
+const RobotSettings& robot_of(const Settings& settings,
+                              const std::optional<rsi::Conversation>& conversation) {
+  if (settings.robots.size() == 1) return settings.robots.front();
+  for (const RobotSettings& robot : settings.robots)
+    if (conversation && robot.listen.port == conversation->sweepd.port) return robot;
+  throw ConfigError(settings.file.string() +
+                    ": listen: expected a [[robot]] that listens where the capture's telegrams go, "
+                    "found none: name its description with --robot");
+}
+
+RobotSetup setup_for(const ReplayOptions& options,
+                     const std::optional<rsi::Conversation>& conversation) {
+  std::optional<RobotSettings> settings;
+  if (options.config) settings = robot_of(load_settings(*options.config), conversation);
+  auto description = options.robot;
+  auto plan = options.plan;
+  if (settings && !description) description = settings->description;
+  if (settings && !plan) plan = settings->plan;
+  RobotSetup setup = load_setup(description, plan);
+  if (settings) {
+    setup.name = settings->name;
+    setup.signals = settings->signals;
+  }
+  return setup;
+}
+
+std::uintmax_t bytes_of(const Paths& files) {
+  std::uintmax_t bytes = 0;
+  for (const auto& file : files) {
+    std::error_code error;
+    const auto size = std::filesystem::file_size(file, error);
+    if (!error) bytes += size;
+  }
+  return bytes;
+}
+
+void read(const ReplayOptions& options, const rsi::Conversation& conversation, Session& session,
+          std::ostream& errors) {
+  constexpr std::uint64_t kBetweenUpdates = 4096;
+  Progress progress("replay", options.quiet ? Progress::Terminal{} : Progress::standard_error());
+  const auto all = static_cast<double>(bytes_of(options.traces));
+  double before = 0;
+  for (const auto& path : options.traces) {
+    rsi::CaptureReader capture(path);
+    while (const auto datagram = capture.next()) {
+      if (capture.counters().packets % kBetweenUpdates == 0)
+        progress.update(before + static_cast<double>(capture.bytes_read()), all,
+                        path.filename().string());
+      if (conversation.direction(*datagram) == rsi::Direction::from_controller)
+        session.telegram(*datagram);
+    }
+    before += static_cast<double>(capture.bytes_read());
+    progress.clear();
+    for (const auto& note : capture.notes()) errors << "sweepd: " << note << '\n';
+  }
+}
+
+void write_run_file(const ReplayOptions& options, const rsi::ConversationSearch& search) {
+  nlohmann::ordered_json json = {
+      {"schema", "sweepd.run/1"}, {"sweepd", SWEEPD_VERSION}, {"command", "replay"}};
+  for (const auto& trace : options.traces) json["traces"].push_back(trace.string());
+  if (options.config) json["settings"] = options.config->string();
+  if (options.robot) json["description"] = options.robot->string();
+  if (options.plan) json["plan"] = options.plan->string();
+  if (search.chosen) json["conversation"] = text(*search.chosen);
+  write_atomically(*options.output / "run.json", json.dump(2) + "\n");
+}
+
+}  // namespace
+
+int replay(const ReplayOptions& options, std::ostream& out, std::ostream& errors) {
+  const auto search = rsi::find_conversation(options.traces, options.filter);
+  if (!search.note.empty()) errors << "sweepd: " << search.note << '\n';
+  const RobotSetup setup = setup_for(options, search.chosen);
+  if (options.output) std::filesystem::create_directories(*options.output);
+
+  Session session(
+      setup, {options.output.value_or(""), false, "trace"},
+      {{}, [&](const std::string& trouble) { errors << "sweepd: " << trouble << '\n'; }});
+  if (search.chosen) read(options, *search.chosen, session, errors);
+  session.finish();
+  Outcome outcome = session.snapshot().identified();
+  if (!search.chosen) outcome.identification.reason = "no RSI telegrams in the capture";
+  if (options.output) {
+    write_result(*options.output, outcome);
+    write_run_file(options, search);
+  }
+  if (!options.quiet) out << report(outcome);
+  return outcome.identification.status == identify::Status::failed ? 1 : 0;
+}
+
+}  // namespace sweepd

@@ -1,0 +1,213 @@
+#include "daemon/result_json.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/numbers.hpp"
+#include "daemon/units.hpp"
+#include "identify/dh_comparison.hpp"
+
+namespace sweepd {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using identify::DhDifference;
+using identify::DhEstimate;
+using identify::DhNumber;
+using identify::DhRow;
+using identify::Identification;
+using identify::JointResult;
+using identify::Knowledge;
+
+Json length(double mm) {
+  return rounded(mm, kLengthDecimals);
+}
+Json angle(double radians) {
+  return rounded(degrees(radians), kAngleDecimals);
+}
+
+Json vector(const Eigen::Vector3d& v, int decimals) {
+  return {rounded(v.x(), decimals), rounded(v.y(), decimals), rounded(v.z(), decimals)};
+}
+Json point(const Eigen::Vector3d& mm) {
+  return vector(mm, kLengthDecimals);
+}
+Json direction(const Eigen::Vector3d& unit) {
+  return vector(unit, 9);
+}
+
+Json source(const Outcome& outcome) {
+  const auto& counts = outcome.counts;
+  Json json = {{"kind", outcome.source_kind},
+               {"telegrams", counts.link.telegrams},
+               {"lost", counts.link.lost},
+               {"duplicated", counts.link.duplicated},
+               {"reordered", counts.link.reordered},
+               {"malformed", counts.malformed_in_all()},
+               {"restarts", counts.link.restarts},
+               {"late_replies", counts.link.late_replies},
+               {"late_runs", counts.link.late_runs},
+               {"longest_late_run", counts.link.longest_late_run},
+               {"unusable_values", counts.unusable_values},
+               {"cycle_ms", nullptr}};
+  if (counts.cycle_ms) json["cycle_ms"] = static_cast<double>(*counts.cycle_ms);
+  Json kinds = Json::object();
+  for (std::size_t k = 1; k < counts.malformed.size(); ++k)
+    if (counts.malformed[k] > 0)
+      kinds[std::string(rsi::text(static_cast<rsi::Defect>(k)))] = counts.malformed[k];
+  if (!kinds.empty()) json["malformed_by_kind"] = std::move(kinds);
+  return json;
+}
+
+Json joint(std::size_t index, const JointResult& result) {
+  Json sweeps = Json::array();
+  for (std::size_t s = 0; s < result.sweeps.size(); ++s) {
+    const auto& sweep = result.sweeps[s];
+    Json json = {{"samples", sweep.samples->size()},
+                 {"start_s", rounded(sweep.first().time_s, 6)},
+                 {"end_s", rounded(sweep.last().time_s, 6)},
+                 {"range_deg", angle(sweep.range_rad)},
+                 {"direction", sweep.direction}};
+    if (sweep.positioning) json["positioning"] = true;
+    json["used"] = static_cast<bool>(result.used[s]);
+    sweeps.push_back(std::move(json));
+  }
+  Json json = {{"joint", index + 1}, {"sweeps", std::move(sweeps)}};
+  if (result.axis)
+    json["axis"] = {{"direction", direction(result.axis->direction)},
+                    {"point", point(result.axis->point_mm)},
+                    {"direction_sigma_deg", angle(result.axis->direction_sigma_rad())},
+                    {"point_sigma_mm", length(result.axis->point_sigma_mm())}};
+  if (result.circle)
+    json["circle"] = {{"center", point(result.circle->center_mm)},
+                      {"normal", direction(result.circle->normal)},
+                      {"radius_mm", length(result.circle->radius_mm)},
+                      {"arc_deg", angle(result.circle->arc_rad)},
+                      {"plane_rms_mm", length(result.circle->plane_rms_mm)},
+                      {"radial_rms_mm", length(result.circle->radial_rms_mm)}};
+  return json;
+}
+
+Json dh_row(std::size_t index, const DhEstimate& row) {
+  Json json = {{"joint", index + 1}};
+  Json by_convention = Json::array();
+  const auto add = [&](const char* name, const char* sigma, const DhNumber& number, auto unit) {
+    const bool known = number.knowledge != Knowledge::undetermined;
+    json[name] = known ? unit(number.value) : Json();
+    json[sigma] = number.knowledge == Knowledge::identified ? unit(number.sigma) : Json();
+    if (number.knowledge == Knowledge::by_convention) by_convention.push_back(name);
+  };
+  add("b_mm", "b_sigma_mm", row.b_mm, length);
+  add("theta_deg", "theta_sigma_deg", row.theta_rad, angle);
+  add("a_mm", "a_sigma_mm", row.a_mm, length);
+  add("alpha_deg", "alpha_sigma_deg", row.alpha_rad, angle);
+  json["relation"] = identify::text(row.relation);
+  if (!by_convention.empty()) json["by_convention"] = std::move(by_convention);
+  return json;
+}
+
+Json dh_table(const std::vector<DhEstimate>& rows) {
+  Json json = Json::array();
+  for (std::size_t i = 0; i < rows.size(); ++i) json.push_back(dh_row(i, rows[i]));
+  return json;
+}
+
+Json specified(const std::vector<DhRow>& rows) {
+  Json json = Json::array();
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    json.push_back({{"joint", i + 1},
+                    {"b_mm", length(rows[i].b_mm)},
+                    {"theta_deg", angle(rows[i].theta_rad)},
+                    {"a_mm", length(rows[i].a_mm)},
+                    {"alpha_deg", angle(rows[i].alpha_rad)}});
+  return json;
+}
+
+Json differences(const std::vector<DhDifference>& rows) {
+  const auto optional = [](const std::optional<double>& value, auto unit) {
+    return value ? unit(*value) : Json();
+  };
+  Json json = Json::array();
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    json.push_back({{"joint", i + 1},
+                    {"b_mm", optional(rows[i].b_mm, length)},
+                    {"theta_deg", optional(rows[i].theta_rad, angle)},
+                    {"a_mm", optional(rows[i].a_mm, length)},
+                    {"alpha_deg", optional(rows[i].alpha_rad, angle)}});
+  return json;
+}
+
+Json box(const identify::BoundingBox& box) {
+  Json orientation = Json::array();
+  for (Eigen::Index row = 0; row < 3; ++row)
+    orientation.push_back(direction(box.orientation.row(row).transpose()));
+  return {{"lengths_mm", point(box.lengths_mm)},
+          {"volume_m3", rounded(box.volume_mm3() * 1e-9, 12)},
+          {"center", point(box.center_mm)},
+          {"orientation", std::move(orientation)}};
+}
+
+/// JSON as a person reads it: short lists and objects of plain values on one line.
+void print(const Json& json, const std::string& indent, std::string& out) {
+  if (!json.is_structured() || json.empty()) {
+    out += json.dump();
+    return;
+  }
+  constexpr std::size_t kShort = 8;
+  const bool one_line = json.size() <= kShort && (json.is_array() || !indent.empty()) &&
+                        std::none_of(json.begin(), json.end(), [](const Json& item) {
+                          return item.is_structured() && !item.empty();
+                        });
+  const std::string inner = indent + "  ";
+  out += json.is_array() ? "[" : "{";
+  std::string_view separator = "";
+  for (const auto& [key, value] : json.items()) {
+    out += separator;
+    if (!one_line) out += "\n" + inner;
+    if (json.is_object()) out += Json(key).dump() + ": ";
+    print(value, inner, out);
+    separator = one_line ? ", " : ",";
+  }
+  if (!one_line) out += "\n" + indent;
+  out += json.is_array() ? "]" : "}";
+}
+
+}  // namespace
+
+std::string result_json(const Outcome& outcome) {
+  const Identification& found = outcome.identification;
+  Json json = {{"schema", "sweepd.result/1"},
+               {"robot", outcome.robot},
+               {"status", identify::text(found.status)}};
+  if (!found.reason.empty()) json["reason"] = found.reason;
+  Json home = Json::array();
+  for (const auto& home_rad : found.home_rad) home.push_back(home_rad ? angle(*home_rad) : Json());
+  const auto known = [](const Json& angle_deg) { return !angle_deg.is_null(); };
+  if (std::any_of(home.begin(), home.end(), known)) json["home_deg"] = std::move(home);
+  json["source"] = source(outcome);
+  json["estimator"] = "circle";
+  json["joints"] = Json::array();
+  for (std::size_t j = 0; j < found.joints.size(); ++j)
+    json["joints"].push_back(joint(j, found.joints[j]));
+  json["dh"] = dh_table(found.dh);
+  json["estimates"] = {{"circle", {{"dh", dh_table(found.dh)}}}};
+  if (!found.specified.empty()) {
+    json["specified"] = specified(found.specified);
+    json["difference"] = differences(compare_with_specified(found));
+  }
+  if (found.bounding_box) json["bounding_box"] = box(*found.bounding_box);
+  json["warnings"] = Json::array();
+  for (const auto& warning : found.warnings) {
+    Json item = {{"code", warning.code}};
+    if (warning.joint) item["joint"] = *warning.joint + 1;
+    item["message"] = warning.message;
+    json["warnings"].push_back(std::move(item));
+  }
+  std::string out;
+  print(json, "", out);
+  return out + "\n";
+}
+
+}  // namespace sweepd

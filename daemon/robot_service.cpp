@@ -1,0 +1,223 @@
+#include "daemon/robot_service.hpp"
+
+#include <array>
+#include <ctime>
+#include <exception>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
+
+#include "daemon/atomic_file.hpp"
+#include "daemon/config_error.hpp"
+#include "daemon/report.hpp"
+#include "daemon/result_files.hpp"
+#include "rsi/ethernet_config.hpp"
+#include "rsi/ipoc.hpp"
+
+namespace sweepd {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// UTC, ISO 8601 basic: 20130704T120000Z.
+std::string utc_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  gmtime_r(&now, &parts);
+  std::array<char, 32> text{};
+  const auto size = std::strftime(text.data(), text.size(), "%Y%m%dT%H%M%SZ", &parts);
+  return {text.data(), size};
+}
+
+rsi::UdpServer::Options server_options(const RobotSettings& settings) {
+  rsi::UdpServer::Options options;
+  options.listen = settings.listen;
+  options.controller = settings.controller;
+  options.queue_bytes = settings.queue_bytes;
+  if (!settings.ethernet_config) {
+    options.reply.emplace("ImFree");
+    spdlog::warn(
+        "{}: no ethernet_config: replies carry Type ImFree and the IPOC alone; name the "
+        "file that lies on the controller",
+        settings.name);
+    return options;
+  }
+  const auto config = rsi::EthernetConfig::load(*settings.ethernet_config);
+  for (const auto& warning : config.warnings) spdlog::warn("{}: {}", settings.name, warning);
+  if (config.protocol == rsi::EthernetConfig::Protocol::TCP)
+    throw ConfigError(settings.ethernet_config->string() +
+                      ": PROTOCOL: expected UDP, found TCP: sweepd answers over UDP only; set UDP "
+                      "in this file, here and on the controller");
+  if (config.port != 0 && settings.listen.port != 0 && config.port != settings.listen.port)
+    spdlog::warn("{}: the controller sends to port {}, but listen is {}: make them equal",
+                 settings.name, config.port, rsi::text(settings.listen));
+  if (!config.only_send) options.reply.emplace(config);
+  return options;
+}
+
+}  // namespace
+
+RobotService::RobotService(const RobotSettings& settings)
+    : settings_(settings), setup_(load_setup(settings)), server_(server_options(settings)) {
+  std::error_code error;
+  std::filesystem::create_directories(settings_.output / settings_.name, error);
+  if (error)
+    throw std::runtime_error("cannot make the folder " +
+                             (settings_.output / settings_.name).string() + " (" + error.message() +
+                             "): give one that may be written with `output` or --output");
+}
+
+RobotService::~RobotService() {
+  stop();
+}
+
+void RobotService::start() {
+  reply_thread_ = std::thread([this] { server_.run(); });
+  acquisition_thread_ = std::thread([this] { acquire(); });
+  spdlog::info("{}: listening on UDP {}", settings_.name, rsi::text(local()));
+}
+
+void RobotService::stop() {
+  if (!reply_thread_.joinable()) return;
+  stopping_ = true;
+  server_.datagrams().wake();
+  acquisition_thread_.join();
+  server_.stop();
+  reply_thread_.join();
+}
+
+void RobotService::acquire() {
+  while (!stopping_) {
+    server_.datagrams().wait(100ms);
+    drain();
+    const auto now = Steady::now();
+    if (session_ && now - last_flush_ > 1s) {
+      session_->flush();
+      last_flush_ = now;
+    }
+    if (session_ && now - last_datagram_ > settings_.silence) {
+      spdlog::info("{}: RSI has been silent for {} ms: the stream has ended", settings_.name,
+                   settings_.silence.count());
+      end_session();
+    }
+  }
+  drain();
+  end_session();
+}
+
+void RobotService::drain() {
+  rsi::Datagram datagram;
+  while (server_.datagrams().pop(datagram)) take(datagram);
+  if (const auto overflows = server_.counts().overflows; overflows > overflows_said_) {
+    spdlog::error(
+        "{}: {} datagrams were answered but neither recorded nor used, since the queue "
+        "was full: raise queue_bytes or free the machine",
+        settings_.name, overflows - overflows_said_);
+    overflows_said_ = overflows;
+  }
+}
+
+void RobotService::take(const rsi::Datagram& datagram) {
+  const bool sent = datagram.source == server_.local();
+  if (!session_) {
+    // A stream begins with what can be answered; stray datagrams are no session.
+    if (sent || rsi::find_ipoc(datagram.payload).empty()) return;
+    begin_session(datagram);
+  }
+  rsi::Datagram seen = datagram;
+  (sent ? seen.source : seen.destination).address = local_address_;
+  if (sent) {
+    session_->reply(seen);
+  } else {
+    last_datagram_ = Steady::now();
+    session_->telegram(seen);
+  }
+}
+
+void RobotService::begin_session(const rsi::Datagram& first) {
+  local_address_ = server_.local().address != 0
+                       ? server_.local().address
+                       : rsi::local_address_towards(first.source).value_or(0);
+  started_ = utc_now();
+  last_flush_ = Steady::now();
+  const auto stem = settings_.output / settings_.name / started_;
+  folder_ = stem;
+  for (int again = 2; std::filesystem::exists(folder_); ++again)
+    folder_ = std::filesystem::path(stem).concat("-" + std::to_string(again));
+  const Session::Events events{
+      [this](const identify::Sweep& sweep) { on_sweep(sweep); },
+      [this](const std::string& trouble) { spdlog::error("{}: {}", settings_.name, trouble); }};
+  try {
+    std::filesystem::create_directories(folder_);
+    session_.emplace(
+        setup_, Session::Options{folder_, settings_.record, settings_.record ? "trace" : "live"},
+        events);
+    write_run_file({});
+  } catch (const std::exception& error) {
+    // Without files the robot is still answered and its sweeps still recognised.
+    spdlog::error("{}: {}", settings_.name, error.what());
+    folder_.clear();
+    session_.emplace(setup_, Session::Options{{}, false, "live"}, events);
+  }
+  spdlog::info("{}: RSI from {}; files in {}", settings_.name, rsi::text(first.source),
+               folder_.empty() ? "none" : folder_.string());
+}
+
+void RobotService::end_session() {
+  if (!session_) return;
+  session_->finish();
+  identify(false);
+  session_.reset();
+  server_.forget_controller();
+}
+
+void RobotService::on_sweep(const identify::Sweep& sweep) {
+  spdlog::info("{}: {}{}", settings_.name, sweep_line(sweep),
+               sweep.defect == identify::SweepDefect::none ? "" : " (not usable)");
+  if (session_->worth_identifying()) identify(true);
+}
+
+void RobotService::identify(bool interim) {
+  auto job = [name = settings_.name, folder = folder_, snapshot = session_->snapshot(), interim] {
+    try {
+      const Outcome outcome = snapshot.identified();
+      if (!folder.empty()) write_result(folder, outcome);
+      spdlog::info("{}: {}result {}{}{}", name, interim ? "interim " : "",
+                   identify::text(outcome.identification.status),
+                   outcome.identification.reason.empty() ? "" : ": ",
+                   outcome.identification.reason);
+    } catch (const std::exception& error) {
+      spdlog::error("{}: {}", name, error.what());
+    }
+  };
+  identification_.submit(std::move(job), interim);
+  if (!interim && !folder_.empty()) {
+    try {
+      write_run_file(utc_now());
+    } catch (const std::exception& error) {
+      spdlog::error("{}: {}", settings_.name, error.what());
+    }
+  }
+}
+
+void RobotService::write_run_file(const std::string& ended) {
+  const auto counts = server_.counts();
+  nlohmann::ordered_json json = {{"schema", "sweepd.run/1"},
+                                 {"sweepd", SWEEPD_VERSION},
+                                 {"command", "run"},
+                                 {"robot", settings_.name},
+                                 {"started", started_}};
+  if (!ended.empty()) json["ended"] = ended;
+  json["folder"] = folder_.string();
+  json["description"] = settings_.description.string();
+  if (settings_.ethernet_config) json["ethernet_config"] = settings_.ethernet_config->string();
+  json["listen"] = rsi::text(server_.local());
+  json["since_start_of_sweepd"] = {
+      {"answered", counts.answered},           {"superseded", counts.superseded},
+      {"unanswerable", counts.unanswerable},   {"foreign", counts.foreign},
+      {"send_failures", counts.send_failures}, {"overflows", counts.overflows}};
+  write_atomically(folder_ / "run.json", json.dump(2) + "\n");
+}
+
+}  // namespace sweepd

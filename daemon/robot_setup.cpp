@@ -1,0 +1,65 @@
+#include "daemon/robot_setup.hpp"
+
+#include "daemon/config_error.hpp"
+#include "daemon/units.hpp"
+
+namespace sweepd {
+namespace {
+
+void check_fit(const RobotSetup& setup) {
+  if (!setup.plan || !setup.description) return;
+  const auto findings = check_plan(*setup.plan, *setup.description);
+  if (!findings.empty()) throw ConfigError(findings.front());
+}
+
+/// A joint's turn begins with the move from home to its start, where there is one.
+int first_direction(const PlannedSweep& sweep, double home_deg) {
+  const double first =
+      sweep.start_deg != home_deg ? sweep.start_deg - home_deg : sweep.end_deg - sweep.start_deg;
+  return first > 0 ? 1 : -1;
+}
+
+}  // namespace
+
+RobotSetup load_setup(const RobotSettings& settings) {
+  RobotSetup setup = load_setup(settings.description, settings.plan);
+  setup.name = settings.name;
+  setup.signals = settings.signals;
+  return setup;
+}
+
+RobotSetup load_setup(const std::optional<std::filesystem::path>& description,
+                      const std::optional<std::filesystem::path>& plan) {
+  RobotSetup setup;
+  setup.name = "robot";
+  if (description) {
+    setup.description = load_robot(*description);
+    setup.name = description->stem().string();
+    setup.joints = setup.description->joints();
+  }
+  if (plan) {
+    setup.plan = load_plan(*plan);
+    if (!description) setup.joints = setup.plan->home_deg.size();
+  }
+  check_fit(setup);
+  return setup;
+}
+
+identify::Campaign campaign(const RobotSetup& setup, const identify::Resolution& resolution) {
+  identify::Campaign campaign;
+  campaign.joints = setup.joints;
+  campaign.resolution = resolution;
+  if (setup.description) campaign.specified = setup.description->arm;
+  if (setup.plan) {
+    for (const double home : setup.plan->home_deg)
+      campaign.declared_home_rad.push_back(radians(home));
+    for (const auto& sweep : setup.plan->sweeps) {
+      const std::size_t joint = sweep.joint - 1;
+      if (campaign.order.empty() || campaign.order.back().joint != joint)
+        campaign.order.push_back({joint, first_direction(sweep, setup.plan->home_deg[joint])});
+    }
+  }
+  return campaign;
+}
+
+}  // namespace sweepd

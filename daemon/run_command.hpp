@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "rsi/endpoint.hpp"
+
+namespace sweepd {
+
+struct RunOptions {
+  std::filesystem::path config = "/etc/sweepd/sweepd.toml";
+  std::optional<std::filesystem::path> output;  ///< in place of every robot's own
+  std::optional<rsi::Endpoint> listen;          ///< in place of the one robot's own
+};
+
+/// The daemon, in the foreground, until SIGINT or SIGTERM. Then the last result and the recording
+/// are completed, and the socket closes last. Returns the exit code; throws ConfigError and
+/// std::runtime_error before anything is served.
+[[nodiscard]] int run(const RunOptions& options);
+
+}  // namespace sweepd

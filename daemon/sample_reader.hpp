@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/settings.hpp"
+#include "identify/sample.hpp"
+#include "rsi/telegram.hpp"
+
+namespace sweepd {
+
+/// Takes the measured values out of telegrams: where rsi ends and identify begins.
+class SampleReader {
+ public:
+  /// The first `joints` names of the angles count.
+  SampleReader(const SignalNames& names, std::size_t joints);
+
+  /// Position, orientation and angles, each only if all of its values are there and numbers; the
+  /// time is left to the caller.
+  [[nodiscard]] identify::Sample read(const rsi::Telegram& telegram);
+
+  /// The telegram's <Delay D=>.
+  [[nodiscard]] std::optional<std::uint64_t> delay(const rsi::Telegram& telegram);
+
+  /// Appends ",x,y,z,a,b,c,a1,…" as the controller printed them; nothing between the commas for
+  /// what is missing.
+  void append_csv(const rsi::Telegram& telegram, std::string& row) const;
+  [[nodiscard]] std::string csv_header() const;
+
+  /// The last decimal that was printed so far, in the finest telegram.
+  [[nodiscard]] const identify::Resolution& resolution() const { return resolution_; }
+
+  /// Values that were there but no finite numbers.
+  [[nodiscard]] std::uint64_t unusable() const { return unusable_; }
+
+ private:
+  /// A signal's name and where it was found last.
+  struct Source {
+    std::string element;
+    std::string attribute;
+    std::size_t hint = 0;
+  };
+
+  static Source source(const std::string& name);
+  std::optional<double> value(const rsi::Telegram& telegram, Source& source, int& decimals);
+
+  std::vector<Source> pose_;  // X Y Z A B C
+  std::vector<Source> angles_;
+  Source delay_{"Delay", "D", 0};
+  identify::Resolution resolution_;
+  int position_decimals_ = -1;
+  int angle_decimals_ = -1;
+  std::uint64_t unusable_ = 0;
+};
+
+}  // namespace sweepd

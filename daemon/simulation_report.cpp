@@ -1,0 +1,142 @@
+#include "daemon/simulation_report.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <string_view>
+
+#include "daemon/numbers.hpp"
+
+namespace sweepd {
+namespace {
+
+using rsi::ReplyFault;
+using End = rsi::ControllerLink::End;
+
+std::string row(std::string_view label, std::string_view value, std::string_view unit = {}) {
+  constexpr std::size_t label_width = 24;
+  constexpr std::size_t value_width = 10;
+  std::string line(label);
+  line.append(label_width - std::min(label.size(), label_width), ' ');
+  line.append(value_width - std::min(value.size(), value_width), ' ').append(value);
+  if (!unit.empty()) line.append(" ").append(unit);
+  return line + '\n';
+}
+
+std::string row(std::string_view label, std::uint64_t count, std::string_view unit = {}) {
+  return row(label, std::to_string(count), unit);
+}
+
+std::string seconds(std::chrono::milliseconds time) {
+  return fixed(std::chrono::duration<double>(time).count(), 1) + " s";
+}
+
+std::string_view ending(const SimulationReport& report) {
+  if (report.interrupted) return "a signal stopped it";
+  if (report.live && report.link.end == End::timed_out)
+    return "the controller stopped for want of replies";
+  if (report.link.controller.telegrams < report.planned) return "it ended before the plan was over";
+  return "the plan was played to its end";
+}
+
+std::string reply_rows(const SimulationReport& report) {
+  const auto& counts = report.link.controller;
+  std::string rows;
+  if (report.only_send) {
+    rows += row("replies", counts.replies, "none expected: ONLYSEND");
+  } else {
+    rows += row("replies accepted", counts.accepted);
+    rows += row("cycles unanswered", counts.unanswered,
+                "at most " + std::to_string(counts.longest_unanswered) + " in a row");
+    rows += row("replies late", counts.of(ReplyFault::late));
+  }
+  bool refused = false;
+  for (std::size_t i = 0; i < rsi::kReplyFaults; ++i) {
+    const auto kind = static_cast<ReplyFault>(i);
+    if (kind == ReplyFault::late || counts.of(kind) == 0) continue;
+    rows += row("replies refused", counts.of(kind), rsi::text(kind));
+    refused = true;
+  }
+  if (!refused) rows += row("replies refused", 0);
+  if (!report.link.first_fault.empty()) rows += "  first " + report.link.first_fault + '\n';
+  return rows;
+}
+
+std::string latency_rows(const rsi::LatencyHistogram& latency) {
+  if (latency.count() == 0) return {};
+  const auto microseconds = [](std::string_view label, std::chrono::nanoseconds time) {
+    return row(label, fixed(static_cast<double>(time.count()) / 1e3, 1), "µs");
+  };
+  return microseconds("latency p50", latency.quantile(0.5)) +
+         microseconds("latency p99", latency.quantile(0.99)) +
+         microseconds("latency p99.9", latency.quantile(0.999)) +
+         microseconds("latency max", latency.max());
+}
+
+std::uint64_t beyond(std::uint64_t count, std::uint64_t excused) {
+  return count > excused ? count - excused : 0;
+}
+
+/// "1 reply was", "2 replies were".
+std::string counted(std::uint64_t count, const char* one, const char* many) {
+  return std::to_string(count) + ' ' + (count == 1 ? one : many);
+}
+
+std::string link_problem(const SimulationReport& report) {
+  const auto& link = report.link;
+  const auto& counts = link.controller;
+  if (link.send_failures != 0)
+    return counted(link.send_failures, "datagram", "datagrams") + " could not be sent to " +
+           report.target + ": " + link.first_send_failure +
+           ": check the address and this machine's network";
+
+  if (counts.replies == 0 && counts.unanswered > link.wire.lost)
+    return "nobody answered at " + report.target +
+           ": start `sweepd run` there, or check address and port";
+
+  const std::uint64_t held_back = link.wire.swapped + (report.swaps ? 1 : 0);
+  const auto excused = std::min(counts.of(ReplyFault::late), held_back) +
+                       std::min(counts.of(ReplyFault::repeated), link.wire.duplicated);
+  const auto wrong =
+      std::accumulate(counts.faults.begin(), counts.faults.end(), std::uint64_t{0}) - excused;
+  if (wrong != 0)
+    return counted(wrong, "reply was", "replies were") +
+           " refused or late (the first fault: " + link.first_fault +
+           "): correct the server, or see what keeps it busy";
+
+  const auto missing = beyond(counts.unanswered, link.wire.lost + 2 * held_back);
+  if (missing != 0 || link.end == End::timed_out)
+    return counted(missing != 0 ? missing : counts.longest_unanswered, "cycle was", "cycles were") +
+           " not answered by " + report.target +
+           ": see whether it was stopped, and what keeps it busy";
+  return {};
+}
+
+}  // namespace
+
+std::string text(const SimulationReport& report) {
+  const auto& link = report.link;
+  const auto telegrams = link.controller.telegrams;
+  std::string text = (report.live ? "Simulated to " : "Simulated into ") + report.target + ", " +
+                     seconds(telegrams * report.cycle) + " of " +
+                     seconds(report.planned * report.cycle) + ": ";
+  text.append(ending(report)).append(".\n");
+  text += row("telegrams", telegrams, "one each " + std::to_string(report.cycle.count()) + " ms");
+  text += row("  lost on purpose", link.wire.lost);
+  text += row("  duplicated on purpose", link.wire.duplicated);
+  text += row("  swapped on purpose", link.wire.swapped, "pairs");
+  if (!report.live) return text;
+  if (link.skipped != 0) text += row("cycles overslept", link.skipped, "by this machine");
+  if (link.send_failures != 0)
+    text += row("not sent", link.send_failures, "datagrams: " + link.first_send_failure);
+  return text + reply_rows(report) + latency_rows(link.latency);
+}
+
+std::string problem(const SimulationReport& report) {
+  if (report.live)
+    if (auto text = link_problem(report); !text.empty()) return text;
+  if (report.interrupted)
+    return "a signal stopped the simulation before the plan was over: run it again";
+  return {};
+}
+
+}  // namespace sweepd

@@ -1,0 +1,331 @@
+#include "identify/circle_estimator.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include "identify/axis_directions.hpp"
+#include "identify/home.hpp"
+#include "identify/points.hpp"
+
+namespace identify {
+namespace {
+
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+
+constexpr double kDegree = 3.14159265358979323846 / 180;
+/// An axis that is less certain than this is none.
+constexpr double kWorstDirection_rad = 1.0 * kDegree;
+/// An axis that is less certain than this deserves a warning.
+constexpr double kPoorDirection_rad = 0.05 * kDegree;
+constexpr double kPoorRadius_mm = 20;
+constexpr double kPoorArc_rad = 20 * kDegree;
+/// Printed more coarsely than this, positions blur the result.
+constexpr double kPoorResolution_mm = 0.0011;
+
+std::string fixed(double value, int decimals) {
+  std::array<char, 64> text;
+  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value,
+                                          std::chars_format::fixed, decimals);
+  return error == std::errc() ? std::string(text.data(), end) : std::string("?");
+}
+
+std::string degrees(double angle_rad, int decimals = 1) {
+  return fixed(angle_rad / kDegree, decimals) + "°";
+}
+
+std::string joint_name(std::size_t joint) {
+  return "joint " + std::to_string(joint + 1);
+}
+
+std::string_view cause(SweepDefect defect) {
+  switch (defect) {
+    case SweepDefect::too_short:
+      return "its arcs are shorter than 5°: sweep it further";
+    case SweepDefect::too_few_samples:
+      return "its sweeps have too few samples: move it slower";
+    case SweepDefect::other_joint_moved:
+      return "another joint moved along by more than 0.03°: move one joint at a time";
+    case SweepDefect::not_an_arc:
+      return "its positions do not lie on a circle";
+    case SweepDefect::none:
+      break;
+  }
+  return "";
+}
+
+std::string_view code(SweepDefect defect) {
+  switch (defect) {
+    case SweepDefect::too_short:
+      return "sweep_too_short";
+    case SweepDefect::too_few_samples:
+      return "too_few_samples";
+    case SweepDefect::other_joint_moved:
+      return "other_joint_moved";
+    case SweepDefect::not_an_arc:
+      return "not_an_arc";
+    case SweepDefect::none:
+      break;
+  }
+  return "";
+}
+
+/// One identification under way.
+class Circles {
+ public:
+  Circles(std::vector<Sweep> sweeps, const Campaign& campaign)
+      : campaign_(campaign), sweeps_(std::move(sweeps)) {
+    result_.joints.resize(campaign.joints);
+  }
+
+  Identification run() {
+    assign();
+    result_.home_rad = find_home(sweeps_, campaign_.joints, campaign_.resolution);
+    mark_positioning(sweeps_, result_.home_rad, campaign_.resolution);
+    if (!with_angles_ && campaign_.declared_home_rad.size() == campaign_.joints)
+      result_.home_rad.assign(campaign_.declared_home_rad.begin(),
+                              campaign_.declared_home_rad.end());
+    for (std::size_t j = 0; j < campaign_.joints; ++j) fit(j);
+    judge_axes();
+    extract();
+    summarise();
+    return std::move(result_);
+  }
+
+ private:
+  void warn(std::string_view code, std::optional<std::size_t> joint, std::string message) {
+    result_.warnings.push_back({std::string(code), joint, std::move(message)});
+  }
+
+  void assign() {
+    with_angles_ = std::any_of(sweeps_.begin(), sweeps_.end(),
+                               [](const Sweep& sweep) { return sweep.joint.has_value(); });
+    if (!with_angles_ && !sweeps_.empty()) {
+      auto order = campaign_.order;
+      for (std::size_t j = 0; order.size() < campaign_.joints && campaign_.order.empty(); ++j)
+        order.push_back({j, 0});
+      const auto groups = assign_joints(sweeps_, order);
+      if (groups != order.size())
+        warn("order_mismatch", {},
+             std::to_string(groups) +
+                 " axes were swept one after the other, but the declared order "
+                 "has " +
+                 std::to_string(order.size()) +
+                 ": give the sweep plan that was run, or send joint angles (AIPos)");
+      for (const auto& declared : order)
+        if (declared.first_direction == 0) directions_unknown_ = true;
+    }
+    std::erase_if(sweeps_, [&](const Sweep& sweep) {
+      return sweep.joint && *sweep.joint >= campaign_.joints;
+    });
+  }
+
+  void fit(std::size_t j) {
+    JointResult& joint = result_.joints[j];
+    SweepDefect worst = SweepDefect::none;
+    std::size_t elsewhere = 0;
+    for (const Sweep& sweep : sweeps_) {
+      if (sweep.joint != j) continue;
+      if (sweep.defect != SweepDefect::none) {
+        worst = sweep.defect;
+        continue;
+      }
+      const bool home = at_home(sweep, result_.home_rad, campaign_.resolution);
+      if (!home) ++elsewhere;
+      joint.sweeps.push_back(sweep);
+      joint.used.push_back(home && !sweep.positioning);
+    }
+    if (std::find(joint.used.begin(), joint.used.end(), true) == joint.used.end()) {
+      if (elsewhere > 0)
+        warn("off_home", j,
+             joint_name(j) +
+                 ": the other joints stood elsewhere than in the other "
+                 "sweeps: lock them at one common home pose");
+      else if (worst != SweepDefect::none)
+        warn(code(worst), j, joint_name(j) + ": " + std::string(cause(worst)));
+      else
+        warn("joint_never_moved", j, joint_name(j) + " was never swept alone");
+      return;
+    }
+    const Matrix3Xd points = used_points(j);
+    if (points.cols() == 0) {
+      positions_missing_ = true;
+      return;
+    }
+    joint.circle = fit_circle(points);
+    if (!joint.circle) {
+      warn("not_an_arc", j, joint_name(j) + ": " + std::string(cause(SweepDefect::not_an_arc)));
+      return;
+    }
+    orient(j);
+  }
+
+  Matrix3Xd used_points(std::size_t j) const {
+    std::vector<Sample> samples;
+    const JointResult& joint = result_.joints[j];
+    for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
+      if (joint.used[s])
+        samples.insert(samples.end(), joint.sweeps[s].samples->begin(),
+                       joint.sweeps[s].samples->end());
+    return positions(samples);
+  }
+
+  /// Turns the normal to positive rotation of the joint: pooled strokes run both ways.
+  void orient(std::size_t j) {
+    JointResult& joint = result_.joints[j];
+    Vector3d turned = Vector3d::Zero();
+    for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
+      if (!joint.used[s]) continue;
+      const auto points = positions(*joint.sweeps[s].samples);
+      for (Eigen::Index i = 1; i < points.cols(); ++i)
+        turned +=
+            joint.sweeps[s].direction *
+            (points.col(i - 1) - joint.circle->center_mm).cross(points.col(i) - points.col(i - 1));
+    }
+    if (turned.dot(joint.circle->normal) < 0) joint.circle->normal = -joint.circle->normal;
+  }
+
+  /// The noise of a joint's fit is not below that of its neighbours: a target near an axis leaves
+  /// small residuals and a wrong normal.
+  double usual_noise(double CircleFit::*rms) const {
+    std::vector<double> all;
+    for (const JointResult& joint : result_.joints)
+      if (joint.circle) all.push_back((*joint.circle).*rms);
+    if (all.empty()) return 0;
+    std::nth_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2),
+                     all.end());
+    return all[all.size() / 2];
+  }
+
+  void judge_axes() {
+    const double plane = usual_noise(&CircleFit::plane_rms_mm);
+    const double radial = usual_noise(&CircleFit::radial_rms_mm);
+    const double quantum = campaign_.resolution.position_mm / std::sqrt(12.0);
+    for (std::size_t j = 0; j < campaign_.joints; ++j) {
+      JointResult& joint = result_.joints[j];
+      if (!joint.circle) continue;
+      const CircleFit& circle = *joint.circle;
+      Axis axis{
+          circle.normal, circle.center_mm,
+          axis_covariance(circle, used_points(j), std::max({circle.plane_rms_mm, plane, quantum}),
+                          std::max({circle.radial_rms_mm, radial, quantum}))};
+      const double sigma = axis.direction_sigma_rad();
+      const std::string seen = "radius " + fixed(circle.radius_mm, 1) + " mm, arc " +
+                               degrees(circle.arc_rad) + ", direction uncertain by " +
+                               degrees(sigma, 4);
+      const bool usable = sigma < kWorstDirection_rad;
+      if (circle.radius_mm < kPoorRadius_mm)
+        warn("target_near_axis", j,
+             joint_name(j) + ": the target point is close to the axis (" + seen +
+                 "): choose a tool point further off it");
+      else if (!usable || sigma > kPoorDirection_rad || circle.arc_rad < kPoorArc_rad)
+        warn("arc_short", j,
+             joint_name(j) + ": the arc determines the axis poorly (" + seen +
+                 "): sweep it further, or with a tool point further off the axis");
+      if (usable) joint.axis = std::move(axis);
+    }
+  }
+
+  /// Where the robot's own size matters, an upper estimate from the points will do.
+  double size_mm() const {
+    std::vector<Vector3d> places;
+    for (const JointResult& joint : result_.joints) {
+      if (!joint.circle) continue;
+      places.push_back(joint.circle->center_mm);
+      places.push_back(joint.circle->center_mm +
+                       joint.circle->radius_mm * joint.circle->normal.unitOrthogonal());
+    }
+    double size = 1;
+    for (const auto& a : places)
+      for (const auto& b : places) size = std::max(size, (a - b).norm());
+    return size;
+  }
+
+  void extract() {
+    specify();
+    // The DH table's Z axes: those of positive rotation, turned as the specified table has them.
+    const auto turned = [&](const std::vector<std::optional<Axis>>& axes) {
+      auto other = axes;
+      for (std::size_t j = 0; j < campaign_.joints; ++j)
+        if (other[j] && campaign_.specified && campaign_.specified->positive[j] < 0)
+          other[j] = other[j]->reversed();
+      return other;
+    };
+    std::vector<std::optional<Axis>> positive;
+    for (const JointResult& joint : result_.joints) positive.push_back(joint.axis);
+    auto z = turned(positive);
+    if (directions_unknown_ && campaign_.specified) {
+      z = agreeing_directions(z, size_mm(), result_.specified);
+      positive = turned(z);
+      for (std::size_t j = 0; j < campaign_.joints; ++j) result_.joints[j].axis = positive[j];
+    }
+    result_.dh = extract_dh(z, size_mm(), result_.specified);
+  }
+
+  /// The specified table at the home of this campaign.
+  void specify() {
+    if (!campaign_.specified) return;
+    result_.specified = campaign_.specified->rows;
+    for (std::size_t j = 0; j < campaign_.joints; ++j)
+      if (result_.home_rad[j])
+        result_.specified[j].theta_rad =
+            wrapped(result_.specified[j].theta_rad +
+                    campaign_.specified->positive[j] *
+                        (*result_.home_rad[j] - campaign_.specified->home_rad[j]));
+  }
+
+  void summarise() {
+    Matrix3Xd all(3, 0);
+    std::size_t axes = 0;
+    std::string missing;
+    for (std::size_t j = 0; j < campaign_.joints; ++j) {
+      if (!result_.joints[j].axis) {
+        missing += (missing.empty() ? "" : ", ") + std::to_string(j + 1);
+        continue;
+      }
+      ++axes;
+      const Matrix3Xd points = used_points(j);
+      Matrix3Xd both(3, all.cols() + points.cols());
+      both << all, points;
+      all = std::move(both);
+    }
+    if (all.cols() > 0) result_.bounding_box = minimum_bounding_box(all);
+    if (campaign_.resolution.position_mm > kPoorResolution_mm)
+      warn("low_precision", {},
+           "positions come in steps of " + fixed(campaign_.resolution.position_mm, 2) +
+               " mm: set Precision of the ETHERNET object to 4 or more");
+    if (positions_missing_) {
+      // Strokes that angles alone tell are something: partial, not failed.
+      result_.status = Status::partial;
+      result_.reason =
+          "the telegrams carry no positions: add DEF_RIst to the SEND list of the "
+          "controller's Ethernet file";
+      warn("no_positions", {}, result_.reason);
+    } else if (axes == campaign_.joints) {
+      result_.status = Status::complete;
+    } else {
+      result_.status = axes > 0 ? Status::partial : Status::failed;
+      result_.reason =
+          sweeps_.empty() ? "no sweep of a single joint was seen" : "no axis for joint " + missing;
+    }
+  }
+
+  const Campaign& campaign_;
+  std::vector<Sweep> sweeps_;
+  Identification result_;
+  bool with_angles_ = false;
+  bool directions_unknown_ = false;
+  bool positions_missing_ = false;
+};
+
+}  // namespace
+
+Identification identify_by_circles(std::vector<Sweep> sweeps, const Campaign& campaign) {
+  return Circles(std::move(sweeps), campaign).run();
+}
+
+}  // namespace identify

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <vector>
+
+#include "identify/identification.hpp"
+
+namespace identify {
+
+/// The paper's method (estimator `circle`): a circle for each joint's sweeps at the common home,
+/// the axes as lines, the DH table from their common normals. Never throws for what the data hold:
+/// what cannot be determined is left out and said. Deterministic.
+[[nodiscard]] Identification identify_by_circles(std::vector<Sweep> sweeps,
+                                                 const Campaign& campaign);
+
+}  // namespace identify

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "identify/identification.hpp"
+
+namespace identify {
+
+/// Identified minus specified; angles wrapped to half a turn. Nothing where the number was not
+/// identified: what convention sets cannot differ. Nothing for theta where the joint's home angle
+/// is unknown, since the specified theta at that home is unknown then.
+struct DhDifference {
+  std::optional<double> b_mm;
+  std::optional<double> theta_rad;
+  std::optional<double> a_mm;
+  std::optional<double> alpha_rad;
+};
+
+/// One row a joint; empty without a specified table.
+[[nodiscard]] std::vector<DhDifference> compare_with_specified(const Identification& found);
+
+}  // namespace identify

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "identify/bounding_box.hpp"
+#include "identify/circle_fit.hpp"
+#include "identify/dh.hpp"
+#include "identify/dh_extraction.hpp"
+#include "identify/joint_assignment.hpp"
+#include "identify/sweep.hpp"
+
+namespace identify {
+
+/// What is known beforehand.
+struct Campaign {
+  std::size_t joints = 6;        ///< of the arm, 1 to kMostJoints
+  std::optional<Arm> specified;  ///< with as many rows; the result is compared with it
+  /// Where no angles are known: whose turn it was, in order. Empty: joint 1 to n.
+  std::vector<DeclaredJoint> order;
+  /// Where no angles are known: the angles of the locked joints, if declared.
+  std::vector<double> declared_home_rad;
+  Resolution resolution;
+};
+
+enum class Status {
+  complete,  ///< every joint has an axis
+  partial,
+  failed,  ///< no joint has one
+};
+[[nodiscard]] std::string_view text(Status status) noexcept;
+
+/// Something that the user should know; `code` is for programs and stays.
+struct Warning {
+  std::string code;
+  std::optional<std::size_t> joint;  ///< counted from 0
+  std::string message;
+};
+
+struct JointResult {
+  std::vector<Sweep> sweeps;  ///< all of this joint, in the order of time
+  std::vector<bool> used;     ///< one a sweep: whether its samples are in `circle`
+  std::optional<CircleFit> circle;
+  /// Points as the DH table needs it: with a specified table along that table's Z.
+  std::optional<Axis> axis;
+};
+
+struct Identification {
+  Status status = Status::failed;
+  std::string reason;  ///< why not complete; empty if it is
+  /// One a joint, where known: the angles at which the axes below were locked.
+  std::vector<std::optional<double>> home_rad;
+  std::vector<JointResult> joints;
+  std::vector<DhEstimate> dh;               ///< one row a joint
+  std::vector<DhRow> specified;             ///< at home_rad; empty without a specified table
+  std::optional<BoundingBox> bounding_box;  ///< of the samples that were used
+  std::vector<Warning> warnings;
+};
+
+}  // namespace identify

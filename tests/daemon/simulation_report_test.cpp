@@ -1,0 +1,179 @@
+#include "daemon/simulation_report.hpp"
+
+#include <catch2/catch.hpp>
+
+using Catch::Matchers::Contains;
+using End = rsi::ControllerLink::End;
+using rsi::ReplyFault;
+using sweepd::problem;
+using sweepd::SimulationReport;
+using namespace std::chrono_literals;
+
+namespace {
+
+/// A thousand cycles, each answered after 20 us.
+SimulationReport flawless() {
+  SimulationReport report;
+  report.target = "127.0.0.1:49152";
+  report.live = true;
+  report.cycle = 4ms;
+  report.planned = 1000;
+  report.link.controller.telegrams = 1000;
+  report.link.controller.replies = 1000;
+  report.link.controller.accepted = 1000;
+  for (int i = 0; i < 1000; ++i) report.link.latency.add(20us);
+  return report;
+}
+
+void refuse(SimulationReport& report, ReplyFault kind, std::uint64_t count) {
+  report.link.controller.faults[static_cast<std::size_t>(kind)] += count;
+  report.link.first_fault = "reply to IPOC 7: " + std::string(rsi::text(kind));
+}
+
+}  // namespace
+
+TEST_CASE("a flawless run is reported in lined up figures, and nothing is wrong with it") {
+  const auto report = flawless();
+  CHECK(problem(report).empty());
+  CHECK(text(report) ==
+        "Simulated to 127.0.0.1:49152, 4.0 s of 4.0 s: the plan was played to its end.\n"
+        "telegrams                     1000 one each 4 ms\n"
+        "  lost on purpose                0\n"
+        "  duplicated on purpose          0\n"
+        "  swapped on purpose             0 pairs\n"
+        "replies accepted              1000\n"
+        "cycles unanswered                0 at most 0 in a row\n"
+        "replies late                     0\n"
+        "replies refused                  0\n"
+        // Quantiles are right to 1/128.
+        "latency p50                   20.0 µs\n"
+        "latency p99                   20.0 µs\n"
+        "latency p99.9                 20.0 µs\n"
+        "latency max                   20.0 µs\n");
+}
+
+TEST_CASE("a capture has no replies to report") {
+  SimulationReport report;
+  report.target = "trace.pcap";
+  report.cycle = 12ms;
+  report.planned = 500;
+  report.link.controller.telegrams = 500;
+  report.link.wire = {.lost = 5, .duplicated = 3, .swapped = 2};
+  CHECK(problem(report).empty());
+  CHECK(text(report) ==
+        "Simulated into trace.pcap, 6.0 s of 6.0 s: the plan was played to its end.\n"
+        "telegrams                      500 one each 12 ms\n"
+        "  lost on purpose                5\n"
+        "  duplicated on purpose          3\n"
+        "  swapped on purpose             2 pairs\n");
+  report.link.controller.telegrams = 250;
+  CHECK_THAT(text(report), Contains("3.0 s of 6.0 s: it ended before the plan was over"));
+}
+
+TEST_CASE("each kind of refusal is counted, and the first fault said") {
+  auto report = flawless();
+  refuse(report, ReplyFault::wrong_type, 2);
+  refuse(report, ReplyFault::wrong_ipoc, 1);
+  CHECK_THAT(text(report), Contains("replies refused                  2 wrong Type\n"
+                                    "replies refused                  1 wrong IPOC\n"
+                                    "  first reply to IPOC 7: wrong IPOC\n"));
+  CHECK(problem(report) ==
+        "3 replies were refused or late (the first fault: reply to IPOC 7: wrong IPOC): correct "
+        "the server, or see what keeps it busy");
+}
+
+TEST_CASE("a late reply is a problem unless its telegram was swapped on purpose") {
+  auto report = flawless();
+  refuse(report, ReplyFault::late, 2);
+  report.link.controller.unanswered = 2;
+  CHECK_THAT(problem(report), Contains("2 replies were refused or late"));
+  report.link.wire.swapped = 2;
+  CHECK(problem(report).empty());
+}
+
+TEST_CASE("the last telegram of all may be held back for a swap that never comes") {
+  auto report = flawless();
+  refuse(report, ReplyFault::late, 1);
+  report.link.controller.unanswered = 1;
+  CHECK_THAT(problem(report), Contains("1 reply was refused or late"));
+  report.swaps = true;
+  CHECK(problem(report).empty());
+}
+
+TEST_CASE("a second reply is a problem unless its telegram was duplicated on purpose") {
+  auto report = flawless();
+  refuse(report, ReplyFault::repeated, 3);
+  CHECK_THAT(problem(report), Contains("3 replies were refused"));
+  report.link.wire.duplicated = 2;
+  CHECK_THAT(problem(report), Contains("1 reply was refused"));
+  report.link.wire.duplicated = 3;
+  CHECK(problem(report).empty());
+}
+
+TEST_CASE("an unanswered cycle is a problem unless its telegram was lost on purpose") {
+  auto report = flawless();
+  report.link.controller.unanswered = 4;
+  CHECK(problem(report) ==
+        "4 cycles were not answered by 127.0.0.1:49152: see whether it was stopped, and what keeps "
+        "it busy");
+  report.link.wire.lost = 3;
+  CHECK_THAT(problem(report), Contains("1 cycle was not answered"));
+  report.link.wire.lost = 4;
+  CHECK(problem(report).empty());
+}
+
+TEST_CASE("a server that never answers is told from one that ceased to") {
+  auto report = flawless();
+  report.link.end = End::timed_out;
+  report.link.controller.unanswered = report.link.controller.longest_unanswered = 100;
+  CHECK_THAT(text(report), Contains("the controller stopped for want of replies"));
+  CHECK_THAT(problem(report), Contains("100 cycles were not answered"));
+
+  // A plan that is shorter than the Timeout is over before the controller stops.
+  report.link.controller.replies = report.link.controller.accepted = 0;
+  for (const auto end : {End::timed_out, End::done}) {
+    report.link.end = end;
+    CHECK(problem(report) ==
+          "nobody answered at 127.0.0.1:49152: start `sweepd run` there, or check address and "
+          "port");
+  }
+}
+
+TEST_CASE("a controller that stops is a problem though every loss was on purpose") {
+  auto report = flawless();
+  report.link.end = End::timed_out;
+  report.link.wire.lost = 10;
+  report.link.controller.unanswered = report.link.controller.longest_unanswered = 10;
+  CHECK_THAT(problem(report), Contains("10 cycles were not answered"));
+}
+
+TEST_CASE("a controller that only sends is content without replies, not with them") {
+  auto report = flawless();
+  report.only_send = true;
+  report.link.controller.replies = report.link.controller.accepted = 0;
+  CHECK(problem(report).empty());
+  CHECK_THAT(text(report), Contains("replies                          0 none expected: ONLYSEND"));
+  report.link.controller.replies = 1;
+  refuse(report, ReplyFault::unasked, 1);
+  CHECK_THAT(problem(report), Contains("1 reply was refused"));
+}
+
+TEST_CASE("a run that a signal ended is not whole") {
+  auto report = flawless();
+  report.interrupted = true;
+  CHECK_THAT(text(report), Contains("a signal stopped it"));
+  CHECK(problem(report) ==
+        "a signal stopped the simulation before the plan was over: run it again");
+}
+
+TEST_CASE("what this machine could not send or slept over is said") {
+  auto report = flawless();
+  report.link.skipped = 12;
+  CHECK_THAT(text(report), Contains("cycles overslept                12 by this machine"));
+  CHECK(problem(report).empty());
+  report.link.send_failures = 1;
+  report.link.first_send_failure = "Network is unreachable";
+  CHECK_THAT(text(report),
+             Contains("not sent                         1 datagrams: Network is unreachable"));
+  CHECK_THAT(problem(report), Contains("1 datagram could not be sent to 127.0.0.1:49152: Network"));
+}
