@@ -11,7 +11,7 @@ JobThread::~JobThread() {
     const std::lock_guard lock(mutex_);
     ending_ = true;
   }
-  changed_.notify_one();
+  changed_.notify_all();
   thread_.join();
 }
 
@@ -21,7 +21,12 @@ void JobThread::submit(std::function<void()> job, bool interim) {
     if (!jobs_.empty() && jobs_.back().interim) jobs_.pop_back();
     jobs_.push_back({std::move(job), interim});
   }
-  changed_.notify_one();
+  changed_.notify_all();
+}
+
+void JobThread::drain() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return jobs_.empty() && !busy_; });
 }
 
 void JobThread::run() {
@@ -31,9 +36,12 @@ void JobThread::run() {
     if (jobs_.empty()) return;
     const Job job = std::move(jobs_.front());
     jobs_.pop_front();
+    busy_ = true;
     lock.unlock();
     job.work();
     lock.lock();
+    busy_ = false;
+    changed_.notify_all();
   }
 }
 

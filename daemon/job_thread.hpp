@@ -18,6 +18,8 @@ class JobThread {
   JobThread& operator=(const JobThread&) = delete;
 
   void submit(std::function<void()> job, bool interim);
+  /// Waits until all jobs are done.
+  void drain();
 
  private:
   struct Job {
@@ -30,6 +32,7 @@ class JobThread {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Job> jobs_;
+  bool busy_ = false;
   bool ending_ = false;
   std::thread thread_;
 };

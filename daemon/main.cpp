@@ -155,14 +155,18 @@ int main(int argc, char** argv) {
   sweepd::CheckOptions check;
   command = app.add_subcommand(
       "check", "Settings, robot, plan and the controller's Ethernet file against each other");
-  auto* files = command->add_option_group("Files", "What to look at: at least one of");
-  files->add_option("--config", check.config, "Settings, and all files that they name")
+  command
+      ->add_option(
+          "--config", check.config,
+          "Settings, and all files that they name (default, unless Ethernet files are given: "
+          "those of `run`)")
       ->type_name("FILE");
-  files->add_option("--ethernet-config", check.ethernet_configs, "Ethernet files by themselves")
+  command->add_option("--ethernet-config", check.ethernet_configs, "Ethernet files by themselves")
       ->type_name("FILE");
-  files->require_option(1, 2);
-  command->callback([&] { exit_code = sweepd::check(check); });
-
+  command->callback([&] {
+    if (!check.config && check.ethernet_configs.empty()) check.config = run.config;
+    exit_code = sweepd::check(check);
+  });
   try {
     app.parse(argc, argv);
     return exit_code;
@@ -173,7 +177,10 @@ int main(int argc, char** argv) {
   } catch (const CLI::CallForVersion& version) {
     return app.exit(version);
   } catch (const CLI::ParseError& problem) {
-    std::cerr << "sweepd: " << problem.what() << ": `sweepd --help` tells how it is used\n";
+    const auto commands = app.get_subcommands();
+    std::cerr << "sweepd: " << problem.what() << ": `sweepd "
+              << (commands.empty() ? "" : commands.front()->get_name() + " ")
+              << "--help` tells how it is used\n";
     return kUsage;
   } catch (const sweepd::ConfigError& problem) {
     return say(problem, kConfigError);

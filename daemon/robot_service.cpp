@@ -83,6 +83,7 @@ void RobotService::stop() {
   stopping_ = true;
   server_.datagrams().wake();
   acquisition_thread_.join();
+  identification_.drain();
   server_.stop();
   reply_thread_.join();
 }
@@ -175,11 +176,18 @@ void RobotService::end_session() {
 void RobotService::on_sweep(const identify::Sweep& sweep) {
   spdlog::info("{}: {}{}", settings_.name, sweep_line(sweep),
                sweep.defect == identify::SweepDefect::none ? "" : " (not usable)");
-  if (session_->worth_identifying()) identify(true);
+  // With many sweeps in one stream each identification takes longer: leave most of the time free.
+  const auto now = Steady::now();
+  if (now - last_identification_ < 10 * identification_took_.load()) return;
+  if (!session_->worth_identifying()) return;
+  last_identification_ = now;
+  identify(true);
 }
 
 void RobotService::identify(bool interim) {
-  auto job = [name = settings_.name, folder = folder_, snapshot = session_->snapshot(), interim] {
+  auto job = [this, folder = folder_, snapshot = session_->snapshot(), interim] {
+    const auto& name = settings_.name;
+    const auto start = Steady::now();
     try {
       const Outcome outcome = snapshot.identified();
       if (!folder.empty()) write_result(folder, outcome);
@@ -190,6 +198,7 @@ void RobotService::identify(bool interim) {
     } catch (const std::exception& error) {
       spdlog::error("{}: {}", name, error.what());
     }
+    identification_took_ = Steady::now() - start;
   };
   identification_.submit(std::move(job), interim);
   if (!interim && !folder_.empty()) {

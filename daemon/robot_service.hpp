@@ -48,6 +48,7 @@ class RobotService {
   RobotSettings settings_;
   RobotSetup setup_;
   rsi::UdpServer server_;
+  std::atomic<Steady::duration> identification_took_{};
   JobThread identification_;
   std::thread reply_thread_;
   std::thread acquisition_thread_;
@@ -60,6 +61,7 @@ class RobotService {
   std::uint32_t local_address_ = 0;  // as the controller sees it
   std::uint64_t overflows_said_ = 0;
   Steady::time_point last_datagram_;
+  Steady::time_point last_identification_;
   Steady::time_point last_flush_;
 };
 

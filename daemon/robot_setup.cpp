@@ -1,5 +1,7 @@
 #include "daemon/robot_setup.hpp"
 
+#include <algorithm>
+
 #include "daemon/config_error.hpp"
 #include "daemon/units.hpp"
 
@@ -35,6 +37,7 @@ RobotSetup load_setup(const std::optional<std::filesystem::path>& description,
   if (description) {
     setup.description = load_robot(*description);
     setup.name = description->stem().string();
+    std::replace(setup.name.begin(), setup.name.end(), '_', '-');
     setup.joints = setup.description->joints();
   }
   if (plan) {

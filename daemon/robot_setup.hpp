@@ -24,7 +24,8 @@ struct RobotSetup {
 /// not fit the robot.
 [[nodiscard]] RobotSetup load_setup(const RobotSettings& settings);
 
-/// As above from files alone, either of which may be absent; without a description: six joints.
+/// As above from files alone, either of which may be absent; without a description: six joints. The
+/// name is that of the description's file: kr5-arc for kr5_arc.toml.
 [[nodiscard]] RobotSetup load_setup(const std::optional<std::filesystem::path>& description,
                                     const std::optional<std::filesystem::path>& plan);
 

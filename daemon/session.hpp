@@ -68,8 +68,8 @@ class Session {
   void record(const rsi::Datagram& datagram);
   void complain_once();
 
-  /// Samples that are kept for identification; some 160 MB.
-  static constexpr std::size_t kMostSamples = 1'000'000;
+  /// Samples that are kept for identification: some 80 MB, more than half an hour of sweeps.
+  static constexpr std::size_t kMostSamples = 500'000;
 
   RobotSetup setup_;
   Options options_;
