@@ -114,15 +114,10 @@ class Search {
 
     std::priority_queue<Cell, std::vector<Cell>, HigherBound> open;
     open.push(root);
-    result_.gap = tolerance_;
     while (!open.empty()) {
       const Cell cell = open.top();
-      const double gap = log_volume_ - cell.bound;
-      if (gap <= tolerance_) break;
-      if (all_.products() + core_.products() > max_products_) {
-        result_.gap = gap;
-        break;
-      }
+      result_.gap = log_volume_ - cell.bound;
+      if (result_.gap <= tolerance_ || all_.products() + core_.products() > max_products_) break;
       open.pop();
       const double half = cell.half(cell.split) / 2;
       if (half < std::numeric_limits<double>::epsilon() / 8) continue;  // a single orientation
@@ -135,6 +130,7 @@ class Search {
         if (child.bound < log_volume_ - tolerance_) open.push(child);
       }
     }
+    result_.gap = open.empty() ? tolerance_ : std::max(tolerance_, result_.gap);
     return result_;
   }
 
@@ -153,7 +149,8 @@ class Search {
 
     // Column i: from the rear end to the front end along axis i, in the axes. A few points (the
     // core) give no more than the true widths, which is all a lower bound needs. Only where they
-    // promise a new smallest box are all points asked, and the core learns from their answer.
+    // promise a box that halves the gap are all points asked, and the core learns from their
+    // answer.
     Matrix3d spans = Matrix3d::Identity();
     const auto log_volume = [&] {
       return spans.diagonal().cwiseMax(std::numeric_limits<double>::min()).array().log().sum();
@@ -162,7 +159,7 @@ class Search {
       const Ends ends = core_.ends(axes.col(i));
       spans.col(i) = axes.transpose() * (ends.front - ends.back);
     }
-    if (log_volume() < log_volume_) {
+    if (log_volume() < log_volume_ - std::max(tolerance_, result_.gap) / 2) {
       for (int i = 0; i < rank_; ++i) {
         const Ends ends = all_.ends(axes.col(i));
         const Vector3d span = axes.transpose() * (ends.front - ends.back);
