@@ -76,8 +76,9 @@ Frame frame_of(const Matrix3Xd& points, double flat) {
   // The width in direction u is at least |edge . u| for every edge, hence at least
   // |edges^T u| / sqrt(rank).
   edges = frame.axes.transpose() * edges;
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(edges.topLeftCorner(frame.rank, frame.rank));
-  frame.least_width = svd.singularValues()(frame.rank - 1) / std::sqrt(frame.rank);
+  for (int i = frame.rank; i < 3; ++i) edges(i, i) = length;  // no smaller than the others
+  const Eigen::JacobiSVD<Matrix3d> svd(edges, Eigen::ComputeFullV);
+  frame.least_width = svd.singularValues()(2) / std::sqrt(frame.rank);
   return frame;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
@@ -53,8 +54,12 @@ std::optional<CircleFit> fit_circle(const Matrix3Xd& points) {
   if (count < 4 || !points.allFinite()) return std::nullopt;
   const Vector3d centroid = points.rowwise().mean();                    // eq. 1
   const MatrixX3d centred = (points.colwise() - centroid).transpose();  // eq. 2
-  const Eigen::JacobiSVD<MatrixX3d> svd(centred,
-                                        Eigen::ComputeThinU | Eigen::ComputeThinV);  // eq. 3
+  // N = Q R has the singular values and V of the small R.                               eq. 3
+  const Matrix3d r = Eigen::HouseholderQR<MatrixX3d>(centred)
+                         .matrixQR()
+                         .topRows<3>()
+                         .triangularView<Eigen::Upper>();
+  const Eigen::JacobiSVD<Matrix3d> svd(r, Eigen::ComputeFullV);
   const Vector3d sizes = svd.singularValues();
   if (sizes(0) <= 0 || sizes(1) <= kLine * sizes(0)) return std::nullopt;
   const MatrixX3d local = centred * svd.matrixV();  // eq. 4
@@ -66,7 +71,7 @@ std::optional<CircleFit> fit_circle(const Matrix3Xd& points) {
   MatrixX3d a(count, 3);  // eqs. 6, 7
   a << 2 * x, 2 * y, VectorXd::Ones(count);
   const VectorXd b = x.array().square() + y.array().square();
-  const Vector3d c = a.colPivHouseholderQr().solve(b);             // eq. 8
+  const Vector3d c = a.householderQr().solve(b);                   // eq. 8
   const double squared_radius = c(0) * c(0) + c(1) * c(1) + c(2);  // eq. 9
   if (!(squared_radius > 0) || !c.allFinite()) return std::nullopt;
 
@@ -110,10 +115,8 @@ Matrix6d axis_covariance(const CircleFit& circle, const Matrix3Xd& points, doubl
     const Vector3d across = Vector3d(round(0, i), round(1, i), 0).normalized() + Vector3d::UnitZ();
     radial += across * across.transpose();
   }
-  const Matrix3d plane_covariance =
-      plane_sigma_mm * plane_sigma_mm * plane.completeOrthogonalDecomposition().pseudoInverse();
-  const Matrix3d radial_covariance =
-      radial_sigma_mm * radial_sigma_mm * radial.completeOrthogonalDecomposition().pseudoInverse();
+  const Matrix3d plane_covariance = plane_sigma_mm * plane_sigma_mm * plane.inverse();
+  const Matrix3d radial_covariance = radial_sigma_mm * radial_sigma_mm * radial.inverse();
 
   // From (z0, tx r, ty r) and (dx, dy) to the direction and the centre.
   Eigen::Matrix<double, 6, 3> by_plane = Eigen::Matrix<double, 6, 3>::Zero();
