@@ -24,8 +24,9 @@ constexpr double kWorstDirection_rad = 1.0 * kDegree;
 constexpr double kPoorDirection_rad = 0.05 * kDegree;
 constexpr double kPoorRadius_mm = 20;
 constexpr double kPoorArc_rad = 20 * kDegree;
-/// Printed more coarsely than this, positions blur the result.
+/// Printed more coarsely than this, positions and angles blur the result.
 constexpr double kPoorResolution_mm = 0.0011;
+constexpr double kPoorResolution_rad = 0.0011 * kDegree;
 
 std::string fixed(double value, int decimals) {
   std::array<char, 64> text;
@@ -294,10 +295,11 @@ class Circles {
       all = std::move(both);
     }
     if (all.cols() > 0) result_.bounding_box = minimum_bounding_box(all);
-    if (campaign_.resolution.position_mm > kPoorResolution_mm)
+    const auto& steps = campaign_.resolution;
+    if (steps.position_mm > kPoorResolution_mm || steps.angle_rad > kPoorResolution_rad)
       warn("low_precision", {},
-           "positions come in steps of " + fixed(campaign_.resolution.position_mm, 2) +
-               " mm: set Precision of the ETHERNET object to 4 or more");
+           "numbers come in steps of " + fixed(steps.position_mm, 4) + " mm and " +
+               degrees(steps.angle_rad, 4) + ": set Precision of the ETHERNET object to 4 or more");
     if (positions_missing_) {
       // Strokes that angles alone tell are something: partial, not failed.
       result_.status = Status::partial;

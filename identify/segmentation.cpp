@@ -181,7 +181,12 @@ void Segmenter::judge_by_positions(Sweep& sweep) const {
   const double noise = kNoise_mm + kNoisePerLength * length + resolution_.position_mm;
   sweep.range_rad = circle->arc_rad;
   if (sweep.samples->size() < kFewestSamples) sweep.defect = SweepDefect::too_few_samples;
-  if (sweep.range_rad < kShortestRange_rad) sweep.defect = SweepDefect::too_short;
+  // The ringing after a stop runs through any angle, but hardly leaves its place.
+  constexpr double kShortestExtent = 60;  // in units of the noise: some 3 mm
+  const double half_turn = std::min(circle->arc_rad, 180 * kDegree);
+  const double extent = 2 * circle->radius_mm * std::sin(half_turn / 2);
+  if (sweep.range_rad < kShortestRange_rad || extent < kShortestExtent * noise)
+    sweep.defect = SweepDefect::too_short;
   if (std::max(circle->plane_rms_mm, circle->radial_rms_mm) > noise)
     sweep.defect = SweepDefect::not_an_arc;
 }
