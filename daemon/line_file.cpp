@@ -31,23 +31,24 @@ LineFile::~LineFile() {
 }
 
 void LineFile::append(std::string_view line) {
+  if (buffer_.size() >= kBuffer) flush();
+  if (buffer_.size() >= kBuffer) return;
   buffer_ += line;
   buffer_ += '\n';
-  if (buffer_.size() >= kBuffer) flush();
 }
 
 void LineFile::flush() {
-  std::string_view rest = buffer_;
-  while (!rest.empty()) {
-    const auto written = write(file_, rest.data(), rest.size());
+  std::size_t done = 0;
+  while (done < buffer_.size()) {
+    const auto written = write(file_, buffer_.data() + done, buffer_.size() - done);
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) {
       if (error_.empty()) error_ = reason(path_);
       break;
     }
-    rest.remove_prefix(static_cast<std::size_t>(written));
+    done += static_cast<std::size_t>(written);
   }
-  buffer_.clear();
+  buffer_.erase(0, done);
 }
 
 }  // namespace sweepd

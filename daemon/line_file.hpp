@@ -7,7 +7,9 @@
 namespace sweepd {
 
 /// A text file that grows line by line, through a buffer. A disk that refuses bytes never throws
-/// here: the first error is kept, and what does not fit is left out. One thread.
+/// here: the first error is kept, what waits is tried again with the next flush, and lines that
+/// find the buffer full are left out, so that a disk with room again has whole lines only. One
+/// thread.
 class LineFile {
  public:
   /// Creates or empties the file; throws std::runtime_error.

@@ -178,14 +178,18 @@ int main(int argc, char** argv) {
     return app.exit(version);
   } catch (const CLI::ParseError& problem) {
     const auto commands = app.get_subcommands();
-    std::cerr << "sweepd: " << problem.what() << ": `sweepd "
-              << (commands.empty() ? "" : commands.front()->get_name() + " ")
+    const bool unknown = commands.empty() && argc > 1 && argv[1][0] != '-';
+    std::cerr << "sweepd: "
+              << (unknown ? std::string(argv[1]) + " is no command" : std::string(problem.what()))
+              << ": `sweepd " << (commands.empty() ? "" : commands.front()->get_name() + " ")
               << "--help` tells how it is used\n";
     return kUsage;
   } catch (const sweepd::ConfigError& problem) {
     return say(problem, kConfigError);
   } catch (const rsi::EthernetConfigError& problem) {
     return say(problem, kConfigError);
+  } catch (const std::invalid_argument& problem) {
+    return say(problem, kUsage);
   } catch (const std::exception& problem) {
     return say(problem, kFailed);
   }

@@ -17,21 +17,25 @@ namespace {
 using Paths = std::vector<std::filesystem::path>;
 
 /// The robot of the settings that a conversation belongs to: the only one, or the one whose port it
-/// is.
-const RobotSettings& robot_of(const Settings& settings,
-                              const std::optional<rsi::Conversation>& conversation) {
-  if (settings.robots.size() == 1) return settings.robots.front();
+/// is; nothing if there is none. Without a conversation any will do.
+std::optional<RobotSettings> robot_of(const Settings& settings,
+                                      const std::optional<rsi::Conversation>& conversation) {
+  if (settings.robots.size() == 1 || !conversation) return settings.robots.front();
   for (const RobotSettings& robot : settings.robots)
-    if (conversation && robot.listen.port == conversation->sweepd.port) return robot;
-  throw ConfigError(settings.file.string() +
-                    ": listen: expected a [[robot]] that listens where the capture's telegrams go, "
-                    "found none: name its description with --robot");
+    if (robot.listen.port == conversation->sweepd.port) return robot;
+  return std::nullopt;
 }
 
 RobotSetup setup_for(const ReplayOptions& options,
                      const std::optional<rsi::Conversation>& conversation) {
   std::optional<RobotSettings> settings;
-  if (options.config) settings = robot_of(load_settings(*options.config), conversation);
+  if (options.config) {
+    settings = robot_of(load_settings(*options.config), conversation);
+    if (!settings && !options.robot)
+      throw ConfigError(options.config->string() +
+                        ": listen: expected a [[robot]] that listens where the capture's telegrams "
+                        "go, found none: name its description with --robot");
+  }
   auto description = options.robot;
   auto plan = options.plan;
   if (settings && !description) description = settings->description;
@@ -75,6 +79,14 @@ void read(const ReplayOptions& options, const rsi::Conversation& conversation, S
   }
 }
 
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error)
+    throw std::runtime_error("cannot make the folder " + folder.string() + " (" + error.message() +
+                             "): give one that may be written with --output");
+}
+
 void write_run_file(const ReplayOptions& options, const rsi::ConversationSearch& search) {
   nlohmann::ordered_json json = {
       {"schema", "sweepd.run/1"}, {"sweepd", SWEEPD_VERSION}, {"command", "replay"}};
@@ -83,7 +95,9 @@ void write_run_file(const ReplayOptions& options, const rsi::ConversationSearch&
   if (options.robot) json["description"] = options.robot->string();
   if (options.plan) json["plan"] = options.plan->string();
   if (search.chosen) json["conversation"] = text(*search.chosen);
-  write_atomically(*options.output / "run.json", json.dump(2) + "\n");
+  write_atomically(
+      *options.output / "run.json",
+      json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace
@@ -92,11 +106,14 @@ int replay(const ReplayOptions& options, std::ostream& out, std::ostream& errors
   const auto search = rsi::find_conversation(options.traces, options.filter);
   if (!search.note.empty()) errors << "sweepd: " << search.note << '\n';
   const RobotSetup setup = setup_for(options, search.chosen);
-  if (options.output) std::filesystem::create_directories(*options.output);
+  if (options.output) make_folder(*options.output);
 
-  Session session(
-      setup, {options.output.value_or(""), false, "trace"},
-      {{}, [&](const std::string& trouble) { errors << "sweepd: " << trouble << '\n'; }});
+  bool all_written = true;
+  Session session(setup, {options.output.value_or(""), false, "trace"},
+                  {{}, [&](const std::string& trouble) {
+                     errors << "sweepd: " << trouble << '\n';
+                     all_written = false;
+                   }});
   if (search.chosen) read(options, *search.chosen, session, errors);
   session.finish();
   Outcome outcome = session.snapshot().identified();
@@ -106,7 +123,7 @@ int replay(const ReplayOptions& options, std::ostream& out, std::ostream& errors
     write_run_file(options, search);
   }
   if (!options.quiet) out << report(outcome);
-  return outcome.identification.status == identify::Status::failed ? 1 : 0;
+  return all_written && outcome.identification.status != identify::Status::failed ? 0 : 1;
 }
 
 }  // namespace sweepd

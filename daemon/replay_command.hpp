@@ -21,8 +21,8 @@ struct ReplayOptions {
 
 /// The live path on captures, as fast as it goes: the same samples give the same result files. The
 /// report goes to `report`, what is wrong with the captures to `errors`, a sentence each. Returns
-/// the exit code: 1 if not one axis was identified for want of data. Throws ConfigError,
-/// rsi::CaptureError and std::runtime_error.
+/// the exit code: 1 if not one axis was identified for want of data, or samples.csv is not whole.
+/// Throws ConfigError, rsi::CaptureError and std::runtime_error.
 [[nodiscard]] int replay(const ReplayOptions& options, std::ostream& report = std::cout,
                          std::ostream& errors = std::cerr);
 

@@ -1,6 +1,8 @@
 #include "daemon/report.hpp"
 
+#include <algorithm>
 #include <optional>
+#include <string_view>
 
 #include "daemon/numbers.hpp"
 #include "daemon/units.hpp"
@@ -12,6 +14,34 @@ namespace {
 using identify::DhNumber;
 using identify::Identification;
 using identify::Knowledge;
+
+constexpr std::size_t kColumns = 80;
+
+/// `label` and the words of `text`, in lines that fit the terminal; all but the first begin in the
+/// column in which `text` began.
+std::string paragraph(const std::string& label, std::string_view text) {
+  const auto width = [](std::string_view word) {
+    return static_cast<std::size_t>(std::count_if(word.begin(), word.end(), [](char c) {
+      return (static_cast<unsigned char>(c) & 0xc0) != 0x80;
+    }));
+  };
+  std::string out = label;
+  std::size_t column = label.size();
+  while (!text.empty()) {
+    const auto word = text.substr(0, text.find(' '));
+    text.remove_prefix(std::min(text.size(), word.size() + 1));
+    if (column > label.size() && column + 1 + width(word) > kColumns) {
+      out += "\n" + std::string(label.size(), ' ');
+      column = label.size();
+    } else if (column > label.size()) {
+      out += ' ';
+      ++column;
+    }
+    out += word;
+    column += width(word);
+  }
+  return out + "\n";
+}
 
 std::string right(std::string text, std::size_t width) {
   return text.size() < width ? std::string(width - text.size(), ' ') + text : text;
@@ -30,19 +60,23 @@ std::string number(const std::optional<double>& value, int decimals, std::size_t
 std::string source_text(const Outcome& outcome) {
   const auto& counts = outcome.counts;
   const auto& link = counts.link;
-  std::string text = "telegrams   " + std::to_string(link.telegrams);
-  if (counts.cycle_ms) text += ", one every " + std::to_string(*counts.cycle_ms) + " ms";
-  text += "\nlink        lost " + std::to_string(link.lost) + ", duplicated " +
-          std::to_string(link.duplicated) + ", reordered " + std::to_string(link.reordered) +
-          ", malformed " + std::to_string(counts.malformed_in_all()) + ", restarts " +
-          std::to_string(link.restarts) + "\nreplies     late by the controller's count " +
-          std::to_string(link.late_replies);
+  std::string telegrams = std::to_string(link.telegrams);
+  if (counts.cycle_ms) telegrams += ", one every " + std::to_string(*counts.cycle_ms) + " ms";
+  std::string late = "late by the controller's count " + std::to_string(link.late_replies);
   if (link.late_runs > 0)
-    text += ", in " + std::to_string(link.late_runs) + " runs of at most " +
+    late += ", in " + std::to_string(link.late_runs) + " runs of at most " +
             std::to_string(link.longest_late_run);
+  std::string text =
+      paragraph("telegrams   ", telegrams) +
+      paragraph("link        ", "lost " + std::to_string(link.lost) + ", duplicated " +
+                                    std::to_string(link.duplicated) + ", reordered " +
+                                    std::to_string(link.reordered) + ", malformed " +
+                                    std::to_string(counts.malformed_in_all()) + ", restarts " +
+                                    std::to_string(link.restarts)) +
+      paragraph("replies     ", late);
   if (counts.unusable_values > 0)
-    text += "\nvalues      " + std::to_string(counts.unusable_values) + " were no numbers";
-  return text + "\n";
+    text += paragraph("values      ", std::to_string(counts.unusable_values) + " were no numbers");
+  return text;
 }
 
 std::string home_text(const Identification& found) {
@@ -51,7 +85,7 @@ std::string home_text(const Identification& found) {
     if (found.home_rad[j])
       text += (text.empty() ? "" : ", ") + ("A" + std::to_string(j + 1)) + " " +
               fixed(degrees(*found.home_rad[j]), 3);
-  return text.empty() ? text : "home        " + text + " deg\n";
+  return text.empty() ? text : paragraph("home        ", text + " deg");
 }
 
 std::string circles(const Identification& found) {
@@ -132,16 +166,16 @@ std::string box_text(const identify::BoundingBox& box) {
 
 std::string report(const Outcome& outcome) {
   const Identification& found = outcome.identification;
-  std::string text =
-      "robot       " + outcome.robot + "\nstatus      " + std::string(identify::text(found.status));
-  if (!found.reason.empty()) text += ": " + found.reason;
-  text += "\n" + source_text(outcome) + home_text(found) + "\n" + circles(found) + "\n";
+  std::string status(identify::text(found.status));
+  if (!found.reason.empty()) status += ": " + found.reason;
+  std::string text = paragraph("robot       ", outcome.robot) + paragraph("status      ", status) +
+                     source_text(outcome) + home_text(found) + "\n" + circles(found) + "\n";
   const bool any_axis = found.status != identify::Status::failed && found.bounding_box;
   if (any_axis) text += dh_table(found) + "\n" + box_text(*found.bounding_box);
   if (!found.warnings.empty()) {
     text += "\nWarnings\n";
     for (const auto& warning : found.warnings)
-      text += "  " + warning.message + " [" + warning.code + "]\n";
+      text += paragraph("  - ", warning.message + " [" + warning.code + "]");
   }
   return text;
 }

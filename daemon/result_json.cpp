@@ -149,10 +149,15 @@ Json box(const identify::BoundingBox& box) {
           {"orientation", std::move(orientation)}};
 }
 
+/// A name may come from a file's, in any bytes.
+std::string dumped(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 /// JSON as a person reads it: short lists and objects of plain values on one line.
 void print(const Json& json, const std::string& indent, std::string& out) {
   if (!json.is_structured() || json.empty()) {
-    out += json.dump();
+    out += dumped(json);
     return;
   }
   constexpr std::size_t kShort = 8;
@@ -166,7 +171,7 @@ void print(const Json& json, const std::string& indent, std::string& out) {
   for (const auto& [key, value] : json.items()) {
     out += separator;
     if (!one_line) out += "\n" + inner;
-    if (json.is_object()) out += Json(key).dump() + ": ";
+    if (json.is_object()) out += dumped(Json(key)) + ": ";
     print(value, inner, out);
     separator = one_line ? ", " : ",";
   }

@@ -131,7 +131,8 @@ void RobotService::take(const rsi::Datagram& datagram) {
   if (sent) {
     session_->reply(seen);
   } else {
-    last_datagram_ = Steady::now();
+    // Noise on the port does not keep a stream alive.
+    if (!rsi::find_ipoc(seen.payload).empty()) last_datagram_ = Steady::now();
     session_->telegram(seen);
   }
 }
@@ -154,7 +155,7 @@ void RobotService::begin_session(const rsi::Datagram& first) {
     session_.emplace(
         setup_, Session::Options{folder_, settings_.record, settings_.record ? "trace" : "live"},
         events);
-    write_run_file({});
+    write_atomically(folder_ / "run.json", run_file({}));
   } catch (const std::exception& error) {
     // Without files the robot is still answered and its sweeps still recognised.
     spdlog::error("{}: {}", settings_.name, error.what());
@@ -185,12 +186,15 @@ void RobotService::on_sweep(const identify::Sweep& sweep) {
 }
 
 void RobotService::identify(bool interim) {
-  auto job = [this, folder = folder_, snapshot = session_->snapshot(), interim] {
+  // Once "ended" can be read, the result beside it is the final one.
+  auto job = [this, folder = folder_, snapshot = session_->snapshot(), interim,
+              run = interim || folder_.empty() ? std::string() : run_file(utc_now())] {
     const auto& name = settings_.name;
     const auto start = Steady::now();
     try {
       const Outcome outcome = snapshot.identified();
       if (!folder.empty()) write_result(folder, outcome);
+      if (!run.empty()) write_atomically(folder / "run.json", run);
       spdlog::info("{}: {}result {}{}{}", name, interim ? "interim " : "",
                    identify::text(outcome.identification.status),
                    outcome.identification.reason.empty() ? "" : ": ",
@@ -201,16 +205,9 @@ void RobotService::identify(bool interim) {
     identification_took_ = Steady::now() - start;
   };
   identification_.submit(std::move(job), interim);
-  if (!interim && !folder_.empty()) {
-    try {
-      write_run_file(utc_now());
-    } catch (const std::exception& error) {
-      spdlog::error("{}: {}", settings_.name, error.what());
-    }
-  }
 }
 
-void RobotService::write_run_file(const std::string& ended) {
+std::string RobotService::run_file(const std::string& ended) const {
   const auto counts = server_.counts();
   nlohmann::ordered_json json = {{"schema", "sweepd.run/1"},
                                  {"sweepd", SWEEPD_VERSION},
@@ -226,7 +223,7 @@ void RobotService::write_run_file(const std::string& ended) {
       {"answered", counts.answered},           {"superseded", counts.superseded},
       {"unanswerable", counts.unanswerable},   {"foreign", counts.foreign},
       {"send_failures", counts.send_failures}, {"overflows", counts.overflows}};
-  write_atomically(folder_ / "run.json", json.dump(2) + "\n");
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace sweepd

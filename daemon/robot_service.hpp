@@ -43,7 +43,7 @@ class RobotService {
   void end_session();
   void on_sweep(const identify::Sweep& sweep);
   void identify(bool interim);
-  void write_run_file(const std::string& ended);
+  [[nodiscard]] std::string run_file(const std::string& ended) const;
 
   RobotSettings settings_;
   RobotSetup setup_;

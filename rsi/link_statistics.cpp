@@ -55,7 +55,7 @@ std::uint64_t LinkStatistics::lost_in(const Run& run) const {
 }
 
 bool LinkStatistics::restarted(std::uint64_t ipoc, const Endpoint& source) const {
-  if (ipoc <= run_.highest) return run_.highest - ipoc >= kWindow;
+  if (ipoc <= run_.highest) return run_.highest - ipoc >= kWindow || source != source_;
   const std::uint64_t rise = ipoc - run_.highest;
   return rise > kLongestGap || (source != source_ && rise != step());
 }

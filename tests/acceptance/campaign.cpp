@@ -5,12 +5,11 @@
 #include <cmath>
 #include <sstream>
 
-#include <catch2/catch.hpp>
-
 #include "daemon/replay_command.hpp"
 #include "daemon/simulate_command.hpp"
 #include "daemon/sweep_plan.hpp"
 #include "tests/acceptance/acceptance.hpp"
+#include "tests/catch.hpp"
 
 namespace acceptance {
 

@@ -5,11 +5,11 @@
 #include <set>
 #include <sstream>
 
-#include <catch2/catch.hpp>
 #include <pugixml.hpp>
 
 #include "daemon/check_command.hpp"
 #include "tests/acceptance/acceptance.hpp"
+#include "tests/catch.hpp"
 
 using namespace acceptance;
 namespace fs = std::filesystem;
@@ -98,7 +98,7 @@ Values values_of(const pugi::xml_node& sen) {
 void check_reply(const Finding& found, const pugi::xml_node& root) {
   const pugi::xml_node config = root.child("CONFIG");
   if (std::string(config.child("ONLYSEND").text().get()) == "TRUE") {
-    CHECK_THAT(found.reply, Catch::StartsWith("none"));
+    CHECK_THAT(found.reply, Catch::Matchers::StartsWith("none"));
     return;
   }
   pugi::xml_document xml;
@@ -135,7 +135,7 @@ TEST_CASE("Every Ethernet file from a controller is read and gets the right repl
   std::cout << left("file", 28) << left("Type", 8) << "tags  values  placeholder\n";
   for (std::size_t i = 0; i < files.size(); ++i) {
     INFO(files[i].filename().string());
-    CHECK_THAT(found[i].ok, Catch::StartsWith(files[i].string()));
+    CHECK_THAT(found[i].ok, Catch::Matchers::StartsWith(files[i].string()));
     pugi::xml_document file;
     REQUIRE(file.load_file(files[i].c_str()));
     const pugi::xml_node root = file.child("ROOT");

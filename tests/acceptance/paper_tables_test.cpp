@@ -6,12 +6,11 @@
 #include <cmath>
 #include <iostream>
 
-#include <catch2/catch.hpp>
-
 #include "daemon/numbers.hpp"
 #include "daemon/robot_description.hpp"
 #include "tests/acceptance/acceptance.hpp"
 #include "tests/acceptance/campaign.hpp"
+#include "tests/catch.hpp"
 
 using namespace acceptance;
 using Json = nlohmann::json;

@@ -3,13 +3,12 @@
 #include <cmath>
 #include <iostream>
 
-#include <catch2/catch.hpp>
-
 #include "daemon/units.hpp"
 #include "identify/circle_fit.hpp"
 #include "identify/points.hpp"
 #include "identify/sample.hpp"
 #include "tests/acceptance/acceptance.hpp"
+#include "tests/catch.hpp"
 
 using namespace acceptance;
 

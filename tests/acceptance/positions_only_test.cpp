@@ -3,10 +3,9 @@
 #include <fstream>
 #include <iostream>
 
-#include <catch2/catch.hpp>
-
 #include "tests/acceptance/acceptance.hpp"
 #include "tests/acceptance/campaign.hpp"
+#include "tests/catch.hpp"
 
 using namespace acceptance;
 

@@ -5,12 +5,12 @@
 #include <iostream>
 #include <sstream>
 
-#include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
 #include "daemon/replay_command.hpp"
 #include "tests/acceptance/acceptance.hpp"
 #include "tests/acceptance/recording.hpp"
+#include "tests/catch.hpp"
 
 using namespace acceptance;
 using Json = nlohmann::json;
@@ -178,7 +178,8 @@ void check_recording(const std::string& file, std::uint64_t telegrams, const Lat
   }
 
   CHECK(seen.result["status"] == "partial");
-  CHECK_THAT(seen.result["reason"].get<std::string>(), Catch::Contains("no positions"));
+  CHECK_THAT(seen.result["reason"].get<std::string>(),
+             Catch::Matchers::ContainsSubstring("no positions"));
   std::vector<int> never_moved;
   for (const Json& warning : seen.result["warnings"])
     if (warning["code"] == "joint_never_moved") never_moved.push_back(warning["joint"]);

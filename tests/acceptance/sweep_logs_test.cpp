@@ -5,13 +5,13 @@
 #include <iostream>
 
 #include <Eigen/Geometry>
-#include <catch2/catch.hpp>
 
 #include "daemon/units.hpp"
 #include "identify/circle_fit.hpp"
 #include "identify/points.hpp"
 #include "identify/segmentation.hpp"
 #include "tests/acceptance/acceptance.hpp"
+#include "tests/catch.hpp"
 
 using namespace acceptance;
 using identify::Sweep;

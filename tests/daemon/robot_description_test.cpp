@@ -4,10 +4,10 @@
 #include <fstream>
 #include <random>
 
-#include <catch2/catch.hpp>
 #include <unistd.h>
 
 #include "daemon/config_error.hpp"
+#include "tests/catch.hpp"
 
 using Eigen::AngleAxisd;
 using Eigen::Isometry3d;
@@ -177,22 +177,25 @@ TEST_CASE("an arm of one joint or of twelve is read, and one of thirteen is refu
   };
   CHECK(error_of(arm(1)) == "no error");
   CHECK(error_of(arm(12)) == "no error");
-  CHECK_THAT(error_of(arm(13)), Catch::Contains("expected 1 to 12 joints, found 13"));
-  CHECK_THAT(error_of("name = \"x\"\n"), Catch::Contains("at least one table [[joint]]"));
+  CHECK_THAT(error_of(arm(13)),
+             Catch::Matchers::ContainsSubstring("expected 1 to 12 joints, found 13"));
+  CHECK_THAT(error_of("name = \"x\"\n"),
+             Catch::Matchers::ContainsSubstring("at least one table [[joint]]"));
 }
 
 TEST_CASE("a table is given for all joints or for none") {
   const std::string head = "name = \"x\"\nhome_deg = [0, 0]\n";
-  CHECK_THAT(
-      error_of(head + "[[joint]]\n" + kRow + "[[joint]]\nmin_deg = 0\nmax_deg = 1\n"),
-      Catch::StartsWith("9:1: joint.b_mm: missing: expected b_mm, theta_deg, a_mm, alpha_deg "
-                        "and positive in every [[joint]], or in none"));
+  CHECK_THAT(error_of(head + "[[joint]]\n" + kRow + "[[joint]]\nmin_deg = 0\nmax_deg = 1\n"),
+             Catch::Matchers::StartsWith(
+                 "9:1: joint.b_mm: missing: expected b_mm, theta_deg, a_mm, alpha_deg "
+                 "and positive in every [[joint]], or in none"));
   CHECK_THAT(error_of(head + "[[joint]]\na_mm = 5\n[[joint]]\n"),
-             Catch::StartsWith("3:1: joint.b_mm: missing"));
+             Catch::Matchers::StartsWith("3:1: joint.b_mm: missing"));
   CHECK_THAT(error_of(head + "tool_mm = [1, 2, 3]\n[[joint]]\n[[joint]]\n"),
-             Catch::StartsWith("3:11: tool_mm: expected no tool point"));
+             Catch::Matchers::StartsWith("3:11: tool_mm: expected no tool point"));
   CHECK_THAT(error_of("name = \"x\"\n[[joint]]\n" + kRow),
-             Catch::Contains("home_deg: missing: expected an array of numbers of degrees"));
+             Catch::Matchers::ContainsSubstring(
+                 "home_deg: missing: expected an array of numbers of degrees"));
 }
 
 TEST_CASE("a wrong figure of a robot is found in its line") {
@@ -203,14 +206,16 @@ TEST_CASE("a wrong figure of a robot is found in its line") {
   CHECK(error_of(robot + "min_deg = 1\n") ==
         "3:1: joint.max_deg: missing: expected a number of degrees: add it to this table");
   CHECK_THAT(error_of(robot + "min_deg = 7\nmax_deg = 7\n"),
-             Catch::StartsWith("10:11: joint.max_deg: expected more than min_deg = 7"));
+             Catch::Matchers::StartsWith("10:11: joint.max_deg: expected more than min_deg = 7"));
   CHECK_THAT(error_of(robot + "min_deg = 6\nmax_deg = 7\n"),
-             Catch::StartsWith("2:12: home_deg: expected joint 1 from 6 to 7, found 5"));
-  CHECK_THAT(error_of("tool_mm = [1, 2]\n" + robot),
-             Catch::StartsWith("1:11: tool_mm: expected [x, y, z], found an array of 2 values"));
+             Catch::Matchers::StartsWith("2:12: home_deg: expected joint 1 from 6 to 7, found 5"));
+  CHECK_THAT(
+      error_of("tool_mm = [1, 2]\n" + robot),
+      Catch::Matchers::StartsWith("1:11: tool_mm: expected [x, y, z], found an array of 2 values"));
   CHECK_THAT(error_of("name = \"x\"\nhome_deg = [5, 6]\n[[joint]]\n" + kRow),
-             Catch::Contains("expected 1 angles, one a [[joint]], found an array of 2 values"));
+             Catch::Matchers::ContainsSubstring(
+                 "expected 1 angles, one a [[joint]], found an array of 2 values"));
   CHECK_THAT(error_of(head + "[[joint]]\nb_mm = 0\ntheta_deg = 0\na_mm = 0\nalpha_deg = 0\n"
                              "positive = 0\n"),
-             Catch::Contains("joint.positive: expected 1 or -1"));
+             Catch::Matchers::ContainsSubstring("joint.positive: expected 1 or -1"));
 }

@@ -3,10 +3,10 @@
 #include <fstream>
 #include <sstream>
 
-#include <catch2/catch.hpp>
 #include <unistd.h>
 
 #include "daemon/config_error.hpp"
+#include "tests/catch.hpp"
 
 using sweepd::load_settings;
 namespace fs = std::filesystem;
@@ -105,7 +105,8 @@ TEST_CASE("a required option that is missing is named with what it is for") {
     std::string text = kRobot;
     const auto begin = text.find(key + " =");
     text.erase(begin, text.find('\n', begin) + 1 - begin);
-    CHECK_THAT(error_of(text), Catch::StartsWith("1:1: robot." + key + ": missing: add it ("));
+    CHECK_THAT(error_of(text),
+               Catch::Matchers::StartsWith("1:1: robot." + key + ": missing: add it ("));
   }
 }
 
@@ -128,7 +129,7 @@ TEST_CASE("a name that could not name a folder is refused") {
                                        "a b", "a\\b", "ä",       std::string(65, 'x')};
   for (const auto& name : wrong)
     CHECK_THAT(error_of(with(kRobot, "\"a\"", '"' + name + '"')),
-               Catch::StartsWith("2:8: robot.name: expected a name"));
+               Catch::Matchers::StartsWith("2:8: robot.name: expected a name"));
   CHECK(error_of(with(kRobot, "\"a\"", "\"KR5_arc-2.b\"")) == "no error");
 }
 
@@ -138,7 +139,8 @@ TEST_CASE("addresses are checked") {
         "\"localhost:49152\": write it like \"0.0.0.0:49152\"");
   for (const auto* wrong : {"192.168.1.20:1", "0.0.0.0", "robot"})
     CHECK_THAT(error_of(kRobot + "controller = \"" + wrong + "\"\n"),
-               Catch::StartsWith("6:14: robot.controller: expected the controller's IPv4 address"));
+               Catch::Matchers::StartsWith(
+                   "6:14: robot.controller: expected the controller's IPv4 address"));
 }
 
 TEST_CASE("times and sizes are whole numbers within their ranges") {
@@ -147,7 +149,8 @@ TEST_CASE("times and sizes are whole numbers within their ranges") {
         "\"abc\": write it without quotes");
   for (const auto* text : {"queue_bytes = 65535", "queue_bytes = 1073741825", "queue_bytes = -1",
                            "silence_ms = 99", "silence_ms = 0"})
-    CHECK_THAT(error_of(kRobot + text + "\n"), Catch::Contains("choose one in between"));
+    CHECK_THAT(error_of(kRobot + text + "\n"),
+               Catch::Matchers::ContainsSubstring("choose one in between"));
   CHECK(error_of(kRobot + "queue_bytes = 1073741824\nsilence_ms = 100\n") == "no error");
 }
 
@@ -156,13 +159,13 @@ TEST_CASE("signals are an element, or an element and an attribute") {
     return error_of(kRobot + "[robot.signals]\nposition = " + signals + "\n");
   };
   CHECK_THAT(position("[\"X\", \"Y\"]"),
-             Catch::Contains("expected three signals, found an array of 2"));
-  CHECK_THAT(position("\"X\""), Catch::Contains("expected an array of strings"));
+             Catch::Matchers::ContainsSubstring("expected three signals, found an array of 2"));
+  CHECK_THAT(position("\"X\""), Catch::Matchers::ContainsSubstring("expected an array of strings"));
   for (const std::string wrong : {"", ".", "a.", ".a", "a.b.c", "a b", "<a>"})
     CHECK_THAT(position("[\"X\", \"Y\", \"" + wrong + "\"]"),
-               Catch::Contains("found \"" + wrong + "\": write the element"));
+               Catch::Matchers::ContainsSubstring("found \"" + wrong + "\": write the element"));
   CHECK_THAT(error_of(kRobot + "[robot.signals]\nangles = []\n"),
-             Catch::Contains("expected 1 to 12 signals"));
+             Catch::Matchers::ContainsSubstring("expected 1 to 12 signals"));
 }
 
 TEST_CASE("two robots share neither a name nor a port on one address") {
@@ -176,7 +179,7 @@ TEST_CASE("two robots share neither a name nor a port on one address") {
         "collides with 0.0.0.0:49152 of the robot in line 1: choose another port");
   SECTION("0.0.0.0 takes a port on every address") {
     CHECK_THAT(error_of(kRobot + with(second, "0.0.0.0:49153", "10.0.0.1:49152")),
-               Catch::Contains("collides with"));
+               Catch::Matchers::ContainsSubstring("collides with"));
   }
   SECTION("one port on two addresses is fine") {
     CHECK(error_of(with(kRobot, "0.0.0.0", "10.0.0.1") +
@@ -185,7 +188,8 @@ TEST_CASE("two robots share neither a name nor a port on one address") {
 }
 
 TEST_CASE("settings without a robot are refused") {
-  CHECK_THAT(error_of(""), Catch::Contains("missing: expected at least one table [[robot]]"));
+  CHECK_THAT(error_of(""),
+             Catch::Matchers::ContainsSubstring("missing: expected at least one table [[robot]]"));
 }
 
 TEST_CASE("the manual lists every option with its default and range") {
@@ -228,9 +232,10 @@ TEST_CASE("the shipped settings show every option, and the true default of each"
     const std::string key = option.key.substr(option.key.find('.') + 1);
     INFO(key);
     if (option.fallback.empty())
-      CHECK_THAT(text, Catch::Contains("\n" + key + " = ") || Catch::Contains("\n#" + key + " = "));
+      CHECK_THAT(text, Catch::Matchers::ContainsSubstring("\n" + key + " = ") ||
+                           Catch::Matchers::ContainsSubstring("\n#" + key + " = "));
     else
-      CHECK_THAT(text, Catch::Contains("\n#" + key + " = " + option.fallback));
+      CHECK_THAT(text, Catch::Matchers::ContainsSubstring("\n#" + key + " = " + option.fallback));
   }
   SECTION("and what they show in comments is valid when it is uncommented") {
     std::string shown;

@@ -4,11 +4,10 @@
 #include <filesystem>
 #include <numbers>
 
-#include <catch2/catch.hpp>
-
 #include "daemon/config_error.hpp"
+#include "tests/catch.hpp"
 
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 using sweepd::ConfigError;
 using sweepd::SimulatedRobot;
 using sweepd::SweepPlan;
@@ -306,19 +305,19 @@ TEST_CASE("a robot that cannot be simulated, or not with this plan, is told what
   unknown.arm.reset();
   CHECK_THROWS_AS(SimulatedRobot(unknown, plan, options()), ConfigError);
   CHECK_THROWS_WITH(SimulatedRobot(unknown, plan, options()),
-                    Contains("planar") && Contains("found none: add b_mm"));
+                    ContainsSubstring("planar") && ContainsSubstring("found none: add b_mm"));
 
   auto seven = planar_arm();
   seven.limits.resize(7);
   CHECK_THROWS_AS(SimulatedRobot(seven, plan, options()), ConfigError);
-  CHECK_THROWS_WITH(SimulatedRobot(seven, plan, options()), Contains("at most 6 joints"));
+  CHECK_THROWS_WITH(SimulatedRobot(seven, plan, options()), ContainsSubstring("at most 6 joints"));
 
   auto narrow = planar_arm();
   narrow.limits[1] = {1, 5};
   CHECK_THROWS_AS(SimulatedRobot(narrow, plan, options()), ConfigError);
   CHECK_THROWS_WITH(SimulatedRobot(narrow, plan, options()),
-                    Contains("home_deg: expected joint 2 from 1 to 5") &&
-                        Contains("\nplan.toml:7: sweep.end_deg"));
+                    ContainsSubstring("home_deg: expected joint 2 from 1 to 5") &&
+                        ContainsSubstring("\nplan.toml:7: sweep.end_deg"));
 }
 
 TEST_CASE("options that no robot can have are refused") {

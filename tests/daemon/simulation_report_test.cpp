@@ -1,8 +1,8 @@
 #include "daemon/simulation_report.hpp"
 
-#include <catch2/catch.hpp>
+#include "tests/catch.hpp"
 
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 using End = rsi::ControllerLink::End;
 using rsi::ReplyFault;
 using sweepd::problem;
@@ -67,16 +67,16 @@ TEST_CASE("a capture has no replies to report") {
         "  duplicated on purpose          3\n"
         "  swapped on purpose             2 pairs\n");
   report.link.controller.telegrams = 250;
-  CHECK_THAT(text(report), Contains("3.0 s of 6.0 s: it ended before the plan was over"));
+  CHECK_THAT(text(report), ContainsSubstring("3.0 s of 6.0 s: it ended before the plan was over"));
 }
 
 TEST_CASE("each kind of refusal is counted, and the first fault said") {
   auto report = flawless();
   refuse(report, ReplyFault::wrong_type, 2);
   refuse(report, ReplyFault::wrong_ipoc, 1);
-  CHECK_THAT(text(report), Contains("replies refused                  2 wrong Type\n"
-                                    "replies refused                  1 wrong IPOC\n"
-                                    "  first reply to IPOC 7: wrong IPOC\n"));
+  CHECK_THAT(text(report), ContainsSubstring("replies refused                  2 wrong Type\n"
+                                             "replies refused                  1 wrong IPOC\n"
+                                             "  first reply to IPOC 7: wrong IPOC\n"));
   CHECK(problem(report) ==
         "3 replies were refused or late (the first fault: reply to IPOC 7: wrong IPOC): correct "
         "the server, or see what keeps it busy");
@@ -86,7 +86,7 @@ TEST_CASE("a late reply is a problem unless its telegram was swapped on purpose"
   auto report = flawless();
   refuse(report, ReplyFault::late, 2);
   report.link.controller.unanswered = 2;
-  CHECK_THAT(problem(report), Contains("2 replies were refused or late"));
+  CHECK_THAT(problem(report), ContainsSubstring("2 replies were refused or late"));
   report.link.wire.swapped = 2;
   CHECK(problem(report).empty());
 }
@@ -95,7 +95,7 @@ TEST_CASE("the last telegram of all may be held back for a swap that never comes
   auto report = flawless();
   refuse(report, ReplyFault::late, 1);
   report.link.controller.unanswered = 1;
-  CHECK_THAT(problem(report), Contains("1 reply was refused or late"));
+  CHECK_THAT(problem(report), ContainsSubstring("1 reply was refused or late"));
   report.swaps = true;
   CHECK(problem(report).empty());
 }
@@ -103,9 +103,9 @@ TEST_CASE("the last telegram of all may be held back for a swap that never comes
 TEST_CASE("a second reply is a problem unless its telegram was duplicated on purpose") {
   auto report = flawless();
   refuse(report, ReplyFault::repeated, 3);
-  CHECK_THAT(problem(report), Contains("3 replies were refused"));
+  CHECK_THAT(problem(report), ContainsSubstring("3 replies were refused"));
   report.link.wire.duplicated = 2;
-  CHECK_THAT(problem(report), Contains("1 reply was refused"));
+  CHECK_THAT(problem(report), ContainsSubstring("1 reply was refused"));
   report.link.wire.duplicated = 3;
   CHECK(problem(report).empty());
 }
@@ -117,7 +117,7 @@ TEST_CASE("an unanswered cycle is a problem unless its telegram was lost on purp
         "4 cycles were not answered by 127.0.0.1:49152: see whether it was stopped, and what keeps "
         "it busy");
   report.link.wire.lost = 3;
-  CHECK_THAT(problem(report), Contains("1 cycle was not answered"));
+  CHECK_THAT(problem(report), ContainsSubstring("1 cycle was not answered"));
   report.link.wire.lost = 4;
   CHECK(problem(report).empty());
 }
@@ -126,8 +126,8 @@ TEST_CASE("a server that never answers is told from one that ceased to") {
   auto report = flawless();
   report.link.end = End::timed_out;
   report.link.controller.unanswered = report.link.controller.longest_unanswered = 100;
-  CHECK_THAT(text(report), Contains("the controller stopped for want of replies"));
-  CHECK_THAT(problem(report), Contains("100 cycles were not answered"));
+  CHECK_THAT(text(report), ContainsSubstring("the controller stopped for want of replies"));
+  CHECK_THAT(problem(report), ContainsSubstring("100 cycles were not answered"));
 
   // A plan that is shorter than the Timeout is over before the controller stops.
   report.link.controller.replies = report.link.controller.accepted = 0;
@@ -144,7 +144,7 @@ TEST_CASE("a controller that stops is a problem though every loss was on purpose
   report.link.end = End::timed_out;
   report.link.wire.lost = 10;
   report.link.controller.unanswered = report.link.controller.longest_unanswered = 10;
-  CHECK_THAT(problem(report), Contains("10 cycles were not answered"));
+  CHECK_THAT(problem(report), ContainsSubstring("10 cycles were not answered"));
 }
 
 TEST_CASE("a controller that only sends is content without replies, not with them") {
@@ -152,16 +152,17 @@ TEST_CASE("a controller that only sends is content without replies, not with the
   report.only_send = true;
   report.link.controller.replies = report.link.controller.accepted = 0;
   CHECK(problem(report).empty());
-  CHECK_THAT(text(report), Contains("replies                          0 none expected: ONLYSEND"));
+  CHECK_THAT(text(report),
+             ContainsSubstring("replies                          0 none expected: ONLYSEND"));
   report.link.controller.replies = 1;
   refuse(report, ReplyFault::unasked, 1);
-  CHECK_THAT(problem(report), Contains("1 reply was refused"));
+  CHECK_THAT(problem(report), ContainsSubstring("1 reply was refused"));
 }
 
 TEST_CASE("a run that a signal ended is not whole") {
   auto report = flawless();
   report.interrupted = true;
-  CHECK_THAT(text(report), Contains("a signal stopped it"));
+  CHECK_THAT(text(report), ContainsSubstring("a signal stopped it"));
   CHECK(problem(report) ==
         "a signal stopped the simulation before the plan was over: run it again");
 }
@@ -169,11 +170,13 @@ TEST_CASE("a run that a signal ended is not whole") {
 TEST_CASE("what this machine could not send or slept over is said") {
   auto report = flawless();
   report.link.skipped = 12;
-  CHECK_THAT(text(report), Contains("cycles overslept                12 by this machine"));
+  CHECK_THAT(text(report), ContainsSubstring("cycles overslept                12 by this machine"));
   CHECK(problem(report).empty());
   report.link.send_failures = 1;
   report.link.first_send_failure = "Network is unreachable";
-  CHECK_THAT(text(report),
-             Contains("not sent                         1 datagrams: Network is unreachable"));
-  CHECK_THAT(problem(report), Contains("1 datagram could not be sent to 127.0.0.1:49152: Network"));
+  CHECK_THAT(
+      text(report),
+      ContainsSubstring("not sent                         1 datagrams: Network is unreachable"));
+  CHECK_THAT(problem(report),
+             ContainsSubstring("1 datagram could not be sent to 127.0.0.1:49152: Network"));
 }

@@ -2,10 +2,10 @@
 
 #include <fstream>
 
-#include <catch2/catch.hpp>
 #include <unistd.h>
 
 #include "daemon/config_error.hpp"
+#include "tests/catch.hpp"
 
 using sweepd::check_plan;
 using sweepd::load_plan;
@@ -93,18 +93,22 @@ TEST_CASE("a wrong figure of a plan is found in its line") {
   };
   CHECK(error_of(kHead + kSweep) == "no error");
   CHECK_THAT(sweep("joint = 2", "joint = 3"),
-             Catch::StartsWith("6:9: sweep.joint: expected a whole number from 1 to 2, found the "
-                               "number 3"));
-  CHECK_THAT(sweep("joint = 2", "joint = 0"), Catch::StartsWith("6:9: sweep.joint"));
-  CHECK_THAT(sweep("end_deg = 5", "end_deg = -5.5"),
-             Catch::StartsWith("8:11: sweep.end_deg: expected another angle than start_deg"));
+             Catch::Matchers::StartsWith(
+                 "6:9: sweep.joint: expected a whole number from 1 to 2, found the "
+                 "number 3"));
+  CHECK_THAT(sweep("joint = 2", "joint = 0"), Catch::Matchers::StartsWith("6:9: sweep.joint"));
+  CHECK_THAT(
+      sweep("end_deg = 5", "end_deg = -5.5"),
+      Catch::Matchers::StartsWith("8:11: sweep.end_deg: expected another angle than start_deg"));
   CHECK_THAT(sweep("speed_deg_s = 1", "speed_deg_s = 0"),
-             Catch::Contains("expected a number of degrees per second from 0.01 to 1000"));
+             Catch::Matchers::ContainsSubstring(
+                 "expected a number of degrees per second from 0.01 to 1000"));
   CHECK(sweep("speed_deg_s", "speed") ==
         "9:1: sweep.speed: unknown key: did you mean \"speed_deg_s\"?");
-  CHECK_THAT(error_of(kHead), Catch::Contains("missing: expected at least one table [[sweep]]"));
+  CHECK_THAT(error_of(kHead),
+             Catch::Matchers::ContainsSubstring("missing: expected at least one table [[sweep]]"));
   CHECK_THAT(error_of("home_deg = []\n" + kHead.substr(kHead.find('\n') + 1) + kSweep),
-             Catch::StartsWith("1:12: home_deg: expected 1 to 12 angles"));
+             Catch::Matchers::StartsWith("1:12: home_deg: expected 1 to 12 angles"));
 }
 
 TEST_CASE("a plan is checked against the robot that shall run it") {
@@ -119,12 +123,14 @@ TEST_CASE("a plan is checked against the robot that shall run it") {
   CHECK(outside[0] == name +
                           ": home_deg: expected joint 1 from 1 to 2 degrees, found 0: correct "
                           "it, or the limits in the robot description");
-  CHECK_THAT(outside[1], Catch::Contains("home_deg: expected joint 2 from -5 to 4"));
-  CHECK_THAT(outside[2], Catch::StartsWith(name + ":5: sweep.start_deg: expected joint 2 from -5"));
-  CHECK_THAT(outside[3], Catch::StartsWith(name + ":5: sweep.end_deg"));
+  CHECK_THAT(outside[1],
+             Catch::Matchers::ContainsSubstring("home_deg: expected joint 2 from -5 to 4"));
+  CHECK_THAT(outside[2],
+             Catch::Matchers::StartsWith(name + ":5: sweep.start_deg: expected joint 2 from -5"));
+  CHECK_THAT(outside[3], Catch::Matchers::StartsWith(name + ":5: sweep.end_deg"));
 
   const auto other_robot = check_plan(plan, robot_of({{}, {}, {}}));
   REQUIRE(other_robot.size() == 1);
-  CHECK_THAT(other_robot[0],
-             Catch::Contains("expected 3 angles, as the robot has joints, found 2"));
+  CHECK_THAT(other_robot[0], Catch::Matchers::ContainsSubstring(
+                                 "expected 3 angles, as the robot has joints, found 2"));
 }

@@ -3,9 +3,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include <catch2/catch.hpp>
-
 #include "daemon/config_error.hpp"
+#include "tests/catch.hpp"
 
 using sweepd::ConfigError;
 using sweepd::TomlTable;
@@ -68,25 +67,28 @@ TEST_CASE("an unknown key is named with its place and the key that was probably 
   CHECK(unknown_key("name = 1\n  listn = 2\n", known) ==
         "some/file.toml:2:3: listn: unknown key: did you mean \"listen\"?");
   SECTION("two swapped letters count as one mistake") {
-    CHECK_THAT(unknown_key("naem = 1", known), Catch::EndsWith("did you mean \"name\"?"));
+    CHECK_THAT(unknown_key("naem = 1", known), Catch::Matchers::EndsWith("did you mean \"name\"?"));
   }
   SECTION("a forgotten unit is a near miss") {
-    CHECK_THAT(unknown_key("silence = 1", known), Catch::EndsWith("did you mean \"silence_ms\"?"));
+    CHECK_THAT(unknown_key("silence = 1", known),
+               Catch::Matchers::EndsWith("did you mean \"silence_ms\"?"));
     CHECK_THAT(unknown_key("silence_s = 1", known),
-               Catch::EndsWith("did you mean \"silence_ms\"?"));
+               Catch::Matchers::EndsWith("did you mean \"silence_ms\"?"));
   }
   SECTION("where nothing is near, what is known is listed") {
-    CHECK_THAT(unknown_key("colour = 1", known),
-               Catch::EndsWith("unknown key: this table may have name, listen, silence_ms"));
+    CHECK_THAT(
+        unknown_key("colour = 1", known),
+        Catch::Matchers::EndsWith("unknown key: this table may have name, listen, silence_ms"));
     CHECK_THAT(unknown_key(std::string(70'000, 'x') + " = 1", known),
-               Catch::Contains("this table may have"));
+               Catch::Matchers::ContainsSubstring("this table may have"));
   }
   SECTION("a table's key is checked where its header stands") {
     CHECK_THAT(unknown_key("name = 1\n[listening]\n", {"name"}),
-               Catch::StartsWith("some/file.toml:2:2: listening: unknown key"));
+               Catch::Matchers::StartsWith("some/file.toml:2:2: listening: unknown key"));
   }
   SECTION("of several the first in the file is reported") {
-    CHECK_THAT(unknown_key("zzz = 1\naaa = 2\n", known), Catch::Contains(":1:1: zzz:"));
+    CHECK_THAT(unknown_key("zzz = 1\naaa = 2\n", known),
+               Catch::Matchers::ContainsSubstring(":1:1: zzz:"));
   }
   SECTION("known keys pass") {
     CHECK(unknown_key("listen = 1", known) == "no error");
@@ -106,17 +108,23 @@ TEST_CASE("a value of a wrong type is described beside what was expected, with i
   CHECK(error_of([&] { return t.text("name"); }) ==
         "some/file.toml:3:8: name: expected a string, found the number 5: put it in quotes");
   CHECK_THAT(error_of([&] { return t.flag("record"); }),
-             Catch::Contains("expected true or false, found the number 1.5"));
+             Catch::Matchers::ContainsSubstring("expected true or false, found the number 1.5"));
   CHECK_THAT(error_of([&] { return t.numbers("home_deg"); }),
-             Catch::StartsWith("some/file.toml:5:16: home_deg: expected a number of degrees, found "
-                               "the string \"x\""));
+             Catch::Matchers::StartsWith(
+                 "some/file.toml:5:16: home_deg: expected a number of degrees, found "
+                 "the string \"x\""));
   CHECK_THAT(error_of([&] { return t.whole_number("broken_ms", 0, 9); }),
-             Catch::Contains("expected a whole number of milliseconds, found the number 1.5"));
-  CHECK_THAT(error_of([&] { return t.numbers("date"); }), Catch::Contains("a date or a time"));
-  CHECK_THAT(error_of([&] { return t.table("list"); }),
-             Catch::Contains("expected a table [list], found an array of 1 value"));
-  CHECK_THAT(error_of([&] { return t.texts("list"); }), Catch::Contains("found the number 1"));
-  CHECK_THAT(error_of([&] { return t.text("empty"); }), Catch::Contains("found an empty one"));
+             Catch::Matchers::ContainsSubstring(
+                 "expected a whole number of milliseconds, found the number 1.5"));
+  CHECK_THAT(error_of([&] { return t.numbers("date"); }),
+             Catch::Matchers::ContainsSubstring("a date or a time"));
+  CHECK_THAT(
+      error_of([&] { return t.table("list"); }),
+      Catch::Matchers::ContainsSubstring("expected a table [list], found an array of 1 value"));
+  CHECK_THAT(error_of([&] { return t.texts("list"); }),
+             Catch::Matchers::ContainsSubstring("found the number 1"));
+  CHECK_THAT(error_of([&] { return t.text("empty"); }),
+             Catch::Matchers::ContainsSubstring("found an empty one"));
 }
 
 TEST_CASE("a number outside its range is told the range") {
@@ -125,11 +133,13 @@ TEST_CASE("a number outside its range is told the range") {
         "some/file.toml:1:12: dwell_ms: expected a whole number of milliseconds from 10 to 600, "
         "found the number 5: choose one in between");
   CHECK_THAT(error_of([&] { return t.number("a_mm", -0.5, 1e5); }),
-             Catch::Contains("expected a number of millimetres from -0.5 to 1e+05, found the "
-                             "number -1e+09"));
-  CHECK_THAT(error_of([&] { return t.number("nan", 0, 1); }), Catch::Contains("found the number"));
+             Catch::Matchers::ContainsSubstring(
+                 "expected a number of millimetres from -0.5 to 1e+05, found the "
+                 "number -1e+09"));
+  CHECK_THAT(error_of([&] { return t.number("nan", 0, 1); }),
+             Catch::Matchers::ContainsSubstring("found the number"));
   CHECK_THAT(error_of([&] { return t.number("endless", 0, 1); }),
-             Catch::Contains("found the number inf"));
+             Catch::Matchers::ContainsSubstring("found the number inf"));
 }
 
 TEST_CASE("a missing key is reported at the table that lacks it") {
@@ -140,24 +150,27 @@ TEST_CASE("a missing key is reported at the table that lacks it") {
 
 TEST_CASE("an array of tables is not mistaken for a table") {
   CHECK_THAT(error_of([] { return table("[robot]\nx = 1\n").tables("robot"); }),
-             Catch::Contains("expected [[robot]], found a single table"));
+             Catch::Matchers::ContainsSubstring("expected [[robot]], found a single table"));
   CHECK_THAT(error_of([] { return table("robot = [1]\n").tables("robot"); }),
-             Catch::Contains("expected a table [[robot]], found the number 1"));
+             Catch::Matchers::ContainsSubstring("expected a table [[robot]], found the number 1"));
   CHECK_THAT(error_of([] { return table("robot = []\n").tables("robot"); }),
-             Catch::Contains("at least one table [[robot]], found an array of 0 values"));
+             Catch::Matchers::ContainsSubstring(
+                 "at least one table [[robot]], found an array of 0 values"));
   CHECK_THAT(error_of([] { return table("\n").tables("robot"); }),
-             Catch::Contains("missing: expected at least one table [[robot]]"));
-  CHECK_THAT(error_of([] { return table("[[robot]]\n").table("robot"); }),
-             Catch::Contains("expected a table [robot], found an array of 1 value"));
+             Catch::Matchers::ContainsSubstring("missing: expected at least one table [[robot]]"));
+  CHECK_THAT(
+      error_of([] { return table("[[robot]]\n").table("robot"); }),
+      Catch::Matchers::ContainsSubstring("expected a table [robot], found an array of 1 value"));
 }
 
 TEST_CASE("a mistake of syntax has its place too") {
   CHECK_THAT(error_of([] { return table("a = 1\nb = \n"); }),
-             Catch::StartsWith("some/file.toml:2:") && Catch::Contains("not valid TOML"));
+             Catch::Matchers::StartsWith("some/file.toml:2:") &&
+                 Catch::Matchers::ContainsSubstring("not valid TOML"));
   CHECK_THAT(error_of([] { return table("a = 1\na = 2\n"); }),
-             Catch::StartsWith("some/file.toml:2:"));
+             Catch::Matchers::StartsWith("some/file.toml:2:"));
   CHECK_THAT(error_of([] { return table("a = \"\xff\"\n"); }),
-             Catch::StartsWith("some/file.toml:1:"));
+             Catch::Matchers::StartsWith("some/file.toml:1:"));
 }
 
 TEST_CASE("text from a file cannot break a message apart") {
@@ -166,15 +179,17 @@ TEST_CASE("text from a file cannot break a message apart") {
   CHECK(error.find('\n') == std::string::npos);
   CHECK(error.find('\x1b') == std::string::npos);
   CHECK(error.size() < 200);
-  CHECK_THAT(unknown_key("\"new\\nline\" = 1", {"a"}), Catch::Contains("new?line: unknown key"));
+  CHECK_THAT(unknown_key("\"new\\nline\" = 1", {"a"}),
+             Catch::Matchers::ContainsSubstring("new?line: unknown key"));
 }
 
 TEST_CASE("a file that cannot be read is named with the reason") {
   const auto folder = std::filesystem::temp_directory_path();
   CHECK_THAT(error_of([] { return TomlTable::load("/nowhere/sweepd.toml"); }),
-             Catch::StartsWith("/nowhere/sweepd.toml: cannot be read: No such file or directory"));
+             Catch::Matchers::StartsWith(
+                 "/nowhere/sweepd.toml: cannot be read: No such file or directory"));
   CHECK_THAT(error_of([&] { return TomlTable::load(folder); }),
-             Catch::Contains("cannot be read: Is a directory"));
+             Catch::Matchers::ContainsSubstring("cannot be read: Is a directory"));
   CHECK_THAT(error_of([] { return TomlTable::load("/dev/zero"); }),
-             Catch::Contains("expected a TOML file of at most 1 MiB"));
+             Catch::Matchers::ContainsSubstring("expected a TOML file of at most 1 MiB"));
 }

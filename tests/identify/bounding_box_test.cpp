@@ -8,7 +8,8 @@
 #include <vector>
 
 #include <Eigen/Geometry>
-#include <catch2/catch.hpp>
+
+#include "tests/catch.hpp"
 
 using Eigen::AngleAxisd;
 using Eigen::Index;

@@ -5,7 +5,8 @@
 #include <random>
 
 #include <Eigen/Geometry>
-#include <catch2/catch.hpp>
+
+#include "tests/catch.hpp"
 
 using Eigen::Index;
 using Eigen::Matrix3d;

@@ -2,10 +2,9 @@
 
 #include <cmath>
 
-#include <catch2/catch.hpp>
-
 #include "identify/segmentation.hpp"
 #include "simulated_campaign.hpp"
+#include "tests/catch.hpp"
 
 using namespace identify;
 using identify::test::kDegree;

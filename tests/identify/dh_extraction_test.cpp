@@ -4,9 +4,9 @@
 #include <random>
 
 #include <Eigen/Geometry>
-#include <catch2/catch.hpp>
 
 #include "simulated_campaign.hpp"
+#include "tests/catch.hpp"
 
 using namespace identify;
 using Eigen::Vector3d;

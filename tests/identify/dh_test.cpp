@@ -1,6 +1,6 @@
 #include "identify/dh.hpp"
 
-#include <catch2/catch.hpp>
+#include "tests/catch.hpp"
 
 using Eigen::Vector3d;
 constexpr double kDegree = 3.14159265358979323846 / 180.0;

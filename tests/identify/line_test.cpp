@@ -4,7 +4,8 @@
 #include <random>
 
 #include <Eigen/Geometry>
-#include <catch2/catch.hpp>
+
+#include "tests/catch.hpp"
 
 using Eigen::Vector3d;
 using identify::Line;

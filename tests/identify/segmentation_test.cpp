@@ -2,9 +2,8 @@
 
 #include <cmath>
 
-#include <catch2/catch.hpp>
-
 #include "simulated_campaign.hpp"
+#include "tests/catch.hpp"
 
 using namespace identify;
 using identify::test::kDegree;

@@ -6,14 +6,13 @@
 #include <thread>
 #include <vector>
 
-#include <catch2/catch.hpp>
-
 #include "rsi/ipoc.hpp"
+#include "tests/catch.hpp"
 
 using namespace std::chrono_literals;
 using boost::asio::ip::udp;
 using End = rsi::ControllerLink::End;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 using rsi::EthernetConfig;
 using rsi::ReplyFault;
 using Type = EthernetConfig::Element::Type;
@@ -135,7 +134,7 @@ TEST_CASE("a link streams a program in real time and takes the replies") {
   REQUIRE(peer.received.size() == 120);
   for (std::size_t k = 0; k < 120; ++k) {
     CHECK(rsi::find_ipoc(peer.received[k]) == std::to_string(7000 + 10 * k));
-    CHECK_THAT(peer.received[k], Contains("<RIst X=\"" + std::to_string(k) + ".0000\""));
+    CHECK_THAT(peer.received[k], ContainsSubstring("<RIst X=\"" + std::to_string(k) + ".0000\""));
   }
 }
 
@@ -210,7 +209,8 @@ TEST_CASE("replies from another socket are not the server's") {
   CHECK(report.end == End::timed_out);
   CHECK(report.controller.accepted == 0);
   CHECK(report.controller.of(ReplyFault::wrong_source) > 0);
-  CHECK_THAT(report.first_fault, Contains("wrong source") && Contains(rsi::text(peer.endpoint())));
+  CHECK_THAT(report.first_fault,
+             ContainsSubstring("wrong source") && ContainsSubstring(rsi::text(peer.endpoint())));
 }
 
 TEST_CASE("the faults of the wire are on the wire as they are counted") {
@@ -237,10 +237,10 @@ TEST_CASE("what a program throws comes out of the run") {
 
 TEST_CASE("a link that cannot be says so before it runs") {
   CHECK_THROWS_WITH(rsi::ControllerLink(config(), options({kLoopback.to_uint(), 0}, 4ms)),
-                    Contains("127.0.0.1:0") && Contains("give address and port"));
+                    ContainsSubstring("127.0.0.1:0") && ContainsSubstring("give address and port"));
   Peer peer;
   auto taken = options(peer.endpoint(), 4ms);
   taken.local = peer.endpoint();
   CHECK_THROWS_WITH(rsi::ControllerLink(config(), taken),
-                    Contains("cannot send from " + rsi::text(peer.endpoint())));
+                    ContainsSubstring("cannot send from " + rsi::text(peer.endpoint())));
 }

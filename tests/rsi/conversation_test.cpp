@@ -1,13 +1,12 @@
 #include "rsi/conversation.hpp"
 
-#include <catch2/catch.hpp>
-
 #include "rsi/capture_reader.hpp"
+#include "tests/catch.hpp"
 #include "tests/rsi/capture_bytes.hpp"
 
 using namespace rsi::test;
 using namespace std::chrono_literals;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 using rsi::Conversation;
 using rsi::Direction;
 using rsi::Endpoint;
@@ -147,7 +146,8 @@ TEST_CASE("of many conversations a few are listed") {
     traffic.talk(1, controller, {sweepd.address, port});
   const auto found = search(traffic);
   CHECK(found.found.size() == 20);
-  CHECK_THAT(found.note, Contains("20 RSI conversations") && Contains(" and 11 more: choose"));
+  CHECK_THAT(found.note, ContainsSubstring("20 RSI conversations") &&
+                             ContainsSubstring(" and 11 more: choose"));
 }
 
 TEST_CASE("the user chooses by port, by controller or by both") {
@@ -157,7 +157,7 @@ TEST_CASE("the user chooses by port, by controller or by both") {
   const auto by_port = search(traffic, {.port = 49152});
   REQUIRE(by_port.chosen);
   CHECK(*by_port.chosen == Conversation{controller.address, sweepd});
-  CHECK_THAT(by_port.note, Contains("2 RSI conversations") && !Contains("59152"));
+  CHECK_THAT(by_port.note, ContainsSubstring("2 RSI conversations") && !ContainsSubstring("59152"));
 
   const auto by_controller = search(traffic, {.controller = controller.address});
   REQUIRE(by_controller.chosen);
@@ -183,13 +183,15 @@ TEST_CASE("captures without RSI are said to be so") {
   const auto found = search(Traffic().add(7, stranger, sweepd, "something else"));
   CHECK_FALSE(found.chosen);
   CHECK(found.found.empty());
-  CHECK_THAT(found.note, Contains("no RSI among 7 UDP datagrams") && Contains("capture on"));
+  CHECK_THAT(found.note,
+             ContainsSubstring("no RSI among 7 UDP datagrams") && ContainsSubstring("capture on"));
 
   auto cut = Traffic().talk(1, controller, sweepd).bytes();
   cut.resize(50);
   const TemporaryFile file(cut);
   const std::filesystem::path paths[] = {file.path()};
-  CHECK_THAT(find_conversation(paths).note, Contains("no RSI") && Contains("is cut off"));
+  CHECK_THAT(find_conversation(paths).note,
+             ContainsSubstring("no RSI") && ContainsSubstring("is cut off"));
 }
 
 TEST_CASE("the search ends once enough telegrams were seen, counting only those that are wanted") {

@@ -3,7 +3,7 @@
 #include <string>
 #include <thread>
 
-#include <catch2/catch.hpp>
+#include "tests/catch.hpp"
 
 using rsi::Datagram;
 using rsi::DatagramQueue;

@@ -1,6 +1,6 @@
 #include "rsi/endpoint.hpp"
 
-#include <catch2/catch.hpp>
+#include "tests/catch.hpp"
 
 TEST_CASE("an endpoint is read and printed as a person writes it") {
   const auto endpoint = rsi::parse_endpoint("192.168.1.20:49152");

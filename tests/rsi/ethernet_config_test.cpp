@@ -3,11 +3,11 @@
 #include <filesystem>
 #include <fstream>
 
-#include <catch2/catch.hpp>
+#include "tests/catch.hpp"
 
 using rsi::EthernetConfig;
 using Type = EthernetConfig::Element::Type;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
@@ -122,48 +122,54 @@ TEST_CASE("a placeholder for the address is a warning with its line, not an erro
       kSent + "</ELEMENTS></SEND><RECEIVE/></ROOT>");
   REQUIRE(config.warnings.size() == 1);
   CHECK_THAT(config.warnings[0], Catch::Matchers::StartsWith("eth.xml:3:3: IP_NUMBER: expected") &&
-                                     Contains("found \"ip.address.of.rospc\""));
+                                     ContainsSubstring("found \"ip.address.of.rospc\""));
 }
 
 TEST_CASE("a wrong setting is refused with place, key, expectation and finding") {
-  CHECK_THAT(error_of("<ROOT><CONFIG>\n  <PORT>70000</PORT></CONFIG><SEND/></ROOT>"),
-             Contains("eth.xml:2:3: PORT: expected a number from 1 to 65535, found \"70000\""));
-  CHECK_THAT(error_of(file("<PORT>0</PORT>")), Contains("PORT") && Contains("\"0\""));
-  CHECK_THAT(error_of(file("<PORT>the port</PORT>")), Contains("PORT"));
+  CHECK_THAT(
+      error_of("<ROOT><CONFIG>\n  <PORT>70000</PORT></CONFIG><SEND/></ROOT>"),
+      ContainsSubstring("eth.xml:2:3: PORT: expected a number from 1 to 65535, found \"70000\""));
+  CHECK_THAT(error_of(file("<PORT>0</PORT>")),
+             ContainsSubstring("PORT") && ContainsSubstring("\"0\""));
+  CHECK_THAT(error_of(file("<PORT>the port</PORT>")), ContainsSubstring("PORT"));
   CHECK_THAT(error_of(file("<SENTYPE>X</SENTYPE>")),
-             Contains("eth.xml:2:1: PORT") && Contains("found nothing"));
+             ContainsSubstring("eth.xml:2:1: PORT") && ContainsSubstring("found nothing"));
   CHECK_THAT(error_of(file("<PORT>1</PORT><PORT>2</PORT>")),
-             Contains("PORT: expected this key once"));
-  CHECK_THAT(error_of(file("<PORT>1</PORT>")), Contains("SENTYPE: expected the name"));
+             ContainsSubstring("PORT: expected this key once"));
+  CHECK_THAT(error_of(file("<PORT>1</PORT>")), ContainsSubstring("SENTYPE: expected the name"));
   CHECK_THAT(error_of(file(kSettings + "<PROTOCOL>SCTP</PROTOCOL>")),
-             Contains("PROTOCOL: expected UDP or TCP, found \"SCTP\""));
+             ContainsSubstring("PROTOCOL: expected UDP or TCP, found \"SCTP\""));
   CHECK_THAT(error_of(file("<ONLYSEND>maybe</ONLYSEND>")),
-             Contains("ONLYSEND: expected TRUE or FALSE, found \"maybe\""));
+             ContainsSubstring("ONLYSEND: expected TRUE or FALSE, found \"maybe\""));
 }
 
 TEST_CASE("a wrong tag is refused with its line") {
   CHECK_THAT(error_of_tag(R"(TYPE="BOOL" INDX="1")"),
-             Contains("eth.xml:6:1: TAG: expected a name"));
-  CHECK_THAT(error_of_tag(R"(TAG="a b" TYPE="BOOL" INDX="1")"), Contains("\"a b\""));
-  CHECK_THAT(error_of_tag(R"(TAG="a." TYPE="BOOL" INDX="1")"), Contains("TAG"));
-  CHECK_THAT(error_of_tag(R"(TAG="IPOC" TYPE="LONG" INDX="1")"), Contains("expected another name"));
+             ContainsSubstring("eth.xml:6:1: TAG: expected a name"));
+  CHECK_THAT(error_of_tag(R"(TAG="a b" TYPE="BOOL" INDX="1")"), ContainsSubstring("\"a b\""));
+  CHECK_THAT(error_of_tag(R"(TAG="a." TYPE="BOOL" INDX="1")"), ContainsSubstring("TAG"));
+  CHECK_THAT(error_of_tag(R"(TAG="IPOC" TYPE="LONG" INDX="1")"),
+             ContainsSubstring("expected another name"));
   CHECK_THAT(error_of_tag(R"(TAG="a" TYPE="FLOAT" INDX="1")"),
-             Contains("TYPE: expected BOOL, STRING, LONG or DOUBLE, found \"FLOAT\""));
-  CHECK_THAT(error_of_tag(R"(TAG="a" INDX="1")"), Contains("TYPE") && Contains("found nothing"));
+             ContainsSubstring("TYPE: expected BOOL, STRING, LONG or DOUBLE, found \"FLOAT\""));
+  CHECK_THAT(error_of_tag(R"(TAG="a" INDX="1")"),
+             ContainsSubstring("TYPE") && ContainsSubstring("found nothing"));
   for (const auto* index : {R"(INDX="0")", R"(INDX="65")", R"(INDX="-1")", R"(INDX="1x")", ""})
     CHECK_THAT(error_of_tag(std::string(R"(TAG="a" TYPE="LONG" )") + index),
-               Contains("INDX: expected INTERNAL or a number from 1 to 64"));
-  CHECK_THAT(error_of_tag(R"(TAG="a" TYPE="LONG" INDX="1" HOLDON="2")"), Contains("HOLDON"));
+               ContainsSubstring("INDX: expected INTERNAL or a number from 1 to 64"));
+  CHECK_THAT(error_of_tag(R"(TAG="a" TYPE="LONG" INDX="1" HOLDON="2")"),
+             ContainsSubstring("HOLDON"));
 }
 
 TEST_CASE("what is no Ethernet file is refused with the place where that shows") {
-  CHECK_THAT(error_of(""), Contains("eth.xml:1:"));
-  CHECK_THAT(error_of("<ROOT>\n<CONFIG>\n</CONFIX></ROOT>"), Contains("eth.xml:3:"));
-  CHECK_THAT(error_of("<html/>"), Contains("root element: expected <ROOT>, found \"html\""));
-  CHECK_THAT(error_of("<ROOT><SEND/></ROOT>"), Contains("CONFIG: expected a section"));
-  CHECK_THAT(error_of("<ROOT><CONFIG/></ROOT>"), Contains("SEND: expected a section"));
-  CHECK_THAT(error_of(std::string("<\0R\0", 4)), Contains("zero bytes"));
-  CHECK_THAT(error_of(std::string(3, '\xff')), Contains("eth.xml:1:"));
+  CHECK_THAT(error_of(""), ContainsSubstring("eth.xml:1:"));
+  CHECK_THAT(error_of("<ROOT>\n<CONFIG>\n</CONFIX></ROOT>"), ContainsSubstring("eth.xml:3:"));
+  CHECK_THAT(error_of("<html/>"),
+             ContainsSubstring("root element: expected <ROOT>, found \"html\""));
+  CHECK_THAT(error_of("<ROOT><SEND/></ROOT>"), ContainsSubstring("CONFIG: expected a section"));
+  CHECK_THAT(error_of("<ROOT><CONFIG/></ROOT>"), ContainsSubstring("SEND: expected a section"));
+  CHECK_THAT(error_of(std::string("<\0R\0", 4)), ContainsSubstring("zero bytes"));
+  CHECK_THAT(error_of(std::string(3, '\xff')), ContainsSubstring("eth.xml:1:"));
 }
 
 TEST_CASE("what a user should know but can run with is a warning") {
@@ -173,30 +179,34 @@ TEST_CASE("what a user should know but can run with is a warning") {
     return all;
   };
   CHECK_THAT(warnings(kSettings, R"(<ELEMENT TAG="DiL" TYPE="LONG" INDX="1"/>)"),
-             Contains("eth.xml:3:1: SEND: no DEF_RIst") && Contains("no DEF_AIPos") &&
-                 Contains("no DEF_Delay"));
-  CHECK_THAT(warnings(kSettings, ""), Contains("SEND: the list is empty"));
-  CHECK_THAT(warnings(kSettings, kSent + "<Element/>"), Contains("Element: expected ELEMENT"));
-  CHECK_THAT(warnings(kSettings + "<PROTOCOL>TCP</PROTOCOL>", kSent), Contains("PROTOCOL: TCP"));
+             ContainsSubstring("eth.xml:3:1: SEND: no DEF_RIst") &&
+                 ContainsSubstring("no DEF_AIPos") && ContainsSubstring("no DEF_Delay"));
+  CHECK_THAT(warnings(kSettings, ""), ContainsSubstring("SEND: the list is empty"));
+  CHECK_THAT(warnings(kSettings, kSent + "<Element/>"),
+             ContainsSubstring("Element: expected ELEMENT"));
+  CHECK_THAT(warnings(kSettings + "<PROTOCOL>TCP</PROTOCOL>", kSent),
+             ContainsSubstring("PROTOCOL: TCP"));
   CHECK_THAT(warnings(kSettings + "<PROTCOLLENGTH>On</PROTCOLLENGTH>", kSent),
-             Contains("PROTCOLLENGTH"));
-  CHECK_THAT(warnings(kSettings + "<Port>1</Port>", kSent), Contains("Port: unknown key"));
+             ContainsSubstring("PROTCOLLENGTH"));
+  CHECK_THAT(warnings(kSettings + "<Port>1</Port>", kSent), ContainsSubstring("Port: unknown key"));
   CHECK_THAT(warnings("<PORT>1</PORT><SENTYPE>X</SENTYPE>", kSent),
-             Contains("ONLYSEND: expected TRUE or FALSE, found nothing") && Contains("IP_NUMBER"));
+             ContainsSubstring("ONLYSEND: expected TRUE or FALSE, found nothing") &&
+                 ContainsSubstring("IP_NUMBER"));
   CHECK_THAT(parse("<ROOT><CONFIG>" + kSettings + "</CONFIG><SEND><ELEMENTS>" + kSent +
                    "</ELEMENTS></SEND></ROOT>")
                  .warnings.at(0),
-             Contains("RECEIVE: this section is missing"));
+             ContainsSubstring("RECEIVE: this section is missing"));
 
   CHECK_THAT(warnings_of_tag(R"(TAG="DEF_Foo" TYPE="LONG" INDX="INTERNAL")").at(0),
-             Contains("\"DEF_Foo\" is no internal tag"));
+             ContainsSubstring("\"DEF_Foo\" is no internal tag"));
   CHECK_THAT(warnings_of_tag(R"(TAG="DEF_EStr" TYPE="STRING" INDX="3")").at(0),
-             Contains("INDX: expected INTERNAL"));
-  CHECK_THAT(warnings_of_tag(R"(TAG="DiO" TYPE="LONG" INDX="INTERNAL")").at(0), Contains("INDX"));
+             ContainsSubstring("INDX: expected INTERNAL"));
+  CHECK_THAT(warnings_of_tag(R"(TAG="DiO" TYPE="LONG" INDX="INTERNAL")").at(0),
+             ContainsSubstring("INDX"));
   CHECK_THAT(warnings_of_tag("TAG=\"a\" TYPE=\"LONG\" INDX=\"1\"/>\n"
                              "<ELEMENT TAG=\"a\" TYPE=\"LONG\" INDX=\"2\"")
                  .at(0),
-             Contains("eth.xml:7:1: TAG: \"a\" stands in line 6 already"));
+             ContainsSubstring("eth.xml:7:1: TAG: \"a\" stands in line 6 already"));
 }
 
 TEST_CASE("without replies neither SENTYPE nor RECEIVE is needed") {
@@ -232,7 +242,7 @@ TEST_CASE("a file that cannot be read is named") {
   const auto folder = std::filesystem::temp_directory_path();
   for (const auto& file : {folder / "sweepd-no-such-file.xml", folder})
     CHECK_THROWS_WITH(EthernetConfig::load(file),
-                      Contains(file.string()) && Contains("cannot be read"));
+                      ContainsSubstring(file.string()) && ContainsSubstring("cannot be read"));
 }
 
 TEST_CASE("the shipped Ethernet file is without fault and receives no correction") {

@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include <catch2/catch.hpp>
+#include "tests/catch.hpp"
 
 using rsi::find_ipoc;
 using namespace std::string_view_literals;

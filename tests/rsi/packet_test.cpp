@@ -2,8 +2,7 @@
 
 #include <random>
 
-#include <catch2/catch.hpp>
-
+#include "tests/catch.hpp"
 #include "tests/rsi/capture_bytes.hpp"
 
 using namespace rsi::test;

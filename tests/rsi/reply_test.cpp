@@ -3,7 +3,7 @@
 #include <limits>
 #include <random>
 
-#include <catch2/catch.hpp>
+#include "tests/catch.hpp"
 
 using rsi::EthernetConfig;
 using Type = EthernetConfig::Element::Type;

@@ -4,15 +4,14 @@
 #include <cmath>
 #include <set>
 
-#include <catch2/catch.hpp>
-
 #include "rsi/ipoc.hpp"
+#include "tests/catch.hpp"
 
 using namespace std::chrono_literals;
 using rsi::EthernetConfig;
 using rsi::ReplyFault;
 using Type = EthernetConfig::Element::Type;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
@@ -121,7 +120,7 @@ TEST_CASE("a late reply counts for no cycle, neither before nor after the next t
   bench.answer(500, 4ms);  // the cycle is over, even if the next telegram is not out yet
   CHECK(bench.count(ReplyFault::late) == 1);
   CHECK_THAT(bench.controller.first_fault(),
-             Contains("reply to IPOC 500 from 10.0.0.5:49152: late: it took 4000 us"));
+             ContainsSubstring("reply to IPOC 500 from 10.0.0.5:49152: late: it took 4000 us"));
   bench.cycle();
   CHECK(bench.delay() == "1");
   bench.answer(500);
@@ -196,7 +195,7 @@ TEST_CASE("each kind of wrong reply is dropped, counted and put into words") {
 
   CHECK(bench.faults() == 1);
   CHECK(bench.count(kind) == 1);
-  CHECK_THAT(bench.controller.first_fault(), Contains(words));
+  CHECK_THAT(bench.controller.first_fault(), ContainsSubstring(words));
   CHECK(bench.controller.first_fault(kind) == bench.controller.first_fault());
   CHECK(bench.controller.counts().accepted == 0);
   // The cycle still waits, and a right reply ends it.
@@ -210,7 +209,7 @@ TEST_CASE("a correction is obeyed as a controller would, but counted with its ta
   bench.cycle();
   bench.answer("<Sen Type=\"ImFree\"><AK A1=\"0.1\"/><GPIO 01=\"0\"/><IPOC>500</IPOC></Sen>");
   CHECK(bench.count(ReplyFault::correction) == 1);
-  CHECK_THAT(bench.controller.first_fault(), Contains("correction: AK.A1 = 0.1"));
+  CHECK_THAT(bench.controller.first_fault(), ContainsSubstring("correction: AK.A1 = 0.1"));
   CHECK(bench.controller.counts().accepted == 1);
   // Nor does one go unseen because it came late.
   bench.cycle();

@@ -2,9 +2,8 @@
 
 #include <limits>
 
-#include <catch2/catch.hpp>
-
 #include "rsi/telegram.hpp"
+#include "tests/catch.hpp"
 
 using rsi::EthernetConfig;
 using Type = EthernetConfig::Element::Type;

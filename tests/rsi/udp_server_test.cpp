@@ -3,7 +3,7 @@
 #include <string>
 #include <thread>
 
-#include <catch2/catch.hpp>
+#include "tests/catch.hpp"
 
 using namespace std::chrono_literals;
 using boost::asio::ip::udp;
@@ -205,12 +205,13 @@ TEST_CASE("a port belongs to one server alone, and the message says what to do")
   UdpServer first(on_loopback());
   auto options = on_loopback();
   options.listen = first.local();
-  CHECK_THROWS_WITH(UdpServer(std::move(options)), Catch::Contains("in use by another program") &&
-                                                       Catch::Contains("choose another port"));
+  CHECK_THROWS_WITH(UdpServer(std::move(options)),
+                    Catch::Matchers::ContainsSubstring("in use by another program") &&
+                        Catch::Matchers::ContainsSubstring("choose another port"));
   auto elsewhere = on_loopback();
   elsewhere.listen = {0x08080808, 49152};
   CHECK_THROWS_WITH(UdpServer(std::move(elsewhere)),
-                    Catch::Contains("use an address of this machine"));
+                    Catch::Matchers::ContainsSubstring("use an address of this machine"));
 }
 
 TEST_CASE("this machine's address towards a peer is known") {

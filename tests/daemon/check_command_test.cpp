@@ -1,0 +1,192 @@
+#include "daemon/check_command.hpp"
+
+#include <sstream>
+
+#include "tests/catch.hpp"
+#include "tests/daemon/temporary_folder.hpp"
+
+using Catch::Matchers::ContainsSubstring;
+using sweepd::check;
+using sweepd::test::TemporaryFolder;
+namespace fs = std::filesystem;
+
+namespace {
+
+const fs::path kConfig = fs::path(SWEEPD_SOURCE_DIR) / "config";
+
+struct Checked {
+  int code = 0;
+  std::string text;
+};
+
+Checked checked(const sweepd::CheckOptions& options) {
+  std::ostringstream out;
+  const int code = check(options, out);
+  return {code, out.str()};
+}
+
+/// An Ethernet file on lines of its own, so that a test knows their numbers.
+std::string ethernet(const std::string& ip = "192.168.1.10", const std::string& port = "49152",
+                     const std::string& more = "",
+                     const std::string& send =
+                         "<ELEMENT TAG=\"DEF_RIst\" TYPE=\"DOUBLE\" "
+                         "INDX=\"INTERNAL\"/><ELEMENT TAG=\"DEF_AIPos\" "
+                         "TYPE=\"DOUBLE\" INDX=\"INTERNAL\"/>") {
+  return "<ROOT>\n<CONFIG>\n<IP_NUMBER>" + ip + "</IP_NUMBER>\n<PORT>" + port +
+         "</PORT>\n<SENTYPE>ImFree</SENTYPE><ONLYSEND>FALSE</ONLYSEND>" + more +
+         "</CONFIG>\n<SEND><ELEMENTS>" + send +
+         "<ELEMENT TAG=\"DEF_Delay\" TYPE=\"LONG\" INDX=\"INTERNAL\"/>"
+         "</ELEMENTS></SEND>\n<RECEIVE><ELEMENTS>"
+         "<ELEMENT TAG=\"RKorr.X\" TYPE=\"DOUBLE\" INDX=\"1\" HOLDON=\"1\"/>"
+         "<ELEMENT TAG=\"DiO\" TYPE=\"LONG\" INDX=\"2\" HOLDON=\"1\"/>"
+         "</ELEMENTS></RECEIVE>\n</ROOT>\n";
+}
+
+/// Settings beside which robot and Ethernet file lie.
+std::string settings(const std::string& more = "", const std::string& listen = "0.0.0.0:49152") {
+  return "[[robot]]\nname = \"kr5-arc\"\ndescription = \"robot.toml\"\nlisten = \"" + listen +
+         "\"\noutput = \"out\"\nethernet_config = \"ethernet.xml\"\n" + more;
+}
+
+/// A folder where everything fits together.
+struct Sound : TemporaryFolder {
+  Sound() {
+    fs::copy_file(kConfig / "robots/kr5_arc.toml", path() / "robot.toml");
+    static_cast<void>(write("ethernet.xml", ethernet()));
+    static_cast<void>(write("sweepd.toml", settings()));
+  }
+  [[nodiscard]] Checked check() const { return checked({path() / "sweepd.toml", {}}); }
+};
+
+}  // namespace
+
+TEST_CASE("the shipped settings and all files that they name are sound") {
+  const auto result = checked({kConfig / "sweepd.toml", {}});
+  INFO(result.text);
+  CHECK(result.code == 0);
+  CHECK_THAT(result.text, !ContainsSubstring("error") && !ContainsSubstring("warning"));
+  CHECK_THAT(result.text,
+             ContainsSubstring("<Sen Type=\"ImFree\"><EStr></EStr><IPOC>123456</IPOC></Sen>"));
+}
+
+TEST_CASE("the reply is printed as it will be sent: zero for every tag, in order") {
+  const Sound folder;
+  const auto result = folder.check();
+  CHECK(result.code == 0);
+  CHECK_THAT(result.text, ContainsSubstring("<Sen Type=\"ImFree\"><RKorr X=\"0.0"));
+  CHECK_THAT(result.text, ContainsSubstring("<DiO>0</DiO><IPOC>123456</IPOC></Sen>"));
+}
+
+TEST_CASE("wrong settings are 78, with file and line") {
+  const Sound folder;
+  SECTION("no TOML") {
+    static_cast<void>(folder.write("sweepd.toml", "[[robot]]\nname = kr5\n"));
+    CHECK_THAT(folder.check().text, ContainsSubstring((folder / "sweepd.toml").string() + ":2"));
+  }
+  SECTION("an unknown key") {
+    static_cast<void>(folder.write("sweepd.toml", settings("recrod = false\n")));
+    CHECK_THAT(folder.check().text, ContainsSubstring((folder / "sweepd.toml").string() + ":7") &&
+                                        ContainsSubstring("recrod") && ContainsSubstring("record"));
+  }
+  SECTION("no such file") {
+    fs::remove(folder / "sweepd.toml");
+    CHECK_THAT(folder.check().text, ContainsSubstring((folder / "sweepd.toml").string()));
+  }
+  CHECK(folder.check().code == 78);
+}
+
+TEST_CASE("a wrong robot file is 78, with file and line; the Ethernet file is looked at too") {
+  const Sound folder;
+  static_cast<void>(folder.write("robot.toml", "name = \"x\"\nhome_deg = \"y\"\n[[joint]]\n"));
+  const auto result = folder.check();
+  CHECK(result.code == 78);
+  CHECK_THAT(result.text, ContainsSubstring((folder / "robot.toml").string() + ":2"));
+  CHECK_THAT(result.text, ContainsSubstring("<IPOC>123456</IPOC>"));
+}
+
+TEST_CASE("a wrong Ethernet file is 78, with file and line") {
+  const Sound folder;
+  static_cast<void>(folder.write("ethernet.xml", ethernet("192.168.1.10", "70000")));
+  const auto result = folder.check();
+  CHECK(result.code == 78);
+  CHECK_THAT(result.text, ContainsSubstring((folder / "ethernet.xml").string() + ":4") &&
+                              ContainsSubstring("PORT"));
+}
+
+TEST_CASE("a placeholder for the address is a warning, not an error") {
+  const Sound folder;
+  static_cast<void>(folder.write("ethernet.xml", ethernet("ip.address.of.rospc")));
+  const auto result = folder.check();
+  CHECK(result.code == 0);
+  CHECK_THAT(result.text, ContainsSubstring("warning") &&
+                              ContainsSubstring("ip.address.of.rospc") &&
+                              ContainsSubstring((folder / "ethernet.xml").string() + ":3"));
+}
+
+TEST_CASE("what does not fit together is 78: port, address, TCP, plan") {
+  const Sound folder;
+  SECTION("port") {
+    static_cast<void>(folder.write("sweepd.toml", settings("", "0.0.0.0:59152")));
+    CHECK_THAT(folder.check().text, ContainsSubstring("59152") && ContainsSubstring("49152"));
+  }
+  SECTION("address") {
+    static_cast<void>(folder.write("sweepd.toml", settings("", "192.168.1.11:49152")));
+    CHECK_THAT(folder.check().text,
+               ContainsSubstring("192.168.1.11") && ContainsSubstring("IP_NUMBER"));
+  }
+  SECTION("TCP") {
+    static_cast<void>(folder.write("ethernet.xml",
+                                   ethernet("192.168.1.10", "49152", "<PROTOCOL>TCP</PROTOCOL>")));
+    CHECK_THAT(folder.check().text, ContainsSubstring("PROTOCOL: expected UDP, found TCP"));
+  }
+  SECTION("plan") {
+    static_cast<void>(folder.write("sweepd.toml", settings("plan = \"plan.toml\"\n")));
+    static_cast<void>(folder.write(
+        "plan.toml",
+        "home_deg = [90, -90, 90, 0, 90, 0]\npositioning_speed_deg_s = 60\n"
+        "acceleration_deg_s2 = 200\ndwell_ms = 300\n[[sweep]]\njoint = 1\nstart_deg = -45\n"
+        "end_deg = 170\nspeed_deg_s = 20\n"));  // A1 goes to 155
+    CHECK_THAT(folder.check().text, ContainsSubstring((folder / "plan.toml").string() + ":"));
+  }
+  CHECK(folder.check().code == 78);
+}
+
+TEST_CASE("signals that the controller does not send are warned about, once for each triple") {
+  const Sound folder;
+  static_cast<void>(folder.write(
+      "ethernet.xml",
+      ethernet("192.168.1.10", "49152", "", "<ELEMENT TAG=\"DiL\" TYPE=\"LONG\" INDX=\"1\"/>")));
+  const auto result = folder.check();
+  CHECK(result.code == 0);
+  CHECK_THAT(result.text, ContainsSubstring("RIst.X") && !ContainsSubstring("RIst.Y") &&
+                              ContainsSubstring("AIPos.A1") && !ContainsSubstring("AIPos.A2"));
+}
+
+TEST_CASE("settings without an Ethernet file are fine, with a warning of what that means") {
+  const Sound folder;
+  auto text = settings();
+  text.erase(text.find("ethernet_config"));
+  static_cast<void>(folder.write("sweepd.toml", text));
+  const auto result = folder.check();
+  CHECK(result.code == 0);
+  CHECK_THAT(result.text, ContainsSubstring("warning") && ContainsSubstring("IPOC alone"));
+}
+
+TEST_CASE("Ethernet files can be looked at by themselves, all of them") {
+  const TemporaryFolder folder;
+  const auto good = folder.write("good.xml", ethernet());
+  const auto bad = folder.write("bad.xml", "<ROOT>\n<CONFIG>");
+  const auto silent = folder.write("silent.xml", [] {
+    auto text = ethernet();
+    text.replace(text.find("FALSE"), 5, "TRUE");
+    return text;
+  }());
+  CHECK(checked({{}, {good, silent}}).code == 0);
+  const auto result = checked({{}, {bad, good, silent}});
+  CHECK(result.code == 78);
+  CHECK_THAT(result.text,
+             ContainsSubstring(bad.string() + ":") && ContainsSubstring(good.string()));
+  CHECK_THAT(result.text, ContainsSubstring("none: ONLYSEND is TRUE"));
+  CHECK(checked({{}, {folder / "missing.xml"}}).code == 78);
+  CHECK(checked({{}, {folder.path()}}).code == 78);
+}

@@ -1,0 +1,64 @@
+#pragma once
+
+// Outcomes as a campaign leaves them, for tests of what is written about them.
+
+#include "daemon/outcome.hpp"
+#include "daemon/units.hpp"
+#include "identify/circle_estimator.hpp"
+#include "identify/segmentation.hpp"
+#include "tests/identify/simulated_campaign.hpp"
+
+namespace sweepd::test {
+
+inline Outcome outcome_of(const std::vector<identify::Sample>& samples,
+                          const identify::Campaign& campaign) {
+  identify::Segmenter segmenter(campaign.joints);
+  std::vector<identify::Sweep> sweeps;
+  const auto keep = [&](const std::vector<identify::Sweep>& found) {
+    sweeps.insert(sweeps.end(), found.begin(), found.end());
+  };
+  for (const auto& sample : samples) keep(segmenter.push(sample));
+  keep(segmenter.finish());
+  Outcome outcome;
+  outcome.robot = "kr5-arc";
+  outcome.counts.link.telegrams = samples.size();
+  outcome.counts.cycle_ms = 4;
+  outcome.identification = identify::identify_by_circles(sweeps, campaign);
+  return outcome;
+}
+
+inline identify::Campaign kr5_campaign() {
+  identify::Campaign campaign;
+  campaign.specified = identify::test::kr5_arc();
+  return campaign;
+}
+
+/// All joints of a KR 5 arc, with a specified table.
+inline Outcome complete_outcome() {
+  identify::test::Campaign campaign(identify::test::kr5_arc(), {.wobble_deg = 1e-4});
+  campaign.sweep_all_90();
+  return outcome_of(campaign.samples(), kr5_campaign());
+}
+
+/// Joints 1, 2 and 4.
+inline Outcome partial_outcome() {
+  identify::test::Campaign campaign(identify::test::kr5_arc(), {.wobble_deg = 1e-4});
+  campaign.rest().sweep(0, -45, 45).sweep(1, -60, -130).sweep(3, 90, 0);
+  return outcome_of(campaign.samples(), kr5_campaign());
+}
+
+/// Nothing moved.
+inline Outcome failed_outcome() {
+  identify::test::Campaign campaign(identify::test::kr5_arc());
+  campaign.rest(2);
+  return outcome_of(campaign.samples(), kr5_campaign());
+}
+
+/// As complete, of a robot about which nothing is known beforehand.
+inline Outcome unspecified_outcome() {
+  identify::test::Campaign campaign(identify::test::kr5_arc(), {.wobble_deg = 1e-4});
+  campaign.sweep_all_90();
+  return outcome_of(campaign.samples(), {});
+}
+
+}  // namespace sweepd::test

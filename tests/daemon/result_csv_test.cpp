@@ -1,0 +1,123 @@
+#include "daemon/result_csv.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <sstream>
+
+#include "tests/catch.hpp"
+#include "tests/daemon/outcomes.hpp"
+
+using namespace sweepd::test;
+using sweepd::dh_csv;
+using sweepd::sweeps_csv;
+
+namespace {
+
+using Row = std::vector<std::string>;
+
+std::vector<Row> table(const std::string& csv) {
+  std::vector<Row> rows;
+  std::istringstream stream(csv);
+  for (std::string line; std::getline(stream, line);) {
+    Row row(1);
+    for (const char c : line)
+      if (c == ',')
+        row.emplace_back();
+      else
+        row.back() += c;
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+double number(const std::string& text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  INFO(text);
+  REQUIRE(error == std::errc());
+  REQUIRE(end == text.data() + text.size());
+  return value;
+}
+
+std::size_t column(const std::vector<Row>& rows, const std::string& name) {
+  const auto at = std::find(rows[0].begin(), rows[0].end(), name);
+  INFO(name);
+  REQUIRE(at != rows[0].end());
+  return static_cast<std::size_t>(at - rows[0].begin());
+}
+
+}  // namespace
+
+TEST_CASE("dh.csv has a row a joint: identified, uncertainty, specified, difference") {
+  const auto rows = table(dh_csv(complete_outcome()));
+  CHECK(rows.at(0) == Row{"joint", "b_mm", "b_sigma_mm", "b_specified_mm", "b_difference_mm",
+                          "theta_deg", "theta_sigma_deg", "theta_specified_deg",
+                          "theta_difference_deg", "a_mm", "a_sigma_mm", "a_specified_mm",
+                          "a_difference_mm", "alpha_deg", "alpha_sigma_deg", "alpha_specified_deg",
+                          "alpha_difference_deg", "relation", "by_convention"});
+  REQUIRE(rows.size() == 7);
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    REQUIRE(rows[i].size() == rows[0].size());
+    CHECK(rows[i][0] == std::to_string(i));
+  }
+  CHECK(number(rows[1][1]) == Approx(400).margin(0.02));
+  CHECK(number(rows[1][3]) == 400);
+  CHECK(number(rows[1][4]) == Approx(number(rows[1][1]) - 400).margin(1e-6));
+  CHECK(rows[1][17] == "skew");
+  CHECK(rows[1][18].empty());
+}
+
+TEST_CASE("dh.csv leaves empty what convention sets and what nobody knows") {
+  const auto complete = table(dh_csv(complete_outcome()));
+  CHECK(number(complete.at(2)[1]) == 0);  // b of parallel axes
+  CHECK(complete[2][2].empty());
+  CHECK(complete[2][4].empty());
+  CHECK(complete[2][18] == "b_mm");
+  CHECK(complete[6][18] == "b_mm theta_deg a_mm alpha_deg");
+
+  const auto partial = table(dh_csv(partial_outcome()));
+  const auto a = column(partial, "a_mm");
+  CHECK(partial.at(2)[a].empty());
+  CHECK(partial[2][a + 1].empty());
+  CHECK(number(partial[2][a + 2]) == 600);
+  CHECK(partial[2][a + 3].empty());
+
+  const auto unspecified = table(dh_csv(unspecified_outcome()));
+  CHECK(unspecified.at(1)[column(unspecified, "b_specified_mm")].empty());
+  CHECK(unspecified[1][column(unspecified, "b_difference_mm")].empty());
+  CHECK_FALSE(unspecified[1][column(unspecified, "b_mm")].empty());
+}
+
+TEST_CASE("sweeps.csv has each sample that was used, and its distance from plane and circle") {
+  const auto outcome = complete_outcome();
+  const auto rows = table(sweeps_csv(outcome));
+  CHECK(rows.at(0) == Row{"joint", "sweep", "t_s", "x_mm", "y_mm", "z_mm", "a1_deg", "a2_deg",
+                          "a3_deg", "a4_deg", "a5_deg", "a6_deg", "plane_residual_mm",
+                          "radial_residual_mm"});
+  std::size_t used = 0;
+  const auto& joints = outcome.identification.joints;
+  for (const auto& joint : joints)
+    for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
+      if (joint.used[s]) used += joint.sweeps[s].samples->size();
+  CHECK(rows.size() == used + 1);
+
+  double squares = 0;
+  std::size_t of_joint_1 = 0;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    REQUIRE(rows[i].size() == rows[0].size());
+    if (rows[i][0] != "1") continue;
+    CHECK(rows[i][1] == "2");  // the first is the way from home to the sweep's start
+    const double residual = number(rows[i][12]);
+    squares += residual * residual;
+    ++of_joint_1;
+  }
+  // As result.json has it; residuals are rounded to 1e-6.
+  CHECK(std::sqrt(squares / static_cast<double>(of_joint_1)) ==
+        Approx(joints[0].circle->plane_rms_mm).margin(2e-6));
+}
+
+TEST_CASE(
+    "sweeps.csv has no columns of angles where there are none, and no rows without a circle") {
+  CHECK(sweeps_csv(failed_outcome()) ==
+        "joint,sweep,t_s,x_mm,y_mm,z_mm,plane_residual_mm,radial_residual_mm\n");
+}

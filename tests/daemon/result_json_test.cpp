@@ -1,0 +1,303 @@
+#include "daemon/result_json.hpp"
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/catch.hpp"
+#include "tests/daemon/outcomes.hpp"
+
+using Json = nlohmann::ordered_json;
+using identify::Knowledge;
+using sweepd::Outcome;
+using sweepd::result_json;
+using namespace sweepd::test;
+
+namespace {
+
+Json parsed(const Outcome& outcome) {
+  return Json::parse(result_json(outcome));
+}
+
+/// Calls `visit` with each number of the document and the name that it stands under.
+void for_each_number(const Json& json, const std::string& name,
+                     const std::function<void(const std::string&, const Json&)>& visit) {
+  if (json.is_number()) visit(name, json);
+  if (json.is_array())
+    for (const auto& item : json) for_each_number(item, name, visit);
+  if (json.is_object())
+    for (const auto& [key, value] : json.items()) for_each_number(value, key, visit);
+}
+
+const std::vector<std::string> kNumbers{"b_mm", "theta_deg", "a_mm", "alpha_deg"};
+const std::vector<std::string> kSigmas{"b_sigma_mm", "theta_sigma_deg", "a_sigma_mm",
+                                       "alpha_sigma_deg"};
+
+}  // namespace
+
+TEST_CASE("a complete result has every field of the schema, in its type and unit") {
+  const auto json = parsed(complete_outcome());
+  CHECK(json.at("schema") == "sweepd.result/1");
+  CHECK(json.at("robot") == "kr5-arc");
+  CHECK(json.at("status") == "complete");
+  CHECK_FALSE(json.contains("reason"));
+  CHECK(json.at("estimator") == "circle");
+  REQUIRE(json.at("home_deg").size() == 6);
+  // Means over strokes of some hundred samples with a wobble of 0.0001 deg.
+  CHECK(json.at("home_deg")[1].get<double>() == Approx(-90).margin(1e-4));
+
+  const auto& source = json.at("source");
+  CHECK(source.at("kind") == "trace");
+  for (const char* count : {"telegrams", "lost", "duplicated", "reordered", "malformed"}) {
+    INFO(count);
+    CHECK(source.at(count).is_number_unsigned());
+  }
+  CHECK(source.at("cycle_ms") == 4.0);
+  CHECK(source.at("cycle_ms").is_number_float());
+
+  REQUIRE(json.at("joints").size() == 6);
+  int number = 0;
+  for (const auto& joint : json.at("joints")) {
+    CHECK(joint.at("joint") == ++number);
+    REQUIRE_FALSE(joint.at("sweeps").empty());
+    double before = -1;
+    for (const auto& sweep : joint.at("sweeps")) {
+      CHECK(sweep.at("samples").get<std::size_t>() > 20);
+      CHECK(sweep.at("start_s").get<double>() > before);
+      CHECK(sweep.at("end_s").get<double>() > sweep.at("start_s").get<double>());
+      before = sweep.at("end_s").get<double>();
+      CHECK(sweep.at("range_deg").get<double>() > 20);
+      CHECK(std::abs(sweep.at("direction").get<int>()) == 1);
+    }
+    const auto& axis = joint.at("axis");
+    CHECK(axis.at("direction").size() == 3);
+    CHECK(axis.at("point").size() == 3);
+    CHECK(axis.at("direction_sigma_deg").get<double>() > 0);
+    CHECK(axis.at("direction_sigma_deg").get<double>() < 0.01);
+    CHECK(axis.at("point_sigma_mm").get<double>() > 0);
+    const auto& circle = joint.at("circle");
+    CHECK(circle.at("center").size() == 3);
+    CHECK(circle.at("normal").size() == 3);
+    CHECK(circle.at("radius_mm").get<double>() > 100);
+    CHECK(circle.at("arc_deg").get<double>() > 69);
+    CHECK(circle.at("plane_rms_mm").get<double>() < 0.01);
+    CHECK(circle.at("radial_rms_mm").get<double>() < 0.01);
+  }
+
+  for (const char* table : {"dh", "specified", "difference"}) {
+    INFO(table);
+    REQUIRE(json.at(table).size() == 6);
+    for (std::size_t i = 0; i < 6; ++i) {
+      CHECK(json[table][i].at("joint") == i + 1);
+      for (const auto& name : kNumbers) CHECK(json[table][i].contains(name));
+    }
+  }
+  for (const auto& row : json.at("dh")) {
+    for (const auto& sigma : kSigmas) CHECK(row.contains(sigma));
+    CHECK(row.at("relation").is_string());
+  }
+  CHECK(json.at("estimates").at("circle").at("dh") == json.at("dh"));
+
+  const auto& box = json.at("bounding_box");
+  const auto lengths = box.at("lengths_mm").get<std::vector<double>>();
+  REQUIRE(lengths.size() == 3);
+  CHECK(lengths[0] >= lengths[1]);
+  CHECK(lengths[1] >= lengths[2]);
+  // Both are rounded.
+  CHECK(box.at("volume_m3").get<double>() ==
+        Approx(lengths[0] * lengths[1] * lengths[2] * 1e-9).epsilon(1e-6));
+  CHECK(box.at("center").size() == 3);
+  REQUIRE(box.at("orientation").size() == 3);
+  CHECK(box.at("orientation")[0].size() == 3);
+  CHECK(json.at("warnings").is_array());
+}
+
+TEST_CASE("lengths are in mm, angles in degrees") {
+  const auto json = parsed(complete_outcome());
+  const auto& dh = json.at("dh");
+  // A wobble of 0.0001 deg at a metre is 0.002 mm, and hundreds of samples share it.
+  CHECK(dh[0].at("b_mm").get<double>() == Approx(400).margin(0.02));
+  CHECK(dh[0].at("a_mm").get<double>() == Approx(180).margin(0.02));
+  CHECK(dh[0].at("theta_deg").get<double>() == Approx(-90).margin(1e-3));
+  CHECK(dh[0].at("alpha_deg").get<double>() == Approx(90).margin(1e-3));
+  CHECK(json.at("specified")[3].at("b_mm") == 620.0);
+  // Specified for the home of this campaign, which is a mean over a wobble.
+  CHECK(json.at("specified")[3].at("theta_deg").get<double>() == Approx(180).margin(1e-4));
+  CHECK(json.at("specified")[3].at("alpha_deg") == 90.0);
+}
+
+TEST_CASE("the columns of the orientation are the axes of the box, longest first") {
+  const auto outcome = complete_outcome();
+  const auto json = parsed(outcome);
+  const auto& box = *outcome.identification.bounding_box;
+  for (Eigen::Index row = 0; row < 3; ++row)
+    for (Eigen::Index column = 0; column < 3; ++column)
+      CHECK(json["bounding_box"]["orientation"][static_cast<std::size_t>(row)]
+                [static_cast<std::size_t>(column)]
+                    .get<double>() == Approx(box.orientation(row, column)).margin(1e-8));
+}
+
+TEST_CASE("what convention sets is named, has no uncertainty and no difference") {
+  const auto json = parsed(complete_outcome());
+  const auto& parallel = json.at("dh")[1];  // axes 2 and 3: b is free
+  CHECK(parallel.at("relation") == "parallel");
+  CHECK(parallel.at("b_mm") == 0.0);
+  CHECK(parallel.at("b_sigma_mm").is_null());
+  CHECK(parallel.at("by_convention") == Json({"b_mm"}));
+  CHECK(json.at("difference")[1].at("b_mm").is_null());
+  CHECK(json.at("difference")[1].at("a_mm").is_number());
+
+  const auto& last = json.at("dh")[5];  // needs a frame on the end-effector
+  CHECK(last.at("relation") == "last");
+  CHECK(last.at("by_convention") == Json({"b_mm", "theta_deg", "a_mm", "alpha_deg"}));
+  for (const auto& sigma : kSigmas) CHECK(last.at(sigma).is_null());
+  for (const auto& name : kNumbers) CHECK(json.at("difference")[5].at(name).is_null());
+
+  CHECK_FALSE(json.at("dh")[0].contains("by_convention"));
+}
+
+TEST_CASE("a difference is identified minus specified") {
+  const auto json = parsed(complete_outcome());
+  for (std::size_t i = 0; i < 6; ++i)
+    for (const auto& name : kNumbers) {
+      const auto& difference = json["difference"][i][name];
+      if (difference.is_null()) continue;
+      INFO(name << " of row " << i + 1);
+      const double raw =
+          json["dh"][i][name].get<double>() - json["specified"][i][name].get<double>();
+      const double full_turns = name.ends_with("_deg") ? 360 * std::round(raw / 360) : 0;
+      CHECK(difference.get<double>() == Approx(raw - full_turns).margin(1e-6));  // of rounding
+    }
+}
+
+TEST_CASE("a partial result says why, and null for what the data cannot determine") {
+  const auto json = parsed(partial_outcome());
+  CHECK(json.at("status") == "partial");
+  CHECK_FALSE(json.at("reason").get<std::string>().empty());
+  REQUIRE(json.at("joints").size() == 6);
+  CHECK(json["joints"][0].contains("axis"));
+  CHECK_FALSE(json["joints"][2].contains("axis"));
+  CHECK_FALSE(json["joints"][2].contains("circle"));
+  CHECK(json["joints"][2]["sweeps"].empty());
+  REQUIRE(json.at("dh").size() == 6);
+  const auto& row = json["dh"][1];  // axis 3 is missing
+  for (const auto& name : {"a_mm", "alpha_deg", "theta_deg"}) {
+    INFO(name);
+    CHECK(row.at(name).is_null());
+  }
+  for (const auto& sigma : kSigmas) CHECK(row.at(sigma).is_null());
+  CHECK(json["difference"][1]["a_mm"].is_null());
+  CHECK(json["dh"][0]["a_mm"].is_number());
+  bool warned = false;
+  for (const auto& warning : json.at("warnings"))
+    warned = warned || (warning.at("code") == "joint_never_moved" && warning.at("joint") == 3 &&
+                        !warning.at("message").get<std::string>().empty());
+  CHECK(warned);
+}
+
+TEST_CASE("a failed result is one too: status, reason, source, no number made up") {
+  auto outcome = failed_outcome();
+  outcome.counts.cycle_ms.reset();
+  const auto json = parsed(outcome);
+  CHECK(json.at("status") == "failed");
+  CHECK_FALSE(json.at("reason").get<std::string>().empty());
+  CHECK(json.at("source").at("telegrams") == outcome.counts.link.telegrams);
+  CHECK(json.at("source").at("cycle_ms").is_null());
+  CHECK_FALSE(json.contains("home_deg"));
+  CHECK_FALSE(json.contains("bounding_box"));
+  for (const auto& row : json.at("dh"))
+    for (const auto& name : kNumbers)
+      CHECK((row.at(name).is_null() ||
+             row.at("by_convention").dump().find(name) != std::string::npos));
+  for (const auto& row : json.at("difference"))
+    for (const auto& name : kNumbers) CHECK(row.at(name).is_null());
+}
+
+TEST_CASE("the result of no identification at all is valid too") {
+  const auto json = parsed({});
+  CHECK(json.at("status") == "failed");
+  CHECK(json.at("joints").empty());
+  CHECK(json.at("dh").empty());
+  CHECK(json.at("warnings").empty());
+}
+
+TEST_CASE("without a specified table there is neither it nor a difference") {
+  const auto json = parsed(unspecified_outcome());
+  CHECK(json.at("status") == "complete");
+  CHECK_FALSE(json.contains("specified"));
+  CHECK_FALSE(json.contains("difference"));
+}
+
+TEST_CASE("malformed datagrams are told by kind where there are any") {
+  auto outcome = failed_outcome();
+  CHECK_FALSE(parsed(outcome).at("source").contains("malformed_by_kind"));
+  outcome.counts.malformed[static_cast<std::size_t>(rsi::Defect::truncated)] = 3;
+  outcome.counts.malformed[static_cast<std::size_t>(rsi::Defect::empty)] = 2;
+  const auto source = parsed(outcome).at("source");
+  CHECK(source.at("malformed") == 5);
+  CHECK(source.at("malformed_by_kind") == Json({{"empty", 2}, {"truncated", 3}}));
+}
+
+TEST_CASE("positioning strokes are marked, and what was used is told") {
+  const auto json = parsed(complete_outcome());
+  const auto& sweeps = json["joints"][0]["sweeps"];
+  REQUIRE(sweeps.size() == 3);  // home to start, the sweep, end to home
+  CHECK(sweeps[0].at("positioning") == true);
+  CHECK(sweeps[0].at("used") == false);
+  CHECK_FALSE(sweeps[1].contains("positioning"));
+  CHECK(sweeps[1].at("used") == true);
+}
+
+TEST_CASE("numbers are rounded: a nanometre, and as little of an angle") {
+  const auto json = parsed(complete_outcome());
+  for_each_number(json, "", [](const std::string& name, const Json& number) {
+    const double value = number.get<double>();
+    const double unit = name.ends_with("_mm")    ? 1e-6
+                        : name.ends_with("_deg") ? 1e-7
+                        : name.ends_with("_s")   ? 1e-6
+                        : name == "volume_m3"    ? 1e-12
+                                                 : 1e-9;
+    INFO(name << " " << number.dump());
+    CHECK(std::isfinite(value));
+    // Of doubles near 1000 the last bit is 1e-13.
+    CHECK(std::abs(value / unit - std::round(value / unit)) < 1e-2);
+    CHECK_FALSE((value == 0 && std::signbit(value)));
+  });
+}
+
+TEST_CASE("a number that is not finite is null, never NaN") {
+  auto outcome = complete_outcome();
+  auto& found = outcome.identification;
+  found.dh[0].b_mm.value = std::numeric_limits<double>::quiet_NaN();
+  found.dh[0].a_mm.sigma = std::numeric_limits<double>::infinity();
+  found.joints[0].axis->covariance.setConstant(std::numeric_limits<double>::quiet_NaN());
+  const auto text = result_json(outcome);
+  const auto json = Json::parse(text);
+  CHECK(json["dh"][0]["b_mm"].is_null());
+  CHECK(json["dh"][0]["a_sigma_mm"].is_null());
+  CHECK(text.find("nan") == std::string::npos);
+  CHECK(text.find("inf") == std::string::npos);
+}
+
+TEST_CASE("the same outcome gives the same bytes, in lines that a person can read") {
+  const auto text = result_json(complete_outcome());
+  CHECK(text == result_json(complete_outcome()));
+  CHECK(text.ends_with("}\n"));
+  std::size_t begin = 0;
+  while (begin < text.size()) {
+    const auto end = text.find('\n', begin);
+    CHECK(end - begin < 240);
+    begin = end + 1;
+  }
+}
+
+TEST_CASE("any bytes in a name or a message give valid JSON") {
+  auto outcome = failed_outcome();
+  outcome.robot = "quote\" backslash\\ tab\t";
+  outcome.identification.warnings.push_back({"code", {}, "4°"});
+  CHECK(parsed(outcome).at("robot") == outcome.robot);
+  outcome.robot = "latin-1 \xe4";  // the name of a file, say
+  CHECK_NOTHROW(parsed(outcome));
+}

@@ -1,0 +1,290 @@
+#include "daemon/robot_service.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <set>
+#include <sstream>
+#include <thread>
+
+#include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
+
+#include "daemon/config_error.hpp"
+#include "daemon/replay_command.hpp"
+#include "rsi/capture_reader.hpp"
+#include "rsi/controller_link.hpp"
+#include "tests/catch.hpp"
+#include "tests/daemon/telegrams.hpp"
+#include "tests/daemon/temporary_folder.hpp"
+
+using Catch::Matchers::ContainsSubstring;
+using Json = nlohmann::json;
+using sweepd::RobotService;
+using namespace sweepd::test;
+using namespace std::chrono_literals;
+namespace fs = std::filesystem;
+
+namespace {
+
+const fs::path kConfig = fs::path(SWEEPD_SOURCE_DIR) / "config";
+const fs::path kEthernet = kConfig / "controller/krc4/sweepd_ethernet.xml";
+
+sweepd::RobotSettings settings(const fs::path& output) {
+  spdlog::set_level(spdlog::level::off);
+  sweepd::RobotSettings robot;
+  robot.name = "kr5-arc";
+  robot.description = kConfig / "robots/kr5_arc.toml";
+  robot.listen = {*rsi::parse_address("127.0.0.1"), 0};
+  robot.ethernet_config = kEthernet;
+  robot.output = output;
+  robot.silence = 150ms;
+  return robot;
+}
+
+rsi::ControllerLink::Options at(const rsi::Endpoint& server) {
+  rsi::ControllerLink::Options options;
+  options.controller.server = server;
+  options.controller.cycle = 2ms;
+  options.controller.timeout = 100'000;
+  options.local = {*rsi::parse_address("127.0.0.1"), 0};
+  return options;
+}
+
+/// Joint 1 goes from 0 to 60 degrees and rests, in 0.8 s.
+bool stroke(std::uint64_t cycle, rsi::SignalValues& values) {
+  static const auto angles = stroke_deg(0, 60);
+  if (cycle >= angles.size()) return false;
+  const double angle = -angles[cycle] * 3.14159265358979323846 / 180;
+  values.RIst = {500 * std::cos(angle), 500 * std::sin(angle), 900, 0, 90, 0};
+  values.AIPos = {angles[cycle], -90, 90, 0, 90, 0};
+  return true;
+}
+
+rsi::ControllerLink::Report stream(const rsi::Endpoint& server, std::uint64_t cycles = 400,
+                                   const fs::path& ethernet = kEthernet) {
+  rsi::ControllerLink link(rsi::EthernetConfig::load(ethernet), at(server));
+  return link.run([&](std::uint64_t cycle, rsi::SignalValues& values) {
+    return cycle < cycles && stroke(cycle, values);
+  });
+}
+
+/// Waits for the work of other threads; false if it takes unreasonably long.
+bool eventually(const std::function<bool()>& condition) {
+  const auto deadline = std::chrono::steady_clock::now() + 20s;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::sleep_for(1ms);
+  }
+  return true;
+}
+
+std::set<fs::path> sessions(const fs::path& output) {
+  std::set<fs::path> folders;
+  for (const auto& entry : fs::directory_iterator(output / "kr5-arc")) folders.insert(entry.path());
+  return folders;
+}
+
+Json json_in(const fs::path& file) {
+  return Json::parse(content(file));
+}
+
+struct Traced {
+  std::uint64_t telegrams = 0;
+  std::uint64_t replies = 0;
+};
+
+Traced traced(const fs::path& folder, std::uint16_t port) {
+  Traced counts;
+  rsi::CaptureReader trace(folder / "trace.pcap");
+  while (const auto datagram = trace.next()) {
+    CHECK(rsi::address_text(datagram->source.address) == "127.0.0.1");
+    CHECK(rsi::address_text(datagram->destination.address) == "127.0.0.1");
+    ++(datagram->destination.port == port ? counts.telegrams : counts.replies);
+  }
+  CHECK(trace.notes().empty());
+  return counts;
+}
+
+/// What a replay of the recording leaves.
+std::string replayed(const fs::path& session, const fs::path& output) {
+  sweepd::ReplayOptions options;
+  options.traces = {session / "trace.pcap"};
+  options.config = kConfig / "sweepd.toml";
+  options.output = output;
+  options.quiet = true;
+  std::ostringstream text;
+  CHECK(sweepd::replay(options, text, text) == 0);
+  CHECK(text.str().empty());
+  return content(output / "result.json");
+}
+
+}  // namespace
+
+TEST_CASE("each stream gets a folder of its own, and silence completes it", "[realtime]") {
+  const TemporaryFolder folder;
+  const auto output = folder / "out";
+  RobotService service(settings(output));
+  CHECK(fs::is_directory(output / "kr5-arc"));
+  service.start();
+  std::set<fs::path> seen;
+  for (int k = 0; k < 2; ++k) {
+    const auto report = stream(service.local());
+    CHECK(report.end == rsi::ControllerLink::End::done);
+    CHECK(report.controller.telegrams == 400);
+    fs::path session;
+    REQUIRE(eventually([&] {
+      for (const auto& path : sessions(output))
+        if (!seen.contains(path)) session = path;
+      return !session.empty() && json_in(session / "run.json").contains("ended") &&
+             fs::exists(session / "result.json");
+    }));
+    seen.insert(session);
+
+    const auto result = json_in(session / "result.json");
+    CHECK(result["status"] == "partial");
+    CHECK(result["source"]["telegrams"] == 400);
+    CHECK(result["source"]["lost"] == 0);
+    REQUIRE(result["joints"][0]["sweeps"].size() == 1);
+    CHECK(result["joints"][0]["circle"]["radius_mm"].get<double>() == Approx(500).margin(1e-3));
+    for (const char* name : {"samples.csv", "sweeps.csv", "dh.csv", "report.txt"}) {
+      INFO(name);
+      CHECK(fs::file_size(session / name) > 0);
+    }
+    const auto counts = traced(session, service.local().port);
+    CHECK(counts.telegrams == 400);
+    // On a machine that stalls several telegrams wait, and only the newest is answered.
+    const auto link = json_in(session / "run.json")["since_start_of_sweepd"];
+    CHECK(link["answered"].get<std::uint64_t>() + link["superseded"].get<std::uint64_t>() ==
+          400U * static_cast<std::uint64_t>(k + 1));
+    CHECK(counts.replies > 0);
+    CHECK(counts.replies == report.controller.replies);
+    CHECK(report.controller.of(rsi::ReplyFault::malformed) == 0);
+    CHECK(report.controller.of(rsi::ReplyFault::wrong_ipoc) == 0);
+    CHECK(replayed(session, folder / ("replay" + std::to_string(k))) ==
+          content(session / "result.json"));
+  }
+  service.stop();
+  CHECK(sessions(output).size() == 2);
+}
+
+TEST_CASE("a stop while RSI streams leaves a complete result at once, and answers until then",
+          "[realtime]") {
+  const TemporaryFolder folder;
+  auto robot = settings(folder / "out");
+  const auto loopback = robot.listen.address;
+  robot.listen.address = 0;  // every interface: the recording has the one that was used
+  RobotService service(robot);
+  service.start();
+  const rsi::Endpoint server{loopback, service.local().port};
+  rsi::ControllerLink link(rsi::EthernetConfig::load(kEthernet), at(server));
+  std::atomic<std::uint64_t> cycles = 0;
+  rsi::ControllerLink::Report report;
+  std::thread controller([&] {
+    report = link.run([&](std::uint64_t cycle, rsi::SignalValues& values) {
+      cycles = cycle;
+      return stroke(std::min<std::uint64_t>(cycle, 399), values);  // and then rests for ever
+    });
+  });
+  const bool streamed = eventually([&] { return cycles > 410; });
+  service.stop();
+  const auto folders = sessions(folder / "out");
+  const bool result_is_there = folders.size() == 1 && fs::exists(*folders.begin() / "result.json");
+  link.stop();
+  controller.join();
+
+  REQUIRE(streamed);
+  REQUIRE(result_is_there);
+  const auto& session = *folders.begin();
+  const auto result = json_in(session / "result.json");
+  CHECK(result["status"] == "partial");
+  CHECK(result["joints"][0]["sweeps"].size() == 1);
+  const auto counts = traced(session, service.local().port);
+  CHECK(result["source"]["telegrams"] == counts.telegrams);
+  CHECK(counts.telegrams >= 400);
+  CHECK(json_in(session / "run.json").contains("ended"));
+  CHECK(replayed(session, folder / "replay") == content(session / "result.json"));
+}
+
+TEST_CASE(
+    "a service that is stopped before anything came leaves nothing, and may be stopped again") {
+  const TemporaryFolder folder;
+  RobotService service(settings(folder / "out"));
+  service.stop();
+  service.start();
+  service.stop();
+  service.stop();
+  CHECK(sessions(folder / "out").empty());
+}
+
+TEST_CASE("a folder that cannot be made later costs the files, not the replies", "[realtime]") {
+  const TemporaryFolder folder;
+  RobotService service(settings(folder / "out"));
+  fs::remove(folder / "out/kr5-arc");
+  static_cast<void>(folder.write("out/kr5-arc", "a file in its place"));
+  service.start();
+  const auto report = stream(service.local(), 50);
+  CHECK(report.controller.replies > 0);  // a machine that stalls answers only the newest of several
+  service.stop();
+  CHECK(content(folder / "out/kr5-arc") == "a file in its place");
+}
+
+TEST_CASE("a controller that only sends gets nothing sent", "[realtime]") {
+  const TemporaryFolder folder;
+  auto xml = content(kEthernet);
+  const auto key = xml.find("<ONLYSEND>FALSE");
+  REQUIRE(key != std::string::npos);
+  xml.replace(key, 15, "<ONLYSEND>TRUE");
+  auto robot = settings(folder / "out");
+  robot.ethernet_config = folder.write("ethernet.xml", xml);
+  RobotService service(robot);
+  service.start();
+  const auto report = stream(service.local(), 50, *robot.ethernet_config);
+  REQUIRE(eventually([&] {
+    const auto all = sessions(folder / "out");
+    return !all.empty() && fs::exists(*all.begin() / "result.json");
+  }));
+  service.stop();
+  CHECK(report.controller.replies == 0);
+  const auto session = *sessions(folder / "out").begin();
+  CHECK(traced(session, service.local().port).replies == 0);
+  CHECK(json_in(session / "result.json")["source"]["telegrams"] == 50);
+}
+
+TEST_CASE("what makes serving impossible is said before anything is served") {
+  const TemporaryFolder folder;
+  SECTION("a TCP file is a configuration error") {
+    auto xml = content(kEthernet);
+    xml.insert(xml.find("<SENTYPE>"), "<PROTOCOL>TCP</PROTOCOL>");
+    auto robot = settings(folder / "out");
+    robot.ethernet_config = folder.write("ethernet.xml", xml);
+    CHECK_THROWS_AS(RobotService(robot), sweepd::ConfigError);
+    CHECK_THROWS_WITH(RobotService(robot),
+                      ContainsSubstring("ethernet.xml: PROTOCOL: expected UDP"));
+  }
+  SECTION("a port that is taken") {
+    const RobotService first(settings(folder / "out"));
+    auto robot = settings(folder / "out");
+    robot.listen = first.local();
+    CHECK_THROWS_WITH(RobotService(robot), ContainsSubstring("in use by another program"));
+  }
+  SECTION("an output folder that cannot be made") {
+    const auto robot = settings(folder.write("file", "") / "out");
+    CHECK_THROWS_WITH(RobotService(robot),
+                      ContainsSubstring("cannot make the folder") &&
+                          ContainsSubstring((folder / "file/out/kr5-arc").string()));
+  }
+}
+
+TEST_CASE("a service that does not record says so in its result, and leaves no trace",
+          "[realtime]") {
+  const TemporaryFolder folder;
+  auto robot = settings(folder / "out");
+  robot.record = false;
+  RobotService service(robot);
+  service.start();
+  static_cast<void>(stream(service.local(), 50));
+  service.stop();
+  const auto session = *sessions(folder / "out").begin();
+  CHECK_FALSE(fs::exists(session / "trace.pcap"));
+  CHECK(json_in(session / "result.json")["source"]["kind"] == "live");
+}

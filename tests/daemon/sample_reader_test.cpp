@@ -1,0 +1,146 @@
+#include "daemon/sample_reader.hpp"
+
+#include "daemon/units.hpp"
+#include "tests/catch.hpp"
+#include "tests/daemon/telegrams.hpp"
+
+using sweepd::radians;
+using sweepd::SampleReader;
+using sweepd::SignalNames;
+using sweepd::test::telegram;
+
+namespace {
+
+/// Keeps the text that the parsed telegram points into.
+class Parsed {
+ public:
+  explicit Parsed(std::string_view elements) : text_(telegram(4000, elements)) {
+    REQUIRE(telegram_.parse(text_) == rsi::Defect::none);
+  }
+  operator const rsi::Telegram&() const { return telegram_; }
+
+ private:
+  std::string text_;
+  rsi::Telegram telegram_;
+};
+
+std::string csv(const SampleReader& reader, const rsi::Telegram& telegram) {
+  std::string row;
+  reader.append_csv(telegram, row);
+  return row;
+}
+
+const std::string kPosition = R"(<RIst X="1.5" Y="-2.25" Z="3.125" A="10.0" B="-20.0" C="30.0"/>)";
+const std::string kAngles = R"(<AIPos A1="1.0" A2="-90.0" A3="90.0" A4="4.0" A5="5.0" A6="6.0"/>)";
+
+}  // namespace
+
+TEST_CASE("position, orientation and angles are taken from where RSI puts them") {
+  SampleReader reader(SignalNames{}, 6);
+  const auto sample = reader.read(Parsed(kPosition + kAngles));
+  REQUIRE(sample.has_position);
+  CHECK(sample.position_mm == Eigen::Vector3d(1.5, -2.25, 3.125));
+  REQUIRE(sample.has_orientation);
+  CHECK(sample.abc_rad == std::array{radians(10.0), radians(-20.0), radians(30.0)});
+  REQUIRE(sample.joints == 6);
+  CHECK(sample.angles_rad[1] == radians(-90.0));
+  CHECK(sample.angles_rad[5] == radians(6.0));
+  CHECK(reader.unusable() == 0);
+}
+
+TEST_CASE("commanded values are never taken for measured ones") {
+  SampleReader reader(SignalNames{}, 6);
+  const auto sample = reader.read(
+      Parsed(R"(<RSol X="1" Y="2" Z="3" A="0" B="0" C="0"/><ASPos A1="1" A2="2" A3="3" A4="4" )"
+             R"(A5="5" A6="6"/>)"));
+  CHECK_FALSE(sample.has_position);
+  CHECK_FALSE(sample.has_orientation);
+  CHECK(sample.joints == 0);
+}
+
+TEST_CASE("signals under the user's own names: the text of an element, or an attribute") {
+  SignalNames names;
+  names.position = {"Act_X", "Act_Y", "Act_Z"};
+  names.orientation = {"Pos.A", "Pos.B", "Pos.C"};
+  names.angles = {"Pos.A1", "Pos.A2"};
+  SampleReader reader(names, 6);
+  const Parsed parsed(R"(<Act_X>1.5</Act_X><Pos A1="7.0" A2="8.0" A="1.0" B="2.0" C="3.0"/>)"
+                      R"(<Act_Y> 2.5 </Act_Y><Act_Z>3.5</Act_Z>)");
+  const auto sample = reader.read(parsed);
+  REQUIRE(sample.has_position);
+  CHECK(sample.position_mm == Eigen::Vector3d(1.5, 2.5, 3.5));
+  CHECK(sample.has_orientation);
+  REQUIRE(sample.joints == 2);
+  CHECK(sample.angles_rad[1] == radians(8.0));
+  CHECK(reader.csv_header() == ",x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,a1_deg,a2_deg");
+  CHECK(csv(reader, parsed) == ",1.5,2.5,3.5,1.0,2.0,3.0,7.0,8.0");
+}
+
+TEST_CASE("of a robot with fewer joints than the telegram has angles, the first count") {
+  SampleReader reader(SignalNames{}, 4);
+  CHECK(reader.read(Parsed(kAngles)).joints == 4);
+  CHECK(reader.csv_header() == ",x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,a1_deg,a2_deg,a3_deg,a4_deg");
+}
+
+TEST_CASE("what is there in part is not there: no coordinate is ever made up") {
+  SampleReader reader(SignalNames{}, 6);
+  SECTION("a coordinate is missing") {
+    const auto sample =
+        reader.read(Parsed(R"(<RIst X="1.0" Z="3.0" A="0" B="0" C="0"/>)" + kAngles));
+    CHECK_FALSE(sample.has_position);
+    CHECK(sample.has_orientation);
+    CHECK(sample.joints == 6);
+    CHECK(reader.unusable() == 0);
+  }
+  SECTION("an angle is missing") {
+    const auto sample = reader.read(Parsed(kPosition + R"(<AIPos A1="1.0" A2="2.0"/>)"));
+    CHECK(sample.has_position);
+    CHECK(sample.joints == 0);
+  }
+  SECTION("a coordinate is no number") {
+    for (const char* bad : {"nan", "inf", "1,5", "1.5mm", "", "-", "1e999"}) {
+      INFO(bad);
+      const auto before = reader.unusable();
+      const auto sample =
+          reader.read(Parsed("<RIst X=\"" + std::string(bad) + "\" Y=\"2.0\" Z=\"3.0\"/>"));
+      CHECK_FALSE(sample.has_position);
+      CHECK(reader.unusable() == before + 1);
+    }
+  }
+  SECTION("the row keeps its columns, and what was printed") {
+    const Parsed parsed(R"(<RIst X="1.0" Z="nan"/><AIPos A6="6.50"/>)");
+    CHECK(csv(reader, parsed) == ",1.0,,nan,,,,,,,,,6.50");
+  }
+}
+
+TEST_CASE("a telegram whose signals stand elsewhere than in the one before is read the same") {
+  SampleReader reader(SignalNames{}, 6);
+  const auto first = reader.read(Parsed(kPosition + kAngles));
+  const auto second = reader.read(Parsed("<DiL>0</DiL>" + kAngles + "<Gun X=\"9\"/>" + kPosition));
+  CHECK(second.position_mm == first.position_mm);
+  CHECK(second.angles_rad == first.angles_rad);
+}
+
+TEST_CASE("the resolution is one unit of the last decimal of the finest telegram") {
+  SampleReader reader(SignalNames{}, 6);
+  CHECK(reader.resolution().position_mm == 0);
+  CHECK(reader.resolution().angle_rad == 0);
+  static_cast<void>(
+      reader.read(Parsed(R"(<RIst X="1.5" Y="2.0" Z="0.0" A="0.0" B="0.0" C="0.0"/>)")));
+  CHECK(reader.resolution().position_mm == Approx(0.1));
+  CHECK(reader.resolution().angle_rad == Approx(radians(0.1)));
+  // Some controllers leave trailing zeros out.
+  static_cast<void>(reader.read(Parsed(R"(<RIst X="1" Y="2.0625" Z="0"/>)")));
+  CHECK(reader.resolution().position_mm == Approx(1e-4));
+  CHECK(reader.resolution().angle_rad == Approx(radians(0.1)));
+  static_cast<void>(reader.read(Parsed(kPosition)));
+  CHECK(reader.resolution().position_mm == Approx(1e-4));
+}
+
+TEST_CASE("Delay is what the controller says of its late packets") {
+  SampleReader reader(SignalNames{}, 6);
+  CHECK(reader.delay(Parsed("<Delay D=\"3\"/>")) == 3U);
+  CHECK(reader.delay(Parsed("<Delay D=\"-1\"/>")) == std::nullopt);
+  CHECK(reader.delay(Parsed("<Delay D=\"x\"/>")) == std::nullopt);
+  CHECK(reader.delay(Parsed("<DiL>0</DiL>")) == std::nullopt);
+}

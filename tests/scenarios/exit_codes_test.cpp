@@ -1,0 +1,134 @@
+#include <csignal>
+
+#include "tests/catch.hpp"
+#include "tests/scenarios/sweepd_process.hpp"
+
+using namespace sweepd::test;
+using Catch::Matchers::ContainsSubstring;
+using Words = std::vector<std::string>;
+
+namespace {
+
+const std::string kRobot = (kConfig / "robots/kr5_arc.toml").string();
+const std::string kPlan = (kConfig / "plans/kr5_arc_90deg.toml").string();
+
+/// One line on stderr, `sweepd: what went wrong: what to do`, and nothing else.
+void check_message(const Run& run) {
+  INFO(run.errors);
+  CHECK(run.out.empty());
+  CHECK(run.errors.starts_with("sweepd: "));
+  CHECK(std::count(run.errors.begin(), run.errors.end(), '\n') == 1);
+  const auto what = run.errors.find(": ", 8);
+  REQUIRE(what != std::string::npos);
+  CHECK(run.errors.size() > what + 5);
+}
+
+void check_failure(int code, const Words& arguments, const std::string& said) {
+  std::string command;
+  for (const auto& word : arguments) command += " " + word;
+  INFO("sweepd" << command);
+  const auto run = run_sweepd(arguments);
+  CHECK(run.code == code);
+  check_message(run);
+  CHECK_THAT(run.errors, ContainsSubstring(said));
+}
+
+std::string settings(const std::string& description, const std::string& more) {
+  return "[[robot]]\nname = \"kr5-arc\"\ndescription = \"" + description +
+         "\"\nlisten = \"127.0.0.1:" + std::to_string(free_port()) + "\"\noutput = \"out\"\n" +
+         more;
+}
+
+}  // namespace
+
+TEST_CASE("0: help, version, and what is sound", "[exit_codes]") {
+  for (const auto& arguments :
+       {Words{"--help"}, Words{"--version"}, Words{"run", "--help"}, Words{"replay", "--help"},
+        Words{"simulate", "--help"}, Words{"export", "--help"}, Words{"check", "--help"},
+        Words{"check", "--config", (kConfig / "sweepd.toml").string()}}) {
+    const auto run = run_sweepd(arguments);
+    INFO(arguments.front());
+    CHECK(run.code == 0);
+    CHECK_FALSE(run.out.empty());
+    CHECK(run.errors.empty());
+  }
+}
+
+TEST_CASE("1: something that is not there or does not answer", "[exit_codes]") {
+  const TemporaryFolder folder;
+  const auto text = folder.write("text.pcap", "this is no capture").string();
+  check_failure(1, {"replay", (folder / "missing.pcap").string()}, "missing.pcap");
+  check_failure(1, {"replay", text}, "text.pcap");
+  check_failure(1, {"replay", folder.path().string()}, folder.path().string());
+  check_failure(1, {"export", (folder / "missing.pcap").string(), "--csv", "-"}, "missing.pcap");
+  check_failure(1, {"simulate", "--robot", kRobot, "--plan", kPlan, "--write", text + "/x.pcap"},
+                text + "/x.pcap");
+  check_failure(1,
+                {"simulate", "--robot", kRobot, "--plan", kPlan, "--to",
+                 "127.0.0.1:" + std::to_string(free_port()), "--timeout-cycles", "5", "--quiet"},
+                "nobody answered");
+}
+
+TEST_CASE("2: wrong usage", "[exit_codes]") {
+  check_failure(2, {}, "--help");
+  check_failure(2, {"frobnicate"}, "--help");
+  check_failure(2, {"run", "--confg", "x"}, "--confg");
+  check_failure(2, {"replay"}, "TRACE");
+  check_failure(2, {"replay", "x.pcap", "--port", "70000"}, "--port");
+  check_failure(2, {"replay", "x.pcap", "--controller", "robot"}, "--controller");
+  check_failure(2, {"export", "x.pcap"}, "--csv");
+  check_failure(2, {"simulate", "--robot", kRobot, "--plan", kPlan}, "--help");
+  check_failure(2, {"simulate", "--robot", kRobot, "--plan", kPlan, "--to", "localhost"}, "--to");
+  check_failure(
+      2,
+      {"simulate", "--robot", kRobot, "--plan", kPlan, "--to", "127.0.0.1:1", "--write", "x.pcap"},
+      "--help");
+  check_failure(
+      2, {"simulate", "--robot", kRobot, "--plan", kPlan, "--write", "x.pcap", "--cycle-ms", "0"},
+      "--cycle-ms");
+  check_failure(2, {"run", "--listen", "127.0.0.1"}, "--listen");
+}
+
+TEST_CASE("78: wrong settings, robot or Ethernet file, with file and line", "[exit_codes]") {
+  const TemporaryFolder folder;
+  const auto config = (folder / "sweepd.toml").string();
+  const auto run = [&](const std::string& text, const std::string& said) {
+    static_cast<void>(folder.write("sweepd.toml", text));
+    check_failure(78, {"run", "--config", config}, said);
+  };
+  run(settings(kRobot, "recrod = true\n"), config + ":6:1: robot.recrod");
+  CHECK_THAT(run_sweepd({"run", "--config", config}).errors,
+             ContainsSubstring("did you mean") && ContainsSubstring("record"));
+  run("[[robot]]\nname = kr5-arc\n", config + ":2");
+  run("", config);
+  check_failure(78, {"run", "--config", (folder / "missing.toml").string()}, "missing.toml");
+  check_failure(78, {"run", "--config", folder.path().string()}, folder.path().string());
+
+  const auto robot = folder.write("robot.toml", "name = \"x\"\nhome_deg = \"y\"\n[[joint]]\n");
+  run(settings("robot.toml", ""), robot.string() + ":2");
+}
+
+TEST_CASE("78: an Ethernet file that is wrong or missing", "[exit_codes]") {
+  const TemporaryFolder folder;
+  const auto config =
+      folder.write("sweepd.toml", settings(kRobot, "ethernet_config = \"e.xml\"\n"));
+  const auto ethernet = folder.write("e.xml", "<ROOT>\n<CONFIG>\n<PORT>x</PORT></CONFIG></ROOT>");
+  check_failure(78, {"run", "--config", config.string()}, ethernet.string() + ":");
+  std::filesystem::remove(ethernet);
+  check_failure(78, {"run", "--config", config.string()}, ethernet.string());
+  check_failure(78,
+                {"simulate", "--robot", kRobot, "--plan", kPlan, "--write",
+                 (folder / "x.pcap").string(), "--ethernet-config", ethernet.string()},
+                ethernet.string());
+}
+
+TEST_CASE("1: a port that another sweepd has, which goes on undisturbed", "[exit_codes]") {
+  const TemporaryFolder folder;
+  Daemon first(folder.path());
+  check_failure(1, {"run", "--config", first.config().string()}, first.address());
+  CHECK_THAT(run_sweepd({"run", "--config", first.config().string()}).errors,
+             ContainsSubstring("in use by another program"));
+  CHECK(first.process().running());
+  first.process().signal(SIGTERM);
+  CHECK(first.process().wait() == 0);
+}

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+#include "tests/daemon/temporary_folder.hpp"
+
+namespace sweepd::test {
+
+inline const std::filesystem::path kConfig = std::filesystem::path(SWEEPD_SOURCE_DIR) / "config";
+
+/// The real sweepd as a process of its own, with its output in files.
+class SweepdProcess {
+ public:
+  explicit SweepdProcess(const std::vector<std::string>& arguments);
+  ~SweepdProcess();  ///< kills it if it still runs
+  SweepdProcess(const SweepdProcess&) = delete;
+  SweepdProcess& operator=(const SweepdProcess&) = delete;
+
+  void signal(int number) const;
+  [[nodiscard]] bool running() const;
+  /// The exit code, or 128 and the number of the signal that killed it. Throws, with what it said,
+  /// if it takes longer than `longest`.
+  int wait(std::chrono::seconds longest = std::chrono::seconds(60));
+
+  [[nodiscard]] std::string out() const { return content(folder_ / "out"); }
+  [[nodiscard]] std::string errors() const { return content(folder_ / "errors"); }
+
+ private:
+  TemporaryFolder folder_;
+  pid_t id_ = -1;
+  int exit_code_ = -1;
+};
+
+struct Run {
+  int code = 0;
+  std::string out;
+  std::string errors;
+};
+/// Runs sweepd to its end.
+Run run_sweepd(const std::vector<std::string>& arguments);
+
+/// `sweepd run` for a KR 5 arc on a port of the loopback interface that was free.
+class Daemon {
+ public:
+  /// Waits until it listens.
+  explicit Daemon(const std::filesystem::path& folder);
+
+  [[nodiscard]] std::uint16_t port() const { return port_; }
+  [[nodiscard]] std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
+  [[nodiscard]] const std::filesystem::path& config() const { return config_; }
+  /// The folder of the one session that there is; empty before it begins.
+  [[nodiscard]] std::filesystem::path session() const;
+  SweepdProcess& process() { return *process_; }
+
+ private:
+  std::filesystem::path output_;
+  std::uint16_t port_;
+  std::filesystem::path config_;
+  std::unique_ptr<SweepdProcess> process_;
+};
+
+/// Waits for what another process does; false if it takes unreasonably long.
+bool eventually(const std::function<bool()>& condition);
+
+/// A UDP port of 127.0.0.1 that nobody uses.
+std::uint16_t free_port();
+
+/// Writes a plan in which each joint turns through 30 degrees and back within about a second.
+std::filesystem::path write_short_plan(const TemporaryFolder& folder);
+
+}  // namespace sweepd::test
