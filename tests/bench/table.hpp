@@ -1,0 +1,18 @@
+#pragma once
+
+#include <algorithm>
+#include <string>
+
+#include "daemon/numbers.hpp"
+
+namespace bench {
+
+inline std::string right(const std::string& text, std::size_t width) {
+  return std::string(width - std::min(width, text.size()), ' ') + text;
+}
+
+inline std::string right(double value, int decimals, std::size_t width) {
+  return right(sweepd::fixed(value, decimals), width);
+}
+
+}  // namespace bench
