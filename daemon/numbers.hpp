@@ -7,6 +7,9 @@ namespace sweepd {
 /// `value` with so many decimals, whatever the locale; never "-0.000".
 [[nodiscard]] std::string fixed(double value, int decimals);
 
+/// The same, appended to `text`.
+void append_fixed(std::string& text, double value, int decimals);
+
 /// `value` rounded to so many decimals: what a file holds of it.
 [[nodiscard]] double rounded(double value, int decimals);
 

@@ -5,19 +5,20 @@
 #include <numeric>
 #include <utility>
 
+#include "daemon/numbers.hpp"
+
 namespace sweepd {
 namespace {
 
 constexpr std::size_t kHeldBack = 4;
 
-std::string row_start(double time_s, std::uint64_t ipoc) {
-  std::array<char, 64> text;
-  auto* const last = text.data() + text.size();
+void start_row(std::string& row, double time_s, std::uint64_t ipoc) {
   // Milliseconds are what IPOC counts; microseconds are more than a reception deserves.
-  auto end = std::to_chars(text.data(), last, time_s, std::chars_format::fixed, 3).ptr;
-  *end++ = ',';
-  end = std::to_chars(end, last, ipoc).ptr;
-  return {text.data(), end};
+  row.clear();
+  append_fixed(row, time_s, 3);
+  row += ',';
+  std::array<char, 20> digits;
+  row.append(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), ipoc).ptr);
 }
 
 }  // namespace
@@ -43,9 +44,9 @@ bool Pipeline::telegram(const rsi::Datagram& datagram) {
   const bool restarted = arrival == rsi::Arrival::restart;
   if (restarted) finish();
 
-  Waiting waiting{reader_.read(telegram_), {}};
+  Waiting waiting{reader_.read(telegram_), std::move(spare_row_)};
   waiting.sample.time_s = clock_.seconds(telegram_.ipoc(), datagram.time, link_.step(), restarted);
-  waiting.row = row_start(waiting.sample.time_s, telegram_.ipoc());
+  start_row(waiting.row, waiting.sample.time_s, telegram_.ipoc());
   reader_.append_csv(telegram_, waiting.row);
   hold(std::move(waiting));
   release(kHeldBack);
@@ -70,10 +71,11 @@ void Pipeline::hold(Waiting waiting) {
 
 void Pipeline::release(std::size_t keep) {
   for (; waiting_.size() > keep; waiting_.pop_front()) {
-    const Waiting& next = waiting_.front();
+    Waiting& next = waiting_.front();
     if (observer_.on_sample) observer_.on_sample(next.sample, next.row);
     segmenter_.set_resolution(reader_.resolution());
     report(segmenter_.push(next.sample));
+    spare_row_ = std::move(next.row);
   }
 }
 

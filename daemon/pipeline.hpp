@@ -72,6 +72,7 @@ class Pipeline {
   std::array<std::uint64_t, rsi::kDefects> malformed_{};
   /// Samples wait until a few others have come: one that was overtaken still finds its place.
   std::deque<Waiting> waiting_;
+  std::string spare_row_;  // keeps its memory
 };
 
 }  // namespace sweepd

@@ -74,20 +74,35 @@ std::string sweeps_csv(const Outcome& outcome) {
   std::string csv = "joint,sweep,t_s,x_mm,y_mm,z_mm";
   for (std::size_t k = 0; k < angles; ++k) csv += ",a" + std::to_string(k + 1) + "_deg";
   csv += ",plane_residual_mm,radial_residual_mm\n";
+  constexpr std::size_t kUsualNumber = 11;
+  std::size_t samples = 0;
+  for (const auto& joint : joints)
+    for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
+      if (joint.used[s]) samples += joint.sweeps[s].samples->size();
+  csv.reserve(samples * (angles + 8) * kUsualNumber);
   for (std::size_t j = 0; j < joints.size(); ++j) {
     if (!joints[j].circle) continue;
     for (std::size_t s = 0; s < joints[j].sweeps.size(); ++s) {
       if (!joints[j].used[s]) continue;
       const std::string start = std::to_string(j + 1) + "," + std::to_string(s + 1) + ",";
+      const auto add = [&](double value) {
+        csv += ',';
+        append_fixed(csv, value, kLengthDecimals);
+      };
       for (const auto& sample : *joints[j].sweeps[s].samples) {
         if (!sample.has_position) continue;
         const auto residual = identify::residual(*joints[j].circle, sample.position_mm);
-        csv += start + fixed(sample.time_s, 3);
-        for (const double value : sample.position_mm) csv += "," + length(value);
+        csv += start;
+        append_fixed(csv, sample.time_s, 3);
+        for (const double value : sample.position_mm) add(value);
         for (std::size_t k = 0; k < angles; ++k)
-          csv += "," + (k < sample.joints ? fixed(degrees(sample.angles_rad[k]), kLengthDecimals)
-                                          : std::string());
-        csv += "," + length(residual.plane_mm) + "," + length(residual.radial_mm) + "\n";
+          if (k < sample.joints)
+            add(degrees(sample.angles_rad[k]));
+          else
+            csv += ',';
+        add(residual.plane_mm);
+        add(residual.radial_mm);
+        csv += '\n';
       }
     }
   }

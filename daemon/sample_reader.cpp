@@ -27,14 +27,13 @@ std::optional<double> SampleReader::value(const rsi::Telegram& telegram, Source&
   const auto at = telegram.find(source.element, source.attribute, source.hint);
   if (!at) return std::nullopt;
   source.hint = *at;
-  const auto text = telegram.signals()[*at].text;
-  const auto number = rsi::number(text);
+  const auto number = rsi::decimal(telegram.signals()[*at].text);
   if (!number) {
     ++unusable_;
     return std::nullopt;
   }
-  decimals = std::max(decimals, rsi::decimals(text));
-  return number;
+  decimals = std::max(decimals, number->decimals);
+  return number->value;
 }
 
 identify::Sample SampleReader::read(const rsi::Telegram& telegram) {

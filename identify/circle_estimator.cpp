@@ -166,13 +166,18 @@ class Circles {
   }
 
   Matrix3Xd used_points(std::size_t j) const {
-    std::vector<Sample> samples;
     const JointResult& joint = result_.joints[j];
+    Eigen::Index count = 0;
+    for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
+      if (joint.used[s]) count += static_cast<Eigen::Index>(joint.sweeps[s].samples->size());
+    Matrix3Xd points(3, count);
+    count = 0;
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
       if (joint.used[s])
-        samples.insert(samples.end(), joint.sweeps[s].samples->begin(),
-                       joint.sweeps[s].samples->end());
-    return positions(samples);
+        for (const Sample& sample : *joint.sweeps[s].samples)
+          if (sample.has_position) points.col(count++) = sample.position_mm;
+    points.conservativeResize(3, count);
+    return points;
   }
 
   /// Turns the normal to positive rotation of the joint: pooled strokes run both ways.
@@ -280,7 +285,8 @@ class Circles {
   }
 
   void summarise() {
-    Matrix3Xd all(3, 0);
+    std::vector<Matrix3Xd> points;
+    Eigen::Index count = 0;
     std::size_t axes = 0;
     std::string missing;
     for (std::size_t j = 0; j < campaign_.joints; ++j) {
@@ -289,10 +295,14 @@ class Circles {
         continue;
       }
       ++axes;
-      const Matrix3Xd points = used_points(j);
-      Matrix3Xd both(3, all.cols() + points.cols());
-      both << all, points;
-      all = std::move(both);
+      points.push_back(used_points(j));
+      count += points.back().cols();
+    }
+    Matrix3Xd all(3, count);
+    count = 0;
+    for (const auto& some : points) {
+      all.middleCols(count, some.cols()) = some;
+      count += some.cols();
     }
     if (all.cols() > 0) result_.bounding_box = minimum_bounding_box(all);
     const auto& steps = campaign_.resolution;

@@ -24,7 +24,9 @@ Arrival LinkStatistics::add(std::uint64_t ipoc, const Endpoint& source,
     ++counts_.reordered;
     arrival = Arrival::reordered;
   } else if (ipoc - run_.highest <= kLargestStep) {
-    ++steps_[ipoc - run_.highest];
+    const std::uint64_t step = ipoc - run_.highest;
+    const std::uint64_t lead = steps_[usual_step_];
+    if (++steps_[step] > lead || (steps_[step] == lead && step < usual_step_)) usual_step_ = step;
   }
   source_ = source;
   ++run_.distinct;
@@ -42,9 +44,8 @@ LinkCounts LinkStatistics::counts() const {
 }
 
 std::optional<std::uint64_t> LinkStatistics::step() const {
-  const auto most = std::max_element(steps_.begin(), steps_.end());
-  if (*most == 0) return std::nullopt;
-  return static_cast<std::uint64_t>(most - steps_.begin());
+  if (steps_[usual_step_] == 0) return std::nullopt;
+  return usual_step_;
 }
 
 std::uint64_t LinkStatistics::lost_in(const Run& run) const {

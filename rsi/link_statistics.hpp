@@ -65,6 +65,7 @@ class LinkStatistics {
   Endpoint source_;
   std::uint64_t delay_ = 0;
   std::array<std::uint64_t, kLargestStep + 1> steps_{};  // how often IPOC rose by so much
+  std::uint64_t usual_step_ = 0;                         // the most frequent, of equals the least
   std::array<std::uint64_t, kWindow> recent_{};          // IPOC + 1 at IPOC modulo the window
 };
 

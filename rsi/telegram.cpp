@@ -1,5 +1,6 @@
 #include "rsi/telegram.hpp"
 
+#include <array>
 #include <charconv>
 #include <cmath>
 
@@ -8,6 +9,17 @@
 
 namespace rsi {
 namespace {
+
+/// Whether a name or a value without quotes ends here.
+bool ends_name(char c) {
+  static constexpr auto kEnds = [] {
+    std::array<bool, 256> ends{};
+    for (const char end : {' ', '\t', '\n', '\r', '=', '>', '/', '<', '"', '\''})
+      ends[static_cast<unsigned char>(end)] = true;
+    return ends;
+  }();
+  return kEnds[static_cast<unsigned char>(c)];
+}
 
 /// Walks through markup that need not be well-formed. Every function stops at the end of the data.
 class Scanner {
@@ -65,10 +77,6 @@ class Scanner {
   }
 
  private:
-  static bool ends_name(char c) {
-    return is_blank(c) || c == '=' || c == '>' || c == '/' || c == '<' || c == '"' || c == '\'';
-  }
-
   std::string_view rest_;
 };
 
@@ -185,13 +193,51 @@ Defect Telegram::parse(std::string_view datagram) {
 
 std::optional<std::size_t> Telegram::find(std::string_view element, std::string_view attribute,
                                           std::size_t hint) const noexcept {
+  // Names are a few bytes: a loop is shorter than a call.
+  const auto same = [](std::string_view a, std::string_view b) {
+    if (a.size() != b.size()) return false;
+    for (std::size_t i = 0; i < a.size(); ++i)
+      if (a[i] != b[i]) return false;
+    return true;
+  };
   const auto is_it = [&](std::size_t i) {
-    return signals_[i].element == element && signals_[i].attribute == attribute;
+    return same(signals_[i].attribute, attribute) && same(signals_[i].element, element);
   };
   if (hint < signals_.size() && is_it(hint)) return hint;
   for (std::size_t i = 0; i < signals_.size(); ++i)
     if (is_it(i)) return i;
   return std::nullopt;
+}
+
+std::optional<Decimal> decimal(std::string_view text) noexcept {
+  // Nearly every number has at most 15 digits and no exponent. Then digits and power of ten are
+  // exact doubles, and one division gives the nearest double, as from_chars would.
+  static constexpr std::array kPowers{1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                      1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  std::uint64_t all_digits = 0;
+  const auto take_digits = [&] {
+    const char* const begin = at;
+    for (unsigned digit; at != end && (digit = static_cast<unsigned>(*at - '0')) <= 9; ++at)
+      all_digits = 10 * all_digits + digit;
+    return static_cast<std::size_t>(at - begin);
+  };
+  const bool negative = at != end && *at == '-';
+  if (negative) ++at;
+  const std::size_t whole = take_digits();
+  std::size_t fraction = 0;
+  if (at != end && *at == '.') {
+    ++at;
+    fraction = take_digits();
+  }
+  if (at == end && whole > 0 && whole + fraction <= 15) {
+    const double size = static_cast<double>(all_digits) / kPowers[fraction];
+    return Decimal{negative ? -size : size, static_cast<int>(fraction)};
+  }
+  const auto value = number(text);
+  if (!value) return std::nullopt;
+  return Decimal{*value, decimals(text)};
 }
 
 std::optional<double> number(std::string_view text) noexcept {

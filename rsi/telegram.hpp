@@ -53,7 +53,14 @@ class Telegram {
   std::optional<std::uint64_t> ipoc_;
 };
 
+/// A number as it was printed.
+struct Decimal {
+  double value = 0;
+  int decimals = 0;  ///< digits after the decimal point: "-90.0" has 1
+};
+
 /// A finite decimal number, with or without sign and exponent; nothing for anything else.
+[[nodiscard]] std::optional<Decimal> decimal(std::string_view text) noexcept;
 [[nodiscard]] std::optional<double> number(std::string_view text) noexcept;
 
 /// Digits after the decimal point of a number as it was printed: "-90.0" has 1.
