@@ -41,7 +41,7 @@ void append_fixed(std::string& text, double value, int decimals) {
   do *--at = static_cast<char>('0' + rest % 10);
   while ((rest /= 10) > 0);
   if (units < 0) *--at = '-';
-  text.append(at, end);
+  text.append(at, static_cast<std::size_t>(end - at));
 }
 
 std::string fixed(double value, int decimals) {

@@ -47,7 +47,7 @@ bool Pipeline::telegram(const rsi::Datagram& datagram) {
   Waiting waiting{reader_.read(telegram_), std::move(spare_row_)};
   waiting.sample.time_s = clock_.seconds(telegram_.ipoc(), datagram.time, link_.step(), restarted);
   start_row(waiting.row, waiting.sample.time_s, telegram_.ipoc());
-  reader_.append_csv(telegram_, waiting.row);
+  reader_.append_csv(waiting.row);
   hold(std::move(waiting));
   release(kHeldBack);
   return true;

@@ -18,16 +18,17 @@ SampleReader::SampleReader(const SignalNames& names, std::size_t joints) {
 
 SampleReader::Source SampleReader::source(const std::string& name) {
   const auto dot = name.find('.');
-  if (dot == std::string::npos) return {name, {}, 0};
-  return {name.substr(0, dot), name.substr(dot + 1), 0};
+  if (dot == std::string::npos) return {name, {}};
+  return {name.substr(0, dot), name.substr(dot + 1)};
 }
 
 std::optional<double> SampleReader::value(const rsi::Telegram& telegram, Source& source,
                                           int& decimals) {
   const auto at = telegram.find(source.element, source.attribute, source.hint);
+  source.text = at ? telegram.signals()[*at].text : std::string_view();
   if (!at) return std::nullopt;
   source.hint = *at;
-  const auto number = rsi::decimal(telegram.signals()[*at].text);
+  const auto number = rsi::decimal(source.text);
   if (!number) {
     ++unusable_;
     return std::nullopt;
@@ -76,11 +77,10 @@ std::optional<std::uint64_t> SampleReader::delay(const rsi::Telegram& telegram) 
   return rsi::ipoc_number(telegram.signals()[*at].text);
 }
 
-void SampleReader::append_csv(const rsi::Telegram& telegram, std::string& row) const {
+void SampleReader::append_csv(std::string& row) const {
   const auto append = [&](const Source& source) {
     row += ',';
-    if (const auto at = telegram.find(source.element, source.attribute, source.hint))
-      row += telegram.signals()[*at].text;
+    row += source.text;
   };
   for (const auto& source : pose_) append(source);
   for (const auto& source : angles_) append(source);

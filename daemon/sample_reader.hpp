@@ -24,9 +24,9 @@ class SampleReader {
   /// The telegram's <Delay D=>.
   [[nodiscard]] std::optional<std::uint64_t> delay(const rsi::Telegram& telegram);
 
-  /// Appends ",x,y,z,a,b,c,a1,…" as the controller printed them; nothing between the commas for
-  /// what is missing.
-  void append_csv(const rsi::Telegram& telegram, std::string& row) const;
+  /// Appends ",x,y,z,a,b,c,a1,…" of the telegram last read, as the controller printed them; nothing
+  /// between the commas for what is missing.
+  void append_csv(std::string& row) const;
   [[nodiscard]] std::string csv_header() const;
 
   /// The last decimal that was printed so far, in the finest telegram.
@@ -36,11 +36,12 @@ class SampleReader {
   [[nodiscard]] std::uint64_t unusable() const { return unusable_; }
 
  private:
-  /// A signal's name and where it was found last.
+  /// A signal's name, where it was found last, and what stood there.
   struct Source {
     std::string element;
     std::string attribute;
     std::size_t hint = 0;
+    std::string_view text = {};
   };
 
   static Source source(const std::string& name);
@@ -48,7 +49,7 @@ class SampleReader {
 
   std::vector<Source> pose_;  // X Y Z A B C
   std::vector<Source> angles_;
-  Source delay_{"Delay", "D", 0};
+  Source delay_{"Delay", "D"};
   identify::Resolution resolution_;
   int position_decimals_ = -1;
   int angle_decimals_ = -1;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <queue>
 #include <vector>
 
@@ -61,6 +62,83 @@ class Points {
   Index size_;
   PointRows rows_;
   Eigen::ArrayXd distances_;
+  double products_ = 0;
+};
+
+// Many points, sorted into the cells of a grid: only cells that can hold an end are searched.
+class Cloud {
+ public:
+  explicit Cloud(const PointRows& points) {
+    constexpr int kParts = 32;
+    const Eigen::Array<double, 1, 3> low = points.colwise().minCoeff();
+    const Eigen::Array<double, 1, 3> high = points.colwise().maxCoeff();
+    const Eigen::Array<double, 1, 3> parts = (1 - 1e-9) * kParts / (high - low).max(1e-300);
+    const auto size = static_cast<std::size_t>(points.rows());
+    std::vector<std::size_t> cells(size);
+    std::vector<Index> ends(kParts * kParts * kParts + 1);
+    for (std::size_t i = 0; i < size; ++i) {
+      const Eigen::Array<int, 1, 3> part =
+          ((points.row(static_cast<Index>(i)).array() - low) * parts).cast<int>();
+      cells[i] = static_cast<std::size_t>((part.x() * kParts + part.y()) * kParts + part.z());
+      ++ends[cells[i] + 1];
+    }
+    std::partial_sum(ends.begin(), ends.end(), ends.begin());
+    std::vector<Index> next(ends.begin(), ends.end() - 1);
+    rows_.resize(points.rows(), 3);
+    for (std::size_t i = 0; i < size; ++i)
+      rows_.row(next[cells[i]]++) = points.row(static_cast<Index>(i));
+
+    for (std::size_t c = 0; c + 1 < ends.size(); ++c)
+      if (ends[c] < ends[c + 1]) begins_.push_back(ends[c]);
+    begins_.push_back(points.rows());
+    middles_.resize(static_cast<Index>(begins_.size()) - 1, 3);
+    halves_.resizeLike(middles_);
+    for (Index c = 0; c < middles_.rows(); ++c) {
+      const auto inside = cell(c);
+      middles_.row(c) = (inside.colwise().maxCoeff() + inside.colwise().minCoeff()) / 2;
+      halves_.row(c) = (inside.colwise().maxCoeff() - inside.colwise().minCoeff()) / 2;
+    }
+  }
+
+  Ends ends(const Vector3d& direction) {
+    const Eigen::ArrayXd middle = middles_ * direction;
+    const Eigen::ArrayXd half = halves_ * direction.cwiseAbs();
+    products_ += static_cast<double>(2 * middle.size());
+    return {farthest(direction, half + middle), farthest(-direction, half - middle)};
+  }
+
+  [[nodiscard]] double products() const { return products_; }
+
+ private:
+  [[nodiscard]] Eigen::Block<const PointRows> cell(Index c) const {
+    const auto at = static_cast<std::size_t>(c);
+    return rows_.block(begins_[at], 0, begins_[at + 1] - begins_[at], 3);
+  }
+
+  Vector3d farthest(const Vector3d& direction, const Eigen::ArrayXd& bounds) {
+    double greatest = -kInfinity;
+    Vector3d end;
+    const auto search = [&](Index c) {
+      const auto inside = cell(c);
+      Index row = 0;
+      const double distance = (inside * direction).maxCoeff(&row);
+      products_ += static_cast<double>(inside.rows());
+      if (distance <= greatest) return;
+      greatest = distance;
+      end = inside.row(row).transpose();
+    };
+    Index most = 0;
+    bounds.maxCoeff(&most);
+    search(most);
+    for (Index c = 0; c < bounds.size(); ++c)
+      if (bounds(c) > greatest && c != most) search(c);
+    return end;
+  }
+
+  PointRows rows_;
+  std::vector<Index> begins_;  // of the cells that hold points, and the end of the last
+  PointRows middles_;
+  PointRows halves_;
   double products_ = 0;
 };
 
@@ -225,7 +303,7 @@ class Search {
   double log_least_width_;
   double tolerance_;
   double max_products_;
-  Points all_;
+  Cloud all_;
   Points core_;
   double log_volume_ = kInfinity;  // of the smallest box so far
   BoxSearch result_;
