@@ -2,30 +2,15 @@
 
 #include <cmath>
 
-#include "identify/segmentation.hpp"
 #include "simulated_campaign.hpp"
 #include "tests/catch.hpp"
 
 using namespace identify;
 using identify::test::kDegree;
+using identify::test::segment;
+using identify::test::without_angles;
 
 namespace {
-
-std::vector<Sweep> segment(const std::vector<Sample>& samples) {
-  Segmenter segmenter(6);
-  std::vector<Sweep> sweeps;
-  const auto take = [&](std::vector<Sweep> ended) {
-    sweeps.insert(sweeps.end(), ended.begin(), ended.end());
-  };
-  for (const auto& sample : samples) take(segmenter.push(sample));
-  take(segmenter.finish());
-  return sweeps;
-}
-
-std::vector<Sample> without_angles(std::vector<Sample> samples) {
-  for (auto& sample : samples) sample.joints = 0;
-  return samples;
-}
 
 Campaign for_kr5() {
   Campaign campaign;

@@ -7,26 +7,10 @@
 
 using namespace identify;
 using identify::test::kDegree;
+using identify::test::segment;
+using identify::test::without_angles;
 
 namespace {
-
-std::vector<Sweep> segment(const std::vector<Sample>& samples, Resolution resolution = {},
-                           std::size_t joints = 6) {
-  Segmenter segmenter(joints);
-  segmenter.set_resolution(resolution);
-  std::vector<Sweep> sweeps;
-  const auto take = [&](std::vector<Sweep> ended) {
-    sweeps.insert(sweeps.end(), ended.begin(), ended.end());
-  };
-  for (const auto& sample : samples) take(segmenter.push(sample));
-  take(segmenter.finish());
-  return sweeps;
-}
-
-std::vector<Sample> without_angles(std::vector<Sample> samples) {
-  for (auto& sample : samples) sample.joints = 0;
-  return samples;
-}
 
 double angle_deg(const Sample& sample, std::size_t joint) {
   return sample.angles_rad[joint] / kDegree;

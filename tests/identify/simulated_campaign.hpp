@@ -10,6 +10,7 @@
 
 #include "identify/dh.hpp"
 #include "identify/sample.hpp"
+#include "identify/segmentation.hpp"
 
 namespace identify::test {
 
@@ -130,5 +131,24 @@ class Campaign {
   std::vector<double> angles_;
   std::vector<Sample> samples_;
 };
+
+/// Every stroke of a stream.
+inline std::vector<Sweep> segment(const std::vector<Sample>& samples, Resolution resolution = {},
+                                  std::size_t joints = 6) {
+  Segmenter segmenter(joints);
+  segmenter.set_resolution(resolution);
+  std::vector<Sweep> sweeps;
+  const auto take = [&](std::vector<Sweep> ended) {
+    sweeps.insert(sweeps.end(), ended.begin(), ended.end());
+  };
+  for (const auto& sample : samples) take(segmenter.push(sample));
+  take(segmenter.finish());
+  return sweeps;
+}
+
+inline std::vector<Sample> without_angles(std::vector<Sample> samples) {
+  for (auto& sample : samples) sample.joints = 0;
+  return samples;
+}
 
 }  // namespace identify::test
