@@ -8,7 +8,8 @@ Eigen::Isometry3d transform(const DhRow& row) {
   using Eigen::Vector3d;
   return Eigen::Isometry3d(
       Translation3d(0, 0, row.b_mm) * AngleAxisd(row.theta_rad, Vector3d::UnitZ()) *
-      Translation3d(row.a_mm, 0, 0) * AngleAxisd(row.alpha_rad, Vector3d::UnitX()));
+      Translation3d(row.a_mm, 0, 0) * AngleAxisd(row.alpha_rad, Vector3d::UnitX()) *
+      AngleAxisd(row.beta_rad, Vector3d::UnitY()));
 }
 
 Eigen::Isometry3d forward_kinematics(const Arm& arm, const std::vector<double>& angles_rad) {

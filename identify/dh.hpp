@@ -7,13 +7,15 @@
 namespace identify {
 
 /// One row of a Denavit-Hartenberg table in the paper's notation (Table 1): from frame i to i+1,
-///   T = Tz(b) Rz(theta) Tx(a) Rx(alpha).
-/// The numbers are those of standard (distal) DH with d = b.
+///   T = Tz(b) Rz(theta) Tx(a) Rx(alpha) Ry(beta).
+/// The numbers are those of standard (distal) DH with d = b. beta is Hayati's fourth parameter
+/// (Hayati, CDC 1983): zero but for axes that are parallel as far as one can tell, where b is zero.
 struct DhRow {
   double b_mm = 0;       ///< joint offset: along Z_i from X_i to X_i+1
   double theta_rad = 0;  ///< joint angle: about Z_i from X_i to X_i+1
   double a_mm = 0;       ///< link length: along X_i+1 from Z_i to Z_i+1
   double alpha_rad = 0;  ///< twist angle: about X_i+1 from Z_i to Z_i+1
+  double beta_rad = 0;   ///< about the Y that is then
 };
 
 /// Pose of frame i+1 in frame i.

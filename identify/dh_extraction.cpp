@@ -10,8 +10,9 @@ namespace identify {
 namespace {
 
 using Eigen::Matrix3d;
+using Eigen::MatrixXd;
 using Eigen::Vector3d;
-using Eigen::Vector4d;
+using Vector5d = Eigen::Matrix<double, 5, 1>;
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kUncertainFoot = 0.02;  // of the arm's size
@@ -46,15 +47,15 @@ struct Frame {
   Vector3d x = Vector3d::UnitX();
 };
 
-Frame first_frame(const Line& axis) {
+Frame frame_on(const Line& axis) {
   Frame frame{axis.point_mm(), across(Vector3d::UnitX(), axis.direction)};
   if (frame.x.isZero()) frame.x = across(Vector3d::UnitY(), axis.direction);
   return frame;
 }
 
-/// The DH numbers (b, theta, a, alpha) that take `frame` on the first axis to the next frame on the
-/// second; `frame` becomes that.
-Vector4d advance(const Line& first, const Line& second, const Choice& choice, Frame& frame) {
+/// The DH numbers (b, theta, a, alpha, beta) that take `frame` on the first axis to the next frame
+/// on the second; `frame` becomes that.
+Vector5d advance(const Line& first, const Line& second, const Choice& choice, Frame& frame) {
   const LinePair pair = relate(first, second);
   const Vector3d z = first.direction;
   Vector3d foot = frame.origin;
@@ -67,14 +68,16 @@ Vector4d advance(const Line& first, const Line& second, const Choice& choice, Fr
     const Vector3d start = second.point_mm();
     next.origin =
         start + second.direction * (z.dot(frame.origin - start) / z.dot(second.direction));
-    next.x = choice.relation == Relation::parallel
-                 ? Vector3d(choice.sign * (next.origin - foot).normalized())
-                 : frame.x;
+    const Vector3d offset = next.origin - foot;
+    next.x = offset.norm() > kExact ? Vector3d(choice.sign * across(offset, z)) : frame.x;
   }
-  const Vector4d numbers((foot - frame.origin).dot(z), angle_about(z, frame.x, next.x),
-                         (next.origin - foot).dot(next.x),
-                         angle_about(next.x, z, second.direction));
-  next.x = across(next.x, second.direction);
+  // The second direction is Rx(alpha) Ry(beta) Z, seen from X, Y = Z x X, Z.
+  const Vector3d& n = second.direction;
+  Vector5d numbers;
+  numbers << (foot - frame.origin).dot(z), angle_about(z, frame.x, next.x),
+      (next.origin - foot).dot(next.x), std::atan2(-n.dot(z.cross(next.x)), n.dot(z)),
+      std::asin(std::clamp(n.dot(next.x), -1.0, 1.0));
+  next.x = across(next.x, n);
   frame = next;
   return numbers;
 }
@@ -82,12 +85,12 @@ Vector4d advance(const Line& first, const Line& second, const Choice& choice, Fr
 Choice choose(const Axis& first, const Axis& second, double size, const DhRow* specified) {
   Choice choice{relation_between(first, second, size), 1};
   const auto numbers = [&](double sign) {
-    Frame frame = first_frame(first.line());
+    Frame frame = frame_on(first.line());
     return advance(first.line(), second.line(), {choice.relation, sign}, frame);
   };
-  const Vector4d plus = numbers(1);
+  const Vector5d plus = numbers(1);
   if (specified != nullptr) {
-    const auto misfit = [&](const Vector4d& row) {
+    const auto misfit = [&](const Vector5d& row) {
       return std::abs(row(2) - specified->a_mm) / size +
              std::abs(wrapped(row(3) - specified->alpha_rad));
     };
@@ -105,42 +108,47 @@ struct Run {
   std::vector<Choice> choices;  // one fewer
 };
 
-/// b, theta, a, alpha of all rows of the run but its last.
-std::vector<Vector4d> rows_of(const Run& run) {
-  std::vector<Vector4d> rows;
-  Frame frame = first_frame(run.axes.front().line());
+/// b, theta, a, alpha, beta of all rows of the run but its last.
+std::vector<Vector5d> rows_of(const Run& run) {
+  std::vector<Vector5d> rows;
+  Frame frame = frame_on(run.axes.front().line());
   for (std::size_t i = 0; i + 1 < run.axes.size(); ++i)
     rows.push_back(advance(run.axes[i].line(), run.axes[i + 1].line(), run.choices[i], frame));
   return rows;
 }
 
-std::vector<Vector4d> variances_of(const Run& run) {
+/// `covariance` is that of the run's axes, six rows an axis.
+std::vector<Vector5d> variances_of(const Run& run, const MatrixXd& covariance) {
   constexpr double kDirectionStep = 1e-6;
   constexpr double kPointStep_mm = 1e-3;
-  std::vector<Vector4d> variances(run.choices.size(), Vector4d::Zero());
+  const auto columns = static_cast<Eigen::Index>(6 * run.axes.size());
+  const auto rows = static_cast<Eigen::Index>(5 * run.choices.size());
+  MatrixXd jacobian(rows, columns);
   Run moved = run;
-  for (std::size_t k = 0; k < run.axes.size(); ++k) {
-    std::vector<Eigen::Matrix<double, 4, 6>> jacobians(run.choices.size());
-    for (Eigen::Index p = 0; p < 6; ++p) {
-      const double step = p < 3 ? kDirectionStep : kPointStep_mm;
-      const auto rows_at = [&](double by) {
-        moved.axes[k] = run.axes[k];
-        (p < 3 ? moved.axes[k].direction(p) : moved.axes[k].point_mm(p - 3)) += by;
-        return rows_of(moved);
-      };
-      const auto above = rows_at(step);
-      const auto below = rows_at(-step);
-      for (std::size_t i = 0; i < jacobians.size(); ++i) {
-        Vector4d change = above[i] - below[i];
-        change(1) = wrapped(change(1));
-        change(3) = wrapped(change(3));
-        jacobians[i].col(p) = change / (2 * step);
-      }
+  for (Eigen::Index p = 0; p < columns; ++p) {
+    const auto k = static_cast<std::size_t>(p / 6);
+    const double step = p % 6 < 3 ? kDirectionStep : kPointStep_mm;
+    const auto rows_at = [&](double by) {
+      moved.axes[k] = run.axes[k];
+      (p % 6 < 3 ? moved.axes[k].direction(p % 6) : moved.axes[k].point_mm(p % 6 - 3)) += by;
+      return rows_of(moved);
+    };
+    const auto above = rows_at(step);
+    const auto below = rows_at(-step);
+    for (std::size_t i = 0; i < above.size(); ++i) {
+      Vector5d change = above[i] - below[i];
+      for (const Eigen::Index angle : {1, 3, 4}) change(angle) = wrapped(change(angle));
+      jacobian.block<5, 1>(static_cast<Eigen::Index>(5 * i), p) = change / (2 * step);
     }
     moved.axes[k] = run.axes[k];
-    for (std::size_t i = 0; i < jacobians.size(); ++i)
-      variances[i] += (jacobians[i] * run.axes[k].covariance * jacobians[i].transpose()).diagonal();
   }
+  const MatrixXd spread = jacobian.lazyProduct(covariance);
+  std::vector<Vector5d> variances(run.choices.size());
+  for (std::size_t i = 0; i < variances.size(); ++i)
+    for (Eigen::Index k = 0; k < 5; ++k) {
+      const auto row = static_cast<Eigen::Index>(5 * i) + k;
+      variances[i](k) = std::max(0.0, spread.row(row).dot(jacobian.row(row)));
+    }
   return variances;
 }
 
@@ -148,31 +156,33 @@ DhNumber conventional() {
   return {0, 0, Knowledge::by_convention};
 }
 
-void fill(const Run& run, std::vector<DhEstimate>& table) {
+void fill(const Run& run, const MatrixXd& covariance, std::vector<DhEstimate>& table) {
   const auto rows = rows_of(run);
-  const auto variances = variances_of(run);
+  const auto variances = variances_of(run, covariance);
   // Without the axis before, neither X nor origin of the run's first frame is known.
   bool origin_known = run.start == 0;
   bool x_known = run.start == 0;
+  bool x_meaningful = true;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     DhEstimate& row = table[run.start + i];
     const Choice& choice = run.choices[i];
     const auto number = [&](Eigen::Index k) {
-      return DhNumber{rows[i](k), std::sqrt(std::max(0.0, variances[i](k))), Knowledge::identified};
+      return DhNumber{rows[i](k), std::sqrt(variances[i](k)), Knowledge::identified};
     };
+    const auto convention = [&](Eigen::Index k) {
+      return DhNumber{rows[i](k), 0, Knowledge::by_convention};
+    };
+    const bool parallel =
+        choice.relation == Relation::parallel || choice.relation == Relation::coincident;
     row.relation = choice.relation;
     row.a_mm = number(2);
     row.alpha_rad = number(3);
-    if (choice.relation == Relation::coincident) {
-      row.b_mm = row.theta_rad = row.a_mm = conventional();
-      row.alpha_rad.value = std::abs(row.alpha_rad.value) < kPi / 2 ? 0 : kPi;
-      row.alpha_rad.knowledge = Knowledge::by_convention;
-      row.alpha_rad.sigma = 0;
-      continue;
-    }
-    if (x_known) row.theta_rad = number(1);
+    row.beta_rad = parallel ? number(4) : conventional();
+    const bool x_was_meaningful = x_meaningful;
+    x_meaningful = choice.relation != Relation::coincident;
+    if (x_known) row.theta_rad = x_was_meaningful && x_meaningful ? number(1) : convention(1);
     x_known = true;
-    if (choice.relation == Relation::parallel) {
+    if (parallel) {
       row.b_mm = conventional();
       continue;
     }
@@ -250,8 +260,18 @@ Relation relation_between(const Axis& first, const Axis& second, double size) {
   return touching ? Relation::intersecting : Relation::skew;
 }
 
+Eigen::Isometry3d first_frame(const Axis& axis) {
+  const Frame frame = frame_on(axis.line());
+  const Vector3d z = axis.line().direction;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() << frame.x, z.cross(frame.x), z;
+  pose.translation() = frame.origin;
+  return pose;
+}
+
 std::vector<DhEstimate> extract_dh(const std::vector<std::optional<Axis>>& axes, double size,
-                                   const std::vector<DhRow>& specified) {
+                                   const std::vector<DhRow>& specified,
+                                   const MatrixXd& covariance) {
   std::vector<DhEstimate> table(axes.size());
   for (std::size_t i = 0; i < axes.size();) {
     if (!axes[i]) {
@@ -265,12 +285,28 @@ std::vector<DhEstimate> extract_dh(const std::vector<std::optional<Axis>>& axes,
                                      specified.empty() ? nullptr : &specified[i - 1]));
       run.axes.push_back(*axes[i]);
     }
-    fill(run, table);
+    const auto from = static_cast<Eigen::Index>(6 * run.start);
+    const auto count = static_cast<Eigen::Index>(6 * run.axes.size());
+    MatrixXd own = MatrixXd::Zero(count, count);
+    if (covariance.size() > 0)
+      own = covariance.block(from, from, count, count);
+    else
+      for (Eigen::Index k = 0; k < count; k += 6)
+        own.block<6, 6>(k, k) = run.axes[static_cast<std::size_t>(k / 6)].covariance;
+    fill(run, own, table);
   }
-  if (!table.empty()) {
-    table.back() = {conventional(), conventional(), conventional(), conventional(), Relation::last};
-  }
+  if (!table.empty())
+    table.back() = {conventional(), conventional(), conventional(),
+                    conventional(), conventional(), Relation::last};
   return table;
+}
+
+std::vector<DhRow> values(const std::vector<DhEstimate>& table) {
+  std::vector<DhRow> rows;
+  for (const DhEstimate& row : table)
+    rows.push_back({row.b_mm.value, row.theta_rad.value, row.a_mm.value, row.alpha_rad.value,
+                    row.beta_rad.value});
+  return rows;
 }
 
 }  // namespace identify

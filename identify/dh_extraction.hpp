@@ -42,6 +42,7 @@ struct DhEstimate {
   DhNumber theta_rad;
   DhNumber a_mm;
   DhNumber alpha_rad;
+  DhNumber beta_rad;  ///< zero by convention unless the axes are parallel or coincident
   Relation relation = Relation::unknown;
 };
 
@@ -51,19 +52,31 @@ struct DhEstimate {
 /// standard uncertainties.
 [[nodiscard]] Relation relation_between(const Axis& first, const Axis& second, double size_mm);
 
-/// DH table of the axes in the paper's notation, as the robot stood: one row an axis, in order.
+/// Where a table starts: Z along the first axis, origin at its point closest to that of the
+/// measurement frame, X as close to that frame's X (or, where that is along the axis, its Y) as it
+/// can be.
+[[nodiscard]] Eigen::Isometry3d first_frame(const Axis& axis);
+
+/// DH table of the axes in the paper's notation, as the robot stood: one row an axis, in order,
+/// from the first axis' `first_frame` on.
 ///
-/// Frame 1: Z along the first axis, origin at its point closest to that of the measurement frame, X
-/// as close to that frame's X (or, where that is along the axis, its Y) as it can be.
 /// Row n needs a frame on the end-effector: it is zero by convention. For parallel axes b is free
-/// and zero by convention. Where an axis is missing, the numbers that need it stay undetermined.
+/// and zero by convention, and beta carries what is not quite parallel: the table reproduces the
+/// axes whatever their relation is called. For coincident axes only the sum of theta and the next
+/// theta means something: both are set by convention. Where an axis is missing, the numbers that
+/// need it stay undetermined.
 ///
 /// Axes point as they are given. The sign of each common normal is the one that agrees with
 /// `specified` (empty or one row an axis); without it a >= 0, and 0 < alpha < pi where a vanishes.
-/// Uncertainties are propagated from the axes' covariances to first order, axis by axis.
+/// Uncertainties are propagated to first order from `covariance`, that of all axes' (direction,
+/// point), six rows an axis, missing ones included; without it from the axes' own, as independent.
 [[nodiscard]] std::vector<DhEstimate> extract_dh(const std::vector<std::optional<Axis>>& axes,
                                                  double size_mm,
-                                                 const std::vector<DhRow>& specified = {});
+                                                 const std::vector<DhRow>& specified = {},
+                                                 const Eigen::MatrixXd& covariance = {});
+
+/// The values of a table as rows; undetermined ones as zero.
+[[nodiscard]] std::vector<DhRow> values(const std::vector<DhEstimate>& table);
 
 /// An angle brought to (-pi, pi].
 [[nodiscard]] double wrapped(double angle_rad);

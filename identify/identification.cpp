@@ -14,4 +14,20 @@ std::string_view text(Status status) noexcept {
   return "";
 }
 
+std::string_view text(Estimator estimator) noexcept {
+  return estimator == Estimator::chain ? "chain" : "circle";
+}
+
+std::string_view text(AngleTrust trust) noexcept {
+  switch (trust) {
+    case AngleTrust::trusted:
+      return "trusted";
+    case AngleTrust::smooth:
+      return "smooth";
+    case AngleTrust::free:
+      return "free";
+  }
+  return "";
+}
+
 }  // namespace identify

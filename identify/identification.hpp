@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "identify/bounding_box.hpp"
+#include "identify/chain_estimate.hpp"
 #include "identify/circle_fit.hpp"
 #include "identify/dh.hpp"
 #include "identify/dh_extraction.hpp"
@@ -39,12 +40,17 @@ struct Warning {
   std::string message;
 };
 
+/// Which estimator a result comes from.
+enum class Estimator { circle, chain };
+[[nodiscard]] std::string_view text(Estimator estimator) noexcept;
+
 struct JointResult {
   std::vector<Sweep> sweeps;  ///< all of this joint, in the order of time
   std::vector<bool> used;     ///< one a sweep: whether its samples are in `circle`
   std::optional<CircleFit> circle;
-  /// Points as the DH table needs it: with a specified table along that table's Z.
+  /// Along positive rotation, by the best estimator.
   std::optional<Axis> axis;
+  std::optional<BoundingBox> box;  ///< of the samples that were used
 };
 
 struct Identification {
@@ -53,7 +59,10 @@ struct Identification {
   /// One a joint, where known: the angles at which the axes below were locked.
   std::vector<std::optional<double>> home_rad;
   std::vector<JointResult> joints;
+  Estimator estimator = Estimator::circle;  ///< where `dh` and the joints' axes come from
   std::vector<DhEstimate> dh;               ///< one row a joint
+  std::vector<DhEstimate> circle_dh;        ///< the paper's, beside it
+  std::optional<ChainEstimate> chain;       ///< nothing where no axis was found to start from
   std::vector<DhRow> specified;             ///< at home_rad; empty without a specified table
   std::optional<BoundingBox> bounding_box;  ///< of the samples that were used
   std::vector<Warning> warnings;

@@ -22,6 +22,7 @@ enum class SweepDefect {
 struct Sweep {
   std::shared_ptr<const std::vector<Sample>> samples;  ///< in the order of time; never empty
   std::optional<std::size_t> joint;  ///< counted from 0; nothing where no angles tell it
+  std::size_t target = 0;            ///< which of several target points was measured
   int direction = 0;                 ///< +1: the controller's angle rises; -1: it falls; 0: unknown
   double range_rad = 0;              ///< the angle that was turned, positive
   SweepDefect defect = SweepDefect::none;
