@@ -18,7 +18,8 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kUncertainFoot = 0.02;  // of the arm's size
 constexpr double kReach = 2;             // in sizes of the arm
 constexpr double kSigmas = 3;
-constexpr double kExact = 1e-9;  // what counts as zero for axes without uncertainty, relative
+constexpr double kExact = 1e-9;      // what counts as zero for axes without uncertainty, relative
+constexpr double kRounding = 1e-15;  // rad; no direction is better known
 
 double largest_sigma(const Matrix3d& covariance) {
   const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
@@ -56,18 +57,23 @@ Frame frame_on(const Line& axis) {
 /// The DH numbers (b, theta, a, alpha, beta) that take `frame` on the first axis to the next frame
 /// on the second; `frame` becomes that.
 Vector5d advance(const Line& first, const Line& second, const Choice& choice, Frame& frame) {
-  const LinePair pair = relate(first, second);
   const Vector3d z = first.direction;
+  const Vector3d start = second.point_mm();
+  // Where the second axis passes a plane through the frame's origin.
+  const auto passes = [&](const Vector3d& normal) -> Vector3d {
+    return start +
+           second.direction * (normal.dot(frame.origin - start) / normal.dot(second.direction));
+  };
   Vector3d foot = frame.origin;
   Frame next;
   if (choice.relation == Relation::skew || choice.relation == Relation::intersecting) {
-    foot = pair.first_foot_mm;
-    next = {pair.second_foot_mm, choice.sign * pair.cross.normalized()};
+    // The plane of the first axis and the common normal: so the row leads to the second axis even
+    // where rounding moves the feet along both.
+    next.x = choice.sign * across(z.cross(second.direction), z);
+    next.origin = passes(z.cross(next.x));
+    foot += z * z.dot(next.origin - foot);
   } else {
-    // Where the second axis passes the plane across the first one through the frame's origin.
-    const Vector3d start = second.point_mm();
-    next.origin =
-        start + second.direction * (z.dot(frame.origin - start) / z.dot(second.direction));
+    next.origin = passes(z);  // the plane across the first axis
     const Vector3d offset = next.origin - foot;
     next.x = offset.norm() > kExact ? Vector3d(choice.sign * across(offset, z)) : frame.x;
   }
@@ -236,7 +242,7 @@ double Axis::point_sigma_mm() const {
 Relation relation_between(const Axis& first, const Axis& second, double size) {
   const LinePair pair = relate(first.line(), second.line());
   const double direction_sigma =
-      std::hypot(first.direction_sigma_rad(), second.direction_sigma_rad());
+      std::hypot(first.direction_sigma_rad(), second.direction_sigma_rad(), kRounding);
   const double point_sigma = std::hypot(first.point_sigma_mm(), second.point_sigma_mm());
   const double offset = first.direction.cross(second.point_mm - first.point_mm).norm();
 

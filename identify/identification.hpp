@@ -24,6 +24,8 @@ struct Campaign {
   /// Where no angles are known: the angles of the locked joints, if declared.
   std::vector<double> declared_home_rad;
   Resolution resolution;
+  /// The measurement frame is some device's: where the robot stands in it is part of the result.
+  bool device_frame = false;
 };
 
 enum class Status {
@@ -67,5 +69,10 @@ struct Identification {
   std::optional<BoundingBox> bounding_box;  ///< of the samples that were used
   std::vector<Warning> warnings;
 };
+
+/// The engine: circles first, then the chain, which starts from them; `dh` and the joints' axes are
+/// the chain's where it converged. Sweeps in the order of time. Never throws for what the data hold.
+/// The same sweeps give the same bits.
+[[nodiscard]] Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign);
 
 }  // namespace identify

@@ -1,0 +1,311 @@
+#include "identify/chain_estimator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "identify/angle_trust.hpp"
+#include "identify/chain_fit.hpp"
+#include "identify/chain_noise.hpp"
+#include "identify/chain_samples.hpp"
+
+namespace identify {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+
+constexpr double kFree = std::numeric_limits<double>::infinity();
+/// Below this nothing is measured, and nothing computed in double precision.
+constexpr double kLeastPosition_mm = 1e-7;
+constexpr double kLeastAngle_rad = 1e-11;
+
+/// A way to explain the samples, and how well it does.
+struct Fitted {
+  ChainFit fit;
+  ChainNoise noise;
+  double correlated = 1;  ///< samples per independent one
+};
+
+class Estimation {
+ public:
+  Estimation(const Identification& circles, const Campaign& campaign)
+      : circles_(circles), campaign_(campaign), joints_(circles.joints.size()) {}
+
+  std::optional<ChainEstimate> run() {
+    ChainSamples found = chain_samples(circles_);
+    samples_ = std::move(found.observations);
+    if (samples_.empty()) return std::nullopt;
+    targets_ = found.targets;
+    Chain start;
+    for (const JointResult& joint : circles_.joints)
+      start.axes.push_back(joint.axis ? ChainAxis{joint.axis->direction, joint.axis->point_mm}
+                                      : ChainAxis{});
+    start.targets_mm = starting_targets(start, samples_, targets_, found.with_angles);
+    set_quanta(found.with_angles);
+
+    Fitted best = without_angles(start);
+    ChainEstimate estimate;
+    estimate.angles.assign(joints_, AngleEvidence{});
+    for (AngleEvidence& evidence : estimate.angles) evidence.reason = "no angles";
+    if (found.with_angles) {
+      estimate.angles = seen_angle_errors(best.fit.chain, samples_, best.noise, quantum_);
+      if (shared_home_ && explained_by_print(best.noise)) believe_angles(best, estimate.angles);
+    }
+    if (found.with_orientation) estimate.with_orientation = add_orientation(best);
+    finish(best, estimate);
+    return estimate;
+  }
+
+ private:
+  void set_quanta(bool with_angles) {
+    const double step = 1 / std::sqrt(12.0);
+    quantum_.position_mm = std::max(kLeastPosition_mm, step * campaign_.resolution.position_mm);
+    const double angle = std::max(kLeastAngle_rad, step * campaign_.resolution.angle_rad);
+    quantum_.orientation_rad = angle;
+    quantum_.locked_rad = with_angles ? angle : 0;
+    quantum_.swept_rad.assign(joints_, angle);
+    // A locked joint whose angle is printed the same all the time does not scatter by its quantum.
+    floor_ = quantum_;
+    floor_.locked_rad = 0;
+  }
+
+  /// Fits, estimates the noise, weighs the samples, until neither changes the other.
+  Fitted settled(Chain chain, ChainNoise noise, bool with_orientation) {
+    constexpr int kMostRounds = 8;
+    Fitted result;
+    int iterations = 0;
+    for (int round = 0; round < kMostRounds; ++round) {
+      result.fit = fit_chain(chain, samples_, noise, with_orientation);
+      iterations += result.fit.summary.iterations;
+      chain = result.fit.chain;
+      const ChainNoise before =
+          std::exchange(noise, estimate_noise(chain, samples_, noise, floor_, with_orientation));
+      const double weights = total_weight();
+      reweight(chain, samples_, noise, with_orientation);
+      if (same(noise, before) && std::abs(total_weight() - weights) < 0.5) break;
+    }
+    result.fit = fit_chain(chain, samples_, noise, with_orientation);
+    result.fit.summary.iterations += iterations;
+    result.noise = noise;
+    result.correlated =
+        samples_per_independent(result.fit.chain, samples_, noise, with_orientation);
+    return result;
+  }
+
+  [[nodiscard]] double total_weight() const {
+    double sum = 0;
+    for (const ChainObservation& sample : samples_) sum += sample.weight;
+    return sum;
+  }
+
+  static bool same(const ChainNoise& a, const ChainNoise& b) {
+    constexpr double kAlike = 0.01;
+    const auto alike = [](double x, double y) {
+      return x == y || std::abs(x - y) <= kAlike * std::max(x, y);
+    };
+    bool all = alike(a.position_mm, b.position_mm) && alike(a.orientation_rad, b.orientation_rad) &&
+               alike(a.locked_rad, b.locked_rad);
+    for (std::size_t j = 0; j < a.swept_rad.size(); ++j)
+      all = all && alike(a.swept_rad[j], b.swept_rad[j]);
+    return all;
+  }
+
+  /// Circles about one chain. Where they do not pass one common home point, each by itself.
+  Fitted without_angles(const Chain& start) {
+    Fitted shared = robustly_started(start);
+    const auto kept = samples_;
+    Chain apart = shared.fit.chain;
+    for (std::size_t t = 0; t < targets_; ++t)
+      for (std::size_t j = 1; j < joints_; ++j) apart.targets_mm.push_back(apart.targets_mm[t]);
+    for (ChainObservation& sample : samples_)
+      if (sample.joint > 0)
+        sample.target = targets_ + sample.target * (joints_ - 1) + sample.joint - 1;
+    Fitted separate = settled(std::move(apart), shared.noise, false);
+    // How much worse the shared home explains what the separate ones do, in their noise.
+    std::vector<ChainObservation> separately = samples_;
+    samples_ = kept;
+    for (std::size_t i = 0; i < samples_.size(); ++i) samples_[i].weight = separately[i].weight;
+    const ChainFit pooled = fit_chain(shared.fit.chain, samples_, separate.noise, false);
+    const double gained =
+        2 * (pooled.summary.cost - separate.fit.summary.cost) / separate.correlated;
+    const double freedom = 3 * static_cast<double>(targets_) * static_cast<double>(axes() - 1);
+    // Chi squared passes its mean by six of its standard deviations hardly ever.
+    shared_home_ = gained <= freedom + 6 * std::sqrt(2 * std::max(1.0, freedom));
+    samples_ = shared_home_ ? kept : std::move(separately);
+    return shared_home_ ? shared : separate;
+  }
+
+  [[nodiscard]] std::size_t axes() const {
+    return static_cast<std::size_t>(
+        std::count_if(circles_.joints.begin(), circles_.joints.end(),
+                      [](const JointResult& joint) { return joint.axis.has_value(); }));
+  }
+
+  /// The first fit: the noise is not known yet, and some points may be far off.
+  Fitted robustly_started(Chain chain) {
+    ChainNoise noise = floor_;
+    noise.swept_rad.assign(joints_, kFree);
+    noise.position_mm = 1;
+    constexpr int kRounds = 3;
+    for (int round = 0; round < kRounds; ++round) {
+      const double sigma =
+          std::max(floor_.position_mm, robust_position_sigma(chain, samples_, noise));
+      noise.position_mm = sigma;
+      reweight(chain, samples_, noise, false);
+      chain = fit_chain(chain, samples_, noise, false).chain;
+    }
+    noise.position_mm = std::max(floor_.position_mm, robust_position_sigma(chain, samples_, noise));
+    reweight(chain, samples_, noise, false);
+    return settled(std::move(chain), noise, false);
+  }
+
+  [[nodiscard]] bool explained_by_print(const ChainNoise& noise) const {
+    return noise.position_mm <= kMostQuanta * quantum_.position_mm &&
+           noise.locked_rad <= kMostQuanta * quantum_.locked_rad;
+  }
+
+  /// Believes all angles, then takes back the worst joint's that does not stand the test, and so
+  /// on.
+  void believe_angles(Fitted& best, std::vector<AngleEvidence>& evidence) {
+    ChainNoise noise = best.noise;
+    noise.locked_rad = std::max(noise.locked_rad, floor_.locked_rad);
+    std::vector<bool> swept(joints_, false);
+    for (const ChainObservation& sample : samples_) swept[sample.joint] = true;
+    for (std::size_t j = 0; j < joints_; ++j)
+      if (swept[j]) noise.swept_rad[j] = quantum_.swept_rad[j];
+    const auto free_samples = samples_;
+    for (std::size_t tried = 0; tried <= joints_; ++tried) {
+      samples_ = free_samples;
+      for (ChainObservation& sample : samples_)
+        if (std::isfinite(noise.swept_rad[sample.joint]))
+          sample.turns[sample.joint] = sample.measured_turn;
+      Fitted believed = settled(best.fit.chain, noise, false);
+      test_believed_angles(believed.fit.chain, samples_, believed.noise, quantum_, evidence);
+      std::optional<std::size_t> worst;
+      bool any = false;
+      for (std::size_t j = 0; j < joints_; ++j) {
+        if (std::isinf(noise.swept_rad[j])) continue;
+        any = true;
+        if (!stands_test(evidence[j]) && (!worst || evidence[j].size > evidence[*worst].size))
+          worst = j;
+      }
+      if (!worst && any) {
+        best = std::move(believed);
+        for (std::size_t j = 0; j < joints_; ++j)
+          if (std::isfinite(noise.swept_rad[j])) {
+            evidence[j].trust = AngleTrust::trusted;
+            evidence[j].reason = "residuals along the motion are those of the printed decimals";
+          }
+        return;
+      }
+      if (!any) break;
+      evidence[*worst].reason = evidence[*worst].size > kMostQuanta
+                                    ? "larger errors than the printed decimals explain"
+                                    : "a pattern in the residuals along the motion";
+      noise.swept_rad[*worst] = kFree;
+    }
+    samples_ = free_samples;
+  }
+
+  /// Whether the tool's orientations agree with what the positions found; then they are used.
+  bool add_orientation(Fitted& best) {
+    Chain chain = best.fit.chain;
+    // The tool at home, as the mean over all samples: the rotation closest to it.
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    for (const ChainObservation& sample : samples_)
+      sum += sample.weight * chain.displacement(sample.turns).linear().transpose() *
+             sample.orientation;
+    const Eigen::Quaterniond mean = closest_rotation(sum);
+    chain.tool = mean.toRotationMatrix();
+    // They share their encoders with the positions, or they are left alone.
+    if (!explained_by_print(best.noise)) {
+      best.fit.chain.tool = chain.tool;
+      return false;
+    }
+    const auto kept = samples_;
+    ChainNoise noise = best.noise;
+    noise.orientation_rad = quantum_.orientation_rad;
+    Fitted oriented = settled(chain, noise, true);
+    const bool consistent =
+        oriented.fit.summary.converged &&
+        oriented.noise.orientation_rad <= kMostQuanta * quantum_.orientation_rad &&
+        explained_by_print(oriented.noise);
+    if (consistent) {
+      best = std::move(oriented);
+    } else {
+      samples_ = kept;
+      best.fit.chain.tool = chain.tool;
+    }
+    return consistent;
+  }
+
+  static Eigen::Quaterniond closest_rotation(const Eigen::Matrix3d& sum) {
+    // Polar decomposition by Newton's iteration (Higham 1986).
+    Eigen::Matrix3d rotation = sum;
+    for (int k = 0; k < 30 && std::abs(rotation.determinant()) > 1e-300; ++k)
+      rotation = 0.5 * (rotation + rotation.inverse().transpose());
+    if (!rotation.allFinite() || rotation.determinant() <= 0) return Eigen::Quaterniond::Identity();
+    return Eigen::Quaterniond(rotation).normalized();
+  }
+
+  void finish(const Fitted& best, ChainEstimate& estimate) const {
+    estimate.chain = best.fit.chain;
+    estimate.noise = best.noise;
+    estimate.summary = best.fit.summary;
+    estimate.shared_home = shared_home_;
+    estimate.samples = samples_.size();
+    estimate.samples_per_independent = best.correlated;
+    for (const ChainObservation& sample : samples_)
+      if (sample.weight < 0.5) ++estimate.outliers;
+
+    // From parameters to directions and points; axes are stated where the first target passes.
+    const ChainParameters parameters{joints_, best.fit.chain.targets_mm.size()};
+    const auto rows = static_cast<Eigen::Index>(6 * joints_ + 3 * targets_);
+    MatrixXd by_parameter = MatrixXd::Zero(rows, best.fit.covariance.rows());
+    estimate.axes.resize(joints_);
+    for (std::size_t j = 0; j < joints_; ++j) {
+      if (!circles_.joints[j].axis) continue;
+      ChainAxis& axis = estimate.chain.axes[j];
+      const auto basis = across(axis.direction);
+      const double along = axis.direction.dot(estimate.chain.targets_mm.front() - axis.point_mm);
+      const auto row = static_cast<Eigen::Index>(6 * j);
+      by_parameter.block<3, 2>(row, parameters.axis(j)) = basis;
+      by_parameter.block<3, 2>(row + 3, parameters.axis(j)) = along * basis;
+      by_parameter.block<3, 2>(row + 3, parameters.axis(j) + 2) = basis;
+      axis.point_mm += along * axis.direction;
+    }
+    for (std::size_t t = 0; t < targets_; ++t)
+      by_parameter.block<3, 3>(static_cast<Eigen::Index>(6 * joints_ + 3 * t),
+                               parameters.target(t)) = Eigen::Matrix3d::Identity();
+    estimate.covariance =
+        best.correlated * by_parameter.lazyProduct(
+                              MatrixXd(best.fit.covariance.lazyProduct(by_parameter.transpose())));
+    estimate.chain.targets_mm.resize(targets_);
+    for (std::size_t j = 0; j < joints_; ++j) {
+      if (!circles_.joints[j].axis) continue;
+      const auto row = static_cast<Eigen::Index>(6 * j);
+      estimate.axes[j] = Axis{estimate.chain.axes[j].direction, estimate.chain.axes[j].point_mm,
+                              estimate.covariance.block<6, 6>(row, row)};
+    }
+  }
+
+  const Identification& circles_;
+  const Campaign& campaign_;
+  std::size_t joints_;
+  std::size_t targets_ = 1;
+  std::vector<ChainObservation> samples_;
+  ChainNoise quantum_;  ///< what printed numbers alone would scatter
+  ChainNoise floor_;    ///< what estimates of the noise do not go below
+  bool shared_home_ = true;
+};
+
+}  // namespace
+
+std::optional<ChainEstimate> estimate_chain(const Identification& circles,
+                                            const Campaign& campaign) {
+  return Estimation(circles, campaign).run();
+}
+
+}  // namespace identify

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <vector>
+
+#include "identify/chain.hpp"
+#include "identify/chain_estimate.hpp"
+#include "identify/chain_residual.hpp"
+
+namespace identify {
+
+/// A weighted least-squares fit of a chain to samples, for given noise.
+struct ChainFit {
+  Chain chain;
+  /// Of the parameters (`ChainParameters`, at `chain`), for errors independent between samples;
+  /// zero for what has no information.
+  Eigen::MatrixXd covariance;
+  Summary summary;
+};
+
+/// Gauss-Newton with halved steps where one does not help, from `start`. The joints' free angles
+/// (noise infinite) are brought along in `samples`, whose weights stay. Ends when a step is below
+/// 1e-7 standard uncertainties, or after `kMostIterations`.
+///
+/// `with_orientation`: the tool's orientation is data, and its three angles are parameters.
+/// Deterministic; one thread. Never throws for what the data hold: directions in parameter space
+/// without information stay where they start, and are counted.
+[[nodiscard]] ChainFit fit_chain(const Chain& start, std::vector<ChainObservation>& samples,
+                                 const ChainNoise& noise, bool with_orientation);
+
+inline constexpr int kMostIterations = 50;
+
+}  // namespace identify

@@ -1,0 +1,231 @@
+#include "identify/chain_noise.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+namespace identify {
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+
+/// Position, orientation, locked angles, and the angle of each joint.
+constexpr int kMostComponents = 3 + static_cast<int>(kMostJoints);
+using Components = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostComponents, 1>;
+using Products =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostComponents, kMostComponents>;
+enum : Index { kPosition, kOrientation, kLocked, kSwept };
+
+/// Calls `see` with each sample's index, residual and pose.
+template <int Size, class See>
+void visit(const Chain& chain, const std::vector<ChainObservation>& samples,
+           const ChainNoise& noise, const See& see) {
+  ChainPose pose;
+  ChainResidual<Size> residual;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    pose.set(chain, samples[i].target, samples[i].turns, false);
+    residual.set(chain, samples[i], pose, noise);
+    see(i, residual, pose);
+  }
+}
+
+/// M v = u with v not below `floor`: what wants to fall below stays there.
+Components bounded_solution(Products m, Components u, const Components& floor) {
+  const Index count = u.size();
+  std::vector<bool> held(static_cast<std::size_t>(count), false);
+  Components v = floor;
+  for (Index round = 0; round <= count; ++round) {
+    std::vector<Index> open;
+    for (Index c = 0; c < count; ++c)
+      if (!held[static_cast<std::size_t>(c)] && m(c, c) > 0) open.push_back(c);
+    const auto size = static_cast<Index>(open.size());
+    if (size == 0) break;
+    Products scaled(size, size);
+    Components right(size);
+    for (Index r = 0; r < size; ++r) {
+      const Index at = open[static_cast<std::size_t>(r)];
+      const double scale = std::sqrt(m(at, at));
+      right(r) = u(at);
+      for (Index c = 0; c < count; ++c)
+        if (held[static_cast<std::size_t>(c)]) right(r) -= m(at, c) * floor(c);
+      right(r) /= scale;
+      for (Index c = 0; c < size; ++c) {
+        const Index other = open[static_cast<std::size_t>(c)];
+        scaled(r, c) = m(at, other) / (scale * std::sqrt(m(other, other)));
+      }
+      scaled(r, r) += 1e-9;  // components that cannot be told apart share
+    }
+    const Components found = scaled.ldlt().solve(right);
+    Index worst = -1;
+    double deepest = 0;
+    for (Index r = 0; r < size; ++r) {
+      const Index at = open[static_cast<std::size_t>(r)];
+      v(at) = found(r) / std::sqrt(m(at, at));
+      const double below = (floor(at) - v(at)) * std::sqrt(m(at, at));
+      if (below > deepest) {
+        deepest = below;
+        worst = at;
+      }
+    }
+    if (worst < 0) break;
+    held[static_cast<std::size_t>(worst)] = true;
+    v(worst) = floor(worst);
+  }
+  return v.cwiseMax(floor);
+}
+
+template <int Size>
+ChainNoise estimate(const Chain& chain, const std::vector<ChainObservation>& samples,
+                    const ChainNoise& noise, const ChainNoise& lowest) {
+  using Square = typename ChainResidual<Size>::Square;
+  const auto count = kSwept + static_cast<Index>(chain.axes.size());
+  Products m = Products::Zero(count, count);
+  Components u = Components::Zero(count);
+  double rows = 0;
+  visit<Size>(chain, samples, noise,
+              [&](std::size_t i, const ChainResidual<Size>& at, const ChainPose& pose) {
+                const ChainObservation& sample = samples[i];
+                if (sample.weight == 0) return;
+                const bool angle_used = std::isfinite(noise.swept_rad[sample.joint]);
+                rows += sample.weight * (angle_used ? Size : Size - 1);
+                // W B of each component that this sample speaks of.
+                std::array<std::pair<Index, Square>, 4> parts;
+                for (auto& part : parts) part.second.setZero();
+                std::size_t used = 0;
+                const auto part = [&](Index component) -> Square& {
+                  parts[used].first = component;
+                  return parts[used++].second;
+                };
+                part(kPosition).template leftCols<3>() = at.weight.template leftCols<3>();
+                if constexpr (Size == 6) {
+                  part(kOrientation).template rightCols<3>() = at.weight.template rightCols<3>();
+                }
+                Square by_locked = Square::Zero();
+                for (std::size_t k = 0; k < chain.axes.size(); ++k)
+                  if (k != sample.joint)
+                    by_locked.noalias() += pose.by_turn[k].template head<Size>() *
+                                           pose.by_turn[k].template head<Size>().transpose();
+                part(kLocked).noalias() = at.weight * by_locked;
+                if (angle_used)
+                  part(kSwept + static_cast<Index>(sample.joint)).noalias() =
+                      (at.weight * at.by_swept) * at.by_swept.transpose();
+                const auto weighted = (at.weight * at.error).eval();
+                for (std::size_t a = 0; a < used; ++a) {
+                  // r^T W B W r = (r^T) (W B) (W r).
+                  u(parts[a].first) += sample.weight * at.error.dot(parts[a].second * weighted);
+                  for (std::size_t b = 0; b <= a; ++b) {
+                    const double product =
+                        parts[a].second.cwiseProduct(parts[b].second.transpose()).sum();
+                    m(parts[a].first, parts[b].first) += sample.weight * product;
+                    if (a != b) m(parts[b].first, parts[a].first) += sample.weight * product;
+                  }
+                }
+              });
+  // The fit has taken up part of the scatter: as many rows as it has parameters.
+  const auto parameters = static_cast<double>(
+      ChainParameters{chain.axes.size(), chain.targets_mm.size()}.count(Size == 6));
+  u *= rows / std::max(1.0, rows - parameters);
+
+  Components floor = Components::Zero(count);
+  const auto square = [](double value) { return value * value; };
+  floor(kPosition) = square(lowest.position_mm);
+  floor(kOrientation) = square(lowest.orientation_rad);
+  floor(kLocked) = square(lowest.locked_rad);
+  for (std::size_t j = 0; j < chain.axes.size(); ++j)
+    floor(kSwept + static_cast<Index>(j)) = square(lowest.swept_rad[j]);
+  const Components variances = bounded_solution(m, u, floor);
+  ChainNoise found = noise;
+  found.position_mm = std::sqrt(variances(kPosition));
+  found.orientation_rad = std::sqrt(variances(kOrientation));
+  found.locked_rad = std::sqrt(variances(kLocked));
+  for (std::size_t j = 0; j < chain.axes.size(); ++j)
+    if (std::isfinite(noise.swept_rad[j]))
+      found.swept_rad[j] = std::sqrt(variances(kSwept + static_cast<Index>(j)));
+  return found;
+}
+
+template <int Size>
+void set_weights(const Chain& chain, std::vector<ChainObservation>& samples,
+                 const ChainNoise& noise) {
+  visit<Size>(chain, samples, noise,
+              [&](std::size_t i, const ChainResidual<Size>& at, const ChainPose&) {
+                // The distance that a good sample hardly passes, for its number of free directions.
+                const double plateau = std::sqrt(static_cast<double>(Size)) + 2.5;
+                const double distance = std::sqrt(at.squared()) / plateau;
+                const double left = std::clamp(2 - distance, 0.0, 1.0);
+                samples[i].weight = left * left;
+              });
+}
+
+template <int Size>
+double correlated(const Chain& chain, const std::vector<ChainObservation>& samples,
+                  const ChainNoise& noise) {
+  using Vector = typename ChainResidual<Size>::Vector;
+  std::vector<Vector> errors(samples.size());
+  std::vector<Vector> weighted(samples.size());
+  visit<Size>(chain, samples, noise,
+              [&](std::size_t i, const ChainResidual<Size>& at, const ChainPose&) {
+                errors[i] = at.error;
+                // What an unused angle could explain is no residual.
+                if (std::isinf(noise.swept_rad[samples[i].joint]))
+                  errors[i] -= at.by_swept * at.toward;
+                errors[i] *= std::sqrt(samples[i].weight);
+                weighted[i] = at.weight * errors[i];
+              });
+  const auto covariance = [&](std::size_t lag) {
+    double sum = 0;
+    for (std::size_t i = 0; i + lag < samples.size(); ++i)
+      if (samples[i].sweep == samples[i + lag].sweep) sum += weighted[i].dot(errors[i + lag]);
+    return sum;
+  };
+  const double variance = covariance(0);
+  if (!(variance > 0)) return 1;
+  constexpr double kWindow = 5;
+  double time = 1;
+  for (std::size_t lag = 1; lag < samples.size() / 4; ++lag) {
+    time += 2 * covariance(lag) / variance;
+    if (static_cast<double>(lag) >= kWindow * time) break;
+  }
+  return std::max(1.0, time);
+}
+
+}  // namespace
+
+ChainNoise estimate_noise(const Chain& chain, const std::vector<ChainObservation>& samples,
+                          const ChainNoise& noise, const ChainNoise& floor, bool with_orientation) {
+  return with_orientation ? estimate<6>(chain, samples, noise, floor)
+                          : estimate<3>(chain, samples, noise, floor);
+}
+
+double robust_position_sigma(const Chain& chain, const std::vector<ChainObservation>& samples,
+                             const ChainNoise& noise) {
+  std::vector<std::vector<double>> squared(chain.axes.size());
+  visit<3>(chain, samples, noise, [&](std::size_t i, const ChainResidual<3>& at, const ChainPose&) {
+    // Medians of chi squared with two and three degrees of freedom.
+    const double usual = std::isfinite(noise.swept_rad[samples[i].joint]) ? 2.366 : 1.386;
+    squared[samples[i].joint].push_back(at.squared() / usual);
+  });
+  double largest = 0;
+  for (auto& joint : squared) {
+    if (joint.empty()) continue;
+    const auto middle = joint.begin() + static_cast<std::ptrdiff_t>(joint.size() / 2);
+    std::nth_element(joint.begin(), middle, joint.end());
+    largest = std::max(largest, *middle);
+  }
+  return noise.position_mm * std::sqrt(largest);
+}
+
+void reweight(const Chain& chain, std::vector<ChainObservation>& samples, const ChainNoise& noise,
+              bool with_orientation) {
+  with_orientation ? set_weights<6>(chain, samples, noise) : set_weights<3>(chain, samples, noise);
+}
+
+double samples_per_independent(const Chain& chain, const std::vector<ChainObservation>& samples,
+                               const ChainNoise& noise, bool with_orientation) {
+  return with_orientation ? correlated<6>(chain, samples, noise)
+                          : correlated<3>(chain, samples, noise);
+}
+
+}  // namespace identify

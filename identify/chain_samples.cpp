@@ -1,0 +1,213 @@
+#include "identify/chain_samples.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+
+namespace identify {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// A circle by its axis and one point on it.
+struct AxisCircle {
+  ChainAxis axis;
+  Vector3d on_it_mm;
+
+  [[nodiscard]] Vector3d arm(const Vector3d& point) const {
+    const Vector3d from = point - axis.point_mm;
+    return from - axis.direction * axis.direction.dot(from);
+  }
+  /// Distance of a point from it, and its derivative.
+  [[nodiscard]] Vector3d to_circle(const Vector3d& point) const {
+    const double height = axis.direction.dot(point - on_it_mm);
+    const Vector3d here = arm(point);
+    const double radius = arm(on_it_mm).norm();
+    const double off = here.norm();
+    const Vector3d outward = off > 0 ? Vector3d(here / off) : axis.direction.unitOrthogonal();
+    return -(height * axis.direction + (off - radius) * outward);
+  }
+};
+
+double misfit(const std::vector<AxisCircle>& circles, const Vector3d& point) {
+  double sum = 0;
+  for (const AxisCircle& circle : circles) sum += circle.to_circle(point).squaredNorm();
+  return sum;
+}
+
+/// The point closest to all circles, from `point` on.
+Vector3d settled(const std::vector<AxisCircle>& circles, Vector3d point) {
+  constexpr int kSteps = 30;
+  for (int step = 0; step < kSteps; ++step) {
+    // Along its tangent a circle has no say; a little damping for where none has.
+    Matrix3d normal = 1e-6 * Matrix3d::Identity();
+    Vector3d right = Vector3d::Zero();
+    for (const AxisCircle& circle : circles) {
+      const Vector3d arm = circle.arm(point);
+      const Vector3d tangent = circle.axis.direction.cross(arm).normalized();
+      normal += Matrix3d::Identity() - tangent * tangent.transpose();
+      right += circle.to_circle(point);
+    }
+    const Vector3d move = normal.ldlt().solve(right);
+    if (!move.allFinite()) break;
+    point += move;
+    if (move.norm() < 1e-9) break;
+  }
+  return point;
+}
+
+Vector3d median(std::vector<Vector3d>& points) {
+  Vector3d middle = Vector3d::Zero();
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const auto at = points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2);
+    std::nth_element(points.begin(), at, points.end(),
+                     [k](const Vector3d& a, const Vector3d& b) { return a(k) < b(k); });
+    middle(k) = (*at)(k);
+  }
+  return middle;
+}
+
+double angle_about(const Vector3d& axis, const Vector3d& from, const Vector3d& to) {
+  return std::atan2(axis.dot(from.cross(to)), from.dot(to) - axis.dot(from) * axis.dot(to));
+}
+
+}  // namespace
+
+ChainSamples chain_samples(const Identification& circles) {
+  ChainSamples found;
+  const std::size_t joints = circles.joints.size();
+  std::size_t all = 0;
+  found.with_angles = found.with_orientation = true;
+  const auto each_sweep = [&](const auto& see) {
+    for (std::size_t j = 0; j < joints; ++j) {
+      const JointResult& joint = circles.joints[j];
+      if (!joint.axis) continue;
+      for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
+        const Sweep& sweep = joint.sweeps[s];
+        const bool elsewhere = !joint.used[s] && !sweep.positioning;
+        if (joint.used[s] || (elsewhere && sweep.first().joints >= joints)) see(j, sweep);
+      }
+    }
+  };
+  each_sweep([&](std::size_t, const Sweep& sweep) {
+    all += sweep.samples->size();
+    found.targets = std::max(found.targets, sweep.target + 1);
+    for (const Sample& sample : *sweep.samples) {
+      if (sample.joints < joints) found.with_angles = false;
+      if (!sample.has_orientation) found.with_orientation = false;
+    }
+  });
+  const std::size_t step = 1 + all / kMostObservations;
+  found.observations.reserve(all / step + joints);
+  std::vector<std::optional<double>> home = circles.home_rad;
+  home.resize(joints);
+  std::size_t count = 0;
+  each_sweep([&](std::size_t j, const Sweep& sweep) {
+    // A joint that was never seen locked is at home where its first sweep begins.
+    if (found.with_angles && !home[j]) home[j] = sweep.first().angles_rad[j];
+    for (std::size_t i = 0; i < sweep.samples->size(); i += step) {
+      const Sample& sample = (*sweep.samples)[i];
+      if (!sample.has_position) continue;
+      ChainObservation seen;
+      seen.position_mm = sample.position_mm;
+      seen.joint = j;
+      seen.target = sweep.target;
+      seen.sweep = count;
+      seen.falling = sweep.direction < 0;
+      if (found.with_orientation) {
+        const auto [a, b, c] = sample.abc_rad;
+        seen.orientation =
+            (Eigen::AngleAxisd(a, Vector3d::UnitZ()) * Eigen::AngleAxisd(b, Vector3d::UnitY()) *
+             Eigen::AngleAxisd(c, Vector3d::UnitX()))
+                .toRotationMatrix();
+      }
+      if (found.with_angles)
+        for (std::size_t k = 0; k < joints; ++k)
+          if (circles.joints[k].axis && home[k]) seen.turns[k] = sample.angles_rad[k] - *home[k];
+      seen.measured_turn = seen.turns[j];
+      found.observations.push_back(seen);
+    }
+    ++count;
+  });
+  return found;
+}
+
+std::vector<Vector3d> starting_targets(const Chain& chain,
+                                       std::vector<ChainObservation>& observations,
+                                       std::size_t targets, bool with_angles) {
+  std::vector<Vector3d> found;
+  for (std::size_t target = 0; target < targets; ++target) {
+    // Each joint's samples, brought back to where the other joints are at home.
+    std::vector<std::vector<Vector3d>> arcs(chain.axes.size());
+    std::vector<Vector3d> at_home;
+    for (const ChainObservation& sample : observations) {
+      if (sample.target != target) continue;
+      Turns before{};
+      std::copy_n(sample.turns.begin(), sample.joint, before.begin());
+      arcs[sample.joint].push_back(chain.displacement(before).inverse() * sample.position_mm);
+      if (with_angles)
+        at_home.push_back(chain.displacement(sample.turns).inverse() * sample.position_mm);
+    }
+    std::vector<AxisCircle> circles;
+    for (std::size_t j = 0; j < arcs.size(); ++j) {
+      if (arcs[j].empty()) continue;
+      // Heights and radii each by their median: one point far off must not be the circle.
+      AxisCircle circle{chain.axes[j], Vector3d::Zero()};
+      std::vector<Vector3d> places;
+      for (const Vector3d& point : arcs[j])
+        places.emplace_back(chain.axes[j].direction.dot(point - chain.axes[j].point_mm),
+                            circle.arm(point).norm(), 0);
+      const Vector3d middle = median(places);
+      circle.on_it_mm = chain.axes[j].point_mm + middle(0) * chain.axes[j].direction +
+                        middle(1) * chain.axes[j].direction.unitOrthogonal();
+      circles.push_back(circle);
+    }
+    if (circles.empty()) {
+      found.push_back(Vector3d::Zero());
+      continue;
+    }
+    Vector3d best = Vector3d::Zero();
+    double least = std::numeric_limits<double>::infinity();
+    const auto consider = [&](const Vector3d& point, double handicap) {
+      const double sum = misfit(circles, point) * handicap;
+      if (sum < least) {
+        least = sum;
+        best = point;
+      }
+    };
+    constexpr int kPlaces = 72;
+    const AxisCircle& first = circles.front();
+    for (int k = 0; k < kPlaces; ++k)
+      consider(first.axis.point_mm + Eigen::AngleAxisd(2 * 3.14159265358979323846 * k / kPlaces,
+                                                       first.axis.direction) *
+                                         (first.on_it_mm - first.axis.point_mm),
+               1);
+    if (circles.size() > 1) best = settled(circles, best);
+    least = misfit(circles, best);
+    // Where the angles lead to about as good a place, they know which of several it is.
+    constexpr double kAsGood = 0.1;
+    if (!at_home.empty()) {
+      Vector3d by_angles = median(at_home);
+      if (circles.size() > 1) by_angles = settled(circles, by_angles);
+      consider(by_angles, circles.size() > 1 ? kAsGood : 0);
+    }
+    found.push_back(best);
+  }
+  for (ChainObservation& sample : observations) {
+    const ChainAxis& axis = chain.axes[sample.joint];
+    Turns before{};
+    Turns after = sample.turns;
+    std::copy_n(sample.turns.begin(), sample.joint, before.begin());
+    std::fill_n(after.begin(), sample.joint + 1, 0.0);
+    const Vector3d arm = chain.displacement(before).inverse() * sample.position_mm - axis.point_mm;
+    const Vector3d from = chain.displacement(after) * found[sample.target] - axis.point_mm;
+    sample.turns[sample.joint] = angle_about(axis.direction, from, arm);
+  }
+  return found;
+}
+
+}  // namespace identify
