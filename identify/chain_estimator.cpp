@@ -20,6 +20,8 @@ constexpr double kFree = std::numeric_limits<double>::infinity();
 /// Below this nothing is measured, and nothing computed in double precision.
 constexpr double kLeastPosition_mm = 1e-7;
 constexpr double kLeastAngle_rad = 1e-11;
+/// An axis that is less certain than this is none.
+constexpr double kWorstDirection_rad = 3.14159265358979323846 / 180;
 
 /// A way to explain the samples, and how well it does.
 struct Fitted {
@@ -34,14 +36,13 @@ class Estimation {
       : circles_(circles), campaign_(campaign), joints_(circles.joints.size()) {}
 
   std::optional<ChainEstimate> run() {
-    ChainSamples found = chain_samples(circles_);
+    axes_ = starting_axes(circles_);
+    ChainSamples found = chain_samples(circles_, axes_);
     samples_ = std::move(found.observations);
     if (samples_.empty()) return std::nullopt;
     targets_ = found.targets;
     Chain start;
-    for (const JointResult& joint : circles_.joints)
-      start.axes.push_back(joint.axis ? ChainAxis{joint.axis->direction, joint.axis->point_mm}
-                                      : ChainAxis{});
+    for (const auto& axis : axes_) start.axes.push_back(axis.value_or(ChainAxis{}));
     start.targets_mm = starting_targets(start, samples_, targets_, found.with_angles);
     set_quanta(found.with_angles);
 
@@ -51,7 +52,7 @@ class Estimation {
     for (AngleEvidence& evidence : estimate.angles) evidence.reason = "no angles";
     if (found.with_angles) {
       estimate.angles = seen_angle_errors(best.fit.chain, samples_, best.noise, quantum_);
-      if (shared_home_ && explained_by_print(best.noise)) believe_angles(best, estimate.angles);
+      if (shared_home_ && explained_by_print(best, false)) believe_angles(best, estimate.angles);
     }
     if (found.with_orientation) estimate.with_orientation = add_orientation(best);
     finish(best, estimate);
@@ -138,9 +139,8 @@ class Estimation {
   }
 
   [[nodiscard]] std::size_t axes() const {
-    return static_cast<std::size_t>(
-        std::count_if(circles_.joints.begin(), circles_.joints.end(),
-                      [](const JointResult& joint) { return joint.axis.has_value(); }));
+    return static_cast<std::size_t>(std::count_if(
+        axes_.begin(), axes_.end(), [](const auto& axis) { return axis.has_value(); }));
   }
 
   /// The first fit: the noise is not known yet, and some points may be far off.
@@ -161,9 +161,11 @@ class Estimation {
     return settled(std::move(chain), noise, false);
   }
 
-  [[nodiscard]] bool explained_by_print(const ChainNoise& noise) const {
-    return noise.position_mm <= kMostQuanta * quantum_.position_mm &&
-           noise.locked_rad <= kMostQuanta * quantum_.locked_rad;
+  [[nodiscard]] bool explained_by_print(const Fitted& fitted, bool with_orientation) const {
+    ChainNoise printed = quantum_;
+    for (std::size_t j = 0; j < joints_; ++j)
+      if (std::isinf(fitted.noise.swept_rad[j])) printed.swept_rad[j] = kFree;
+    return misfit(fitted.fit.chain, samples_, printed, with_orientation) <= kMostQuanta;
   }
 
   /// Believes all angles, then takes back the worst joint's that does not stand the test, and so
@@ -220,7 +222,7 @@ class Estimation {
     const Eigen::Quaterniond mean = closest_rotation(sum);
     chain.tool = mean.toRotationMatrix();
     // They share their encoders with the positions, or they are left alone.
-    if (!explained_by_print(best.noise)) {
+    if (!explained_by_print(best, false)) {
       best.fit.chain.tool = chain.tool;
       return false;
     }
@@ -228,10 +230,7 @@ class Estimation {
     ChainNoise noise = best.noise;
     noise.orientation_rad = quantum_.orientation_rad;
     Fitted oriented = settled(chain, noise, true);
-    const bool consistent =
-        oriented.fit.summary.converged &&
-        oriented.noise.orientation_rad <= kMostQuanta * quantum_.orientation_rad &&
-        explained_by_print(oriented.noise);
+    const bool consistent = oriented.fit.summary.converged && explained_by_print(oriented, true);
     if (consistent) {
       best = std::move(oriented);
     } else {
@@ -266,7 +265,7 @@ class Estimation {
     MatrixXd by_parameter = MatrixXd::Zero(rows, best.fit.covariance.rows());
     estimate.axes.resize(joints_);
     for (std::size_t j = 0; j < joints_; ++j) {
-      if (!circles_.joints[j].axis) continue;
+      if (!axes_[j]) continue;
       ChainAxis& axis = estimate.chain.axes[j];
       const auto basis = across(axis.direction);
       const double along = axis.direction.dot(estimate.chain.targets_mm.front() - axis.point_mm);
@@ -284,10 +283,11 @@ class Estimation {
                               MatrixXd(best.fit.covariance.lazyProduct(by_parameter.transpose())));
     estimate.chain.targets_mm.resize(targets_);
     for (std::size_t j = 0; j < joints_; ++j) {
-      if (!circles_.joints[j].axis) continue;
+      if (!axes_[j]) continue;
       const auto row = static_cast<Eigen::Index>(6 * j);
-      estimate.axes[j] = Axis{estimate.chain.axes[j].direction, estimate.chain.axes[j].point_mm,
-                              estimate.covariance.block<6, 6>(row, row)};
+      const Axis axis{estimate.chain.axes[j].direction, estimate.chain.axes[j].point_mm,
+                      estimate.covariance.block<6, 6>(row, row)};
+      if (axis.direction_sigma_rad() < kWorstDirection_rad) estimate.axes[j] = axis;
     }
   }
 
@@ -295,6 +295,7 @@ class Estimation {
   const Campaign& campaign_;
   std::size_t joints_;
   std::size_t targets_ = 1;
+  std::vector<std::optional<ChainAxis>> axes_;  ///< to start from
   std::vector<ChainObservation> samples_;
   ChainNoise quantum_;  ///< what printed numbers alone would scatter
   ChainNoise floor_;    ///< what estimates of the noise do not go below

@@ -31,6 +31,21 @@ void visit(const Chain& chain, const std::vector<ChainObservation>& samples,
   }
 }
 
+/// Of the samples, by their weights.
+template <int Size>
+double row_count(const std::vector<ChainObservation>& samples, const ChainNoise& noise) {
+  double rows = 0;
+  for (const ChainObservation& sample : samples)
+    rows += sample.weight * (std::isfinite(noise.swept_rad[sample.joint]) ? Size : Size - 1);
+  return rows;
+}
+
+template <int Size>
+double parameter_count(const Chain& chain) {
+  return static_cast<double>(
+      ChainParameters{chain.axes.size(), chain.targets_mm.size()}.count(Size == 6));
+}
+
 /// M v = u with v not below `floor`: what wants to fall below stays there.
 Components bounded_solution(Products m, Components u, const Components& floor) {
   const Index count = u.size();
@@ -83,13 +98,11 @@ ChainNoise estimate(const Chain& chain, const std::vector<ChainObservation>& sam
   const auto count = kSwept + static_cast<Index>(chain.axes.size());
   Products m = Products::Zero(count, count);
   Components u = Components::Zero(count);
-  double rows = 0;
   visit<Size>(chain, samples, noise,
               [&](std::size_t i, const ChainResidual<Size>& at, const ChainPose& pose) {
                 const ChainObservation& sample = samples[i];
                 if (sample.weight == 0) return;
                 const bool angle_used = std::isfinite(noise.swept_rad[sample.joint]);
-                rows += sample.weight * (angle_used ? Size : Size - 1);
                 // W B of each component that this sample speaks of.
                 std::array<std::pair<Index, Square>, 4> parts;
                 for (auto& part : parts) part.second.setZero();
@@ -124,9 +137,8 @@ ChainNoise estimate(const Chain& chain, const std::vector<ChainObservation>& sam
                 }
               });
   // The fit has taken up part of the scatter: as many rows as it has parameters.
-  const auto parameters = static_cast<double>(
-      ChainParameters{chain.axes.size(), chain.targets_mm.size()}.count(Size == 6));
-  u *= rows / std::max(1.0, rows - parameters);
+  const double rows = row_count<Size>(samples, noise);
+  u *= rows / std::max(1.0, rows - parameter_count<Size>(chain));
 
   Components floor = Components::Zero(count);
   const auto square = [](double value) { return value * value; };
@@ -183,12 +195,33 @@ double correlated(const Chain& chain, const std::vector<ChainObservation>& sampl
   const double variance = covariance(0);
   if (!(variance > 0)) return 1;
   constexpr double kWindow = 5;
+  constexpr double kMostTakenUp = 0.6;
+  // Each parameter takes up one direction; the correlations of what is left sum to zero over all
+  // lags along it.
+  const double share =
+      parameter_count<Size>(chain) / std::max(1.0, row_count<Size>(samples, noise));
+  double sum = 1;
   double time = 1;
   for (std::size_t lag = 1; lag < samples.size() / 4; ++lag) {
-    time += 2 * covariance(lag) / variance;
+    const double lags = 2 * static_cast<double>(lag) + 1;
+    if (lags * share > kMostTakenUp) break;
+    sum += 2 * covariance(lag) / variance;
+    time = sum / (1 - lags * share);
     if (static_cast<double>(lag) >= kWindow * time) break;
   }
   return std::max(1.0, time);
+}
+
+template <int Size>
+double root_mean_square(const Chain& chain, const std::vector<ChainObservation>& samples,
+                        const ChainNoise& noise) {
+  double sum = 0;
+  visit<Size>(chain, samples, noise,
+              [&](std::size_t i, const ChainResidual<Size>& at, const ChainPose&) {
+                sum += samples[i].weight * at.squared();
+              });
+  const double freedom = row_count<Size>(samples, noise) - parameter_count<Size>(chain);
+  return std::sqrt(sum / std::max(1.0, freedom));
 }
 
 }  // namespace
@@ -220,6 +253,12 @@ double robust_position_sigma(const Chain& chain, const std::vector<ChainObservat
 void reweight(const Chain& chain, std::vector<ChainObservation>& samples, const ChainNoise& noise,
               bool with_orientation) {
   with_orientation ? set_weights<6>(chain, samples, noise) : set_weights<3>(chain, samples, noise);
+}
+
+double misfit(const Chain& chain, const std::vector<ChainObservation>& samples,
+              const ChainNoise& noise, bool with_orientation) {
+  return with_orientation ? root_mean_square<6>(chain, samples, noise)
+                          : root_mean_square<3>(chain, samples, noise);
 }
 
 double samples_per_independent(const Chain& chain, const std::vector<ChainObservation>& samples,

@@ -29,9 +29,14 @@ namespace identify {
 void reweight(const Chain& chain, std::vector<ChainObservation>& samples, const ChainNoise& noise,
               bool with_orientation);
 
+/// Root of the mean squared distance per degree of freedom: 1 where `noise` is right.
+[[nodiscard]] double misfit(const Chain& chain, const std::vector<ChainObservation>& samples,
+                            const ChainNoise& noise, bool with_orientation);
+
 /// How many successive samples carry as much as one independent one: 1 + 2 sum rho_k over the lags
 /// up to five times the result (Sokal 1997), at least 1. rho_k is the correlation of residuals k
-/// samples apart within a stroke.
+/// samples apart within a stroke; what the fit has taken up of slow changes is put back in
+/// proportion.
 [[nodiscard]] double samples_per_independent(const Chain& chain,
                                              const std::vector<ChainObservation>& samples,
                                              const ChainNoise& noise, bool with_orientation);

@@ -1,11 +1,14 @@
 #include "identify/chain_samples.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+
+#include "identify/robust_circle.hpp"
 
 namespace identify {
 namespace {
@@ -71,13 +74,63 @@ Vector3d median(std::vector<Vector3d>& points) {
   return middle;
 }
 
+/// Positive where a sweep turns about the circle's normal: by the medians of its thirds.
+double turned_by(const Sweep& sweep, const CircleFit& circle) {
+  std::array<Vector3d, 3> places;
+  for (std::size_t third = 0; third < 3; ++third) {
+    std::vector<Vector3d> points;
+    const std::size_t count = sweep.samples->size();
+    for (std::size_t i = third * count / 3; i < (third + 1) * count / 3; ++i)
+      if ((*sweep.samples)[i].has_position) points.push_back((*sweep.samples)[i].position_mm);
+    if (points.empty()) return 0;
+    places[third] = median(points) - circle.center_mm;
+  }
+  return circle.normal.dot(places[0].cross(places[1]) + places[1].cross(places[2]));
+}
+
 double angle_about(const Vector3d& axis, const Vector3d& from, const Vector3d& to) {
   return std::atan2(axis.dot(from.cross(to)), from.dot(to) - axis.dot(from) * axis.dot(to));
 }
 
 }  // namespace
 
-ChainSamples chain_samples(const Identification& circles) {
+std::vector<std::optional<ChainAxis>> starting_axes(const Identification& circles) {
+  constexpr double kWorstDirection_rad = 3.14159265358979323846 / 180;
+  std::vector<std::optional<ChainAxis>> axes;
+  for (const JointResult& joint : circles.joints) {
+    axes.emplace_back();
+    if (!joint.circle) continue;
+    std::vector<Sweep> used;
+    for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
+      if (joint.used[s] && joint.sweeps[s].target == 0) used.push_back(joint.sweeps[s]);
+    Eigen::Index count = 0;
+    for (const Sweep& sweep : used) count += static_cast<Eigen::Index>(sweep.samples->size());
+    Eigen::Matrix3Xd points(3, count);
+    count = 0;
+    for (const Sweep& sweep : used)
+      for (const Sample& sample : *sweep.samples)
+        if (sample.has_position) points.col(count++) = sample.position_mm;
+    points.conservativeResize(3, count);
+    const auto circle = fit_robust_circle(points);
+    if (!circle) continue;
+    const double noise = std::max({circle->plane_rms_mm, circle->radial_rms_mm, 1e-9});
+    const Axis axis{circle->normal, circle->center_mm,
+                    axis_covariance(*circle, points, noise, noise)};
+    if (!(axis.direction_sigma_rad() < kWorstDirection_rad)) continue;
+    // Which way is positive: by the motion, but a few points far off must not tell. Where the
+    // specified table had to tell, the circle's axis points against its normal.
+    double turned = 0;
+    for (const Sweep& sweep : used) turned += sweep.direction * turned_by(sweep, *circle);
+    if (turned == 0) turned = circle->normal.dot(joint.circle->normal);
+    if (joint.axis && joint.axis->direction.dot(joint.circle->normal) < 0) turned = -turned;
+    axes.back() =
+        ChainAxis{turned < 0 ? Vector3d(-circle->normal) : circle->normal, circle->center_mm};
+  }
+  return axes;
+}
+
+ChainSamples chain_samples(const Identification& circles,
+                           const std::vector<std::optional<ChainAxis>>& axes) {
   ChainSamples found;
   const std::size_t joints = circles.joints.size();
   std::size_t all = 0;
@@ -85,7 +138,7 @@ ChainSamples chain_samples(const Identification& circles) {
   const auto each_sweep = [&](const auto& see) {
     for (std::size_t j = 0; j < joints; ++j) {
       const JointResult& joint = circles.joints[j];
-      if (!joint.axis) continue;
+      if (!axes[j]) continue;
       for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
         const Sweep& sweep = joint.sweeps[s];
         const bool elsewhere = !joint.used[s] && !sweep.positioning;
@@ -127,7 +180,7 @@ ChainSamples chain_samples(const Identification& circles) {
       }
       if (found.with_angles)
         for (std::size_t k = 0; k < joints; ++k)
-          if (circles.joints[k].axis && home[k]) seen.turns[k] = sample.angles_rad[k] - *home[k];
+          if (axes[k] && home[k]) seen.turns[k] = sample.angles_rad[k] - *home[k];
       seen.measured_turn = seen.turns[j];
       found.observations.push_back(seen);
     }

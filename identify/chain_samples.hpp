@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "identify/chain_residual.hpp"
@@ -15,10 +16,16 @@ struct ChainSamples {
   bool with_orientation = false;  ///< at every sample
 };
 
-/// The samples of all sweeps that can be used, joint by joint: those of the circles and, where
-/// angles tell where the other joints stood, those from elsewhere than home. Joints without an axis
-/// are never turned. More than `kMostObservations` are thinned evenly.
-[[nodiscard]] ChainSamples chain_samples(const Identification& circles);
+/// An axis for each joint to start from, by a robust circle of the sweeps that the circles used;
+/// it points as the circle's does. Nothing where there is no circle, or hardly one: direction
+/// uncertain by more than a degree.
+[[nodiscard]] std::vector<std::optional<ChainAxis>> starting_axes(const Identification& circles);
+
+/// The samples of all sweeps of joints with an axis to start from, joint by joint: those of the
+/// circles and, where angles tell where the other joints stood, those from elsewhere than home. The
+/// other joints are never turned. More than `kMostObservations` are thinned evenly.
+[[nodiscard]] ChainSamples chain_samples(const Identification& circles,
+                                         const std::vector<std::optional<ChainAxis>>& axes);
 
 inline constexpr std::size_t kMostObservations = 60'000;
 

@@ -87,7 +87,9 @@ class Circles {
     assign();
     result_.home_rad = find_home(sweeps_, campaign_.joints, campaign_.resolution);
     mark_positioning(sweeps_, result_.home_rad, campaign_.resolution);
-    if (!with_angles_ && campaign_.declared_home_rad.size() == campaign_.joints)
+    const bool told = std::any_of(sweeps_.begin(), sweeps_.end(),
+                                  [](const Sweep& sweep) { return sweep.first().joints > 0; });
+    if (!told && campaign_.declared_home_rad.size() == campaign_.joints)
       result_.home_rad.assign(campaign_.declared_home_rad.begin(),
                               campaign_.declared_home_rad.end());
     for (std::size_t j = 0; j < campaign_.joints; ++j) fit(j);

@@ -48,8 +48,14 @@ Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign) {
   if (!found.chain->summary.converged) return found;
   found.estimator = Estimator::chain;
   found.dh = found.chain->dh;
-  for (std::size_t j = 0; j < found.joints.size(); ++j)
-    if (found.chain->axes[j]) found.joints[j].axis = found.chain->axes[j];
+  std::string missing;
+  for (std::size_t j = 0; j < found.joints.size(); ++j) {
+    found.joints[j].axis = found.chain->axes[j];
+    if (!found.joints[j].axis) missing += (missing.empty() ? "" : ", ") + std::to_string(j + 1);
+  }
+  if (found.status != Status::failed || missing.empty())
+    found.status = missing.empty() ? Status::complete : Status::partial;
+  found.reason = missing.empty() ? "" : "no axis for joint " + missing;
   return found;
 }
 

@@ -71,8 +71,8 @@ struct Identification {
 };
 
 /// The engine: circles first, then the chain, which starts from them; `dh` and the joints' axes are
-/// the chain's where it converged. Sweeps in the order of time. Never throws for what the data hold.
-/// The same sweeps give the same bits.
+/// the chain's where it converged. Sweeps in the order of time. Never throws for what the data
+/// hold. The same sweeps give the same bits.
 [[nodiscard]] Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign);
 
 }  // namespace identify

@@ -105,10 +105,11 @@ Run run(const Simulated& robot, const Regime& regime, bool believed, int runs,
     const auto seen = numbers(result.dh);
     const auto circles = numbers(result.circle_dh);
     const auto turned = [&](std::size_t index) {
-      // Theta is stated at the home that the angles tell, not at the one that was meant.
+      // Theta is stated at the home that the angles tell, not at the one that was meant; but a
+      // sagging joint's angle is off there.
       const std::size_t j = index / 5;
-      return index % 5 == 1 ? robot.arm.positive[j] * (*result.home_rad[j] - robot.arm.home_rad[j])
-                            : 0.0;
+      if (index % 5 != 1 || !regime.angles || j == regime.sagging) return 0.0;
+      return robot.arm.positive[j] * (*result.home_rad[j] - robot.arm.home_rad[j]);
     };
     for (std::size_t k = 0; k < truth.size(); ++k) {
       if (truth[k]->knowledge != Knowledge::identified || truth[k]->sigma == 0) continue;
