@@ -116,6 +116,7 @@ class Estimation {
   /// Circles about one chain. Where they do not pass one common home point, each by itself.
   Fitted without_angles(const Chain& start) {
     Fitted shared = robustly_started(start);
+    if (axes() < 2) return shared;
     const auto kept = samples_;
     Chain apart = shared.fit.chain;
     for (std::size_t t = 0; t < targets_; ++t)
@@ -123,19 +124,16 @@ class Estimation {
     for (ChainObservation& sample : samples_)
       if (sample.joint > 0)
         sample.target = targets_ + sample.target * (joints_ - 1) + sample.joint - 1;
-    Fitted separate = settled(std::move(apart), shared.noise, false);
-    // How much worse the shared home explains what the separate ones do, in their noise.
-    std::vector<ChainObservation> separately = samples_;
+    // What home points of their own would gain, to first order: the score test (Rao 1948). A step
+    // squared, in standard uncertainties, is the chi squared that it takes away.
+    const double step = fit_chain(apart, samples_, shared.noise, false, 0).summary.last_step;
+    const double gained = step * step / shared.correlated;
+    const double freedom = 2 * static_cast<double>(targets_) * static_cast<double>(axes());
+    // Chi squared passes its mean by eight of its standard deviations never.
+    shared_home_ = gained <= freedom + 8 * std::sqrt(2 * freedom);
+    if (!shared_home_) return settled(std::move(apart), shared.noise, false);
     samples_ = kept;
-    for (std::size_t i = 0; i < samples_.size(); ++i) samples_[i].weight = separately[i].weight;
-    const ChainFit pooled = fit_chain(shared.fit.chain, samples_, separate.noise, false);
-    const double gained =
-        2 * (pooled.summary.cost - separate.fit.summary.cost) / separate.correlated;
-    const double freedom = 3 * static_cast<double>(targets_) * static_cast<double>(axes() - 1);
-    // Chi squared passes its mean by six of its standard deviations hardly ever.
-    shared_home_ = gained <= freedom + 6 * std::sqrt(2 * std::max(1.0, freedom));
-    samples_ = shared_home_ ? kept : std::move(separately);
-    return shared_home_ ? shared : separate;
+    return shared;
   }
 
   [[nodiscard]] std::size_t axes() const {

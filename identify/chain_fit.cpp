@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 constexpr double kSmallStep = 1e-7;
 constexpr double kCloseStep = 1e-3;
 /// Eigenvalues of the normal matrix, scaled to a unit diagonal, below this carry no information.
-constexpr double kNoInformation = 1e-13;
+constexpr double kNoInformation = 1e-9;
 
 /// The normal equations N x = g of one linearisation.
 struct NormalEquations {
@@ -113,44 +113,62 @@ class Problem {
   ChainResidual<Size> residual_;
 };
 
-/// The inverse of a normal matrix, as far as it holds information.
-struct Inverse {
-  MatrixXd covariance;
-  double condition = 0;
-  std::size_t undetermined = 0;
+/// A normal matrix, scaled to a unit diagonal, by its eigenvectors.
+class Information {
+ public:
+  explicit Information(const MatrixXd& normal) : scale_(normal.rows()) {
+    for (Index i = 0; i < scale_.size(); ++i)
+      scale_(i) = normal(i, i) > 0 ? 1 / std::sqrt(normal(i, i)) : 0;
+    MatrixXd scaled = normal.selfadjointView<Eigen::Lower>();
+    scaled = scale_.asDiagonal() * scaled * scale_.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(scaled);
+    values_ = solver.eigenvalues();
+    vectors_ = scale_.asDiagonal() * solver.eigenvectors();
+  }
+
+  /// The solution of N x = `gradient`, held back by `damping` (Marquardt 1963); none along
+  /// directions without information.
+  [[nodiscard]] VectorXd step(const VectorXd& gradient, double damping) const {
+    VectorXd along = vectors_.transpose() * gradient;
+    for (Index i = 0; i < along.size(); ++i)
+      along(i) = informed(i) ? along(i) / (values_(i) + damping) : 0;
+    return vectors_ * along;
+  }
+
+  [[nodiscard]] MatrixXd covariance() const {
+    MatrixXd half = vectors_;
+    for (Index i = 0; i < half.cols(); ++i)
+      half.col(i) *= informed(i) ? 1 / std::sqrt(values_(i)) : 0;
+    MatrixXd whole = MatrixXd::Zero(half.rows(), half.rows());
+    whole.selfadjointView<Eigen::Lower>().rankUpdate(half);
+    return whole.selfadjointView<Eigen::Lower>();
+  }
+
+  [[nodiscard]] double condition() const {
+    double smallest = values_(values_.size() - 1);
+    for (Index i = values_.size() - 1; i >= 0 && informed(i); --i) smallest = values_(i);
+    return values_(values_.size() - 1) / smallest;
+  }
+
+  /// Directions without information. Parameters that nothing depends on are no loss.
+  [[nodiscard]] std::size_t undetermined() const {
+    std::size_t count = 0;
+    for (Index i = 0; i < values_.size(); ++i)
+      if (!informed(i)) ++count;
+    return count - static_cast<std::size_t>((scale_.array() == 0).count());
+  }
+
+ private:
+  [[nodiscard]] bool informed(Index i) const { return values_(i) > kNoInformation; }
+
+  VectorXd scale_;
+  VectorXd values_;   // rising
+  MatrixXd vectors_;  // columns, scaled back
 };
 
-Inverse inverted(const MatrixXd& normal) {
-  const Index count = normal.rows();
-  VectorXd scale(count);
-  for (Index i = 0; i < count; ++i) scale(i) = normal(i, i) > 0 ? 1 / std::sqrt(normal(i, i)) : 0;
-  MatrixXd scaled = normal.selfadjointView<Eigen::Lower>();
-  scaled = scale.asDiagonal() * scaled * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(scaled);
-  Inverse inverse;
-  double smallest = 1;
-  VectorXd by_value(count);
-  for (Index i = 0; i < count; ++i) {
-    const double value = solver.eigenvalues()(i);
-    const bool informed = value > kNoInformation * static_cast<double>(count);
-    by_value(i) = informed ? 1 / std::sqrt(value) : 0;
-    if (informed)
-      smallest = std::min(smallest, value);
-    else
-      ++inverse.undetermined;
-  }
-  // Parameters that nothing depends on (axes that are not there) are no loss.
-  inverse.undetermined -= static_cast<std::size_t>((scale.array() == 0).count());
-  inverse.condition = solver.eigenvalues()(count - 1) / smallest;
-  const MatrixXd half = scale.asDiagonal() * solver.eigenvectors() * by_value.asDiagonal();
-  inverse.covariance = MatrixXd::Zero(count, count);
-  inverse.covariance.selfadjointView<Eigen::Lower>().rankUpdate(half);
-  inverse.covariance = MatrixXd(inverse.covariance.selfadjointView<Eigen::Lower>());
-  return inverse;
-}
-
 template <int Size>
-ChainFit fit(const Chain& start, std::vector<ChainObservation>& samples, const ChainNoise& noise) {
+ChainFit fit(const Chain& start, std::vector<ChainObservation>& samples, const ChainNoise& noise,
+             int most_iterations) {
   Problem<Size> problem(start, samples, noise);
   ChainFit result;
   result.chain = start;
@@ -162,14 +180,15 @@ ChainFit fit(const Chain& start, std::vector<ChainObservation>& samples, const C
   }
   summary.ending = "no convergence";
   double previous = std::numeric_limits<double>::infinity();
+  double damping = 0;
   while (true) {
     const NormalEquations equations = problem.linearised(result.chain);
-    const Inverse inverse = inverted(equations.normal);
-    result.covariance = inverse.covariance;
+    const Information information(equations.normal);
+    VectorXd step = information.step(equations.gradient, 0);
+    result.covariance = information.covariance();
     summary.cost = equations.cost;
-    summary.condition = inverse.condition;
-    summary.undetermined = inverse.undetermined;
-    VectorXd step = inverse.covariance * equations.gradient;
+    summary.condition = information.condition();
+    summary.undetermined = information.undetermined();
     summary.last_step = std::sqrt(std::max(0.0, step.dot(equations.gradient)));
     if (!step.allFinite() || !std::isfinite(equations.cost)) {
       summary.ending = "numbers beyond all bounds";
@@ -187,21 +206,27 @@ ChainFit fit(const Chain& start, std::vector<ChainObservation>& samples, const C
       summary.ending = "converged to rounding";
       break;
     }
-    if (summary.iterations == kMostIterations) break;
+    if (summary.iterations == most_iterations) break;
     previous = summary.last_step;
     ++summary.iterations;
-    constexpr int kMostHalvings = 12;
+    constexpr double kFirstDamping = 1e-6;
+    constexpr double kMostDamping = 1e6;
+    const auto better = [&](const Chain& next) {
+      const double cost = problem.cost(next);
+      return cost <= equations.cost || (close && std::isfinite(cost));
+    };
+    step = information.step(equations.gradient, damping);
     Chain next = moved(result.chain, step);
-    double cost = problem.cost(next);
-    for (int halved = 0; !close && halved < kMostHalvings && !(cost <= equations.cost); ++halved) {
-      step /= 2;
+    while (!better(next) && damping < kMostDamping) {
+      damping = std::max(kFirstDamping, 10 * damping);
+      step = information.step(equations.gradient, damping);
       next = moved(result.chain, step);
-      cost = problem.cost(next);
     }
-    if (!(cost <= equations.cost) && !close) {
+    if (damping >= kMostDamping) {
       summary.ending = "no better place found";
       break;
     }
+    damping = damping > kFirstDamping ? damping / 10 : 0;
     result.chain = std::move(next);
     problem.follow();
   }
@@ -211,8 +236,9 @@ ChainFit fit(const Chain& start, std::vector<ChainObservation>& samples, const C
 }  // namespace
 
 ChainFit fit_chain(const Chain& start, std::vector<ChainObservation>& samples,
-                   const ChainNoise& noise, bool with_orientation) {
-  return with_orientation ? fit<6>(start, samples, noise) : fit<3>(start, samples, noise);
+                   const ChainNoise& noise, bool with_orientation, int most_iterations) {
+  return with_orientation ? fit<6>(start, samples, noise, most_iterations)
+                          : fit<3>(start, samples, noise, most_iterations);
 }
 
 }  // namespace identify

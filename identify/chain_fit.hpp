@@ -17,16 +17,18 @@ struct ChainFit {
   Summary summary;
 };
 
-/// Gauss-Newton with halved steps where one does not help, from `start`. The joints' free angles
-/// (noise infinite) are brought along in `samples`, whose weights stay. Ends when a step is below
-/// 1e-7 standard uncertainties, or after `kMostIterations`.
+inline constexpr int kMostIterations = 50;
+
+/// Gauss-Newton, damped where a step does not help, from `start`. The joints' free angles (noise
+/// infinite) are brought along in `samples`, whose weights stay. Ends when a step is below 1e-7
+/// standard uncertainties, or after `most_iterations`; with none, the covariance and the step that
+/// would have been made are those at `start`.
 ///
 /// `with_orientation`: the tool's orientation is data, and its three angles are parameters.
 /// Deterministic; one thread. Never throws for what the data hold: directions in parameter space
 /// without information stay where they start, and are counted.
 [[nodiscard]] ChainFit fit_chain(const Chain& start, std::vector<ChainObservation>& samples,
-                                 const ChainNoise& noise, bool with_orientation);
-
-inline constexpr int kMostIterations = 50;
+                                 const ChainNoise& noise, bool with_orientation,
+                                 int most_iterations = kMostIterations);
 
 }  // namespace identify
