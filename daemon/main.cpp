@@ -7,12 +7,16 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include "daemon/axes_file.hpp"
 #include "daemon/check_command.hpp"
 #include "daemon/config_error.hpp"
 #include "daemon/export_command.hpp"
+#include "daemon/identify_command.hpp"
+#include "daemon/point_columns.hpp"
 #include "daemon/replay_command.hpp"
 #include "daemon/run_command.hpp"
 #include "daemon/simulate_command.hpp"
+#include "identify/sample.hpp"
 #include "rsi/ethernet_config.hpp"
 
 namespace {
@@ -42,6 +46,58 @@ void add_filter(CLI::App& command, rsi::ConversationFilter& filter) {
       .add_option("--controller", parsed(filter.controller, rsi::parse_address),
                   "The conversation of the controller with this address (default: the busiest)")
       ->type_name("ADDRESS");
+}
+
+void add_identify(CLI::App& command, sweepd::IdentifyOptions& options) {
+  command.add_option("FILE", options.points, "Measured points")->type_name("");
+  command
+      .add_option("--axes", options.axes, "Joint axes as lines, in place of points: straight to DH")
+      ->type_name("FILE");
+  command
+      .add_option(
+          "--columns", options.columns,
+          "Names of the columns, with commas between, where no header tells them or a wrong "
+          "one; - or _ for one to skip (a list that begins with -: --columns=-,...)")
+      ->type_name("NAMES");
+  command.add_flag("--per-joint", options.per_joint, "One file a joint: joint 1 first");
+  command
+      .add_option("--robot", options.robot,
+                  "Robot description, to compare with (default: none, nothing is compared)")
+      ->type_name("FILE");
+  command
+      .add_option("--plan", options.plan,
+                  "Sweep plan: home, directions and order of joints where no angles tell them")
+      ->type_name("FILE");
+  command
+      .add_option("--joints", options.joints,
+                  "Of the arm (default: of the description or plan, or as many as the points name, "
+                  "or 6)")
+      ->check(CLI::Range(std::size_t{1}, identify::kMostJoints));
+  command
+      .add_option_function<std::string>(
+          "--frame",
+          [&options](const std::string& frame) { options.device_frame = frame == "device"; },
+          "Whose frame the points are in: where the robot stands in a device's is found out "
+          "(default: device)")
+      ->type_name("device|robot")
+      ->check(CLI::IsMember({"device", "robot"}));
+  command.add_option("--output", options.output, "Folder for the result files (default: none)")
+      ->type_name("DIR");
+  command.add_flag("--quiet", options.quiet, "No progress, no report");
+  command.footer(
+      R"(Points: text with commas, semicolons, tabs or blanks between columns; lines that begin
+with # are passed over. The header names columns and units, in any order:
+  )" + std::string(sweepd::kPointColumns) +
+      R"(
+A column target (number or name) tells target points apart. samples.csv and sweeps.csv
+of sweepd are understood as they are.
+
+Either a stream with t_s, in which sweeps are found as in a live one; or a column joint:
+each run of lines with the same joint is a sweep; or one file a joint with --per-joint,
+which with t_s may hold rests and several strokes.
+
+Axes: a header as above, and a line a joint with a point of its axis and the direction:
+  )" + std::string(sweepd::kAxisColumns));
 }
 
 }  // namespace
@@ -91,6 +147,11 @@ int main(int argc, char** argv) {
   add_filter(*command, replay.filter);
   command->add_flag("--quiet", replay.quiet, "No progress, no report");
   command->callback([&] { exit_code = sweepd::replay(replay); });
+
+  sweepd::IdentifyOptions identify;
+  command = app.add_subcommand("identify", "From points that another device measured (CSV)");
+  add_identify(*command, identify);
+  command->callback([&] { exit_code = sweepd::identify_points(identify); });
 
   sweepd::SimulateOptions simulate;
   command = app.add_subcommand(

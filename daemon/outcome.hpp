@@ -1,11 +1,23 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "daemon/pipeline.hpp"
+#include "daemon/robot_description.hpp"
 #include "identify/identification.hpp"
 
 namespace sweepd {
+
+/// What was read of points that came from elsewhere than a controller.
+struct PointCounts {
+  std::size_t points = 0;
+  std::size_t sweeps = 0;  ///< found in them that can be used
+  std::size_t files = 0;
+  std::size_t targets = 0;
+};
 
 /// Everything that the result files tell.
 struct Outcome {
@@ -13,6 +25,11 @@ struct Outcome {
   std::string source_kind = "trace";
   SourceCounts counts;
   identify::Identification identification;
+  std::optional<PointCounts> points = {};  ///< in place of `counts` where there were no telegrams
+  /// One a joint: +1 where Z of the DH table is along positive rotation, -1 where against it;
+  /// empty: all along it.
+  std::vector<int> positive = {};
+  std::vector<JointLimits> limits = {};  ///< one a joint; empty: not known
 };
 
 /// Lengths in files: mm to so many decimals, that is a nanometre and less than noise.

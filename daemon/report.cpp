@@ -57,7 +57,26 @@ std::string number(const std::optional<double>& value, int decimals, std::size_t
   return value ? number(*value, decimals, width) : right("-", width);
 }
 
+/// Axes from elsewhere: nothing was swept.
+bool is_given(const Outcome& outcome) {
+  return outcome.source_kind == "axes";
+}
+
+std::string points_text(const PointCounts& points) {
+  const auto counted = [](std::size_t number, const std::string& noun) {
+    return std::to_string(number) + " " + noun + (number == 1 ? "" : "s");
+  };
+  std::string text = std::to_string(points.points) + " in " + counted(points.sweeps, "sweep") +
+                     " of " + counted(points.files, "file");
+  if (points.targets > 1) text += ", " + counted(points.targets, "target point");
+  return paragraph("points      ", text);
+}
+
 std::string source_text(const Outcome& outcome) {
+  if (outcome.points) return points_text(*outcome.points);
+  if (is_given(outcome))
+    return paragraph("axes        ",
+                     std::to_string(outcome.identification.joints.size()) + ", given as lines");
   const auto& counts = outcome.counts;
   const auto& link = counts.link;
   std::string telegrams = std::to_string(link.telegrams);
@@ -169,9 +188,11 @@ std::string report(const Outcome& outcome) {
   std::string status(identify::text(found.status));
   if (!found.reason.empty()) status += ": " + found.reason;
   std::string text = paragraph("robot       ", outcome.robot) + paragraph("status      ", status) +
-                     source_text(outcome) + home_text(found) + "\n" + circles(found) + "\n";
+                     source_text(outcome) + home_text(found) + "\n";
+  if (!is_given(outcome)) text += circles(found) + "\n";
   const bool any_axis = found.status != identify::Status::failed && found.bounding_box;
-  if (any_axis) text += dh_table(found) + "\n" + box_text(*found.bounding_box);
+  if (any_axis || is_given(outcome)) text += dh_table(found);
+  if (any_axis) text += "\n" + box_text(*found.bounding_box);
   if (!found.warnings.empty()) {
     text += "\nWarnings\n";
     for (const auto& warning : found.warnings)

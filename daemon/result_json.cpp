@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "daemon/models.hpp"
+#include "daemon/models_json.hpp"
 #include "daemon/numbers.hpp"
 #include "daemon/units.hpp"
 #include "identify/dh_comparison.hpp"
@@ -58,6 +60,11 @@ Json source(const Outcome& outcome) {
     if (counts.malformed[k] > 0)
       kinds[std::string(rsi::text(static_cast<rsi::Defect>(k)))] = counts.malformed[k];
   if (!kinds.empty()) json["malformed_by_kind"] = std::move(kinds);
+  if (outcome.points) {
+    json["points"] = outcome.points->points;
+    json["files"] = outcome.points->files;
+    json["targets"] = outcome.points->targets;
+  }
   return json;
 }
 
@@ -202,6 +209,7 @@ std::string result_json(const Outcome& outcome) {
     json["specified"] = specified(found.specified);
     json["difference"] = differences(compare_with_specified(found));
   }
+  if (const auto models = models_of(outcome); !models.empty()) json["models"] = models_json(models);
   if (found.bounding_box) json["bounding_box"] = box(*found.bounding_box);
   json["warnings"] = Json::array();
   for (const auto& warning : found.warnings) {

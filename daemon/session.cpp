@@ -3,12 +3,13 @@
 #include <set>
 #include <utility>
 
-#include "identify/circle_estimator.hpp"
 
 namespace sweepd {
 
 Outcome Snapshot::identified() const {
-  Outcome outcome{robot, source_kind, counts, identify::identify_by_circles(sweeps, campaign)};
+  Outcome outcome{robot, source_kind, counts, identify::identify(sweeps, campaign)};
+  if (campaign.specified) outcome.positive = campaign.specified->positive;
+  outcome.limits = limits;
   if (sweeps_left_out > 0)
     outcome.identification.warnings.push_back(
         {"memory_limit",
@@ -59,7 +60,8 @@ Snapshot Session::snapshot() const {
           pipeline_.counts(),
           campaign(setup_, pipeline_.resolution()),
           sweeps_,
-          left_out_};
+          left_out_,
+          setup_.description ? setup_.description->limits : std::vector<JointLimits>{}};
 }
 
 bool Session::worth_identifying() const {

@@ -23,7 +23,8 @@ struct Snapshot {
   SourceCounts counts;
   identify::Campaign campaign;
   std::vector<identify::Sweep> sweeps;
-  std::size_t sweeps_left_out = 0;  ///< beyond what memory is set aside for
+  std::size_t sweeps_left_out = 0;       ///< beyond what memory is set aside for
+  std::vector<JointLimits> limits = {};  ///< of the joints, where the description has them
 
   /// Runs the engine. The same snapshot gives the same outcome.
   [[nodiscard]] Outcome identified() const;

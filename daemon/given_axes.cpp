@@ -1,0 +1,102 @@
+#include "daemon/given_axes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "daemon/units.hpp"
+
+namespace sweepd {
+namespace {
+
+using identify::Axis;
+using Axes = std::vector<std::optional<Axis>>;
+
+/// The largest distance between the given points and the feet of common normals. Feet of axes that
+/// are nearly parallel lie anywhere and say nothing about size.
+double size_mm(const std::vector<Axis>& axes) {
+  const double kParallel = radians(1);
+  std::vector<Eigen::Vector3d> places;
+  for (std::size_t j = 0; j < axes.size(); ++j) {
+    places.push_back(axes[j].point_mm);
+    if (j == 0) continue;
+    const auto pair = identify::relate(axes[j - 1].line(), axes[j].line());
+    if (pair.sine < kParallel) continue;
+    places.push_back(pair.first_foot_mm);
+    places.push_back(pair.second_foot_mm);
+  }
+  double size = 1;
+  for (const auto& a : places)
+    for (const auto& b : places) size = std::max(size, (a - b).norm());
+  return size;
+}
+
+/// How far a table is from the specified one. Turning an axis round may change nothing but thetas:
+/// then these decide, though the pose may have been another.
+double misfit(const std::vector<identify::DhEstimate>& dh,
+              const std::vector<identify::DhRow>& specified, double size) {
+  constexpr double kThetaWeight = 1e-3;
+  double sum = 0;
+  const auto add = [&](const identify::DhNumber& number, double difference, double weight) {
+    if (number.knowledge == identify::Knowledge::identified) sum += weight * std::abs(difference);
+  };
+  for (std::size_t j = 0; j < dh.size(); ++j) {
+    add(dh[j].b_mm, dh[j].b_mm.value - specified[j].b_mm, 1 / size);
+    add(dh[j].a_mm, dh[j].a_mm.value - specified[j].a_mm, 1 / size);
+    add(dh[j].alpha_rad, identify::wrapped(dh[j].alpha_rad.value - specified[j].alpha_rad), 1);
+    add(dh[j].theta_rad, identify::wrapped(dh[j].theta_rad.value - specified[j].theta_rad),
+        kThetaWeight);
+  }
+  return sum;
+}
+
+/// The axes, each turned as agrees best with the specified table; of equals the first.
+Axes agreeing(const Axes& axes, const std::vector<identify::DhRow>& specified, double size) {
+  constexpr double kEqual = 1e-9;
+  Axes best;
+  double least = 0;
+  for (std::size_t flips = 0; flips < std::size_t{1} << axes.size(); ++flips) {
+    Axes tried = axes;
+    for (std::size_t j = 0; j < axes.size(); ++j)
+      if ((flips >> j & 1) != 0) tried[j] = tried[j]->reversed();
+    const double sum = misfit(identify::extract_dh(tried, size, specified), specified, size);
+    if (!best.empty() && sum >= least - kEqual) continue;
+    least = sum;
+    best = std::move(tried);
+  }
+  return best;
+}
+
+}  // namespace
+
+identify::Identification identify_given_axes(const std::vector<Axis>& axes,
+                                             const identify::Campaign& campaign) {
+  identify::Identification found;
+  found.status = identify::Status::complete;
+  found.home_rad.resize(axes.size());
+  if (campaign.declared_home_rad.size() == axes.size())
+    found.home_rad.assign(campaign.declared_home_rad.begin(), campaign.declared_home_rad.end());
+
+  const double size = size_mm(axes);
+  Axes z(axes.begin(), axes.end());
+  if (campaign.specified) {
+    found.specified = campaign.specified->rows;
+    for (std::size_t j = 0; j < axes.size(); ++j)
+      if (found.home_rad[j])
+        found.specified[j].theta_rad =
+            identify::wrapped(found.specified[j].theta_rad +
+                              campaign.specified->positive[j] *
+                                  (*found.home_rad[j] - campaign.specified->home_rad[j]));
+    z = agreeing(z, found.specified, size);
+  }
+  found.dh = identify::extract_dh(z, size, found.specified);
+  found.joints.resize(axes.size());
+  for (std::size_t j = 0; j < axes.size(); ++j) {
+    const bool turned = campaign.specified && campaign.specified->positive[j] < 0;
+    found.joints[j].axis = turned ? z[j]->reversed() : z[j];
+  }
+  return found;
+}
+
+}  // namespace sweepd

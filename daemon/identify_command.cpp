@@ -1,0 +1,227 @@
+#include "daemon/identify_command.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/atomic_file.hpp"
+#include "daemon/axes_file.hpp"
+#include "daemon/csv_file.hpp"
+#include "daemon/given_axes.hpp"
+#include "daemon/point_sweeps.hpp"
+#include "daemon/points_file.hpp"
+#include "daemon/progress.hpp"
+#include "daemon/report.hpp"
+#include "daemon/result_files.hpp"
+#include "daemon/robot_setup.hpp"
+#include "daemon/session.hpp"
+
+namespace sweepd {
+namespace {
+
+using identify::Sweep;
+
+std::vector<std::string> names(std::string_view columns) {
+  std::vector<std::string> all;
+  while (!columns.empty() || !all.empty()) {
+    const auto end = columns.find(',');
+    all.emplace_back(columns.substr(0, end));
+    if (end == std::string_view::npos) break;
+    columns.remove_prefix(end + 1);
+  }
+  return all;
+}
+
+void check(const IdentifyOptions& options) {
+  if (options.points.empty() && !options.axes)
+    throw std::invalid_argument("FILE is required: name files of measured points, or --axes");
+  if (!options.points.empty() && options.axes)
+    throw std::invalid_argument("--axes takes the place of measured points: leave out one of them");
+  if (options.axes && options.per_joint)
+    throw std::invalid_argument("--per-joint is for files of points: leave it out with --axes");
+}
+
+/// How many joints robot, plan or options say the arm has.
+std::optional<std::size_t> declared_joints(const IdentifyOptions& options,
+                                           const RobotSetup& setup) {
+  if (!options.robot && !options.plan) return options.joints;
+  if (options.joints && *options.joints != setup.joints)
+    throw std::invalid_argument("--joints " + std::to_string(*options.joints) + ": " +
+                                (options.robot ? *options.robot : *options.plan).string() +
+                                " has " + std::to_string(setup.joints) +
+                                " joints: leave --joints out");
+  return setup.joints;
+}
+
+struct Points {
+  std::vector<PointsFile> files;
+  identify::Resolution resolution;
+  PointCounts counts;
+};
+
+Points read_points(const IdentifyOptions& options, std::size_t most_joints) {
+  Progress progress("identify", options.quiet ? Progress::Terminal{} : Progress::standard_error());
+  double all = 0;
+  for (const auto& path : options.points) {
+    std::error_code ignored;  // reading says it better
+    if (const auto size = std::filesystem::file_size(path, ignored); !ignored)
+      all += static_cast<double>(size);
+  }
+  PointsReader reader(names(options.columns), most_joints);
+  Points points;
+  double before = 0;
+  for (const auto& path : options.points) {
+    double read = 0;
+    points.files.push_back(reader.read(path, [&](std::size_t bytes) {
+      read = static_cast<double>(bytes);
+      progress.update(before + read, all, path.filename().string());
+    }));
+    before += read;
+    points.counts.points += points.files.back().points.size();
+  }
+  points.resolution = reader.resolution();
+  points.counts.files = points.files.size();
+  points.counts.targets = reader.targets().size();
+  return points;
+}
+
+/// As many joints as the points speak of; six, as RSI has, where they do not.
+std::size_t joints_in(const IdentifyOptions& options, const Points& points) {
+  std::size_t joints = options.per_joint ? points.files.size() : 0;
+  for (const auto& file : points.files) {
+    joints = std::max(joints, file.angles);
+    for (const auto& point : file.points) joints = std::max(joints, point.joint);
+  }
+  return joints > 0 ? joints : 6;
+}
+
+void check_file(const PointsFile& file, const IdentifyOptions& options, std::size_t joints) {
+  const std::string name = file.path.string();
+  if (file.angles > 0 && file.angles < joints)
+    throw CsvError(name + ": expected angles of all " + std::to_string(joints) +
+                   " joints, found those of " + std::to_string(file.angles) +
+                   ": add the others, or skip all with --columns");
+  if (options.per_joint && file.with_joints)
+    throw CsvError(name +
+                   ": expected no column joint, as --per-joint tells the joint, found one: "
+                   "leave out --per-joint, or skip the column with --columns");
+  if (!options.per_joint && !file.with_joints && !file.with_times)
+    throw CsvError(name +
+                   ": expected a column t_s or joint, found neither: add one, or give one file "
+                   "a joint with --per-joint");
+}
+
+/// Whose joint each sweep is; without angles or a column for it, some may be left for the engine.
+std::vector<Sweep> sweeps_in(const Points& points, const IdentifyOptions& options,
+                             const RobotSetup& setup, const identify::Campaign& campaign) {
+  std::vector<Sweep> sweeps;
+  for (std::size_t k = 0; k < points.files.size(); ++k) {
+    const PointsFile& file = points.files[k];
+    check_file(file, options, setup.joints);
+    auto found = options.per_joint
+                     ? sweeps_of_joint(file, k, setup.joints, points.resolution)
+                     : (file.with_joints ? listed_sweeps(file, points.resolution)
+                                         : streamed_sweeps(file, setup.joints, points.resolution));
+    std::move(found.begin(), found.end(), std::back_inserter(sweeps));
+  }
+  const auto without_joint =
+      std::count_if(sweeps.begin(), sweeps.end(), [](const Sweep& sweep) { return !sweep.joint; });
+  // One target's strokes in a row are what the engine tells apart by itself.
+  if (without_joint > 0 &&
+      (points.counts.targets > 1 || without_joint < static_cast<std::ptrdiff_t>(sweeps.size())))
+    assign_joints_by_target(sweeps, campaign.order, setup.joints);
+  if (setup.plan) declare_directions(sweeps, *setup.plan, campaign.order);
+  return sweeps;
+}
+
+std::vector<JointLimits> limits(const RobotSetup& setup) {
+  return setup.description ? setup.description->limits : std::vector<JointLimits>{};
+}
+
+Outcome identified_points(const IdentifyOptions& options, RobotSetup setup) {
+  const auto declared = declared_joints(options, setup);
+  Points points = read_points(options, declared.value_or(identify::kMostJoints));
+  setup.joints = declared ? *declared : joints_in(options, points);
+  if (options.per_joint && points.files.size() > setup.joints)
+    throw std::invalid_argument("--per-joint: " + std::to_string(points.files.size()) +
+                                " files for " + std::to_string(setup.joints) +
+                                " joints: give one file a joint");
+  auto known = campaign(setup, points.resolution);
+  known.device_frame = options.device_frame;
+  Snapshot snapshot;
+  snapshot.robot = setup.name;
+  snapshot.source_kind = "points";
+  snapshot.campaign = known;
+  snapshot.sweeps = sweeps_in(points, options, setup, known);
+  snapshot.limits = limits(setup);
+  points.counts.sweeps = static_cast<std::size_t>(std::count_if(
+      snapshot.sweeps.begin(), snapshot.sweeps.end(),
+      [](const Sweep& sweep) { return sweep.defect == identify::SweepDefect::none; }));
+  points.files.clear();
+  Outcome outcome = snapshot.identified();
+  outcome.points = points.counts;
+  return outcome;
+}
+
+Outcome identified_axes(const IdentifyOptions& options, RobotSetup setup) {
+  const auto declared = declared_joints(options, setup);
+  const auto axes =
+      read_axes(*options.axes, names(options.columns), declared.value_or(identify::kMostJoints));
+  setup.joints = declared.value_or(axes.size());
+  if (axes.size() != setup.joints)
+    throw CsvError(options.axes->string() + ": expected the axes of " +
+                   std::to_string(setup.joints) + " joints, found those of " +
+                   std::to_string(axes.size()) + ": add the others");
+  auto known = campaign(setup, {});
+  known.device_frame = options.device_frame;
+  Outcome outcome;
+  outcome.robot = setup.name;
+  outcome.source_kind = "axes";
+  outcome.identification = identify_given_axes(axes, known);
+  if (known.specified) outcome.positive = known.specified->positive;
+  outcome.limits = limits(setup);
+  return outcome;
+}
+
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error)
+    throw std::runtime_error("cannot make the folder " + folder.string() + " (" + error.message() +
+                             "): give one that may be written with --output");
+}
+
+void write_run_file(const IdentifyOptions& options) {
+  nlohmann::ordered_json json = {
+      {"schema", "sweepd.run/1"}, {"sweepd", SWEEPD_VERSION}, {"command", "identify"}};
+  for (const auto& file : options.points) json["points"].push_back(file.string());
+  if (options.axes) json["axes"] = options.axes->string();
+  if (!options.columns.empty()) json["columns"] = options.columns;
+  if (options.per_joint) json["per_joint"] = true;
+  json["frame"] = options.device_frame ? "device" : "robot";
+  if (options.robot) json["description"] = options.robot->string();
+  if (options.plan) json["plan"] = options.plan->string();
+  write_atomically(
+      *options.output / "run.json",
+      json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace
+
+int identify_points(const IdentifyOptions& options, std::ostream& out) {
+  check(options);
+  const RobotSetup setup = load_setup(options.robot, options.plan);
+  const Outcome outcome =
+      options.axes ? identified_axes(options, setup) : identified_points(options, setup);
+  if (options.output) {
+    make_folder(*options.output);
+    write_result(*options.output, outcome);
+    write_run_file(options);
+  }
+  if (!options.quiet) out << report(outcome);
+  return outcome.identification.status != identify::Status::failed ? 0 : 1;
+}
+
+}  // namespace sweepd

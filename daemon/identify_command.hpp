@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <iostream>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sweepd {
+
+struct IdentifyOptions {
+  std::vector<std::filesystem::path> points;  ///< either these,
+  std::optional<std::filesystem::path> axes;  ///< or this
+  std::string columns;                        ///< names with commas between; empty: the header's
+  bool per_joint = false;                     ///< one file of points a joint, in their order
+  std::optional<std::filesystem::path> robot;
+  std::optional<std::filesystem::path> plan;
+  std::optional<std::size_t> joints;  ///< where neither robot nor plan tells
+  bool device_frame = true;           ///< points are not in the robot's own frame
+  std::optional<std::filesystem::path> output;
+  bool quiet = false;  ///< no progress, no report
+};
+
+/// Identifies from points that another device than the controller measured, or takes axes as lines,
+/// and writes what a replay writes. The report goes to `report`. Returns the exit code: 1 if not
+/// one axis was identified. Throws CsvError, ConfigError, std::invalid_argument for options that
+/// contradict each other, and std::runtime_error.
+[[nodiscard]] int identify_points(const IdentifyOptions& options, std::ostream& report = std::cout);
+
+}  // namespace sweepd

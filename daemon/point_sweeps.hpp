@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "daemon/points_file.hpp"
+#include "daemon/sweep_plan.hpp"
+#include "identify/joint_assignment.hpp"
+#include "identify/sweep.hpp"
+
+namespace sweepd {
+
+// From measured points to sweeps, by what the file says of joints and times. Points of different
+// targets are of different sweeps. Sweeps come in the order in which they begin.
+
+/// Points with times, segmented as a live stream is: every stroke of each target.
+[[nodiscard]] std::vector<identify::Sweep> streamed_sweeps(const PointsFile& file,
+                                                           std::size_t joints,
+                                                           const identify::Resolution& resolution);
+
+/// Points that name their joint: consecutive ones of the same joint and sweep are a sweep.
+[[nodiscard]] std::vector<identify::Sweep> listed_sweeps(const PointsFile& file,
+                                                         const identify::Resolution& resolution);
+
+/// A file of one joint (counted from 0): one sweep a target, or with times all strokes. Where
+/// angles show that another joint moved, a stroke is that joint's. Throws CsvError if they show
+/// this joint in no stroke, but others.
+[[nodiscard]] std::vector<identify::Sweep> sweeps_of_joint(const PointsFile& file,
+                                                           std::size_t joint, std::size_t joints,
+                                                           const identify::Resolution& resolution);
+
+/// Tells the joints of strokes where neither angles nor the file do, by the declared order (empty:
+/// joint 1 to n), each target by itself.
+void assign_joints_by_target(std::vector<identify::Sweep>& sweeps,
+                             std::vector<identify::DeclaredJoint> order, std::size_t joints);
+
+/// Sets the direction of sweeps whose joint is known and whose direction is not (no angles), from
+/// the plan that was run. A joint with no more sweeps than the plan has begins as they do; one with
+/// more was seen on its way to the start too, and begins as `order` says.
+void declare_directions(std::vector<identify::Sweep>& sweeps, const SweepPlan& plan,
+                        const std::vector<identify::DeclaredJoint>& order);
+
+}  // namespace sweepd
