@@ -12,8 +12,8 @@ namespace {
 using Eigen::Index;
 
 /// The variance along smooth curves may be this many times that of white noise: by chance it is so
-/// once in ten thousand times (chi squared with six degrees of freedom, over six).
-constexpr double kMostCoherence = 5;
+/// once in 10^8 times (chi squared with six degrees of freedom, over six).
+constexpr double kMostCoherence = 8;
 /// A coherent part below this share of the noise does no harm.
 constexpr double kHarmless = 0.05;
 

@@ -102,7 +102,8 @@ std::vector<std::optional<ChainAxis>> starting_axes(const Identification& circle
     if (!joint.circle) continue;
     std::vector<Sweep> used;
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
-      if (joint.used[s] && joint.sweeps[s].target == 0) used.push_back(joint.sweeps[s]);
+      if (joint.used[s] && joint.sweeps[s].target == joint.circle_target)
+        used.push_back(joint.sweeps[s]);
     Eigen::Index count = 0;
     for (const Sweep& sweep : used) count += static_cast<Eigen::Index>(sweep.samples->size());
     Eigen::Matrix3Xd points(3, count);

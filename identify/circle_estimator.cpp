@@ -154,7 +154,14 @@ class Circles {
         warn("joint_never_moved", j, joint_name(j) + " was never swept alone");
       return;
     }
-    const Matrix3Xd points = used_points(j);
+    std::size_t first_target = kNoTarget;
+    for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
+      if (!joint.used[s]) continue;
+      first_target = std::min(first_target, joint.sweeps[s].target);
+      if (joint.sweeps[s].direction == 0) directions_unknown_ = true;
+    }
+    joint.circle_target = first_target;
+    const Matrix3Xd points = used_points(j, first_target);
     if (points.cols() == 0) {
       positions_missing_ = true;
       return;
@@ -167,15 +174,21 @@ class Circles {
     orient(j);
   }
 
-  Matrix3Xd used_points(std::size_t j) const {
+  static constexpr std::size_t kNoTarget = static_cast<std::size_t>(-1);
+
+  /// Positions of the used sweeps of one target, or of all.
+  Matrix3Xd used_points(std::size_t j, std::size_t target = kNoTarget) const {
     const JointResult& joint = result_.joints[j];
+    const auto wanted = [&](std::size_t s) {
+      return joint.used[s] && (target == kNoTarget || joint.sweeps[s].target == target);
+    };
     Eigen::Index count = 0;
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
-      if (joint.used[s]) count += static_cast<Eigen::Index>(joint.sweeps[s].samples->size());
+      if (wanted(s)) count += static_cast<Eigen::Index>(joint.sweeps[s].samples->size());
     Matrix3Xd points(3, count);
     count = 0;
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
-      if (joint.used[s])
+      if (wanted(s))
         for (const Sample& sample : *joint.sweeps[s].samples)
           if (sample.has_position) points.col(count++) = sample.position_mm;
     points.conservativeResize(3, count);
@@ -187,7 +200,7 @@ class Circles {
     JointResult& joint = result_.joints[j];
     Vector3d turned = Vector3d::Zero();
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
-      if (!joint.used[s]) continue;
+      if (!joint.used[s] || joint.sweeps[s].target != joint.circle_target) continue;
       const auto points = positions(*joint.sweeps[s].samples);
       for (Eigen::Index i = 1; i < points.cols(); ++i)
         turned +=
@@ -217,10 +230,10 @@ class Circles {
       JointResult& joint = result_.joints[j];
       if (!joint.circle) continue;
       const CircleFit& circle = *joint.circle;
-      Axis axis{
-          circle.normal, circle.center_mm,
-          axis_covariance(circle, used_points(j), std::max({circle.plane_rms_mm, plane, quantum}),
-                          std::max({circle.radial_rms_mm, radial, quantum}))};
+      Axis axis{circle.normal, circle.center_mm,
+                axis_covariance(circle, used_points(j, joint.circle_target),
+                                std::max({circle.plane_rms_mm, plane, quantum}),
+                                std::max({circle.radial_rms_mm, radial, quantum}))};
       const double sigma = axis.direction_sigma_rad();
       const std::string seen = "radius " + fixed(circle.radius_mm, 1) + " mm, arc " +
                                degrees(circle.arc_rad) + ", direction uncertain by " +

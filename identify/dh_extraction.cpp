@@ -178,14 +178,15 @@ void fill(const Run& run, const MatrixXd& covariance, std::vector<DhEstimate>& t
     const auto convention = [&](Eigen::Index k) {
       return DhNumber{rows[i](k), 0, Knowledge::by_convention};
     };
-    const bool parallel =
-        choice.relation == Relation::parallel || choice.relation == Relation::coincident;
+    const bool coincident = choice.relation == Relation::coincident;
+    const bool parallel = choice.relation == Relation::parallel || coincident;
     row.relation = choice.relation;
-    row.a_mm = number(2);
-    row.alpha_rad = number(3);
-    row.beta_rad = parallel ? number(4) : conventional();
+    // Where the axes coincide their common normal points anywhere, and so do angles about it.
+    row.a_mm = coincident ? convention(2) : number(2);
+    row.alpha_rad = coincident ? convention(3) : number(3);
+    row.beta_rad = !parallel ? conventional() : coincident ? convention(4) : number(4);
     const bool x_was_meaningful = x_meaningful;
-    x_meaningful = choice.relation != Relation::coincident;
+    x_meaningful = !coincident;
     if (x_known) row.theta_rad = x_was_meaningful && x_meaningful ? number(1) : convention(1);
     x_known = true;
     if (parallel) {

@@ -62,9 +62,9 @@ struct DhEstimate {
 ///
 /// Row n needs a frame on the end-effector: it is zero by convention. For parallel axes b is free
 /// and zero by convention, and beta carries what is not quite parallel: the table reproduces the
-/// axes whatever their relation is called. For coincident axes only the sum of theta and the next
-/// theta means something: both are set by convention. Where an axis is missing, the numbers that
-/// need it stay undetermined.
+/// axes whatever their relation is called. For coincident axes all numbers, and the next theta, are
+/// by convention: that they coincide is all that is known. Where an axis is missing, the numbers
+/// that need it stay undetermined.
 ///
 /// Axes point as they are given. The sign of each common normal is the one that agrees with
 /// `specified` (empty or one row an axis); without it a >= 0, and 0 < alpha < pi where a vanishes.

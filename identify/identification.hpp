@@ -47,9 +47,10 @@ enum class Estimator { circle, chain };
 [[nodiscard]] std::string_view text(Estimator estimator) noexcept;
 
 struct JointResult {
-  std::vector<Sweep> sweeps;  ///< all of this joint, in the order of time
-  std::vector<bool> used;     ///< one a sweep: whether its samples are in `circle`
-  std::optional<CircleFit> circle;
+  std::vector<Sweep> sweeps;        ///< all of this joint, in the order of time
+  std::vector<bool> used;           ///< one a sweep: at the common home, and no positioning
+  std::optional<CircleFit> circle;  ///< of the used sweeps of one target
+  std::size_t circle_target = 0;
   /// Along positive rotation, by the best estimator.
   std::optional<Axis> axis;
   std::optional<BoundingBox> box;  ///< of the samples that were used

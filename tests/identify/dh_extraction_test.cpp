@@ -117,14 +117,14 @@ TEST_CASE("a missing axis leaves undetermined what needs it, and no more") {
   CHECK(table[4].b_mm.knowledge == Knowledge::identified);
 }
 
-TEST_CASE("coincident axes leave offset and angle between them to convention") {
+TEST_CASE("coincident axes leave everything between them to convention") {
   const std::vector<std::optional<Axis>> axes = {
       Axis{{0, 0, 1}, {0, 0, 0}}, Axis{{0, 0, -1}, {0, 0, 500}}, Axis{{1, 0, 0}, {0, 0, 700}}};
   const auto table = extract_dh(axes, 1000);
   CHECK(table[0].relation == Relation::coincident);
-  for (const auto& number : {table[0].b_mm, table[0].theta_rad, table[1].theta_rad})
+  for (const auto& number : {table[0].b_mm, table[0].theta_rad, table[0].a_mm, table[0].alpha_rad,
+                             table[0].beta_rad, table[1].theta_rad})
     CHECK(number.knowledge == Knowledge::by_convention);
-  CHECK(table[0].a_mm.knowledge == Knowledge::identified);
   CHECK(table[0].a_mm.value == Approx(0).margin(1e-12));
   CHECK(std::abs(table[0].alpha_rad.value) == Approx(180 * kDegree));
   CHECK(table[1].relation == Relation::intersecting);
