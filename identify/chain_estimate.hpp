@@ -68,7 +68,8 @@ struct ChainEstimate {
   Chain chain;
   /// One a joint, along positive rotation. Nothing where the joint could not be used.
   std::vector<std::optional<Axis>> axes;
-  /// Of all axes' (direction, point), six rows a joint, then three a target.
+  /// Of all axes' (direction, point), six rows a joint, then three a target, then,
+  /// with orientation, three of the tool's rotation in the measurement frame.
   Eigen::MatrixXd covariance;
   std::vector<DhEstimate> dh;
   ChainNoise noise;

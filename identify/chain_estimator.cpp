@@ -259,7 +259,8 @@ class Estimation {
 
     // From parameters to directions and points; axes are stated where the first target passes.
     const ChainParameters parameters{joints_, best.fit.chain.targets_mm.size()};
-    const auto rows = static_cast<Eigen::Index>(6 * joints_ + 3 * targets_);
+    const auto tool = static_cast<Eigen::Index>(6 * joints_ + 3 * targets_);
+    const auto rows = tool + (estimate.with_orientation ? 3 : 0);
     MatrixXd by_parameter = MatrixXd::Zero(rows, best.fit.covariance.rows());
     estimate.axes.resize(joints_);
     for (std::size_t j = 0; j < joints_; ++j) {
@@ -276,6 +277,8 @@ class Estimation {
     for (std::size_t t = 0; t < targets_; ++t)
       by_parameter.block<3, 3>(static_cast<Eigen::Index>(6 * joints_ + 3 * t),
                                parameters.target(t)) = Eigen::Matrix3d::Identity();
+    if (estimate.with_orientation)
+      by_parameter.block<3, 3>(tool, parameters.tool()) = Eigen::Matrix3d::Identity();
     estimate.covariance =
         best.correlated * by_parameter.lazyProduct(
                               MatrixXd(best.fit.covariance.lazyProduct(by_parameter.transpose())));

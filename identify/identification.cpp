@@ -1,55 +1,35 @@
 #include "identify/identification.hpp"
 
-#include <algorithm>
+#include <string>
 #include <utility>
 
 #include "identify/chain_estimator.hpp"
+#include "identify/chain_table.hpp"
 #include "identify/circle_estimator.hpp"
 
 namespace identify {
-namespace {
-
-using Eigen::Index;
-
-/// The largest distance between what belongs to the arm: axes where the target passes, and targets.
-double size_mm(const Chain& chain, const std::vector<std::optional<Axis>>& axes) {
-  std::vector<Eigen::Vector3d> places = chain.targets_mm;
-  for (const auto& axis : axes)
-    if (axis) places.push_back(axis->point_mm);
-  double size = 1;
-  for (const auto& a : places)
-    for (const auto& b : places) size = std::max(size, (a - b).norm());
-  return size;
-}
-
-/// The chain's axes as the DH table's Z: turned where the specified table has them so.
-std::vector<DhEstimate> dh_of(const ChainEstimate& chain, const Identification& found,
-                              const Campaign& campaign) {
-  auto z = chain.axes;
-  Eigen::MatrixXd covariance = chain.covariance;
-  for (std::size_t j = 0; j < z.size(); ++j) {
-    if (!z[j] || !campaign.specified || campaign.specified->positive[j] > 0) continue;
-    z[j] = z[j]->reversed();
-    const auto row = static_cast<Index>(6 * j);
-    covariance.middleRows<3>(row) *= -1;
-    covariance.middleCols<3>(row) *= -1;
-  }
-  return extract_dh(z, size_mm(chain.chain, z), found.specified, covariance);
-}
-
-}  // namespace
 
 Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign) {
   Identification found = identify_by_circles(std::move(sweeps), campaign);
   found.circle_dh = found.dh;
   found.chain = estimate_chain(found, campaign);
   if (!found.chain) return found;
-  found.chain->dh = dh_of(*found.chain, found, campaign);
+  const std::size_t joints = found.joints.size();
+  const TableAxes axes = table_axes(*found.chain, campaign);
+  found.chain->dh = table_of(axes, joints, found.specified);
   if (!found.chain->summary.converged) return found;
   found.estimator = Estimator::chain;
   found.dh = found.chain->dh;
+  found.last_row_to_tool = found.chain->with_orientation;
+  if (campaign.device_frame) {
+    found.robot_pose = robot_pose(axes, found.specified);
+    const DhRow first = found.specified.empty() ? DhRow{} : found.specified.front();
+    found.dh.front().b_mm = {first.b_mm, 0, Knowledge::by_convention};
+    found.dh.front().theta_rad = {first.theta_rad, 0, Knowledge::by_convention};
+  }
+  found.tool = tool_pose(*found.chain, axes, found.chain->dh);
   std::string missing;
-  for (std::size_t j = 0; j < found.joints.size(); ++j) {
+  for (std::size_t j = 0; j < joints; ++j) {
     found.joints[j].axis = found.chain->axes[j];
     if (!found.joints[j].axis) missing += (missing.empty() ? "" : ", ") + std::to_string(j + 1);
   }

@@ -46,6 +46,14 @@ struct Warning {
 enum class Estimator { circle, chain };
 [[nodiscard]] std::string_view text(Estimator estimator) noexcept;
 
+/// Where the robot's base stands in the measurement frame.
+struct RobotPose {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d position_sigma_mm = Eigen::Vector3d::Zero();
+  Eigen::Vector3d rotation_sigma_rad =
+      Eigen::Vector3d::Zero();  ///< about the measurement frame's X, Y, Z
+};
+
 struct JointResult {
   std::vector<Sweep> sweeps;        ///< all of this joint, in the order of time
   std::vector<bool> used;           ///< one a sweep: at the common home, and no positioning
@@ -67,6 +75,13 @@ struct Identification {
   std::vector<DhEstimate> circle_dh;        ///< the paper's, beside it
   std::optional<ChainEstimate> chain;       ///< nothing where no axis was found to start from
   std::vector<DhRow> specified;             ///< at home_rad; empty without a specified table
+  /// The last row leads to the frame of the tool, whose orientation was measured, and has nothing
+  /// in the specified table to be compared with.
+  bool last_row_to_tool = false;
+  /// The target in the frame behind the last row; its rotation is known with `last_row_to_tool`.
+  std::optional<Eigen::Isometry3d> tool;
+  /// Where the measurement frame is a device's: b and theta of row 1 are by convention then.
+  std::optional<RobotPose> robot_pose;
   std::optional<BoundingBox> bounding_box;  ///< of the samples that were used
   std::vector<Warning> warnings;
 };

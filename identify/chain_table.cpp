@@ -1,0 +1,130 @@
+#include "identify/chain_table.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace identify {
+namespace {
+
+using Eigen::Index;
+using Eigen::Isometry3d;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+Matrix3d cross_matrix(const Vector3d& v) {
+  Matrix3d matrix;
+  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return matrix;
+}
+
+double largest_distance(const std::vector<Vector3d>& places) {
+  double size = 1;
+  for (const auto& a : places)
+    for (const auto& b : places) size = std::max(size, (a - b).norm());
+  return size;
+}
+
+Isometry3d base_of(const TableAxes& axes, const std::vector<std::optional<Axis>>& first_two,
+                   const std::vector<DhRow>& specified) {
+  const DhRow wanted = specified.empty() ? DhRow{} : specified.front();
+  const auto table = extract_dh(
+      first_two, axes.size_mm,
+      specified.empty() ? specified : std::vector<DhRow>(specified.begin(), specified.begin() + 2));
+  const DhRow row{table[0].b_mm.value - wanted.b_mm, table[0].theta_rad.value - wanted.theta_rad, 0,
+                  0};
+  return first_frame(*first_two[0]) * transform(row);
+}
+
+}  // namespace
+
+TableAxes table_axes(const ChainEstimate& chain, const Campaign& campaign) {
+  TableAxes axes;
+  axes.z = chain.axes;
+  const std::size_t joints = chain.axes.size();
+  const auto targets = static_cast<Index>(6 * joints);
+  const auto tool = targets + static_cast<Index>(3 * chain.chain.targets_mm.size());
+  std::vector<Vector3d> places = chain.chain.targets_mm;
+  for (const auto& axis : axes.z)
+    if (axis) places.push_back(axis->point_mm);
+  axes.size_mm = largest_distance(places);
+
+  // From the axes along positive rotation, the first target, and the tool's rotation.
+  const Index rows = targets + (chain.with_orientation ? 6 : 0);
+  MatrixXd map = MatrixXd::Zero(rows, chain.covariance.rows());
+  map.leftCols(targets).topRows(targets).setIdentity();
+  for (std::size_t j = 0; j < joints; ++j) {
+    if (!axes.z[j] || !campaign.specified || campaign.specified->positive[j] > 0) continue;
+    axes.z[j] = axes.z[j]->reversed();
+    const auto row = static_cast<Index>(6 * j);
+    map.block<3, 3>(row, row) *= -1;
+  }
+  if (chain.with_orientation) {
+    const Vector3d z = chain.chain.tool.col(2);
+    map.block<3, 3>(targets, tool) = -cross_matrix(z);
+    map.block<3, 3>(targets + 3, targets).setIdentity();
+    axes.z.push_back(Axis{z, chain.chain.targets_mm.front()});
+  }
+  axes.covariance = map.lazyProduct(MatrixXd(chain.covariance.lazyProduct(map.transpose())));
+  if (chain.with_orientation) axes.z.back()->covariance = axes.covariance.bottomRightCorner<6, 6>();
+  return axes;
+}
+
+std::vector<DhEstimate> table_of(const TableAxes& axes, std::size_t joints,
+                                 const std::vector<DhRow>& specified) {
+  std::vector<DhRow> expected = specified;
+  if (!expected.empty()) expected.resize(axes.z.size());
+  auto table = extract_dh(axes.z, axes.size_mm, expected, axes.covariance);
+  table.resize(joints);
+  if (joints > 0) table.back().relation = Relation::last;
+  return table;
+}
+
+std::optional<RobotPose> robot_pose(const TableAxes& axes, const std::vector<DhRow>& specified) {
+  if (axes.z.size() < 2 || !axes.z[0] || !axes.z[1]) return std::nullopt;
+  std::vector<std::optional<Axis>> first_two = {axes.z[0], axes.z[1]};
+  RobotPose found;
+  found.pose = base_of(axes, first_two, specified);
+  constexpr double kDirectionStep = 1e-6;
+  constexpr double kPointStep_mm = 1e-3;
+  Eigen::Matrix<double, 6, 12> jacobian;
+  for (Index p = 0; p < 12; ++p) {
+    const auto k = static_cast<std::size_t>(p / 6);
+    const double step = p % 6 < 3 ? kDirectionStep : kPointStep_mm;
+    const auto moved = [&](double by) {
+      first_two[k] = axes.z[k];
+      (p % 6 < 3 ? first_two[k]->direction(p % 6) : first_two[k]->point_mm(p % 6 - 3)) += by;
+      return base_of(axes, first_two, specified);
+    };
+    const Isometry3d above = moved(step);
+    const Isometry3d below = moved(-step);
+    first_two[k] = axes.z[k];
+    const Eigen::AngleAxisd turned(Matrix3d(above.linear() * below.linear().transpose()));
+    Vector6d change;
+    change << above.translation() - below.translation(), turned.angle() * turned.axis();
+    jacobian.col(p) = change / (2 * step);
+  }
+  const Eigen::Matrix<double, 12, 12> covariance = axes.covariance.topLeftCorner<12, 12>();
+  const Vector6d sigma =
+      (jacobian * covariance * jacobian.transpose()).diagonal().cwiseMax(0.0).cwiseSqrt();
+  found.position_sigma_mm = sigma.head<3>();
+  found.rotation_sigma_rad = sigma.tail<3>();
+  return found;
+}
+
+std::optional<Isometry3d> tool_pose(const ChainEstimate& chain, const TableAxes& axes,
+                                    const std::vector<DhEstimate>& table) {
+  if (table.empty() || !axes.z.front()) return std::nullopt;
+  Isometry3d last = first_frame(*axes.z.front());
+  for (const DhEstimate& row : table)
+    for (const auto* number : {&row.b_mm, &row.theta_rad, &row.a_mm, &row.alpha_rad})
+      if (number->knowledge == Knowledge::undetermined) return std::nullopt;
+  for (const DhRow& row : values(table)) last = last * transform(row);
+  Isometry3d tool = Isometry3d::Identity();
+  tool.linear() = chain.chain.tool;
+  tool.translation() = chain.chain.targets_mm.front();
+  return last.inverse() * tool;
+}
+
+}  // namespace identify

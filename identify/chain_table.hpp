@@ -1,0 +1,40 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "identify/chain_estimate.hpp"
+#include "identify/dh_extraction.hpp"
+#include "identify/identification.hpp"
+
+namespace identify {
+
+/// The Z axes of a chain's DH table: as the specified table turns them, or along positive rotation.
+/// Where the tool's orientation was measured, the Z axis of the tool's frame is one more, behind
+/// the last joint's.
+struct TableAxes {
+  std::vector<std::optional<Axis>> z;
+  Eigen::MatrixXd covariance;  ///< of all (direction, point), six rows an axis
+  double size_mm = 0;          ///< of the arm: the largest distance between axes, targets
+};
+[[nodiscard]] TableAxes table_axes(const ChainEstimate& chain, const Campaign& campaign);
+
+/// The DH table, one row a joint. With the tool's axis the last row leads to that; else it is zero
+/// by convention. `specified` has one row a joint or none.
+[[nodiscard]] std::vector<DhEstimate> table_of(const TableAxes& axes, std::size_t joints,
+                                               const std::vector<DhRow>& specified);
+
+/// Where the robot's base stands in the measurement frame: such that b and theta of row 1 are as
+/// specified, or zero without a specified table. Nothing without the first two axes.
+[[nodiscard]] std::optional<RobotPose> robot_pose(const TableAxes& axes,
+                                                  const std::vector<DhRow>& specified);
+
+/// The tool in the frame behind the last row of `table`; its rotation means something only where it
+/// was measured. Nothing if a number of the table is undetermined.
+[[nodiscard]] std::optional<Eigen::Isometry3d> tool_pose(const ChainEstimate& chain,
+                                                         const TableAxes& axes,
+                                                         const std::vector<DhEstimate>& table);
+
+}  // namespace identify

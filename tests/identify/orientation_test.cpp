@@ -1,0 +1,141 @@
+// The tool's orientation in the chain: what it adds, and when it is left alone.
+
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include "identify/identification.hpp"
+#include "simulated_campaign.hpp"
+#include "tests/catch.hpp"
+
+using namespace identify;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using identify::test::kDegree;
+
+namespace {
+
+constexpr double kPrinted = 1e-4;  // mm and degrees
+
+double printed(double value) {
+  return kPrinted * std::round(value / kPrinted);
+}
+
+/// A, B, C of R = Rz(a) Ry(b) Rx(c), in degrees.
+Vector3d abc_deg(const Matrix3d& r) {
+  return Vector3d(std::atan2(r(1, 0), r(0, 0)), std::atan2(-r(2, 0), std::hypot(r(0, 0), r(1, 0))),
+                  std::atan2(r(2, 1), r(2, 2))) /
+         kDegree;
+}
+
+/// As a controller prints them; the tool's frame is turned by `tool` against the last one.
+std::vector<Sample> as_printed(const test::Campaign& campaign, const Matrix3d& tool) {
+  std::vector<Sample> samples = campaign.samples();
+  for (Sample& sample : samples) {
+    const std::vector<double> angles(sample.angles_rad.begin(), sample.angles_rad.begin() + 6);
+    const Vector3d abc = abc_deg(forward_kinematics(campaign.arm(), angles).linear() * tool);
+    for (std::size_t k = 0; k < 3; ++k)
+      sample.abc_rad[k] = printed(abc(static_cast<Eigen::Index>(k))) * kDegree;
+    sample.has_orientation = true;
+    for (std::size_t k = 0; k < 6; ++k)
+      sample.angles_rad[k] = printed(sample.angles_rad[k] / kDegree) * kDegree;
+    for (Eigen::Index k = 0; k < 3; ++k) sample.position_mm(k) = printed(sample.position_mm(k));
+  }
+  return samples;
+}
+
+identify::Campaign settings() {
+  identify::Campaign campaign;
+  campaign.specified = test::kr5_arc();
+  campaign.resolution = {kPrinted, kPrinted * kDegree};
+  return campaign;
+}
+
+const Matrix3d kTool =
+    (Eigen::AngleAxisd(0.3, Vector3d::UnitZ()) * Eigen::AngleAxisd(-0.5, Vector3d::UnitY()))
+        .toRotationMatrix();
+
+}  // namespace
+
+TEST_CASE("the controller's orientations make the last row and the tool known") {
+  test::Campaign campaign(test::kr5_arc(), {0.0005, 0, 4});
+  campaign.sweep_all_30();
+  const auto sweeps = test::segment(as_printed(campaign, kTool), settings().resolution);
+  const auto with = identify::identify(sweeps, settings());
+  REQUIRE(with.chain);
+  CHECK(with.status == Status::complete);
+  CHECK(with.chain->with_orientation);
+  CHECK(with.last_row_to_tool);
+  REQUIRE(with.tool);
+  // Row 6 leads to the line through the tool point along the tool's Z.
+  const Vector3d z = kTool.col(2);
+  const Axis last{{0, 0, 1}, {0, 0, 0}};
+  const Axis tool{z, test::kr5_arc().tool_mm};
+  const auto expected = extract_dh({last, tool}, 2000);
+  const auto& row = with.dh[5];
+  CHECK(row.a_mm.knowledge == Knowledge::identified);
+  CHECK(row.a_mm.sigma < 0.01);
+  CHECK(std::abs(std::abs(row.a_mm.value) - std::abs(expected[0].a_mm.value)) < 5 * row.a_mm.sigma);
+  CHECK(std::abs(std::abs(row.alpha_rad.value) - std::abs(expected[0].alpha_rad.value)) <
+        5 * row.alpha_rad.sigma);
+  // The axes gain too: their directions are seen directly.
+  auto positions_only = sweeps;
+  for (Sweep& sweep : positions_only) {
+    auto samples = *sweep.samples;
+    for (Sample& sample : samples) sample.has_orientation = false;
+    sweep.samples = std::make_shared<const std::vector<Sample>>(samples);
+  }
+  const auto without = identify::identify(positions_only, settings());
+  CHECK_FALSE(without.last_row_to_tool);
+  CHECK(without.dh[5].a_mm.knowledge == Knowledge::by_convention);
+  for (std::size_t i = 0; i + 1 < 6; ++i) {
+    CHECK(with.dh[i].alpha_rad.sigma < without.dh[i].alpha_rad.sigma);
+    CHECK(std::abs(with.dh[i].alpha_rad.value - without.dh[i].alpha_rad.value) <
+          5 * without.dh[i].alpha_rad.sigma);
+  }
+}
+
+TEST_CASE("orientations that disagree with the positions are left alone") {
+  test::Campaign campaign(test::kr5_arc(), {0.0005, 0, 4});
+  campaign.sweep_all_30();
+  auto samples = as_printed(campaign, kTool);
+  // The tool was changed half way.
+  for (std::size_t i = samples.size() / 2; i < samples.size(); ++i) samples[i].abc_rad[0] += 0.001;
+  const auto found = identify::identify(test::segment(samples, settings().resolution), settings());
+  REQUIRE(found.chain);
+  CHECK_FALSE(found.chain->with_orientation);
+  CHECK_FALSE(found.last_row_to_tool);
+  CHECK(found.chain->angles[0].trust == AngleTrust::trusted);
+}
+
+TEST_CASE("in a device's frame the robot's own place is part of the result") {
+  test::Campaign campaign(test::kr5_arc(), {0, 0.02, 5});
+  campaign.sweep_all_90();
+  Eigen::Isometry3d device = Eigen::Isometry3d::Identity();
+  device.linear() = Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()).matrix();
+  device.translation() = Vector3d(2500, -900, 400);
+  auto samples = test::without_angles(campaign.samples());
+  for (Sample& sample : samples) sample.position_mm = device * sample.position_mm;
+  auto known = settings();
+  known.resolution = {};
+  known.device_frame = true;
+  known.declared_home_rad = test::kr5_arc().home_rad;
+  for (std::size_t j = 0; j < 6; ++j) known.order.push_back({j, j == 1 || j == 2 ? 1 : 0});
+  for (const auto& [joint, direction] : {std::pair{0, -1}, {1, 1}, {2, 1}, {3, 1}, {4, -1}, {5, 1}})
+    known.order[static_cast<std::size_t>(joint)].first_direction = direction;
+  const auto found = identify::identify(test::segment(samples, {}), known);
+  CHECK(found.status == Status::complete);
+  REQUIRE(found.robot_pose);
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    CHECK(found.robot_pose->position_sigma_mm(k) < 0.1);
+    CHECK(std::abs(found.robot_pose->pose.translation()(k) - device.translation()(k)) <
+          5 * found.robot_pose->position_sigma_mm(k));
+  }
+  const Eigen::AngleAxisd off(
+      Matrix3d(found.robot_pose->pose.linear().transpose() * device.linear()));
+  CHECK(std::abs(off.angle()) < 5 * found.robot_pose->rotation_sigma_rad.norm());
+  CHECK(found.dh[0].b_mm.knowledge == Knowledge::by_convention);
+  CHECK(found.dh[0].b_mm.value == 400);
+  CHECK(found.dh[0].theta_rad.knowledge == Knowledge::by_convention);
+  CHECK(found.dh[1].a_mm.knowledge == Knowledge::identified);
+}
