@@ -73,12 +73,19 @@ TableAxes table_axes(const ChainEstimate& chain, const Campaign& campaign) {
 
 std::vector<DhEstimate> table_of(const TableAxes& axes, std::size_t joints,
                                  const std::vector<DhRow>& specified) {
+  const std::vector<std::optional<Axis>> of_joints(
+      axes.z.begin(), axes.z.begin() + static_cast<std::ptrdiff_t>(joints));
+  const auto count = static_cast<Index>(6 * joints);
+  return extract_dh(of_joints, axes.size_mm, specified,
+                    axes.covariance.topLeftCorner(count, count));
+}
+
+std::optional<DhEstimate> row_to_tool(const TableAxes& axes, std::size_t joints,
+                                      const std::vector<DhRow>& specified) {
+  if (axes.z.size() == joints) return std::nullopt;
   std::vector<DhRow> expected = specified;
   if (!expected.empty()) expected.resize(axes.z.size());
-  auto table = extract_dh(axes.z, axes.size_mm, expected, axes.covariance);
-  table.resize(joints);
-  if (joints > 0) table.back().relation = Relation::last;
-  return table;
+  return extract_dh(axes.z, axes.size_mm, expected, axes.covariance)[joints - 1];
 }
 
 std::optional<RobotPose> robot_pose(const TableAxes& axes, const std::vector<DhRow>& specified) {
@@ -114,13 +121,16 @@ std::optional<RobotPose> robot_pose(const TableAxes& axes, const std::vector<DhR
 }
 
 std::optional<Isometry3d> tool_pose(const ChainEstimate& chain, const TableAxes& axes,
-                                    const std::vector<DhEstimate>& table) {
+                                    const std::vector<DhEstimate>& table,
+                                    const std::vector<DhRow>& specified) {
   if (table.empty() || !axes.z.front()) return std::nullopt;
   Isometry3d last = first_frame(*axes.z.front());
   for (const DhEstimate& row : table)
     for (const auto* number : {&row.b_mm, &row.theta_rad, &row.a_mm, &row.alpha_rad})
       if (number->knowledge == Knowledge::undetermined) return std::nullopt;
-  for (const DhRow& row : values(table)) last = last * transform(row);
+  std::vector<DhRow> rows = values(table);
+  if (!specified.empty()) rows.back() = specified.back();
+  for (const DhRow& row : rows) last = last * transform(row);
   Isometry3d tool = Isometry3d::Identity();
   tool.linear() = chain.chain.tool;
   tool.translation() = chain.chain.targets_mm.front();

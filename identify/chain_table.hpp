@@ -21,20 +21,27 @@ struct TableAxes {
 };
 [[nodiscard]] TableAxes table_axes(const ChainEstimate& chain, const Campaign& campaign);
 
-/// The DH table, one row a joint. With the tool's axis the last row leads to that; else it is zero
-/// by convention. `specified` has one row a joint or none.
+/// The DH table, one row a joint; the last is zero by convention. `specified` has one row a joint
+/// or none.
 [[nodiscard]] std::vector<DhEstimate> table_of(const TableAxes& axes, std::size_t joints,
                                                const std::vector<DhRow>& specified);
+
+/// What the last row is where it leads to the Z axis of the tool's frame; nothing where the tool's
+/// orientation was not measured.
+[[nodiscard]] std::optional<DhEstimate> row_to_tool(const TableAxes& axes, std::size_t joints,
+                                                    const std::vector<DhRow>& specified);
 
 /// Where the robot's base stands in the measurement frame: such that b and theta of row 1 are as
 /// specified, or zero without a specified table. Nothing without the first two axes.
 [[nodiscard]] std::optional<RobotPose> robot_pose(const TableAxes& axes,
                                                   const std::vector<DhRow>& specified);
 
-/// The tool in the frame behind the last row of `table`; its rotation means something only where it
-/// was measured. Nothing if a number of the table is undetermined.
+/// The tool in the frame behind the last row, that row taken as specified (zero without a specified
+/// table); its rotation means something only where it was measured. Nothing if another number of
+/// the table is undetermined.
 [[nodiscard]] std::optional<Eigen::Isometry3d> tool_pose(const ChainEstimate& chain,
                                                          const TableAxes& axes,
-                                                         const std::vector<DhEstimate>& table);
+                                                         const std::vector<DhEstimate>& table,
+                                                         const std::vector<DhRow>& specified);
 
 }  // namespace identify

@@ -20,10 +20,7 @@ std::vector<DhDifference> compare_with_specified(const Identification& found) {
                             {},
                             length(row.a_mm, specified.a_mm),
                             angle(row.alpha_rad, specified.alpha_rad)};
-    if (found.last_row_to_tool && i + 1 == found.dh.size())
-      difference = {};
-    else if (found.home_rad[i])
-      difference.theta_rad = angle(row.theta_rad, specified.theta_rad);
+    if (found.home_rad[i]) difference.theta_rad = angle(row.theta_rad, specified.theta_rad);
     differences.push_back(difference);
   }
   return differences;

@@ -20,14 +20,14 @@ Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign) {
   if (!found.chain->summary.converged) return found;
   found.estimator = Estimator::chain;
   found.dh = found.chain->dh;
-  found.last_row_to_tool = found.chain->with_orientation;
+  found.row_to_tool = row_to_tool(axes, joints, found.specified);
   if (campaign.device_frame) {
     found.robot_pose = robot_pose(axes, found.specified);
     const DhRow first = found.specified.empty() ? DhRow{} : found.specified.front();
     found.dh.front().b_mm = {first.b_mm, 0, Knowledge::by_convention};
     found.dh.front().theta_rad = {first.theta_rad, 0, Knowledge::by_convention};
   }
-  found.tool = tool_pose(*found.chain, axes, found.chain->dh);
+  found.tool = tool_pose(*found.chain, axes, found.chain->dh, found.specified);
   std::string missing;
   for (std::size_t j = 0; j < joints; ++j) {
     found.joints[j].axis = found.chain->axes[j];

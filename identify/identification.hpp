@@ -75,11 +75,11 @@ struct Identification {
   std::vector<DhEstimate> circle_dh;        ///< the paper's, beside it
   std::optional<ChainEstimate> chain;       ///< nothing where no axis was found to start from
   std::vector<DhRow> specified;             ///< at home_rad; empty without a specified table
-  /// The last row leads to the frame of the tool, whose orientation was measured, and has nothing
-  /// in the specified table to be compared with.
-  bool last_row_to_tool = false;
-  /// The target in the frame behind the last row; its rotation is known with `last_row_to_tool`.
+  /// The target in the frame behind the last row, that row taken as specified (zero without a
+  /// specified table). Its rotation is known where the next is.
   std::optional<Eigen::Isometry3d> tool;
+  /// What the last row is where it leads to the Z axis of the tool's frame: needs orientations.
+  std::optional<DhEstimate> row_to_tool;
   /// Where the measurement frame is a device's: b and theta of row 1 are by convention then.
   std::optional<RobotPose> robot_pose;
   std::optional<BoundingBox> bounding_box;  ///< of the samples that were used

@@ -90,8 +90,6 @@ std::vector<KinematicModel> kinematic_models(const ModelSource& given) {
   const bool whole = given.chain.axes.size() == given.dh.size() && !given.chain.targets_mm.empty();
   if (!whole || !complete(given.dh)) return {};
   ModelSource source = given;
-  const DhNumber zero{0, 0, Knowledge::by_convention};
-  source.dh.back() = {zero, zero, zero, zero, zero, Relation::last};
   source.positive.resize(source.dh.size(), 1);
   source.home_rad.resize(source.dh.size());
   const ModelForms forms(source);

@@ -28,8 +28,7 @@ struct ModelSource {
 /// undetermined, or there is no target. Each reproduces the first target and the tool's orientation
 /// as the chain moves them, whatever the relations of the axes are called.
 ///
-/// The last row is zero by convention: what it leads to belongs to the tool. The other numbers of
-/// the DH table are taken as they are. Those of other forms get standard uncertainties to
+/// The numbers of the DH table are taken as they are. The others get standard uncertainties to
 /// first order from `covariance`, with relations and senses of common normals held. By convention
 /// are those that the data do not determine, as in the table: along parallel axes, about coincident
 /// ones, about an axis that the target lies on, the orientation of a tool that was not measured,

@@ -65,14 +65,17 @@ TEST_CASE("the controller's orientations make the last row and the tool known") 
   REQUIRE(with.chain);
   CHECK(with.status == Status::complete);
   CHECK(with.chain->with_orientation);
-  CHECK(with.last_row_to_tool);
   REQUIRE(with.tool);
+  CHECK((with.tool->translation() - test::kr5_arc().tool_mm).norm() < 0.02);
+  CHECK((with.tool->linear() - kTool).norm() < 1e-5);
+  REQUIRE(with.row_to_tool);
+  CHECK(with.dh[5].a_mm.knowledge == Knowledge::by_convention);
   // Row 6 leads to the line through the tool point along the tool's Z.
   const Vector3d z = kTool.col(2);
   const Axis last{{0, 0, 1}, {0, 0, 0}};
   const Axis tool{z, test::kr5_arc().tool_mm};
   const auto expected = extract_dh({last, tool}, 2000);
-  const auto& row = with.dh[5];
+  const DhEstimate& row = *with.row_to_tool;
   CHECK(row.a_mm.knowledge == Knowledge::identified);
   CHECK(row.a_mm.sigma < 0.01);
   CHECK(std::abs(std::abs(row.a_mm.value) - std::abs(expected[0].a_mm.value)) < 5 * row.a_mm.sigma);
@@ -86,8 +89,7 @@ TEST_CASE("the controller's orientations make the last row and the tool known") 
     sweep.samples = std::make_shared<const std::vector<Sample>>(samples);
   }
   const auto without = identify::identify(positions_only, settings());
-  CHECK_FALSE(without.last_row_to_tool);
-  CHECK(without.dh[5].a_mm.knowledge == Knowledge::by_convention);
+  CHECK_FALSE(without.row_to_tool);
   for (std::size_t i = 0; i + 1 < 6; ++i) {
     CHECK(with.dh[i].alpha_rad.sigma < without.dh[i].alpha_rad.sigma);
     CHECK(std::abs(with.dh[i].alpha_rad.value - without.dh[i].alpha_rad.value) <
@@ -104,7 +106,7 @@ TEST_CASE("orientations that disagree with the positions are left alone") {
   const auto found = identify::identify(test::segment(samples, settings().resolution), settings());
   REQUIRE(found.chain);
   CHECK_FALSE(found.chain->with_orientation);
-  CHECK_FALSE(found.last_row_to_tool);
+  CHECK_FALSE(found.row_to_tool);
   CHECK(found.chain->angles[0].trust == AngleTrust::trusted);
 }
 
