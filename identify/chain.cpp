@@ -42,6 +42,29 @@ Chain moved(const Chain& chain, const Eigen::VectorXd& change) {
   return other;
 }
 
+namespace {
+
+struct Turn {
+  double sine;
+  double versine;  ///< 1 - cos, without cancellation
+
+  explicit Turn(double angle) {
+    // Most joints stand nearly still: a series, right to the last bit.
+    constexpr double kSmall = 0.01;
+    const double square = angle * angle;
+    if (square < kSmall * kSmall) {
+      sine = angle * (1 - square / 6 * (1 - square / 20 * (1 - square / 42)));
+      versine = square / 2 * (1 - square / 12 * (1 - square / 30));
+    } else {
+      const double half = std::sin(angle / 2);
+      sine = 2 * half * std::cos(angle / 2);
+      versine = 2 * half * half;
+    }
+  }
+};
+
+}  // namespace
+
 void ChainPose::set(const Chain& chain, std::size_t target, const Turns& turns,
                     bool with_parameters) {
   const std::size_t joints = chain.axes.size();
@@ -49,43 +72,49 @@ void ChainPose::set(const Chain& chain, std::size_t target, const Turns& turns,
   // Axes as the joints before them carry them; their own rotation leaves them in place.
   std::array<Vector3d, kMostJoints> direction;
   std::array<Vector3d, kMostJoints> point;
-  std::array<Vector3d, kMostJoints> first_across;
-  rotation.setIdentity();
+  Matrix3d turned = Matrix3d::Identity();
   Vector3d shift = Vector3d::Zero();
+  if (with_parameters) by_parameter.resize(6, parameters.count(true));
   for (std::size_t j = 0; j < joints; ++j) {
     const ChainAxis& axis = chain.axes[j];
-    direction[j] = rotation * axis.direction;
-    point[j] = rotation * axis.point_mm + shift;
-    if (with_parameters) first_across[j] = rotation * axis.direction.unitOrthogonal();
+    direction[j].noalias() = turned * axis.direction;
+    point[j].noalias() = turned * axis.point_mm;
+    point[j] += shift;
     if (turns[j] == 0) continue;
-    const Matrix3d turned = rotation * Eigen::AngleAxisd(turns[j], axis.direction).matrix();
-    shift = point[j] - turned * axis.point_mm;
-    rotation = turned;
+    const Turn turn(turns[j]);
+    if (with_parameters) {
+      // d exp(q [n]) for n + e with e across n is the rotation sin(q) e + (1 - cos q) n x e; moving
+      // the axis by e moves what it turns by e - R e. What they do to the position comes below.
+      const Vector3d first = turned * axis.direction.unitOrthogonal();
+      const Vector3d second = direction[j].cross(first);
+      auto columns = by_parameter.middleCols<4>(parameters.axis(j));
+      columns.col(0).tail<3>() = turn.sine * first + turn.versine * second;
+      columns.col(1).tail<3>() = turn.sine * second - turn.versine * first;
+      columns.col(2) << turn.versine * first - turn.sine * second, Vector3d::Zero();
+      columns.col(3) << turn.versine * second + turn.sine * first, Vector3d::Zero();
+    }
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      const Vector3d sideways = direction[j].cross(turned.col(k));
+      turned.col(k) += turn.sine * sideways + turn.versine * direction[j].cross(sideways);
+    }
+    shift = point[j];
+    shift.noalias() -= turned * axis.point_mm;
   }
-  position_mm = rotation * chain.targets_mm[target] + shift;
+  rotation = turned;
+  position_mm = turned * chain.targets_mm[target] + shift;
   for (std::size_t j = 0; j < joints; ++j)
     by_turn[j] << direction[j].cross(position_mm - point[j]), direction[j];
   if (!with_parameters) return;
 
-  by_parameter.resize(6, parameters.count(true));
   for (std::size_t j = 0; j < joints; ++j) {
     auto columns = by_parameter.middleCols<4>(parameters.axis(j));
     if (turns[j] == 0) {
       columns.setZero();
       continue;
     }
-    const double sine = std::sin(turns[j]);
-    const double versine = 1 - std::cos(turns[j]);
-    const Vector3d second_across = direction[j].cross(first_across[j]);
     const Vector3d arm = position_mm - point[j];
-    // d exp(q [n]) for n + e with e across n is the rotation sin(q) e + (1 - cos q) n x e; moving
-    // the axis by e moves what it turns by e - R e.
-    const Vector3d turn_first = sine * first_across[j] + versine * second_across;
-    const Vector3d turn_second = sine * second_across - versine * first_across[j];
-    columns.col(0) << turn_first.cross(arm), turn_first;
-    columns.col(1) << turn_second.cross(arm), turn_second;
-    columns.col(2) << versine * first_across[j] - sine * second_across, Vector3d::Zero();
-    columns.col(3) << versine * second_across + sine * first_across[j], Vector3d::Zero();
+    for (Eigen::Index k = 0; k < 2; ++k)
+      columns.col(k).head<3>() = columns.col(k).tail<3>().cross(arm);
   }
   auto at_target = by_parameter.middleCols<3>(parameters.target(target));
   at_target.topRows<3>() = rotation;

@@ -21,9 +21,62 @@ constexpr double kNoInformation = 1e-9;
 
 /// The normal equations N x = g of one linearisation.
 struct NormalEquations {
+  explicit NormalEquations(Index count)
+      : normal(MatrixXd::Zero(count, count)), gradient(VectorXd::Zero(count)) {}
   MatrixXd normal;  // lower half
   VectorXd gradient;
   double cost = 0;
+};
+
+/// Gathers rows of J and J W of samples with the same active parameters, so that the products run
+/// over long rows.
+template <int Size>
+class Rows {
+ public:
+  /// `active` rises; the others' columns of the Jacobian are zero.
+  void add(const std::vector<Index>& active,
+           const Eigen::Matrix<double, 6, Eigen::Dynamic>& columns,
+           const Eigen::Matrix<double, Size, Size>& weight,
+           const Eigen::Matrix<double, Size, 1>& error, NormalEquations& equations) {
+    if (active != active_ || filled_ == kMost) {
+      flush(equations);
+      active_ = active;
+      rows_.resize(count(), kMost);
+      weighted_.resize(count(), kMost);
+    }
+    for (Index a = 0; a < count(); ++a) {
+      const auto column = columns.col(active_[static_cast<std::size_t>(a)]).template head<Size>();
+      rows_.row(a).template segment<Size>(filled_) = column.transpose();
+      weighted_.row(a).template segment<Size>(filled_) = (weight * column).transpose();
+    }
+    errors_.template segment<Size>(filled_) = error;
+    filled_ += Size;
+  }
+
+  void flush(NormalEquations& equations) {
+    if (filled_ == 0) return;
+    const auto weighted = weighted_.leftCols(filled_);
+    MatrixXd normal = MatrixXd::Zero(count(), count());
+    normal.triangularView<Eigen::Lower>() = weighted * rows_.leftCols(filled_).transpose();
+    const VectorXd gradient = weighted * errors_.head(filled_);
+    for (Index a = 0; a < count(); ++a) {
+      const Index at = active_[static_cast<std::size_t>(a)];
+      equations.gradient(at) += gradient(a);
+      for (Index b = 0; b <= a; ++b)
+        equations.normal(at, active_[static_cast<std::size_t>(b)]) += normal(a, b);
+    }
+    filled_ = 0;
+  }
+
+ private:
+  static constexpr Index kMost = 64 * Size;
+  [[nodiscard]] Index count() const { return static_cast<Index>(active_.size()); }
+
+  std::vector<Index> active_;
+  MatrixXd rows_;
+  MatrixXd weighted_;
+  Eigen::Matrix<double, kMost, 1> errors_;
+  Index filled_ = 0;
 };
 
 template <int Size>
@@ -31,72 +84,49 @@ class Problem {
  public:
   /// The weights are those of `chain`, and stay: what is minimised must not move.
   Problem(const Chain& chain, std::vector<ChainObservation>& samples, const ChainNoise& noise)
-      : samples_(samples), noise_(noise), weights_(samples.size()), toward_(samples.size()) {
+      : samples_(samples), noise_(noise), weights_(samples.size()), swept_(samples.size()) {
     for (std::size_t i = 0; i < samples_.size(); ++i) {
       pose_.set(chain, samples_[i].target, samples_[i].turns, false);
       weights_[i] = ChainResidual<Size>::base_weight(chain, samples_[i], noise, pose_);
+      swept_[i] = samples_[i].turns[samples_[i].joint];
     }
   }
 
-  /// Half the weighted sum of squares at `chain`; remembers where the free angles want to go.
-  double cost(const Chain& chain) {
-    double sum = 0;
-    for (std::size_t i = 0; i < samples_.size(); ++i) {
-      pose_.set(chain, samples_[i].target, samples_[i].turns, false);
-      residual_.set(chain, samples_[i], pose_, weights_[i], free(samples_[i]));
-      toward_[i] = residual_.toward;
-      sum += samples_[i].weight * residual_.squared();
-    }
-    return sum / 2;
-  }
-
-  /// The free angles go where the last evaluation wants them.
+  /// The free angles go along to where the last linearisation put them.
   void follow() {
     for (std::size_t i = 0; i < samples_.size(); ++i)
-      if (free(samples_[i])) samples_[i].turns[samples_[i].joint] += toward_[i];
+      samples_[i].turns[samples_[i].joint] = swept_[i];
   }
 
   NormalEquations linearised(const Chain& chain) {
     const ChainParameters parameters{chain.axes.size(), chain.targets_mm.size()};
-    const Index count = parameters.count(Size == 6);
-    const Index shared = parameters.target(0);
-    NormalEquations equations{MatrixXd::Zero(count, count), VectorXd::Zero(count), 0};
-    // Rows of J and J W are gathered, so that the products run over long rows.
-    constexpr Index kGathered = 64 * Size;
-    MatrixXd rows = MatrixXd::Zero(count, kGathered);
-    MatrixXd weighted = MatrixXd::Zero(count, kGathered);
-    VectorXd errors(kGathered);
-    Index filled = 0;
-    const auto add = [&] {
-      equations.normal.triangularView<Eigen::Lower>() +=
-          rows.leftCols(filled) * weighted.leftCols(filled).transpose();
-      equations.gradient.noalias() += weighted.leftCols(filled) * errors.head(filled);
-      rows.bottomRows(count - shared).setZero();
-      weighted.bottomRows(count - shared).setZero();
-      filled = 0;
-    };
+    NormalEquations equations(parameters.count(Size == 6));
+    std::vector<Index> active;
     for (std::size_t i = 0; i < samples_.size(); ++i) {
       const ChainObservation& sample = samples_[i];
-      if (sample.weight == 0) continue;
-      pose_.set(chain, sample.target, sample.turns, true);
+      if (sample.weight == 0 && !free(sample)) continue;
+      Turns turns = sample.turns;
+      if (free(sample)) {
+        pose_.set(chain, sample.target, turns, false);
+        residual_.set(chain, sample, pose_, weights_[i], true);
+        swept_[i] = turns[sample.joint] += residual_.toward;
+      }
+      pose_.set(chain, sample.target, turns, true);
       residual_.set(chain, sample, pose_, weights_[i], free(sample));
       equations.cost += sample.weight * residual_.squared() / 2;
-      const Eigen::Matrix<double, Size, Size> weight = sample.weight * residual_.weight;
-      const auto gather = [&](Index from, const auto& columns) {
-        auto place = rows.middleCols<Size>(filled).middleRows(from, columns.cols());
-        place = columns.template topRows<Size>().transpose();
-        weighted.middleCols<Size>(filled).middleRows(from, columns.cols()) =
-            place.lazyProduct(weight);
+      // Joints that did not turn change nothing.
+      active.clear();
+      const auto activate = [&](Index from, Index count) {
+        for (Index k = 0; k < count; ++k) active.push_back(from + k);
       };
-      gather(0, pose_.by_parameter.leftCols(shared));
-      const Index target = parameters.target(sample.target);
-      gather(target, pose_.by_parameter.middleCols<3>(target));
-      if constexpr (Size == 6) gather(parameters.tool(), pose_.by_parameter.rightCols<3>());
-      errors.segment<Size>(filled) = residual_.error;
-      filled += Size;
-      if (filled == kGathered) add();
+      for (std::size_t j = 0; j < chain.axes.size(); ++j)
+        if (turns[j] != 0) activate(parameters.axis(j), 4);
+      activate(parameters.target(sample.target), 3);
+      if constexpr (Size == 6) activate(parameters.tool(), 3);
+      rows_.add(active, pose_.by_parameter, sample.weight * residual_.weight, residual_.error,
+                equations);
     }
-    if (filled > 0) add();
+    rows_.flush(equations);
     return equations;
   }
 
@@ -108,7 +138,8 @@ class Problem {
   std::vector<ChainObservation>& samples_;
   const ChainNoise& noise_;
   std::vector<typename ChainResidual<Size>::Square> weights_;
-  std::vector<double> toward_;
+  std::vector<double> swept_;  ///< turns of the sweeping joints
+  Rows<Size> rows_;
   ChainPose pose_;
   ChainResidual<Size> residual_;
 };
@@ -173,18 +204,14 @@ ChainFit fit(const Chain& start, std::vector<ChainObservation>& samples, const C
   ChainFit result;
   result.chain = start;
   Summary& summary = result.summary;
-  // Free angles first find their place on the chain as it is.
-  for (int k = 0; k < 2; ++k) {
-    summary.cost = problem.cost(result.chain);
-    problem.follow();
-  }
   summary.ending = "no convergence";
   double previous = std::numeric_limits<double>::infinity();
   double damping = 0;
+  NormalEquations equations = problem.linearised(result.chain);
   while (true) {
-    const NormalEquations equations = problem.linearised(result.chain);
+    problem.follow();
     const Information information(equations.normal);
-    VectorXd step = information.step(equations.gradient, 0);
+    const VectorXd step = information.step(equations.gradient, 0);
     result.covariance = information.covariance();
     summary.cost = equations.cost;
     summary.condition = information.condition();
@@ -211,16 +238,15 @@ ChainFit fit(const Chain& start, std::vector<ChainObservation>& samples, const C
     ++summary.iterations;
     constexpr double kFirstDamping = 1e-6;
     constexpr double kMostDamping = 1e6;
-    const auto better = [&](const Chain& next) {
-      const double cost = problem.cost(next);
-      return cost <= equations.cost || (close && std::isfinite(cost));
+    const auto better = [&](const NormalEquations& there) {
+      return there.cost <= equations.cost || (close && std::isfinite(there.cost));
     };
-    step = information.step(equations.gradient, damping);
-    Chain next = moved(result.chain, step);
-    while (!better(next) && damping < kMostDamping) {
+    Chain next = moved(result.chain, information.step(equations.gradient, damping));
+    NormalEquations there = problem.linearised(next);
+    while (!better(there) && damping < kMostDamping) {
       damping = std::max(kFirstDamping, 10 * damping);
-      step = information.step(equations.gradient, damping);
-      next = moved(result.chain, step);
+      next = moved(result.chain, information.step(equations.gradient, damping));
+      there = problem.linearised(next);
     }
     if (damping >= kMostDamping) {
       summary.ending = "no better place found";
@@ -228,7 +254,7 @@ ChainFit fit(const Chain& start, std::vector<ChainObservation>& samples, const C
     }
     damping = damping > kFirstDamping ? damping / 10 : 0;
     result.chain = std::move(next);
-    problem.follow();
+    equations = std::move(there);
   }
   return result;
 }

@@ -158,14 +158,39 @@ ChainNoise estimate(const Chain& chain, const std::vector<ChainObservation>& sam
   return found;
 }
 
+/// Of each joint, the median squared distance in that of good samples; nothing: zero.
+template <int Size>
+std::vector<double> median_squares(const Chain& chain, const std::vector<ChainObservation>& samples,
+                                   const ChainNoise& noise) {
+  std::vector<std::vector<double>> squares(chain.axes.size());
+  visit<Size>(chain, samples, noise,
+              [&](std::size_t i, const ChainResidual<Size>& at, const ChainPose&) {
+                squares[samples[i].joint].push_back(at.squared());
+              });
+  std::vector<double> medians(chain.axes.size(), 0.0);
+  for (std::size_t j = 0; j < medians.size(); ++j) {
+    if (squares[j].empty()) continue;
+    const auto middle = squares[j].begin() + static_cast<std::ptrdiff_t>(squares[j].size() / 2);
+    std::nth_element(squares[j].begin(), middle, squares[j].end());
+    // The median of chi squared is close to k (1 - 2 / 9k)^3.
+    const double k = std::isfinite(noise.swept_rad[j]) ? Size : Size - 1;
+    medians[j] = *middle / (k * std::pow(1 - 2 / (9 * k), 3));
+  }
+  return medians;
+}
+
 template <int Size>
 void set_weights(const Chain& chain, std::vector<ChainObservation>& samples,
                  const ChainNoise& noise) {
+  // Half of a joint's samples are good, whatever the noise is said to be: else weights and noise
+  // would make each other ever smaller.
+  const auto medians = median_squares<Size>(chain, samples, noise);
   visit<Size>(chain, samples, noise,
               [&](std::size_t i, const ChainResidual<Size>& at, const ChainPose&) {
                 // The distance that a good sample hardly passes, for its number of free directions.
                 const double plateau = std::sqrt(static_cast<double>(Size)) + 2.5;
-                const double distance = std::sqrt(at.squared()) / plateau;
+                const double unit = std::sqrt(std::max(1.0, medians[samples[i].joint]));
+                const double distance = std::sqrt(at.squared()) / (unit * plateau);
                 const double left = std::clamp(2 - distance, 0.0, 1.0);
                 samples[i].weight = left * left;
               });
@@ -194,22 +219,26 @@ double correlated(const Chain& chain, const std::vector<ChainObservation>& sampl
   };
   const double variance = covariance(0);
   if (!(variance > 0)) return 1;
-  constexpr double kWindow = 5;
-  constexpr double kMostTakenUp = 0.6;
   // Each parameter takes up one direction; the correlations of what is left sum to zero over all
   // lags along it.
-  const double share =
-      parameter_count<Size>(chain) / std::max(1.0, row_count<Size>(samples, noise));
+  constexpr double kMostTakenUp = 0.6;
+  constexpr double kSigmas = 3;
+  const double rows = std::max(1.0, row_count<Size>(samples, noise));
+  const double share = parameter_count<Size>(chain) / rows;
   double sum = 1;
-  double time = 1;
+  double longest = 1;
+  std::size_t window = 1;
   for (std::size_t lag = 1; lag < samples.size() / 4; ++lag) {
     const double lags = 2 * static_cast<double>(lag) + 1;
     if (lags * share > kMostTakenUp) break;
     sum += 2 * covariance(lag) / variance;
-    time = sum / (1 - lags * share);
-    if (static_cast<double>(lag) >= kWindow * time) break;
+    if (lag < window) continue;
+    window *= 2;
+    const double time = sum / (1 - lags * share);
+    // Of white noise the sum scatters by sqrt(2 lags / rows).
+    if (time > longest && time - 1 > kSigmas * std::sqrt(2 * lags / rows)) longest = time;
   }
-  return std::max(1.0, time);
+  return longest;
 }
 
 template <int Size>
@@ -234,20 +263,8 @@ ChainNoise estimate_noise(const Chain& chain, const std::vector<ChainObservation
 
 double robust_position_sigma(const Chain& chain, const std::vector<ChainObservation>& samples,
                              const ChainNoise& noise) {
-  std::vector<std::vector<double>> squared(chain.axes.size());
-  visit<3>(chain, samples, noise, [&](std::size_t i, const ChainResidual<3>& at, const ChainPose&) {
-    // Medians of chi squared with two and three degrees of freedom.
-    const double usual = std::isfinite(noise.swept_rad[samples[i].joint]) ? 2.366 : 1.386;
-    squared[samples[i].joint].push_back(at.squared() / usual);
-  });
-  double largest = 0;
-  for (auto& joint : squared) {
-    if (joint.empty()) continue;
-    const auto middle = joint.begin() + static_cast<std::ptrdiff_t>(joint.size() / 2);
-    std::nth_element(joint.begin(), middle, joint.end());
-    largest = std::max(largest, *middle);
-  }
-  return noise.position_mm * std::sqrt(largest);
+  const auto medians = median_squares<3>(chain, samples, noise);
+  return noise.position_mm * std::sqrt(*std::max_element(medians.begin(), medians.end()));
 }
 
 void reweight(const Chain& chain, std::vector<ChainObservation>& samples, const ChainNoise& noise,

@@ -33,10 +33,11 @@ void reweight(const Chain& chain, std::vector<ChainObservation>& samples, const 
 [[nodiscard]] double misfit(const Chain& chain, const std::vector<ChainObservation>& samples,
                             const ChainNoise& noise, bool with_orientation);
 
-/// How many successive samples carry as much as one independent one: 1 + 2 sum rho_k over the lags
-/// up to five times the result (Sokal 1997), at least 1. rho_k is the correlation of residuals k
-/// samples apart within a stroke; what the fit has taken up of slow changes is put back in
-/// proportion.
+/// How many successive samples carry as much as one independent one: 1 + 2 sum rho_k, rho_k being
+/// the correlation of residuals k samples apart within a stroke; what the fit has taken up of slow
+/// changes is put back in proportion. The largest over windows of 1, 2, 4, … lags that cannot be
+/// chance (Priestley, Spectral Analysis and Time Series, 1981, ch. 7, on windows): vibration must
+/// not hide what is slower. At least 1.
 [[nodiscard]] double samples_per_independent(const Chain& chain,
                                              const std::vector<ChainObservation>& samples,
                                              const ChainNoise& noise, bool with_orientation);
