@@ -125,13 +125,22 @@ class Estimation {
       if (sample.joint > 0)
         sample.target = targets_ + sample.target * (joints_ - 1) + sample.joint - 1;
     // What home points of their own would gain, to first order: the score test (Rao 1948). A step
-    // squared, in standard uncertainties, is the chi squared that it takes away.
+    // squared, in standard uncertainties, is the chi squared that it takes away. Chi squared passes
+    // its mean by eight of its standard deviations never.
     const double step = fit_chain(apart, samples_, shared.noise, false, 0).summary.last_step;
-    const double gained = step * step / shared.correlated;
     const double freedom = 2 * static_cast<double>(targets_) * static_cast<double>(axes());
-    // Chi squared passes its mean by eight of its standard deviations never.
-    shared_home_ = gained <= freedom + 8 * std::sqrt(2 * freedom);
-    if (!shared_home_) return settled(std::move(apart), shared.noise, false);
+    const double bound = freedom + 8 * std::sqrt(2 * freedom);
+    if (step * step > bound) {
+      // In earnest: by the noise that is left without a common home, and its correlation.
+      Fitted separate = settled(std::move(apart), shared.noise, false);
+      std::vector<ChainObservation> pooled = kept;
+      for (std::size_t i = 0; i < pooled.size(); ++i) pooled[i].weight = samples_[i].weight;
+      const double cost = fit_chain(shared.fit.chain, pooled, separate.noise, false).summary.cost;
+      if (2 * (cost - separate.fit.summary.cost) > bound * separate.correlated) {
+        shared_home_ = false;
+        return separate;
+      }
+    }
     samples_ = kept;
     return shared;
   }

@@ -165,7 +165,7 @@ ChainSamples chain_samples(const Identification& circles,
     if (found.with_angles && !home[j]) home[j] = sweep.first().angles_rad[j];
     for (std::size_t i = 0; i < sweep.samples->size(); i += step) {
       const Sample& sample = (*sweep.samples)[i];
-      if (!sample.has_position) continue;
+      if (!sample.has_position || !sample.position_mm.allFinite()) continue;
       ChainObservation seen;
       seen.position_mm = sample.position_mm;
       seen.joint = j;
