@@ -46,7 +46,7 @@ class Estimation {
     start.targets_mm = starting_targets(start, samples_, targets_, found.with_angles);
     set_quanta(found.with_angles);
 
-    Fitted best = without_angles(start);
+    Fitted best = without_angles(start, found.with_angles);
     ChainEstimate estimate;
     estimate.angles.assign(joints_, AngleEvidence{});
     for (AngleEvidence& evidence : estimate.angles) evidence.reason = "no angles";
@@ -114,7 +114,7 @@ class Estimation {
   }
 
   /// Circles about one chain. Where they do not pass one common home point, each by itself.
-  Fitted without_angles(const Chain& start) {
+  Fitted without_angles(const Chain& start, bool with_angles) {
     Fitted shared = robustly_started(start);
     if (axes() < 2) return shared;
     const auto kept = samples_;
@@ -130,9 +130,11 @@ class Estimation {
     const double step = fit_chain(apart, samples_, shared.noise, false, 0).summary.last_step;
     const double freedom = 2 * static_cast<double>(targets_) * static_cast<double>(axes());
     const double bound = freedom + 8 * std::sqrt(2 * freedom);
-    if (step * step > bound) {
+    if (step * step > bound || shared.noise.position_mm > 2 * circle_scatter()) {
       // In earnest: by the noise that is left without a common home, and its correlation.
-      Fitted separate = settled(std::move(apart), shared.noise, false);
+      apart.axes = start.axes;
+      apart.targets_mm = starting_targets(apart, samples_, apart.targets_mm.size(), with_angles);
+      Fitted separate = robustly_started(std::move(apart));
       std::vector<ChainObservation> pooled = kept;
       for (std::size_t i = 0; i < pooled.size(); ++i) pooled[i].weight = samples_[i].weight;
       const double cost = fit_chain(shared.fit.chain, pooled, separate.noise, false).summary.cost;
@@ -143,6 +145,15 @@ class Estimation {
     }
     samples_ = kept;
     return shared;
+  }
+
+  /// How far samples are off the circles that they were found on, in the worst joint.
+  [[nodiscard]] double circle_scatter() const {
+    double scatter = 0;
+    for (const JointResult& joint : circles_.joints)
+      if (joint.circle)
+        scatter = std::max({scatter, joint.circle->plane_rms_mm, joint.circle->radial_rms_mm});
+    return scatter;
   }
 
   [[nodiscard]] std::size_t axes() const {
