@@ -74,6 +74,7 @@ identify::Identification identify_given_axes(const std::vector<Axis>& axes,
                                              const identify::Campaign& campaign) {
   identify::Identification found;
   found.status = identify::Status::complete;
+  found.estimator = identify::Estimator::axes;
   found.home_rad.resize(axes.size());
   if (campaign.declared_home_rad.size() == axes.size())
     found.home_rad.assign(campaign.declared_home_rad.begin(), campaign.declared_home_rad.end());

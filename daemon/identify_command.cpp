@@ -185,14 +185,6 @@ Outcome identified_axes(const IdentifyOptions& options, RobotSetup setup) {
   return outcome;
 }
 
-void make_folder(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error)
-    throw std::runtime_error("cannot make the folder " + folder.string() + " (" + error.message() +
-                             "): give one that may be written with --output");
-}
-
 void write_run_file(const IdentifyOptions& options) {
   nlohmann::ordered_json json = {
       {"schema", "sweepd.run/1"}, {"sweepd", SWEEPD_VERSION}, {"command", "identify"}};

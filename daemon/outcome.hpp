@@ -36,5 +36,13 @@ struct Outcome {
 inline constexpr int kLengthDecimals = 6;
 /// Angles in files: degrees to so many decimals.
 inline constexpr int kAngleDecimals = 7;
+/// Errors of angles, seconds of arc.
+inline constexpr int kArcsecDecimals = 4;
+
+/// Only axes that are parallel, as far as one can tell, have a beta; for others it is zero.
+[[nodiscard]] inline bool has_beta(const identify::DhEstimate& row) {
+  return row.relation == identify::Relation::parallel ||
+         row.relation == identify::Relation::coincident;
+}
 
 }  // namespace sweepd

@@ -79,14 +79,6 @@ void read(const ReplayOptions& options, const rsi::Conversation& conversation, S
   }
 }
 
-void make_folder(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error)
-    throw std::runtime_error("cannot make the folder " + folder.string() + " (" + error.message() +
-                             "): give one that may be written with --output");
-}
-
 void write_run_file(const ReplayOptions& options, const rsi::ConversationSearch& search) {
   nlohmann::ordered_json json = {
       {"schema", "sweepd.run/1"}, {"sweepd", SWEEPD_VERSION}, {"command", "replay"}};

@@ -6,6 +6,8 @@
 #include "daemon/units.hpp"
 #include "identify/circle_fit.hpp"
 #include "identify/dh_comparison.hpp"
+#include "identify/kinematic_model.hpp"
+#include "identify/seen_turn.hpp"
 
 namespace sweepd {
 namespace {
@@ -18,6 +20,22 @@ std::string length(double mm) {
 }
 std::string angle(double radians) {
   return fixed(degrees(radians), kAngleDecimals);
+}
+
+/// The last columns of a line of sweeps.csv.
+void add_seen(std::string& csv, const std::optional<identify::SeenTurn>& seen) {
+  if (!seen) {
+    csv += ",,,,";
+    return;
+  }
+  for (const double residual : {seen->axial_mm, seen->radial_mm}) {
+    csv += ',';
+    append_fixed(csv, residual, kLengthDecimals);
+  }
+  for (const auto& error : {seen->angle_error_rad, seen->curve_rad}) {
+    csv += ',';
+    if (error) append_fixed(csv, arcsec(*error), kArcsecDecimals);
+  }
 }
 
 }  // namespace
@@ -33,7 +51,12 @@ std::string dh_csv(const Outcome& outcome) {
     csv += "," + name + "," + base + "_sigma" + suffix + "," + base + "_specified" + suffix + "," +
            base + "_difference" + suffix;
   }
-  csv += ",relation,by_convention\n";
+  csv += ",relation,by_convention,beta_deg,beta_sigma_deg";
+  for (const std::string base : {"b", "theta", "a", "alpha", "beta"}) {
+    const std::string unit = base == "a" || base == "b" ? "_mm" : "_deg";
+    csv += "," + base + "_low" + unit + "," + base + "_high" + unit;
+  }
+  csv += "\n";
   for (std::size_t i = 0; i < found.dh.size(); ++i) {
     const auto& row = found.dh[i];
     const auto* specified = differences.empty() ? nullptr : &found.specified[i];
@@ -59,7 +82,25 @@ std::string dh_csv(const Outcome& outcome) {
     add("theta_deg", row.theta_rad, expected.theta_rad, difference.theta_rad, angle);
     add("a_mm", row.a_mm, expected.a_mm, difference.a_mm, length);
     add("alpha_deg", row.alpha_rad, expected.alpha_rad, difference.alpha_rad, angle);
-    csv += "," + std::string(identify::text(row.relation)) + "," + by_convention + "\n";
+    if (has_beta(row) && row.beta_rad.knowledge == Knowledge::by_convention)
+      by_convention += " beta_deg";
+    csv += "," + std::string(identify::text(row.relation)) + "," + by_convention + ",";
+    if (has_beta(row)) csv += angle(row.beta_rad.value);
+    csv += ",";
+    const bool beta_identified = has_beta(row) && row.beta_rad.knowledge == Knowledge::identified;
+    if (beta_identified) csv += angle(row.beta_rad.sigma);
+    const auto interval = [&](const DhNumber& number, auto unit) {
+      const double half = identify::kSigmasOf95Percent * number.sigma;
+      csv += number.knowledge == Knowledge::identified
+                 ? "," + unit(number.value - half) + "," + unit(number.value + half)
+                 : ",,";
+    };
+    interval(row.b_mm, length);
+    interval(row.theta_rad, angle);
+    interval(row.a_mm, length);
+    interval(row.alpha_rad, angle);
+    interval(beta_identified ? row.beta_rad : DhNumber{}, angle);
+    csv += "\n";
   }
   return csv;
 }
@@ -73,13 +114,15 @@ std::string sweeps_csv(const Outcome& outcome) {
 
   std::string csv = "joint,sweep,t_s,x_mm,y_mm,z_mm";
   for (std::size_t k = 0; k < angles; ++k) csv += ",a" + std::to_string(k + 1) + "_deg";
-  csv += ",plane_residual_mm,radial_residual_mm\n";
+  csv +=
+      ",plane_residual_mm,radial_residual_mm,chain_axial_residual_mm,chain_radial_residual_mm"
+      ",angle_error_arcsec,curve_error_arcsec\n";
   constexpr std::size_t kUsualNumber = 11;
   std::size_t samples = 0;
   for (const auto& joint : joints)
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
       if (joint.used[s]) samples += joint.sweeps[s].samples->size();
-  csv.reserve(samples * (angles + 8) * kUsualNumber);
+  csv.reserve(samples * (angles + 12) * kUsualNumber);
   for (std::size_t j = 0; j < joints.size(); ++j) {
     if (!joints[j].circle) continue;
     for (std::size_t s = 0; s < joints[j].sweeps.size(); ++s) {
@@ -102,6 +145,8 @@ std::string sweeps_csv(const Outcome& outcome) {
             csv += ',';
         add(residual.plane_mm);
         add(residual.radial_mm);
+        add_seen(csv, identify::seen_turn(outcome.identification, j, joints[j].sweeps[s].target,
+                                          sample));
         csv += '\n';
       }
     }

@@ -1,5 +1,7 @@
 #include "daemon/result_files.hpp"
 
+#include <stdexcept>
+
 #include "daemon/atomic_file.hpp"
 #include "daemon/dh_latex.hpp"
 #include "daemon/models.hpp"
@@ -27,6 +29,14 @@ void write_models(const std::filesystem::path& folder, const Outcome& outcome) {
 }
 
 }  // namespace
+
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error)
+    throw std::runtime_error("cannot make the folder " + folder.string() + " (" + error.message() +
+                             "): give one that may be written with --output");
+}
 
 void write_result(const std::filesystem::path& folder, const Outcome& outcome) {
   write_atomically(folder / "sweeps.csv", sweeps_csv(outcome));

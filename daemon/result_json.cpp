@@ -5,11 +5,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "daemon/chain_json.hpp"
 #include "daemon/models.hpp"
 #include "daemon/models_json.hpp"
 #include "daemon/numbers.hpp"
 #include "daemon/units.hpp"
 #include "identify/dh_comparison.hpp"
+#include "identify/kinematic_model.hpp"
 
 namespace sweepd {
 namespace {
@@ -68,6 +70,17 @@ Json source(const Outcome& outcome) {
   return json;
 }
 
+Json box(const identify::BoundingBox& box) {
+  Json orientation = Json::array();
+  for (Eigen::Index row = 0; row < 3; ++row)
+    orientation.push_back(direction(box.orientation.row(row).transpose()));
+  return {{"lengths_mm", point(box.lengths_mm)},
+          {"volume_m3", rounded(box.volume_mm3() * 1e-9, 12)},
+          {"center", point(box.center_mm)},
+          {"orientation", std::move(orientation)},
+          {"gap", rounded(box.gap, 15)}};
+}
+
 Json joint(std::size_t index, const JointResult& result) {
   Json sweeps = Json::array();
   for (std::size_t s = 0; s < result.sweeps.size(); ++s) {
@@ -94,22 +107,29 @@ Json joint(std::size_t index, const JointResult& result) {
                       {"arc_deg", angle(result.circle->arc_rad)},
                       {"plane_rms_mm", length(result.circle->plane_rms_mm)},
                       {"radial_rms_mm", length(result.circle->radial_rms_mm)}};
+  if (result.box) json["bounding_box"] = box(*result.box);
   return json;
 }
 
 Json dh_row(std::size_t index, const DhEstimate& row) {
   Json json = {{"joint", index + 1}};
   Json by_convention = Json::array();
-  const auto add = [&](const char* name, const char* sigma, const DhNumber& number, auto unit) {
+  const auto add = [&](const std::string& name, const std::string& unit, const DhNumber& number,
+                       auto in_unit) {
     const bool known = number.knowledge != Knowledge::undetermined;
-    json[name] = known ? unit(number.value) : Json();
-    json[sigma] = number.knowledge == Knowledge::identified ? unit(number.sigma) : Json();
-    if (number.knowledge == Knowledge::by_convention) by_convention.push_back(name);
+    const bool identified = number.knowledge == Knowledge::identified;
+    const double half = identify::kSigmasOf95Percent * number.sigma;
+    json[name + unit] = known ? in_unit(number.value) : Json();
+    json[name + "_sigma" + unit] = identified ? in_unit(number.sigma) : Json();
+    json[name + "_low" + unit] = identified ? in_unit(number.value - half) : Json();
+    json[name + "_high" + unit] = identified ? in_unit(number.value + half) : Json();
+    if (number.knowledge == Knowledge::by_convention) by_convention.push_back(name + unit);
   };
-  add("b_mm", "b_sigma_mm", row.b_mm, length);
-  add("theta_deg", "theta_sigma_deg", row.theta_rad, angle);
-  add("a_mm", "a_sigma_mm", row.a_mm, length);
-  add("alpha_deg", "alpha_sigma_deg", row.alpha_rad, angle);
+  add("b", "_mm", row.b_mm, length);
+  add("theta", "_deg", row.theta_rad, angle);
+  add("a", "_mm", row.a_mm, length);
+  add("alpha", "_deg", row.alpha_rad, angle);
+  if (has_beta(row)) add("beta", "_deg", row.beta_rad, angle);
   json["relation"] = identify::text(row.relation);
   if (!by_convention.empty()) json["by_convention"] = std::move(by_convention);
   return json;
@@ -118,6 +138,15 @@ Json dh_row(std::size_t index, const DhEstimate& row) {
 Json dh_table(const std::vector<DhEstimate>& rows) {
   Json json = Json::array();
   for (std::size_t i = 0; i < rows.size(); ++i) json.push_back(dh_row(i, rows[i]));
+  return json;
+}
+
+Json estimates(const Identification& found) {
+  Json json = {{"circle", {{"dh", dh_table(found.circle_dh)}}}};
+  if (found.chain) {
+    json["chain"] = {{"dh", dh_table(found.chain->dh)}};
+    json["chain"].update(chain_json(*found.chain));
+  }
   return json;
 }
 
@@ -144,16 +173,6 @@ Json differences(const std::vector<DhDifference>& rows) {
                     {"a_mm", optional(rows[i].a_mm, length)},
                     {"alpha_deg", optional(rows[i].alpha_rad, angle)}});
   return json;
-}
-
-Json box(const identify::BoundingBox& box) {
-  Json orientation = Json::array();
-  for (Eigen::Index row = 0; row < 3; ++row)
-    orientation.push_back(direction(box.orientation.row(row).transpose()));
-  return {{"lengths_mm", point(box.lengths_mm)},
-          {"volume_m3", rounded(box.volume_mm3() * 1e-9, 12)},
-          {"center", point(box.center_mm)},
-          {"orientation", std::move(orientation)}};
 }
 
 /// A name may come from a file's, in any bytes.
@@ -199,12 +218,12 @@ std::string result_json(const Outcome& outcome) {
   const auto known = [](const Json& angle_deg) { return !angle_deg.is_null(); };
   if (std::any_of(home.begin(), home.end(), known)) json["home_deg"] = std::move(home);
   json["source"] = source(outcome);
-  json["estimator"] = "circle";
+  json["estimator"] = identify::text(found.estimator);
   json["joints"] = Json::array();
   for (std::size_t j = 0; j < found.joints.size(); ++j)
     json["joints"].push_back(joint(j, found.joints[j]));
   json["dh"] = dh_table(found.dh);
-  json["estimates"] = {{"circle", {{"dh", dh_table(found.dh)}}}};
+  if (found.estimator != identify::Estimator::axes) json["estimates"] = estimates(found);
   if (!found.specified.empty()) {
     json["specified"] = specified(found.specified);
     json["difference"] = differences(compare_with_specified(found));

@@ -2,7 +2,7 @@
 
 namespace sweepd {
 
-// Degrees on the wire and in files, radians inside identify: these two are the border.
+// Degrees on the wire and in files, radians inside identify: these are the border.
 
 inline constexpr double kPi = 3.14159265358979323846;
 
@@ -11,6 +11,9 @@ inline constexpr double kPi = 3.14159265358979323846;
 }
 [[nodiscard]] constexpr double degrees(double radians) {
   return radians * (180 / kPi);
+}
+[[nodiscard]] constexpr double arcsec(double radians) {
+  return 3600 * degrees(radians);
 }
 
 }  // namespace sweepd

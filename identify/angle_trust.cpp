@@ -129,11 +129,11 @@ double rms(double squares, double weights) {
 template <class See>
 void visit(const Chain& chain, const std::vector<ChainObservation>& samples,
            const ChainNoise& noise, const See& see) {
-  ChainPose pose;
+  ChainPose pose(chain);
   ChainResidual<3> residual;
   for (const ChainObservation& sample : samples) {
     if (sample.weight == 0) continue;
-    pose.set(chain, sample.target, sample.turns, false);
+    pose.set(sample.target, sample.turns, false);
     residual.set(chain, sample, pose, noise);
     see(sample, residual);
   }

@@ -65,45 +65,53 @@ struct Turn {
 
 }  // namespace
 
-void ChainPose::set(const Chain& chain, std::size_t target, const Turns& turns,
-                    bool with_parameters) {
-  const std::size_t joints = chain.axes.size();
-  const ChainParameters parameters{joints, chain.targets_mm.size()};
+ChainPose::ChainPose(const Chain& chain)
+    : by_parameter(6, ChainParameters{chain.axes.size(), chain.targets_mm.size()}.count(true)),
+      chain_(&chain) {
+  for (std::size_t j = 0; j < chain.axes.size(); ++j) across_[j] = across(chain.axes[j].direction);
+}
+
+void ChainPose::set(std::size_t target, const Turns& turns, bool with_parameters) {
+  const std::size_t joints = chain_->axes.size();
+  const ChainParameters parameters{joints, chain_->targets_mm.size()};
   // Axes as the joints before them carry them; their own rotation leaves them in place.
   std::array<Vector3d, kMostJoints> direction;
   std::array<Vector3d, kMostJoints> point;
   Matrix3d turned = Matrix3d::Identity();
   Vector3d shift = Vector3d::Zero();
-  if (with_parameters) by_parameter.resize(6, parameters.count(true));
   for (std::size_t j = 0; j < joints; ++j) {
-    const ChainAxis& axis = chain.axes[j];
+    const ChainAxis& axis = chain_->axes[j];
     direction[j].noalias() = turned * axis.direction;
     point[j].noalias() = turned * axis.point_mm;
     point[j] += shift;
     if (turns[j] == 0) continue;
     const Turn turn(turns[j]);
+    const Vector3d first = turned * across_[j].col(0);
+    const Vector3d second = direction[j].cross(first);
+    // How far the rotation moves the two: e - R e.
+    const Vector3d first_back = turn.versine * first - turn.sine * second;
+    const Vector3d second_back = turn.versine * second + turn.sine * first;
     if (with_parameters) {
       // d exp(q [n]) for n + e with e across n is the rotation sin(q) e + (1 - cos q) n x e; moving
-      // the axis by e moves what it turns by e - R e. What they do to the position comes below.
-      const Vector3d first = turned * axis.direction.unitOrthogonal();
-      const Vector3d second = direction[j].cross(first);
+      // the axis by e moves what it turns by e - R e. What the first does to the position, below.
       auto columns = by_parameter.middleCols<4>(parameters.axis(j));
       columns.col(0).tail<3>() = turn.sine * first + turn.versine * second;
       columns.col(1).tail<3>() = turn.sine * second - turn.versine * first;
-      columns.col(2) << turn.versine * first - turn.sine * second, Vector3d::Zero();
-      columns.col(3) << turn.versine * second + turn.sine * first, Vector3d::Zero();
+      columns.col(2).head<3>() = first_back;
+      columns.col(3).head<3>() = second_back;
+      columns.bottomRightCorner<3, 2>().setZero();
     }
-    for (Eigen::Index k = 0; k < 3; ++k) {
-      const Vector3d sideways = direction[j].cross(turned.col(k));
-      turned.col(k) += turn.sine * sideways + turn.versine * direction[j].cross(sideways);
-    }
-    shift = point[j];
-    shift.noalias() -= turned * axis.point_mm;
+    turned.noalias() -= first_back * across_[j].col(0).transpose();
+    turned.noalias() -= second_back * across_[j].col(1).transpose();
+    shift += across_[j].col(0).dot(axis.point_mm) * first_back +
+             across_[j].col(1).dot(axis.point_mm) * second_back;
   }
   rotation = turned;
-  position_mm = turned * chain.targets_mm[target] + shift;
-  for (std::size_t j = 0; j < joints; ++j)
-    by_turn[j] << direction[j].cross(position_mm - point[j]), direction[j];
+  position_mm = turned * chain_->targets_mm[target] + shift;
+  for (std::size_t j = 0; j < joints; ++j) {
+    by_turn[j].head<3>() = direction[j].cross(position_mm - point[j]);
+    by_turn[j].tail<3>() = direction[j];
+  }
   if (!with_parameters) return;
 
   for (std::size_t j = 0; j < joints; ++j) {

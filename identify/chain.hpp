@@ -59,7 +59,11 @@ struct ChainParameters {
 
 /// A chain at one pose, and how position and orientation of a target change there. Rows 0-2:
 /// position (mm); rows 3-5: rotation (rad) in the measurement frame.
-struct ChainPose {
+class ChainPose {
+ public:
+  /// The chain must outlive the pose.
+  explicit ChainPose(const Chain& chain);
+
   using Twist = Eigen::Matrix<double, 6, 1>;
   Eigen::Vector3d position_mm;
   Eigen::Matrix3d rotation;                ///< of the displacement
@@ -68,7 +72,11 @@ struct ChainPose {
   Eigen::Matrix<double, 6, Eigen::Dynamic> by_parameter;
 
   /// `by_parameter` is left alone unless asked for.
-  void set(const Chain& chain, std::size_t target, const Turns& turns, bool with_parameters);
+  void set(std::size_t target, const Turns& turns, bool with_parameters);
+
+ private:
+  const Chain* chain_;
+  std::array<Eigen::Matrix<double, 3, 2>, kMostJoints> across_;  ///< of each axis
 };
 
 }  // namespace identify

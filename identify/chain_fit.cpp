@@ -85,9 +85,10 @@ class Problem {
   /// The weights are those of `chain`, and stay: what is minimised must not move.
   Problem(const Chain& chain, std::vector<ChainObservation>& samples, const ChainNoise& noise)
       : samples_(samples), noise_(noise), weights_(samples.size()), swept_(samples.size()) {
+    ChainPose pose(chain);
     for (std::size_t i = 0; i < samples_.size(); ++i) {
-      pose_.set(chain, samples_[i].target, samples_[i].turns, false);
-      weights_[i] = ChainResidual<Size>::base_weight(chain, samples_[i], noise, pose_);
+      pose.set(samples_[i].target, samples_[i].turns, false);
+      weights_[i] = ChainResidual<Size>::base_weight(chain, samples_[i], noise, pose);
       swept_[i] = samples_[i].turns[samples_[i].joint];
     }
   }
@@ -101,18 +102,24 @@ class Problem {
   NormalEquations linearised(const Chain& chain) {
     const ChainParameters parameters{chain.axes.size(), chain.targets_mm.size()};
     NormalEquations equations(parameters.count(Size == 6));
+    ChainPose pose(chain);
     std::vector<Index> active;
     for (std::size_t i = 0; i < samples_.size(); ++i) {
       const ChainObservation& sample = samples_[i];
       if (sample.weight == 0 && !free(sample)) continue;
-      Turns turns = sample.turns;
+      pose.set(sample.target, sample.turns, true);
+      residual_.set(chain, sample, pose, weights_[i], free(sample));
       if (free(sample)) {
-        pose_.set(chain, sample.target, turns, false);
-        residual_.set(chain, sample, pose_, weights_[i], true);
-        swept_[i] = turns[sample.joint] += residual_.toward;
+        swept_[i] = sample.turns[sample.joint] + residual_.toward;
+        // Along the tangent is along the circle, unless it is far.
+        constexpr double kBend = 1e-10;  // standard deviations
+        if (residual_.toward * residual_.toward > kBend * residual_.toward_sigma) {
+          Turns turns = sample.turns;
+          turns[sample.joint] = swept_[i];
+          pose.set(sample.target, turns, true);
+          residual_.set(chain, sample, pose, weights_[i], true);
+        }
       }
-      pose_.set(chain, sample.target, turns, true);
-      residual_.set(chain, sample, pose_, weights_[i], free(sample));
       equations.cost += sample.weight * residual_.squared() / 2;
       // Joints that did not turn change nothing.
       active.clear();
@@ -120,10 +127,10 @@ class Problem {
         for (Index k = 0; k < count; ++k) active.push_back(from + k);
       };
       for (std::size_t j = 0; j < chain.axes.size(); ++j)
-        if (turns[j] != 0) activate(parameters.axis(j), 4);
+        if (sample.turns[j] != 0 || j == sample.joint) activate(parameters.axis(j), 4);
       activate(parameters.target(sample.target), 3);
       if constexpr (Size == 6) activate(parameters.tool(), 3);
-      rows_.add(active, pose_.by_parameter, sample.weight * residual_.weight, residual_.error,
+      rows_.add(active, pose.by_parameter, sample.weight * residual_.weight, residual_.error,
                 equations);
     }
     rows_.flush(equations);
@@ -140,7 +147,6 @@ class Problem {
   std::vector<typename ChainResidual<Size>::Square> weights_;
   std::vector<double> swept_;  ///< turns of the sweeping joints
   Rows<Size> rows_;
-  ChainPose pose_;
   ChainResidual<Size> residual_;
 };
 

@@ -22,10 +22,10 @@ enum : Index { kPosition, kOrientation, kLocked, kSwept };
 template <int Size, class See>
 void visit(const Chain& chain, const std::vector<ChainObservation>& samples,
            const ChainNoise& noise, const See& see) {
-  ChainPose pose;
+  ChainPose pose(chain);
   ChainResidual<Size> residual;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    pose.set(chain, samples[i].target, samples[i].turns, false);
+    pose.set(samples[i].target, samples[i].turns, false);
     residual.set(chain, samples[i], pose, noise);
     see(i, residual, pose);
   }
@@ -158,38 +158,42 @@ ChainNoise estimate(const Chain& chain, const std::vector<ChainObservation>& sam
   return found;
 }
 
-/// Of each joint, the median squared distance in that of good samples; nothing: zero.
+/// Of each stroke, the median squared distance in that of good samples.
 template <int Size>
 std::vector<double> median_squares(const Chain& chain, const std::vector<ChainObservation>& samples,
                                    const ChainNoise& noise) {
-  std::vector<std::vector<double>> squares(chain.axes.size());
+  std::vector<double> medians;
+  std::vector<double> squares;
+  const auto close = [&](std::size_t joint) {
+    const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
+    std::nth_element(squares.begin(), middle, squares.end());
+    // The median of chi squared is close to k (1 - 2 / 9k)^3.
+    const double k = std::isfinite(noise.swept_rad[joint]) ? Size : Size - 1;
+    medians.push_back(*middle / (k * std::pow(1 - 2 / (9 * k), 3)));
+    squares.clear();
+  };
   visit<Size>(chain, samples, noise,
               [&](std::size_t i, const ChainResidual<Size>& at, const ChainPose&) {
-                squares[samples[i].joint].push_back(at.squared());
+                if (i > 0 && samples[i].sweep != samples[i - 1].sweep) close(samples[i - 1].joint);
+                squares.push_back(at.squared());
               });
-  std::vector<double> medians(chain.axes.size(), 0.0);
-  for (std::size_t j = 0; j < medians.size(); ++j) {
-    if (squares[j].empty()) continue;
-    const auto middle = squares[j].begin() + static_cast<std::ptrdiff_t>(squares[j].size() / 2);
-    std::nth_element(squares[j].begin(), middle, squares[j].end());
-    // The median of chi squared is close to k (1 - 2 / 9k)^3.
-    const double k = std::isfinite(noise.swept_rad[j]) ? Size : Size - 1;
-    medians[j] = *middle / (k * std::pow(1 - 2 / (9 * k), 3));
-  }
+  if (!squares.empty()) close(samples.back().joint);
   return medians;
 }
 
 template <int Size>
 void set_weights(const Chain& chain, std::vector<ChainObservation>& samples,
                  const ChainNoise& noise) {
-  // Half of a joint's samples are good, whatever the noise is said to be: else weights and noise
+  // Half of a stroke's samples are good, whatever the noise is said to be: else weights and noise
   // would make each other ever smaller.
   const auto medians = median_squares<Size>(chain, samples, noise);
+  std::size_t stroke = 0;
   visit<Size>(chain, samples, noise,
               [&](std::size_t i, const ChainResidual<Size>& at, const ChainPose&) {
                 // The distance that a good sample hardly passes, for its number of free directions.
                 const double plateau = std::sqrt(static_cast<double>(Size)) + 2.5;
-                const double unit = std::sqrt(std::max(1.0, medians[samples[i].joint]));
+                if (i > 0 && samples[i].sweep != samples[i - 1].sweep) ++stroke;
+                const double unit = std::sqrt(std::max(1.0, medians[stroke]));
                 const double distance = std::sqrt(at.squared()) / (unit * plateau);
                 const double left = std::clamp(2 - distance, 0.0, 1.0);
                 samples[i].weight = left * left;
@@ -264,6 +268,7 @@ ChainNoise estimate_noise(const Chain& chain, const std::vector<ChainObservation
 double robust_position_sigma(const Chain& chain, const std::vector<ChainObservation>& samples,
                              const ChainNoise& noise) {
   const auto medians = median_squares<3>(chain, samples, noise);
+  if (medians.empty()) return noise.position_mm;
   return noise.position_mm * std::sqrt(*std::max_element(medians.begin(), medians.end()));
 }
 

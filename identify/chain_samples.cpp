@@ -74,6 +74,17 @@ Vector3d median(std::vector<Vector3d>& points) {
   return middle;
 }
 
+/// A target close to the axis tells nothing of where along its circle it is.
+bool hardly_moves(const Sweep& sweep, const ChainAxis& axis) {
+  constexpr double kLeastRadius_mm = 1;
+  std::vector<Vector3d> places;
+  for (const Sample& sample : *sweep.samples) {
+    const Vector3d from = sample.position_mm - axis.point_mm;
+    places.emplace_back((from - axis.direction * axis.direction.dot(from)).norm(), 0, 0);
+  }
+  return median(places).x() < kLeastRadius_mm;
+}
+
 /// Positive where a sweep turns about the circle's normal: by the medians of its thirds.
 double turned_by(const Sweep& sweep, const CircleFit& circle) {
   std::array<Vector3d, 3> places;
@@ -143,6 +154,7 @@ ChainSamples chain_samples(const Identification& circles,
       for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
         const Sweep& sweep = joint.sweeps[s];
         const bool elsewhere = !joint.used[s] && !sweep.positioning;
+        if (joint.used[s] && hardly_moves(sweep, *axes[j])) continue;
         if (joint.used[s] || (elsewhere && sweep.first().joints >= joints)) see(j, sweep);
       }
     }
@@ -224,9 +236,11 @@ std::vector<Vector3d> starting_targets(const Chain& chain,
       found.push_back(Vector3d::Zero());
       continue;
     }
+    // From all around one of the circles: others may pass near it more than once.
     Vector3d best = Vector3d::Zero();
     double least = std::numeric_limits<double>::infinity();
-    const auto consider = [&](const Vector3d& point, double handicap) {
+    const auto consider = [&](const Vector3d& start, double handicap) {
+      const Vector3d point = circles.size() > 1 ? settled(circles, start) : start;
       const double sum = misfit(circles, point) * handicap;
       if (sum < least) {
         least = sum;
@@ -240,15 +254,9 @@ std::vector<Vector3d> starting_targets(const Chain& chain,
                                                        first.axis.direction) *
                                          (first.on_it_mm - first.axis.point_mm),
                1);
-    if (circles.size() > 1) best = settled(circles, best);
-    least = misfit(circles, best);
     // Where the angles lead to about as good a place, they know which of several it is.
     constexpr double kAsGood = 0.1;
-    if (!at_home.empty()) {
-      Vector3d by_angles = median(at_home);
-      if (circles.size() > 1) by_angles = settled(circles, by_angles);
-      consider(by_angles, circles.size() > 1 ? kAsGood : 0);
-    }
+    if (!at_home.empty()) consider(median(at_home), circles.size() > 1 ? kAsGood : 0);
     found.push_back(best);
   }
   for (ChainObservation& sample : observations) {

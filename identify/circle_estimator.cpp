@@ -1,8 +1,6 @@
 #include "identify/circle_estimator.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 
 #include <Eigen/Geometry>
@@ -20,25 +18,6 @@ using Eigen::Vector3d;
 constexpr double kDegree = 3.14159265358979323846 / 180;
 /// An axis that is less certain than this is none.
 constexpr double kWorstDirection_rad = 1.0 * kDegree;
-/// An axis that is less certain than this deserves a warning.
-constexpr double kPoorDirection_rad = 0.05 * kDegree;
-constexpr double kPoorRadius_mm = 20;
-constexpr double kPoorArc_rad = 20 * kDegree;
-/// Printed more coarsely than this, positions and angles blur the result.
-constexpr double kPoorResolution_mm = 0.0011;
-constexpr double kPoorResolution_rad = 0.0011 * kDegree;
-
-std::string fixed(double value, int decimals) {
-  std::array<char, 64> text;
-  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value,
-                                          std::chars_format::fixed, decimals);
-  return error == std::errc() ? std::string(text.data(), end) : std::string("?");
-}
-
-std::string degrees(double angle_rad, int decimals = 1) {
-  return fixed(angle_rad / kDegree, decimals) + "°";
-}
-
 std::string joint_name(std::size_t joint) {
   return "joint " + std::to_string(joint + 1);
 }
@@ -234,20 +213,7 @@ class Circles {
                 axis_covariance(circle, used_points(j, joint.circle_target),
                                 std::max({circle.plane_rms_mm, plane, quantum}),
                                 std::max({circle.radial_rms_mm, radial, quantum}))};
-      const double sigma = axis.direction_sigma_rad();
-      const std::string seen = "radius " + fixed(circle.radius_mm, 1) + " mm, arc " +
-                               degrees(circle.arc_rad) + ", direction uncertain by " +
-                               degrees(sigma, 4);
-      const bool usable = sigma < kWorstDirection_rad;
-      if (circle.radius_mm < kPoorRadius_mm)
-        warn("target_near_axis", j,
-             joint_name(j) + ": the target point is close to the axis (" + seen +
-                 "): choose a tool point further off it");
-      else if (!usable || sigma > kPoorDirection_rad || circle.arc_rad < kPoorArc_rad)
-        warn("arc_short", j,
-             joint_name(j) + ": the arc determines the axis poorly (" + seen +
-                 "): sweep it further, or with a tool point further off the axis");
-      if (usable) joint.axis = std::move(axis);
+      if (axis.direction_sigma_rad() < kWorstDirection_rad) joint.axis = std::move(axis);
     }
   }
 
@@ -311,6 +277,7 @@ class Circles {
       }
       ++axes;
       points.push_back(used_points(j));
+      result_.joints[j].box = minimum_bounding_box(points.back());
       count += points.back().cols();
     }
     Matrix3Xd all(3, count);
@@ -320,17 +287,12 @@ class Circles {
       count += some.cols();
     }
     if (all.cols() > 0) result_.bounding_box = minimum_bounding_box(all);
-    const auto& steps = campaign_.resolution;
-    if (steps.position_mm > kPoorResolution_mm || steps.angle_rad > kPoorResolution_rad)
-      warn("low_precision", {},
-           "numbers come in steps of " + fixed(steps.position_mm, 4) + " mm and " +
-               degrees(steps.angle_rad, 4) + ": set Precision of the ETHERNET object to 4 or more");
     if (positions_missing_) {
       // Strokes that angles alone tell are something: partial, not failed.
       result_.status = Status::partial;
       result_.reason =
-          "the telegrams carry no positions: add DEF_RIst to the SEND list of the "
-          "controller's Ethernet file";
+          "the data carry no positions: on a KUKA controller, add DEF_RIst to the SEND list of the "
+          "Ethernet file";
       warn("no_positions", {}, result_.reason);
     } else if (axes == campaign_.joints) {
       result_.status = Status::complete;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -33,12 +34,12 @@ double same_angle(const Resolution& resolution) {
   return std::max(kSame_rad, resolution.angle_rad);
 }
 
-/// The mean of all positions at which the arm rested while the turn went from one joint to another.
-std::optional<Vector3d> home_point(const std::vector<Sweep>& sweeps) {
+/// Where a target rested while the turn went from one joint to another.
+std::optional<Vector3d> home_point(const std::vector<Sweep>& sweeps, std::size_t target) {
   std::vector<Vector3d> points;
   const Sweep* before = nullptr;
   for (const Sweep& sweep : sweeps) {
-    if (!sweep.joint || !sweep.first().has_position) continue;
+    if (!sweep.joint || sweep.target != target || !sweep.first().has_position) continue;
     if (before != nullptr && before->joint != sweep.joint) {
       points.push_back(before->last().position_mm);
       points.push_back(sweep.first().position_mm);
@@ -103,12 +104,15 @@ bool at_home(const Sweep& sweep, const std::vector<std::optional<double>>& home,
 
 void mark_positioning(std::vector<Sweep>& sweeps, const std::vector<std::optional<double>>& home,
                       const Resolution& resolution) {
-  const auto rest = home_point(sweeps);
+  std::map<std::size_t, std::optional<Vector3d>> rests;
+  for (const Sweep& sweep : sweeps)
+    if (!rests.contains(sweep.target)) rests[sweep.target] = home_point(sweeps, sweep.target);
   const auto touches = [&](const Sweep& sweep, const Sample& end) {
     if (has_angles(sweep) && home[*sweep.joint]) {
       const double tolerance = std::max(kEnd_rad, 2 * resolution.angle_rad);
       return std::abs(end.angles_rad[*sweep.joint] - *home[*sweep.joint]) <= tolerance;
     }
+    const auto& rest = rests[sweep.target];
     if (has_angles(sweep) || !rest) return false;
     const auto circle = fit_circle(positions(*sweep.samples));
     if (!circle) return false;
@@ -121,12 +125,14 @@ void mark_positioning(std::vector<Sweep>& sweeps, const std::vector<std::optiona
   const auto usable = [](const Sweep& sweep) {
     return sweep.joint && sweep.defect == SweepDefect::none;
   };
-  std::set<std::size_t> with_proper_sweeps;
+  std::set<std::pair<std::size_t, std::size_t>> with_proper_sweeps;  // joint and target
   for (const Sweep& sweep : sweeps)
-    if (usable(sweep) && !touches_home(sweep)) with_proper_sweeps.insert(*sweep.joint);
+    if (usable(sweep) && !touches_home(sweep))
+      with_proper_sweeps.emplace(*sweep.joint, sweep.target);
   for (Sweep& sweep : sweeps)
-    sweep.positioning =
-        usable(sweep) && with_proper_sweeps.contains(*sweep.joint) && touches_home(sweep);
+    sweep.positioning = usable(sweep) &&
+                        with_proper_sweeps.contains({*sweep.joint, sweep.target}) &&
+                        touches_home(sweep);
 }
 
 }  // namespace identify

@@ -3,13 +3,15 @@
 #include <string>
 #include <utility>
 
+#include "identify/advice.hpp"
 #include "identify/chain_estimator.hpp"
 #include "identify/chain_table.hpp"
 #include "identify/circle_estimator.hpp"
 
 namespace identify {
+namespace {
 
-Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign) {
+Identification estimate(std::vector<Sweep> sweeps, const Campaign& campaign) {
   Identification found = identify_by_circles(std::move(sweeps), campaign);
   found.circle_dh = found.dh;
   found.chain = estimate_chain(found, campaign);
@@ -39,6 +41,14 @@ Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign) {
   return found;
 }
 
+}  // namespace
+
+Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign) {
+  Identification found = estimate(std::move(sweeps), campaign);
+  add_advice(found, campaign);
+  return found;
+}
+
 std::string_view text(Status status) noexcept {
   switch (status) {
     case Status::complete:
@@ -52,7 +62,15 @@ std::string_view text(Status status) noexcept {
 }
 
 std::string_view text(Estimator estimator) noexcept {
-  return estimator == Estimator::chain ? "chain" : "circle";
+  switch (estimator) {
+    case Estimator::circle:
+      return "circle";
+    case Estimator::chain:
+      return "chain";
+    case Estimator::axes:
+      return "axes";
+  }
+  return "";
 }
 
 std::string_view text(AngleTrust trust) noexcept {

@@ -42,8 +42,8 @@ struct Warning {
   std::string message;
 };
 
-/// Which estimator a result comes from.
-enum class Estimator { circle, chain };
+/// Which estimator a result comes from. `axes`: none, the axes were given.
+enum class Estimator { circle, chain, axes };
 [[nodiscard]] std::string_view text(Estimator estimator) noexcept;
 
 /// Where the robot's base stands in the measurement frame.

@@ -42,6 +42,12 @@ struct Regime {
   double sag_periods = 1;  ///< a turn
 };
 
+/// How far a joint's angle is off.
+inline double sag_at(const Regime& regime, std::size_t joint, double angle_rad) {
+  if (joint != regime.sagging) return 0;
+  return regime.sag_arcsec * kArcsec * std::sin(regime.sag_periods * angle_rad + 0.7);
+}
+
 struct Simulated {
   identify::Arm arm;
   std::vector<Range> ranges;
@@ -107,8 +113,7 @@ inline std::vector<identify::Sweep> sweeps_of(const Simulated& robot, const Regi
           sample.joints = static_cast<std::uint8_t>(joints);
           for (std::size_t k = 0; k < joints; ++k) {
             double angle = robot.arm.home_rad[k] + turns[k];
-            if (k == regime.sagging)
-              angle += regime.sag_arcsec * kArcsec * std::sin(regime.sag_periods * angle + 0.7);
+            angle += sag_at(regime, k, angle);
             sample.angles_rad[k] = rounded(angle / kDegree, regime.step) * kDegree;
           }
         }

@@ -2,17 +2,25 @@
 
 // Outcomes as a campaign leaves them, for tests of what is written about them.
 
+#include <cmath>
+
 #include "daemon/outcome.hpp"
 #include "daemon/units.hpp"
-#include "identify/circle_estimator.hpp"
 #include "identify/segmentation.hpp"
 #include "tests/identify/simulated_campaign.hpp"
 
 namespace sweepd::test {
 
-inline Outcome outcome_of(const std::vector<identify::Sample>& samples,
-                          const identify::Campaign& campaign) {
+/// The samples are printed with four decimals first.
+inline Outcome outcome_of(std::vector<identify::Sample> samples, identify::Campaign campaign) {
+  const auto printed = [](double value) { return std::round(value * 1e4) / 1e4; };
+  for (auto& sample : samples) {
+    for (double& value : sample.position_mm) value = printed(value);
+    for (double& value : sample.angles_rad) value = radians(printed(degrees(value)));
+  }
+  campaign.resolution = {1e-4, radians(1e-4)};
   identify::Segmenter segmenter(campaign.joints);
+  segmenter.set_resolution(campaign.resolution);
   std::vector<identify::Sweep> sweeps;
   const auto keep = [&](const std::vector<identify::Sweep>& found) {
     sweeps.insert(sweeps.end(), found.begin(), found.end());
@@ -23,7 +31,7 @@ inline Outcome outcome_of(const std::vector<identify::Sample>& samples,
   outcome.robot = "kr5-arc";
   outcome.counts.link.telegrams = samples.size();
   outcome.counts.cycle_ms = 4;
-  outcome.identification = identify::identify_by_circles(sweeps, campaign);
+  outcome.identification = identify::identify(sweeps, campaign);
   return outcome;
 }
 

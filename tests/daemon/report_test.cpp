@@ -67,7 +67,7 @@ TEST_CASE("numbers of one table line up with their header") {
   std::size_t rows = 0;
   for (const auto& line : all)
     if (line.find(" mm ") != std::string::npos && line.find("Smallest") == std::string::npos &&
-        line.find("radius") == std::string::npos) {
+        line.find("radius") == std::string::npos && line.find("centre") == std::string::npos) {
       INFO(line);
       CHECK(line.size() == header->size());
       ++rows;
@@ -84,6 +84,24 @@ TEST_CASE("a complete report has the robot, its table beside the specified one, 
   CHECK_THAT(text, ContainsSubstring("620.0000") && ContainsSubstring("parallel") &&
                        ContainsSubstring("(set)"));
   CHECK_THAT(text, ContainsSubstring("Smallest box"));
+}
+
+TEST_CASE("a complete report shows the chain beside the circles, and how far angles are believed") {
+  const auto text = report(complete_outcome());
+  CHECK_THAT(text, ContainsSubstring("DH parameters by the chain estimator") &&
+                       ContainsSubstring("circle") && ContainsSubstring("beta   deg") &&
+                       ContainsSubstring("trusted") && ContainsSubstring("backlash"));
+  CHECK_THAT(flowing(text), ContainsSubstring("samples, 0 outliers, position noise") &&
+                                ContainsSubstring("converged, after"));
+}
+
+TEST_CASE("axes that were given have their table and no word of circles or fits") {
+  auto outcome = complete_outcome();
+  outcome.identification.estimator = identify::Estimator::axes;
+  outcome.identification.chain.reset();
+  outcome.identification.bounding_box.reset();
+  CHECK_THAT(report(outcome), ContainsSubstring("DH parameters of the given axes") &&
+                                  !ContainsSubstring("circle") && !ContainsSubstring("fit  "));
 }
 
 TEST_CASE("a partial report names the reason and every warning, whole") {

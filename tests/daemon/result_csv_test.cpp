@@ -50,11 +50,37 @@ std::size_t column(const std::vector<Row>& rows, const std::string& name) {
 
 TEST_CASE("dh.csv has a row a joint: identified, uncertainty, specified, difference") {
   const auto rows = table(dh_csv(complete_outcome()));
-  CHECK(rows.at(0) == Row{"joint", "b_mm", "b_sigma_mm", "b_specified_mm", "b_difference_mm",
-                          "theta_deg", "theta_sigma_deg", "theta_specified_deg",
-                          "theta_difference_deg", "a_mm", "a_sigma_mm", "a_specified_mm",
-                          "a_difference_mm", "alpha_deg", "alpha_sigma_deg", "alpha_specified_deg",
-                          "alpha_difference_deg", "relation", "by_convention"});
+  CHECK(rows.at(0) == Row{"joint",
+                          "b_mm",
+                          "b_sigma_mm",
+                          "b_specified_mm",
+                          "b_difference_mm",
+                          "theta_deg",
+                          "theta_sigma_deg",
+                          "theta_specified_deg",
+                          "theta_difference_deg",
+                          "a_mm",
+                          "a_sigma_mm",
+                          "a_specified_mm",
+                          "a_difference_mm",
+                          "alpha_deg",
+                          "alpha_sigma_deg",
+                          "alpha_specified_deg",
+                          "alpha_difference_deg",
+                          "relation",
+                          "by_convention",
+                          "beta_deg",
+                          "beta_sigma_deg",
+                          "b_low_mm",
+                          "b_high_mm",
+                          "theta_low_deg",
+                          "theta_high_deg",
+                          "a_low_mm",
+                          "a_high_mm",
+                          "alpha_low_deg",
+                          "alpha_high_deg",
+                          "beta_low_deg",
+                          "beta_high_deg"});
   REQUIRE(rows.size() == 7);
   for (std::size_t i = 1; i < rows.size(); ++i) {
     REQUIRE(rows[i].size() == rows[0].size());
@@ -65,6 +91,10 @@ TEST_CASE("dh.csv has a row a joint: identified, uncertainty, specified, differe
   CHECK(number(rows[1][4]) == Approx(number(rows[1][1]) - 400).margin(1e-6));
   CHECK(rows[1][17] == "skew");
   CHECK(rows[1][18].empty());
+  CHECK(rows[1][column(rows, "beta_deg")].empty());
+  CHECK(std::abs(number(rows[2][column(rows, "beta_deg")])) < 1e-3);
+  CHECK(number(rows[1][column(rows, "b_high_mm")]) - number(rows[1][1]) ==
+        Approx(1.96 * number(rows[1][2])).margin(3e-6));  // each is rounded to 1e-6
 }
 
 TEST_CASE("dh.csv leaves empty what convention sets and what nobody knows") {
@@ -93,7 +123,8 @@ TEST_CASE("sweeps.csv has each sample that was used, and its distance from plane
   const auto rows = table(sweeps_csv(outcome));
   CHECK(rows.at(0) == Row{"joint", "sweep", "t_s", "x_mm", "y_mm", "z_mm", "a1_deg", "a2_deg",
                           "a3_deg", "a4_deg", "a5_deg", "a6_deg", "plane_residual_mm",
-                          "radial_residual_mm"});
+                          "radial_residual_mm", "chain_axial_residual_mm",
+                          "chain_radial_residual_mm", "angle_error_arcsec", "curve_error_arcsec"});
   std::size_t used = 0;
   const auto& joints = outcome.identification.joints;
   for (const auto& joint : joints)
@@ -119,5 +150,26 @@ TEST_CASE("sweeps.csv has each sample that was used, and its distance from plane
 TEST_CASE(
     "sweeps.csv has no columns of angles where there are none, and no rows without a circle") {
   CHECK(sweeps_csv(failed_outcome()) ==
-        "joint,sweep,t_s,x_mm,y_mm,z_mm,plane_residual_mm,radial_residual_mm\n");
+        "joint,sweep,t_s,x_mm,y_mm,z_mm,plane_residual_mm,radial_residual_mm,"
+        "chain_axial_residual_mm,chain_radial_residual_mm,angle_error_arcsec,curve_error_arcsec\n");
+}
+
+TEST_CASE("sweeps.csv has where each sample lies to the chain, and the error of its angle") {
+  auto outcome = complete_outcome();
+  const auto rows = table(sweeps_csv(outcome));
+  const auto axial = column(rows, "chain_axial_residual_mm");
+  const auto radial = column(rows, "chain_radial_residual_mm");
+  const auto error = column(rows, "angle_error_arcsec");
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    // At most half a step of six angles, with levers of 2 m in all, and of a position: 1.8e-3 mm,
+    // and that at 200 mm from the axis.
+    CHECK(std::abs(number(rows[i][axial])) < 2e-3);
+    CHECK(std::abs(number(rows[i][radial])) < 2e-3);
+    CHECK(std::abs(number(rows[i][error])) < 2);
+  }
+  outcome.identification.chain.reset();
+  const auto without = table(sweeps_csv(outcome));
+  CHECK(without.at(1).size() == rows[1].size());
+  CHECK(without[1][axial].empty());
+  CHECK(without[1][error].empty());
 }

@@ -43,7 +43,7 @@ TEST_CASE("a complete result has every field of the schema, in its type and unit
   CHECK(json.at("robot") == "kr5-arc");
   CHECK(json.at("status") == "complete");
   CHECK_FALSE(json.contains("reason"));
-  CHECK(json.at("estimator") == "circle");
+  CHECK(json.at("estimator") == "chain");
   REQUIRE(json.at("home_deg").size() == 6);
   // Means over strokes of some hundred samples with a wobble of 0.0001 deg.
   CHECK(json.at("home_deg")[1].get<double>() == Approx(-90).margin(1e-4));
@@ -98,7 +98,8 @@ TEST_CASE("a complete result has every field of the schema, in its type and unit
     for (const auto& sigma : kSigmas) CHECK(row.contains(sigma));
     CHECK(row.at("relation").is_string());
   }
-  CHECK(json.at("estimates").at("circle").at("dh") == json.at("dh"));
+  CHECK(json.at("estimates").at("chain").at("dh") == json.at("dh"));
+  CHECK(json.at("estimates").at("circle").at("dh").size() == 6);
 
   const auto& box = json.at("bounding_box");
   const auto lengths = box.at("lengths_mm").get<std::vector<double>>();
@@ -112,6 +113,56 @@ TEST_CASE("a complete result has every field of the schema, in its type and unit
   REQUIRE(box.at("orientation").size() == 3);
   CHECK(box.at("orientation")[0].size() == 3);
   CHECK(json.at("warnings").is_array());
+}
+
+TEST_CASE("each number has its 95 % interval, and beta stands where axes are parallel") {
+  const auto json = parsed(complete_outcome());
+  const auto& row = json.at("dh")[0];
+  const double half = 1.96 * row.at("b_sigma_mm").get<double>();
+  // Value, sigma and ends are rounded to 1e-6 each.
+  CHECK(row.at("b_low_mm").get<double>() ==
+        Approx(row.at("b_mm").get<double>() - half).margin(3e-6));
+  CHECK(row.at("b_high_mm").get<double>() ==
+        Approx(row.at("b_mm").get<double>() + half).margin(3e-6));
+  CHECK_FALSE(row.contains("beta_deg"));
+  const auto& parallel = json.at("dh")[1];
+  CHECK(parallel.at("b_low_mm").is_null());
+  CHECK(parallel.at("beta_deg").is_number());
+  CHECK(parallel.at("beta_sigma_deg").get<double>() > 0);
+  CHECK(parallel.at("beta_high_deg") > parallel.at("beta_low_deg"));
+}
+
+TEST_CASE("the chain's evidence is part of the result") {
+  const auto chain = parsed(complete_outcome()).at("estimates").at("chain");
+  CHECK(chain.at("summary").at("converged") == true);
+  CHECK(chain.at("summary").at("undetermined").is_number());
+  CHECK(chain.at("samples").get<std::size_t>() > 1000);
+  CHECK(chain.at("outliers") == 0);
+  CHECK(chain.at("shared_home") == true);
+  CHECK(chain.at("with_orientation") == false);
+  CHECK(chain.at("noise").at("orientation_deg").is_null());
+  REQUIRE(chain.at("noise").at("swept_deg").size() == 6);
+  CHECK(chain.at("noise").at("swept_deg")[0].is_number());
+  REQUIRE(chain.at("angles").size() == 6);
+  const auto& joint = chain.at("angles")[0];
+  CHECK(joint.at("trust") == "trusted");
+  CHECK_FALSE(joint.at("reason").get<std::string>().empty());
+  for (const char* name : {"error_rms_arcsec", "remainder_rms_arcsec", "expected_rms_arcsec",
+                           "size", "coherence", "remainder_coherence"})
+    CHECK(joint.at(name).is_number());
+  CHECK(joint.at("curve").size() == 6);
+  CHECK(joint.at("backlash_arcsec").is_null());  // swept one way
+}
+
+TEST_CASE("angles that are not used have no noise, and a joint's box is its own") {
+  auto outcome = complete_outcome();
+  outcome.identification.chain->noise.swept_rad[2] = std::numeric_limits<double>::infinity();
+  const auto json = parsed(outcome);
+  CHECK(json["estimates"]["chain"]["noise"]["swept_deg"][2].is_null());
+  const auto& box = json.at("joints")[5].at("bounding_box");
+  // Joint 6 carries the target round a circle of 200 mm, by 90 degrees.
+  CHECK(box.at("lengths_mm")[0].get<double>() == Approx(200 * std::sqrt(2)).margin(0.5));
+  CHECK(box.at("gap").is_number());
 }
 
 TEST_CASE("lengths are in mm, angles in degrees") {
@@ -250,14 +301,16 @@ TEST_CASE("positioning strokes are marked, and what was used is told") {
   CHECK(sweeps[1].at("used") == true);
 }
 
-TEST_CASE("numbers are rounded: a nanometre, and as little of an angle") {
-  const auto json = parsed(complete_outcome());
+TEST_CASE("numbers are rounded, but in models: a nanometre, and as little of an angle") {
+  auto json = parsed(complete_outcome());
+  json.erase("models");
   for_each_number(json, "", [](const std::string& name, const Json& number) {
     const double value = number.get<double>();
     const double unit = name.ends_with("_mm")    ? 1e-6
                         : name.ends_with("_deg") ? 1e-7
                         : name.ends_with("_s")   ? 1e-6
                         : name == "volume_m3"    ? 1e-12
+                        : name == "gap"          ? 1e-15
                                                  : 1e-9;
     INFO(name << " " << number.dump());
     CHECK(std::isfinite(value));

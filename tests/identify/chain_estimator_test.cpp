@@ -199,6 +199,35 @@ TEST_CASE("sweeps from two homes and of two targets make one fit") {
   CHECK((both.chain->chain.targets_mm[1] - last * other.tool_mm).norm() < 1e-6);
 }
 
+TEST_CASE("a second target without angles makes the table more certain") {
+  std::vector<Sweep> one;
+  std::vector<Sweep> both;
+  for (std::size_t target = 0; target < 2; ++target) {
+    Arm arm = test::kr5_arc();
+    if (target == 1) arm.tool_mm = {-200, 0, 215};
+    test::Campaign campaign(arm, {0, 0.02, 8});
+    campaign.sweep_all_90();
+    for (Sweep sweep : segment(campaign.samples())) {
+      auto samples = *sweep.samples;
+      for (Sample& sample : samples) sample.joints = 0;
+      sweep.samples = std::make_shared<const std::vector<Sample>>(samples);
+      sweep.target = target;
+      if (target == 0) one.push_back(sweep);
+      both.push_back(std::move(sweep));
+    }
+  }
+  const auto with_one = identify::identify(one, for_kr5());
+  const auto with_both = identify::identify(both, for_kr5());
+  CHECK(with_both.status == Status::complete);
+  for (std::size_t j = 0; j < 6; ++j) CHECK(with_both.joints[j].circle_target == 0);
+  for (std::size_t i = 0; i < 5; ++i) {
+    CAPTURE(i);
+    CHECK(with_both.dh[i].a_mm.sigma < 0.9 * with_one.dh[i].a_mm.sigma);
+    CHECK(with_both.dh[i].alpha_rad.sigma < 0.9 * with_one.dh[i].alpha_rad.sigma);
+  }
+  check_table(with_both, 4.5);
+}
+
 TEST_CASE("joints that did not come home are told, and each circle stands for itself") {
   test::Campaign campaign(test::kr5_arc(), {0, 0.005, 5});
   campaign.sweep_all_90();

@@ -159,7 +159,7 @@ TEST_CASE("a target on an axis is said and gives no axis") {
   arm.tool_mm = {0, 0, 215};
   test::Campaign campaign(arm, {0.0001});
   campaign.sweep_all_90();
-  const auto result = identify_by_circles(segment(campaign.samples()), for_kr5());
+  const auto result = identify::identify(segment(campaign.samples()), for_kr5());
   CHECK(result.status == Status::partial);
   CHECK_FALSE(result.joints[5].axis);
   CHECK(result.joints[4].axis);
@@ -172,7 +172,7 @@ TEST_CASE("a target near an axis is warned about") {
   arm.tool_mm = {1.7, 0, 215};
   test::Campaign campaign(arm, {0.0001});
   campaign.sweep_all_90();
-  const auto result = identify_by_circles(segment(campaign.samples()), for_kr5());
+  const auto result = identify::identify(segment(campaign.samples()), for_kr5());
   REQUIRE(find(result, "target_near_axis"));
   CHECK(find(result, "target_near_axis")->joint == 5u);
   // The prediction covers the error that it warns of.
@@ -213,7 +213,7 @@ TEST_CASE("coarsely printed positions are warned about") {
   campaign.sweep_all_90();
   auto known = for_kr5();
   known.resolution = {0.1, 0.1 * kDegree};
-  CHECK(find(identify_by_circles(segment(campaign.samples()), known), "low_precision"));
+  CHECK(find(identify::identify(segment(campaign.samples()), known), "low_precision"));
 }
 
 TEST_CASE("positions that contradict the angles give no axis") {
@@ -224,7 +224,7 @@ TEST_CASE("positions that contradict the angles give no axis") {
   std::uniform_real_distribution<> uniform(-1000, 1000);
   for (auto& sample : samples)
     sample.position_mm = {uniform(random), uniform(random), uniform(random)};
-  const auto result = identify_by_circles(segment(samples), for_kr5());
+  const auto result = identify::identify(segment(samples), for_kr5());
   CHECK(result.status != Status::complete);
   CHECK_FALSE(result.warnings.empty());
 }

@@ -1,0 +1,72 @@
+#include "daemon/chain_text.hpp"
+
+#include <algorithm>
+
+#include "daemon/numbers.hpp"
+#include "daemon/text_layout.hpp"
+#include "daemon/units.hpp"
+
+namespace sweepd {
+namespace {
+
+using identify::AngleEvidence;
+using identify::ChainEstimate;
+
+std::string fit_text(const ChainEstimate& estimate) {
+  const auto& summary = estimate.summary;
+  return paragraph(
+      "fit         ",
+      std::to_string(estimate.samples) + " samples, " + std::to_string(estimate.outliers) +
+          " outliers, position noise " + fixed(1000 * estimate.noise.position_mm, 3) + " um, " +
+          fixed(estimate.samples_per_independent, 1) +
+          " samples an independent one, orientations " +
+          (estimate.with_orientation ? "used" : "not used") + "; " + std::string(summary.ending) +
+          ", after " + std::to_string(summary.iterations) + " iterations");
+}
+
+/// Joints that share a reason, with it.
+std::string reasons(const std::vector<AngleEvidence>& angles) {
+  std::string text;
+  for (std::size_t j = 0; j < angles.size(); ++j) {
+    const auto same = [&](const AngleEvidence& other) { return other.reason == angles[j].reason; };
+    if (std::find_if(angles.begin(), angles.end(), same) - angles.begin() <
+        static_cast<std::ptrdiff_t>(j))
+      continue;
+    std::string joints;
+    for (std::size_t k = j; k < angles.size(); ++k)
+      if (same(angles[k])) joints += (joints.empty() ? "" : ", ") + std::to_string(k + 1);
+    text += paragraph(
+        "  - ", (joints.size() > 1 ? "joints " : "joint ") + joints + ": " + angles[j].reason);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string chain_text(const ChainEstimate& estimate) {
+  const auto& angles = estimate.angles;
+  std::string text = fit_text(estimate);
+  if (std::all_of(angles.begin(), angles.end(),
+                  [](const AngleEvidence& seen) { return seen.samples == 0; }))
+    return text;
+  text += "\nAngles: the controller's minus those at which the target was seen, in arcsec\n\n" +
+          left("joint", 8) + left("angles", 9) + right("error rms", 12) +
+          right("beside curve", 14) + right("expected", 12) + right("backlash", 12) + "\n";
+  for (std::size_t j = 0; j < angles.size(); ++j) {
+    const AngleEvidence& seen = angles[j];
+    text +=
+        left(right(std::to_string(j + 1), 5), 8) + left(std::string(identify::text(seen.trust)), 9);
+    const auto column = [&](bool there, double radians, std::size_t width) {
+      text += there ? number(arcsec(radians), 2, width) : right("-", width);
+    };
+    const bool any = seen.samples > 0;
+    column(any, seen.error_rms_rad, 12);
+    column(any, seen.remainder_rms_rad, 14);
+    column(any, seen.expected_rms_rad, 12);
+    column(any && seen.backlash_sigma_rad > 0, seen.backlash_rad, 12);
+    text += "\n";
+  }
+  return text + "\n" + reasons(angles);
+}
+
+}  // namespace sweepd

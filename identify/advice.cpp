@@ -1,0 +1,330 @@
+#include "identify/advice.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+namespace identify {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kDegree = kPi / 180;
+constexpr double kArcsec = kDegree / 3600;
+/// An axis that is less certain than this deserves a warning.
+constexpr double kPoorDirection_rad = 0.05 * kDegree;
+constexpr double kPoorRadius_mm = 20;
+constexpr double kGoodRadius_mm = 100;
+/// Without angles to hold it, a circle on so short an arc leans on every smooth error.
+constexpr double kPoorArc_rad = 20 * kDegree;
+constexpr double kLongestArc_rad = 330 * kDegree;
+/// An axis so many times less certain than the others, on an arc shorter than this share of theirs.
+constexpr double kUneven = 3;
+constexpr double kShorter = 0.6;
+/// The method asks for 10 % of 2 m/s.
+constexpr double kSlow_mm_s = 200;
+constexpr double kFast_mm_s = 500;
+/// Printed more coarsely than this, positions and angles blur the result.
+constexpr double kPoorResolution_mm = 0.0011;
+constexpr double kPoorResolution_rad = 0.0011 * kDegree;
+constexpr double kSigmas = 4;
+constexpr double kLeastCurve_rad = 5 * kArcsec;
+constexpr double kLeastCoherence = 8;
+constexpr double kManyOutliers = 0.01;
+constexpr double kManySamples = 10;    // a single independent one
+constexpr double kRounding_mm = 1e-6;  // below it residuals are those of computing
+
+std::string fixed(double value, int decimals) {
+  std::array<char, 400> text;
+  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value,
+                                          std::chars_format::fixed, decimals);
+  return error == std::errc() ? std::string(text.data(), end) : std::string("?");
+}
+
+/// With two digits that tell something.
+std::string brief(double value) {
+  const double size = std::abs(value);
+  if (!(size > 1e-9)) return "0";
+  return fixed(value, std::clamp(1 - static_cast<int>(std::floor(std::log10(size))), 0, 9));
+}
+
+std::string degrees(double angle_rad) {
+  return fixed(angle_rad / kDegree, 1) + "°";
+}
+std::string uncertain(double sigma_rad) {
+  return brief(sigma_rad / kDegree) + "°";
+}
+std::string arcsec(double angle_rad) {
+  return brief(angle_rad / kArcsec) + " arcsec";
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Direction's uncertainty of an evenly sampled arc, its noise and radius 1.
+double direction_sigma_of_arc(double arc_rad) {
+  constexpr Eigen::Index kPoints = 201;
+  CircleFit circle;
+  circle.radius_mm = 1;
+  Eigen::Matrix3Xd points(3, kPoints);
+  for (Eigen::Index i = 0; i < kPoints; ++i) {
+    const double angle = arc_rad * static_cast<double>(i) / (kPoints - 1);
+    points.col(i) << std::cos(angle), std::sin(angle), 0;
+  }
+  Axis axis;
+  axis.covariance = axis_covariance(circle, points, 1, 1);
+  return axis.direction_sigma_rad();
+}
+
+/// What `sigma`, reached on an arc, becomes on another with as many samples.
+double predicted(double sigma, double arc_rad, double other_arc_rad) {
+  return sigma * direction_sigma_of_arc(other_arc_rad) / direction_sigma_of_arc(arc_rad);
+}
+
+struct Motion {
+  double speed_mm_s = 0;
+  double step_mm = 0;
+};
+
+/// In the middle of the sweeps, where the joint is at speed; from samples so far apart that noise
+/// does not look like motion.
+std::optional<Motion> motion(const JointResult& joint) {
+  std::vector<double> speeds;
+  std::vector<double> steps;
+  for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
+    if (!joint.used[s]) continue;
+    const auto& samples = *joint.sweeps[s].samples;
+    const std::size_t span = std::max<std::size_t>(1, samples.size() / 10);
+    for (std::size_t i = samples.size() / 4 + span; i < samples.size() - samples.size() / 4; ++i) {
+      const Sample& before = samples[i - span];
+      const double time = samples[i].time_s - before.time_s;
+      if (!samples[i].has_position || !before.has_position || !(time > 0)) continue;
+      const double way = (samples[i].position_mm - before.position_mm).norm();
+      speeds.push_back(way / time);
+      steps.push_back(way / static_cast<double>(span));
+    }
+  }
+  if (steps.empty()) return std::nullopt;
+  return Motion{median(std::move(speeds)), median(std::move(steps))};
+}
+
+class Adviser {
+ public:
+  Adviser(Identification& found, const Campaign& campaign) : found_(found), campaign_(campaign) {}
+
+  void run() {
+    for (std::size_t j = 0; j < found_.joints.size(); ++j) {
+      if (!found_.joints[j].circle) continue;
+      if (!judge_axis(j)) compare_with_others(j);
+      judge_speed(j);
+      if (found_.chain) judge_angles(j);
+    }
+    judge_resolution();
+    if (found_.chain) judge_fit(*found_.chain);
+  }
+
+ private:
+  void warn(std::string_view code, std::optional<std::size_t> joint, const std::string& message) {
+    const std::string who = joint ? "joint " + std::to_string(*joint + 1) + ": " : "";
+    found_.warnings.push_back({std::string(code), joint, who + message});
+  }
+
+  [[nodiscard]] bool believed(std::size_t j) const {
+    return found_.estimator == Estimator::chain &&
+           found_.chain->angles[j].trust == AngleTrust::trusted;
+  }
+
+  /// Whether there was something to say.
+  bool judge_axis(std::size_t j) {
+    const JointResult& joint = found_.joints[j];
+    const CircleFit& circle = *joint.circle;
+    std::string seen = "radius " + fixed(circle.radius_mm, 1) + " mm";
+    // Where noise runs round and round a point there is none.
+    if (circle.arc_rad < 2 * kPi) seen += ", arc " + degrees(circle.arc_rad);
+    const double sigma = joint.axis ? joint.axis->direction_sigma_rad() : 0;
+    seen += joint.axis ? ", direction uncertain by " + uncertain(sigma)
+                       : ", direction uncertain by more than 1°";
+    if (circle.radius_mm < kPoorRadius_mm) {
+      std::string remedy = "choose a tool point further off it";
+      if (joint.axis)
+        remedy += ", " + fixed(kGoodRadius_mm, 0) + " mm would give about " +
+                  uncertain(sigma * circle.radius_mm / kGoodRadius_mm);
+      warn("target_near_axis", j,
+           "the target point is close to the axis (" + seen + "): " + remedy);
+      return true;
+    }
+    const bool lone = circle.arc_rad < kPoorArc_rad && !believed(j);
+    if (joint.axis && sigma <= kPoorDirection_rad && !lone) return false;
+    std::string remedy = "sweep it further, or with a tool point further off the axis";
+    if (joint.axis) {
+      double arc = std::max(2 * circle.arc_rad, kPoorArc_rad);
+      while (arc < kLongestArc_rad && predicted(sigma, circle.arc_rad, arc) > kPoorDirection_rad)
+        arc += 5 * kDegree;
+      arc = std::min(arc, kLongestArc_rad);
+      if (arc > circle.arc_rad)
+        remedy = "sweep it over " + degrees(arc) + ", that would give about " +
+                 uncertain(predicted(sigma, circle.arc_rad, arc)) +
+                 ", or choose a tool point further off the axis";
+    }
+    warn("arc_short", j, "the arc determines the axis poorly (" + seen + "): " + remedy);
+    return true;
+  }
+
+  void compare_with_others(std::size_t j) {
+    std::vector<double> sigmas;
+    std::vector<double> arcs;
+    for (std::size_t k = 0; k < found_.joints.size(); ++k) {
+      const JointResult& other = found_.joints[k];
+      if (k == j || !other.axis || !other.circle) continue;
+      sigmas.push_back(other.axis->direction_sigma_rad());
+      arcs.push_back(other.circle->arc_rad);
+    }
+    const JointResult& joint = found_.joints[j];
+    if (sigmas.size() < 2 || !joint.axis) return;
+    const double usual = median(std::move(sigmas));
+    const double arc = median(std::move(arcs));
+    const double sigma = joint.axis->direction_sigma_rad();
+    if (!(sigma > kUneven * usual) || !(joint.circle->arc_rad < kShorter * arc)) return;
+    warn("range_unbalanced", j,
+         "its axis is " + brief(sigma / usual) + " times less certain than the others' (" +
+             uncertain(sigma) + " on an arc of " + degrees(joint.circle->arc_rad) +
+             "): sweeping it over " + degrees(arc) + " as well would give about " +
+             uncertain(predicted(sigma, joint.circle->arc_rad, arc)));
+  }
+
+  void judge_speed(std::size_t j) {
+    const auto moved = motion(found_.joints[j]);
+    if (!moved || moved->speed_mm_s <= kFast_mm_s) return;
+    warn("speed_high", j,
+         "the target moved at " + fixed(moved->speed_mm_s, 0) + " mm/s, " +
+             fixed(moved->step_mm, 1) +
+             " mm from sample to sample: at such speed positions and angles of different moments, "
+             "and vibration, spoil the accuracy; sweep at " +
+             fixed(kSlow_mm_s, 0) + " mm/s or less");
+  }
+
+  void judge_angles(std::size_t j) {
+    const AngleEvidence& seen = found_.chain->angles[j];
+    if (seen.samples == 0) return;
+    const CircleFit& circle = *found_.joints[j].circle;
+    // Neighbours in time share their error, and so do the strokes' means.
+    const double correlated = std::sqrt(found_.chain->samples_per_independent);
+    const double backlash = std::abs(seen.backlash_rad);
+    if (seen.backlash_sigma_rad > 0 && backlash > kSigmas * correlated * seen.backlash_sigma_rad &&
+        backlash > campaign_.resolution.angle_rad)
+      warn("backlash", j,
+           "its error depends on the direction of the motion, by " + arcsec(backlash) + " or " +
+               brief(backlash * circle.radius_mm) +
+               " mm at the target: sweep it in one direction only, or look after the gear");
+    if (seen.trust == AngleTrust::free)
+      warn("angles_not_used", j,
+           "its angles were not used, each of its circles stands by its points alone: " +
+               seen.reason + " (error " + arcsec(seen.error_rms_rad) + " rms, " +
+               arcsec(seen.expected_rms_rad) + " expected)");
+    if (seen.trust == AngleTrust::smooth) judge_curve(j, seen);
+  }
+
+  void judge_curve(std::size_t j, const AngleEvidence& seen) {
+    const JointResult& joint = found_.joints[j];
+    const auto home = found_.home_rad[j];
+    if (!home || !joint.axis || seen.coherence <= kLeastCoherence) return;
+    double lowest = 0, highest = 0, from = 0, to = 0;
+    bool any = false;
+    for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
+      if (!joint.used[s]) continue;
+      for (const Sample& sample : *joint.sweeps[s].samples) {
+        if (sample.joints <= j) continue;
+        const double turn = sample.angles_rad[j] - *home;
+        const double error = seen.curve_at(turn);
+        lowest = any ? std::min(lowest, error) : error;
+        highest = any ? std::max(highest, error) : error;
+        from = any ? std::min(from, turn) : turn;
+        to = any ? std::max(to, turn) : turn;
+        any = true;
+      }
+    }
+    const double swing = highest - lowest;
+    // A circle's centre that is off looks like a smooth error, too.
+    const double uncertainty = joint.axis->point_sigma_mm() / joint.circle->radius_mm;
+    if (swing <= std::max(kLeastCurve_rad, 2 * kSigmas * uncertainty)) return;
+    warn("transmission_error", j,
+         "its angles are off by a smooth curve of " + arcsec(swing) + " from lowest to highest (" +
+             brief(swing * joint.circle->radius_mm) + " mm at the target) between " +
+             degrees(*home + from) + " and " + degrees(*home + to) +
+             ": they were not used; the curve is part of the result");
+  }
+
+  void judge_resolution() {
+    const Resolution& steps = campaign_.resolution;
+    if (steps.position_mm <= kPoorResolution_mm && steps.angle_rad <= kPoorResolution_rad) return;
+    warn("low_precision", {},
+         "numbers come in steps of " + fixed(steps.position_mm, 4) + " mm and " +
+             fixed(steps.angle_rad / kDegree, 4) +
+             "°: have them written with four decimals or more (on a KUKA controller: Precision of "
+             "the ETHERNET object)");
+  }
+
+  void judge_fit(const ChainEstimate& chain) {
+    if (!chain.summary.converged)
+      warn("not_converged", {},
+           "the chain estimator did not come to its end (" + std::string(chain.summary.ending) +
+               ", after " + std::to_string(chain.summary.iterations) +
+               " iterations): the numbers are those of the circles");
+    const auto samples = static_cast<double>(std::max<std::size_t>(1, chain.samples));
+    const double share = static_cast<double>(chain.outliers) / samples;
+    if (share > kManyOutliers)
+      warn("outliers", {},
+           std::to_string(chain.outliers) + " of " + std::to_string(chain.samples) + " samples (" +
+               fixed(100 * share, 1) +
+               " %) lie far off and hardly count: look for an interrupted line of sight or a "
+               "loose target");
+    if (chain.samples_per_independent > kManySamples && chain.noise.position_mm > kRounding_mm)
+      warn("correlated_noise", {},
+           "errors of successive samples are alike: " + fixed(chain.samples_per_independent, 0) +
+               " samples tell as much as one; uncertainties allow for it; more sweeps help, "
+               "denser samples do not");
+    if (!chain.shared_home)
+      warn("home_not_shared", {},
+           "the sweeps do not pass through one common home point, so that each circle stands by "
+           "itself: keep the target where it is on the tool, and lock the other joints at the "
+           "same home for all sweeps");
+    judge_orientation(chain);
+  }
+
+  void judge_orientation(const ChainEstimate& chain) {
+    const bool trusted =
+        std::any_of(chain.angles.begin(), chain.angles.end(),
+                    [](const AngleEvidence& seen) { return seen.trust == AngleTrust::trusted; });
+    if (chain.with_orientation || !trusted) return;
+    bool any = false;
+    for (const JointResult& joint : found_.joints)
+      for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
+        if (!joint.used[s]) continue;
+        for (const Sample& sample : *joint.sweeps[s].samples) {
+          if (!sample.has_orientation) return;
+          any = true;
+        }
+      }
+    if (any)
+      warn("orientation_inconsistent", {},
+           "the tool's orientations contradict positions and angles and were not used: check that "
+           "A, B, C are those of the same tool and base, R = Rz(A) Ry(B) Rx(C)");
+  }
+
+  Identification& found_;
+  const Campaign& campaign_;
+};
+
+}  // namespace
+
+void add_advice(Identification& found, const Campaign& campaign) {
+  Adviser(found, campaign).run();
+}
+
+}  // namespace identify

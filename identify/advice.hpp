@@ -1,0 +1,12 @@
+#pragma once
+
+#include "identify/identification.hpp"
+
+namespace identify {
+
+/// Appends to `found.warnings` what the user could do better next time, and what in the data is not
+/// as the method assumes: each with figures, and where it can be predicted, with what the remedy
+/// would give. By the final axes and their covariance, and by what the chain saw of the noise.
+void add_advice(Identification& found, const Campaign& campaign);
+
+}  // namespace identify

@@ -1,0 +1,50 @@
+#include "identify/seen_turn.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace identify {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kFullTurn = 2 * 3.14159265358979323846;
+
+}  // namespace
+
+std::optional<SeenTurn> seen_turn(const Identification& found, std::size_t joint,
+                                  std::size_t target, const Sample& sample) {
+  if (!found.chain) return std::nullopt;
+  const ChainEstimate& estimate = *found.chain;
+  if (!estimate.axes[joint] || !estimate.shared_home ||
+      target >= estimate.chain.targets_mm.size() || !sample.has_position)
+    return std::nullopt;
+  Turns turns{};
+  for (std::size_t k = 0; k < found.joints.size(); ++k)
+    if (estimate.axes[k] && found.home_rad[k] && sample.joints > k)
+      turns[k] = sample.angles_rad[k] - *found.home_rad[k];
+  Turns before{};
+  Turns after = turns;
+  std::copy_n(turns.begin(), joint, before.begin());
+  std::fill_n(after.begin(), joint + 1, 0.0);
+
+  const ChainAxis& axis = estimate.chain.axes[joint];
+  const Vector3d& z = axis.direction;
+  const auto from_axis = [&](const Vector3d& point) -> Vector3d { return point - axis.point_mm; };
+  const Vector3d start = from_axis(estimate.chain.target_mm(target, after));
+  const Vector3d here =
+      from_axis(estimate.chain.displacement(before).inverse(Eigen::Isometry) * sample.position_mm);
+  const Vector3d start_arm = start - z * z.dot(start);
+  const Vector3d arm = here - z * z.dot(here);
+  SeenTurn seen;
+  seen.turn_rad = std::atan2(z.dot(start_arm.cross(arm)), start_arm.dot(arm));
+  seen.axial_mm = z.dot(here - start);
+  seen.radial_mm = arm.norm() - start_arm.norm();
+  if (sample.joints > joint && found.home_rad[joint]) {
+    seen.angle_error_rad = std::remainder(turns[joint] - seen.turn_rad, kFullTurn);
+    seen.curve_rad = estimate.angles[joint].curve_at(turns[joint] - *seen.angle_error_rad);
+  }
+  return seen;
+}
+
+}  // namespace identify

@@ -1,0 +1,258 @@
+#include "identify/advice.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <string>
+
+#include "tests/bench/accuracy_campaign.hpp"
+#include "tests/catch.hpp"
+#include "tests/identify/simulated_campaign.hpp"
+
+using namespace identify;
+using Catch::Matchers::ContainsSubstring;
+using identify::test::kDegree;
+using identify::test::kr5_arc;
+using identify::test::segment;
+
+namespace {
+
+const Warning* find(const Identification& found, std::string_view code) {
+  for (const Warning& warning : found.warnings)
+    if (warning.code == code) return &warning;
+  return nullptr;
+}
+
+accuracy::Simulated kr5(double arc_deg = 90) {
+  accuracy::Simulated robot;
+  robot.arm = kr5_arc();
+  robot.targets_mm = {robot.arm.tool_mm};
+  robot.samples = 1000;  // 90 degrees in 4 s
+  for (const double home : robot.arm.home_rad)
+    robot.ranges.push_back({home / kDegree - arc_deg / 2, home / kDegree + arc_deg / 2});
+  return robot;
+}
+
+/// A controller that wobbles by the default of the simulation and prints four decimals.
+accuracy::Regime controller() {
+  accuracy::Regime regime;
+  regime.wobble_deg = 0.0005;
+  regime.step = 1e-4;
+  return regime;
+}
+const accuracy::Regime kController = controller();
+
+/// A device that knows no angles.
+accuracy::Regime tracker(double position_mm) {
+  accuracy::Regime regime;
+  regime.position_mm = position_mm;
+  regime.angles = false;
+  return regime;
+}
+
+Identification identified(const accuracy::Simulated& robot,
+                          const accuracy::Regime& regime = kController) {
+  return identify::identify(sweeps_of(robot, regime, 1), campaign_of(robot, regime));
+}
+
+/// The words of a warning that must be there.
+std::string message(const Identification& found, std::string_view code,
+                    std::optional<std::size_t> joint) {
+  INFO(code);
+  for (const Warning& warning : found.warnings)
+    if (warning.code == code && warning.joint == joint) return warning.message;
+  for (const Warning& warning : found.warnings)
+    UNSCOPED_INFO(warning.code + ": " + warning.message);
+  FAIL("no such warning");
+  return {};
+}
+
+std::vector<Sweep> changed(std::vector<Sweep> sweeps,
+                           const std::function<void(Sweep&, std::vector<Sample>&)>& change) {
+  for (Sweep& sweep : sweeps) {
+    auto samples = *sweep.samples;
+    change(sweep, samples);
+    sweep.samples = std::make_shared<const std::vector<Sample>>(std::move(samples));
+  }
+  return sweeps;
+}
+
+}  // namespace
+
+TEST_CASE("a clean campaign of 90 degrees gets no advice") {
+  const auto found = identified(kr5());
+  CHECK(found.estimator == Estimator::chain);
+  for (const Warning& warning : found.warnings)
+    UNSCOPED_INFO(warning.code + ": " + warning.message);
+  CHECK(found.warnings.empty());
+}
+
+TEST_CASE("the paper's campaign, moved as a controller moves, gets none either") {
+  test::Campaign moved(kr5_arc(), {.wobble_deg = 0.0005});
+  moved.sweep_all_90();
+  auto samples = moved.samples();
+  for (Sample& sample : samples) {
+    for (double& value : sample.position_mm) value = accuracy::rounded(value, 1e-4);
+    for (double& value : sample.angles_rad)
+      value = accuracy::rounded(value / kDegree, 1e-4) * kDegree;
+  }
+  identify::Campaign known;
+  known.specified = kr5_arc();
+  known.resolution = {1e-4, 1e-4 * kDegree};
+  const auto found = identify::identify(segment(samples, known.resolution), known);
+  for (const Warning& warning : found.warnings)
+    UNSCOPED_INFO(warning.code + ": " + warning.message);
+  CHECK(found.warnings.empty());
+}
+
+TEST_CASE("a target near an axis is told, and what another point would give") {
+  auto robot = kr5();
+  robot.targets_mm = {{1.7, 0, 215}};
+  const auto found = identified(robot);
+  CHECK_THAT(message(found, "target_near_axis", 5),
+             ContainsSubstring("radius 1.7 mm") && ContainsSubstring("100 mm would give"));
+}
+
+TEST_CASE("a short arc is told, and what a longer one would give comes true") {
+  const auto regime = tracker(0.05);
+  auto robot = kr5();
+  robot.ranges[3] = {-8, 8};
+  const auto found = identified(robot, regime);
+  const auto text = message(found, "arc_short", 3);
+  CHECK_THAT(text, ContainsSubstring("arc 16.") && ContainsSubstring("sweep it over 32."));
+  // The message's prediction, against the same arm swept so far.
+  const auto from = text.find("give about ") + 11;
+  const double predicted = std::stod(text.substr(from));
+  robot.ranges[3] = {-16, 16};
+  const auto better = identified(robot, regime);
+  CHECK(better.joints[3].axis->direction_sigma_rad() / kDegree == Approx(predicted).epsilon(0.3));
+}
+
+TEST_CASE("an arc that gives no axis at all is told") {
+  const auto coarse = tracker(0.15);
+  auto robot = kr5();
+  robot.ranges[5] = {-4, 4};
+  const auto found = identified(robot, coarse);
+  CHECK_FALSE(found.joints[5].axis);
+  CHECK_THAT(message(found, "arc_short", 5), ContainsSubstring("more than 1°"));
+}
+
+TEST_CASE("a joint swept much less than the others is told with the factor") {
+  auto robot = kr5();
+  robot.ranges[4] = {75, 105};
+  const auto found = identified(robot);
+  CHECK_THAT(message(found, "range_unbalanced", 4),
+             ContainsSubstring("times less certain") && ContainsSubstring("over 90.0°"));
+  CHECK_FALSE(find(found, "arc_short"));
+}
+
+TEST_CASE("a quick target is told with its speed") {
+  auto robot = kr5();
+  robot.samples = 100;  // 90 degrees in 0.396 s
+  CHECK_THAT(message(identified(robot), "speed_high", 5), ContainsSubstring("793 mm/s, 3.2 mm"));
+}
+
+TEST_CASE("coarsely printed numbers are told, in words that fit any device") {
+  auto coarse = kController;
+  coarse.step = 0.1;
+  CHECK_THAT(message(identified(kr5(), coarse), "low_precision", {}),
+             ContainsSubstring("0.1000 mm") && ContainsSubstring("on a KUKA controller"));
+}
+
+TEST_CASE("an angle that depends on the direction of the motion is told") {
+  // Joint 2 there and back; on the way back its angle reads 20 arcsec more.
+  constexpr double kBacklash_rad = 20 * accuracy::kArcsec;
+  const auto robot = kr5();
+  auto sweeps = sweeps_of(robot, kController, 1);
+  auto back = changed({sweeps[1]}, [&](Sweep& sweep, std::vector<Sample>& samples) {
+    sweep.direction = -sweep.direction;
+    std::reverse(samples.begin(), samples.end());
+    double time = 100;
+    for (Sample& sample : samples) {
+      sample.time_s = time += 0.004;
+      sample.angles_rad[1] += kBacklash_rad;
+    }
+  });
+  sweeps.push_back(back.front());
+  const auto found = identify::identify(sweeps, campaign_of(robot, kController));
+  const auto text = message(found, "backlash", 1);
+  CHECK_THAT(text, ContainsSubstring("20 arcsec"));
+}
+
+TEST_CASE("a smooth error of a joint's angles is told with its size") {
+  // 60 arcsec once a turn, seen by a tracker of 0.02 mm: over 90 degrees about the zero crossing
+  // and beyond it swings by some 60 arcsec, less what offset and centre take up.
+  accuracy::Regime sagging = tracker(0.005);
+  sagging.angles = true;
+  sagging.sagging = 1;
+  sagging.sag_arcsec = 100;
+  sagging.sag_periods = 2;
+  const auto found = identified(kr5(), sagging);
+  CHECK_THAT(message(found, "transmission_error", 1), ContainsSubstring("arcsec from lowest"));
+  CHECK_FALSE(std::any_of(found.warnings.begin(), found.warnings.end(), [](const Warning& warning) {
+    return warning.code == "transmission_error" && warning.joint != 1u;
+  }));
+}
+
+TEST_CASE("angles that follow no pattern are told to be unused") {
+  const auto robot = kr5();
+  std::mt19937 random(1);
+  std::normal_distribution<> normal;
+  const auto sweeps =
+      changed(sweeps_of(robot, kController, 1), [&](Sweep& sweep, std::vector<Sample>& samples) {
+        if (sweep.joint == 2u)
+          for (Sample& sample : samples) sample.angles_rad[2] += 0.01 * kDegree * normal(random);
+      });
+  const auto found = identify::identify(sweeps, campaign_of(robot, kController));
+  CHECK_THAT(message(found, "angles_not_used", 2), ContainsSubstring("arcsec rms"));
+}
+
+TEST_CASE("noise that is alike from sample to sample is told") {
+  auto slow = tracker(0.02);
+  slow.correlation = 0.95;
+  CHECK_THAT(message(identified(kr5(), slow), "correlated_noise", {}),
+             ContainsSubstring("samples tell as much as one"));
+}
+
+TEST_CASE("points far off are told with their share") {
+  auto interrupted = tracker(0.02);
+  interrupted.outlier_share = 0.05;
+  CHECK_THAT(message(identified(kr5(), interrupted), "outliers", {}),
+             ContainsSubstring(" of 6000 samples ("));
+}
+
+TEST_CASE("sweeps that miss each other's home are told") {
+  const auto regime = tracker(0.02);
+  const auto robot = kr5();
+  // The target was knocked before joint 4 swept.
+  const auto sweeps =
+      changed(sweeps_of(robot, regime, 1), [](Sweep& sweep, std::vector<Sample>& samples) {
+        if (sweep.joint == 3u)
+          for (Sample& sample : samples) sample.position_mm += Eigen::Vector3d(1, 1, 1);
+      });
+  const auto found = identify::identify(sweeps, campaign_of(robot, regime));
+  CHECK_THAT(message(found, "home_not_shared", {}), ContainsSubstring("lock the other joints"));
+}
+
+TEST_CASE("orientations that contradict the positions are told") {
+  const auto robot = kr5();
+  const auto sweeps =
+      changed(sweeps_of(robot, kController, 1), [](Sweep&, std::vector<Sample>& samples) {
+        for (Sample& sample : samples) {
+          sample.has_orientation = true;
+          sample.abc_rad = {0.3, -0.2, 0.1};  // another tool's: it never turns
+        }
+      });
+  const auto found = identify::identify(sweeps, campaign_of(robot, kController));
+  CHECK_THAT(message(found, "orientation_inconsistent", {}), ContainsSubstring("A, B, C"));
+}
+
+TEST_CASE("a fit that did not end is told") {
+  const auto robot = kr5();
+  auto found = identified(robot);
+  found.chain->summary.converged = false;
+  found.chain->summary.ending = "too many iterations";
+  found.estimator = Estimator::circle;
+  found.warnings.clear();
+  add_advice(found, campaign_of(robot, kController));
+  CHECK_THAT(message(found, "not_converged", {}), ContainsSubstring("too many iterations"));
+}

@@ -1,0 +1,142 @@
+#include "identify/chain_fit.hpp"
+
+#include "random_chain.hpp"
+#include "tests/catch.hpp"
+
+using namespace identify;
+using Eigen::Index;
+using Eigen::VectorXd;
+using identify::test::difference;
+using identify::test::Measured;
+using identify::test::noise_of;
+using identify::test::Random;
+using identify::test::random_chain;
+using identify::test::sweeps_of;
+
+namespace {
+
+/// What the noise is taken to be where there is none.
+Measured stated(double share = 1) {
+  Measured how;
+  how.position_mm = 0.02 * share;
+  how.orientation_rad = 2e-5 * share;
+  how.locked_rad = 1e-6 * share;
+  how.swept_rad = 2e-5 * share;
+  return how;
+}
+
+/// Directions off by a milliradian, points and targets by a millimetre.
+Chain perturbed(const Chain& chain, bool tool, Random& random) {
+  const ChainParameters parameters{chain.axes.size(), chain.targets_mm.size()};
+  VectorXd change(parameters.count(tool));
+  for (Index p = 0; p < change.size(); ++p) {
+    const bool angle = p >= parameters.tool() || (p < parameters.target(0) && p % 4 < 2);
+    change(p) = random.normal(angle ? 1e-3 : 1);
+  }
+  return moved(chain, change);
+}
+
+/// Without errors but with a wobble, so that the locked joints matter.
+std::vector<ChainObservation> exact(const Chain& chain, Random& random) {
+  Measured how = stated();
+  auto samples = sweeps_of(chain, how, random);
+  for (ChainObservation& sample : samples) {
+    const auto pose = chain.displacement(sample.turns);
+    sample.position_mm = pose * chain.targets_mm[sample.target];
+    sample.orientation = pose.linear() * chain.tool;
+  }
+  return samples;
+}
+
+}  // namespace
+
+TEST_CASE("The exact chain comes back from a start that is off") {
+  const bool with_orientation = GENERATE(false, true);
+  const bool free = GENERATE(false, true);
+  const std::size_t targets = GENERATE(std::size_t{1}, std::size_t{2});
+  CAPTURE(with_orientation, free, targets);
+  Random random(3);
+  const Chain chain = random_chain(6, targets, random);
+  auto samples = exact(chain, random);
+  const auto fit = fit_chain(perturbed(chain, with_orientation, random), samples,
+                             noise_of(chain, stated(), free), with_orientation);
+  CHECK(fit.summary.converged);
+  CHECK(fit.summary.undetermined == 0);
+  VectorXd left = difference(chain, fit.chain);
+  if (!with_orientation) left.tail<3>().setZero();  // the tool stays where it was
+  // Steps end at 1e-7 of uncertainties below 0.1 mm, and converge quadratically before.
+  CHECK(left.cwiseAbs().maxCoeff() < 1e-9);
+}
+
+TEST_CASE("With one joint whose angles are free, the target along the circle is not determined") {
+  Random random(4);
+  const Chain chain = random_chain(1, 1, random);
+  auto samples = exact(chain, random);
+  const auto fit =
+      fit_chain(perturbed(chain, false, random), samples, noise_of(chain, stated(), true), false);
+  CHECK(fit.summary.converged);
+  // Two more: the point along the axis is no parameter, and the axis is known.
+  CHECK(fit.summary.undetermined == 1);
+  const VectorXd left = difference(chain, fit.chain);
+  CHECK(left.head<4>().cwiseAbs().maxCoeff() < 1e-9);
+}
+
+TEST_CASE("The stated covariance is the scatter of fits over many campaigns") {
+  const bool with_orientation = GENERATE(false, true);
+  const bool free = GENERATE(false, true);
+  CAPTURE(with_orientation, free);
+  Random random(5);
+  const Chain chain = random_chain(3, 1, random);
+  Measured how = stated();
+  how.samples = 30;
+  const ChainNoise noise = noise_of(chain, how, free);
+  constexpr int kRuns = 200;
+  const ChainParameters parameters{3, 1};
+  const Index count = parameters.count(with_orientation);
+  VectorXd squares = VectorXd::Zero(count);
+  double distance = 0;
+  for (int run = 0; run < kRuns; ++run) {
+    auto samples = sweeps_of(chain, how, random);
+    const auto fit = fit_chain(chain, samples, noise, with_orientation);
+    REQUIRE(fit.summary.converged);
+    const VectorXd error = difference(chain, fit.chain).head(count);
+    squares += error.cwiseAbs2().cwiseQuotient(fit.covariance.diagonal());
+    distance += error.dot(fit.covariance.llt().solve(error));
+  }
+  // Each mean of 200 squares scatters by sqrt(2 / 200) = 0.1 about 1, of the chi squared of all by
+  // that over the root of their number.
+  CHECK((squares / kRuns).minCoeff() > 1 - 0.4);
+  CHECK((squares / kRuns).maxCoeff() < 1 + 0.4);
+  CHECK(distance / kRuns / static_cast<double>(count) ==
+        Approx(1).margin(0.4 / std::sqrt(static_cast<double>(count))));
+}
+
+TEST_CASE("Without iterations the step that would be made is stated at the start") {
+  Random random(6);
+  const Chain chain = random_chain(4, 1, random);
+  auto samples = exact(chain, random);
+  Chain start = chain;
+  start.targets_mm[0].x() += 0.001;
+  const auto noise = noise_of(chain, stated(), false);
+  const auto fit = fit_chain(start, samples, noise, false, 0);
+  CHECK_FALSE(fit.summary.converged);
+  CHECK(fit.summary.iterations == 0);
+  CHECK(fit.chain.targets_mm[0] == start.targets_mm[0]);
+  const VectorXd error = difference(start, chain).head(fit.covariance.rows());
+  CHECK(fit.summary.last_step ==
+        Approx(std::sqrt(error.dot(fit.covariance.llt().solve(error)))).epsilon(1e-3));
+}
+
+TEST_CASE("Samples without weight don't count, and numbers beyond all bounds end the fit") {
+  Random random(7);
+  const Chain chain = random_chain(3, 1, random);
+  auto samples = exact(chain, random);
+  samples[20].position_mm.setConstant(1000);
+  samples[20].weight = 0;
+  const auto noise = noise_of(chain, stated(), true);
+  const auto fit = fit_chain(perturbed(chain, false, random), samples, noise, false);
+  CHECK(fit.summary.converged);
+  CHECK(difference(chain, fit.chain).head(15).cwiseAbs().maxCoeff() < 1e-9);
+  samples[21].position_mm.setConstant(1e300);
+  CHECK_FALSE(fit_chain(chain, samples, noise, false).summary.converged);
+}
