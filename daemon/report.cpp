@@ -110,6 +110,25 @@ std::string boxes(const Identification& found) {
   return text;
 }
 
+std::string vector(const Eigen::Vector3d& v, int decimals) {
+  return fixed(v.x(), decimals) + ", " + fixed(v.y(), decimals) + ", " + fixed(v.z(), decimals);
+}
+
+/// Where the target and, in a device's frame, the robot are.
+std::string places(const Identification& found) {
+  std::string text;
+  if (found.tool)
+    text += paragraph("tool        ", vector(found.tool->translation(), 4) +
+                                          " mm in the frame behind the last row" +
+                                          (found.specified.empty() ? "" : " as specified"));
+  if (found.robot_pose)
+    text +=
+        paragraph("robot       ", "base at " + vector(found.robot_pose->pose.translation(), 4) +
+                                      " mm (+- " + vector(found.robot_pose->position_sigma_mm, 4) +
+                                      ") in the device's frame");
+  return text;
+}
+
 }  // namespace
 
 std::string report(const Outcome& outcome) {
@@ -121,7 +140,7 @@ std::string report(const Outcome& outcome) {
   if (!is_given(outcome)) text += circles(found) + "\n";
   const bool any_axis = found.status != identify::Status::failed && found.bounding_box;
   if (any_axis || is_given(outcome)) text += dh_text(found);
-  if (any_axis && found.chain) text += "\n" + chain_text(*found.chain);
+  if (any_axis && found.chain) text += "\n" + places(found) + chain_text(*found.chain);
   if (any_axis) text += "\n" + boxes(found);
   if (!found.warnings.empty()) {
     text += "\nWarnings\n";

@@ -70,14 +70,18 @@ Json source(const Outcome& outcome) {
   return json;
 }
 
+/// Row by row; the columns are the directions of a frame.
+Json rotation(const Eigen::Matrix3d& matrix) {
+  Json rows = Json::array();
+  for (Eigen::Index row = 0; row < 3; ++row) rows.push_back(direction(matrix.row(row).transpose()));
+  return rows;
+}
+
 Json box(const identify::BoundingBox& box) {
-  Json orientation = Json::array();
-  for (Eigen::Index row = 0; row < 3; ++row)
-    orientation.push_back(direction(box.orientation.row(row).transpose()));
   return {{"lengths_mm", point(box.lengths_mm)},
           {"volume_m3", rounded(box.volume_mm3() * 1e-9, 12)},
           {"center", point(box.center_mm)},
-          {"orientation", std::move(orientation)},
+          {"orientation", rotation(box.orientation)},
           {"gap", rounded(box.gap, 15)}};
 }
 
@@ -227,6 +231,21 @@ std::string result_json(const Outcome& outcome) {
   if (!found.specified.empty()) {
     json["specified"] = specified(found.specified);
     json["difference"] = differences(compare_with_specified(found));
+  }
+  if (found.tool) {
+    json["tool"] = {{"point_mm", point(found.tool->translation())}};
+    if (found.row_to_tool) {
+      json["tool"]["orientation"] = rotation(found.tool->linear());
+      json["tool"]["dh_row"] = dh_row(found.dh.size() - 1, *found.row_to_tool);
+    }
+  }
+  if (found.robot_pose) {
+    const auto& robot = *found.robot_pose;
+    json["robot_pose"] = {
+        {"position_mm", point(robot.pose.translation())},
+        {"position_sigma_mm", point(robot.position_sigma_mm)},
+        {"orientation", rotation(robot.pose.linear())},
+        {"rotation_sigma_deg", vector(degrees(1) * robot.rotation_sigma_rad, kAngleDecimals)}};
   }
   if (const auto models = models_of(outcome); !models.empty()) json["models"] = models_json(models);
   if (found.bounding_box) json["bounding_box"] = box(*found.bounding_box);
