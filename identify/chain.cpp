@@ -79,12 +79,17 @@ void ChainPose::set(std::size_t target, const Turns& turns, bool with_parameters
   std::array<Vector3d, kMostJoints> point;
   Matrix3d turned = Matrix3d::Identity();
   Vector3d shift = Vector3d::Zero();
+  bool carried = false;
   for (std::size_t j = 0; j < joints; ++j) {
     const ChainAxis& axis = chain_->axes[j];
-    direction[j].noalias() = turned * axis.direction;
-    point[j].noalias() = turned * axis.point_mm;
-    point[j] += shift;
+    direction[j] = axis.direction;
+    point[j] = axis.point_mm;
+    if (carried) {
+      direction[j] = turned * axis.direction;
+      point[j] = turned * axis.point_mm + shift;
+    }
     if (turns[j] == 0) continue;
+    carried = true;
     const Turn turn(turns[j]);
     const Vector3d first = turned * across_[j].col(0);
     const Vector3d second = direction[j].cross(first);

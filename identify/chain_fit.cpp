@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 
@@ -33,17 +35,18 @@ struct NormalEquations {
 template <int Size>
 class Rows {
  public:
-  /// `active` rises; the others' columns of the Jacobian are zero.
-  void add(const std::vector<Index>& active,
-           const Eigen::Matrix<double, 6, Eigen::Dynamic>& columns,
+  /// The parameters to come: `active` rises, the others' columns of the Jacobian are zero.
+  void activate(std::vector<Index> active, NormalEquations& equations) {
+    flush(equations);
+    active_ = std::move(active);
+    rows_.resize(count(), kMost);
+    weighted_.resize(count(), kMost);
+  }
+
+  void add(const Eigen::Matrix<double, 6, Eigen::Dynamic>& columns,
            const Eigen::Matrix<double, Size, Size>& weight,
            const Eigen::Matrix<double, Size, 1>& error, NormalEquations& equations) {
-    if (active != active_ || filled_ == kMost) {
-      flush(equations);
-      active_ = active;
-      rows_.resize(count(), kMost);
-      weighted_.resize(count(), kMost);
-    }
+    if (filled_ == kMost) flush(equations);
     for (Index a = 0; a < count(); ++a) {
       const auto column = columns.col(active_[static_cast<std::size_t>(a)]).template head<Size>();
       rows_.row(a).template segment<Size>(filled_) = column.transpose();
@@ -103,7 +106,7 @@ class Problem {
     const ChainParameters parameters{chain.axes.size(), chain.targets_mm.size()};
     NormalEquations equations(parameters.count(Size == 6));
     ChainPose pose(chain);
-    std::vector<Index> active;
+    std::optional<Active> active;
     for (std::size_t i = 0; i < samples_.size(); ++i) {
       const ChainObservation& sample = samples_[i];
       if (sample.weight == 0 && !free(sample)) continue;
@@ -121,23 +124,41 @@ class Problem {
         }
       }
       equations.cost += sample.weight * residual_.squared() / 2;
-      // Joints that did not turn change nothing.
-      active.clear();
-      const auto activate = [&](Index from, Index count) {
-        for (Index k = 0; k < count; ++k) active.push_back(from + k);
-      };
-      for (std::size_t j = 0; j < chain.axes.size(); ++j)
-        if (sample.turns[j] != 0 || j == sample.joint) activate(parameters.axis(j), 4);
-      activate(parameters.target(sample.target), 3);
-      if constexpr (Size == 6) activate(parameters.tool(), 3);
-      rows_.add(active, pose.by_parameter, sample.weight * residual_.weight, residual_.error,
-                equations);
+      if (const Active now{turned(sample), sample.target}; active != now) {
+        active = now;
+        rows_.activate(columns(parameters, now), equations);
+      }
+      rows_.add(pose.by_parameter, sample.weight * residual_.weight, residual_.error, equations);
     }
     rows_.flush(equations);
     return equations;
   }
 
  private:
+  /// What a sample depends on: joints that did not turn change nothing.
+  struct Active {
+    unsigned joints;  ///< a bit each
+    std::size_t target;
+    bool operator==(const Active&) const = default;
+  };
+  static unsigned turned(const ChainObservation& sample) {
+    unsigned joints = 1u << sample.joint;
+    for (std::size_t j = 0; j < kMostJoints; ++j)
+      if (sample.turns[j] != 0) joints |= 1u << j;
+    return joints;
+  }
+  static std::vector<Index> columns(const ChainParameters& parameters, const Active& active) {
+    std::vector<Index> found;
+    const auto add = [&](Index from, Index count) {
+      for (Index k = 0; k < count; ++k) found.push_back(from + k);
+    };
+    for (std::size_t j = 0; j < parameters.joints; ++j)
+      if ((active.joints >> j & 1u) != 0) add(parameters.axis(j), 4);
+    add(parameters.target(active.target), 3);
+    if constexpr (Size == 6) add(parameters.tool(), 3);
+    return found;
+  }
+
   [[nodiscard]] bool free(const ChainObservation& sample) const {
     return std::isinf(noise_.swept_rad[sample.joint]);
   }

@@ -137,6 +137,7 @@ TEST_CASE("A backlash is seen with its uncertainty") {
   constexpr int kRuns = 20;
   for (int run = 0; run < kRuns; ++run) {
     Measured how = tracked();
+    how.samples = 150;
     auto samples = sweeps_of(chain, how, random);
     std::swap(how.from_rad, how.to_rad);
     for (ChainObservation sample : sweeps_of(chain, how, random)) {

@@ -75,20 +75,19 @@ TEST_CASE("With one joint whose angles are free, the target along the circle is 
   const auto fit =
       fit_chain(perturbed(chain, false, random), samples, noise_of(chain, stated(), true), false);
   CHECK(fit.summary.converged);
-  // Two more: the point along the axis is no parameter, and the axis is known.
   CHECK(fit.summary.undetermined == 1);
   const VectorXd left = difference(chain, fit.chain);
   CHECK(left.head<4>().cwiseAbs().maxCoeff() < 1e-9);
 }
 
 TEST_CASE("The stated covariance is the scatter of fits over many campaigns") {
-  const bool with_orientation = GENERATE(false, true);
   const bool free = GENERATE(false, true);
-  CAPTURE(with_orientation, free);
+  const bool with_orientation = !free;
+  CAPTURE(free);
   Random random(5);
   const Chain chain = random_chain(3, 1, random);
   Measured how = stated();
-  how.samples = 30;
+  how.samples = 20;
   const ChainNoise noise = noise_of(chain, how, free);
   constexpr int kRuns = 200;
   const ChainParameters parameters{3, 1};
