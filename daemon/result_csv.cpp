@@ -1,5 +1,7 @@
 #include "daemon/result_csv.hpp"
 
+#include <array>
+#include <charconv>
 #include <optional>
 
 #include "daemon/numbers.hpp"
@@ -20,6 +22,15 @@ std::string length(double mm) {
 }
 std::string angle(double radians) {
   return fixed(degrees(radians), kAngleDecimals);
+}
+
+/// A measured number with the decimals that it came with: who reads it knows its step again.
+void append_measured(std::string& csv, double value) {
+  std::array<char, 400> digits;
+  const auto [end, error] =
+      std::to_chars(digits.data(), digits.data() + digits.size(), rounded(value, kLengthDecimals),
+                    std::chars_format::fixed);
+  csv.append(digits.data(), end);
 }
 
 /// The last columns of a line of sweeps.csv.
@@ -137,12 +148,14 @@ std::string sweeps_csv(const Outcome& outcome) {
         const auto residual = identify::residual(*joints[j].circle, sample.position_mm);
         csv += start;
         append_fixed(csv, sample.time_s, 3);
-        for (const double value : sample.position_mm) add(value);
-        for (std::size_t k = 0; k < angles; ++k)
-          if (k < sample.joints)
-            add(degrees(sample.angles_rad[k]));
-          else
-            csv += ',';
+        for (const double value : sample.position_mm) {
+          csv += ',';
+          append_measured(csv, value);
+        }
+        for (std::size_t k = 0; k < angles; ++k) {
+          csv += ',';
+          if (k < sample.joints) append_measured(csv, degrees(sample.angles_rad[k]));
+        }
         add(residual.plane_mm);
         add(residual.radial_mm);
         add_seen(csv, identify::seen_turn(outcome.identification, j, joints[j].sweeps[s].target,

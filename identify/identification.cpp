@@ -29,7 +29,8 @@ Identification estimate(std::vector<Sweep> sweeps, const Campaign& campaign) {
     found.dh.front().b_mm = {first.b_mm, 0, Knowledge::by_convention};
     found.dh.front().theta_rad = {first.theta_rad, 0, Knowledge::by_convention};
   }
-  found.tool = tool_pose(*found.chain, axes, found.chain->dh, found.specified);
+  if (found.chain->shared_home)
+    found.tool = tool_pose(*found.chain, axes, found.chain->dh, found.specified);
   std::string missing;
   for (std::size_t j = 0; j < joints; ++j) {
     found.joints[j].axis = found.chain->axes[j];

@@ -21,7 +21,8 @@ struct ModelSource {
   /// three of the tool's rotation in the measurement frame. May be empty.
   Eigen::MatrixXd covariance;
   std::vector<std::optional<double>> home_rad;  ///< one a joint; unknown: angles count from home
-  bool tool_identified = false;                 ///< the orientation of `chain.tool` was measured
+  bool target_identified = true;  ///< where the first target is at home; false: its place is any
+  bool tool_identified = false;   ///< the orientation of `chain.tool` was measured
 };
 
 /// The arm in every form of `kModelForms`, in that order; empty where a number of the table is

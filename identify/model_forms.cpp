@@ -172,15 +172,16 @@ std::vector<Group> ModelForms::stone_groups(const Chain& chain) const {
     }
     const bool coincident = source_.dh[j].relation == Relation::coincident;
     const Knowledge any = unless(last);
+    const Knowledge link = unless(last || coincident);
     const Knowledge beta = unless(last || coincident || target_on_axis_[j]);
     const Knowledge d = unless(last || parallel(source_.dh[j]));
     const Knowledge about_next = unless(last || coincident || target_on_axis_[j + 1]);
     Group group = {number("beta", Quantity::angle, step.row.theta_rad, beta),
                    number("d", Quantity::length, step.row.b_mm, d),
-                   number("a", Quantity::length, step.row.a_mm, any),
-                   number("alpha", Quantity::angle, step.row.alpha_rad, any)};
+                   number("a", Quantity::length, step.row.a_mm, link),
+                   number("alpha", Quantity::angle, step.row.alpha_rad, link)};
     if (parallel(source_.dh[j]))
-      group.push_back(number("hayati_beta", Quantity::angle, step.row.beta_rad));
+      group.push_back(number("hayati_beta", Quantity::angle, step.row.beta_rad, link));
     group.push_back(number("gamma", Quantity::angle, gamma, about_next));
     group.push_back(number("b", Quantity::length, b, any));
     group.push_back(positive(j));

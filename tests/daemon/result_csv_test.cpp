@@ -173,3 +173,14 @@ TEST_CASE("sweeps.csv has where each sample lies to the chain, and the error of 
   CHECK(without[1][axial].empty());
   CHECK(without[1][error].empty());
 }
+
+TEST_CASE("sweeps.csv keeps the decimals that were measured, so that its reader knows the step") {
+  const auto rows = table(sweeps_csv(complete_outcome()));
+  std::size_t most = 0;
+  for (std::size_t i = 1; i < rows.size(); ++i)
+    for (std::size_t k = 3; k < 12; ++k) {
+      const auto point = rows[i][k].find('.');
+      if (point != std::string::npos) most = std::max(most, rows[i][k].size() - point - 1);
+    }
+  CHECK(most == 4);
+}
