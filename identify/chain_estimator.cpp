@@ -179,11 +179,16 @@ class Estimation {
     return settled(std::move(chain), noise, false);
   }
 
-  [[nodiscard]] bool explained_by_print(const Fitted& fitted, bool with_orientation) const {
+  /// Root mean square of what is left, in what printed numbers alone would leave.
+  [[nodiscard]] double misprint(const Fitted& fitted, bool with_orientation) const {
     ChainNoise printed = quantum_;
     for (std::size_t j = 0; j < joints_; ++j)
       if (std::isinf(fitted.noise.swept_rad[j])) printed.swept_rad[j] = kFree;
-    return misfit(fitted.fit.chain, samples_, printed, with_orientation) <= kMostQuanta;
+    return misfit(fitted.fit.chain, samples_, printed, with_orientation);
+  }
+
+  [[nodiscard]] bool explained_by_print(const Fitted& fitted, bool with_orientation) const {
+    return misprint(fitted, with_orientation) <= kMostQuanta;
   }
 
   /// Believes all angles, then takes back the worst joint's that does not stand the test, and so
@@ -240,10 +245,8 @@ class Estimation {
     const Eigen::Quaterniond mean = closest_rotation(sum);
     chain.tool = mean.toRotationMatrix();
     // They share their encoders with the positions, or they are left alone.
-    if (!explained_by_print(best, false)) {
-      best.fit.chain.tool = chain.tool;
-      return false;
-    }
+    best.fit.chain.tool = chain.tool;
+    if (!explained_by_print(best, false) || misprint(best, true) > 2 * kMostQuanta) return false;
     const auto kept = samples_;
     ChainNoise noise = best.noise;
     noise.orientation_rad = quantum_.orientation_rad;
@@ -253,7 +256,6 @@ class Estimation {
       best = std::move(oriented);
     } else {
       samples_ = kept;
-      best.fit.chain.tool = chain.tool;
     }
     return consistent;
   }
