@@ -46,6 +46,10 @@ double parameter_count(const Chain& chain) {
       ChainParameters{chain.axes.size(), chain.targets_mm.size()}.count(Size == 6));
 }
 
+/// Variances beside that of the position have to pass their floor by so many standard deviations:
+/// else they would only weigh samples by chance.
+constexpr double kChance = 3;
+
 /// M v = u with v not below `floor`: what wants to fall below stays there.
 Components bounded_solution(Products m, Components u, const Components& floor) {
   const Index count = u.size();
@@ -72,15 +76,19 @@ Components bounded_solution(Products m, Components u, const Components& floor) {
       }
       scaled(r, r) += 1e-9;  // components that cannot be told apart share
     }
-    const Components found = scaled.ldlt().solve(right);
+    const Eigen::LDLT<Products> solver(scaled);
+    const Components found = solver.solve(right);
+    const Products inverse = solver.solve(Products::Identity(size, size));
     Index worst = -1;
-    double deepest = 0;
+    double least = 0;
     for (Index r = 0; r < size; ++r) {
       const Index at = open[static_cast<std::size_t>(r)];
       v(at) = found(r) / std::sqrt(m(at, at));
-      const double below = (floor(at) - v(at)) * std::sqrt(m(at, at));
-      if (below > deepest) {
-        deepest = below;
+      // Estimates of variances scatter by 2 M^-1.
+      const double above = (v(at) - floor(at)) * std::sqrt(m(at, at) / (2 * inverse(r, r)));
+      const double margin = above - (at == kPosition ? 0 : kChance);
+      if (margin < least) {
+        least = margin;
         worst = at;
       }
     }

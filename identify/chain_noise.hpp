@@ -11,7 +11,8 @@ namespace identify {
 /// Variance components of the samples about `chain`, by one step of Fisher scoring from `noise`
 /// (restricted maximum likelihood in the form of Rao's MINQUE, J. Multivariate Anal. 1, 1971):
 /// position, orientation where asked for, the locked joints' angles together, and each sweeping
-/// joint's angle that is not free. None falls below `floor`; what cannot be told apart stays there.
+/// joint's angle that is not free. None falls below `floor`; what cannot be told apart, or
+/// from chance, stays there.
 [[nodiscard]] ChainNoise estimate_noise(const Chain& chain,
                                         const std::vector<ChainObservation>& samples,
                                         const ChainNoise& noise, const ChainNoise& floor,
