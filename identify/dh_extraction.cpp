@@ -6,6 +6,8 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
+#include "identify/axis_frame.hpp"
+
 namespace identify {
 namespace {
 
@@ -26,12 +28,6 @@ double largest_sigma(const Matrix3d& covariance) {
   return std::sqrt(std::max(0.0, solver.eigenvalues()(2)));
 }
 
-/// Turns `v` into the plane across `axis`, unit; zero if it lies along it.
-Vector3d across(const Vector3d& v, const Vector3d& axis) {
-  const Vector3d part = v - axis * axis.dot(v);
-  return part.norm() > 1e-6 * v.norm() ? part.normalized() : Vector3d::Zero();
-}
-
 double angle_about(const Vector3d& axis, const Vector3d& from, const Vector3d& to) {
   return std::atan2(axis.dot(from.cross(to)), from.dot(to));
 }
@@ -49,8 +45,8 @@ struct Frame {
 };
 
 Frame frame_on(const Line& axis) {
-  Frame frame{axis.point_mm(), across(Vector3d::UnitX(), axis.direction)};
-  if (frame.x.isZero()) frame.x = across(Vector3d::UnitY(), axis.direction);
+  Frame frame{axis.point_mm(), turned_across(Vector3d::UnitX(), axis.direction)};
+  if (frame.x.isZero()) frame.x = turned_across(Vector3d::UnitY(), axis.direction);
   return frame;
 }
 
@@ -69,13 +65,13 @@ Vector5d advance(const Line& first, const Line& second, const Choice& choice, Fr
   if (choice.relation == Relation::skew || choice.relation == Relation::intersecting) {
     // The plane of the first axis and the common normal: so the row leads to the second axis even
     // where rounding moves the feet along both.
-    next.x = choice.sign * across(z.cross(second.direction), z);
+    next.x = choice.sign * turned_across(z.cross(second.direction), z);
     next.origin = passes(z.cross(next.x));
     foot += z * z.dot(next.origin - foot);
   } else {
     next.origin = passes(z);  // the plane across the first axis
     const Vector3d offset = next.origin - foot;
-    next.x = offset.norm() > kExact ? Vector3d(choice.sign * across(offset, z)) : frame.x;
+    next.x = offset.norm() > kExact ? Vector3d(choice.sign * turned_across(offset, z)) : frame.x;
   }
   // The second direction is Rx(alpha) Ry(beta) Z, seen from X, Y = Z x X, Z.
   const Vector3d& n = second.direction;
@@ -83,7 +79,7 @@ Vector5d advance(const Line& first, const Line& second, const Choice& choice, Fr
   numbers << (foot - frame.origin).dot(z), angle_about(z, frame.x, next.x),
       (next.origin - foot).dot(next.x), std::atan2(-n.dot(z.cross(next.x)), n.dot(z)),
       std::asin(std::clamp(n.dot(next.x), -1.0, 1.0));
-  next.x = across(next.x, n);
+  next.x = turned_across(next.x, n);
   frame = next;
   return numbers;
 }
