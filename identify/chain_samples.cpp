@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
+#include "identify/points.hpp"
 #include "identify/robust_circle.hpp"
 
 namespace identify {
@@ -61,17 +62,6 @@ Vector3d settled(const std::vector<AxisCircle>& circles, Vector3d point) {
     if (move.norm() < 1e-9) break;
   }
   return point;
-}
-
-Vector3d median(std::vector<Vector3d>& points) {
-  Vector3d middle = Vector3d::Zero();
-  for (Eigen::Index k = 0; k < 3; ++k) {
-    const auto at = points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2);
-    std::nth_element(points.begin(), at, points.end(),
-                     [k](const Vector3d& a, const Vector3d& b) { return a(k) < b(k); });
-    middle(k) = (*at)(k);
-  }
-  return middle;
 }
 
 /// A target close to the axis tells nothing of where along its circle it is.

@@ -47,15 +47,7 @@ std::optional<Vector3d> home_point(const std::vector<Sweep>& sweeps, std::size_t
     before = &sweep;
   }
   if (points.empty()) return std::nullopt;
-  // Coordinate by coordinate, the median: one joint that did not come home must not shift it.
-  Vector3d median;
-  for (Eigen::Index k = 0; k < 3; ++k) {
-    const auto middle = points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2);
-    std::nth_element(points.begin(), middle, points.end(),
-                     [k](const Vector3d& a, const Vector3d& b) { return a(k) < b(k); });
-    median(k) = (*middle)(k);
-  }
-  return median;
+  return median(points);  // one joint that did not come home must not shift it
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <vector>
 
 #include <Eigen/Core>
@@ -16,6 +18,20 @@ namespace identify {
     if (sample.has_position) points.col(count++) = sample.position_mm;
   points.conservativeResize(3, count);
   return points;
+}
+
+/// Coordinate by coordinate, the median: a few points anywhere do not shift it far. Reorders
+/// `points`, of which there must be one at least.
+[[nodiscard]] inline Eigen::Vector3d median(std::vector<Eigen::Vector3d>& points) {
+  Eigen::Vector3d middle;
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const auto at = points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2);
+    std::nth_element(
+        points.begin(), at, points.end(),
+        [k](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a(k) < b(k); });
+    middle(k) = (*at)(k);
+  }
+  return middle;
 }
 
 }  // namespace identify
