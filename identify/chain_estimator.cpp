@@ -27,7 +27,6 @@ constexpr double kWorstDirection_rad = 3.14159265358979323846 / 180;
 struct Fitted {
   ChainFit fit;
   ChainNoise noise;
-  double correlated = 1;  ///< samples per independent one
 };
 
 class Estimation {
@@ -90,8 +89,6 @@ class Estimation {
     result.fit = fit_chain(chain, samples_, noise, with_orientation);
     result.fit.summary.iterations += iterations;
     result.noise = noise;
-    result.correlated =
-        samples_per_independent(result.fit.chain, samples_, noise, with_orientation);
     return result;
   }
 
@@ -138,13 +135,17 @@ class Estimation {
       std::vector<ChainObservation> pooled = kept;
       for (std::size_t i = 0; i < pooled.size(); ++i) pooled[i].weight = samples_[i].weight;
       const double cost = fit_chain(shared.fit.chain, pooled, separate.noise, false).summary.cost;
-      if (2 * (cost - separate.fit.summary.cost) > bound * separate.correlated) {
+      if (2 * (cost - separate.fit.summary.cost) > bound * correlated(separate, false)) {
         shared_home_ = false;
         return separate;
       }
     }
     samples_ = kept;
     return shared;
+  }
+
+  [[nodiscard]] double correlated(const Fitted& fitted, bool with_orientation) const {
+    return samples_per_independent(fitted.fit.chain, samples_, fitted.noise, with_orientation);
   }
 
   /// How far samples are off the circles that they were found on, in the worst joint.
@@ -275,7 +276,7 @@ class Estimation {
     estimate.summary = best.fit.summary;
     estimate.shared_home = shared_home_;
     estimate.samples = samples_.size();
-    estimate.samples_per_independent = best.correlated;
+    estimate.samples_per_independent = correlated(best, estimate.with_orientation);
     for (const ChainObservation& sample : samples_)
       if (sample.weight < 0.5) ++estimate.outliers;
 
@@ -301,8 +302,8 @@ class Estimation {
                                parameters.target(t)) = Eigen::Matrix3d::Identity();
     if (estimate.with_orientation)
       by_parameter.block<3, 3>(tool, parameters.tool()) = Eigen::Matrix3d::Identity();
-    estimate.covariance =
-        best.correlated * by_parameter.lazyProduct(
+    estimate.covariance = estimate.samples_per_independent *
+                          by_parameter.lazyProduct(
                               MatrixXd(best.fit.covariance.lazyProduct(by_parameter.transpose())));
     estimate.chain.targets_mm.resize(targets_);
     for (std::size_t j = 0; j < joints_; ++j) {

@@ -235,6 +235,8 @@ double correlated(const Chain& chain, const std::vector<ChainObservation>& sampl
   // lags along it.
   constexpr double kMostTakenUp = 0.6;
   constexpr double kSigmas = 3;
+  constexpr double kLeastWindow = 200;
+  constexpr double kWindow = 20;
   const double rows = std::max(1.0, row_count<Size>(samples, noise));
   const double share = parameter_count<Size>(chain) / rows;
   double sum = 1;
@@ -249,6 +251,7 @@ double correlated(const Chain& chain, const std::vector<ChainObservation>& sampl
     const double time = sum / (1 - lags * share);
     // Of white noise the sum scatters by sqrt(2 lags / rows).
     if (time > longest && time - 1 > kSigmas * std::sqrt(2 * lags / rows)) longest = time;
+    if (static_cast<double>(lag) > std::max(kLeastWindow, kWindow * longest)) break;
   }
   return longest;
 }
