@@ -165,7 +165,7 @@ TEST_CASE("one file a joint gives the specified table") {
   }
 }
 
-TEST_CASE("samples.csv of a replay gives the table of the replay, digit by digit") {
+TEST_CASE("samples.csv of a replay gives the table of the replay, digit by digit", "[long]") {
   const TemporaryFolder folder;
   sweepd::SimulateOptions simulated;
   simulated.robot = kConfig / "robots/kr5_arc.toml";

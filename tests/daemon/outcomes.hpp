@@ -43,16 +43,22 @@ inline identify::Campaign kr5_campaign() {
 
 /// All joints of a KR 5 arc, with a specified table.
 inline Outcome complete_outcome() {
-  identify::test::Campaign campaign(identify::test::kr5_arc(), {.wobble_deg = 1e-4});
-  campaign.sweep_all_90();
-  return outcome_of(campaign.samples(), kr5_campaign());
+  static const Outcome once = [] {
+    identify::test::Campaign campaign(identify::test::kr5_arc(), {.wobble_deg = 1e-4});
+    campaign.sweep_all_90();
+    return outcome_of(campaign.samples(), kr5_campaign());
+  }();
+  return once;
 }
 
 /// Joints 1, 2 and 4.
 inline Outcome partial_outcome() {
-  identify::test::Campaign campaign(identify::test::kr5_arc(), {.wobble_deg = 1e-4});
-  campaign.rest().sweep(0, -45, 45).sweep(1, -60, -130).sweep(3, 90, 0);
-  return outcome_of(campaign.samples(), kr5_campaign());
+  static const Outcome once = [] {
+    identify::test::Campaign campaign(identify::test::kr5_arc(), {.wobble_deg = 1e-4});
+    campaign.rest().sweep(0, -45, 45).sweep(1, -60, -130).sweep(3, 90, 0);
+    return outcome_of(campaign.samples(), kr5_campaign());
+  }();
+  return once;
 }
 
 /// Nothing moved.
@@ -64,9 +70,12 @@ inline Outcome failed_outcome() {
 
 /// As complete, of a robot about which nothing is known beforehand.
 inline Outcome unspecified_outcome() {
-  identify::test::Campaign campaign(identify::test::kr5_arc(), {.wobble_deg = 1e-4});
-  campaign.sweep_all_90();
-  return outcome_of(campaign.samples(), {});
+  static const Outcome once = [] {
+    identify::test::Campaign campaign(identify::test::kr5_arc(), {.wobble_deg = 1e-4});
+    campaign.sweep_all_90();
+    return outcome_of(campaign.samples(), {});
+  }();
+  return once;
 }
 
 }  // namespace sweepd::test

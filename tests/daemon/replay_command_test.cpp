@@ -65,7 +65,7 @@ std::string robot_table(const std::string& name, const std::string& port) {
 
 }  // namespace
 
-TEST_CASE("two replays leave the same files, byte for byte") {
+TEST_CASE("two replays leave the same files, byte for byte", "[long]") {
   const TemporaryFolder folder;
   const auto trace = folder / "trace.pcap";
   simulate(trace);
@@ -90,7 +90,7 @@ TEST_CASE("two replays leave the same files, byte for byte") {
   CHECK_FALSE(fs::exists(folder / "first/trace.pcap"));
 }
 
-TEST_CASE("a replay without an output folder leaves no files; a quiet one says nothing") {
+TEST_CASE("a replay without an output folder leaves no files; a quiet one says nothing", "[long]") {
   const TemporaryFolder folder;
   const auto trace = folder / "trace.pcap";
   simulate(trace);

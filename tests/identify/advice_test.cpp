@@ -78,7 +78,7 @@ std::vector<Sweep> changed(std::vector<Sweep> sweeps,
 
 }  // namespace
 
-TEST_CASE("a clean campaign of 90 degrees gets no advice") {
+TEST_CASE("a clean campaign of 90 degrees gets no advice", "[long]") {
   const auto found = identified(kr5());
   CHECK(found.estimator == Estimator::chain);
   for (const Warning& warning : found.warnings)
@@ -86,7 +86,7 @@ TEST_CASE("a clean campaign of 90 degrees gets no advice") {
   CHECK(found.warnings.empty());
 }
 
-TEST_CASE("the paper's campaign, moved as a controller moves, gets none either") {
+TEST_CASE("the paper's campaign, moved as a controller moves, gets none either", "[long]") {
   test::Campaign moved(kr5_arc(), {.wobble_deg = 0.0005});
   moved.sweep_all_90();
   auto samples = moved.samples();
@@ -104,7 +104,7 @@ TEST_CASE("the paper's campaign, moved as a controller moves, gets none either")
   CHECK(found.warnings.empty());
 }
 
-TEST_CASE("a target near an axis is told, and what another point would give") {
+TEST_CASE("a target near an axis is told, and what another point would give", "[long]") {
   auto robot = kr5();
   robot.targets_mm = {{1.7, 0, 215}};
   const auto found = identified(robot);
@@ -136,7 +136,7 @@ TEST_CASE("an arc that gives no axis at all is told") {
   CHECK_THAT(message(found, "arc_short", 5), ContainsSubstring("more than 1°"));
 }
 
-TEST_CASE("a joint swept much less than the others is told with the factor") {
+TEST_CASE("a joint swept much less than the others is told with the factor", "[long]") {
   auto robot = kr5();
   robot.ranges[4] = {75, 105};
   const auto found = identified(robot);
@@ -158,7 +158,7 @@ TEST_CASE("coarsely printed numbers are told, in words that fit any device") {
              ContainsSubstring("0.1000 mm") && ContainsSubstring("on a KUKA controller"));
 }
 
-TEST_CASE("an angle that depends on the direction of the motion is told") {
+TEST_CASE("an angle that depends on the direction of the motion is told", "[long]") {
   // Joint 2 there and back; on the way back its angle reads 20 arcsec more.
   constexpr double kBacklash_rad = 20 * accuracy::kArcsec;
   const auto robot = kr5();
@@ -193,7 +193,7 @@ TEST_CASE("a smooth error of a joint's angles is told with its size") {
   }));
 }
 
-TEST_CASE("angles that follow no pattern are told to be unused") {
+TEST_CASE("angles that follow no pattern are told to be unused", "[long]") {
   const auto robot = kr5();
   std::mt19937 random(1);
   std::normal_distribution<> normal;
@@ -206,7 +206,7 @@ TEST_CASE("angles that follow no pattern are told to be unused") {
   CHECK_THAT(message(found, "angles_not_used", 2), ContainsSubstring("arcsec rms"));
 }
 
-TEST_CASE("noise that is alike from sample to sample is told") {
+TEST_CASE("noise that is alike from sample to sample is told", "[long]") {
   auto slow = tracker(0.02);
   slow.correlation = 0.95;
   CHECK_THAT(message(identified(kr5(), slow), "correlated_noise", {}),
@@ -220,7 +220,7 @@ TEST_CASE("points far off are told with their share") {
              ContainsSubstring(" of 6000 samples ("));
 }
 
-TEST_CASE("sweeps that miss each other's home are told") {
+TEST_CASE("sweeps that miss each other's home are told", "[long]") {
   const auto regime = tracker(0.02);
   const auto robot = kr5();
   // The target was knocked before joint 4 swept.
@@ -233,7 +233,7 @@ TEST_CASE("sweeps that miss each other's home are told") {
   CHECK_THAT(message(found, "home_not_shared", {}), ContainsSubstring("lock the other joints"));
 }
 
-TEST_CASE("orientations that contradict the positions are told") {
+TEST_CASE("orientations that contradict the positions are told", "[long]") {
   const auto robot = kr5();
   const auto sweeps =
       changed(sweeps_of(robot, kController, 1), [](Sweep&, std::vector<Sample>& samples) {
@@ -246,7 +246,7 @@ TEST_CASE("orientations that contradict the positions are told") {
   CHECK_THAT(message(found, "orientation_inconsistent", {}), ContainsSubstring("A, B, C"));
 }
 
-TEST_CASE("a fit that did not end is told") {
+TEST_CASE("a fit that did not end is told", "[long]") {
   const auto robot = kr5();
   auto found = identified(robot);
   found.chain->summary.converged = false;

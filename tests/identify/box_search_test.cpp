@@ -50,7 +50,7 @@ TEST_CASE("a poor bound on the least width changes the length of the search, not
   CHECK(poor.gap <= 2e-12);
 }
 
-TEST_CASE("the volume found does not depend on the axes that the search starts from") {
+TEST_CASE("the volume found does not depend on the axes that the search starts from", "[long]") {
   std::mt19937_64 random(2);
   std::normal_distribution<double> normal;
   for (unsigned seed = 1; seed <= 200; ++seed) {

@@ -154,7 +154,7 @@ TEST_CASE("a tracker's points are fitted without angles, and their error is told
         Approx(home_error).epsilon(0.3));
 }
 
-TEST_CASE("one joint whose angles sag is not believed while the others are") {
+TEST_CASE("one joint whose angles sag is not believed while the others are", "[long]") {
   test::Campaign campaign(test::kr5_arc(), {0.0005, 0, 7});
   campaign.sweep_all_90();
   auto samples = campaign.samples();
@@ -228,7 +228,7 @@ TEST_CASE("a second target without angles makes the table more certain") {
   check_table(with_both, 4.5);
 }
 
-TEST_CASE("joints that did not come home are told, and each circle stands for itself") {
+TEST_CASE("joints that did not come home are told, and each circle stands for itself", "[long]") {
   test::Campaign campaign(test::kr5_arc(), {0, 0.005, 5});
   campaign.sweep_all_90();
   auto sweeps = segment(campaign.samples());

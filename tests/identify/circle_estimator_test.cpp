@@ -167,7 +167,7 @@ TEST_CASE("a target on an axis is said and gives no axis") {
   CHECK(result.warnings[0].joint == 5u);
 }
 
-TEST_CASE("a target near an axis is warned about") {
+TEST_CASE("a target near an axis is warned about", "[long]") {
   auto arm = test::kr5_arc();
   arm.tool_mm = {1.7, 0, 215};
   test::Campaign campaign(arm, {0.0001});
@@ -208,7 +208,7 @@ TEST_CASE("no sweeps at all fail with a reason") {
   CHECK(result.reason == "no sweep of a single joint was seen");
 }
 
-TEST_CASE("coarsely printed positions are warned about") {
+TEST_CASE("coarsely printed positions are warned about", "[long]") {
   test::Campaign campaign(test::kr5_arc());
   campaign.sweep_all_90();
   auto known = for_kr5();

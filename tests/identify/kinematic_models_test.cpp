@@ -180,7 +180,7 @@ TEST_CASE("every form reproduces the exact KR 5") {
   }
 }
 
-TEST_CASE("every form reproduces axes 2 and 3 with a twist from 0 to 1 degree") {
+TEST_CASE("every form reproduces axes 2 and 3 with a twist from 0 to 1 degree", "[long]") {
   const Arm arm = test::kr5_arc();
   const Chain chain = chain_of(arm.rows, arm.positive, somewhere(), arm.tool_mm);
   const Vector3d normal = (chain.axes[2].point_mm - chain.axes[1].point_mm).normalized();
@@ -211,7 +211,7 @@ TEST_CASE("every form reproduces axes 2 and 3 with a twist from 0 to 1 degree") 
   CHECK(relations == std::set{Relation::skew, Relation::parallel});
 }
 
-TEST_CASE("every form reproduces arms of one to seven joints, whatever their relations") {
+TEST_CASE("every form reproduces arms of one to seven joints, whatever their relations", "[long]") {
   constexpr double kRight = 90 * kDegree;
   const std::vector<std::vector<DhRow>> arms = {
       {{0, 0, 0, 0}},
@@ -374,7 +374,7 @@ TEST_CASE("what the data do not determine is by convention in every form") {
   CHECK(find(models[5], 3, "z").knowledge == Knowledge::by_convention);
 }
 
-TEST_CASE("uncertainties of every form are the scatter that uncertain axes cause") {
+TEST_CASE("uncertainties of every form are the scatter that uncertain axes cause", "[long]") {
   const Arm arm = test::kr5_arc();
   Chain chain = chain_of(arm.rows, arm.positive, somewhere(), arm.tool_mm);
   chain.tool = chain.tool * Eigen::AngleAxisd(1.2, Vector3d(1, -3, 2).normalized()).matrix();
