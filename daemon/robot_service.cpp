@@ -103,6 +103,7 @@ void RobotService::acquire() {
       end_session();
     }
   }
+  server_.settle();
   drain();
   end_session();
 }

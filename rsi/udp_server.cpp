@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <thread>
 
 #include "rsi/ipoc.hpp"
 
@@ -89,6 +90,7 @@ void UdpServer::wait() {
 
 void UdpServer::serve() {
   // Two buffers take turns: one holds the newest datagram that can be answered, the other receives.
+  serving_ = true;
   std::size_t free = 0;
   std::optional<Pending> newest;
   Pending received;
@@ -108,6 +110,11 @@ void UdpServer::serve() {
     }
   }
   if (newest) answer(*newest);
+  serving_ = false;
+}
+
+void UdpServer::settle() const {
+  while (serving_) std::this_thread::yield();
 }
 
 bool UdpServer::receive(Buffer& buffer, Pending& received) {

@@ -54,6 +54,10 @@ class UdpServer {
   void run();
   void stop();
 
+  /// From any thread but the one that serves: returns once what was answered by now is in the
+  /// queue. A reply leaves before its telegram is queued; that takes microseconds.
+  void settle() const;
+
   /// Telegrams and replies in the order in which they came and went; replies have local() as their
   /// source.
   [[nodiscard]] DatagramQueue& datagrams() { return queue_; }
@@ -85,6 +89,7 @@ class UdpServer {
   Endpoint local_;
   DatagramQueue queue_;
   std::array<Buffer, 2> buffers_;
+  std::atomic<bool> serving_{false};
   std::atomic<std::uint32_t> current_;  // the controller's address; 0: none yet
   std::atomic<std::uint64_t> answered_{0}, superseded_{0}, unanswerable_{0}, foreign_{0},
       send_failures_{0};
