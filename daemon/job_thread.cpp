@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "daemon/realtime.hpp"
+
 namespace sweepd {
 
 JobThread::JobThread() : thread_([this] { run(); }) {}
@@ -30,6 +32,7 @@ void JobThread::drain() {
 }
 
 void JobThread::run() {
+  yield_to_others();
   std::unique_lock lock(mutex_);
   while (true) {
     changed_.wait(lock, [this] { return ending_ || !jobs_.empty(); });

@@ -3,9 +3,12 @@
 #include <array>
 #include <ctime>
 #include <exception>
+#include <fstream>
+#include <sstream>
 #include <utility>
 
 #include <nlohmann/json.hpp>
+#include <spdlog/fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include "daemon/atomic_file.hpp"
@@ -14,11 +17,16 @@
 #include "daemon/result_files.hpp"
 #include "rsi/ethernet_config.hpp"
 #include "rsi/ipoc.hpp"
+#include "rsi/udp_server.hpp"
 
 namespace sweepd {
 namespace {
 
 using namespace std::chrono_literals;
+
+/// Acquisition looks for new telegrams so often. Waking it for each would cost the reply thread a
+/// system call, and the machine a change of threads.
+constexpr auto kTick = 20ms;
 
 /// UTC, ISO 8601 basic: 20130704T120000Z.
 std::string utc_now() {
@@ -30,8 +38,15 @@ std::string utc_now() {
   return {text.data(), size};
 }
 
-rsi::UdpServer::Options server_options(const RobotSettings& settings) {
-  rsi::UdpServer::Options options;
+/// Empty if there is no file.
+std::string content(const std::optional<std::filesystem::path>& file) {
+  std::ostringstream text;
+  if (file) text << std::ifstream(*file, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+std::unique_ptr<rsi::Server> make_server(const RobotSettings& settings) {
+  rsi::Server::Options options;
   options.listen = settings.listen;
   options.controller = settings.controller;
   options.queue_bytes = settings.queue_bytes;
@@ -41,7 +56,7 @@ rsi::UdpServer::Options server_options(const RobotSettings& settings) {
         "{}: no ethernet_config: replies carry Type ImFree and the IPOC alone; name the "
         "file that lies on the controller",
         settings.name);
-    return options;
+    return std::make_unique<rsi::UdpServer>(std::move(options));
   }
   const auto config = rsi::EthernetConfig::load(*settings.ethernet_config);
   for (const auto& warning : config.warnings) spdlog::warn("{}: {}", settings.name, warning);
@@ -53,13 +68,17 @@ rsi::UdpServer::Options server_options(const RobotSettings& settings) {
     spdlog::warn("{}: the controller sends to port {}, but listen is {}: make them equal",
                  settings.name, config.port, rsi::text(settings.listen));
   if (!config.only_send) options.reply.emplace(config);
-  return options;
+  return std::make_unique<rsi::UdpServer>(std::move(options));
 }
 
 }  // namespace
 
 RobotService::RobotService(const RobotSettings& settings)
-    : settings_(settings), setup_(load_setup(settings)), server_(server_options(settings)) {
+    : settings_(settings),
+      setup_(load_setup(settings)),
+      server_(make_server(settings)),
+      given_(settings),
+      ethernet_xml_(content(settings.ethernet_config)) {
   std::error_code error;
   std::filesystem::create_directories(settings_.output / settings_.name, error);
   if (error)
@@ -73,24 +92,85 @@ RobotService::~RobotService() {
 }
 
 void RobotService::start() {
-  reply_thread_ = std::thread([this] { server_.run(); });
+  std::promise<RealTimeReport> ready;
+  auto report = ready.get_future();
+  reply_thread_ =
+      std::thread([this, ready = std::move(ready)]() mutable { serve(std::move(ready)); });
+  say_real_time(report.get());
   acquisition_thread_ = std::thread([this] { acquire(); });
   spdlog::info("{}: listening on UDP {}", settings_.name, rsi::text(local()));
+}
+
+void RobotService::reload(const RobotSettings& settings) {
+  const auto changed = change(given_, settings);
+  const auto& name = settings_.name;
+  RobotSetup setup = load_setup(settings);
+  given_ = settings;
+  if (!changed.after_restart.empty())
+    spdlog::warn("{}: only a restart of sweepd takes over {}", name,
+                 fmt::join(changed.after_restart, ", "));
+  if (content(settings.ethernet_config) != ethernet_xml_)
+    spdlog::warn("{}: the Ethernet file has changed: restart sweepd before RSI uses it", name);
+  spdlog::info(
+      "{}: {}", name,
+      changed.live.empty()
+          ? std::string("description and plan read again, for the next session")
+          : fmt::format("taken over for the next session: {}", fmt::join(changed.live, ", ")));
+  const std::lock_guard lock(reload_mutex_);
+  reloaded_ = {settings, std::move(setup)};
+}
+
+void RobotService::take_over() {
+  const std::lock_guard lock(reload_mutex_);
+  if (!reloaded_) return;
+  auto& [settings, setup] = *reloaded_;
+  settings_.description = settings.description;
+  settings_.plan = settings.plan;
+  settings_.output = settings.output;
+  settings_.record = settings.record;
+  settings_.silence = settings.silence;
+  settings_.recording = settings.recording;
+  settings_.signals = settings.signals;
+  setup_ = std::move(setup);
+  reloaded_.reset();
 }
 
 void RobotService::stop() {
   if (!reply_thread_.joinable()) return;
   stopping_ = true;
-  server_.datagrams().wake();
   acquisition_thread_.join();
   identification_.drain();
-  server_.stop();
+  server_->stop();
   reply_thread_.join();
+}
+
+void RobotService::serve(std::promise<RealTimeReport> ready) {
+  RealTimeReport report;
+  if (settings_.real_time.wish != RealTime::off) {
+    lock_memory(report);
+    enter_real_time(settings_.real_time, report);
+  }
+  server_->warm();
+  ready.set_value(std::move(report));
+  server_->run();
+}
+
+void RobotService::say_real_time(const RealTimeReport& report) {
+  if (!report.granted.empty())
+    spdlog::info("{}: reply thread: {}", settings_.name, fmt::join(report.granted, ", "));
+  if (settings_.real_time.wish == RealTime::require && !report.refused.empty()) {
+    server_->stop();
+    reply_thread_.join();
+    throw std::runtime_error(settings_.name + ": " + report.refused.front() +
+                             "; or set realtime to \"try\"");
+  }
+  for (const auto& refused : report.refused) spdlog::warn("{}: {}", settings_.name, refused);
 }
 
 void RobotService::acquire() {
   while (!stopping_) {
-    server_.datagrams().wait(100ms);
+    std::this_thread::sleep_for(kTick);
+    if (!session_) take_over();
     drain();
     const auto now = Steady::now();
     if (session_ && now - last_flush_ > 1s) {
@@ -103,15 +183,15 @@ void RobotService::acquire() {
       end_session();
     }
   }
-  server_.settle();
+  server_->settle();
   drain();
   end_session();
 }
 
 void RobotService::drain() {
   rsi::Datagram datagram;
-  while (server_.datagrams().pop(datagram)) take(datagram);
-  if (const auto overflows = server_.counts().overflows; overflows > overflows_said_) {
+  while (server_->datagrams().pop(datagram)) take(datagram);
+  if (const auto overflows = server_->counts().overflows; overflows > overflows_said_) {
     spdlog::error(
         "{}: {} datagrams were answered but neither recorded nor used, since the queue "
         "was full: raise queue_bytes or free the machine",
@@ -121,7 +201,7 @@ void RobotService::drain() {
 }
 
 void RobotService::take(const rsi::Datagram& datagram) {
-  const bool sent = datagram.source == server_.local();
+  const bool sent = datagram.source == server_->local();
   if (!session_) {
     // A stream begins with what can be answered; stray datagrams are no session.
     if (sent || rsi::find_ipoc(datagram.payload).empty()) return;
@@ -139,8 +219,8 @@ void RobotService::take(const rsi::Datagram& datagram) {
 }
 
 void RobotService::begin_session(const rsi::Datagram& first) {
-  local_address_ = server_.local().address != 0
-                       ? server_.local().address
+  local_address_ = server_->local().address != 0
+                       ? server_->local().address
                        : rsi::local_address_towards(first.source).value_or(0);
   started_ = utc_now();
   last_flush_ = Steady::now();
@@ -172,7 +252,7 @@ void RobotService::end_session() {
   session_->finish();
   identify(false);
   session_.reset();
-  server_.forget_controller();
+  server_->forget_controller();
 }
 
 void RobotService::on_sweep(const identify::Sweep& sweep) {
@@ -209,7 +289,7 @@ void RobotService::identify(bool interim) {
 }
 
 std::string RobotService::run_file(const std::string& ended) const {
-  const auto counts = server_.counts();
+  const auto counts = server_->counts();
   nlohmann::ordered_json json = {{"schema", "sweepd.run/1"},
                                  {"sweepd", SWEEPD_VERSION},
                                  {"command", "run"},
@@ -219,7 +299,7 @@ std::string RobotService::run_file(const std::string& ended) const {
   json["folder"] = folder_.string();
   json["description"] = settings_.description.string();
   if (settings_.ethernet_config) json["ethernet_config"] = settings_.ethernet_config->string();
-  json["listen"] = rsi::text(server_.local());
+  json["listen"] = rsi::text(server_->local());
   json["since_start_of_sweepd"] = {
       {"answered", counts.answered},           {"superseded", counts.superseded},
       {"unanswerable", counts.unanswerable},   {"foreign", counts.foreign},

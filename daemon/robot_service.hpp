@@ -3,15 +3,19 @@
 #include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <future>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
 
 #include "daemon/job_thread.hpp"
+#include "daemon/realtime.hpp"
 #include "daemon/robot_setup.hpp"
 #include "daemon/session.hpp"
 #include "daemon/settings.hpp"
-#include "rsi/udp_server.hpp"
+#include "rsi/server.hpp"
 
 namespace sweepd {
 
@@ -26,17 +30,25 @@ class RobotService {
   RobotService(const RobotService&) = delete;
   RobotService& operator=(const RobotService&) = delete;
 
+  /// Throws std::runtime_error where `realtime = "require"` cannot be had.
   void start();
+  /// Takes over what can be changed: from the next session on, the limits of recording at once.
+  /// Says what else has changed and needs a restart. Throws ConfigError, and changes nothing then.
+  /// From the thread that calls start() and stop().
+  void reload(const RobotSettings& settings);
   /// Ends the session under way with its last result and a complete recording; the controller is
   /// answered until that is done.
   void stop();
 
-  [[nodiscard]] rsi::Endpoint local() const { return server_.local(); }
+  [[nodiscard]] rsi::Endpoint local() const { return server_->local(); }
 
  private:
   using Steady = std::chrono::steady_clock;
 
+  void serve(std::promise<RealTimeReport> ready);
+  void say_real_time(const RealTimeReport& report);
   void acquire();
+  void take_over();
   void drain();
   void take(const rsi::Datagram& datagram);
   void begin_session(const rsi::Datagram& first);
@@ -47,12 +59,21 @@ class RobotService {
 
   RobotSettings settings_;
   RobotSetup setup_;
-  rsi::UdpServer server_;
+  std::unique_ptr<rsi::Server> server_;
   std::atomic<Steady::duration> identification_took_{};
   JobThread identification_;
   std::thread reply_thread_;
   std::thread acquisition_thread_;
   std::atomic<bool> stopping_{false};
+
+  RobotSettings given_;       // by the last reload; of the thread that calls it
+  std::string ethernet_xml_;  // what the Ethernet file held at the start
+  struct Reloaded {
+    RobotSettings settings;
+    RobotSetup setup;
+  };
+  std::mutex reload_mutex_;
+  std::optional<Reloaded> reloaded_;  // waits for the acquisition thread
 
   // The acquisition thread's own.
   std::optional<Session> session_;

@@ -1,8 +1,11 @@
 #include "daemon/run_command.hpp"
 
 #include <csignal>
-#include <list>
+#include <map>
+#include <set>
+#include <string>
 
+#include <spdlog/fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include "daemon/config_error.hpp"
@@ -10,33 +13,74 @@
 #include "daemon/settings.hpp"
 
 namespace sweepd {
+namespace {
 
-int run(const RunOptions& options) {
+Settings read_settings(const RunOptions& options) {
   Settings settings = load_settings(options.config);
   if (options.listen && settings.robots.size() > 1)
     throw ConfigError(settings.file.string() +
                       ": listen: expected one [[robot]] with --listen, found " +
                       std::to_string(settings.robots.size()) +
                       ": set `listen` of each robot in the file instead");
-  // Every thread inherits the mask: the signals are this thread's to wait for.
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGINT);
-  sigaddset(&signals, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-
-  std::list<RobotService> services;
   for (RobotSettings& robot : settings.robots) {
     if (options.output) robot.output = *options.output;
     if (options.listen) robot.listen = *options.listen;
-    services.emplace_back(robot);
   }
-  for (RobotService& service : services) service.start();
+  return settings;
+}
+
+/// The robots that are served, by name.
+using Services = std::map<std::string, RobotService>;
+
+/// Robots that went are let go, those that came are served, the others take over what they can. A
+/// file with a mistake changes nothing.
+void reload(const RunOptions& options, Services& services) {
+  spdlog::info("reading {} again", options.config.string());
+  try {
+    const Settings settings = read_settings(options);
+    std::set<std::string> names;
+    for (const RobotSettings& robot : settings.robots) names.insert(robot.name);
+    std::erase_if(services, [&](const auto& service) {
+      const bool gone = !names.contains(service.first);
+      if (gone)
+        spdlog::info("{}: no longer in the settings: it is not served any more", service.first);
+      return gone;
+    });
+    for (const RobotSettings& robot : settings.robots) {
+      const auto service = services.find(robot.name);
+      try {
+        if (service != services.end())
+          service->second.reload(robot);
+        else
+          services.try_emplace(robot.name, robot).first->second.start();
+      } catch (const std::exception& error) {
+        spdlog::error("{}: {}", robot.name, error.what());
+        if (service == services.end()) services.erase(robot.name);
+      }
+    }
+  } catch (const std::exception& error) {
+    spdlog::error("{}; sweepd goes on with the settings that it had", error.what());
+  }
+}
+
+}  // namespace
+
+int run(const RunOptions& options) {
+  const Settings settings = read_settings(options);
+  // Every thread inherits the mask: the signals are this thread's to wait for.
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+
+  Services services;
+  for (const RobotSettings& robot : settings.robots) services.try_emplace(robot.name, robot);
+  for (auto& [name, service] : services) service.start();
 
   int signal = 0;
-  sigwait(&signals, &signal);
+  while (sigwait(&signals, &signal) == 0 && signal == SIGHUP) reload(options, services);
   spdlog::info("ending on {}", signal == SIGINT ? "SIGINT" : "SIGTERM");
-  for (RobotService& service : services) service.stop();
+  for (auto& [name, service] : services) service.stop();
   return 0;
 }
 

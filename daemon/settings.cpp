@@ -1,8 +1,10 @@
 #include "daemon/settings.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <string_view>
+#include <type_traits>
 #include <variant>
 
 #include "daemon/toml_table.hpp"
@@ -17,7 +19,10 @@ using Names = std::vector<std::string>;
 /// Where an option's value goes. Its type says how it is written and whether it may be left out.
 using Field = std::variant<std::string*, fs::path*, rsi::Endpoint*,  // required
                            std::optional<fs::path>*, std::optional<std::uint32_t>*, bool*,
-                           std::chrono::milliseconds*, std::size_t*, Triple*, Names*>;
+                           std::chrono::milliseconds*, std::chrono::seconds*, std::chrono::days*,
+                           std::size_t*, int*, std::vector<int>*, RealTime*, Triple*, Names*>;
+static_assert(std::is_same_v<std::size_t, std::uint64_t>,
+              "sizes of files are read as whole numbers");
 
 struct Option {
   std::string_view key;
@@ -27,7 +32,17 @@ struct Option {
   std::int64_t most = 0;
 };
 
+constexpr std::array<std::string_view, 3> kRealTime{"require", "try",
+                                                    "off"};  // in RealTime's order
+
 constexpr std::string_view kSignals = "signals";
+constexpr std::string_view kRecording = "recording";
+constexpr std::int64_t kTebibyte = std::int64_t{1} << 40;
+
+/// What the socket and the reply thread are made of; all else may change while a robot is served.
+constexpr std::array<std::string_view, 7> kAfterRestart{
+    "listen", "controller", "ethernet_config", "queue_bytes", "realtime", "realtime_priority",
+    "cpus"};
 
 const Option kRobotOptions[] = {
     {"name", [](RobotSettings& r) -> Field { return &r.name; },
@@ -50,6 +65,28 @@ const Option kRobotOptions[] = {
      "the stream has ended when nothing came for so long", 100, 3'600'000},
     {"queue_bytes", [](RobotSettings& r) -> Field { return &r.queue_bytes; },
      "room for datagrams that are answered but not yet processed", 64 << 10, 1 << 30},
+    {"realtime", [](RobotSettings& r) -> Field { return &r.real_time.wish; },
+     "locked memory and SCHED_FIFO for the reply thread: required, tried, or left alone"},
+    {"realtime_priority", [](RobotSettings& r) -> Field { return &r.real_time.priority; },
+     "of the reply thread under SCHED_FIFO", 1, 98},
+    {"cpus", [](RobotSettings& r) -> Field { return &r.real_time.cpus; },
+     "the reply thread runs on these processors only; left out: on any", 0, 1023},
+};
+
+const Option kRecordingOptions[] = {
+    {"memory_bytes", [](RobotSettings& r) -> Field { return &r.recording.memory_bytes; },
+     "room for what waits for a slow disk", 1 << 20, 1 << 30},
+    {"rotate_bytes", [](RobotSettings& r) -> Field { return &r.recording.rotate_bytes; },
+     "a trace that has grown to this goes on in a new file", 1 << 20, kTebibyte},
+    {"rotate_s", [](RobotSettings& r) -> Field { return &r.recording.rotate; },
+     "and so does one that is as old as this", 60, 31'536'000},
+    {"keep_free_bytes", [](RobotSettings& r) -> Field { return &r.recording.keep_free_bytes; },
+     "while the disk has less room than this, nothing is recorded", 0, kTebibyte},
+    {"keep_bytes", [](RobotSettings& r) -> Field { return &r.recording.keep_bytes; },
+     "the oldest recordings of this robot go when all are larger than this; 0: none go", 0,
+     1024 * kTebibyte},
+    {"keep_days", [](RobotSettings& r) -> Field { return &r.recording.keep; },
+     "recordings older than this go, results stay; 0: none go", 0, 36'500},
 };
 
 const Option kSignalOptions[] = {
@@ -127,8 +164,34 @@ struct Reader {
   void operator()(std::chrono::milliseconds* time) const {
     *time = std::chrono::milliseconds(table.whole_number(option.key, option.least, option.most));
   }
+  void operator()(std::chrono::seconds* time) const {
+    *time = std::chrono::seconds(table.whole_number(option.key, option.least, option.most));
+  }
+  void operator()(std::chrono::days* time) const {
+    *time = std::chrono::days(table.whole_number(option.key, option.least, option.most));
+  }
   void operator()(std::size_t* size) const {
     *size = static_cast<std::size_t>(table.whole_number(option.key, option.least, option.most));
+  }
+  void operator()(int* number) const {
+    *number = static_cast<int>(table.whole_number(option.key, option.least, option.most));
+  }
+  void operator()(std::vector<int>* numbers) const {
+    for (const double number : table.numbers(option.key)) {
+      if (number < static_cast<double>(option.least) || number > static_cast<double>(option.most) ||
+          number != std::floor(number))
+        wrong("whole numbers from " + std::to_string(option.least) + " to " +
+                  std::to_string(option.most),
+              "write them like [2, 3], as `lscpu -e` counts them");
+      numbers->push_back(static_cast<int>(number));
+    }
+  }
+  void operator()(RealTime* wish) const {
+    const std::string text = table.text(option.key);
+    const auto found = std::find(kRealTime.begin(), kRealTime.end(), text);
+    if (found == kRealTime.end())
+      wrong("\"require\", \"try\" or \"off\"", "\"try\" takes what the system permits");
+    *wish = static_cast<RealTime>(found - kRealTime.begin());
   }
   void operator()(Names* names) const {
     *names = table.texts(option.key);
@@ -187,7 +250,15 @@ struct Describer {
     text.fallback = *flag ? "true" : "false";
   }
   void operator()(const std::chrono::milliseconds* time) const { whole_number(time->count()); }
+  void operator()(const std::chrono::seconds* time) const { whole_number(time->count()); }
+  void operator()(const std::chrono::days* time) const { whole_number(time->count()); }
   void operator()(const std::size_t* size) const { whole_number(static_cast<std::int64_t>(*size)); }
+  void operator()(const int* number) const { whole_number(*number); }
+  void operator()(const std::vector<int>*) const { text.value = "whole numbers in brackets"; }
+  void operator()(const RealTime* wish) const {
+    text.value = "\"require\", \"try\" or \"off\"";
+    text.fallback = '"' + std::string(kRealTime[static_cast<std::size_t>(*wish)]) + '"';
+  }
   void operator()(const Triple* names) const {
     text.value = "three signals";
     text.fallback = names_text(*names);
@@ -215,9 +286,11 @@ Settings load_settings(const fs::path& file) {
   Settings settings{file, {}};
   for (const TomlTable& table : tables) {
     RobotSettings robot;
-    read(table, kRobotOptions, {kSignals}, folder, robot);
+    read(table, kRobotOptions, {kSignals, kRecording}, folder, robot);
     if (const auto signals = table.table(kSignals))
       read(*signals, kSignalOptions, {}, folder, robot);
+    if (const auto recording = table.table(kRecording))
+      read(*recording, kRecordingOptions, {}, folder, robot);
 
     for (std::size_t i = 0; i < settings.robots.size(); ++i) {
       const std::string other = " of the robot in line " + std::to_string(tables[i].line());
@@ -234,6 +307,24 @@ Settings load_settings(const fs::path& file) {
   return settings;
 }
 
+SettingsChange change(RobotSettings from, RobotSettings to) {
+  SettingsChange change;
+  const auto compare = [&](std::span<const Option> options, const std::string& prefix) {
+    for (const Option& option : options) {
+      const bool same = std::visit(
+          [&](auto* value) { return *value == *std::get<decltype(value)>(option.field(to)); },
+          option.field(from));
+      const auto key = prefix + std::string(option.key);
+      const bool fixed = std::count(kAfterRestart.begin(), kAfterRestart.end(), key) > 0;
+      if (!same) (fixed ? change.after_restart : change.live).push_back(key);
+    }
+  };
+  compare(kRobotOptions, "");
+  compare(kSignalOptions, std::string(kSignals) + '.');
+  compare(kRecordingOptions, std::string(kRecording) + '.');
+  return change;
+}
+
 std::vector<OptionText> robot_options() {
   std::vector<OptionText> texts;
   RobotSettings defaults;
@@ -248,6 +339,7 @@ std::vector<OptionText> robot_options() {
   };
   describe(kRobotOptions, "");
   describe(kSignalOptions, std::string(kSignals) + '.');
+  describe(kRecordingOptions, std::string(kRecording) + '.');
   return texts;
 }
 

@@ -22,6 +22,31 @@ struct SignalNames {
                                   "AIPos.A4", "AIPos.A5", "AIPos.A6"};
 };
 
+/// What is tried so that the reply thread is never kept waiting for a processor or a page of
+/// memory.
+enum class RealTime {
+  require,   ///< without it sweepd does not start
+  try_hard,  ///< what is not permitted is said, and done without
+  off,
+};
+
+struct RealTimeSettings {
+  RealTime wish = RealTime::try_hard;
+  int priority = 80;      ///< of SCHED_FIFO, 1 to 98
+  std::vector<int> cpus;  ///< the reply thread runs on these only; empty: on any
+};
+
+/// [robot.recording]: how much of it is kept, and where it ends.
+struct RecordingSettings {
+  std::size_t memory_bytes = std::size_t{16} << 20;  ///< waiting for a slow disk
+  std::uint64_t rotate_bytes = std::uint64_t{1} << 30;
+  std::chrono::seconds rotate{std::chrono::hours(24)};
+  std::uint64_t keep_free_bytes = std::uint64_t{1}
+                                  << 30;  ///< on the disk; below it nothing is recorded
+  std::uint64_t keep_bytes = 0;           ///< of this robot's recordings; 0: all
+  std::chrono::days keep{0};              ///< 0: for ever
+};
+
 /// One [[robot]] of the settings: a controller that is served. The defaults are those of the file.
 /// Paths are absolute, or relative to the working directory as the path of the settings file was.
 struct RobotSettings {
@@ -35,6 +60,8 @@ struct RobotSettings {
   bool record = true;
   std::chrono::milliseconds silence{2000};  ///< the stream has ended when nothing came for so long
   std::size_t queue_bytes = std::size_t{4} << 20;
+  RealTimeSettings real_time;
+  RecordingSettings recording;
   SignalNames signals;
 };
 
@@ -46,6 +73,13 @@ struct Settings {
 /// Reads and checks the settings; throws ConfigError. Whether the files that they name exist is
 /// left to who reads those.
 [[nodiscard]] Settings load_settings(const std::filesystem::path& file);
+
+/// What differs between two settings of a robot with one name, by key.
+struct SettingsChange {
+  std::vector<std::string> live;           ///< can be taken over by a sweepd that runs
+  std::vector<std::string> after_restart;  ///< the server's own: need a new one
+};
+[[nodiscard]] SettingsChange change(RobotSettings from, RobotSettings to);
 
 /// An option of [[robot]] in words, for a manual.
 struct OptionText {

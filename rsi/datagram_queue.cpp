@@ -1,23 +1,16 @@
 #include "rsi/datagram_queue.hpp"
 
 #include <array>
-#include <cerrno>
 #include <cstring>
-#include <system_error>
-
-#include <poll.h>
-#include <sys/eventfd.h>
-#include <unistd.h>
 
 namespace rsi {
 
-DatagramQueue::DatagramQueue(std::size_t bytes)
-    : bytes_(bytes), event_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-  if (event_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
-}
-
-DatagramQueue::~DatagramQueue() {
-  close(event_);
+DatagramQueue::DatagramQueue(std::size_t bytes) : bytes_(bytes) {
+  // Once round the ring: its pages are there before the first telegram is.
+  const std::array<char, 4096> block{};
+  std::array<char, 4096> out;
+  for (std::size_t done = 0; done < bytes; done += bytes_.pop(out.data(), out.size()))
+    bytes_.push(block.data(), block.size());
 }
 
 bool DatagramQueue::push(const Datagram& datagram) noexcept {
@@ -31,7 +24,6 @@ bool DatagramQueue::push(const Datagram& datagram) noexcept {
   std::memcpy(raw.data(), &header, sizeof header);
   bytes_.push(raw.data(), raw.size());
   bytes_.push(datagram.payload.data(), datagram.payload.size());
-  wake();
   return true;
 }
 
@@ -47,18 +39,6 @@ bool DatagramQueue::pop(Datagram& datagram) {
     have += bytes_.pop(payload_.data() + have, header.size - have);
   datagram = {header.time, header.source, header.destination, payload_, header.cut};
   return true;
-}
-
-void DatagramQueue::wait(std::chrono::milliseconds longest) {
-  pollfd wanted{event_, POLLIN, 0};
-  if (poll(&wanted, 1, static_cast<int>(longest.count())) <= 0) return;
-  std::uint64_t ignored = 0;
-  [[maybe_unused]] const auto got = read(event_, &ignored, sizeof ignored);
-}
-
-void DatagramQueue::wake() noexcept {
-  const std::uint64_t one = 1;
-  [[maybe_unused]] const auto written = write(event_, &one, sizeof one);
 }
 
 }  // namespace rsi

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
 #include <cstdint>
 #include <string>
 
@@ -12,12 +11,12 @@
 namespace rsi {
 
 /// Bounded queue of datagrams from one thread (the reply thread) to one other (acquisition).
-/// All memory is taken at construction: a push copies into it, without lock or allocation.
+/// All memory is taken and touched at construction: a push copies into it, without lock, allocation
+/// or system call. The consumer is not woken: it looks every few milliseconds.
 class DatagramQueue {
  public:
-  /// Room for `bytes` of datagrams, each with some 40 bytes of its own. Throws std::system_error.
+  /// Room for `bytes` of datagrams, each with some 40 bytes of its own.
   explicit DatagramQueue(std::size_t bytes);
-  ~DatagramQueue();
   DatagramQueue(const DatagramQueue&) = delete;
   DatagramQueue& operator=(const DatagramQueue&) = delete;
 
@@ -26,12 +25,6 @@ class DatagramQueue {
 
   /// Consumer's thread. The payload is valid until the next pop.
   bool pop(Datagram& datagram);
-
-  /// Consumer's thread: sleeps until something was pushed since the last wait, or for `longest`.
-  void wait(std::chrono::milliseconds longest);
-
-  /// Any thread: ends a wait.
-  void wake() noexcept;
 
   /// Any thread: datagrams that found no room.
   [[nodiscard]] std::uint64_t overflows() const noexcept {
@@ -50,7 +43,6 @@ class DatagramQueue {
   boost::lockfree::spsc_queue<char> bytes_;
   std::atomic<std::uint64_t> overflows_{0};
   std::string payload_;
-  int event_;  // eventfd: the one way to wake a thread that costs the waker a single system call
 };
 
 }  // namespace rsi

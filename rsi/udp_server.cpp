@@ -1,156 +1,180 @@
 #include "rsi/udp_server.hpp"
 
+#include <cerrno>
+#include <cstring>
 #include <stdexcept>
 #include <string>
-#include <thread>
+#include <system_error>
+#include <utility>
 
-#include "rsi/ipoc.hpp"
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "rsi/port_owner.hpp"
 
 namespace rsi {
 namespace {
 
-namespace asio = boost::asio;
-using asio::ip::udp;
-
 constexpr std::size_t kLargestDatagram = 65536;
-/// At most so many datagrams are taken before one is answered: a flood must not stop the replies.
-constexpr int kMostAtOnce = 64;
+/// Half a minute of telegrams at a cycle of 4 ms, should this machine stop that long.
+constexpr int kReceiveBuffer = 8 << 20;
+constexpr timeval kLongestWait{0, 100'000};
 
-Timestamp now() {
-  return std::chrono::duration_cast<Timestamp>(std::chrono::system_clock::now().time_since_epoch());
+sockaddr_in to_system(const Endpoint& endpoint) noexcept {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(endpoint.address);
+  address.sin_port = htons(endpoint.port);
+  return address;
 }
 
-udp::endpoint to_asio(const Endpoint& endpoint) {
-  return {asio::ip::address_v4(endpoint.address), endpoint.port};
+Endpoint from_system(const sockaddr_in& address) noexcept {
+  return {ntohl(address.sin_addr.s_addr), ntohs(address.sin_port)};
 }
 
-Endpoint from_asio(const udp::endpoint& endpoint) {
-  return {endpoint.address().to_v4().to_uint(), endpoint.port()};
+template <typename Value>
+bool set_option(int socket, int option, const Value& value) noexcept {
+  return setsockopt(socket, SOL_SOCKET, option, &value, sizeof value) == 0;
 }
 
-void count(std::atomic<std::uint64_t>& counter) {
-  counter.fetch_add(1, std::memory_order_relaxed);
+std::size_t enlarge_receive_buffer(int socket) noexcept {
+  // The first needs a privilege, the second is cut to net.core.rmem_max.
+  if (!set_option(socket, SO_RCVBUFFORCE, kReceiveBuffer))
+    set_option(socket, SO_RCVBUF, kReceiveBuffer);
+  int bytes = 0;
+  socklen_t size = sizeof bytes;
+  getsockopt(socket, SOL_SOCKET, SO_RCVBUF, &bytes, &size);
+  return static_cast<std::size_t>(bytes);
+}
+
+/// Takes what the kernel says beside a datagram: when it came, and how many were dropped so far.
+void read_control(msghdr& message, Timestamp& time, std::uint32_t& dropped) noexcept {
+  for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr;
+       part = CMSG_NXTHDR(&message, part)) {
+    if (part->cmsg_level != SOL_SOCKET) continue;
+    if (part->cmsg_type == SO_TIMESTAMPNS) {
+      timespec stamp;
+      std::memcpy(&stamp, CMSG_DATA(part), sizeof stamp);
+      time = std::chrono::seconds(stamp.tv_sec) + std::chrono::nanoseconds(stamp.tv_nsec);
+    } else if (part->cmsg_type == SO_RXQ_OVFL) {
+      std::memcpy(&dropped, CMSG_DATA(part), sizeof dropped);
+    }
+  }
 }
 
 }  // namespace
 
-std::optional<std::uint32_t> local_address_towards(const Endpoint& peer) {
-  asio::io_context context;
-  udp::socket socket(context);
-  boost::system::error_code error;
-  // Connecting a UDP socket sends nothing: it only asks for the way.
-  socket.connect(to_asio(peer), error);
-  if (error) return std::nullopt;
-  return from_asio(socket.local_endpoint()).address;
-}
+/// What the system fills in for each datagram. Pages that are never needed are never touched.
+struct UdpServer::Buffers {
+  struct alignas(cmsghdr) Control {
+    std::array<char, CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(std::uint32_t))> bytes;
+  };
 
-UdpServer::UdpServer(Options options)
-    : options_(std::move(options)),
-      socket_(context_),
-      queue_(options_.queue_bytes),
-      current_(options_.controller.value_or(0)) {
-  buffers_.fill(Buffer(kLargestDatagram));
-  boost::system::error_code error;
-  socket_.open(udp::v4(), error);
-  if (!error) socket_.bind(to_asio(options_.listen), error);
-  if (!error) socket_.non_blocking(true, error);
-  if (error == asio::error::address_in_use)
-    throw std::runtime_error(
-        "UDP " + text(options_.listen) +
-        " is in use by another program: stop that one (`ss -ulpn` names it) or "
-        "choose another port on both sides");
-  if (error)
-    throw std::runtime_error("cannot listen on UDP " + text(options_.listen) + " (" +
-                             error.message() + "): use an address of this machine, or 0.0.0.0");
-  local_ = from_asio(socket_.local_endpoint());
-}
+  std::unique_ptr<char[]> payloads{new char[kMostAtOnce * kLargestDatagram]};
+  std::array<iovec, kMostAtOnce> places;
+  std::array<sockaddr_in, kMostAtOnce> sources;
+  std::array<Control, kMostAtOnce> controls;
+  std::array<mmsghdr, kMostAtOnce> messages{};
+  std::array<Datagram, kMostAtOnce> datagrams;
+  std::uint32_t dropped = 0;
 
-void UdpServer::run() {
-  wait();
-  context_.run();
-}
-
-void UdpServer::stop() {
-  asio::post(context_, [this] { socket_.cancel(); });
-}
-
-UdpServer::Counts UdpServer::counts() const noexcept {
-  const auto read = [](const auto& counter) { return counter.load(std::memory_order_relaxed); };
-  return {read(answered_), read(superseded_),    read(unanswerable_),
-          read(foreign_),  read(send_failures_), queue_.overflows()};
-}
-
-void UdpServer::wait() {
-  socket_.async_wait(Socket::wait_read, [this](const boost::system::error_code& error) {
-    if (error == asio::error::operation_aborted) return;
-    serve();
-    wait();
-  });
-}
-
-void UdpServer::serve() {
-  // Two buffers take turns: one holds the newest datagram that can be answered, the other receives.
-  serving_ = true;
-  std::size_t free = 0;
-  std::optional<Pending> newest;
-  Pending received;
-  for (int taken = 0; taken < kMostAtOnce && receive(buffers_[free], received); ++taken) {
-    if (!from_controller(received)) {
-      count(foreign_);
-    } else if (received.ipoc.empty()) {
-      count(unanswerable_);
-      queue_.push(received.datagram);
-    } else {
-      if (newest) {
-        count(superseded_);
-        queue_.push(newest->datagram);
-      }
-      newest = received;
-      free = 1 - free;
+  Buffers() {
+    for (std::size_t i = 0; i < kMostAtOnce; ++i) {
+      places[i] = {payloads.get() + i * kLargestDatagram, kLargestDatagram};
+      auto& message = messages[i].msg_hdr;
+      message.msg_name = &sources[i];
+      message.msg_iov = &places[i];
+      message.msg_iovlen = 1;
+      message.msg_control = controls[i].bytes.data();
+      reset(i);
     }
   }
-  if (newest) answer(*newest);
-  serving_ = false;
-}
 
-void UdpServer::settle() const {
-  while (serving_) std::this_thread::yield();
-}
-
-bool UdpServer::receive(Buffer& buffer, Pending& received) {
-  udp::endpoint source;
-  boost::system::error_code error;
-  // An error other than "nothing there" is the echo of an earlier reply that found no listener.
-  std::size_t size = 0;
-  do {
-    size = socket_.receive_from(asio::buffer(buffer), source, 0, error);
-  } while (error == asio::error::connection_refused || error == asio::error::interrupted);
-  if (error) return false;
-  const std::string_view payload(buffer.data(), size);
-  received = {{now(), from_asio(source), local_, payload, false}, find_ipoc(payload)};
-  return true;
-}
-
-bool UdpServer::from_controller(const Pending& received) {
-  const auto address = received.datagram.source.address;
-  auto current = current_.load(std::memory_order_relaxed);
-  if (current == 0 && !received.ipoc.empty()) current_.store(current = address);
-  return address == current;
-}
-
-void UdpServer::answer(const Pending& pending) {
-  Datagram sent{{}, local_, pending.datagram.source, {}, false};
-  if (options_.reply) {
-    sent.payload = options_.reply->with_ipoc(pending.ipoc);
-    boost::system::error_code error;
-    socket_.send_to(asio::buffer(sent.payload.data(), sent.payload.size()),
-                    to_asio(pending.datagram.source), 0, error);
-    sent.time = now();
-    count(error ? send_failures_ : answered_);
-    if (error) sent.payload = {};
+  /// What the system overwrites.
+  void reset(std::size_t i) noexcept {
+    messages[i].msg_hdr.msg_namelen = sizeof(sockaddr_in);
+    messages[i].msg_hdr.msg_controllen = controls[i].bytes.size();
+    messages[i].msg_hdr.msg_flags = 0;
   }
-  queue_.push(pending.datagram);
-  if (!sent.payload.empty()) queue_.push(sent);
+};
+
+UdpServer::UdpServer(Options options)
+    : Server(std::move(options)),
+      socket_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)),
+      buffers_(std::make_unique<Buffers>()) {
+  const Endpoint listen = this->options().listen;
+  auto address = to_system(listen);
+  socklen_t size = sizeof address;
+  // Neither SO_REUSEADDR nor SO_REUSEPORT: the port is this program's alone.
+  if (socket_ < 0 || bind(socket_, reinterpret_cast<const sockaddr*>(&address), size) != 0 ||
+      getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size) != 0) {
+    const int error = errno;
+    if (socket_ >= 0) close(socket_);
+    throw std::runtime_error(cannot_listen(Transport::udp, listen, error));
+  }
+  set_local(from_system(address));
+  set_receive_buffer(enlarge_receive_buffer(socket_));
+  // Where these are missing, times are taken later and drops are not counted: both still serve.
+  set_option(socket_, SO_TIMESTAMPNS, 1);
+  set_option(socket_, SO_RXQ_OVFL, 1);
+  if (!set_option(socket_, SO_RCVTIMEO, kLongestWait)) {
+    const int error = errno;
+    close(socket_);
+    throw std::system_error(error, std::generic_category(), "SO_RCVTIMEO");
+  }
+}
+
+UdpServer::~UdpServer() {
+  close(socket_);
+}
+
+void UdpServer::warm() noexcept {
+  Server::warm();
+  constexpr std::size_t kPage = 4096;
+  for (const auto& place : buffers_->places) std::memset(place.iov_base, 0, kPage);
+  static_cast<void>(receive(MSG_DONTWAIT | MSG_PEEK));
+}
+
+void UdpServer::run() noexcept {
+  while (!stopping()) {
+    const auto received = receive(MSG_WAITFORONE);
+    beat();
+    if (received > 0) serve({buffers_->datagrams.data(), received});
+  }
+}
+
+std::size_t UdpServer::receive(int flags) noexcept {
+  auto& all = *buffers_;
+  const int received = recvmmsg(socket_, all.messages.data(), kMostAtOnce, flags, nullptr);
+  if (received < 0) {
+    // An error that lasts must not take the processor from others.
+    if (errno != EAGAIN && errno != EINTR) usleep(1000);
+    return 0;
+  }
+  std::uint32_t dropped = all.dropped;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(received); ++i) {
+    auto& [message, size] = all.messages[i];
+    Timestamp time{};
+    read_control(message, time, dropped);
+    all.datagrams[i] = {time.count() == 0 ? now() : time,
+                        from_system(all.sources[i]),
+                        local(),
+                        {static_cast<const char*>(all.places[i].iov_base), size},
+                        (message.msg_flags & MSG_TRUNC) != 0};
+    all.reset(i);
+  }
+  if ((flags & MSG_PEEK) == 0) add_dropped(dropped - std::exchange(all.dropped, dropped));
+  return static_cast<std::size_t>(received);
+}
+
+bool UdpServer::send(std::string_view reply, const Endpoint& to) noexcept {
+  const auto address = to_system(to);
+  return sendto(socket_, reply.data(), reply.size(), MSG_DONTWAIT,
+                reinterpret_cast<const sockaddr*>(&address),
+                sizeof address) == static_cast<ssize_t>(reply.size());
 }
 
 }  // namespace rsi

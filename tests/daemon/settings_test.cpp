@@ -200,7 +200,9 @@ TEST_CASE("the manual lists every option with its default and range") {
     FAIL("no option " + key);
     return options[0];
   };
-  CHECK(options.size() == 13);
+  CHECK(options.size() == 22);
+  CHECK(option("realtime").fallback == "\"try\"");
+  CHECK(option("recording.keep_days").fallback == "0");
   CHECK(option("listen").required);
   CHECK(option("listen").fallback.empty());
   CHECK_FALSE(option("controller").required);
@@ -248,4 +250,51 @@ TEST_CASE("the shipped settings show every option, and the true default of each"
     CHECK(robot.plan == file.folder / "plans" / "kr5_arc_90deg.toml");
     CHECK(robot.signals.angles == sweepd::SignalNames{}.angles);
   }
+}
+
+TEST_CASE("real time and recording have keys of their own") {
+  const SettingsFile file(kRobot +
+                          "realtime = \"require\"\nrealtime_priority = 42\ncpus = [2, 3]\n"
+                          "[robot.recording]\nrotate_bytes = 1048576\nrotate_s = 60\n"
+                          "keep_free_bytes = 0\nkeep_bytes = 5\nkeep_days = 30\n"
+                          "memory_bytes = 2097152\n");
+  const auto robot = load_settings(file.path).robots.front();
+  CHECK(robot.real_time.wish == sweepd::RealTime::require);
+  CHECK(robot.real_time.priority == 42);
+  CHECK(robot.real_time.cpus == std::vector{2, 3});
+  CHECK(robot.recording.rotate_bytes == 1 << 20);
+  CHECK(robot.recording.rotate == std::chrono::seconds(60));
+  CHECK(robot.recording.keep_free_bytes == 0);
+  CHECK(robot.recording.keep_bytes == 5);
+  CHECK(robot.recording.keep == std::chrono::days(30));
+  CHECK(robot.recording.memory_bytes == 2 << 20);
+
+  CHECK_THAT(error_of(kRobot + "realtime = \"yes\"\n"),
+             Catch::Matchers::ContainsSubstring("expected \"require\", \"try\" or \"off\""));
+  CHECK_THAT(error_of(kRobot + "cpus = [1.5]\n"),
+             Catch::Matchers::ContainsSubstring("expected whole numbers from 0 to 1023"));
+  CHECK_THAT(error_of(kRobot + "[robot.recording]\nkeep_dayz = 1\n"),
+             Catch::Matchers::ContainsSubstring("keep_days"));
+}
+
+TEST_CASE("what differs between two settings is told, and what of it needs a restart") {
+  sweepd::RobotSettings from;
+  CHECK(sweepd::change(from, from).live.empty());
+  CHECK(sweepd::change(from, from).after_restart.empty());
+  auto to = from;
+  to.silence = std::chrono::milliseconds(3000);
+  to.plan = "plan.toml";
+  to.signals.angles = {"E1"};
+  to.recording.keep = std::chrono::days(7);
+  to.listen.port = 1;
+  to.controller = 2;
+  to.ethernet_config = "e.xml";
+  to.queue_bytes = 1 << 20;
+  to.real_time.wish = sweepd::RealTime::off;
+  to.real_time.cpus = {1};
+  const auto change = sweepd::change(from, to);
+  CHECK(change.live ==
+        std::vector<std::string>{"plan", "silence_ms", "signals.angles", "recording.keep_days"});
+  CHECK(change.after_restart == std::vector<std::string>{"listen", "controller", "ethernet_config",
+                                                         "queue_bytes", "realtime", "cpus"});
 }

@@ -1,7 +1,11 @@
 #include "rsi/udp_server.hpp"
 
+#include <chrono>
 #include <string>
 #include <thread>
+#include <vector>
+
+#include "rsi/asio.hpp"
 
 #include "tests/catch.hpp"
 
@@ -48,8 +52,9 @@ struct Running {
   /// The next datagram that was handed over; fails the test after ten seconds without one.
   Datagram next() {
     Datagram datagram;
-    for (int tries = 0; tries < 1000 && !server.datagrams().pop(datagram); ++tries)
-      server.datagrams().wait(10ms);
+    const auto deadline = std::chrono::steady_clock::now() + 10s;
+    while (!server.datagrams().pop(datagram) && std::chrono::steady_clock::now() < deadline)
+      std::this_thread::yield();
     return datagram;
   }
 
@@ -124,6 +129,68 @@ TEST_CASE("what has no IPOC is handed over unanswered, and what follows is answe
   running.stop();
   CHECK(running.server.counts().unanswerable == 5);
   CHECK(running.server.counts().answered == 2);
+}
+
+TEST_CASE("what waits together is handed over in its order, the reply behind its telegram") {
+  UdpServer server(on_loopback());
+  Controller controller(server);
+  for (const std::string& datagram : {telegram(4), std::string("junk"), telegram(8),
+                                      std::string("more junk"), std::string("<Rob></Rob>")})
+    controller.send(datagram);
+  std::thread thread([&] { server.run(); });
+  CHECK(controller.receive().find(">8<") != std::string::npos);
+  server.stop();
+  thread.join();
+  std::vector<std::string> got;
+  for (Datagram datagram; server.datagrams().pop(datagram);) got.emplace_back(datagram.payload);
+  CHECK(got == std::vector<std::string>{telegram(4), "junk", telegram(8),
+                                        "<Sen Type=\"ImFree\"><IPOC>8</IPOC></Sen>", "more junk",
+                                        "<Rob></Rob>"});
+}
+
+TEST_CASE("a telegram has the time at which the kernel received it, not that of its processing") {
+  UdpServer server(on_loopback());
+  Controller controller(server);
+  const auto before = rsi::now();
+  controller.send(telegram(4));
+  const auto sent = rsi::now();
+  std::this_thread::sleep_until(std::chrono::steady_clock::now() + 20ms);
+  std::thread thread([&] { server.run(); });
+  controller.receive();
+  server.stop();
+  thread.join();
+  Datagram datagram;
+  REQUIRE(server.datagrams().pop(datagram));
+  CHECK(datagram.time >= before);
+  CHECK(datagram.time <= sent);  // over loopback the receiver has it before send() returns
+  REQUIRE(server.datagrams().pop(datagram));
+  CHECK(datagram.time >= sent + 20ms);
+}
+
+TEST_CASE("what the system drops for want of room is counted, and nothing else is lost") {
+  UdpServer server(on_loopback());
+  CHECK(server.receive_buffer() > 0);
+  Controller controller(server);
+  // Each takes its page or more of the receive buffer, whatever its size.
+  const std::size_t sent = server.receive_buffer() / 4096 + 2000;
+  for (std::size_t k = 0; k < sent; ++k) controller.send(std::string(4000, 'x'));
+  std::thread thread([&] { server.run(); });
+  controller.send(telegram(4));  // lost or not; the kernel tells its count with what comes next
+  std::string reply;
+  for (int tries = 0; reply.empty() && tries < 10; ++tries) {
+    controller.send(telegram(8));
+    reply = controller.receive();
+  }
+  CHECK(reply.find("<IPOC>") != std::string::npos);
+  controller.send(telegram(12));
+  controller.receive();
+  server.stop();
+  thread.join();
+  const auto counts = server.counts();
+  CHECK(counts.dropped > 0);
+  // Junk before the first IPOC is from nobody yet.
+  CHECK(counts.foreign + counts.unanswerable + counts.dropped >= sent);
+  CHECK(counts.foreign + counts.unanswerable + counts.dropped <= sent + 2);
 }
 
 TEST_CASE("of several telegrams that wait all are handed over and the newest is answered") {
@@ -206,7 +273,7 @@ TEST_CASE("a port belongs to one server alone, and the message says what to do")
   auto options = on_loopback();
   options.listen = first.local();
   CHECK_THROWS_WITH(UdpServer(std::move(options)),
-                    Catch::Matchers::ContainsSubstring("in use by another program") &&
+                    Catch::Matchers::ContainsSubstring("in use by another program, rsi_tests (") &&
                         Catch::Matchers::ContainsSubstring("choose another port"));
   auto elsewhere = on_loopback();
   elsewhere.listen = {0x08080808, 49152};

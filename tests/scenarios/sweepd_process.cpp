@@ -81,6 +81,16 @@ Daemon::Daemon(const std::filesystem::path& folder)
                          << (kConfig / "robots/kr5_arc.toml").string() << "\"\nlisten = \""
                          << address()
                          << "\"\noutput = \"output\"\nethernet_config = \"ethernet.xml\"\n";
+  start();
+}
+
+void Daemon::restart() {
+  process_->signal(SIGTERM);
+  process_->wait();
+  start();
+}
+
+void Daemon::start() {
   process_ = std::make_unique<SweepdProcess>(
       std::vector<std::string>{"run", "--config", config_.string()});
   const bool listens = eventually([&] {

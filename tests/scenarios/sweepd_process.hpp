@@ -58,8 +58,12 @@ class Daemon {
   /// The folder of the one session that there is; empty before it begins.
   [[nodiscard]] std::filesystem::path session() const;
   SweepdProcess& process() { return *process_; }
+  /// Ends it by SIGTERM, and starts it again with the same settings.
+  void restart();
 
  private:
+  void start();
+
   std::filesystem::path output_;
   std::uint16_t port_;
   std::filesystem::path config_;

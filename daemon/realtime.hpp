@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "daemon/settings.hpp"
+
+namespace sweepd {
+
+/// What the system granted, read back from it, and what it refused.
+struct RealTimeReport {
+  std::vector<std::string> granted;  ///< "SCHED_FIFO 80", "processors 2, 3", "memory locked"
+  std::vector<std::string> refused;  ///< what, why, and what to do: a sentence each
+};
+
+/// Keeps the memory of the process in memory, each page from its first use on. Not tried where the
+/// limit of locked memory would make later allocations fail.
+void lock_memory(RealTimeReport& report);
+
+/// Puts the calling thread on its processors and under SCHED_FIFO, and touches its stack.
+void enter_real_time(const RealTimeSettings& settings, RealTimeReport& report);
+
+/// The calling thread lets all others go first: work that can wait must not meet a reply.
+void yield_to_others() noexcept;
+
+}  // namespace sweepd

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include "rsi/endpoint.hpp"
+
+namespace rsi {
+
+enum class Transport { udp, tcp };
+
+/// "UDP" or "TCP".
+[[nodiscard]] std::string text(Transport transport);
+
+/// The program that has a port of this machine, as "name (process 1234)"; empty if there is none or
+/// this program may not know (another user's). From /proc.
+[[nodiscard]] std::string port_owner(Transport transport, const Endpoint& local);
+
+/// Why this program cannot listen there, and what to do, in a sentence. `error`: the errno of bind.
+[[nodiscard]] std::string cannot_listen(Transport transport, const Endpoint& local, int error);
+
+}  // namespace rsi

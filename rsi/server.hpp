@@ -1,0 +1,132 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "rsi/datagram_queue.hpp"
+#include "rsi/endpoint.hpp"
+#include "rsi/reply.hpp"
+
+namespace rsi {
+
+/// The robot's side of the link: answers each telegram first, hands it over afterwards. Whether
+/// telegrams come over UDP or TCP is up to the two classes that derive from this one.
+///
+/// Of several telegrams that wait, all are handed over and the newest with an IPOC is answered: the
+/// older ones are late anyway. Only one controller is answered: the configured one, or the first
+/// that sends an IPOC; telegrams of others are counted and dropped. No reply leaves that holds a
+/// correction (see correction_gate.hpp).
+///
+/// run() is the reply thread: from reception to reply it neither parses, allocates, locks, logs nor
+/// touches a file. Everything else may be called from any thread.
+class Server {
+ public:
+  struct Options {
+    Endpoint listen;                          ///< port 0: the system chooses one
+    std::optional<std::uint32_t> controller;  ///< nothing: the first that speaks
+    std::optional<Reply> reply;               ///< nothing: send nothing (ONLYSEND)
+    std::size_t queue_bytes = 4U << 20;
+  };
+
+  struct Counts {
+    std::uint64_t answered = 0;
+    std::uint64_t superseded = 0;    ///< not answered, since a newer one waited behind
+    std::uint64_t unanswerable = 0;  ///< no IPOC could be found
+    std::uint64_t foreign = 0;       ///< not from the controller
+    std::uint64_t refused = 0;       ///< the reply was no zero correction: it did not leave
+    std::uint64_t send_failures = 0;
+    std::uint64_t cut = 0;        ///< larger than any buffer: only the first part was received
+    std::uint64_t dropped = 0;    ///< by the system, whose receive buffer was full
+    std::uint64_t overflows = 0;  ///< answered, but the queue had no room to hand it over
+  };
+
+  virtual ~Server() = default;
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  /// Where it listens, with the port that the system chose.
+  [[nodiscard]] Endpoint local() const noexcept { return local_; }
+  /// What the system made of the wish for a large receive buffer, in bytes of its own counting.
+  [[nodiscard]] std::size_t receive_buffer() const noexcept { return receive_buffer_; }
+
+  /// Takes the path of a reply without sending one, so that its memory and code are there when the
+  /// first telegram comes. Before run(), on the same thread.
+  virtual void warm() noexcept;
+
+  /// Serves until stop(). Does not throw.
+  virtual void run() noexcept = 0;
+  /// run() returns within a tenth of a second.
+  void stop() noexcept { stopping_ = true; }
+
+  /// Rises at least ten times a second while run() does its work.
+  [[nodiscard]] std::uint64_t beats() const noexcept { return beats_; }
+
+  /// From any thread but the one that serves: returns once what was answered by now is in the
+  /// queue. A reply leaves before its telegram is queued; that takes microseconds.
+  void settle() const;
+
+  /// Telegrams and replies in the order in which they came and went; replies have local() as their
+  /// source.
+  [[nodiscard]] DatagramQueue& datagrams() { return queue_; }
+
+  /// The stream has ended: where no controller is configured, the next one that speaks is served.
+  void forget_controller() noexcept { current_ = options_.controller.value_or(0); }
+
+  [[nodiscard]] Counts counts() const noexcept;
+
+ protected:
+  /// Telegrams that are taken at most before one is answered: a flood must not stop the replies.
+  static constexpr std::size_t kMostAtOnce = 64;
+
+  explicit Server(Options options);
+
+  /// Sends to where a telegram came from. False if the system refuses.
+  [[nodiscard]] virtual bool send(std::string_view reply, const Endpoint& to) noexcept = 0;
+
+  /// The reply thread's work: answers the newest, then hands over all in their order. At most
+  /// kMostAtOnce; the payloads must stay until it returns.
+  void serve(std::span<const Datagram> received) noexcept;
+
+  /// Whether this address is the controller's, or may still become it.
+  [[nodiscard]] bool may_serve(std::uint32_t address) const noexcept;
+
+  [[nodiscard]] bool stopping() const noexcept { return stopping_; }
+  void beat() noexcept { beats_.fetch_add(1, std::memory_order_relaxed); }
+  void count_foreign() noexcept { foreign_.fetch_add(1, std::memory_order_relaxed); }
+  void add_dropped(std::uint32_t datagrams) noexcept { dropped_ += datagrams; }
+
+  const Options& options() const noexcept { return options_; }
+  void set_local(const Endpoint& local) noexcept { local_ = local; }
+  void set_receive_buffer(std::size_t bytes) noexcept { receive_buffer_ = bytes; }
+
+ private:
+  /// What is to be done with one of the telegrams that are served together.
+  enum class Fate : std::uint8_t { drop, hand_over, answer };
+
+  [[nodiscard]] Fate judge(const Datagram& received, std::string_view ipoc) noexcept;
+  /// The reply that left; its payload is empty if none did.
+  [[nodiscard]] Datagram answer(const Datagram& telegram, std::string_view ipoc) noexcept;
+
+  Options options_;
+  Endpoint local_;
+  std::size_t receive_buffer_ = 0;
+  DatagramQueue queue_;
+  std::atomic<bool> stopping_{false};
+  std::atomic<bool> serving_{false};
+  std::atomic<std::uint32_t> current_;  // the controller's address; 0: none yet
+  std::atomic<std::uint64_t> beats_{0};
+  std::atomic<std::uint64_t> answered_{0}, superseded_{0}, unanswerable_{0}, foreign_{0},
+      refused_{0}, send_failures_{0}, cut_{0}, dropped_{0};
+};
+
+/// The address of this machine from which it reaches `peer`; nothing if there is no way to it.
+[[nodiscard]] std::optional<std::uint32_t> local_address_towards(const Endpoint& peer);
+
+/// Time by the system's clock, as datagrams are stamped.
+[[nodiscard]] Timestamp now() noexcept;
+
+}  // namespace rsi

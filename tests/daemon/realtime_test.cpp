@@ -1,0 +1,78 @@
+#include "daemon/realtime.hpp"
+
+#include <thread>
+
+#include <sched.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "tests/catch.hpp"
+
+using Catch::Matchers::ContainsSubstring;
+using sweepd::RealTimeReport;
+
+namespace {
+
+/// In a thread of its own, which takes what was set with it.
+RealTimeReport entered(const sweepd::RealTimeSettings& settings, int& policy, cpu_set_t& cpus) {
+  RealTimeReport report;
+  std::thread([&] {
+    sweepd::enter_real_time(settings, report);
+    policy = sched_getscheduler(0);
+    sched_getaffinity(0, sizeof cpus, &cpus);
+  }).join();
+  return report;
+}
+
+bool has(const std::vector<std::string>& texts, const std::string& wanted) {
+  for (const auto& text : texts)
+    if (text.find(wanted) != text.npos) return true;
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("a thread is put under SCHED_FIFO, or told what has to be permitted") {
+  sweepd::RealTimeSettings settings;
+  settings.priority = 7;
+  int policy = -1;
+  cpu_set_t cpus;
+  const auto report = entered(settings, policy, cpus);
+  if (policy == SCHED_FIFO) {
+    CHECK(has(report.granted, "SCHED_FIFO 7"));
+    CHECK(report.refused.empty());
+  } else {
+    REQUIRE(has(report.refused, "SCHED_FIFO 7 is not permitted"));
+    CHECK(has(report.refused, "LimitRTPRIO=7"));
+    CHECK(report.granted.empty());
+  }
+}
+
+TEST_CASE("a thread is put on its processors, and those that do not exist are refused") {
+  cpu_set_t all;
+  REQUIRE(sched_getaffinity(0, sizeof all, &all) == 0);
+  int first = 0;
+  while (!CPU_ISSET(static_cast<std::size_t>(first), &all)) ++first;
+  sweepd::RealTimeSettings settings;
+  settings.cpus = {first};
+  int policy = -1;
+  cpu_set_t cpus;
+  CHECK(has(entered(settings, policy, cpus).granted, "processors " + std::to_string(first)));
+  CHECK(CPU_COUNT(&cpus) == 1);
+  CHECK(CPU_ISSET(static_cast<std::size_t>(first), &cpus));
+
+  settings.cpus = {first, 1023};
+  CHECK(has(entered(settings, policy, cpus).refused, "1023] is not possible"));
+  settings.cpus = {1023};
+  CHECK(has(entered(settings, policy, cpus).refused, "lscpu -e"));
+}
+
+TEST_CASE("work that can wait is nicer than the rest of the process") {
+  int nice = 0;
+  std::thread([&] {
+    sweepd::yield_to_others();
+    nice = getpriority(PRIO_PROCESS, 0);
+  }).join();
+  CHECK(nice == 10);
+  CHECK(getpriority(PRIO_PROCESS, static_cast<id_t>(getpid())) < 10);
+}

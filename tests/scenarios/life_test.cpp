@@ -1,0 +1,211 @@
+#include <atomic>
+#include <csignal>
+#include <fstream>
+#include <thread>
+
+#include <nlohmann/json.hpp>
+
+#include "rsi/capture_reader.hpp"
+#include "rsi/controller_link.hpp"
+#include "rsi/ipoc.hpp"
+#include "tests/catch.hpp"
+#include "tests/scenarios/sweepd_process.hpp"
+
+using namespace sweepd::test;
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+namespace {
+
+const auto kEthernet = kConfig / "controller/krc4/sweepd_ethernet.xml";
+
+/// A robot at rest, on a thread of its own, until it is stopped.
+class Controller {
+ public:
+  explicit Controller(std::uint16_t port, std::uint64_t first_ipoc = 100'000)
+      : link_(rsi::EthernetConfig::load(kEthernet), options(port, first_ipoc)), thread_([this] {
+          report_ = link_.run([this](std::uint64_t cycle, rsi::SignalValues& values) {
+            cycles_ = cycle;
+            values.RIst = {500, 0, 900, 0, 90, 0};
+            values.AIPos = {0, -90, 90, 0, 90, 0};
+            return true;
+          });
+        }) {}
+  ~Controller() { stop(); }
+
+  /// Until so many more telegrams were sent.
+  [[nodiscard]] bool streams(std::uint64_t more) const {
+    const auto until = cycles_ + more;
+    return eventually([&] { return cycles_ >= until; });
+  }
+  const rsi::ControllerLink::Report& stop() {
+    link_.stop();
+    if (thread_.joinable()) thread_.join();
+    return report_;
+  }
+
+ private:
+  static rsi::ControllerLink::Options options(std::uint16_t port, std::uint64_t first_ipoc) {
+    rsi::ControllerLink::Options options;
+    options.controller.server = {0x7f000001, port};
+    options.controller.first_ipoc = first_ipoc;
+    options.controller.timeout = 1'000'000;
+    options.local = {0x7f000001, 0};
+    return options;
+  }
+
+  rsi::ControllerLink link_;
+  rsi::ControllerLink::Report report_;
+  std::atomic<std::uint64_t> cycles_{0};
+  std::thread thread_;
+};
+
+struct Traced {
+  std::uint64_t first_ipoc = 0;
+  std::uint64_t telegrams = 0;
+  std::uint64_t replies = 0;
+  std::uint64_t replies_to_first = 0;
+};
+
+Traced traced(const fs::path& session, std::uint16_t port) {
+  Traced traced;
+  rsi::CaptureReader trace(session / "trace.pcap");
+  while (const auto datagram = trace.next()) {
+    const auto ipoc = rsi::ipoc_number(rsi::find_ipoc(datagram->payload));
+    if (traced.first_ipoc == 0) traced.first_ipoc = ipoc.value_or(0);
+    const bool telegram = datagram->destination.port == port;
+    ++(telegram ? traced.telegrams : traced.replies);
+    if (!telegram && ipoc == traced.first_ipoc) ++traced.replies_to_first;
+  }
+  return traced;
+}
+
+Json run_file(const fs::path& session) {
+  return Json::parse(content(session / "run.json"));
+}
+
+/// The sessions, oldest first.
+std::vector<fs::path> sessions(const fs::path& robot) {
+  std::vector<fs::path> folders;
+  if (fs::exists(robot))
+    for (const auto& entry : fs::directory_iterator(robot)) folders.push_back(entry.path());
+  std::sort(folders.begin(), folders.end());
+  return folders;
+}
+
+bool said(Daemon& daemon, const std::string& words) {
+  return eventually([&] { return daemon.process().errors().find(words) != std::string::npos; });
+}
+
+void write(const fs::path& file, const std::string& text) {
+  std::ofstream(file, std::ios::binary) << text;
+}
+
+}  // namespace
+
+TEST_CASE("a sweepd that is started while RSI streams answers the first telegram that it gets",
+          "[life]") {
+  const TemporaryFolder folder;
+  Daemon daemon(folder.path());
+  Controller controller(daemon.port());
+  REQUIRE(controller.streams(50));
+  daemon.restart();
+  REQUIRE(controller.streams(100));
+  daemon.process().signal(SIGTERM);
+  CHECK(daemon.process().wait() == 0);
+  controller.stop();
+
+  const auto folders = sessions(folder / "output/kr5-arc");
+  REQUIRE(folders.size() == 2);
+  for (const auto& session : folders) {
+    const auto counts = traced(session, daemon.port());
+    CHECK(counts.telegrams >= 50);
+    CHECK(counts.replies_to_first +
+              run_file(session)["since_start_of_sweepd"]["superseded"].get<std::uint64_t>() >=
+          1);
+    CHECK(counts.replies +
+              run_file(session)["since_start_of_sweepd"]["superseded"].get<std::uint64_t>() ==
+          counts.telegrams);
+  }
+}
+
+TEST_CASE("a controller that starts RSI again goes on in the same session, from its new port",
+          "[life]") {
+  const TemporaryFolder folder;
+  Daemon daemon(folder.path());
+  Controller first(daemon.port(), 5'000'000);
+  REQUIRE(first.streams(50));
+  const auto before = first.stop().controller;
+  Controller second(daemon.port(), 1000);
+  REQUIRE(second.streams(50));
+  const auto after = second.stop().controller;
+  daemon.process().signal(SIGTERM);
+  CHECK(daemon.process().wait() == 0);
+  const auto folders = sessions(folder / "output/kr5-arc");
+  REQUIRE(folders.size() == 1);
+  const auto source = Json::parse(content(folders[0] / "result.json"))["source"];
+  CHECK(source["restarts"] == 1);
+  CHECK(source["lost"] == 0);
+  CHECK(source["telegrams"] == before.telegrams + after.telegrams);
+  const auto superseded =
+      run_file(folders[0])["since_start_of_sweepd"]["superseded"].get<std::uint64_t>();
+  CHECK(before.replies + after.replies + superseded == before.telegrams + after.telegrams);
+}
+
+TEST_CASE("SIGHUP takes over what it can, says what it cannot, and survives a mistake", "[life]") {
+  const TemporaryFolder folder;
+  Daemon daemon(folder.path());
+  Controller controller(daemon.port());
+  REQUIRE(controller.streams(10));
+  const auto sound = content(daemon.config());
+
+  // A second robot comes, the first one changes.
+  const auto other_port = free_port();
+  auto changed = sound + "silence_ms = 300\nqueue_bytes = 1048576\n";
+  const auto other =
+      "[[robot]]\nname = \"other\"\ndescription = \"" + (kConfig / "robots/kr5_arc.toml").string() +
+      "\"\nlisten = \"127.0.0.1:" + std::to_string(other_port) + "\"\noutput = \"output\"\n";
+  write(daemon.config(), changed + other);
+  daemon.process().signal(SIGHUP);
+  CHECK(said(daemon, "kr5-arc: taken over for the next session: silence_ms"));
+  CHECK(said(daemon, "kr5-arc: only a restart of sweepd takes over queue_bytes"));
+  CHECK(said(daemon, "other: listening on UDP 127.0.0.1:" + std::to_string(other_port)));
+  {
+    Controller second(other_port);
+    CHECK(second.streams(20));
+    CHECK(second.stop().controller.replies > 0);
+  }
+
+  // A mistake in the file, or in one that it names, changes nothing.
+  write(daemon.config(), changed + "silence = 1\n");
+  daemon.process().signal(SIGHUP);
+  CHECK(said(daemon, "robot.silence"));
+  CHECK(said(daemon, "sweepd goes on with the settings that it had"));
+  write(daemon.config(), changed + "plan = \"missing.toml\"\n" + other);
+  daemon.process().signal(SIGHUP);
+  CHECK(said(daemon, "missing.toml"));
+  {
+    Controller second(other_port);
+    CHECK(second.streams(20));
+    CHECK(second.stop().controller.replies > 0);
+  }
+
+  // The Ethernet file is the reply thread's; the second robot goes.
+  write(folder / "ethernet.xml", content(folder / "ethernet.xml") + "<!-- edited -->\n");
+  write(daemon.config(), changed);
+  daemon.process().signal(SIGHUP);
+  CHECK(said(daemon, "kr5-arc: the Ethernet file has changed: restart sweepd"));
+  CHECK(said(daemon, "other: no longer in the settings"));
+
+  // The first robot was answered all the time, and its next session has the new silence.
+  REQUIRE(controller.streams(10));
+  const auto report = controller.stop();
+  CHECK(report.controller.longest_unanswered < 50);
+  CHECK(said(daemon, "silent for 2000 ms"));
+  Controller again(daemon.port());
+  REQUIRE(again.streams(10));
+  again.stop();
+  CHECK(said(daemon, "silent for 300 ms"));
+  daemon.process().signal(SIGTERM);
+  CHECK(daemon.process().wait() == 0);
+}
