@@ -53,17 +53,21 @@ void split(std::string_view line, char separator, std::vector<std::string_view>&
 std::string quoted(std::string_view text) {
   constexpr std::size_t kLongest = 40;
   if (text.empty()) return "nothing";
-  return '"' + std::string(text.substr(0, kLongest)) + (text.size() > kLongest ? "..." : "") + '"';
+  return '"' + rsi::printable(text.substr(0, kLongest)) + (text.size() > kLongest ? "..." : "") +
+         '"';
 }
 
 /// Digits after the point, were the number written without an exponent.
 int decimals_of(std::string_view text, int decimals) {
+  // A zero may be written with any exponent; no number that is taken has more digits than these.
+  constexpr int kLeastExponent = -400;
+  constexpr int kMostExponent = 12;
   const auto e = text.find_first_of("eE");
   if (e == std::string_view::npos) return decimals;
   const auto digits = text.substr(e + 1 + (text.substr(e + 1).starts_with('+') ? 1 : 0));
   int exponent = 0;
   std::from_chars(digits.data(), digits.data() + digits.size(), exponent);
-  return decimals - exponent;
+  return decimals - std::clamp(exponent, kLeastExponent, kMostExponent);
 }
 
 }  // namespace
@@ -155,8 +159,8 @@ std::size_t CsvFile::whole_number(std::size_t column, std::size_t least, std::si
 }
 
 void CsvFile::fail(std::size_t column, const std::string& problem) const {
-  throw CsvError(place() + ", column " + std::to_string(column + 1) + " (" + columns_[column] +
-                 "): " + problem);
+  throw CsvError(place() + ", column " + std::to_string(column + 1) + " (" +
+                 rsi::printable(columns_[column]) + "): " + problem);
 }
 
 void CsvFile::fail_header(const std::string& problem) const {
@@ -167,7 +171,7 @@ void CsvFile::fail_header(const std::string& problem) const {
 
 void CsvFile::fail_header(std::size_t column, const std::string& problem) const {
   const std::string text = header_place() + ", column " + std::to_string(column + 1) + " (" +
-                           columns_[column] + "): " + problem;
+                           rsi::printable(columns_[column]) + "): " + problem;
   if (declared_) throw std::invalid_argument(text);
   throw CsvError(text);
 }

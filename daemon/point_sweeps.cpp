@@ -181,9 +181,10 @@ void declare_directions(std::vector<Sweep>& sweeps, const SweepPlan& plan,
     };
     const auto planned = std::find_if(plan.sweeps.begin(), plan.sweeps.end(), is_its);
     if (planned == plan.sweeps.end()) continue;
-    const auto of_first_target = std::count_if(
-        strokes.begin(), strokes.end(),
-        [&](const Sweep* stroke) { return stroke->target == strokes.front()->target; });
+    const auto of_first_target =
+        std::count_if(strokes.begin(), strokes.end(), [&strokes = strokes](const Sweep* stroke) {
+          return stroke->target == strokes.front()->target;
+        });
     int first = planned->end_deg > planned->start_deg ? 1 : -1;
     if (of_first_target > std::count_if(plan.sweeps.begin(), plan.sweeps.end(), is_its))
       for (const auto& declared : order)

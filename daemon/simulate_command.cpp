@@ -68,8 +68,9 @@ class Simulation {
         ethernet_(options.ethernet_config ? EthernetConfig::load(*options.ethernet_config)
                                           : built_in_ethernet_config()),
         cycle_(options.cycle_ms),
-        faults_{options.lose_percent / 100, options.duplicate_percent / 100,
-                options.swap_percent / 100},
+        faults_{.lose = options.lose_percent / 100,
+                .duplicate = options.duplicate_percent / 100,
+                .swap = options.swap_percent / 100},
         robot_(load_robot(options.robot), load_plan(options.plan), robot_options(options)),
         progress_("simulate", options.quiet ? Progress::Terminal{} : Progress::standard_error()),
         report_(report),
@@ -153,9 +154,9 @@ int Simulation::to_capture() {
   const rsi::TelegramWriter writer(ethernet_, options_.precision);
   rsi::FaultyWire wire(faults_, options_.seed);
   rsi::CaptureWriter capture(*options_.write);
-  const auto record = [&](const std::vector<std::string_view>& telegrams) {
-    for (const auto telegram : telegrams) {
-      datagram.payload = telegram;
+  const auto record = [&](const std::vector<rsi::Sent>& datagrams) {
+    for (const auto& sent : datagrams) {
+      datagram.payload = sent.payload;
       capture.write(datagram);
     }
   };

@@ -34,6 +34,7 @@ std::string_view ending(const SimulationReport& report) {
   if (report.interrupted) return "a signal stopped it";
   if (report.live && report.link.end == End::timed_out)
     return "the controller stopped for want of replies";
+  if (report.live && report.link.end == End::disconnected) return "the connection broke";
   if (report.link.controller.telegrams < report.planned) return "it ended before the plan was over";
   return "the plan was played to its end";
 }
@@ -84,6 +85,10 @@ std::string counted(std::uint64_t count, const char* one, const char* many) {
 std::string link_problem(const SimulationReport& report) {
   const auto& link = report.link;
   const auto& counts = link.controller;
+  if (link.end == End::disconnected)
+    return "the connection to " + report.target + " broke: " + link.disconnection +
+           ": see what became of the server, and run it again: RSI over TCP has to be started anew";
+
   if (link.send_failures != 0)
     return counted(link.send_failures, "datagram", "datagrams") + " could not be sent to " +
            report.target + ": " + link.first_send_failure +

@@ -11,6 +11,7 @@
 #include <toml++/toml.h>
 
 #include "daemon/config_error.hpp"
+#include "rsi/ascii.hpp"
 
 namespace sweepd {
 namespace {
@@ -40,10 +41,7 @@ std::string unit_of(std::string_view key) {
 /// Text from a file inside a message: in quotes, on one line, not too long.
 std::string in_quotes(std::string_view text) {
   constexpr std::size_t kMost = 60;
-  std::string shown(text.substr(0, kMost));
-  for (char& c : shown)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  return '"' + shown + (text.size() > kMost ? "...\"" : "\"");
+  return '"' + rsi::printable(text.substr(0, kMost)) + (text.size() > kMost ? "...\"" : "\"");
 }
 
 /// A key or message that stands without quotes.
@@ -127,7 +125,7 @@ struct TomlTable::Node {
 
   [[noreturn]] void fail(std::string_view key, const toml::source_position& where,
                          const std::string& problem) const {
-    throw ConfigError(place(file, where) + prefix + plain(key) + ": " + problem);
+    throw ConfigError(place(file, where) + prefix + plain(key) + ": " + rsi::printable(problem));
   }
 
   [[noreturn]] void fail(std::string_view key, const toml::node& node,
@@ -164,13 +162,16 @@ TomlTable::TomlTable(std::shared_ptr<const Node> node) : node_(std::move(node)) 
 TomlTable TomlTable::load(const std::filesystem::path& file) {
   errno = 0;
   std::ifstream in(file, std::ios::binary);
-  std::string text(kMostBytes + 1, '\0');
-  if (in) in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  std::string text;
+  std::array<char, 4096> part{};
+  while (in && text.size() <= kMostBytes) {
+    in.read(part.data(), part.size());
+    text.append(part.data(), static_cast<std::size_t>(in.gcount()));
+  }
   if (!in.is_open() || in.bad())
     throw ConfigError(file.string() + ": cannot be read: " +
                       std::error_code(errno, std::generic_category()).message() +
                       ": check the path and the permissions");
-  text.resize(static_cast<std::size_t>(in.gcount()));
   if (text.size() > kMostBytes)
     throw ConfigError(file.string() +
                       ": expected a TOML file of at most 1 MiB, found more: " + "check the path");
@@ -184,11 +185,8 @@ TomlTable TomlTable::parse(std::string_view text, const std::filesystem::path& f
     const toml::table* top = root.get();
     return TomlTable(std::make_shared<const Node>(Node{std::move(root), top, name, ""}));
   } catch (const toml::parse_error& error) {
-    std::string what(error.description());
-    std::replace_if(
-        what.begin(), what.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, '?');
-    throw ConfigError(place(name, error.source().begin) + "not valid TOML: " + what +
-                      ": correct the syntax");
+    throw ConfigError(place(name, error.source().begin) + "not valid TOML: " +
+                      rsi::printable(error.description()) + ": correct the syntax");
   }
 }
 

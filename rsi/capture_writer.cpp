@@ -1,46 +1,25 @@
 #include "rsi/capture_writer.hpp"
 
 #include <cerrno>
-#include <chrono>
-#include <cstring>
 #include <stdexcept>
 #include <system_error>
 
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "rsi/capture_record.hpp"
 #include "rsi/packet.hpp"
 
 namespace rsi {
 namespace {
 
 constexpr std::size_t buffer_size = 256 * 1024;
-constexpr std::size_t record_header_size = 16;
-
-// The layout of a pcap file:
-// https://round-lake.dustinice.workers.dev:443/https/www.tcpdump.org/manpages/pcap-savefile.5.txt.
-// Numbers are in the byte order of the writing machine; the magic number tells the reader.
-void append32(std::string& out, std::uint32_t value) {
-  char bytes[sizeof value];
-  std::memcpy(bytes, &value, sizeof value);
-  out.append(bytes, sizeof value);
-}
-
-void append_file_header(std::string& out) {
-  constexpr std::uint16_t version[] = {2, 4};
-  append32(out, 0xa1b23c4d);  // pcap with nanoseconds
-  out.append(reinterpret_cast<const char*>(version), sizeof version);
-  append32(out, 0);  // two unused words
-  append32(out, 0);
-  append32(out, packet_header_size + max_udp_payload);  // the largest packet
-  append32(out, 101);                                   // LINKTYPE_RAW
-}
 
 }  // namespace
 
 CaptureWriter::CaptureWriter(const std::filesystem::path& path) : name_(path.string()) {
   buffer_.reserve(buffer_size);
-  append_file_header(buffer_);
+  buffer_ += capture_header();
   file_ = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (file_ < 0)
     throw std::runtime_error("cannot create capture " + name_ + ": " +
@@ -58,8 +37,7 @@ CaptureWriter::~CaptureWriter() {
 }
 
 bool CaptureWriter::write(const Datagram& datagram) noexcept {
-  using namespace std::chrono;
-  const auto size = record_header_size + packet_header_size + datagram.payload.size();
+  const auto size = capture_record_size(datagram);
   const bool fits_udp = datagram.payload.size() <= max_udp_payload;
   if (!fits_udp) fail("a payload is larger than UDP can carry: it was left out");
   if (fits_udp && buffer_.size() + size > buffer_size) flush();
@@ -67,14 +45,7 @@ bool CaptureWriter::write(const Datagram& datagram) noexcept {
     ++dropped_;
     return false;
   }
-  const auto whole_seconds = floor<seconds>(datagram.time);
-  const auto header = buffer_.size();
-  append32(buffer_, static_cast<std::uint32_t>(whole_seconds.count()));
-  append32(buffer_, static_cast<std::uint32_t>((datagram.time - whole_seconds).count()));
-  append32(buffer_, static_cast<std::uint32_t>(packet_header_size + datagram.payload.size()));
-  append32(buffer_, 0);
-  const auto wire_length = static_cast<std::uint32_t>(append_packet(datagram, buffer_));
-  std::memcpy(buffer_.data() + header + 12, &wire_length, sizeof wire_length);
+  append_capture_record(datagram, buffer_);
   return true;
 }
 

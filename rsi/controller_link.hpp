@@ -1,23 +1,28 @@
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "rsi/asio.hpp"
 
+#include "rsi/controller_socket.hpp"
+#include "rsi/faulty_wire.hpp"
 #include "rsi/simulated_controller.hpp"
 
 namespace rsi {
 
-/// Runs a simulated controller over UDP in real time: telegram k leaves at start + k cycles, by the
-/// steady clock. A machine that oversleeps by more than half a cycle gets whole cycles to catch up
-/// in, so that two telegrams never go out in one burst; they are counted as `skipped`.
+/// Runs a simulated controller in real time, over UDP or, if its Ethernet file says so, over TCP:
+/// telegram k leaves at start + k cycles, by the steady clock. A machine that oversleeps by more
+/// than half a cycle gets whole cycles to catch up in, so that two telegrams never go out in one
+/// burst; they are counted as `skipped`.
 ///
-/// For an RSI restart take a second link: a new socket has a new port, as at a controller.
+/// For an RSI restart take a second link: a new socket has a new port, as at a controller. A TCP
+/// connection that breaks ends the link, since no controller is known to connect by itself again:
+/// its program has to start RSI anew.
 class ControllerLink {
  public:
   struct Options {
@@ -25,12 +30,15 @@ class ControllerLink {
     Endpoint local{};  ///< sends from here; 0.0.0.0:0: the system chooses
     FaultyWire::Rates faults{};
     std::uint64_t seed = 1;  ///< of the faults
+    /// How lengths are written over TCP if the Ethernet file asks for them (PROTCOLLENGTH).
+    LengthPrefix length = LengthPrefix::decimal;
   };
 
   enum class End {
-    done,       ///< the program ended
-    timed_out,  ///< too many cycles without a reply
-    stopped,    ///< stop() was called
+    done,          ///< the program ended
+    timed_out,     ///< too many cycles without a reply
+    stopped,       ///< stop() was called
+    disconnected,  ///< TCP: the connection broke, or what came is no stream of replies
   };
 
   struct Report {
@@ -42,6 +50,7 @@ class ControllerLink {
     std::uint64_t skipped = 0;        ///< cycles that this machine overslept
     std::uint64_t send_failures = 0;  ///< datagrams that the system refused
     std::string first_send_failure;   ///< why it refused the first; empty: none
+    std::string disconnection;        ///< why it is disconnected
   };
 
   /// Fills in what the robot does in cycle k, counted from 0; false: the program is over. Called
@@ -50,8 +59,8 @@ class ControllerLink {
   /// Called about once a second.
   using Progress = std::function<void(const SimulatedController& controller)>;
 
-  /// Opens the socket. Throws std::runtime_error with what to do, std::invalid_argument for wrong
-  /// options.
+  /// Opens the socket; over TCP it connects, and waits for that at most five seconds. Throws
+  /// std::runtime_error with what to do, std::invalid_argument for wrong options.
   ControllerLink(const EthernetConfig& config, const Options& options);
 
   /// Runs until the end, on the calling thread; call it once. What the program throws comes out.
@@ -62,7 +71,7 @@ class ControllerLink {
   void stop() noexcept { stop_ = true; }
 
   /// Where telegrams come from.
-  [[nodiscard]] Endpoint local() const;
+  [[nodiscard]] Endpoint local() const { return socket_->local(); }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -78,9 +87,8 @@ class ControllerLink {
   FaultyWire wire_;
   Clock::duration cycle_;
   boost::asio::io_context context_{1};
-  boost::asio::ip::udp::socket socket_;
+  std::unique_ptr<ControllerSocket> socket_;
   boost::asio::steady_timer timer_;
-  boost::asio::ip::udp::endpoint server_;
 
   Program program_;
   Progress progress_;
@@ -90,7 +98,6 @@ class ControllerLink {
   bool waiting_for_replies_ = false;
   SignalValues values_;
   std::string telegram_;
-  std::array<char, 65536> received_{};
   Report report_;
   std::atomic<bool> stop_{false};
   static_assert(std::atomic<bool>::is_always_lock_free);

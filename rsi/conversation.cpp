@@ -118,7 +118,7 @@ ConversationSearch find_conversation(std::span<const std::filesystem::path> capt
     search.note = "no RSI among " + std::to_string(seen.udp) + " UDP datagrams (IPv4) in " +
                   std::to_string(seen.packets) +
                   " packets: capture on the machine that answers the controller, or on a mirror "
-                  "port, while RSI is on (RSI over TCP is not read)" +
+                  "port, while RSI is on (RSI over TCP is not read: let `sweepd run` record it)" +
                   trouble;
   else
     choose(search, filter);

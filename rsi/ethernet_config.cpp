@@ -66,6 +66,11 @@ std::vector<std::string> internal_attributes(std::string_view tag) {
   return {};
 }
 
+/// What a tag is called on the wire, where the dot parts element and attribute.
+std::string_view wire_name(std::string_view tag) {
+  return tag.starts_with(kInternal) ? tag.substr(kInternal.size()) : tag;
+}
+
 /// Whether `tag`, cut at its first dot, gives names that XML (with numbers allowed) can hold.
 bool is_name(std::string_view tag) {
   return !tag.empty() && tag.front() != '.' && tag.back() != '.' &&
@@ -100,13 +105,13 @@ class Reader {
            std::to_string(before.size() - (newline + 1)) + ": ";
   }
   void warn(const pugi::xml_node& node, const std::string& text) {
-    config_.warnings.push_back(position(node.offset_debug()) + text);
+    config_.warnings.push_back(position(node.offset_debug()) + printable(text));
   }
   [[noreturn]] void fail(const pugi::xml_node& node, const std::string& key,
                          const std::string& expected, std::string_view found) const {
     throw EthernetConfigError(position(node.offset_debug()) + key + ": expected " + expected +
                               ", found " +
-                              (found.empty() ? "nothing" : "\"" + std::string(found) + "\""));
+                              (found.empty() ? "nothing" : "\"" + printable(found) + "\""));
   }
 
   std::string_view xml_;
@@ -181,14 +186,15 @@ void Reader::read_config(const pugi::xml_node& config) {
   const auto protocol = value(config, "PROTOCOL").value_or("UDP");
   if (!is_one_of(protocol, {"UDP", "TCP"}))
     fail(config.child("PROTOCOL"), "PROTOCOL", "UDP or TCP", protocol);
-  if (is_one_of(protocol, {"TCP"})) {
-    config_.protocol = EthernetConfig::Protocol::TCP;
-    warn(config.child("PROTOCOL"), "PROTOCOL: TCP: sweepd answers UDP only: write UDP here");
-  }
+  if (is_one_of(protocol, {"TCP"})) config_.protocol = EthernetConfig::Protocol::TCP;
   config_.length_first = config_flag(config, "PROTCOLLENGTH");
   if (config_.length_first)
-    warn(config.child("PROTCOLLENGTH"),
-         "PROTCOLLENGTH: On puts a length before each telegram: write Off here");
+    warn(
+        config.child("PROTCOLLENGTH"),
+        config_.protocol == EthernetConfig::Protocol::TCP
+            ? "PROTCOLLENGTH: On: how KUKA writes this length is not known for certain: if replies "
+              "are not accepted, write Off here"
+            : "PROTCOLLENGTH: On puts a length before each telegram: write Off here");
 
   constexpr std::string_view known[] = {"IP_NUMBER", "PORT",     "SENTYPE",
                                         "ONLYSEND",  "PROTOCOL", "PROTCOLLENGTH"};
@@ -223,9 +229,11 @@ Element Reader::read_element(const pugi::xml_node& node) {
   Element element;
   element.line = line_of(node.offset_debug());
   element.tag = attribute("TAG");
-  if (!is_name(element.tag)) fail(node, "TAG", "a name without blanks or <>&\"'/=!?", element.tag);
-  if (element.tag == "IPOC" || element.tag.starts_with("IPOC."))
-    fail(node, "TAG", "another name (every telegram has an IPOC of its own)", element.tag);
+  const auto name = wire_name(element.tag);
+  if (!is_name(name)) fail(node, "TAG", "a name without blanks or <>&\"'/=!?", element.tag);
+  if (is_one_of(name.substr(0, name.find('.')), {"Rob", "Sen", "IPOC"}))
+    fail(node, "TAG", "another name (telegrams and replies have Rob, Sen and IPOC of their own)",
+         element.tag);
 
   const auto type = element_type(attribute("TYPE"));
   if (!type) fail(node, "TYPE", "BOOL, STRING, LONG or DOUBLE", attribute("TYPE"));
@@ -246,8 +254,7 @@ Element Reader::read_element(const pugi::xml_node& node) {
          "INDX: expected INTERNAL for a tag that starts with DEF_, and a number for another: "
          "\"" +
              element.tag + "\"");
-  if (named_internal && element.tag != "DEF_EStr" &&
-      internal_attributes(std::string_view(element.tag).substr(kInternal.size())).empty())
+  if (named_internal && element.tag != "DEF_EStr" && internal_attributes(name).empty())
     warn(node, "TAG: \"" + element.tag + "\" is no internal tag known to sweepd");
   return element;
 }
@@ -309,12 +316,9 @@ std::vector<WireElement> wire_layout(const std::vector<Element>& list) {
     element->fields.push_back(std::move(field));
   };
   for (std::size_t tag = 0; tag < list.size(); ++tag) {
-    std::string_view name = list[tag].tag;
+    const auto name = wire_name(list[tag].tag);
     std::vector<std::string> attributes;
-    if (name.starts_with(kInternal)) {
-      name.remove_prefix(kInternal.size());
-      attributes = internal_attributes(name);
-    }
+    if (name != list[tag].tag) attributes = internal_attributes(name);
     const auto dot = name.find('.');
     if (attributes.empty())
       attributes.emplace_back(dot == std::string_view::npos ? "" : name.substr(dot + 1));

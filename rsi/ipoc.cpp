@@ -7,12 +7,15 @@
 namespace rsi {
 
 std::string_view find_ipoc(std::string_view datagram) noexcept {
-  constexpr std::string_view kTag = "<IPOC>";
+  constexpr std::string_view kTag = "<IPOC";
   constexpr std::size_t kMostDigits = 20;
   for (auto at = datagram.rfind('<'); at != std::string_view::npos;
        at = at == 0 ? std::string_view::npos : datagram.rfind('<', at - 1)) {
     if (!equal_ignoring_case(datagram.substr(at, kTag.size()), kTag)) continue;
     std::string_view rest = datagram.substr(at + kTag.size());
+    while (!rest.empty() && is_blank(rest.front())) rest.remove_prefix(1);
+    if (!rest.starts_with('>')) continue;
+    rest.remove_prefix(1);
     const auto end = rest.find('<');
     if (end == std::string_view::npos) continue;
     const std::string_view digits = trimmed(rest.substr(0, end));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 
 namespace rsi {
 namespace {
@@ -39,6 +40,13 @@ std::chrono::nanoseconds LatencyHistogram::quantile(double q) const {
   std::size_t bucket = 0;
   while ((below += counts_[bucket]) < rank) ++bucket;
   return std::chrono::nanoseconds(std::min(middle_of(bucket), max_));
+}
+
+std::uint64_t LatencyHistogram::at_most(std::chrono::nanoseconds duration) const {
+  if (duration.count() < 0) return 0;
+  const auto end = bucket_of(static_cast<std::uint64_t>(duration.count())) + 1;
+  return std::accumulate(counts_.begin(), counts_.begin() + static_cast<std::ptrdiff_t>(end),
+                         std::uint64_t{0});
 }
 
 }  // namespace rsi

@@ -20,6 +20,8 @@ class LatencyHistogram {
   /// The smallest duration that at least the share `q` (0 to 1) of all durations does not exceed.
   /// Zero if nothing was added.
   [[nodiscard]] std::chrono::nanoseconds quantile(double q) const;
+  /// How many durations were not longer than `duration`; those in its own bucket count as such.
+  [[nodiscard]] std::uint64_t at_most(std::chrono::nanoseconds duration) const;
 
  private:
   // Below 128 ns every value has its own bucket; the 56 octaves above (up to 2^63) have 64 each.

@@ -3,6 +3,15 @@
 #include <algorithm>
 
 namespace rsi {
+namespace {
+
+/// Whether `ipoc` was counted before `other`. By their difference, so that 0 follows the greatest
+/// number.
+bool older(std::uint64_t ipoc, std::uint64_t other) {
+  return other - ipoc - 1 < std::uint64_t{1} << 63;
+}
+
+}  // namespace
 
 Arrival LinkStatistics::add(std::uint64_t ipoc, const Endpoint& source,
                             std::optional<std::uint64_t> delay) {
@@ -15,25 +24,25 @@ Arrival LinkStatistics::add(std::uint64_t ipoc, const Endpoint& source,
       counts_.lost += lost_in(run_);
     }
     run_ = {ipoc, ipoc, 0};
-    recent_.fill(0);
+    recent_.fill({});
     delay_ = 0;
   } else if (seen(ipoc)) {
     ++counts_.duplicated;
     return Arrival::duplicate;
-  } else if (ipoc < run_.highest) {
+  } else if (older(ipoc, run_.newest)) {
     ++counts_.reordered;
     arrival = Arrival::reordered;
-  } else if (ipoc - run_.highest <= kLargestStep) {
-    const std::uint64_t step = ipoc - run_.highest;
+  } else if (ipoc - run_.newest <= kLargestStep) {
+    const std::uint64_t step = ipoc - run_.newest;
     const std::uint64_t lead = steps_[usual_step_];
     if (++steps_[step] > lead || (steps_[step] == lead && step < usual_step_)) usual_step_ = step;
   }
   source_ = source;
   ++run_.distinct;
-  run_.lowest = std::min(run_.lowest, ipoc);
-  run_.highest = std::max(run_.highest, ipoc);
-  recent_[ipoc % kWindow] = ipoc + 1;
-  if (delay && arrival != Arrival::reordered) count_late(*delay);
+  if (older(ipoc, run_.oldest)) run_.oldest = ipoc;
+  if (older(run_.newest, ipoc)) run_.newest = ipoc;
+  recent_[ipoc % kWindow] = ipoc;
+  if (delay && arrival != Arrival::reordered) count_late(ipoc, *delay);
   return arrival;
 }
 
@@ -51,29 +60,33 @@ std::optional<std::uint64_t> LinkStatistics::step() const {
 std::uint64_t LinkStatistics::lost_in(const Run& run) const {
   const auto step = this->step();
   if (!step || run.distinct == 0) return 0;
-  const std::uint64_t cycles = (run.highest - run.lowest) / *step + 1;
+  const std::uint64_t cycles = (run.newest - run.oldest) / *step + 1;
   return cycles > run.distinct ? cycles - run.distinct : 0;
 }
 
 bool LinkStatistics::restarted(std::uint64_t ipoc, const Endpoint& source) const {
-  if (ipoc <= run_.highest) return run_.highest - ipoc >= kWindow || source != source_;
-  const std::uint64_t rise = ipoc - run_.highest;
+  if (!older(run_.newest, ipoc)) return run_.newest - ipoc >= kWindow || source != source_;
+  const std::uint64_t rise = ipoc - run_.newest;
   return rise > kLongestGap || (source != source_ && rise != step());
 }
 
 bool LinkStatistics::seen(std::uint64_t ipoc) const {
-  return recent_[ipoc % kWindow] == ipoc + 1;
+  return recent_[ipoc % kWindow] == ipoc;
 }
 
-void LinkStatistics::count_late(std::uint64_t delay) {
-  // Delay counts up within a run of late replies; where it did not rise, a new run has begun.
+void LinkStatistics::count_late(std::uint64_t ipoc, std::uint64_t delay) {
+  // Within a run of late replies Delay rises with each cycle. Where it rose by less it was 0 in
+  // between, and a new run has begun.
   if (delay > 0) {
-    const bool goes_on = delay_ > 0 && delay > delay_;
+    const std::uint64_t cycles =
+        std::max<std::uint64_t>(1, (ipoc - delay_ipoc_) / step().value_or(1));
+    const bool goes_on = delay_ > 0 && delay >= delay_ + cycles;
     counts_.late_replies += goes_on ? delay - delay_ : delay;
     if (!goes_on) ++counts_.late_runs;
     counts_.longest_late_run = std::max(counts_.longest_late_run, delay);
   }
   delay_ = delay;
+  delay_ipoc_ = ipoc;
 }
 
 }  // namespace rsi

@@ -29,8 +29,8 @@ struct LinkCounts {
 };
 
 /// Link statistics of one controller, from IPOC, source and Delay of each telegram in order of
-/// reception. The IPOC's step per cycle is learned: 4 or 12 (ms) on controllers, 1 on simulators.
-/// Constant memory; not thread-safe.
+/// reception. The IPOC's step per cycle is learned: 4 or 12 (ms) on controllers, 1 on simulators;
+/// that it passes 2^64 is nothing special. Constant memory; not thread-safe.
 class LinkStatistics {
  public:
   /// `delay`: the telegram's <Delay D=>, where it has one.
@@ -44,15 +44,15 @@ class LinkStatistics {
  private:
   /// Telegrams between two restarts.
   struct Run {
-    std::uint64_t lowest = 0;
-    std::uint64_t highest = 0;
+    std::uint64_t oldest = 0;  ///< IPOC
+    std::uint64_t newest = 0;
     std::uint64_t distinct = 0;
   };
 
   [[nodiscard]] std::uint64_t lost_in(const Run& run) const;
   [[nodiscard]] bool restarted(std::uint64_t ipoc, const Endpoint& source) const;
   [[nodiscard]] bool seen(std::uint64_t ipoc) const;
-  void count_late(std::uint64_t delay);
+  void count_late(std::uint64_t ipoc, std::uint64_t delay);
 
   /// A telegram that is older than this, in IPOC's milliseconds, is no latecomer but a restart.
   static constexpr std::uint64_t kWindow = 4096;
@@ -63,10 +63,11 @@ class LinkStatistics {
   LinkCounts counts_;
   Run run_;
   Endpoint source_;
-  std::uint64_t delay_ = 0;
+  std::uint64_t delay_ = 0;  // the last one, and its telegram
+  std::uint64_t delay_ipoc_ = 0;
   std::array<std::uint64_t, kLargestStep + 1> steps_{};  // how often IPOC rose by so much
   std::uint64_t usual_step_ = 0;                         // the most frequent, of equals the least
-  std::array<std::uint64_t, kWindow> recent_{};          // IPOC + 1 at IPOC modulo the window
+  std::array<std::optional<std::uint64_t>, kWindow> recent_;  // at IPOC modulo the window
 };
 
 }  // namespace rsi

@@ -51,9 +51,9 @@ void Server::settle() const {
 
 Server::Counts Server::counts() const noexcept {
   const auto read = [](const auto& counter) { return counter.load(std::memory_order_relaxed); };
-  return {read(answered_), read(superseded_), read(unanswerable_),
-          read(foreign_),  read(refused_),    read(send_failures_),
-          read(cut_),      read(dropped_),    queue_.overflows()};
+  return {read(answered_), read(superseded_),    read(unanswerable_), read(foreign_),
+          read(refused_),  read(send_failures_), read(cut_),          read(dropped_),
+          read(skipped_),  queue_.overflows()};
 }
 
 void Server::serve(std::span<const Datagram> received) noexcept {
@@ -75,7 +75,7 @@ void Server::serve(std::span<const Datagram> received) noexcept {
     if (fates[i] == Fate::drop) continue;
     if (fates[i] == Fate::answer && i != newest) count(superseded_);
     queue_.push(received[i]);
-    if (i == newest && !sent.payload.empty()) queue_.push(sent);
+    if (i == newest && options_.reply) queue_.push(sent);
   }
   serving_ = false;
 }
@@ -108,10 +108,10 @@ Datagram Server::answer(const Datagram& telegram, std::string_view ipoc) noexcep
   } else if (!send(reply, telegram.source)) {
     count(send_failures_);
   } else {
-    sent.time = now();
     sent.payload = reply;
     count(answered_);
   }
+  sent.time = now();
   return sent;
 }
 

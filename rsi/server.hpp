@@ -9,6 +9,7 @@
 
 #include "rsi/datagram_queue.hpp"
 #include "rsi/endpoint.hpp"
+#include "rsi/port_owner.hpp"
 #include "rsi/reply.hpp"
 
 namespace rsi {
@@ -41,6 +42,7 @@ class Server {
     std::uint64_t send_failures = 0;
     std::uint64_t cut = 0;        ///< larger than any buffer: only the first part was received
     std::uint64_t dropped = 0;    ///< by the system, whose receive buffer was full
+    std::uint64_t skipped = 0;    ///< bytes of a TCP stream that were in no telegram
     std::uint64_t overflows = 0;  ///< answered, but the queue had no room to hand it over
   };
 
@@ -48,10 +50,14 @@ class Server {
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
+  [[nodiscard]] virtual Transport transport() const noexcept = 0;
   /// Where it listens, with the port that the system chose.
   [[nodiscard]] Endpoint local() const noexcept { return local_; }
   /// What the system made of the wish for a large receive buffer, in bytes of its own counting.
   [[nodiscard]] std::size_t receive_buffer() const noexcept { return receive_buffer_; }
+
+  /// False for a controller that only sends.
+  [[nodiscard]] bool replies() const noexcept { return options_.reply.has_value(); }
 
   /// Takes the path of a reply without sending one, so that its memory and code are there when the
   /// first telegram comes. Before run(), on the same thread.
@@ -70,7 +76,7 @@ class Server {
   void settle() const;
 
   /// Telegrams and replies in the order in which they came and went; replies have local() as their
-  /// source.
+  /// source, and an empty payload if they did not leave.
   [[nodiscard]] DatagramQueue& datagrams() { return queue_; }
 
   /// The stream has ended: where no controller is configured, the next one that speaks is served.
@@ -98,6 +104,7 @@ class Server {
   void beat() noexcept { beats_.fetch_add(1, std::memory_order_relaxed); }
   void count_foreign() noexcept { foreign_.fetch_add(1, std::memory_order_relaxed); }
   void add_dropped(std::uint32_t datagrams) noexcept { dropped_ += datagrams; }
+  void set_skipped(std::uint64_t bytes) noexcept { skipped_ = bytes; }
 
   const Options& options() const noexcept { return options_; }
   void set_local(const Endpoint& local) noexcept { local_ = local; }
@@ -108,7 +115,7 @@ class Server {
   enum class Fate : std::uint8_t { drop, hand_over, answer };
 
   [[nodiscard]] Fate judge(const Datagram& received, std::string_view ipoc) noexcept;
-  /// The reply that left; its payload is empty if none did.
+  /// The reply; its payload is empty if it did not leave.
   [[nodiscard]] Datagram answer(const Datagram& telegram, std::string_view ipoc) noexcept;
 
   Options options_;
@@ -120,7 +127,7 @@ class Server {
   std::atomic<std::uint32_t> current_;  // the controller's address; 0: none yet
   std::atomic<std::uint64_t> beats_{0};
   std::atomic<std::uint64_t> answered_{0}, superseded_{0}, unanswerable_{0}, foreign_{0},
-      refused_{0}, send_failures_{0}, cut_{0}, dropped_{0};
+      refused_{0}, send_failures_{0}, cut_{0}, dropped_{0}, skipped_{0};
 };
 
 /// The address of this machine from which it reaches `peer`; nothing if there is no way to it.

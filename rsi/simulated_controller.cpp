@@ -91,8 +91,9 @@ void SimulatedController::on_reply(std::string_view payload, const Endpoint& sou
 
   const bool nothing_sent = next_ipoc_ == first_ipoc_;
   const auto step = static_cast<std::uint64_t>(cycle_.count());
-  if (nothing_sent || content.ipoc < first_ipoc_ || content.ipoc > ipoc_ ||
-      (content.ipoc - first_ipoc_) % step != 0)
+  // By differences, so that an IPOC that passes 2^64 is none but the next one.
+  const auto since_first = content.ipoc - first_ipoc_;
+  if (nothing_sent || since_first > ipoc_ - first_ipoc_ || since_first % step != 0)
     return count(ReplyFault::wrong_ipoc, subject,
                  nothing_sent ? "no telegram was sent yet"
                               : "the last telegram has " + std::to_string(ipoc_));
@@ -118,48 +119,6 @@ void SimulatedController::count(ReplyFault fault, std::string_view subject,
   first_faults_[kind].append("reply").append(subject).append(": ").append(text(fault));
   first_faults_[kind].append(": ").append(detail);
   if (first_fault_.empty()) first_fault_ = first_faults_[kind];
-}
-
-FaultyWire::FaultyWire(const Rates& rates, std::uint64_t seed) : rates_(rates), random_(seed) {
-  // Written so that NaN fails.
-  if (!(rates.lose >= 0 && rates.duplicate >= 0 && rates.swap >= 0 &&
-        rates.lose + rates.duplicate + rates.swap <= 1))
-    throw std::invalid_argument(
-        "rates of lost, duplicated and swapped telegrams: expected 0 or more, and at most 1 in "
-        "all");
-}
-
-const std::vector<std::string_view>& FaultyWire::pass(std::string_view telegram) {
-  out_.clear();
-  if (holding_) {
-    holding_ = false;
-    ++counts_.swapped;
-    out_ = {telegram, held_};
-    return out_;
-  }
-  // Not std::uniform_real_distribution, whose numbers depend on the library.
-  double draw = static_cast<double>(random_() >> 11) * 0x1p-53;
-  if (std::exchange(first_, false)) draw = 2;
-  const double lose = rates_.lose;
-  const double duplicate = lose + rates_.duplicate;
-  if (draw < lose) {
-    ++counts_.lost;
-  } else if (draw < duplicate) {
-    ++counts_.duplicated;
-    out_ = {telegram, telegram};
-  } else if (draw < duplicate + rates_.swap) {
-    held_ = telegram;
-    holding_ = true;
-  } else {
-    out_ = {telegram};
-  }
-  return out_;
-}
-
-const std::vector<std::string_view>& FaultyWire::flush() {
-  out_.clear();
-  if (std::exchange(holding_, false)) out_ = {held_};
-  return out_;
 }
 
 }  // namespace rsi

@@ -3,10 +3,8 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
-#include <random>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "rsi/endpoint.hpp"
 #include "rsi/ethernet_config.hpp"
@@ -110,46 +108,6 @@ class SimulatedController {
   LatencyHistogram latency_;
   std::string first_fault_;
   std::array<std::string, kReplyFaults> first_faults_;
-};
-
-/// A network that loses, duplicates and swaps telegrams on purpose. One telegram suffers at most
-/// one of these, and the first none, so that the counts say exactly what a receiver can find (but
-/// for losses after the last telegram that arrived). The same seed does the same again.
-class FaultyWire {
- public:
-  /// Probabilities for each telegram.
-  struct Rates {
-    double lose = 0;
-    double duplicate = 0;
-    double swap = 0;  ///< with the next one
-  };
-
-  struct Counts {
-    std::uint64_t lost = 0;
-    std::uint64_t duplicated = 0;
-    std::uint64_t swapped = 0;  ///< pairs
-  };
-
-  /// Throws std::invalid_argument unless the rates are probabilities whose sum is at most 1.
-  FaultyWire(const Rates& rates, std::uint64_t seed);
-
-  /// Takes the next telegram and returns what goes on the wire now, in order: none, one or two. A
-  /// telegram to be swapped is held back until the next one. Valid until the next call, and as long
-  /// as `telegram`.
-  [[nodiscard]] const std::vector<std::string_view>& pass(std::string_view telegram);
-  /// At the end: a telegram that is still held back.
-  [[nodiscard]] const std::vector<std::string_view>& flush();
-
-  [[nodiscard]] const Counts& counts() const { return counts_; }
-
- private:
-  Rates rates_;
-  std::mt19937_64 random_;
-  Counts counts_;
-  std::string held_;
-  bool holding_ = false;
-  bool first_ = true;
-  std::vector<std::string_view> out_;
 };
 
 }  // namespace rsi

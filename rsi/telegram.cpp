@@ -71,7 +71,10 @@ class Scanner {
   bool skip_declaration() {
     std::string_view ignored;
     if (sees("<?")) return take_until("?>", ignored);
-    if (sees("<!--")) return take_until("-->", ignored);
+    if (sees("<!--")) {
+      rest_.remove_prefix(4);  // "<!-->" is a beginning and no end
+      return take_until("-->", ignored);
+    }
     if (sees("<!")) return take_until(">", ignored);
     return false;
   }
@@ -180,7 +183,8 @@ Defect Telegram::parse(std::string_view datagram) {
     const auto content = trimmed(scanner.take_text());
     if (!scanner.sees("</")) continue;
     if (is_ipoc) {
-      ipoc_ = ipoc_number(content);
+      // As find_ipoc() does, which answers: the last one that can be read counts.
+      if (const auto number = ipoc_number(content)) ipoc_ = number;
       if (is_root) root_closed = true;
     } else if (signals_.size() == before || !content.empty()) {
       signals_.push_back({element, {}, content});

@@ -7,9 +7,6 @@
 #include <system_error>
 #include <utility>
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -22,33 +19,6 @@ constexpr std::size_t kLargestDatagram = 65536;
 /// Half a minute of telegrams at a cycle of 4 ms, should this machine stop that long.
 constexpr int kReceiveBuffer = 8 << 20;
 constexpr timeval kLongestWait{0, 100'000};
-
-sockaddr_in to_system(const Endpoint& endpoint) noexcept {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(endpoint.address);
-  address.sin_port = htons(endpoint.port);
-  return address;
-}
-
-Endpoint from_system(const sockaddr_in& address) noexcept {
-  return {ntohl(address.sin_addr.s_addr), ntohs(address.sin_port)};
-}
-
-template <typename Value>
-bool set_option(int socket, int option, const Value& value) noexcept {
-  return setsockopt(socket, SOL_SOCKET, option, &value, sizeof value) == 0;
-}
-
-std::size_t enlarge_receive_buffer(int socket) noexcept {
-  // The first needs a privilege, the second is cut to net.core.rmem_max.
-  if (!set_option(socket, SO_RCVBUFFORCE, kReceiveBuffer))
-    set_option(socket, SO_RCVBUF, kReceiveBuffer);
-  int bytes = 0;
-  socklen_t size = sizeof bytes;
-  getsockopt(socket, SOL_SOCKET, SO_RCVBUF, &bytes, &size);
-  return static_cast<std::size_t>(bytes);
-}
 
 /// Takes what the kernel says beside a datagram: when it came, and how many were dropped so far.
 void read_control(msghdr& message, Timestamp& time, std::uint32_t& dropped) noexcept {
@@ -109,27 +79,20 @@ UdpServer::UdpServer(Options options)
   auto address = to_system(listen);
   socklen_t size = sizeof address;
   // Neither SO_REUSEADDR nor SO_REUSEPORT: the port is this program's alone.
-  if (socket_ < 0 || bind(socket_, reinterpret_cast<const sockaddr*>(&address), size) != 0 ||
-      getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size) != 0) {
-    const int error = errno;
-    if (socket_ >= 0) close(socket_);
-    throw std::runtime_error(cannot_listen(Transport::udp, listen, error));
-  }
+  if (!socket_.open() ||
+      bind(socket_.get(), reinterpret_cast<const sockaddr*>(&address), size) != 0 ||
+      getsockname(socket_.get(), reinterpret_cast<sockaddr*>(&address), &size) != 0)
+    throw std::runtime_error(cannot_listen(Transport::udp, listen, errno));
   set_local(from_system(address));
-  set_receive_buffer(enlarge_receive_buffer(socket_));
+  set_receive_buffer(socket_.enlarge_receive_buffer(kReceiveBuffer));
   // Where these are missing, times are taken later and drops are not counted: both still serve.
-  set_option(socket_, SO_TIMESTAMPNS, 1);
-  set_option(socket_, SO_RXQ_OVFL, 1);
-  if (!set_option(socket_, SO_RCVTIMEO, kLongestWait)) {
-    const int error = errno;
-    close(socket_);
-    throw std::system_error(error, std::generic_category(), "SO_RCVTIMEO");
-  }
+  socket_.set(SOL_SOCKET, SO_TIMESTAMPNS, 1);
+  socket_.set(SOL_SOCKET, SO_RXQ_OVFL, 1);
+  if (!socket_.set(SOL_SOCKET, SO_RCVTIMEO, kLongestWait))
+    throw std::system_error(errno, std::generic_category(), "SO_RCVTIMEO");
 }
 
-UdpServer::~UdpServer() {
-  close(socket_);
-}
+UdpServer::~UdpServer() = default;
 
 void UdpServer::warm() noexcept {
   Server::warm();
@@ -148,7 +111,7 @@ void UdpServer::run() noexcept {
 
 std::size_t UdpServer::receive(int flags) noexcept {
   auto& all = *buffers_;
-  const int received = recvmmsg(socket_, all.messages.data(), kMostAtOnce, flags, nullptr);
+  const int received = recvmmsg(socket_.get(), all.messages.data(), kMostAtOnce, flags, nullptr);
   if (received < 0) {
     // An error that lasts must not take the processor from others.
     if (errno != EAGAIN && errno != EINTR) usleep(1000);
@@ -172,7 +135,7 @@ std::size_t UdpServer::receive(int flags) noexcept {
 
 bool UdpServer::send(std::string_view reply, const Endpoint& to) noexcept {
   const auto address = to_system(to);
-  return sendto(socket_, reply.data(), reply.size(), MSG_DONTWAIT,
+  return sendto(socket_.get(), reply.data(), reply.size(), MSG_DONTWAIT,
                 reinterpret_cast<const sockaddr*>(&address),
                 sizeof address) == static_cast<ssize_t>(reply.size());
 }

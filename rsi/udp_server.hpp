@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "rsi/server.hpp"
+#include "rsi/socket.hpp"
 
 namespace rsi {
 
@@ -18,6 +19,7 @@ class UdpServer : public Server {
   explicit UdpServer(Options options);
   ~UdpServer() override;
 
+  [[nodiscard]] Transport transport() const noexcept override { return Transport::udp; }
   void warm() noexcept override;
   void run() noexcept override;
 
@@ -27,7 +29,7 @@ class UdpServer : public Server {
   [[nodiscard]] bool send(std::string_view reply, const Endpoint& to) noexcept override;
   [[nodiscard]] std::size_t receive(int flags) noexcept;
 
-  int socket_;
+  Socket socket_;
   std::unique_ptr<Buffers> buffers_;
 };
 

@@ -85,6 +85,27 @@ TEST_CASE("decimals are those that the value has, with an exponent too") {
   CHECK(file.decimal(1)->value == 1.25e-3);
 }
 
+TEST_CASE("a zero may be written with any exponent") {
+  const TemporaryFolder folder;
+  for (const std::string zero : {"0e-2147483648", "0e2147483647", "0.0e-2147483647", "0e400"}) {
+    INFO(zero);
+    CsvFile file(folder.write("x.csv", "a,b\n" + zero + ",1\n"));
+    REQUIRE(file.next());
+    CHECK(file.decimal(0)->value == 0);
+    CHECK(file.decimal(0)->decimals >= -12);  // no measured number has more digits before the point
+  }
+}
+
+TEST_CASE("an error of a CSV file is one line, whatever the file holds") {
+  const TemporaryFolder folder;
+  CsvFile file(folder.write("x.csv", "a\x1b,b\n1\r2,\x7f\n"));
+  REQUIRE(file.next());
+  CHECK_THROWS_WITH(file.number(0),
+                    ContainsSubstring("column 1 (a?)") && ContainsSubstring("found \"1?2\""));
+  CHECK_THROWS_WITH(file.number(1), ContainsSubstring("found \"?\""));
+  CHECK_THROWS_WITH(file.fail_header(0, "wrong"), ContainsSubstring("column 1 (a?): wrong"));
+}
+
 TEST_CASE("what is no finite number is told with line, column and name") {
   const TemporaryFolder folder;
   const auto path = folder.write("points.csv", "t_s,x_mm,y_mm\n# comment\n0,1,2\n1,3,abc\n");

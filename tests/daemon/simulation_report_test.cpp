@@ -147,6 +147,16 @@ TEST_CASE("a controller that stops is a problem though every loss was on purpose
   CHECK_THAT(problem(report), ContainsSubstring("10 cycles were not answered"));
 }
 
+TEST_CASE("a connection that broke is a problem of its own, whatever else is missing then") {
+  auto report = flawless();
+  report.link.end = End::disconnected;
+  report.link.disconnection = "the server closed the connection";
+  report.link.controller.unanswered = report.link.controller.longest_unanswered = 1;
+  CHECK_THAT(text(report), ContainsSubstring("the connection broke"));
+  CHECK_THAT(problem(report),
+             ContainsSubstring("127.0.0.1:49152 broke: the server closed the connection: see"));
+}
+
 TEST_CASE("a controller that only sends is content without replies, not with them") {
   auto report = flawless();
   report.only_send = true;

@@ -142,6 +142,14 @@ TEST_CASE("a number outside its range is told the range") {
              Catch::Matchers::ContainsSubstring("found the number inf"));
 }
 
+TEST_CASE("a mistake in TOML is one line, whatever the file holds") {
+  for (const std::string text : {"name = 1\x01", "\x7f", "a = \"\x1f\""})
+    CHECK(error_of([&] { return table(text); }).find_first_of("\x01\x1f\x7f") == std::string::npos);
+  const auto t = table("name = \"a\\nb\"\n");
+  CHECK_THAT(error_of([&] { t.fail("name", "found " + t.text("name") + "\x1b\x7f"); }),
+             Catch::Matchers::ContainsSubstring("name: found a?b??"));
+}
+
 TEST_CASE("a missing key is reported at the table that lacks it") {
   const auto t = table("# nothing\n[[robot]]\nname = \"a\"\n").tables("robot")[0];
   CHECK(error_of([&] { return t.text("listen"); }) ==

@@ -13,6 +13,7 @@ TEST_CASE("the IPOC is found without a parse, wherever it stands and however it 
   CHECK(find_ipoc("<rob><ipoc>42</ipoc></rob>") == "42");
   CHECK(find_ipoc("<Rob>\r\n\t<IPOC>\n 123 </IPOC>\n</Rob>") == "123");
   CHECK(find_ipoc("<IPOC>18446744073709551615</IPOC>") == "18446744073709551615");
+  CHECK(find_ipoc("<Rob><IPOC\t >8</IPOC></Rob>") == "8");
 }
 
 TEST_CASE("a telegram that no parser could read still gives its IPOC") {
@@ -21,9 +22,10 @@ TEST_CASE("a telegram that no parser could read still gives its IPOC") {
 }
 
 TEST_CASE("what is no IPOC is not taken for one") {
-  for (const auto* text : {"", "<", "IPOC", "<IPOC>", "<IPOC>12", "<IPOC></IPOC>",
-                           "<IPOC>-4</IPOC>", "<IPOC>1.5</IPOC>", "<IPOC>12 34</IPOC>",
-                           "<IPOCS>12</IPOCS>", "<IPOC>123456789012345678901</IPOC>"})
+  for (const auto* text :
+       {"", "<", "IPOC", "<IPOC>", "<IPOC>12", "<IPOC></IPOC>", "<IPOC>-4</IPOC>",
+        "<IPOC>1.5</IPOC>", "<IPOC>12 34</IPOC>", "<IPOCS>12</IPOCS>", "<IPOC X=\"1\">12</IPOC>",
+        "<IPOC ", "<IPOC>123456789012345678901</IPOC>"})
     CHECK(find_ipoc(text).empty());
 }
 

@@ -66,3 +66,15 @@ TEST_CASE("a negative duration counts as zero and the longest one has a bucket")
   CHECK(histogram.max() == longest);
   CHECK(histogram.quantile(0.5) == nanoseconds(0));
 }
+
+TEST_CASE("durations up to a limit are counted, those in its own bucket among them") {
+  rsi::LatencyHistogram histogram;
+  for (int i = 1; i <= 100; ++i) histogram.add(nanoseconds(i));
+  histogram.add(nanoseconds(1'000'000));
+  CHECK(histogram.at_most(nanoseconds(-1)) == 0);
+  CHECK(histogram.at_most(nanoseconds(0)) == 0);
+  CHECK(histogram.at_most(nanoseconds(40)) == 40);
+  CHECK(histogram.at_most(nanoseconds(900'000)) == 100);
+  CHECK(histogram.at_most(nanoseconds(1'000'000)) == 101);
+  CHECK(histogram.at_most(nanoseconds::max()) == 101);
+}

@@ -60,6 +60,36 @@ TEST_CASE("an IPOC that jumps, or a new port, is a restart and not a loss") {
   CHECK(link.counts().lost == 0);
 }
 
+TEST_CASE("an IPOC that passes 2^64 is neither a restart nor a loss, whatever its step") {
+  for (const std::uint64_t step : {1u, 4u, 12u, 15u}) {
+    INFO("step " << step);
+    LinkStatistics link;
+    // Before it and after it telegrams are lost, and over it two are swapped.
+    const auto add = [&](std::uint64_t k) { return link.add((k - 500) * step, kController, {}); };
+    for (std::uint64_t k = 0; k < 499; ++k)
+      if (k != 490) CHECK(add(k) == Arrival::in_order);
+    CHECK(add(500) == Arrival::in_order);
+    CHECK(add(499) == Arrival::reordered);
+    CHECK(add(499) == Arrival::duplicate);
+    CHECK(add(500) == Arrival::duplicate);
+    for (std::uint64_t k = 501; k < 1000; ++k)
+      if (k != 510) CHECK(add(k) == Arrival::in_order);
+    CHECK(link.step() == step);
+    CHECK(link.counts().lost == 2);
+    CHECK(link.counts().reordered == 1);
+    CHECK(link.counts().duplicated == 2);
+    CHECK(link.counts().restarts == 0);
+  }
+}
+
+TEST_CASE("the greatest IPOC of all is one like any other") {
+  LinkStatistics link;
+  constexpr auto kGreatest = ~std::uint64_t{0};
+  CHECK(link.add(kGreatest - 1, kController, {}) == Arrival::in_order);
+  CHECK(link.add(kGreatest, kController, {}) == Arrival::in_order);
+  CHECK(link.add(kGreatest, kController, {}) == Arrival::duplicate);
+}
+
 TEST_CASE("a gap within a run is counted telegram by telegram, also over several restarts") {
   LinkStatistics link;
   for (const std::uint64_t start : {1'000'000u, 100u, 700'000u})
@@ -77,6 +107,21 @@ TEST_CASE("the controller's Delay counts runs of late replies") {
   CHECK(link.counts().late_replies == 7);
   CHECK(link.counts().late_runs == 3);
   CHECK(link.counts().longest_late_run == 4);
+}
+
+TEST_CASE("runs of late replies are told apart even if what came between them was lost") {
+  LinkStatistics link;
+  const auto add = [&](std::uint64_t cycle, std::uint64_t delay) {
+    link.add(1000 + 4 * cycle, kController, delay);
+  };
+  for (std::uint64_t cycle = 0; cycle < 10; ++cycle) add(cycle, 0);
+  add(11, 1);  // the reply to cycle 10 was late: one
+  add(14, 2);  // the Delay of 12 must have been 0, and 12 and 13 were late: two more
+  add(17, 5);  // so were 14 to 16: three more in the same run
+  add(18, 0);
+  CHECK(link.counts().late_replies == 6);
+  CHECK(link.counts().late_runs == 2);
+  CHECK(link.counts().longest_late_run == 5);
 }
 
 TEST_CASE("loss, duplication and exchange at random are counted exactly") {

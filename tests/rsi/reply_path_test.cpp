@@ -22,6 +22,7 @@
 
 #include "rsi/asio.hpp"
 
+#include "rsi/tcp_server.hpp"
 #include "rsi/udp_server.hpp"
 #include "tests/catch.hpp"
 
@@ -94,6 +95,8 @@ bool only_receive_and_send() {
   for (const int call :
        {SYS_recvmmsg, SYS_recvfrom, SYS_recvmsg, SYS_sendto, SYS_poll, SYS_accept4,
         SYS_clock_gettime,
+        // TCP: a reply with a length before it, a new connection and the end of the old one.
+        SYS_sendmsg, SYS_setsockopt, SYS_close,
         // How a thread ends, and comes back from the handler.
         SYS_rt_sigreturn, SYS_rt_sigprocmask, SYS_madvise, SYS_munmap, SYS_exit, SYS_exit_group}) {
     program[size++] = BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<unsigned>(call), 0, 1);
@@ -177,6 +180,62 @@ TEST_CASE("from reception to reply the UDP server neither allocates nor asks for
   CHECK(server.counts().answered == 1000);
   CHECK(server.counts().unanswerable == 80);
   CHECK(server.counts().foreign == 40);
+  CHECK(server.counts().overflows > 0);
+  CHECK(allocations == 0);
+  INFO("first system call: " << first_system_call);
+  CHECK(system_calls == 0);
+}
+
+TEST_CASE("from reception to reply the TCP server neither allocates nor asks for anything else") {
+  rsi::TcpServer::Options options;
+  options.listen = {0x7f000001, 0};
+  options.controller = 0x7f000001;
+  options.reply.emplace("ImFree");
+  options.queue_bytes = 64 << 10;
+  rsi::TcpServer server(std::move(options));
+  forget();
+  std::thread thread([&] {
+    server.warm();
+    only_receive_and_send();
+    watched = true;
+    server.run();
+    watched = false;
+  });
+
+  boost::asio::io_context context;
+  using boost::asio::ip::tcp;
+  const tcp::endpoint address(boost::asio::ip::address_v4::loopback(), server.local().port);
+  const timeval ten_seconds{10, 0};
+  const std::size_t reply_size =
+      std::string("<Sen Type=\"ImFree\"><IPOC>10000</IPOC></Sen>").size();
+  std::array<char, 2000> reply{};
+  int answered = 0;
+  for (int connection = 0; connection < 10; ++connection) {
+    tcp::socket stranger(context, tcp::v4());
+    stranger.bind({boost::asio::ip::make_address_v4("127.0.0.2"), 0});
+    stranger.connect(address);
+    tcp::socket socket(context);  // takes the place of the one before
+    socket.connect(address);
+    socket.set_option(tcp::no_delay(true));
+    setsockopt(socket.native_handle(), SOL_SOCKET, SO_RCVTIMEO, &ten_seconds, sizeof ten_seconds);
+    for (std::uint64_t ipoc = 10'000; ipoc < 10'400; ipoc += 4) {
+      const auto text = telegram(ipoc);
+      const bool with_length = ipoc % 40 == 0;
+      const std::string length = with_length ? std::to_string(text.size()) : "";
+      if (ipoc % 100 == 0) socket.send(boost::asio::buffer(std::string(3000, 'x')));
+      socket.send(boost::asio::buffer(length + text));
+      const auto size = reply_size + (with_length ? 2 : 0);
+      answered += recv(socket.native_handle(), reply.data(), size, MSG_WAITALL) ==
+                  static_cast<ssize_t>(size);
+    }
+  }
+  const auto beats = server.beats();
+  while (server.beats() < beats + 3) std::this_thread::yield();  // silence is part of it
+  server.stop();
+  thread.join();
+  CHECK(answered == 1000);
+  CHECK(server.counts().answered == 1000);
+  CHECK(server.counts().foreign == 10);
   CHECK(server.counts().overflows > 0);
   CHECK(allocations == 0);
   INFO("first system call: " << first_system_call);

@@ -171,6 +171,19 @@ TEST_CASE("what is no reply is malformed, and says why") {
   CHECK_FALSE(check.read(deep).malformed.empty());
 }
 
+TEST_CASE("a correction does not hide in what interrupts a value, or behind a comment") {
+  const rsi::ReplyCheck check(config_with({{"FREE", Type::LONG}}));
+  const auto is_taken = [&](const std::string& content) {
+    const auto read = check.read("<Sen Type=\"ImFree\">" + content + "<IPOC>1</IPOC></Sen>");
+    return read.malformed.empty() && read.missing.empty() && read.correction.empty();
+  };
+  CHECK(is_taken("<FREE><!-- -->0</FREE>"));
+  CHECK_FALSE(is_taken("<FREE>5<!-- -->0</FREE>"));
+  CHECK_FALSE(is_taken("<FREE>5<a/>0</FREE>"));
+  CHECK_FALSE(is_taken("<FREE>0</FREE><!---><?x --><FREE>5</FREE> ?>"));
+  CHECK_FALSE(is_taken("<!--><FREE>0</FREE>-->"));
+}
+
 TEST_CASE("cut or damaged replies of any kind are read without harm") {
   const auto config = config_with(kMuch);
   const std::string whole(rsi::Reply(config).with_ipoc("123456"));

@@ -4,6 +4,7 @@
 #include <random>
 #include <string>
 
+#include "rsi/ipoc.hpp"
 #include "tests/catch.hpp"
 
 using rsi::Defect;
@@ -82,6 +83,30 @@ TEST_CASE("every known variant of the markup is understood") {
   SECTION("empty elements") {
     CHECK(telegram.parse("<Rob><EStr></EStr><None/><IPOC>2</IPOC></Rob>") == Defect::none);
     CHECK(value(telegram, "EStr").empty());
+  }
+}
+
+TEST_CASE("a comment ends at its end, however short it looks") {
+  Telegram telegram;
+  for (const auto* comment : {"<!-->", "<!--->", "<!---->"}) {
+    CAPTURE(comment);
+    const std::string text =
+        std::string("<Rob>") + comment + "<!-- --><A b=\"1\"/><IPOC>2</IPOC><!-- --></Rob>";
+    REQUIRE(telegram.parse(text) == Defect::none);
+    CHECK(value(telegram, "A", "b") == "1");
+  }
+  CHECK(telegram.parse("<Rob><!--><IPOC>1</IPOC>--></Rob>") == Defect::no_ipoc);
+  CHECK(telegram.parse("<Rob><!---><IPOC>1</IPOC>--></Rob>") == Defect::no_ipoc);
+}
+
+TEST_CASE("of several IPOCs the last that can be read counts, as it is the one that is echoed") {
+  Telegram telegram;
+  for (const auto* second : {"<IPOC></IPOC>", "<IPOC>x</IPOC>", "<IPOC/>", "<IPOC>-1</IPOC>"}) {
+    CAPTURE(second);
+    const std::string text = std::string("<Rob><IPOC>4</IPOC><IPOC>5</IPOC>") + second + "</Rob>";
+    CHECK(telegram.parse(text) == Defect::none);
+    CHECK(telegram.ipoc() == 5u);
+    CHECK(rsi::find_ipoc(text) == "5");
   }
 }
 

@@ -1,0 +1,347 @@
+#include "rsi/tcp_server.hpp"
+
+#include <chrono>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "rsi/asio.hpp"
+
+#include "rsi/udp_server.hpp"
+#include "tests/catch.hpp"
+
+using namespace std::chrono_literals;
+using boost::asio::ip::tcp;
+using rsi::Datagram;
+using rsi::LengthPrefix;
+using rsi::TcpServer;
+
+namespace {
+
+constexpr std::uint32_t kLoopback = 0x7f000001;
+
+TcpServer::Options on_loopback() {
+  TcpServer::Options options;
+  options.listen = {kLoopback, 0};
+  options.reply.emplace("ImFree");
+  return options;
+}
+
+std::string telegram(std::uint64_t ipoc) {
+  return std::string("<Rob Type=\"KUKA\"><DiL>0</DiL><IPOC>")
+      .append(std::to_string(ipoc))
+      .append("</IPOC></Rob>");
+}
+
+std::string reply(std::uint64_t ipoc) {
+  return std::string("<Sen Type=\"ImFree\"><IPOC>")
+      .append(std::to_string(ipoc))
+      .append("</IPOC></Sen>");
+}
+
+std::string with_length(LengthPrefix form, const std::string& xml) {
+  return std::string(rsi::length_bytes(form, static_cast<std::uint32_t>(xml.size())).view()) + xml;
+}
+
+/// A server on its thread, stopped at the end of the test.
+struct Running {
+  explicit Running(TcpServer::Options options) : server(std::move(options)) { start(); }
+  ~Running() { stop(); }
+
+  void start() {
+    thread = std::thread([this] {
+      server.warm();
+      server.run();
+    });
+  }
+  /// The counts are final then: a reply arrives before it is counted.
+  void stop() {
+    if (!thread.joinable()) return;
+    server.stop();
+    thread.join();
+  }
+
+  /// The next datagram that was handed over; fails the test after ten seconds without one.
+  Datagram next() {
+    Datagram datagram;
+    const auto deadline = std::chrono::steady_clock::now() + 10s;
+    while (!server.datagrams().pop(datagram) && std::chrono::steady_clock::now() < deadline)
+      std::this_thread::yield();
+    return datagram;
+  }
+
+  TcpServer server;
+  std::thread thread;
+};
+
+/// A controller's end of a connection.
+struct Controller {
+  explicit Controller(const TcpServer& server, std::uint32_t address = kLoopback,
+                      int receive_buffer = 65536)
+      : socket(context) {
+    socket.open(tcp::v4());
+    socket.set_option(tcp::socket::receive_buffer_size(receive_buffer));
+    socket.bind({boost::asio::ip::address_v4(address), 0});
+    socket.connect({boost::asio::ip::address_v4(server.local().address), server.local().port});
+    socket.set_option(tcp::no_delay(true));
+    const timeval ten_seconds{10, 0};
+    setsockopt(socket.native_handle(), SOL_SOCKET, SO_RCVTIMEO, &ten_seconds, sizeof ten_seconds);
+  }
+  void send(const std::string& bytes) { socket.send(boost::asio::buffer(bytes)); }
+  /// So many bytes; fewer if the connection is closed or nothing comes for ten seconds.
+  std::string receive(std::size_t bytes) {
+    std::string text(bytes, '\0');
+    // recv() by itself: Asio's own call would wait past the time-out.
+    const auto size = ::recv(socket.native_handle(), text.data(), text.size(), MSG_WAITALL);
+    text.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
+    return text;
+  }
+  /// Sends a telegram and takes the reply; whether it is the right one.
+  bool answered(std::uint64_t ipoc) {
+    send(telegram(ipoc));
+    return receive(reply(ipoc).size()) == reply(ipoc);
+  }
+  /// Whether the server ends the connection within ten seconds, reset or not.
+  bool closed_by_server() {
+    char byte = 0;
+    const auto size = ::recv(socket.native_handle(), &byte, 1, 0);
+    return size == 0 || (size < 0 && errno == ECONNRESET);
+  }
+  boost::asio::io_context context;
+  tcp::socket socket;
+};
+
+}  // namespace
+
+TEST_CASE("over TCP each telegram is answered with its IPOC, and both are handed over") {
+  Running running(on_loopback());
+  Controller controller(running.server);
+  const auto port = controller.socket.local_endpoint().port();
+  for (std::uint64_t ipoc = 1000; ipoc < 1040; ipoc += 4) {
+    CHECK(controller.answered(ipoc));
+    const Datagram received = running.next();
+    CHECK(received.payload == telegram(ipoc));
+    CHECK(received.source == rsi::Endpoint{kLoopback, port});
+    CHECK(received.destination == running.server.local());
+    const auto received_at = received.time;
+    const Datagram sent = running.next();
+    CHECK(sent.payload == reply(ipoc));
+    CHECK(sent.source == running.server.local());
+    CHECK(sent.destination == rsi::Endpoint{kLoopback, port});
+    CHECK(sent.time >= received_at);
+  }
+  running.stop();
+  CHECK(running.server.counts().answered == 10);
+  CHECK(running.server.counts().skipped == 0);
+}
+
+TEST_CASE("of two telegrams in one segment both are handed over and the newer is answered") {
+  Running running(on_loopback());
+  Controller controller(running.server);
+  controller.send(telegram(4) + "\n" + telegram(8) + "\n");
+  CHECK(controller.receive(reply(8).size()) == reply(8));
+  CHECK(running.next().payload == telegram(4));
+  CHECK(running.next().payload == telegram(8));
+  CHECK(running.next().payload == reply(8));
+  CHECK(controller.answered(12));
+  running.stop();
+  CHECK(running.server.counts().superseded == 1);
+  CHECK(running.server.counts().answered == 2);
+}
+
+TEST_CASE("a telegram in many segments is answered when it is whole") {
+  Running running(on_loopback());
+  Controller controller(running.server);
+  for (const char byte : telegram(4)) controller.send(std::string(1, byte));
+  CHECK(controller.receive(reply(4).size()) == reply(4));
+  CHECK(running.next().payload == telegram(4));
+}
+
+TEST_CASE("what waits when the server starts is all handed over, more than fits one batch too") {
+  TcpServer server(on_loopback());
+  Controller controller(server);
+  constexpr std::uint64_t kTelegrams = 300;
+  std::string all;
+  for (std::uint64_t k = 1; k <= kTelegrams; ++k) all += telegram(1000 + k);
+  controller.send(all);
+  std::thread thread([&] { server.run(); });
+  std::string replies;
+  while (replies.find(reply(1000 + kTelegrams)) == std::string::npos) {
+    const auto byte = controller.receive(1);
+    REQUIRE_FALSE(byte.empty());
+    replies += byte;
+  }
+  server.stop();
+  thread.join();
+  std::uint64_t telegrams = 0;
+  for (Datagram datagram; server.datagrams().pop(datagram);)
+    telegrams += datagram.payload.starts_with("<Rob");
+  CHECK(telegrams == kTelegrams);
+  CHECK(server.counts().answered + server.counts().superseded == kTelegrams);
+  CHECK(server.counts().answered < kTelegrams / 2);
+}
+
+TEST_CASE("a reply has a length before it if the telegram had one, in the same form") {
+  Running running(on_loopback());
+  Controller controller(running.server);
+  for (const auto form : {LengthPrefix::decimal, LengthPrefix::binary32_le,
+                          LengthPrefix::binary16_be, LengthPrefix::none}) {
+    const auto expected = with_length(form, reply(4));
+    controller.send(with_length(form, telegram(4)));
+    CHECK(controller.receive(expected.size()) == expected);
+    CHECK(running.next().payload == telegram(4));
+    CHECK(running.next().payload == reply(4));
+  }
+}
+
+TEST_CASE("garbage on a connection costs nothing but its count") {
+  Running running(on_loopback());
+  Controller controller(running.server);
+  controller.send("<IPOC>77</IPOC>");
+  CHECK(controller.receive(reply(77).size()) == reply(77));
+  controller.send("GET / HTTP/1.1\r\n\r\n" + telegram(4));
+  CHECK(controller.receive(reply(4).size()) == reply(4));
+  controller.send("<Rob><IPOC>x</IPOC></Rob>");  // whole, but there is no answer to it
+  CHECK(controller.answered(8));
+  running.stop();
+  CHECK(running.server.counts().skipped == std::string("GET/HTTP/1.1").size());
+  CHECK(running.server.counts().unanswerable == 1);
+}
+
+TEST_CASE("connections of others than the configured controller are closed and counted") {
+  auto options = on_loopback();
+  options.controller = 0x7f000002;  // 127.0.0.2 is this machine too
+  Running running(std::move(options));
+  Controller controller(running.server, 0x7f000002);
+  CHECK(controller.answered(4));
+  Controller stranger(running.server);
+  CHECK(stranger.closed_by_server());
+  CHECK(controller.answered(8));
+  running.stop();
+  CHECK(running.server.counts().foreign == 1);
+}
+
+TEST_CASE("without a configured controller one that says nothing does not keep out the first") {
+  Running running(on_loopback());
+  Controller silent(running.server, 0x7f000003);
+  Controller first(running.server, 0x7f000002);
+  CHECK(first.answered(4));
+  CHECK(silent.closed_by_server());
+  Controller stranger(running.server);
+  CHECK(stranger.closed_by_server());
+  CHECK(first.answered(8));
+  running.server.forget_controller();
+  Controller next(running.server);
+  CHECK(next.answered(4));
+  CHECK(first.closed_by_server());
+  running.stop();
+  CHECK(running.server.counts().foreign == 1);
+}
+
+TEST_CASE("a new connection of the controller takes the place of the one left behind") {
+  Running running(on_loopback());
+  Controller old(running.server);
+  CHECK(old.answered(4));
+  old.send("<Rob><IPOC>9");  // cut off: must not become part of the new stream
+  Controller restarted(running.server);
+  CHECK(restarted.answered(1000));
+  CHECK(old.closed_by_server());
+  CHECK(restarted.answered(1004));
+  running.stop();
+  CHECK(running.server.counts().foreign == 0);
+}
+
+TEST_CASE("a controller that closes its end is answered to the last telegram, and may come again") {
+  Running running(on_loopback());
+  for (std::uint64_t ipoc : {4U, 8U}) {
+    Controller controller(running.server);
+    controller.send(telegram(ipoc));
+    controller.socket.shutdown(tcp::socket::shutdown_send);
+    CHECK(controller.receive(reply(ipoc).size()) == reply(ipoc));
+    CHECK(controller.closed_by_server());
+  }
+}
+
+TEST_CASE("over TCP a controller that only sends gets no reply") {
+  auto options = on_loopback();
+  options.reply.reset();
+  Running running(std::move(options));
+  Controller controller(running.server);
+  controller.send(telegram(4));
+  CHECK(running.next().payload == telegram(4));
+  controller.send(telegram(8));
+  CHECK(running.next().payload == telegram(8));
+  running.stop();
+  CHECK(running.server.counts().answered == 0);
+  CHECK(controller.socket.available() == 0);
+}
+
+TEST_CASE("a controller that does not read its replies is disconnected, and nothing waits for it") {
+  Running running(on_loopback());
+  Controller controller(running.server, kLoopback, 4096);
+  boost::system::error_code error;
+  std::uint64_t sent = 0;
+  const auto taken = [&] {
+    const auto counts = running.server.counts();
+    return counts.answered + counts.send_failures;
+  };
+  while (running.server.counts().send_failures == 0 && !error) {
+    controller.socket.send(boost::asio::buffer(telegram(++sent)), 0, error);
+    while (!error && taken() < sent) std::this_thread::yield();
+  }
+  CHECK_FALSE(error);
+  CHECK(running.server.counts().send_failures == 1);
+  CHECK(running.server.counts().answered == sent - 1);
+  Controller again(running.server);
+  CHECK(again.answered(4));
+}
+
+TEST_CASE("a server stops at once, with or without a connection") {
+  const bool connected = GENERATE(false, true);
+  auto running = std::make_unique<Running>(on_loopback());
+  std::optional<Controller> controller;
+  if (connected) {
+    controller.emplace(running->server);
+    CHECK(controller->answered(4));
+  }
+  const auto beats = running->server.beats();
+  while (running->server.beats() < beats + 2) std::this_thread::yield();
+  const auto start = std::chrono::steady_clock::now();
+  running->stop();
+  CHECK(std::chrono::steady_clock::now() - start <
+        5s);  // a busy machine: ten times 100 ms and more
+  running.reset();
+  if (connected) CHECK(controller->closed_by_server());
+}
+
+TEST_CASE("a TCP port belongs to one server alone, and is free again after it") {
+  auto options = on_loopback();
+  {
+    Running first(on_loopback());
+    options.listen = first.server.local();
+    CHECK_THROWS_WITH(
+        TcpServer(options),
+        Catch::Matchers::ContainsSubstring("TCP " + rsi::text(first.server.local()) +
+                                           " is in use by another program, rsi_tests (") &&
+            Catch::Matchers::ContainsSubstring("choose another port"));
+    auto everywhere = options;
+    everywhere.listen.address = 0;
+    CHECK_THROWS_WITH(TcpServer(everywhere),
+                      Catch::Matchers::ContainsSubstring("is in use by another program"));
+    // The server ends this connection, so its side of it lingers.
+    Controller controller(first.server);
+    CHECK(controller.answered(4));
+  }
+  TcpServer second(options);
+  CHECK(second.local() == options.listen);
+  options.listen = {0x08080808, 6008};
+  CHECK_THROWS_WITH(TcpServer(options),
+                    Catch::Matchers::ContainsSubstring("use an address of this machine"));
+}
+
+TEST_CASE("one port number serves UDP and TCP side by side") {
+  const TcpServer tcp_server(on_loopback());
+  auto options = on_loopback();
+  options.listen = tcp_server.local();
+  CHECK_NOTHROW(rsi::UdpServer(std::move(options)));
+}
