@@ -71,10 +71,6 @@ class Check {
   }
 
   void compare(const RobotSettings& robot, const rsi::EthernetConfig& config) {
-    if (config.protocol == rsi::EthernetConfig::Protocol::TCP)
-      error(config.name +
-            ": PROTOCOL: expected UDP, found TCP: sweepd answers over UDP only; set "
-            "UDP in this file, here and on the controller");
     if (config.port != robot.listen.port)
       error(config.name + ": PORT: expected " + std::to_string(robot.listen.port) +
             " as in `listen` of robot " + robot.name + ", found " + std::to_string(config.port) +

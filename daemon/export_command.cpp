@@ -8,6 +8,7 @@
 #include "daemon/line_file.hpp"
 #include "daemon/numbers.hpp"
 #include "daemon/sample_clock.hpp"
+#include "rsi/capture_order.hpp"
 #include "rsi/capture_reader.hpp"
 #include "rsi/link_statistics.hpp"
 #include "rsi/telegram.hpp"
@@ -87,7 +88,9 @@ std::vector<Column> columns_of(const ExportOptions& options,
 
 }  // namespace
 
-int export_csv(const ExportOptions& options, std::ostream& out, std::ostream& errors) {
+int export_csv(const ExportOptions& given, std::ostream& out, std::ostream& errors) {
+  ExportOptions options = given;
+  options.traces = rsi::in_order_of_time(given.traces);
   const auto search = rsi::find_conversation(options.traces, options.filter);
   if (!search.note.empty()) errors << "sweepd: " << search.note << '\n';
   if (!search.chosen) return 1;

@@ -26,9 +26,9 @@ void JobThread::submit(std::function<void()> job, bool interim) {
   changed_.notify_all();
 }
 
-void JobThread::drain() {
+bool JobThread::drain(std::chrono::steady_clock::time_point deadline) {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return jobs_.empty() && !busy_; });
+  return changed_.wait_until(lock, deadline, [this] { return jobs_.empty() && !busy_; });
 }
 
 void JobThread::run() {

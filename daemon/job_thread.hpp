@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <functional>
@@ -18,8 +19,9 @@ class JobThread {
   JobThread& operator=(const JobThread&) = delete;
 
   void submit(std::function<void()> job, bool interim);
-  /// Waits until all jobs are done.
-  void drain();
+  /// Waits until all jobs are done: true. Or until `deadline`.
+  bool drain(std::chrono::steady_clock::time_point deadline =
+                 std::chrono::steady_clock::time_point::max());
 
  private:
   struct Job {

@@ -12,6 +12,7 @@
 #include "daemon/config_error.hpp"
 #include "daemon/export_command.hpp"
 #include "daemon/identify_command.hpp"
+#include "daemon/inspect_command.hpp"
 #include "daemon/point_columns.hpp"
 #include "daemon/replay_command.hpp"
 #include "daemon/run_command.hpp"
@@ -125,7 +126,7 @@ int main(int argc, char** argv) {
       ->type_name("DIR");
   command
       ->add_option("--listen", parsed(run.listen, rsi::parse_endpoint),
-                   "Address and UDP port of the one robot (default: settings)")
+                   "Address and port of the one robot (default: settings)")
       ->type_name("ADDRESS:PORT");
   command->callback([&] { exit_code = sweepd::run(run); });
 
@@ -148,6 +149,25 @@ int main(int argc, char** argv) {
   command->add_flag("--quiet", replay.quiet, "No progress, no report");
   command->callback([&] { exit_code = sweepd::replay(replay); });
 
+  sweepd::InspectOptions inspect;
+  command = app.add_subcommand(
+      "inspect", "How the link did: loss, jitter, reply latency, late replies, with a verdict");
+  command
+      ->add_option("TRACE", inspect.traces,
+                   "Captures of one stream, in the order of time (trace.pcap trace-0002.pcap ...)")
+      ->required()
+      ->type_name("");
+  add_filter(*command, inspect.filter);
+  command
+      ->add_option("--json", inspect.json,
+                   "Write the report as JSON too; - is standard output, in place of the text")
+      ->type_name("FILE");
+  command->add_flag("--quiet", inspect.quiet, "No progress, no text");
+  command->footer(
+      "The verdict is good, marginal or bad, each reason with what to do about it.\n"
+      "Exit codes: 0 good or marginal, 1 bad, or no RSI in the captures.");
+  command->callback([&] { exit_code = sweepd::inspect(inspect); });
+
   sweepd::IdentifyOptions identify;
   command = app.add_subcommand("identify", "From points that another device measured (CSV)");
   add_identify(*command, identify);
@@ -163,7 +183,7 @@ int main(int argc, char** argv) {
   auto* target = command->add_option_group("Target", "Where the telegrams go: one of");
   target
       ->add_option("--to", parsed(simulate.to, rsi::parse_endpoint),
-                   "An RSI server, over UDP in real time")
+                   "An RSI server, in real time; over TCP if the Ethernet file says so")
       ->type_name("ADDRESS:PORT");
   target->add_option("--write", simulate.write, "A capture, as fast as it goes")
       ->type_name("TRACE.pcap");

@@ -35,6 +35,7 @@ Pipeline::Pipeline(std::size_t joints, const SignalNames& signals, Observer obse
 bool Pipeline::telegram(const rsi::Datagram& datagram) {
   auto defect = telegram_.parse(datagram.payload);
   if (datagram.cut && defect == rsi::Defect::none) defect = rsi::Defect::truncated;
+  if (observer_.on_telegram) observer_.on_telegram(datagram, telegram_, defect);
   if (defect != rsi::Defect::none) {
     ++malformed_[static_cast<std::size_t>(defect)];
     return false;

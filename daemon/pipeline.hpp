@@ -37,6 +37,8 @@ class Pipeline {
     /// A sample in its order, and its row "t_s,ipoc,x,y,z,…" without an end of line.
     std::function<void(const identify::Sample&, std::string_view row)> on_sample;
     std::function<void(const identify::Sweep&)> on_sweep;
+    /// Whatever came, and what it was parsed to.
+    std::function<void(const rsi::Datagram&, const rsi::Telegram&, rsi::Defect)> on_telegram = {};
   };
 
   /// The first `joints` axis angles count.

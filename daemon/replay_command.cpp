@@ -4,11 +4,13 @@
 
 #include "daemon/atomic_file.hpp"
 #include "daemon/config_error.hpp"
+#include "daemon/line_file.hpp"
 #include "daemon/progress.hpp"
 #include "daemon/report.hpp"
 #include "daemon/result_files.hpp"
 #include "daemon/robot_setup.hpp"
 #include "daemon/session.hpp"
+#include "rsi/capture_order.hpp"
 #include "rsi/capture_reader.hpp"
 
 namespace sweepd {
@@ -94,20 +96,25 @@ void write_run_file(const ReplayOptions& options, const rsi::ConversationSearch&
 
 }  // namespace
 
-int replay(const ReplayOptions& options, std::ostream& out, std::ostream& errors) {
+int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) {
+  ReplayOptions options = given;
+  options.traces = rsi::in_order_of_time(given.traces);
   const auto search = rsi::find_conversation(options.traces, options.filter);
   if (!search.note.empty()) errors << "sweepd: " << search.note << '\n';
   const RobotSetup setup = setup_for(options, search.chosen);
   if (options.output) make_folder(*options.output);
 
-  bool all_written = true;
-  Session session(setup, {options.output.value_or(""), false, "trace"},
-                  {{}, [&](const std::string& trouble) {
-                     errors << "sweepd: " << trouble << '\n';
-                     all_written = false;
-                   }});
+  std::optional<LineFile> samples;
+  if (options.output) samples.emplace(*options.output / "samples.csv");
+  Session session(setup, "trace", {{}, [&](std::string_view row) {
+                                     if (samples) samples->append(row);
+                                   }});
+  if (samples) samples->append(session.csv_header());
   if (search.chosen) read(options, *search.chosen, session, errors);
   session.finish();
+  if (samples) samples->flush();
+  const bool all_written = !samples || samples->error().empty();
+  if (!all_written) errors << "sweepd: " << samples->error() << '\n';
   Outcome outcome = session.snapshot().identified();
   if (!search.chosen) outcome.identification.reason = "no RSI telegrams in the capture";
   if (options.output) {

@@ -10,7 +10,7 @@
 namespace sweepd {
 
 struct ReplayOptions {
-  std::vector<std::filesystem::path> traces;  ///< of one stream, in the order of time
+  std::vector<std::filesystem::path> traces;  ///< of one stream, in any order
   std::optional<std::filesystem::path> config;
   std::optional<std::filesystem::path> robot;  ///< a description, in place of the settings' own
   std::optional<std::filesystem::path> plan;   ///< in place of the settings' own

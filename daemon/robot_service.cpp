@@ -7,16 +7,15 @@
 #include <sstream>
 #include <utility>
 
-#include <nlohmann/json.hpp>
 #include <spdlog/fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include "daemon/atomic_file.hpp"
-#include "daemon/config_error.hpp"
 #include "daemon/report.hpp"
 #include "daemon/result_files.hpp"
 #include "rsi/ethernet_config.hpp"
 #include "rsi/ipoc.hpp"
+#include "rsi/tcp_server.hpp"
 #include "rsi/udp_server.hpp"
 
 namespace sweepd {
@@ -28,6 +27,9 @@ using namespace std::chrono_literals;
 /// system call, and the machine a change of threads.
 constexpr auto kTick = 20ms;
 
+/// At the end an identification takes seconds at most. More is a disk that does not answer.
+constexpr auto kLongestResult = 60s;
+
 /// UTC, ISO 8601 basic: 20130704T120000Z.
 std::string utc_now() {
   const std::time_t now = std::time(nullptr);
@@ -36,6 +38,15 @@ std::string utc_now() {
   std::array<char, 32> text{};
   const auto size = std::strftime(text.data(), text.size(), "%Y%m%dT%H%M%SZ", &parts);
   return {text.data(), size};
+}
+
+Say log_of(const std::string& name) {
+  return [name](Importance importance, const std::string& text) {
+    const auto level = importance == Importance::note      ? spdlog::level::info
+                       : importance == Importance::warning ? spdlog::level::warn
+                                                           : spdlog::level::err;
+    spdlog::log(level, "{}: {}", name, text);
+  };
 }
 
 /// Empty if there is no file.
@@ -60,14 +71,12 @@ std::unique_ptr<rsi::Server> make_server(const RobotSettings& settings) {
   }
   const auto config = rsi::EthernetConfig::load(*settings.ethernet_config);
   for (const auto& warning : config.warnings) spdlog::warn("{}: {}", settings.name, warning);
-  if (config.protocol == rsi::EthernetConfig::Protocol::TCP)
-    throw ConfigError(settings.ethernet_config->string() +
-                      ": PROTOCOL: expected UDP, found TCP: sweepd answers over UDP only; set UDP "
-                      "in this file, here and on the controller");
   if (config.port != 0 && settings.listen.port != 0 && config.port != settings.listen.port)
     spdlog::warn("{}: the controller sends to port {}, but listen is {}: make them equal",
                  settings.name, config.port, rsi::text(settings.listen));
   if (!config.only_send) options.reply.emplace(config);
+  if (config.protocol == rsi::EthernetConfig::Protocol::TCP)
+    return std::make_unique<rsi::TcpServer>(std::move(options));
   return std::make_unique<rsi::UdpServer>(std::move(options));
 }
 
@@ -77,6 +86,7 @@ RobotService::RobotService(const RobotSettings& settings)
     : settings_(settings),
       setup_(load_setup(settings)),
       server_(make_server(settings)),
+      recorder_(settings.recording, log_of(settings.name)),
       given_(settings),
       ethernet_xml_(content(settings.ethernet_config)) {
   std::error_code error;
@@ -98,7 +108,8 @@ void RobotService::start() {
       std::thread([this, ready = std::move(ready)]() mutable { serve(std::move(ready)); });
   say_real_time(report.get());
   acquisition_thread_ = std::thread([this] { acquire(); });
-  spdlog::info("{}: listening on UDP {}", settings_.name, rsi::text(local()));
+  spdlog::info("{}: listening on {} {}", settings_.name, rsi::text(server_->transport()),
+               rsi::text(local()));
 }
 
 void RobotService::reload(const RobotSettings& settings) {
@@ -116,6 +127,7 @@ void RobotService::reload(const RobotSettings& settings) {
       changed.live.empty()
           ? std::string("description and plan read again, for the next session")
           : fmt::format("taken over for the next session: {}", fmt::join(changed.live, ", ")));
+  recorder_.reconfigure(settings.recording);
   const std::lock_guard lock(reload_mutex_);
   reloaded_ = {settings, std::move(setup)};
 }
@@ -135,13 +147,20 @@ void RobotService::take_over() {
   reloaded_.reset();
 }
 
-void RobotService::stop() {
-  if (!reply_thread_.joinable()) return;
+bool RobotService::stop(std::chrono::seconds patience) {
+  if (!reply_thread_.joinable()) return true;
   stopping_ = true;
   acquisition_thread_.join();
-  identification_.drain();
+  // The result waits for the recording.
+  const bool recorded = recorder_.stop(Steady::now() + patience);
+  const bool written =
+      identification_.drain(Steady::now() + (recorded ? kLongestResult : patience));
+  if (!written)
+    spdlog::error("{}: the last result is not written: see what is wrong with the disk of {}",
+                  settings_.name, settings_.output.string());
   server_->stop();
   reply_thread_.join();
+  return recorded && written;
 }
 
 void RobotService::serve(std::promise<RealTimeReport> ready) {
@@ -172,11 +191,8 @@ void RobotService::acquire() {
     std::this_thread::sleep_for(kTick);
     if (!session_) take_over();
     drain();
+    if (link_wanted_.exchange(false)) say_link();
     const auto now = Steady::now();
-    if (session_ && now - last_flush_ > 1s) {
-      session_->flush();
-      last_flush_ = now;
-    }
     if (session_ && now - last_datagram_ > settings_.silence) {
       spdlog::info("{}: RSI has been silent for {} ms: the stream has ended", settings_.name,
                    settings_.silence.count());
@@ -209,13 +225,12 @@ void RobotService::take(const rsi::Datagram& datagram) {
   }
   rsi::Datagram seen = datagram;
   (sent ? seen.source : seen.destination).address = local_address_;
-  if (sent) {
-    session_->reply(seen);
-  } else {
-    // Noise on the port does not keep a stream alive.
-    if (!rsi::find_ipoc(seen.payload).empty()) last_datagram_ = Steady::now();
-    session_->telegram(seen);
-  }
+  const bool left = !sent || !seen.payload.empty();
+  if (left) recorder_.datagram(seen);
+  if (sent) return watch_->reply(seen);
+  // Noise on the port does not keep a stream alive.
+  if (!rsi::find_ipoc(seen.payload).empty()) last_datagram_ = Steady::now();
+  session_->telegram(seen);
 }
 
 void RobotService::begin_session(const rsi::Datagram& first) {
@@ -223,35 +238,38 @@ void RobotService::begin_session(const rsi::Datagram& first) {
                        ? server_->local().address
                        : rsi::local_address_towards(first.source).value_or(0);
   started_ = utc_now();
-  last_flush_ = Steady::now();
-  const auto stem = settings_.output / settings_.name / started_;
-  folder_ = stem;
-  for (int again = 2; std::filesystem::exists(folder_); ++again)
-    folder_ = std::filesystem::path(stem).concat("-" + std::to_string(again));
-  const Session::Events events{
-      [this](const identify::Sweep& sweep) { on_sweep(sweep); },
-      [this](const std::string& trouble) { spdlog::error("{}: {}", settings_.name, trouble); }};
-  try {
-    std::filesystem::create_directories(folder_);
-    session_.emplace(
-        setup_, Session::Options{folder_, settings_.record, settings_.record ? "trace" : "live"},
-        events);
-    write_atomically(folder_ / "run.json", run_file({}));
-  } catch (const std::exception& error) {
-    // Without files the robot is still answered and its sweeps still recognised.
-    spdlog::error("{}: {}", settings_.name, error.what());
-    folder_.clear();
-    session_.emplace(setup_, Session::Options{{}, false, "live"}, events);
-  }
-  spdlog::info("{}: RSI from {}; files in {}", settings_.name, rsi::text(first.source),
-               folder_.empty() ? "none" : folder_.string());
+  watch_ = std::make_unique<LinkWatch>(
+      rsi::Conversation{first.source.address, {local_address_, server_->local().port}},
+      server_->replies());
+  session_.emplace(setup_, settings_.record ? "trace" : "live",
+                   Session::Events{[this](const identify::Sweep& sweep) { on_sweep(sweep); },
+                                   [this](std::string_view row) { recorder_.line(row); },
+                                   [watch = watch_.get()](const auto&... telegram) {
+                                     watch->telegram(telegram...);
+                                   }});
+  spdlog::info("{}: RSI from {}", settings_.name, rsi::text(first.source));
+  SessionStart start{
+      settings_.output / settings_.name, started_, settings_.record, session_->csv_header(), {}};
+  start.on_folder = [facts = run_facts()](const std::filesystem::path& folder) {
+    auto run = facts;
+    run.folder = folder;
+    spdlog::info("{}: files in {}", run.robot, folder.string());
+    try {
+      write_atomically(folder / "run.json", run_json(run));
+    } catch (const std::exception& error) {
+      spdlog::error("{}: {}", run.robot, error.what());
+    }
+  };
+  recording_ = recorder_.begin(std::move(start));
 }
 
 void RobotService::end_session() {
   if (!session_) return;
   session_->finish();
+  recorder_.end();
   identify(false);
   session_.reset();
+  watch_.reset();
   server_->forget_controller();
 }
 
@@ -267,44 +285,68 @@ void RobotService::on_sweep(const identify::Sweep& sweep) {
 }
 
 void RobotService::identify(bool interim) {
-  // Once "ended" can be read, the result beside it is the final one.
-  auto job = [this, folder = folder_, snapshot = session_->snapshot(), interim,
-              run = interim || folder_.empty() ? std::string() : run_file(utc_now())] {
-    const auto& name = settings_.name;
+  RunFacts run = run_facts();
+  run.ended = utc_now();
+  auto job = [this, recording = recording_, snapshot = session_->snapshot(), interim, run,
+              link = interim ? LinkFiles{} : watch_->files(true)]() mutable {
     const auto start = Steady::now();
     try {
-      const Outcome outcome = snapshot.identified();
-      if (!folder.empty()) write_result(folder, outcome);
-      if (!run.empty()) write_atomically(folder / "run.json", run);
-      spdlog::info("{}: {}result {}{}{}", name, interim ? "interim " : "",
+      Outcome outcome = snapshot.identified();
+      if (!interim) {
+        recording->wait();
+        run.recording = recording->counts();
+        // A replay of what is not whole would give something else.
+        if (!run.recording->complete()) outcome.source_kind = "live";
+      }
+      run.folder = recording->folder();
+      if (!run.folder.empty()) write_result(run.folder, outcome);
+      if (!run.folder.empty() && !interim) write_link(run.folder, link);
+      if (!link.good) spdlog::warn("{}: the link is {}", run.robot, link.verdict);
+      if (!link.bad_end.empty())
+        spdlog::warn("{}: the stream ended badly: {}; its last cycles are in last_cycles.csv",
+                     run.robot, link.bad_end);
+      // Once "ended" can be read, recording and result are the final ones.
+      if (!run.folder.empty() && !interim) write_atomically(run.folder / "run.json", run_json(run));
+      spdlog::info("{}: {}result {}{}{}", run.robot, interim ? "interim " : "",
                    identify::text(outcome.identification.status),
                    outcome.identification.reason.empty() ? "" : ": ",
                    outcome.identification.reason);
     } catch (const std::exception& error) {
-      spdlog::error("{}: {}", name, error.what());
+      spdlog::error("{}: {}", run.robot, error.what());
     }
     identification_took_ = Steady::now() - start;
   };
   identification_.submit(std::move(job), interim);
 }
 
-std::string RobotService::run_file(const std::string& ended) const {
-  const auto counts = server_->counts();
-  nlohmann::ordered_json json = {{"schema", "sweepd.run/1"},
-                                 {"sweepd", SWEEPD_VERSION},
-                                 {"command", "run"},
-                                 {"robot", settings_.name},
-                                 {"started", started_}};
-  if (!ended.empty()) json["ended"] = ended;
-  json["folder"] = folder_.string();
-  json["description"] = settings_.description.string();
-  if (settings_.ethernet_config) json["ethernet_config"] = settings_.ethernet_config->string();
-  json["listen"] = rsi::text(server_->local());
-  json["since_start_of_sweepd"] = {
-      {"answered", counts.answered},           {"superseded", counts.superseded},
-      {"unanswerable", counts.unanswerable},   {"foreign", counts.foreign},
-      {"send_failures", counts.send_failures}, {"overflows", counts.overflows}};
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+void RobotService::say_link() {
+  if (!session_) {
+    spdlog::info("{}: no RSI at the moment, so there is no link to tell of", settings_.name);
+    return;
+  }
+  identification_.submit(
+      [name = settings_.name, recording = recording_, link = watch_->files(false)] {
+        const auto folder = recording->folder();
+        spdlog::info("{}: the link is {}{}", name, link.verdict,
+                     folder.empty() ? "" : "; see " + (folder / "link.txt").string());
+        try {
+          if (!folder.empty()) write_link(folder, link);
+        } catch (const std::exception& error) {
+          spdlog::error("{}: {}", name, error.what());
+        }
+      },
+      false);
+}
+
+RunFacts RobotService::run_facts() const {
+  RunFacts facts;
+  facts.robot = settings_.name;
+  facts.started = started_;
+  facts.description = settings_.description;
+  facts.ethernet_config = settings_.ethernet_config;
+  facts.listen = server_->local();
+  facts.link = server_->counts();
+  return facts;
 }
 
 }  // namespace sweepd

@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <chrono>
-#include <filesystem>
 #include <future>
 #include <memory>
 #include <mutex>
@@ -11,8 +10,11 @@
 #include <thread>
 
 #include "daemon/job_thread.hpp"
+#include "daemon/link_watch.hpp"
 #include "daemon/realtime.hpp"
+#include "daemon/recorder.hpp"
 #include "daemon/robot_setup.hpp"
+#include "daemon/run_json.hpp"
 #include "daemon/session.hpp"
 #include "daemon/settings.hpp"
 #include "rsi/server.hpp"
@@ -20,7 +22,7 @@
 namespace sweepd {
 
 /// Serves one controller: the reply thread answers, the acquisition thread does all the rest but
-/// the identification, which has a thread of its own.
+/// the identification and the work on files, which have threads of their own.
 class RobotService {
  public:
   /// Reads the robot's files, makes its output folder, binds the socket. Throws ConfigError or
@@ -36,9 +38,12 @@ class RobotService {
   /// Says what else has changed and needs a restart. Throws ConfigError, and changes nothing then.
   /// From the thread that calls start() and stop().
   void reload(const RobotSettings& settings);
+  /// Writes how the link does into the session's folder, and says it. Any thread; soon afterwards.
+  void report_link() noexcept { link_wanted_ = true; }
   /// Ends the session under way with its last result and a complete recording; the controller is
-  /// answered until that is done.
-  void stop();
+  /// answered until that is done. A disk that does not answer is waited for no longer than for
+  /// `patience`: then this returns false, what was lost is said, and the destructor would wait.
+  bool stop(std::chrono::seconds patience = std::chrono::seconds(10));
 
   [[nodiscard]] rsi::Endpoint local() const { return server_->local(); }
 
@@ -55,16 +60,19 @@ class RobotService {
   void end_session();
   void on_sweep(const identify::Sweep& sweep);
   void identify(bool interim);
-  [[nodiscard]] std::string run_file(const std::string& ended) const;
+  void say_link();
+  [[nodiscard]] RunFacts run_facts() const;
 
   RobotSettings settings_;
   RobotSetup setup_;
   std::unique_ptr<rsi::Server> server_;
+  Recorder recorder_;
   std::atomic<Steady::duration> identification_took_{};
   JobThread identification_;
   std::thread reply_thread_;
   std::thread acquisition_thread_;
   std::atomic<bool> stopping_{false};
+  std::atomic<bool> link_wanted_{false};
 
   RobotSettings given_;       // by the last reload; of the thread that calls it
   std::string ethernet_xml_;  // what the Ethernet file held at the start
@@ -77,13 +85,13 @@ class RobotService {
 
   // The acquisition thread's own.
   std::optional<Session> session_;
-  std::filesystem::path folder_;  // of the session; empty if it could not be made
+  std::unique_ptr<LinkWatch> watch_;            // of the session
+  std::shared_ptr<const Recording> recording_;  // of the session
   std::string started_;
   std::uint32_t local_address_ = 0;  // as the controller sees it
   std::uint64_t overflows_said_ = 0;
   Steady::time_point last_datagram_;
   Steady::time_point last_identification_;
-  Steady::time_point last_flush_;
 };
 
 }  // namespace sweepd

@@ -1,6 +1,7 @@
 #include "daemon/run_command.hpp"
 
 #include <csignal>
+#include <cstdlib>
 #include <map>
 #include <set>
 #include <string>
@@ -70,7 +71,7 @@ int run(const RunOptions& options) {
   // Every thread inherits the mask: the signals are this thread's to wait for.
   sigset_t signals;
   sigemptyset(&signals);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) sigaddset(&signals, signal);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
   Services services;
@@ -78,9 +79,16 @@ int run(const RunOptions& options) {
   for (auto& [name, service] : services) service.start();
 
   int signal = 0;
-  while (sigwait(&signals, &signal) == 0 && signal == SIGHUP) reload(options, services);
+  while (sigwait(&signals, &signal) == 0 && (signal == SIGHUP || signal == SIGUSR1))
+    if (signal == SIGHUP)
+      reload(options, services);
+    else
+      for (auto& [name, service] : services) service.report_link();
   spdlog::info("ending on {}", signal == SIGINT ? "SIGINT" : "SIGTERM");
-  for (auto& [name, service] : services) service.stop();
+  bool complete = true;
+  for (auto& [name, service] : services) complete = service.stop() && complete;
+  // Else a thread waits for a disk that does not answer, perhaps for ever.
+  if (!complete) std::_Exit(1);
   return 0;
 }
 

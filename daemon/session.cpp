@@ -18,44 +18,19 @@ Outcome Snapshot::identified() const {
   return outcome;
 }
 
-Session::Session(const RobotSetup& setup, Options options, Events events)
+Session::Session(const RobotSetup& setup, std::string source_kind, Events events)
     : setup_(setup),
-      options_(std::move(options)),
+      source_kind_(std::move(source_kind)),
       events_(std::move(events)),
       pipeline_(setup.joints, setup.signals,
                 {[this](const identify::Sample&, std::string_view row) {
-                   if (samples_) samples_->append(row);
+                   if (events_.on_row) events_.on_row(row);
                  },
-                 [this](const identify::Sweep& sweep) { keep(sweep); }}) {
-  if (options_.folder.empty()) return;
-  samples_.emplace(options_.folder / "samples.csv");
-  samples_->append(pipeline_.csv_header());
-  if (options_.record) trace_.emplace(options_.folder / "trace.pcap");
-}
-
-void Session::telegram(const rsi::Datagram& datagram) {
-  record(datagram);
-  pipeline_.telegram(datagram);
-}
-
-void Session::reply(const rsi::Datagram& datagram) {
-  record(datagram);
-}
-
-void Session::flush() {
-  if (samples_) samples_->flush();
-  if (trace_) trace_->flush();
-  complain_once();
-}
-
-void Session::finish() {
-  pipeline_.finish();
-  flush();
-}
+                 [this](const identify::Sweep& sweep) { keep(sweep); }, events_.on_telegram}) {}
 
 Snapshot Session::snapshot() const {
   return {setup_.name,
-          options_.source_kind,
+          source_kind_,
           pipeline_.counts(),
           campaign(setup_, pipeline_.resolution()),
           sweeps_,
@@ -84,22 +59,6 @@ void Session::keep(const identify::Sweep& sweep) {
   }
   kept_samples_ += sweep.samples->size();
   sweeps_.push_back(sweep);
-}
-
-void Session::record(const rsi::Datagram& datagram) {
-  if (trace_) trace_->write(datagram);
-}
-
-void Session::complain_once() {
-  if (!events_.on_trouble) return;
-  if (samples_ && !samples_failed_ && !samples_->error().empty()) {
-    samples_failed_ = true;
-    events_.on_trouble(samples_->error());
-  }
-  if (trace_ && !trace_failed_ && !trace_->error().empty()) {
-    trace_failed_ = true;
-    events_.on_trouble(trace_->error());
-  }
 }
 
 }  // namespace sweepd

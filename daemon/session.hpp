@@ -1,18 +1,15 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <functional>
-#include <memory>
-#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "daemon/line_file.hpp"
 #include "daemon/outcome.hpp"
 #include "daemon/pipeline.hpp"
 #include "daemon/robot_setup.hpp"
-#include "rsi/capture_writer.hpp"
+#include "rsi/datagram.hpp"
 
 namespace sweepd {
 
@@ -30,56 +27,42 @@ struct Snapshot {
   [[nodiscard]] Outcome identified() const;
 };
 
-/// One stream of a controller, from its first telegram to its end, and the files that grow with it.
-/// One thread.
+/// One stream of a controller, from its first telegram to its end. No files. One thread.
 class Session {
  public:
-  struct Options {
-    std::filesystem::path folder;  ///< must exist; empty: no files
-    bool record = false;           ///< trace.pcap
-    /// For the result. A recorded live stream is "trace" too: its result is that of its own trace,
-    /// to the byte.
-    std::string source_kind = "trace";
-  };
   struct Events {
     std::function<void(const identify::Sweep&)> on_sweep;
-    /// A file could not be written: said once a file.
-    std::function<void(const std::string&)> on_trouble;
+    /// A row of samples.csv, without its end.
+    std::function<void(std::string_view)> on_row;
+    /// Whatever came, and what it was parsed to.
+    std::function<void(const rsi::Datagram&, const rsi::Telegram&, rsi::Defect)> on_telegram = {};
   };
 
-  /// Throws std::runtime_error if a file cannot be created.
-  Session(const RobotSetup& setup, Options options, Events events);
+  /// `source_kind` is for the result. A recorded live stream is "trace" too: its result is that of
+  /// its own trace, to the byte.
+  Session(const RobotSetup& setup, std::string source_kind, Events events);
 
   /// What came from the controller, whatever it holds.
-  void telegram(const rsi::Datagram& datagram);
-  /// What was sent to it.
-  void reply(const rsi::Datagram& datagram);
+  void telegram(const rsi::Datagram& datagram) { pipeline_.telegram(datagram); }
+  /// The stream is over: the last stroke ends.
+  void finish() { pipeline_.finish(); }
 
-  /// Hands what was written so far to the operating system.
-  void flush();
-  /// The stream is over: the last stroke ends, the files are complete.
-  void finish();
-
+  /// What samples.csv begins with, without its end of line.
+  [[nodiscard]] std::string csv_header() const { return pipeline_.csv_header(); }
   [[nodiscard]] Snapshot snapshot() const;
   /// Whether as many strokes were seen as an identification needs.
   [[nodiscard]] bool worth_identifying() const;
 
  private:
   void keep(const identify::Sweep& sweep);
-  void record(const rsi::Datagram& datagram);
-  void complain_once();
 
   /// Samples that are kept for identification: some 80 MB, more than half an hour of sweeps.
   static constexpr std::size_t kMostSamples = 500'000;
 
   RobotSetup setup_;
-  Options options_;
+  std::string source_kind_;
   Events events_;
   Pipeline pipeline_;
-  std::optional<LineFile> samples_;
-  std::optional<rsi::CaptureWriter> trace_;
-  bool samples_failed_ = false;
-  bool trace_failed_ = false;
   std::vector<identify::Sweep> sweeps_;
   std::size_t kept_samples_ = 0;
   std::size_t left_out_ = 0;

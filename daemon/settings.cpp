@@ -50,7 +50,7 @@ const Option kRobotOptions[] = {
     {"description", [](RobotSettings& r) -> Field { return &r.description; },
      "the robot: joints, limits, specified DH table"},
     {"listen", [](RobotSettings& r) -> Field { return &r.listen; },
-     "address and UDP port of this machine that the controller sends to; 0.0.0.0 is any"},
+     "address and port of this machine that the controller sends to; 0.0.0.0 is any"},
     {"controller", [](RobotSettings& r) -> Field { return &r.controller; },
      "only this address is answered; left out: the first that speaks"},
     {"ethernet_config", [](RobotSettings& r) -> Field { return &r.ethernet_config; },

@@ -1,43 +1,14 @@
 #include "daemon/line_file.hpp"
 
-#include <csignal>
-
-#include <sys/resource.h>
-
 #include "tests/catch.hpp"
+#include "tests/daemon/small_disk.hpp"
 #include "tests/daemon/temporary_folder.hpp"
 
 using Catch::Matchers::ContainsSubstring;
 using sweepd::LineFile;
 using sweepd::test::content;
+using sweepd::test::SmallDisk;
 using sweepd::test::TemporaryFolder;
-
-namespace {
-
-/// Files grow up to so many bytes, until more() gives them more.
-class SmallDisk {
- public:
-  explicit SmallDisk(rlim_t bytes) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    old_ = std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit limit{bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~SmallDisk() { more(); }
-  SmallDisk(const SmallDisk&) = delete;
-  SmallDisk& operator=(const SmallDisk&) = delete;
-
-  void more() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, old_);
-  }
-
- private:
-  rlimit before_{};
-  void (*old_)(int) = nullptr;
-};
-
-}  // namespace
 
 TEST_CASE("lines come out as they went in, after a flush and at the end") {
   const TemporaryFolder folder;

@@ -110,17 +110,19 @@ TEST_CASE("a capture in two pieces gives what the whole one gives") {
   std::uint64_t ipoc = 4000;
   Capture(folder / "whole.pcap").add_stroke(ipoc, 0, 60);
   {
-    Capture first(folder / "1.pcap");
-    Capture second(folder / "2.pcap");
-    const auto angles = stroke_deg(0, 60);
-    for (std::size_t k = 0; k < angles.size(); ++k)
-      (k < 200 ? first : second).add(telegram(4000 + 4 * k, joint_1_at(angles[k])));
+    rsi::CaptureWriter first(folder / "trace.pcap");
+    rsi::CaptureWriter second(folder / "trace-0002.pcap");
+    rsi::CaptureReader whole(folder / "whole.pcap");
+    for (int k = 0; const auto datagram = whole.next(); ++k)
+      (k < 200 ? first : second).write(*datagram);
   }
   CHECK(replayed(options(folder / "whole.pcap", folder / "whole")).code == 0);
-  auto pieces = options(folder / "1.pcap", folder / "pieces");
-  pieces.traces.push_back(folder / "2.pcap");
+  // As a shell puts "trace*.pcap".
+  auto pieces = options(folder / "trace-0002.pcap", folder / "pieces");
+  pieces.traces.push_back(folder / "trace.pcap");
   CHECK(replayed(pieces).code == 0);
-  CHECK(content(folder / "pieces/result.json") == content(folder / "whole/result.json"));
+  for (const char* name : {"result.json", "samples.csv", "sweeps.csv"})
+    CHECK(content(folder / "pieces" / name) == content(folder / "whole" / name));
 }
 
 TEST_CASE(

@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
-#include "daemon/config_error.hpp"
 #include "daemon/replay_command.hpp"
 #include "rsi/capture_reader.hpp"
 #include "rsi/controller_link.hpp"
@@ -152,6 +151,15 @@ TEST_CASE("each stream gets a folder of its own, and silence completes it", "[re
     }
     const auto counts = traced(session, service.local().port);
     CHECK(counts.telegrams == 400);
+    const auto recording = json_in(session / "run.json")["recording"];
+    CHECK(recording["files"] == 2);
+    CHECK(recording["bytes"] ==
+          fs::file_size(session / "trace.pcap") + fs::file_size(session / "samples.csv"));
+    CHECK(recording["datagrams"] == counts.telegrams + counts.replies);
+    CHECK(recording["samples"] == 400);
+    CHECK(recording["not_recorded"]["memory_full"]["datagrams"] == 0);
+    CHECK(recording["not_recorded"]["disk"]["samples"] == 0);
+    CHECK(recording["paused"] == 0);
     // On a machine that stalls several telegrams wait, and only the newest is answered.
     const auto link = json_in(session / "run.json")["since_start_of_sweepd"];
     CHECK(link["answered"].get<std::uint64_t>() + link["superseded"].get<std::uint64_t>() ==
@@ -250,17 +258,27 @@ TEST_CASE("a controller that only sends gets nothing sent", "[realtime]") {
   CHECK(json_in(session / "result.json")["source"]["telegrams"] == 50);
 }
 
+TEST_CASE("a controller over TCP is answered, and recorded as if over UDP", "[realtime]") {
+  const TemporaryFolder folder;
+  auto xml = content(kEthernet);
+  xml.insert(xml.find("<SENTYPE>"), "<PROTOCOL>TCP</PROTOCOL>");
+  auto robot = settings(folder / "out");
+  robot.ethernet_config = folder.write("ethernet.xml", xml);
+  RobotService service(robot);
+  service.start();
+  const auto report = stream(service.local(), 400, *robot.ethernet_config);
+  service.stop();
+  CHECK(report.end == rsi::ControllerLink::End::done);
+  CHECK(report.controller.accepted > 0);
+  const auto session = *sessions(folder / "out").begin();
+  const auto trace = traced(session, service.local().port);
+  CHECK(trace.telegrams == 400);
+  CHECK(trace.replies == report.controller.replies);
+  CHECK(replayed(session, folder / "replayed") == content(session / "result.json"));
+}
+
 TEST_CASE("what makes serving impossible is said before anything is served") {
   const TemporaryFolder folder;
-  SECTION("a TCP file is a configuration error") {
-    auto xml = content(kEthernet);
-    xml.insert(xml.find("<SENTYPE>"), "<PROTOCOL>TCP</PROTOCOL>");
-    auto robot = settings(folder / "out");
-    robot.ethernet_config = folder.write("ethernet.xml", xml);
-    CHECK_THROWS_AS(RobotService(robot), sweepd::ConfigError);
-    CHECK_THROWS_WITH(RobotService(robot),
-                      ContainsSubstring("ethernet.xml: PROTOCOL: expected UDP"));
-  }
   SECTION("a port that is taken") {
     const RobotService first(settings(folder / "out"));
     auto robot = settings(folder / "out");

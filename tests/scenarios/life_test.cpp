@@ -22,8 +22,9 @@ const auto kEthernet = kConfig / "controller/krc4/sweepd_ethernet.xml";
 /// A robot at rest, on a thread of its own, until it is stopped.
 class Controller {
  public:
-  explicit Controller(std::uint16_t port, std::uint64_t first_ipoc = 100'000)
-      : link_(rsi::EthernetConfig::load(kEthernet), options(port, first_ipoc)), thread_([this] {
+  explicit Controller(std::uint16_t port, std::uint64_t first_ipoc = 100'000, double lose = 0)
+      : link_(rsi::EthernetConfig::load(kEthernet), options(port, first_ipoc, lose)),
+        thread_([this] {
           report_ = link_.run([this](std::uint64_t cycle, rsi::SignalValues& values) {
             cycles_ = cycle;
             values.RIst = {500, 0, 900, 0, 90, 0};
@@ -45,12 +46,14 @@ class Controller {
   }
 
  private:
-  static rsi::ControllerLink::Options options(std::uint16_t port, std::uint64_t first_ipoc) {
+  static rsi::ControllerLink::Options options(std::uint16_t port, std::uint64_t first_ipoc,
+                                              double lose) {
     rsi::ControllerLink::Options options;
     options.controller.server = {0x7f000001, port};
     options.controller.first_ipoc = first_ipoc;
     options.controller.timeout = 1'000'000;
     options.local = {0x7f000001, 0};
+    options.faults.lose = lose;
     return options;
   }
 
@@ -208,4 +211,40 @@ TEST_CASE("SIGHUP takes over what it can, says what it cannot, and survives a mi
   CHECK(said(daemon, "silent for 300 ms"));
   daemon.process().signal(SIGTERM);
   CHECK(daemon.process().wait() == 0);
+}
+
+TEST_CASE("SIGUSR1 tells how the link does while RSI streams, and each session ends with it",
+          "[life]") {
+  const TemporaryFolder folder;
+  Daemon daemon(folder.path());
+  daemon.process().signal(SIGUSR1);
+  CHECK(said(daemon, "kr5-arc: no RSI at the moment"));
+  {
+    Controller controller(daemon.port());
+    REQUIRE(controller.streams(50));
+    daemon.process().signal(SIGUSR1);
+    CHECK(said(daemon, "kr5-arc: the link is "));
+    CHECK(eventually([&] { return fs::exists(daemon.session() / "link.txt"); }));
+    CHECK(content(daemon.session() / "link.txt").find("Reply latency") != std::string::npos);
+  }
+  CHECK(said(daemon, "silent for 2000 ms"));
+  CHECK(eventually([&] { return run_file(daemon.session()).contains("ended"); }));
+  const auto link = Json::parse(content(daemon.session() / "link.json"));
+  CHECK(link["schema"] == "sweepd.link/1");
+  daemon.process().signal(SIGTERM);
+  CHECK(daemon.process().wait() == 0);
+}
+
+TEST_CASE("a session that ends badly leaves its last cycles beside the result", "[life]") {
+  const TemporaryFolder folder;
+  Daemon daemon(folder.path());
+  Controller controller(daemon.port(), 100'000, 0.1);  // every tenth telegram is lost on its way
+  REQUIRE(controller.streams(300));
+  controller.stop();
+  daemon.process().signal(SIGTERM);
+  CHECK(daemon.process().wait() == 0);
+  CHECK(said(daemon, "the stream ended badly"));
+  const auto cycles = content(daemon.session() / "last_cycles.csv");
+  CHECK(std::count(cycles.begin(), cycles.end(), '\n') == 257);  // a header and 256 cycles
+  CHECK(content(daemon.session() / "link.txt").find("Verdict: bad") != std::string::npos);
 }

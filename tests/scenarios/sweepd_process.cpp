@@ -17,12 +17,19 @@ namespace sweepd::test {
 
 using namespace std::chrono_literals;
 
-SweepdProcess::SweepdProcess(const std::vector<std::string>& arguments) {
-  std::vector<std::string> words{SWEEPD_BINARY};
+SweepdProcess::SweepdProcess(const std::vector<std::string>& arguments, const Launch& launch) {
+  std::vector<std::string> words = launch.before;
+  words.emplace_back(SWEEPD_BINARY);
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
   for (auto& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
+  std::vector<std::string> given = launch.environment;
+  std::vector<char*> environment;
+  for (auto& variable : given) environment.push_back(variable.data());
+  for (char** variable = environ; *variable != nullptr; ++variable)
+    environment.push_back(*variable);
+  environment.push_back(nullptr);
 
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
@@ -30,9 +37,10 @@ SweepdProcess::SweepdProcess(const std::vector<std::string>& arguments) {
   posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_addopen(&actions, 1, (folder_ / "out").c_str(), kNew, 0600);
   posix_spawn_file_actions_addopen(&actions, 2, (folder_ / "errors").c_str(), kNew, 0600);
-  const int failure = posix_spawn(&id_, SWEEPD_BINARY, &actions, nullptr, pointers.data(), environ);
+  const int failure = posix_spawnp(&id_, words.front().c_str(), &actions, nullptr, pointers.data(),
+                                   environment.data());
   posix_spawn_file_actions_destroy(&actions);
-  if (failure != 0) throw std::system_error(failure, std::generic_category(), SWEEPD_BINARY);
+  if (failure != 0) throw std::system_error(failure, std::generic_category(), words.front());
 }
 
 SweepdProcess::~SweepdProcess() {
@@ -72,15 +80,19 @@ Run run_sweepd(const std::vector<std::string>& arguments) {
   return {code, process.out(), process.errors()};
 }
 
-Daemon::Daemon(const std::filesystem::path& folder)
-    : output_(folder / "output"), port_(free_port()), config_(folder / "sweepd.toml") {
+Daemon::Daemon(const std::filesystem::path& folder, Options options)
+    : options_(std::move(options)),
+      output_(folder / "output"),
+      port_(free_port()),
+      config_(folder / "sweepd.toml") {
   auto ethernet = content(kConfig / "controller/krc4/sweepd_ethernet.xml");
   ethernet.replace(ethernet.find("49152"), 5, std::to_string(port_));
   std::ofstream(folder / "ethernet.xml") << ethernet;
   std::ofstream(config_) << "[[robot]]\nname = \"kr5-arc\"\ndescription = \""
                          << (kConfig / "robots/kr5_arc.toml").string() << "\"\nlisten = \""
                          << address()
-                         << "\"\noutput = \"output\"\nethernet_config = \"ethernet.xml\"\n";
+                         << "\"\noutput = \"output\"\nethernet_config = \"ethernet.xml\"\n"
+                         << options_.settings;
   start();
 }
 
@@ -90,9 +102,14 @@ void Daemon::restart() {
   start();
 }
 
+void Daemon::kill() {
+  process_->signal(SIGKILL);
+  process_->wait();
+}
+
 void Daemon::start() {
   process_ = std::make_unique<SweepdProcess>(
-      std::vector<std::string>{"run", "--config", config_.string()});
+      std::vector<std::string>{"run", "--config", config_.string()}, options_.launch);
   const bool listens = eventually([&] {
     return !process_->running() ||
            process_->errors().find("listening on UDP " + address()) != std::string::npos;

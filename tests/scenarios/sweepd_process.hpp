@@ -18,11 +18,20 @@ inline const std::filesystem::path kConfig = std::filesystem::path(SWEEPD_SOURCE
 /// The real sweepd as a process of its own, with its output in files.
 class SweepdProcess {
  public:
-  explicit SweepdProcess(const std::vector<std::string>& arguments);
+  /// How it is started.
+  struct Launch {
+    std::vector<std::string> before = {};       ///< a program that becomes sweepd, and its words
+    std::vector<std::string> environment = {};  ///< NAME=VALUE, beside the test's own
+  };
+
+  explicit SweepdProcess(const std::vector<std::string>& arguments)
+      : SweepdProcess(arguments, Launch{}) {}
+  SweepdProcess(const std::vector<std::string>& arguments, const Launch& launch);
   ~SweepdProcess();  ///< kills it if it still runs
   SweepdProcess(const SweepdProcess&) = delete;
   SweepdProcess& operator=(const SweepdProcess&) = delete;
 
+  [[nodiscard]] pid_t id() const { return id_; }
   void signal(int number) const;
   [[nodiscard]] bool running() const;
   /// The exit code, or 128 and the number of the signal that killed it. Throws, with what it said,
@@ -49,8 +58,14 @@ Run run_sweepd(const std::vector<std::string>& arguments);
 /// `sweepd run` for a KR 5 arc on a port of the loopback interface that was free.
 class Daemon {
  public:
+  struct Options {
+    std::string settings = {};  ///< lines that follow in [[robot]]
+    SweepdProcess::Launch launch = {};
+  };
+
   /// Waits until it listens.
-  explicit Daemon(const std::filesystem::path& folder);
+  explicit Daemon(const std::filesystem::path& folder) : Daemon(folder, Options{}) {}
+  Daemon(const std::filesystem::path& folder, Options options);
 
   [[nodiscard]] std::uint16_t port() const { return port_; }
   [[nodiscard]] std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
@@ -60,10 +75,12 @@ class Daemon {
   SweepdProcess& process() { return *process_; }
   /// Ends it by SIGTERM, and starts it again with the same settings.
   void restart();
-
- private:
+  /// As an operating system that kills it, or a crash: at once.
+  void kill();
   void start();
 
+ private:
+  Options options_;
   std::filesystem::path output_;
   std::uint16_t port_;
   std::filesystem::path config_;

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+#include "rsi/conversation.hpp"
+#include "rsi/link_report.hpp"
+
+namespace sweepd {
+
+/// The report on a link, schema sweepd.link/1. Units stand in the names; `at_s` is the time since
+/// the first telegram. "replies" and "latency" are absent where no reply was seen, "cycle_ms" and
+/// "jitter" before two telegrams came. Fields may be added.
+[[nodiscard]] std::string link_json(const rsi::Conversation& conversation,
+                                    const rsi::LinkReport& report);
+
+}  // namespace sweepd

@@ -1,0 +1,43 @@
+#include "daemon/link_watch.hpp"
+
+#include "daemon/atomic_file.hpp"
+#include "daemon/link_json.hpp"
+#include "daemon/link_text.hpp"
+#include "rsi/link_verdict.hpp"
+
+namespace sweepd {
+
+void LinkWatch::telegram(const rsi::Datagram& datagram, const rsi::Telegram& telegram,
+                         rsi::Defect defect) {
+  monitor_.telegram(datagram, telegram, defect);
+  flight_.telegram(datagram, telegram, defect);
+}
+
+void LinkWatch::reply(const rsi::Datagram& datagram) {
+  if (datagram.payload.empty()) return flight_.send_failed();
+  monitor_.reply(datagram);
+  flight_.reply(datagram);
+}
+
+LinkFiles LinkWatch::files(bool at_end) const {
+  const auto report = monitor_.report();
+  const auto verdict = rsi::verdict(report);
+  LinkFiles files;
+  files.good = verdict.grade == rsi::Grade::good;
+  files.verdict = rsi::text(verdict.grade);
+  if (!files.good) files.verdict += ": " + verdict.reasons.front().message;
+  files.text = link_text(conversation_, report);
+  files.json = link_json(conversation_, report);
+  if (!at_end) return files;
+  files.bad_end = flight_.reason();
+  if (!files.bad_end.empty()) files.last_cycles = flight_.csv();
+  return files;
+}
+
+void write_link(const std::filesystem::path& folder, const LinkFiles& files) {
+  write_atomically(folder / "link.txt", files.text);
+  write_atomically(folder / "link.json", files.json);
+  if (!files.last_cycles.empty()) write_atomically(folder / "last_cycles.csv", files.last_cycles);
+}
+
+}  // namespace sweepd

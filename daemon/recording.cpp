@@ -1,0 +1,55 @@
+#include "daemon/recording.hpp"
+
+namespace sweepd {
+
+std::string text(const RecordCount& count) {
+  return std::to_string(count.datagrams) + " datagrams and " + std::to_string(count.samples) +
+         " samples";
+}
+
+std::filesystem::path Recording::folder() const {
+  const std::lock_guard lock(mutex_);
+  return folder_;
+}
+
+Recording::Counts Recording::counts() const {
+  const std::lock_guard lock(mutex_);
+  return counts_;
+}
+
+void Recording::wait() const {
+  std::unique_lock lock(mutex_);
+  ended_.wait(lock, [this] { return finished_; });
+}
+
+void Recording::made(const std::filesystem::path& folder) {
+  const std::lock_guard lock(mutex_);
+  folder_ = folder;
+}
+
+void Recording::written(const RecordCount& records, std::uint64_t files, std::uint64_t bytes) {
+  const std::lock_guard lock(mutex_);
+  counts_.recorded = records;
+  counts_.files = files;
+  counts_.bytes = bytes;
+}
+
+void Recording::paused() {
+  const std::lock_guard lock(mutex_);
+  ++counts_.pauses;
+}
+
+void Recording::lost(Missing reason, const RecordCount& records) {
+  const std::lock_guard lock(mutex_);
+  (reason == Missing::disk ? counts_.disk : counts_.memory_full) += records;
+}
+
+void Recording::finish() {
+  {
+    const std::lock_guard lock(mutex_);
+    finished_ = true;
+  }
+  ended_.notify_all();
+}
+
+}  // namespace sweepd

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "daemon/recording.hpp"
+#include "rsi/server.hpp"
+
+namespace sweepd {
+
+/// What run.json tells of a live session: when and where, and how the link and the recording went.
+struct RunFacts {
+  std::string robot;
+  std::string started;  ///< UTC, ISO 8601
+  std::string ended;    ///< empty: it goes on
+  std::filesystem::path folder;
+  std::filesystem::path description;
+  std::optional<std::filesystem::path> ethernet_config;
+  rsi::Endpoint listen;
+  rsi::Server::Counts link;                    ///< since the start of sweepd
+  std::optional<Recording::Counts> recording;  ///< once it ended
+};
+
+[[nodiscard]] std::string run_json(const RunFacts& facts);
+
+}  // namespace sweepd

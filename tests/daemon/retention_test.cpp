@@ -1,0 +1,170 @@
+#include "daemon/retention.hpp"
+
+#include <set>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+
+#include "tests/catch.hpp"
+#include "tests/daemon/temporary_folder.hpp"
+
+using sweepd::delete_old_recordings;
+using sweepd::Deleted;
+using sweepd::InUse;
+using namespace sweepd::test;
+using namespace std::chrono_literals;
+namespace fs = std::filesystem;
+
+namespace {
+
+const auto kNow = std::chrono::system_clock::from_time_t(1'735'689'600);
+using Names = std::set<std::string>;
+
+/// A robot's folder in which every file was written so long before now.
+class Recordings {
+ public:
+  void add(const std::string& name, std::chrono::hours ago, std::size_t bytes = 1000) const {
+    fs::create_directories((folder_ / name).parent_path());
+    age(folder_.write(name, std::string(bytes, 'x')), ago);
+  }
+  static void age(const fs::path& file, std::chrono::hours ago) {
+    const timespec time{std::chrono::system_clock::to_time_t(kNow - ago), 0};
+    const timespec times[] = {time, time};
+    REQUIRE(utimensat(AT_FDCWD, file.c_str(), times, AT_SYMLINK_NOFOLLOW) == 0);
+  }
+  [[nodiscard]] Names names() const {
+    Names names;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_.path()))
+      if (!entry.is_directory() || entry.is_symlink())
+        names.insert(fs::relative(entry.path(), folder_.path()).string());
+    return names;
+  }
+  [[nodiscard]] Deleted clean(std::chrono::days keep, std::uint64_t keep_bytes,
+                              const InUse& in_use = {}) const {
+    sweepd::RecordingSettings settings;
+    settings.keep = keep;
+    settings.keep_bytes = keep_bytes;
+    return delete_old_recordings(folder_.path(), settings, kNow, in_use);
+  }
+  [[nodiscard]] fs::path operator/(const std::string& name) const { return folder_ / name; }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+}  // namespace
+
+TEST_CASE("without a limit nothing is deleted, however old and large") {
+  const Recordings recordings;
+  recordings.add("20130704T120000Z/trace.pcap", 100'000h);
+  CHECK(recordings.clean(std::chrono::days(0), 0).files == 0);
+  CHECK(recordings.names().size() == 1);
+}
+
+TEST_CASE("recordings older than the days to keep go, results stay") {
+  const Recordings recordings;
+  const std::string old = "20241201T000000Z/";
+  for (const char* name : {"trace.pcap", "trace-0002.pcap", "samples.csv", "samples-0002.csv",
+                           "result.json", "run.json", "dh.csv", "sweeps.csv", "report.txt"})
+    recordings.add(old + name, 49h);
+  recordings.add("20241230T120000Z/trace.pcap", 47h);
+  // As old as the younger one of the two.
+  recordings.add("20241229T000000Z/trace.pcap", 49h);
+  recordings.add("20241229T000000Z/samples.csv", 47h);
+  const auto deleted = recordings.clean(std::chrono::days(2), 0);
+  CHECK(deleted.files == 4);
+  CHECK(deleted.bytes == 4000);
+  CHECK(deleted.trouble.empty());
+  CHECK(recordings.names() == Names{old + "result.json", old + "run.json", old + "dh.csv",
+                                    old + "sweeps.csv", old + "report.txt",
+                                    "20241230T120000Z/trace.pcap", "20241229T000000Z/trace.pcap",
+                                    "20241229T000000Z/samples.csv"});
+}
+
+TEST_CASE("the oldest recordings go until all fit, in the order in which they were made") {
+  const Recordings recordings;
+  // By name, not by time: a copy has a time of its own.
+  recordings.add("20241201T000000Z/trace.pcap", 1h);
+  recordings.add("20241201T000000Z/samples.csv", 1h);
+  recordings.add("20241201T000000Z-2/trace.pcap", 5h);
+  recordings.add("20241201T000000Z-10/trace.pcap", 9h);
+  recordings.add("20241202T000000Z/trace.pcap", 8h);
+  recordings.add("20241202T000000Z/trace-0002.pcap", 7h);
+  recordings.add("20241202T000000Z/trace-10000.pcap", 6h);
+  const Names all = recordings.names();
+  CHECK(recordings.clean(std::chrono::days(0), 7000).files == 0);
+  CHECK(recordings.names() == all);
+
+  CHECK(recordings.clean(std::chrono::days(0), 6000).files == 2);
+  CHECK_FALSE(recordings.names().contains("20241201T000000Z/samples.csv"));
+  CHECK(recordings.clean(std::chrono::days(0), 4500).files == 1);
+  CHECK_FALSE(recordings.names().contains("20241201T000000Z-2/trace.pcap"));
+  CHECK(recordings.clean(std::chrono::days(0), 1000).files == 3);
+  CHECK(recordings.names() == Names{"20241202T000000Z/trace-10000.pcap"});
+}
+
+TEST_CASE("files that are being written stay, earlier ones of the same session may go") {
+  const Recordings recordings;
+  const std::string session = "20241201T000000Z/";
+  for (const char* name : {"trace.pcap", "trace-0002.pcap", "trace-0003.pcap", "samples.csv",
+                           "samples-0002.csv", "samples-0003.csv"})
+    recordings.add(session + name, 1000h);
+  CHECK(recordings.clean(std::chrono::days(1), 1, {"20241201T000000Z", 3}).files == 4);
+  CHECK(recordings.names() == Names{session + "trace-0003.pcap", session + "samples-0003.csv"});
+}
+
+TEST_CASE("what is not exactly named as a recording is never touched") {
+  const Recordings recordings;
+  const Names names{
+      "trace.pcap",
+      "20241201T000000Z/trace.pcapng",
+      "20241201T000000Z/my-trace.pcap",
+      "20241201T000000Z/trace-2.pcap",
+      "20241201T000000Z/trace-0001.pcap",
+      "20241201T000000Z/trace-00002.pcap",
+      "20241201T000000Z/trace-000a.pcap",
+      "20241201T000000Z/trace-.pcap",
+      "20241201T000000Z/trace.pcap.tmp",
+      "20241201T000000Z/trace_0002.pcap",
+      "20241201T000000Z/trace.csv",
+      "20241201T000000Z/samples.pcap",
+      "20241201T000000Z/samples.csv.bak",
+      "20241201T000000Z/more/trace.pcap",
+      "20241201T000000Z-1/trace.pcap",
+      "20241201T000000Z-02/trace.pcap",
+      "20241201T000000Z-/trace.pcap",
+      "20241201T000000Z-2x/trace.pcap",
+      "20241201T000000Z_2/trace.pcap",
+      "20241201T000000/trace.pcap",
+      "20241201t000000Z/trace.pcap",
+      "2024120100000000/trace.pcap",
+      "x20241201T000000Z/trace.pcap",
+      "keep/trace.pcap",
+  };
+  for (const auto& name : names) recordings.add(name, 100'000h);
+  fs::create_directories(recordings / "20241202T000000Z/trace.pcap");  // a folder of that name
+  CHECK(recordings.clean(std::chrono::days(1), 1).files == 0);
+  CHECK(recordings.names() == names);
+}
+
+TEST_CASE("symbolic links are neither followed nor deleted") {
+  const Recordings recordings;
+  const TemporaryFolder elsewhere;
+  const auto precious = elsewhere.write("trace.pcap", "precious");
+  Recordings::age(precious, 100'000h);
+  fs::create_directory_symlink(elsewhere.path(), recordings / "20241201T000000Z");
+  fs::create_directories(recordings / "20241202T000000Z");
+  fs::create_symlink(precious, recordings / "20241202T000000Z/trace.pcap");
+  Recordings::age(recordings / "20241202T000000Z/trace.pcap", 100'000h);
+  CHECK(recordings.clean(std::chrono::days(1), 1).files == 0);
+  CHECK(content(precious) == "precious");
+  CHECK(fs::is_symlink(recordings / "20241202T000000Z/trace.pcap"));
+}
+
+TEST_CASE("a folder that is not there is told, not thrown") {
+  sweepd::RecordingSettings settings;
+  settings.keep_bytes = 1;
+  const auto deleted = delete_old_recordings("/nowhere/at/all", settings, kNow, {});
+  CHECK(deleted.files == 0);
+  CHECK_THAT(deleted.trouble, Catch::Matchers::ContainsSubstring("/nowhere/at/all"));
+}
