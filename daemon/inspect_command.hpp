@@ -10,7 +10,7 @@
 namespace sweepd {
 
 struct InspectOptions {
-  std::vector<std::filesystem::path> traces;  ///< of one stream, in the order of time
+  std::vector<std::filesystem::path> traces;  ///< of one stream, in any order
   rsi::ConversationFilter filter = {};
   std::optional<std::filesystem::path> json =
       {};              ///< "-": to standard output, in place of the text

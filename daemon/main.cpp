@@ -132,7 +132,9 @@ int main(int argc, char** argv) {
 
   sweepd::ReplayOptions replay;
   command = app.add_subcommand("replay", "The same on captures (pcap, pcapng), as fast as it goes");
-  command->add_option("TRACE", replay.traces, "Captures of one stream, in the order of time")
+  command
+      ->add_option("TRACE", replay.traces,
+                   "Captures of one stream: all parts of a trace, in any order")
       ->required()
       ->type_name("");
   command->add_option("--config", replay.config, "Settings")->type_name("FILE");
@@ -154,7 +156,7 @@ int main(int argc, char** argv) {
       "inspect", "How the link did: loss, jitter, reply latency, late replies, with a verdict");
   command
       ->add_option("TRACE", inspect.traces,
-                   "Captures of one stream, in the order of time (trace.pcap trace-0002.pcap ...)")
+                   "Captures of one stream: all parts of a trace, in any order")
       ->required()
       ->type_name("");
   add_filter(*command, inspect.filter);
@@ -224,7 +226,9 @@ int main(int argc, char** argv) {
 
   sweepd::ExportOptions exported;
   command = app.add_subcommand("export", "Every signal of a capture as CSV, a row a telegram");
-  command->add_option("TRACE", exported.traces, "Captures of one stream, in the order of time")
+  command
+      ->add_option("TRACE", exported.traces,
+                   "Captures of one stream: all parts of a trace, in any order")
       ->required()
       ->type_name("");
   command->add_option("--csv", exported.csv, "The file to write; - is standard output")

@@ -5,18 +5,15 @@
 #include "daemon/atomic_file.hpp"
 #include "daemon/config_error.hpp"
 #include "daemon/line_file.hpp"
-#include "daemon/progress.hpp"
 #include "daemon/report.hpp"
 #include "daemon/result_files.hpp"
 #include "daemon/robot_setup.hpp"
 #include "daemon/session.hpp"
+#include "daemon/traces.hpp"
 #include "rsi/capture_order.hpp"
-#include "rsi/capture_reader.hpp"
 
 namespace sweepd {
 namespace {
-
-using Paths = std::vector<std::filesystem::path>;
 
 /// The robot of the settings that a conversation belongs to: the only one, or the one whose port it
 /// is; nothing if there is none. Without a conversation any will do.
@@ -50,37 +47,6 @@ RobotSetup setup_for(const ReplayOptions& options,
   return setup;
 }
 
-std::uintmax_t bytes_of(const Paths& files) {
-  std::uintmax_t bytes = 0;
-  for (const auto& file : files) {
-    std::error_code error;
-    const auto size = std::filesystem::file_size(file, error);
-    if (!error) bytes += size;
-  }
-  return bytes;
-}
-
-void read(const ReplayOptions& options, const rsi::Conversation& conversation, Session& session,
-          std::ostream& errors) {
-  constexpr std::uint64_t kBetweenUpdates = 4096;
-  Progress progress("replay", options.quiet ? Progress::Terminal{} : Progress::standard_error());
-  const auto all = static_cast<double>(bytes_of(options.traces));
-  double before = 0;
-  for (const auto& path : options.traces) {
-    rsi::CaptureReader capture(path);
-    while (const auto datagram = capture.next()) {
-      if (capture.counters().packets % kBetweenUpdates == 0)
-        progress.update(before + static_cast<double>(capture.bytes_read()), all,
-                        path.filename().string());
-      if (conversation.direction(*datagram) == rsi::Direction::from_controller)
-        session.telegram(*datagram);
-    }
-    before += static_cast<double>(capture.bytes_read());
-    progress.clear();
-    for (const auto& note : capture.notes()) errors << "sweepd: " << note << '\n';
-  }
-}
-
 void write_run_file(const ReplayOptions& options, const rsi::ConversationSearch& search) {
   nlohmann::ordered_json json = {
       {"schema", "sweepd.run/1"}, {"sweepd", SWEEPD_VERSION}, {"command", "replay"}};
@@ -110,7 +76,11 @@ int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) 
                                      if (samples) samples->append(row);
                                    }});
   if (samples) samples->append(session.csv_header());
-  if (search.chosen) read(options, *search.chosen, session, errors);
+  if (search.chosen)
+    read_traces(options.traces, "replay", options.quiet, errors, [&](const auto& datagram) {
+      if (search.chosen->direction(datagram) == rsi::Direction::from_controller)
+        session.telegram(datagram);
+    });
   session.finish();
   if (samples) samples->flush();
   const bool all_written = !samples || samples->error().empty();

@@ -25,7 +25,7 @@ using namespace std::chrono_literals;
 
 /// Acquisition looks for new telegrams so often. Waking it for each would cost the reply thread a
 /// system call, and the machine a change of threads.
-constexpr auto kTick = 20ms;
+constexpr auto kTick = 50ms;
 
 /// At the end an identification takes seconds at most. More is a disk that does not answer.
 constexpr auto kLongestResult = 60s;

@@ -13,7 +13,7 @@ namespace rsi {
 enum class LinkLayer { ethernet, raw_ip, loopback, linux_sll, linux_sll2 };
 
 /// For a link type as libpcap names it (DLT_…;
-/// https://round-lake.dustinice.workers.dev:443/https/www.tcpdump.org/linktypes.html); nothing for
+/// https://www.tcpdump.org/linktypes.html); nothing for
 /// one that is not understood here.
 [[nodiscard]] std::optional<LinkLayer> link_layer(int link_type) noexcept;
 

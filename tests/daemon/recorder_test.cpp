@@ -252,8 +252,11 @@ TEST_CASE("a payload larger than UDP can carry is recorded as far as it can be")
 
 TEST_CASE("a recording goes on in new files by size, in both at the same moment") {
   Bench bench([](auto& settings) { settings.rotate_bytes = 200'000; });
-  const auto recording = bench.begin();
+  StoppedDisk disk;  // so that all is written at once, in the same portions each time
+  const auto recording = bench.begin("20250101T000000Z", disk.here());
+  disk.wait();
   bench.send(1500);  // 544 bytes each in the trace
+  disk.go_on();
   bench.recorder->end();
   recording->wait();
   CHECK(files(bench.session()) == std::vector<std::string>{"samples-0002.csv", "samples-0003.csv",

@@ -264,6 +264,7 @@ TEST_CASE("a controller over TCP is answered, and recorded as if over UDP", "[re
   xml.insert(xml.find("<SENTYPE>"), "<PROTOCOL>TCP</PROTOCOL>");
   auto robot = settings(folder / "out");
   robot.ethernet_config = folder.write("ethernet.xml", xml);
+  robot.silence = 10s;  // a machine that stalls must not split the stream
   RobotService service(robot);
   service.start();
   const auto report = stream(service.local(), 400, *robot.ethernet_config);

@@ -90,7 +90,7 @@ inline constexpr std::uint32_t link_ipv4 = 228;
 inline constexpr std::uint32_t link_sll2 = 276;
 
 /// A pcap file
-/// (https://round-lake.dustinice.workers.dev:443/https/www.tcpdump.org/manpages/pcap-savefile.5.txt).
+/// (https://www.tcpdump.org/manpages/pcap-savefile.5.txt).
 class PcapBytes {
  public:
   explicit PcapBytes(std::uint32_t link_type = link_ethernet, bool nanoseconds = true,
@@ -123,7 +123,7 @@ class PcapBytes {
 };
 
 /// A pcapng file of one section
-/// (https://round-lake.dustinice.workers.dev:443/https/www.ietf.org/archive/id/draft-ietf-opsawg-pcapng-02.html).
+/// (https://www.ietf.org/archive/id/draft-ietf-opsawg-pcapng-02.html).
 class PcapngBytes {
  public:
   explicit PcapngBytes(Order order = Order::little_endian) : order_(order) {
