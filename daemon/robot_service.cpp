@@ -207,13 +207,8 @@ void RobotService::acquire() {
 void RobotService::drain() {
   rsi::Datagram datagram;
   while (server_->datagrams().pop(datagram)) take(datagram);
-  if (const auto overflows = server_->counts().overflows; overflows > overflows_said_) {
-    spdlog::error(
-        "{}: {} datagrams were answered but neither recorded nor used, since the queue "
-        "was full: raise queue_bytes or free the machine",
-        settings_.name, overflows - overflows_said_);
-    overflows_said_ = overflows;
-  }
+  for (const auto& complaint : complaints_.about(server_->counts(), Steady::now()))
+    spdlog::error("{}: {}", settings_.name, complaint);
 }
 
 void RobotService::take(const rsi::Datagram& datagram) {

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "daemon/job_thread.hpp"
+#include "daemon/link_complaints.hpp"
 #include "daemon/link_watch.hpp"
 #include "daemon/realtime.hpp"
 #include "daemon/recorder.hpp"
@@ -89,7 +90,7 @@ class RobotService {
   std::shared_ptr<const Recording> recording_;  // of the session
   std::string started_;
   std::uint32_t local_address_ = 0;  // as the controller sees it
-  std::uint64_t overflows_said_ = 0;
+  LinkComplaints complaints_;
   Steady::time_point last_datagram_;
   Steady::time_point last_identification_;
 };
