@@ -9,8 +9,10 @@
 
 #include "rsi/udp_server.hpp"
 #include "tests/catch.hpp"
+#include "tests/rsi/running_server.hpp"
 
 using namespace std::chrono_literals;
+using namespace rsi::test;
 using boost::asio::ip::tcp;
 using rsi::Datagram;
 using rsi::LengthPrefix;
@@ -18,61 +20,11 @@ using rsi::TcpServer;
 
 namespace {
 
-constexpr std::uint32_t kLoopback = 0x7f000001;
-
-TcpServer::Options on_loopback() {
-  TcpServer::Options options;
-  options.listen = {kLoopback, 0};
-  options.reply.emplace("ImFree");
-  return options;
-}
-
-std::string telegram(std::uint64_t ipoc) {
-  return std::string("<Rob Type=\"KUKA\"><DiL>0</DiL><IPOC>")
-      .append(std::to_string(ipoc))
-      .append("</IPOC></Rob>");
-}
-
-std::string reply(std::uint64_t ipoc) {
-  return std::string("<Sen Type=\"ImFree\"><IPOC>")
-      .append(std::to_string(ipoc))
-      .append("</IPOC></Sen>");
-}
+using Running = RunningServer<TcpServer>;
 
 std::string with_length(LengthPrefix form, const std::string& xml) {
   return std::string(rsi::length_bytes(form, static_cast<std::uint32_t>(xml.size())).view()) + xml;
 }
-
-/// A server on its thread, stopped at the end of the test.
-struct Running {
-  explicit Running(TcpServer::Options options) : server(std::move(options)) { start(); }
-  ~Running() { stop(); }
-
-  void start() {
-    thread = std::thread([this] {
-      server.warm();
-      server.run();
-    });
-  }
-  /// The counts are final then: a reply arrives before it is counted.
-  void stop() {
-    if (!thread.joinable()) return;
-    server.stop();
-    thread.join();
-  }
-
-  /// The next datagram that was handed over; fails the test after ten seconds without one.
-  Datagram next() {
-    Datagram datagram;
-    const auto deadline = std::chrono::steady_clock::now() + 10s;
-    while (!server.datagrams().pop(datagram) && std::chrono::steady_clock::now() < deadline)
-      std::this_thread::yield();
-    return datagram;
-  }
-
-  TcpServer server;
-  std::thread thread;
-};
 
 /// A controller's end of a connection.
 struct Controller {

@@ -8,59 +8,17 @@
 #include "rsi/asio.hpp"
 
 #include "tests/catch.hpp"
+#include "tests/rsi/running_server.hpp"
 
 using namespace std::chrono_literals;
+using namespace rsi::test;
 using boost::asio::ip::udp;
 using rsi::Datagram;
 using rsi::UdpServer;
 
 namespace {
 
-constexpr std::uint32_t kLoopback = 0x7f000001;
-
-UdpServer::Options on_loopback() {
-  UdpServer::Options options;
-  options.listen = {kLoopback, 0};
-  options.reply.emplace("ImFree");
-  return options;
-}
-
-std::string telegram(std::uint64_t ipoc) {
-  return std::string("<Rob Type=\"KUKA\"><DiL>0</DiL><IPOC>")
-      .append(std::to_string(ipoc))
-      .append("</IPOC></Rob>\n");
-}
-
-std::string ipoc_element(std::uint64_t ipoc) {
-  return std::string("<IPOC>").append(std::to_string(ipoc)).append("</IPOC>");
-}
-
-/// A server on its thread, stopped at the end of the test.
-struct Running {
-  explicit Running(UdpServer::Options options) : server(std::move(options)) {
-    thread = std::thread([this] { server.run(); });
-  }
-  ~Running() { stop(); }
-
-  /// The counts are final then: a reply arrives before it is counted.
-  void stop() {
-    if (!thread.joinable()) return;
-    server.stop();
-    thread.join();
-  }
-
-  /// The next datagram that was handed over; fails the test after ten seconds without one.
-  Datagram next() {
-    Datagram datagram;
-    const auto deadline = std::chrono::steady_clock::now() + 10s;
-    while (!server.datagrams().pop(datagram) && std::chrono::steady_clock::now() < deadline)
-      std::this_thread::yield();
-    return datagram;
-  }
-
-  UdpServer server;
-  std::thread thread;
-};
+using Running = RunningServer<UdpServer>;
 
 /// A controller's socket that waits at most ten seconds for a reply.
 struct Controller {
