@@ -32,6 +32,7 @@ bool JobThread::drain(std::chrono::steady_clock::time_point deadline) {
 }
 
 void JobThread::run() {
+  name_thread("identification");
   yield_to_others();
   std::unique_lock lock(mutex_);
   while (true) {

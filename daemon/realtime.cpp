@@ -102,6 +102,10 @@ void enter_real_time(const RealTimeSettings& settings, RealTimeReport& report) {
   set_priority(settings.priority, report);
 }
 
+void name_thread(const char* name) noexcept {
+  pthread_setname_np(pthread_self(), name);
+}
+
 void yield_to_others() noexcept {
   constexpr int kNice = 10;
   // For Linux a thread is what other systems call a process: 0 is the calling one.

@@ -20,6 +20,9 @@ void lock_memory(RealTimeReport& report);
 /// Puts the calling thread on its processors and under SCHED_FIFO, and touches its stack.
 void enter_real_time(const RealTimeSettings& settings, RealTimeReport& report);
 
+/// Names the calling thread for `top -H` and debuggers; 15 letters at most.
+void name_thread(const char* name) noexcept;
+
 /// The calling thread lets all others go first: work that can wait must not meet a reply.
 void yield_to_others() noexcept;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "daemon/realtime.hpp"
 #include "rsi/capture_record.hpp"
 #include "rsi/packet.hpp"
 
@@ -160,6 +161,7 @@ void Recorder::reconfigure(const RecordingSettings& settings) {
 }
 
 void Recorder::run() {
+  name_thread("recorder");
   std::unique_lock lock(mutex_);
   for (bool last = false; !last;) {
     const bool busy = writer_.session_open() || !backlog_.empty();

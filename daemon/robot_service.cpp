@@ -25,7 +25,7 @@ using namespace std::chrono_literals;
 
 /// Acquisition looks for new telegrams so often. Waking it for each would cost the reply thread a
 /// system call, and the machine a change of threads.
-constexpr auto kTick = 50ms;
+constexpr auto kTick = 100ms;
 
 /// At the end an identification takes seconds at most. More is a disk that does not answer.
 constexpr auto kLongestResult = 60s;
@@ -164,6 +164,7 @@ bool RobotService::stop(std::chrono::seconds patience) {
 }
 
 void RobotService::serve(std::promise<RealTimeReport> ready) {
+  name_thread("reply");
   RealTimeReport report;
   if (settings_.real_time.wish != RealTime::off) {
     lock_memory(report);
@@ -187,6 +188,7 @@ void RobotService::say_real_time(const RealTimeReport& report) {
 }
 
 void RobotService::acquire() {
+  name_thread("acquisition");
   while (!stopping_) {
     std::this_thread::sleep_for(kTick);
     if (!session_) take_over();
