@@ -159,7 +159,7 @@ TEST_CASE("SIGHUP takes over what it can, says what it cannot, and survives a mi
   const TemporaryFolder folder;
   Daemon daemon(folder.path());
   Controller controller(daemon.port());
-  REQUIRE(controller.streams(10));
+  REQUIRE(said(daemon, "RSI from"));
   const auto sound = content(daemon.config());
 
   // A second robot comes, the first one changes.
