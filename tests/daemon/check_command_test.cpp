@@ -148,8 +148,8 @@ TEST_CASE("what does not fit together is 78: port, address, plan") {
 
 TEST_CASE("a controller that speaks TCP is fine") {
   const Sound folder;
-  static_cast<void>(folder.write("ethernet.xml",
-                                 ethernet("192.168.1.10", "49152", "<PROTOCOL>TCP</PROTOCOL>")));
+  static_cast<void>(
+      folder.write("ethernet.xml", ethernet("192.168.1.10", "49152", "<PROTOCOL>TCP</PROTOCOL>")));
   const auto result = folder.check();
   CHECK(result.code == 0);
   CHECK_THAT(result.text, ContainsSubstring("port 49152, TCP"));

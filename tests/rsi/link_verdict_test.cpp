@@ -137,7 +137,8 @@ TEST_CASE("what is malformed, doubled, overtaken or answered wrongly has a reaso
   report.unanswerable = 2;
   check_only(report, Grade::marginal, "malformed", "2 of them could not even be answered");
   report.malformed = 300;
-  check_only(report, Grade::bad, "malformed", "300 datagrams (3.00 %) held no whole telegram, and 2 of them");
+  check_only(report, Grade::bad, "malformed",
+             "300 datagrams (3.00 %) held no whole telegram, and 2 of them");
 
   report = flawless();
   report.link.duplicated = 2;
