@@ -102,6 +102,14 @@ void enter_real_time(const RealTimeSettings& settings, RealTimeReport& report) {
   set_priority(settings.priority, report);
 }
 
+void leave_processors(const std::vector<int>& cpus) noexcept {
+  cpu_set_t left;
+  CPU_ZERO(&left);
+  if (cpus.empty() || pthread_getaffinity_np(pthread_self(), sizeof left, &left) != 0) return;
+  for (const int cpu : cpus) CPU_CLR(static_cast<std::size_t>(cpu), &left);
+  if (CPU_COUNT(&left) > 0) pthread_setaffinity_np(pthread_self(), sizeof left, &left);
+}
+
 void name_thread(const char* name) noexcept {
   pthread_setname_np(pthread_self(), name);
 }

@@ -20,6 +20,11 @@ void lock_memory(RealTimeReport& report);
 /// Puts the calling thread on its processors and under SCHED_FIFO, and touches its stack.
 void enter_real_time(const RealTimeSettings& settings, RealTimeReport& report);
 
+/// The calling thread, and those that it starts from now on, keep off these processors. Most
+/// kernels do not interrupt themselves, not even for SCHED_FIFO: a disk's work for one thread would
+/// delay the reply of another on the same processor. Nothing happens if no processor would be left.
+void leave_processors(const std::vector<int>& cpus) noexcept;
+
 /// Names the calling thread for `top -H` and debuggers; 15 letters at most.
 void name_thread(const char* name) noexcept;
 

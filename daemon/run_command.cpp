@@ -10,6 +10,7 @@
 #include <spdlog/spdlog.h>
 
 #include "daemon/config_error.hpp"
+#include "daemon/realtime.hpp"
 #include "daemon/robot_service.hpp"
 #include "daemon/settings.hpp"
 
@@ -74,6 +75,8 @@ int run(const RunOptions& options) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) sigaddset(&signals, signal);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
+  // What all other threads inherit: each reply thread chooses its own.
+  for (const RobotSettings& robot : settings.robots) leave_processors(robot.real_time.cpus);
   Services services;
   for (const RobotSettings& robot : settings.robots) services.try_emplace(robot.name, robot);
   for (auto& [name, service] : services) service.start();

@@ -70,7 +70,8 @@ const Option kRobotOptions[] = {
     {"realtime_priority", [](RobotSettings& r) -> Field { return &r.real_time.priority; },
      "of the reply thread under SCHED_FIFO", 1, 98},
     {"cpus", [](RobotSettings& r) -> Field { return &r.real_time.cpus; },
-     "the reply thread runs on these processors only; left out: on any", 0, 1023},
+     "the reply thread runs on these processors only, and all others keep off; left out: any", 0,
+     1023},
 };
 
 const Option kRecordingOptions[] = {

@@ -27,7 +27,7 @@ int main(int argc, char** argv) {
       "soak", "Telegrams as fast as they are answered, stream after stream: memory and files");
   app.require_subcommand(0, 1);
   app.get_subcommand("turnaround")
-      ->add_option("--seconds", turnaround_seconds, "How long each of the three parts takes")
+      ->add_option("--seconds", turnaround_seconds, "How long each of the four parts takes")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.get_subcommand("fleet")

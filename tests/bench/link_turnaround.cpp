@@ -8,9 +8,9 @@
 #include <stdexcept>
 #include <system_error>
 
-#include <pthread.h>
 #include <sys/socket.h>
 
+#include "daemon/realtime.hpp"
 #include "daemon/robot_service.hpp"
 #include "rsi/ipoc.hpp"
 #include "rsi/reply.hpp"
@@ -28,11 +28,14 @@ constexpr int kServerPriority = 80;
 /// Below the servers, above the load: what is measured is not the client's own waking up.
 constexpr int kClientPriority = 70;
 
-void enter_fifo(int priority) {
-  sched_param parameters{};
-  parameters.sched_priority = priority;
-  if (const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters); error != 0)
-    throw std::system_error(error, std::generic_category(), "SCHED_FIFO");
+/// On this processor only, if it is one.
+void enter_fifo(int priority, int processor) {
+  sweepd::RealTimeSettings settings;
+  settings.priority = priority;
+  if (processor >= 0) settings.cpus = {processor};
+  sweepd::RealTimeReport report;
+  sweepd::enter_real_time(settings, report);
+  if (!report.refused.empty()) throw std::runtime_error(report.refused.front());
 }
 
 /// Sends to one server and waits for what it answers.
@@ -69,23 +72,40 @@ struct Turnarounds {
   std::vector<std::chrono::nanoseconds> service, echo;
 };
 
-/// On a thread of its own, whose priority goes with it.
-Turnarounds measure(std::chrono::seconds time, bool fifo) {
+enum class Scheduling { usual, fifo, fifo_alone };
+
+/// Servers and client, each on a processor of its own where they are alone: what is measured is not
+/// that one of them waits for the disk's work of another thread.
+Turnarounds measure(std::chrono::seconds time, Scheduling scheduling) {
+  const bool fifo = scheduling != Scheduling::usual;
+  const bool alone = scheduling == Scheduling::fifo_alone;
+  // The rest, and the interrupts of the disk where they go to one of the last, are left to others.
+  if (alone && std::thread::hardware_concurrency() < 4)
+    throw std::runtime_error("it takes four processors");
+  const int client_processor = alone ? 0 : -1;
+  const int service_processor = alone ? 1 : -1;
+  const int echo_processor = alone ? 2 : -1;
   const sweepd::test::TemporaryFolder temporary;
   auto robot = settings(temporary.path(), "bench");
   if (fifo) {
     robot.real_time.wish = sweepd::RealTime::require;
     robot.real_time.priority = kServerPriority;
   }
+  if (alone) {
+    robot.real_time.cpus = {service_processor};
+    sweepd::leave_processors({client_processor, service_processor, echo_processor});
+  }
   sweepd::RobotService service(robot);
   service.start();
-  const EchoServer echo(fifo ? [] { enter_fifo(kServerPriority); } : std::function<void()>());
+  std::function<void()> enter;
+  if (fifo) enter = [=] { enter_fifo(kServerPriority, echo_processor); };
+  const EchoServer echo(enter);
   Client to_service(service.local().port);
   Client to_echo(echo.port());
   std::exception_ptr failure;
   std::thread client([&] {
     try {
-      if (fifo) enter_fifo(kClientPriority);
+      if (fifo) enter_fifo(kClientPriority, client_processor);
       Telegrams telegrams;
       rsi::Reply reply(rsi::EthernetConfig::load(ethernet_file()));
       auto due = Clock::now();
@@ -145,12 +165,16 @@ void turnaround(std::chrono::seconds time) {
             << "   aim\n";
   const std::vector<Row> rows{
       {"p50", 0.5, 1.10}, {"p99", 0.99}, {"p99.9", 0.999, 1.25}, {"max", 1.0}};
-  print("idle", measure(time, false), rows);
+  print("idle", measure(time, Scheduling::usual), rows);
   const Load load;
-  print("all processors busy", measure(time, false), rows);
+  print("all processors busy", measure(time, Scheduling::usual), rows);
+  const std::vector<Row> fifo_rows{
+      {"p50", 0.5, 1.10}, {"p99", 0.99}, {"p99.9", 0.999, 1.25, 250}, {"max", 1.0}};
   try {
-    print("all processors busy, both servers under SCHED_FIFO", measure(time, true),
-          {{"p50", 0.5, 1.10}, {"p99", 0.99}, {"p99.9", 0.999, 1.25, 250}, {"max", 1.0}});
+    print("all processors busy, both servers under SCHED_FIFO", measure(time, Scheduling::fifo),
+          fifo_rows);
+    print("the same, cpus set: servers and client each on a processor of its own",
+          measure(time, Scheduling::fifo_alone), fifo_rows);
   } catch (const std::exception& error) {
     std::cout << "all processors busy, SCHED_FIFO: not measured: " << error.what() << '\n';
   }

@@ -67,6 +67,26 @@ TEST_CASE("a thread is put on its processors, and those that do not exist are re
   CHECK(has(entered(settings, policy, cpus).refused, "lscpu -e"));
 }
 
+TEST_CASE("other threads keep off the reply thread's processors, unless no other would be left") {
+  cpu_set_t all;
+  REQUIRE(sched_getaffinity(0, sizeof all, &all) == 0);
+  std::vector<int> existing;
+  for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu)
+    if (CPU_ISSET(static_cast<std::size_t>(cpu), &all)) existing.push_back(cpu);
+  cpu_set_t after_one, after_all;
+  std::thread([&] {
+    sweepd::leave_processors(existing);
+    sched_getaffinity(0, sizeof after_all, &after_all);
+    sweepd::leave_processors({existing.front()});
+    std::thread([&] { sched_getaffinity(0, sizeof after_one, &after_one); }).join();
+  }).join();
+  CHECK(CPU_EQUAL(&after_all, &all));
+  if (existing.size() > 1) {
+    CHECK(CPU_COUNT(&after_one) == static_cast<int>(existing.size()) - 1);
+    CHECK_FALSE(CPU_ISSET(static_cast<std::size_t>(existing.front()), &after_one));
+  }
+}
+
 TEST_CASE("work that can wait is nicer than the rest of the process") {
   int nice = 0;
   std::thread([&] {
