@@ -115,9 +115,8 @@ void name_thread(const char* name) noexcept {
 }
 
 void yield_to_others() noexcept {
-  constexpr int kNice = 10;
-  // For Linux a thread is what other systems call a process: 0 is the calling one.
-  setpriority(PRIO_PROCESS, 0, kNice);
+  const sched_param none{};
+  pthread_setschedparam(pthread_self(), SCHED_IDLE, &none);
 }
 
 }  // namespace sweepd

@@ -28,7 +28,9 @@ void leave_processors(const std::vector<int>& cpus) noexcept;
 /// Names the calling thread for `top -H` and debuggers; 15 letters at most.
 void name_thread(const char* name) noexcept;
 
-/// The calling thread lets all others go first: work that can wait must not meet a reply.
+/// The calling thread lets all others go first, at once (SCHED_IDLE): work that can wait must not
+/// meet a reply. A lower priority alone let a reply without SCHED_FIFO wait for a time slice of 4
+/// ms.
 void yield_to_others() noexcept;
 
 }  // namespace sweepd
