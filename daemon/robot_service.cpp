@@ -1,9 +1,11 @@
 #include "daemon/robot_service.hpp"
 
+#include <algorithm>
 #include <array>
 #include <ctime>
 #include <exception>
 #include <fstream>
+#include <semaphore>
 #include <sstream>
 #include <utility>
 
@@ -30,6 +32,20 @@ constexpr auto kTick = 100ms;
 /// At the end an identification takes seconds, on a machine that is busy with other things minutes.
 /// More, after the recording was written, is a disk that has stopped answering.
 constexpr auto kLongestResult = 10min;
+
+/// All robots together identify on half of the processors: the rest is for replies.
+Outcome in_turn(const Snapshot& snapshot) {
+  static std::counting_semaphore<> turns(std::max(1U, std::thread::hardware_concurrency() / 2));
+  turns.acquire();
+  try {
+    Outcome outcome = snapshot.identified();
+    turns.release();
+    return outcome;
+  } catch (...) {
+    turns.release();
+    throw;
+  }
+}
 
 /// UTC, ISO 8601 basic: 20130704T120000Z.
 std::string utc_now() {
@@ -289,7 +305,7 @@ void RobotService::identify(bool interim) {
               link = interim ? LinkFiles{} : watch_->files(true)]() mutable {
     const auto start = Steady::now();
     try {
-      Outcome outcome = snapshot.identified();
+      Outcome outcome = in_turn(snapshot);
       if (!interim) {
         recording->wait();
         run.recording = recording->counts();
