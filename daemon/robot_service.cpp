@@ -1,11 +1,7 @@
 #include "daemon/robot_service.hpp"
 
-#include <algorithm>
-#include <array>
-#include <ctime>
 #include <exception>
 #include <fstream>
-#include <semaphore>
 #include <sstream>
 #include <utility>
 
@@ -14,11 +10,9 @@
 
 #include "daemon/atomic_file.hpp"
 #include "daemon/report.hpp"
-#include "daemon/result_files.hpp"
-#include "rsi/ethernet_config.hpp"
+#include "daemon/robot_server.hpp"
+#include "daemon/utc.hpp"
 #include "rsi/ipoc.hpp"
-#include "rsi/tcp_server.hpp"
-#include "rsi/udp_server.hpp"
 
 namespace sweepd {
 namespace {
@@ -32,30 +26,6 @@ constexpr auto kTick = 100ms;
 /// At the end an identification takes seconds, on a machine that is busy with other things minutes.
 /// More, after the recording was written, is a disk that has stopped answering.
 constexpr auto kLongestResult = 10min;
-
-/// All robots together identify on half of the processors: the rest is for replies.
-Outcome in_turn(const Snapshot& snapshot) {
-  static std::counting_semaphore<> turns(std::max(1U, std::thread::hardware_concurrency() / 2));
-  turns.acquire();
-  try {
-    Outcome outcome = snapshot.identified();
-    turns.release();
-    return outcome;
-  } catch (...) {
-    turns.release();
-    throw;
-  }
-}
-
-/// UTC, ISO 8601 basic: 20130704T120000Z.
-std::string utc_now() {
-  const std::time_t now = std::time(nullptr);
-  std::tm parts{};
-  gmtime_r(&now, &parts);
-  std::array<char, 32> text{};
-  const auto size = std::strftime(text.data(), text.size(), "%Y%m%dT%H%M%SZ", &parts);
-  return {text.data(), size};
-}
 
 Say log_of(const std::string& name) {
   return [name](Importance importance, const std::string& text) {
@@ -71,30 +41,6 @@ std::string content(const std::optional<std::filesystem::path>& file) {
   std::ostringstream text;
   if (file) text << std::ifstream(*file, std::ios::binary).rdbuf();
   return text.str();
-}
-
-std::unique_ptr<rsi::Server> make_server(const RobotSettings& settings) {
-  rsi::Server::Options options;
-  options.listen = settings.listen;
-  options.controller = settings.controller;
-  options.queue_bytes = settings.queue_bytes;
-  if (!settings.ethernet_config) {
-    options.reply.emplace("ImFree");
-    spdlog::warn(
-        "{}: no ethernet_config: replies carry Type ImFree and the IPOC alone; name the "
-        "file that lies on the controller",
-        settings.name);
-    return std::make_unique<rsi::UdpServer>(std::move(options));
-  }
-  const auto config = rsi::EthernetConfig::load(*settings.ethernet_config);
-  for (const auto& warning : config.warnings) spdlog::warn("{}: {}", settings.name, warning);
-  if (config.port != 0 && settings.listen.port != 0 && config.port != settings.listen.port)
-    spdlog::warn("{}: the controller sends to port {}, but listen is {}: make them equal",
-                 settings.name, config.port, rsi::text(settings.listen));
-  if (!config.only_send) options.reply.emplace(config);
-  if (config.protocol == rsi::EthernetConfig::Protocol::TCP)
-    return std::make_unique<rsi::TcpServer>(std::move(options));
-  return std::make_unique<rsi::UdpServer>(std::move(options));
 }
 
 }  // namespace
@@ -125,8 +71,9 @@ void RobotService::start() {
       std::thread([this, ready = std::move(ready)]() mutable { serve(std::move(ready)); });
   say_real_time(report.get());
   acquisition_thread_ = std::thread([this] { acquire(); });
-  spdlog::info("{}: listening on {} {}", settings_.name, rsi::text(server_->transport()),
-               rsi::text(local()));
+  spdlog::info("{}: listening on {} {}, receive buffer {} KiB", settings_.name,
+               rsi::text(server_->transport()), rsi::text(local()),
+               server_->receive_buffer() / 1024);
 }
 
 void RobotService::reload(const RobotSettings& settings) {
@@ -170,8 +117,7 @@ bool RobotService::stop(std::chrono::seconds patience) {
   acquisition_thread_.join();
   // The result waits for the recording.
   const bool recorded = recorder_.stop(Steady::now() + patience);
-  const bool written =
-      identification_.drain(Steady::now() + (recorded ? kLongestResult : patience));
+  const bool written = identifier_.drain(Steady::now() + (recorded ? kLongestResult : patience));
   if (!written)
     spdlog::error("{}: the last result is not written: see what is wrong with the disk of {}",
                   settings_.name, settings_.output.string());
@@ -251,7 +197,7 @@ void RobotService::begin_session(const rsi::Datagram& first) {
   local_address_ = server_->local().address != 0
                        ? server_->local().address
                        : rsi::local_address_towards(first.source).value_or(0);
-  started_ = utc_now();
+  started_ = utc_name(rsi::now());
   watch_ = std::make_unique<LinkWatch>(
       rsi::Conversation{first.source.address, {local_address_, server_->local().port}},
       server_->replies());
@@ -281,7 +227,9 @@ void RobotService::end_session() {
   if (!session_) return;
   session_->finish();
   recorder_.end();
-  identify(false);
+  RunFacts run = run_facts();
+  run.ended = utc_name(rsi::now());
+  identifier_.last(recording_, session_->snapshot(), std::move(run), watch_->files(true));
   session_.reset();
   watch_.reset();
   server_->forget_controller();
@@ -292,64 +240,17 @@ void RobotService::on_sweep(const identify::Sweep& sweep) {
                sweep.defect == identify::SweepDefect::none ? "" : " (not usable)");
   // With many sweeps in one stream each identification takes longer: leave most of the time free.
   const auto now = Steady::now();
-  if (now - last_identification_ < 10 * identification_took_.load()) return;
+  if (now - last_identification_ < 10 * identifier_.took()) return;
   if (!session_->worth_identifying()) return;
   last_identification_ = now;
-  identify(true);
-}
-
-void RobotService::identify(bool interim) {
-  RunFacts run = run_facts();
-  run.ended = utc_now();
-  auto job = [this, recording = recording_, snapshot = session_->snapshot(), interim, run,
-              link = interim ? LinkFiles{} : watch_->files(true)]() mutable {
-    const auto start = Steady::now();
-    try {
-      Outcome outcome = in_turn(snapshot);
-      if (!interim) {
-        recording->wait();
-        run.recording = recording->counts();
-        // A replay of what is not whole would give something else.
-        if (!run.recording->complete()) outcome.source_kind = "live";
-      }
-      run.folder = recording->folder();
-      if (!run.folder.empty()) write_result(run.folder, outcome);
-      if (!run.folder.empty() && !interim) write_link(run.folder, link);
-      if (!link.good) spdlog::warn("{}: the link is {}", run.robot, link.verdict);
-      if (!link.bad_end.empty())
-        spdlog::warn("{}: the stream ended badly: {}; its last cycles are in last_cycles.csv",
-                     run.robot, link.bad_end);
-      // Once "ended" can be read, recording and result are the final ones.
-      if (!run.folder.empty() && !interim) write_atomically(run.folder / "run.json", run_json(run));
-      spdlog::info("{}: {}result {}{}{}", run.robot, interim ? "interim " : "",
-                   identify::text(outcome.identification.status),
-                   outcome.identification.reason.empty() ? "" : ": ",
-                   outcome.identification.reason);
-    } catch (const std::exception& error) {
-      spdlog::error("{}: {}", run.robot, error.what());
-    }
-    identification_took_ = Steady::now() - start;
-  };
-  identification_.submit(std::move(job), interim);
+  identifier_.interim(recording_, session_->snapshot(), settings_.name);
 }
 
 void RobotService::say_link() {
-  if (!session_) {
+  if (session_)
+    identifier_.link(recording_, settings_.name, watch_->files(false));
+  else
     spdlog::info("{}: no RSI at the moment, so there is no link to tell of", settings_.name);
-    return;
-  }
-  identification_.submit(
-      [name = settings_.name, recording = recording_, link = watch_->files(false)] {
-        const auto folder = recording->folder();
-        spdlog::info("{}: the link is {}{}", name, link.verdict,
-                     folder.empty() ? "" : "; see " + (folder / "link.txt").string());
-        try {
-          if (!folder.empty()) write_link(folder, link);
-        } catch (const std::exception& error) {
-          spdlog::error("{}: {}", name, error.what());
-        }
-      },
-      false);
 }
 
 RunFacts RobotService::run_facts() const {

@@ -9,7 +9,7 @@
 #include <string>
 #include <thread>
 
-#include "daemon/job_thread.hpp"
+#include "daemon/identifier.hpp"
 #include "daemon/link_complaints.hpp"
 #include "daemon/link_watch.hpp"
 #include "daemon/realtime.hpp"
@@ -60,7 +60,6 @@ class RobotService {
   void begin_session(const rsi::Datagram& first);
   void end_session();
   void on_sweep(const identify::Sweep& sweep);
-  void identify(bool interim);
   void say_link();
   [[nodiscard]] RunFacts run_facts() const;
 
@@ -68,8 +67,7 @@ class RobotService {
   RobotSetup setup_;
   std::unique_ptr<rsi::Server> server_;
   Recorder recorder_;
-  std::atomic<Steady::duration> identification_took_{};
-  JobThread identification_;
+  Identifier identifier_;
   std::thread reply_thread_;
   std::thread acquisition_thread_;
   std::atomic<bool> stopping_{false};

@@ -51,10 +51,12 @@ void reload(const RunOptions& options, Services& services) {
     for (const RobotSettings& robot : settings.robots) {
       const auto service = services.find(robot.name);
       try {
-        if (service != services.end())
+        if (service != services.end()) {
           service->second.reload(robot);
-        else
+        } else {
+          leave_processors(robot.real_time.cpus);
           services.try_emplace(robot.name, robot).first->second.start();
+        }
       } catch (const std::exception& error) {
         spdlog::error("{}: {}", robot.name, error.what());
         if (service == services.end()) services.erase(robot.name);

@@ -23,4 +23,11 @@ std::string utc_text(std::chrono::nanoseconds since_epoch) {
          digits(clock.subseconds().count(), 3) + "Z";
 }
 
+std::string utc_name(std::chrono::nanoseconds since_epoch) {
+  std::string name = utc_text(since_epoch);
+  name.erase(name.find('.'), 4);
+  std::erase_if(name, [](char c) { return c == '-' || c == ':'; });
+  return name;
+}
+
 }  // namespace sweepd
