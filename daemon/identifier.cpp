@@ -6,8 +6,6 @@
 #include <thread>
 #include <utility>
 
-#include <spdlog/spdlog.h>
-
 #include "daemon/atomic_file.hpp"
 #include "daemon/result_files.hpp"
 
@@ -28,72 +26,71 @@ class Turn {
   }
 };
 
-void say(const std::string& robot, const char* which, const identify::Identification& result) {
-  spdlog::info("{}: {}result {}{}{}", robot, which, identify::text(result.status),
-               result.reason.empty() ? "" : ": ", result.reason);
+void say(const Log& log, const char* which, const identify::Identification& result,
+         const std::filesystem::path& folder) {
+  log.note("{}result {}{}{}{}", which, identify::text(result.status),
+           result.reason.empty() ? "" : ": ", result.reason,
+           folder.empty() ? "" : "; see " + (folder / "report.txt").string());
 }
 
 /// What a job does, with its exceptions logged.
 template <typename Work>
-auto logged(std::string robot, Work work) {
-  return [robot = std::move(robot), work = std::move(work)]() mutable {
+auto logged(Log log, Work work) {
+  return [log = std::move(log), work = std::move(work)]() mutable {
     try {
-      work(robot);
+      work(log);
     } catch (const std::exception& error) {
-      spdlog::error("{}: {}", robot, error.what());
+      log.error("{}", error.what());
     }
   };
 }
 
 }  // namespace
 
-void Identifier::interim(std::shared_ptr<const Recording> recording, Snapshot snapshot,
-                         std::string robot) {
-  jobs_.submit(logged(std::move(robot),
-                      [this, recording = std::move(recording),
-                       snapshot = std::move(snapshot)](const std::string& name) {
-                        const Outcome outcome = identify(snapshot);
-                        const auto folder = recording->folder();
-                        if (!folder.empty()) write_result(folder, outcome);
-                        say(name, "interim ", outcome.identification);
-                        took_ = std::chrono::steady_clock::now() - began_;
-                      }),
-               true);
+void Identifier::interim(std::shared_ptr<const Recording> recording, Snapshot snapshot, Log log) {
+  auto work = [this, recording = std::move(recording),
+               snapshot = std::move(snapshot)](const Log& robot) {
+    const Outcome outcome = identify(snapshot);
+    const auto folder = recording->folder();
+    if (!folder.empty()) write_result(folder, outcome);
+    say(robot, "interim ", outcome.identification, folder);
+    took_ = std::chrono::steady_clock::now() - began_;
+  };
+  jobs_.submit(logged(std::move(log), std::move(work)), true);
 }
 
 void Identifier::last(std::shared_ptr<const Recording> recording, Snapshot snapshot, RunFacts run,
-                      LinkFiles link) {
-  auto work = [this, recording = std::move(recording), snapshot = std::move(snapshot), run,
-               link = std::move(link)](const std::string& name) mutable {
+                      LinkFiles link, Log log) {
+  auto work = [this, recording = std::move(recording), snapshot = std::move(snapshot),
+               run = std::move(run), link = std::move(link)](const Log& robot) mutable {
     Outcome outcome = identify(snapshot);
     recording->wait();
     run.recording = recording->counts();
     // A replay of what is not whole would give something else.
     if (!run.recording->complete()) outcome.source_kind = "live";
     run.folder = recording->folder();
-    if (!link.good) spdlog::warn("{}: the link is {}", name, link.verdict);
+    if (!link.good) robot.warning("the link is {}", link.verdict);
     if (!link.bad_end.empty())
-      spdlog::warn("{}: the stream ended badly: {}{}", name, link.bad_end,
-                   run.folder.empty() ? "" : "; its last cycles are in last_cycles.csv");
+      robot.warning("the stream ended badly: {}{}", link.bad_end,
+                    run.folder.empty() ? "" : "; its last cycles are in last_cycles.csv");
     if (!run.folder.empty()) {
       write_result(run.folder, outcome);
       write_link(run.folder, link);
       write_atomically(run.folder / "run.json", run_json(run));
     }
-    say(name, "", outcome.identification);
+    say(robot, "", outcome.identification, run.folder);
   };
-  jobs_.submit(logged(run.robot, std::move(work)), false);
+  jobs_.submit(logged(std::move(log), std::move(work)), false);
 }
 
-void Identifier::link(std::shared_ptr<const Recording> recording, std::string robot,
-                      LinkFiles link) {
-  auto work = [recording = std::move(recording), link = std::move(link)](const std::string& name) {
+void Identifier::link(std::shared_ptr<const Recording> recording, LinkFiles link, Log log) {
+  auto work = [recording = std::move(recording), link = std::move(link)](const Log& robot) {
     const auto folder = recording->folder();
     if (!folder.empty()) write_link(folder, link);
-    spdlog::info("{}: the link is {}{}", name, link.verdict,
-                 folder.empty() ? "" : "; see " + (folder / "link.txt").string());
+    robot.note("the link is {}{}", link.verdict,
+               folder.empty() ? "" : "; see " + (folder / "link.txt").string());
   };
-  jobs_.submit(logged(std::move(robot), std::move(work)), false);
+  jobs_.submit(logged(std::move(log), std::move(work)), false);
 }
 
 Outcome Identifier::identify(const Snapshot& snapshot) {

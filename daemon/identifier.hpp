@@ -3,10 +3,10 @@
 #include <atomic>
 #include <chrono>
 #include <memory>
-#include <string>
 
 #include "daemon/job_thread.hpp"
 #include "daemon/link_watch.hpp"
+#include "daemon/log.hpp"
 #include "daemon/recording.hpp"
 #include "daemon/run_json.hpp"
 #include "daemon/session.hpp"
@@ -22,13 +22,13 @@ namespace sweepd {
 class Identifier {
  public:
   /// A result while the session goes on. Gives way to the next one where it has not begun.
-  void interim(std::shared_ptr<const Recording> recording, Snapshot snapshot, std::string robot);
+  void interim(std::shared_ptr<const Recording> recording, Snapshot snapshot, Log log);
   /// The last result, after the end of the recording, and how the link did. Once run.json has
   /// "ended", all files of the session are the final ones.
   void last(std::shared_ptr<const Recording> recording, Snapshot snapshot, RunFacts run,
-            LinkFiles link);
+            LinkFiles link, Log log);
   /// How the link does while the session goes on.
-  void link(std::shared_ptr<const Recording> recording, std::string robot, LinkFiles link);
+  void link(std::shared_ptr<const Recording> recording, LinkFiles link, Log log);
 
   /// What the newest interim result took.
   [[nodiscard]] std::chrono::steady_clock::duration took() const noexcept { return took_; }

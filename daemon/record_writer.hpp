@@ -8,13 +8,13 @@
 #include <optional>
 #include <string>
 
+#include "daemon/log.hpp"
 #include "daemon/recording.hpp"
 #include "daemon/recording_files.hpp"
 #include "daemon/settings.hpp"
 
 namespace sweepd {
 
-enum class Importance { note, warning, error };
 /// Takes a sentence for the log.
 using Say = std::function<void(Importance, const std::string& text)>;
 

@@ -2,8 +2,7 @@
 
 #include <utility>
 
-#include <spdlog/spdlog.h>
-
+#include "daemon/log.hpp"
 #include "rsi/ethernet_config.hpp"
 #include "rsi/tcp_server.hpp"
 #include "rsi/udp_server.hpp"
@@ -11,23 +10,23 @@
 namespace sweepd {
 
 std::unique_ptr<rsi::Server> make_server(const RobotSettings& settings) {
+  const Log log(settings.name);
   rsi::Server::Options options;
   options.listen = settings.listen;
   options.controller = settings.controller;
   options.queue_bytes = settings.queue_bytes;
   if (!settings.ethernet_config) {
     options.reply.emplace("ImFree");
-    spdlog::warn(
-        "{}: no ethernet_config: replies carry Type ImFree and the IPOC alone; name the "
-        "file that lies on the controller",
-        settings.name);
+    log.warning(
+        "no ethernet_config: replies carry Type ImFree and the IPOC alone; name the file that lies "
+        "on the controller");
     return std::make_unique<rsi::UdpServer>(std::move(options));
   }
   const auto config = rsi::EthernetConfig::load(*settings.ethernet_config);
-  for (const auto& warning : config.warnings) spdlog::warn("{}: {}", settings.name, warning);
+  for (const auto& warning : config.warnings) log.warning("{}", warning);
   if (config.port != 0 && settings.listen.port != 0 && config.port != settings.listen.port)
-    spdlog::warn("{}: the controller sends to port {}, but listen is {}: make them equal",
-                 settings.name, config.port, rsi::text(settings.listen));
+    log.warning("the controller sends to port {}, but listen is {}: make them equal", config.port,
+                rsi::text(settings.listen));
   if (!config.only_send) options.reply.emplace(config);
   if (config.protocol == rsi::EthernetConfig::Protocol::TCP)
     return std::make_unique<rsi::TcpServer>(std::move(options));

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include <spdlog/fmt/ranges.h>
-#include <spdlog/spdlog.h>
 
 #include "daemon/atomic_file.hpp"
 #include "daemon/report.hpp"
@@ -27,12 +26,9 @@ constexpr auto kTick = 100ms;
 /// More, after the recording was written, is a disk that has stopped answering.
 constexpr auto kLongestResult = 10min;
 
-Say log_of(const std::string& name) {
-  return [name](Importance importance, const std::string& text) {
-    const auto level = importance == Importance::note      ? spdlog::level::info
-                       : importance == Importance::warning ? spdlog::level::warn
-                                                           : spdlog::level::err;
-    spdlog::log(level, "{}: {}", name, text);
+Say say_for(const std::string& name) {
+  return [log = Log(name)](Importance importance, const std::string& text) {
+    log.say(importance, text);
   };
 }
 
@@ -49,9 +45,11 @@ RobotService::RobotService(const RobotSettings& settings)
     : settings_(settings),
       setup_(load_setup(settings)),
       server_(make_server(settings)),
-      recorder_(settings.recording, log_of(settings.name)),
+      log_(settings.name),
+      recorder_(settings.recording, say_for(settings.name)),
       given_(settings),
-      ethernet_xml_(content(settings.ethernet_config)) {
+      ethernet_xml_(content(settings.ethernet_config)),
+      session_log_(settings.name) {
   std::error_code error;
   std::filesystem::create_directories(settings_.output / settings_.name, error);
   if (error)
@@ -71,26 +69,22 @@ void RobotService::start() {
       std::thread([this, ready = std::move(ready)]() mutable { serve(std::move(ready)); });
   say_real_time(report.get());
   acquisition_thread_ = std::thread([this] { acquire(); });
-  spdlog::info("{}: listening on {} {}, receive buffer {} KiB", settings_.name,
-               rsi::text(server_->transport()), rsi::text(local()),
-               server_->receive_buffer() / 1024);
+  log_.note("listening on {} {}, receive buffer {} KiB", rsi::text(server_->transport()),
+            rsi::text(local()), server_->receive_buffer() / 1024);
 }
 
 void RobotService::reload(const RobotSettings& settings) {
   const auto changed = change(given_, settings);
-  const auto& name = settings_.name;
   RobotSetup setup = load_setup(settings);
   given_ = settings;
   if (!changed.after_restart.empty())
-    spdlog::warn("{}: only a restart of sweepd takes over {}", name,
-                 fmt::join(changed.after_restart, ", "));
+    log_.warning("only a restart of sweepd takes over {}", fmt::join(changed.after_restart, ", "));
   if (content(settings.ethernet_config) != ethernet_xml_)
-    spdlog::warn("{}: the Ethernet file has changed: restart sweepd before RSI uses it", name);
-  spdlog::info(
-      "{}: {}", name,
-      changed.live.empty()
-          ? std::string("description and plan read again, for the next session")
-          : fmt::format("taken over for the next session: {}", fmt::join(changed.live, ", ")));
+    log_.warning("the Ethernet file has changed: restart sweepd before RSI uses it");
+  log_.note("{}", changed.live.empty()
+                      ? std::string("description and plan read again, for the next session")
+                      : fmt::format("taken over for the next session: {}",
+                                    fmt::join(changed.live, ", ")));
   recorder_.reconfigure(settings.recording);
   const std::lock_guard lock(reload_mutex_);
   reloaded_ = {settings, std::move(setup)};
@@ -119,8 +113,8 @@ bool RobotService::stop(std::chrono::seconds patience) {
   const bool recorded = recorder_.stop(Steady::now() + patience);
   const bool written = identifier_.drain(Steady::now() + (recorded ? kLongestResult : patience));
   if (!written)
-    spdlog::error("{}: the last result is not written: see what is wrong with the disk of {}",
-                  settings_.name, settings_.output.string());
+    log_.error("the last result is not written: see what is wrong with the disk of {}",
+               settings_.output.string());
   server_->stop();
   reply_thread_.join();
   return recorded && written;
@@ -139,28 +133,28 @@ void RobotService::serve(std::promise<RealTimeReport> ready) {
 }
 
 void RobotService::say_real_time(const RealTimeReport& report) {
-  if (!report.granted.empty())
-    spdlog::info("{}: reply thread: {}", settings_.name, fmt::join(report.granted, ", "));
+  if (!report.granted.empty()) log_.note("reply thread: {}", fmt::join(report.granted, ", "));
   if (settings_.real_time.wish == RealTime::require && !report.refused.empty()) {
     server_->stop();
     reply_thread_.join();
     throw std::runtime_error(settings_.name + ": " + report.refused.front() +
                              "; or set realtime to \"try\"");
   }
-  for (const auto& refused : report.refused) spdlog::warn("{}: {}", settings_.name, refused);
+  for (const auto& refused : report.refused) log_.warning("{}", refused);
 }
 
 void RobotService::acquire() {
   name_thread("acquisition");
   while (!stopping_) {
     std::this_thread::sleep_for(kTick);
+    ++acquisition_beats_;
     if (!session_) take_over();
     drain();
     if (link_wanted_.exchange(false)) say_link();
     const auto now = Steady::now();
     if (session_ && now - last_datagram_ > settings_.silence) {
-      spdlog::info("{}: RSI has been silent for {} ms: the stream has ended", settings_.name,
-                   settings_.silence.count());
+      session_log_.note("RSI has been silent for {} ms: the stream has ended",
+                        settings_.silence.count());
       end_session();
     }
   }
@@ -171,9 +165,12 @@ void RobotService::acquire() {
 
 void RobotService::drain() {
   rsi::Datagram datagram;
-  while (server_->datagrams().pop(datagram)) take(datagram);
+  while (server_->datagrams().pop(datagram)) {
+    take(datagram);
+    ++acquisition_beats_;
+  }
   for (const auto& complaint : complaints_.about(server_->counts(), Steady::now()))
-    spdlog::error("{}: {}", settings_.name, complaint);
+    session_log_.error("{}", complaint);
 }
 
 void RobotService::take(const rsi::Datagram& datagram) {
@@ -189,7 +186,10 @@ void RobotService::take(const rsi::Datagram& datagram) {
   if (left) recorder_.datagram(seen);
   if (sent) return watch_->reply(seen);
   // Noise on the port does not keep a stream alive.
-  if (!rsi::find_ipoc(seen.payload).empty()) last_datagram_ = Steady::now();
+  if (const auto ipoc = rsi::find_ipoc(seen.payload); !ipoc.empty()) {
+    last_datagram_ = Steady::now();
+    session_log_.about(started_, ipoc);
+  }
   session_->telegram(seen);
 }
 
@@ -207,17 +207,18 @@ void RobotService::begin_session(const rsi::Datagram& first) {
                                    [watch = watch_.get()](const auto&... telegram) {
                                      watch->telegram(telegram...);
                                    }});
-  spdlog::info("{}: RSI from {}", settings_.name, rsi::text(first.source));
+  session_log_.about(started_, rsi::find_ipoc(first.payload));
+  session_log_.note("RSI from {}", rsi::text(first.source));
   SessionStart start{
       settings_.output / settings_.name, started_, settings_.record, session_->csv_header(), {}};
-  start.on_folder = [facts = run_facts()](const std::filesystem::path& folder) {
+  start.on_folder = [facts = run_facts(), log = session_log_](const std::filesystem::path& folder) {
     auto run = facts;
     run.folder = folder;
-    spdlog::info("{}: files in {}", run.robot, folder.string());
+    log.note("files in {}", folder.string());
     try {
       write_atomically(folder / "run.json", run_json(run));
     } catch (const std::exception& error) {
-      spdlog::error("{}: {}", run.robot, error.what());
+      log.error("{}", error.what());
     }
   };
   recording_ = recorder_.begin(std::move(start));
@@ -229,28 +230,30 @@ void RobotService::end_session() {
   recorder_.end();
   RunFacts run = run_facts();
   run.ended = utc_name(rsi::now());
-  identifier_.last(recording_, session_->snapshot(), std::move(run), watch_->files(true));
+  identifier_.last(recording_, session_->snapshot(), std::move(run), watch_->files(true),
+                   session_log_);
   session_.reset();
+  session_log_.about({}, {});
   watch_.reset();
   server_->forget_controller();
 }
 
 void RobotService::on_sweep(const identify::Sweep& sweep) {
-  spdlog::info("{}: {}{}", settings_.name, sweep_line(sweep),
-               sweep.defect == identify::SweepDefect::none ? "" : " (not usable)");
+  session_log_.note("{}{}", sweep_line(sweep),
+                    sweep.defect == identify::SweepDefect::none ? "" : " (not usable)");
   // With many sweeps in one stream each identification takes longer: leave most of the time free.
   const auto now = Steady::now();
   if (now - last_identification_ < 10 * identifier_.took()) return;
   if (!session_->worth_identifying()) return;
   last_identification_ = now;
-  identifier_.interim(recording_, session_->snapshot(), settings_.name);
+  identifier_.interim(recording_, session_->snapshot(), session_log_);
 }
 
 void RobotService::say_link() {
   if (session_)
-    identifier_.link(recording_, settings_.name, watch_->files(false));
+    identifier_.link(recording_, watch_->files(false), session_log_);
   else
-    spdlog::info("{}: no RSI at the moment, so there is no link to tell of", settings_.name);
+    session_log_.note("no RSI at the moment, so there is no link to tell of");
 }
 
 RunFacts RobotService::run_facts() const {

@@ -9,9 +9,11 @@
 #include <string>
 #include <thread>
 
+#include "daemon/heartbeat.hpp"
 #include "daemon/identifier.hpp"
 #include "daemon/link_complaints.hpp"
 #include "daemon/link_watch.hpp"
+#include "daemon/log.hpp"
 #include "daemon/realtime.hpp"
 #include "daemon/recorder.hpp"
 #include "daemon/robot_setup.hpp"
@@ -46,6 +48,11 @@ class RobotService {
   /// `patience`: then this returns false, what was lost is said, and the destructor would wait.
   bool stop(std::chrono::seconds patience = std::chrono::seconds(10));
 
+  /// Whether its threads move. Any thread.
+  [[nodiscard]] Heartbeat::Beats beats() const {
+    return {log_.subject().robot, server_->beats(), acquisition_beats_};
+  }
+
   [[nodiscard]] rsi::Endpoint local() const { return server_->local(); }
 
  private:
@@ -66,12 +73,14 @@ class RobotService {
   RobotSettings settings_;
   RobotSetup setup_;
   std::unique_ptr<rsi::Server> server_;
+  const Log log_;
   Recorder recorder_;
   Identifier identifier_;
   std::thread reply_thread_;
   std::thread acquisition_thread_;
   std::atomic<bool> stopping_{false};
   std::atomic<bool> link_wanted_{false};
+  std::atomic<std::uint64_t> acquisition_beats_{0};
 
   RobotSettings given_;       // by the last reload; of the thread that calls it
   std::string ethernet_xml_;  // what the Ethernet file held at the start
@@ -83,6 +92,7 @@ class RobotService {
   std::optional<Reloaded> reloaded_;  // waits for the acquisition thread
 
   // The acquisition thread's own.
+  Log session_log_;
   std::optional<Session> session_;
   std::unique_ptr<LinkWatch> watch_;            // of the session
   std::shared_ptr<const Recording> recording_;  // of the session

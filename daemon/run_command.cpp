@@ -6,12 +6,12 @@
 #include <set>
 #include <string>
 
-#include <spdlog/fmt/ranges.h>
-#include <spdlog/spdlog.h>
-
 #include "daemon/config_error.hpp"
+#include "daemon/heartbeat.hpp"
+#include "daemon/log.hpp"
 #include "daemon/realtime.hpp"
 #include "daemon/robot_service.hpp"
+#include "daemon/service_manager.hpp"
 #include "daemon/settings.hpp"
 
 namespace sweepd {
@@ -37,15 +37,16 @@ using Services = std::map<std::string, RobotService>;
 /// Robots that went are let go, those that came are served, the others take over what they can. A
 /// file with a mistake changes nothing.
 void reload(const RunOptions& options, Services& services) {
-  spdlog::info("reading {} again", options.config.string());
+  const Log log;
+  log.note("reading {} again", options.config.string());
+  service_manager::reloading();
   try {
     const Settings settings = read_settings(options);
     std::set<std::string> names;
     for (const RobotSettings& robot : settings.robots) names.insert(robot.name);
     std::erase_if(services, [&](const auto& service) {
       const bool gone = !names.contains(service.first);
-      if (gone)
-        spdlog::info("{}: no longer in the settings: it is not served any more", service.first);
+      if (gone) Log(service.first).note("no longer in the settings: it is not served any more");
       return gone;
     });
     for (const RobotSettings& robot : settings.robots) {
@@ -58,14 +59,33 @@ void reload(const RunOptions& options, Services& services) {
           services.try_emplace(robot.name, robot).first->second.start();
         }
       } catch (const std::exception& error) {
-        spdlog::error("{}: {}", robot.name, error.what());
+        Log(robot.name).error("{}", error.what());
         if (service == services.end()) services.erase(robot.name);
       }
     }
   } catch (const std::exception& error) {
-    spdlog::error("{}; sweepd goes on with the settings that it had", error.what());
+    log.error("{}; sweepd goes on with the settings that it had", error.what());
   }
+  service_manager::ready();
 }
+
+/// Looks after the services now and then: systemd hears that they are alive only while they are.
+class Watch {
+ public:
+  void look(const Services& services) {
+    log_repeats();
+    std::vector<Heartbeat::Beats> beats;
+    for (const auto& [name, service] : services) beats.push_back(service.beats());
+    const auto now = std::chrono::steady_clock::now();
+    const auto still = heartbeat_.look(beats, now);
+    for (const auto& standstill : still)
+      Log().error("{}: replies may stop; see what the machine waits for", text(standstill, now));
+    if (still.empty()) service_manager::beat();
+  }
+
+ private:
+  Heartbeat heartbeat_;
+};
 
 }  // namespace
 
@@ -83,15 +103,22 @@ int run(const RunOptions& options) {
   for (const RobotSettings& robot : settings.robots) services.try_emplace(robot.name, robot);
   for (auto& [name, service] : services) service.start();
 
+  service_manager::ready();
+  Watch watch;
+  constexpr timespec kOften{.tv_sec = 1, .tv_nsec = 0};
   int signal = 0;
-  while (sigwait(&signals, &signal) == 0 && (signal == SIGHUP || signal == SIGUSR1))
-    if (signal == SIGHUP)
-      reload(options, services);
-    else
+  while (signal != SIGINT && signal != SIGTERM) {
+    watch.look(services);
+    signal = sigtimedwait(&signals, nullptr, &kOften);  // -1: none came
+    if (signal == SIGHUP) reload(options, services);
+    if (signal == SIGUSR1)
       for (auto& [name, service] : services) service.report_link();
-  spdlog::info("ending on {}", signal == SIGINT ? "SIGINT" : "SIGTERM");
+  }
+  service_manager::stopping();
+  Log().note("ending on {}", signal == SIGINT ? "SIGINT" : "SIGTERM");
   bool complete = true;
   for (auto& [name, service] : services) complete = service.stop() && complete;
+  log_all_repeats();
   // Else a thread waits for a disk that does not answer, perhaps for ever.
   if (!complete) std::_Exit(1);
   return 0;

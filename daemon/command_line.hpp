@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+
+namespace CLI {
+class App;
+}
+
+namespace sweepd {
+
+/// Every command of sweepd with its options: the one table that parses, and that the manual and the
+/// shell completion are written from.
+class CommandLine {
+ public:
+  CommandLine();
+  ~CommandLine();
+  CommandLine(const CommandLine&) = delete;
+  CommandLine& operator=(const CommandLine&) = delete;
+
+  /// Runs the command that the arguments of main() ask for, or prints the help that they ask for.
+  /// Returns the exit code; throws what the command throws, and std::invalid_argument for wrong
+  /// usage, whose text says how it is used.
+  [[nodiscard]] int execute(int argc, const char* const* argv);
+
+  [[nodiscard]] const CLI::App& app() const { return *app_; }
+
+ private:
+  struct Options;
+
+  std::unique_ptr<Options> options_;
+  std::unique_ptr<CLI::App> app_;
+  int exit_code_ = 0;
+};
+
+}  // namespace sweepd
