@@ -1,0 +1,134 @@
+#include <csignal>
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "rsi/asio.hpp"
+
+#include "rsi/ethernet_config.hpp"
+#include "tests/catch.hpp"
+#include "tests/scenarios/sweepd_process.hpp"
+
+using namespace sweepd::test;
+using Catch::Matchers::ContainsSubstring;
+
+namespace {
+
+const std::filesystem::path kController = kConfig / "controller";
+
+/// A TCP port of 127.0.0.1 that nobody uses.
+std::uint16_t free_tcp_port() {
+  using boost::asio::ip::tcp;
+  boost::asio::io_context context;
+  tcp::acceptor acceptor(context, tcp::v4());
+  acceptor.bind({boost::asio::ip::address_v4::loopback(), 0});
+  return acceptor.local_endpoint().port();
+}
+
+/// The value between <KEY> and </KEY> becomes another, as an engineer edits it.
+std::string edited(std::string xml, const std::string& key, const std::string& value) {
+  const auto begin = xml.find('<' + key + '>') + key.size() + 2;
+  return xml.replace(begin, xml.find("</" + key + '>') - begin, value);
+}
+
+struct ShippedFile {
+  std::string name;
+  std::string cycle_ms;
+  std::string settings = {};  ///< lines that follow in [[robot]]
+};
+
+/// The number that follows `label` in a report.
+std::uint64_t figure(const std::string& report, const std::string& label) {
+  const auto at = report.find(label);
+  return at == std::string::npos ? 0 : std::stoull(report.substr(at + label.size()));
+}
+
+}  // namespace
+
+TEST_CASE("each Ethernet file for the controller passes sweepd check as it is shipped",
+          "[controller_files]") {
+  std::size_t files = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(kController)) {
+    const auto name = entry.path().filename().string();
+    if (!name.ends_with(".xml") || name.ends_with(".rsi.xml")) continue;
+    ++files;
+    const auto checked = run_sweepd({"check", "--ethernet-config", entry.path().string()});
+    INFO(checked.out << checked.errors);
+    CHECK(checked.code == 0);
+    if (name == "sweepd_actpos.xml")
+      CHECK_THAT(checked.out, ContainsSubstring("no DEF_RIst"));  // which is its purpose
+    else
+      CHECK_THAT(checked.out, !ContainsSubstring("warning"));
+  }
+  CHECK(files == 7);
+}
+
+TEST_CASE("each Ethernet file for the controller serves both sides of a campaign",
+          "[controller_files]") {
+  const auto shipped = GENERATE(values<ShippedFile>({
+      {"krc2/sweepd_udp.xml", "12"},
+      {"krc2/sweepd_udp_onlysend.xml", "12"},
+      {"krc2/sweepd_tcp.xml", "12"},
+      {"krc2/sweepd_tcp_onlysend.xml", "12"},
+      {"krc2/sweepd_actpos.xml", "12",
+       "[robot.signals]\nposition = [\"Pos.X\", \"Pos.Y\", "
+       "\"Pos.Z\"]\n"},
+      {"krc4/sweepd_ethernet.xml", "4"},
+      {"krc4/sweepd_onlysend.xml", "4"},
+  }));
+  const TemporaryFolder folder;
+  const auto original = rsi::EthernetConfig::load(kController / shipped.name);
+  const bool tcp = original.protocol == rsi::EthernetConfig::Protocol::TCP;
+  const std::string port = std::to_string(tcp ? free_tcp_port() : free_port());
+  const std::string address = "127.0.0.1:" + port;
+  const auto robot = (kConfig / "robots/kr5_arc.toml").string();
+  // What the file tells the engineer to edit, and nothing else.
+  const auto ethernet = folder.write(
+      "ethernet.xml",
+      edited(edited(content(kController / shipped.name), "IP_NUMBER", "127.0.0.1"), "PORT", port));
+  const auto settings = folder.write(
+      "sweepd.toml", "[[robot]]\nname = \"kr5-arc\"\ndescription = \"" + robot + "\"\nlisten = \"" +
+                         address + "\"\noutput = \"output\"\nethernet_config = \"ethernet.xml\"\n" +
+                         shipped.settings);
+  const auto checked = run_sweepd({"check", "--config", settings.string()});
+  INFO(shipped.name << '\n' << checked.out << checked.errors);
+  CHECK(checked.code == 0);
+
+  SweepdProcess daemon({"run", "--config", settings.string()});
+  const std::string listening = std::string("listening on ") + (tcp ? "TCP " : "UDP ") + address;
+  REQUIRE(eventually(
+      [&] { return !daemon.running() || daemon.errors().find(listening) != std::string::npos; }));
+  REQUIRE(daemon.running());
+
+  const auto simulated = run_sweepd(
+      {"simulate", "--robot", robot, "--plan", write_short_plan(folder).string(), "--cycle-ms",
+       shipped.cycle_ms, "--ethernet-config", ethernet.string(), "--to", address});
+  INFO(simulated.out << simulated.errors);
+  CHECK_THAT(simulated.out, ContainsSubstring("played to its end") &&
+                                ContainsSubstring("replies refused                  0"));
+  const auto telegrams = figure(simulated.out, "\ntelegrams ");
+  if (original.only_send) {
+    CHECK(simulated.code == 0);
+    CHECK_THAT(simulated.out, ContainsSubstring("none expected: ONLYSEND"));
+  } else {
+    // Whether a reply came in time, or a newer one before it, is up to this machine.
+    const auto accepted = figure(simulated.out, "\nreplies accepted ");
+    const auto late = figure(simulated.out, "\nreplies late ");
+    const auto unanswered = figure(simulated.out, "\ncycles unanswered ");
+    CHECK(10 * (accepted + late) >= 9 * telegrams);
+    CHECK((simulated.code == 0 || late + unanswered > 0));
+  }
+  daemon.signal(SIGTERM);
+  REQUIRE(daemon.wait() == 0);
+
+  std::filesystem::path session;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "output/kr5-arc"))
+    session = entry.path();
+  const auto result = nlohmann::json::parse(content(session / "result.json"));
+  CHECK(telegrams > 0);
+  CHECK(result["source"]["telegrams"] == telegrams);
+  CHECK(result["source"]["lost"] == 0);
+  CHECK(result["source"]["malformed"] == 0);
+  // The simulator knows no channels that objects feed: it sends zeros there.
+  if (shipped.settings.empty()) CHECK(result["status"] == "complete");
+}
