@@ -1,92 +1,150 @@
 #include "daemon/check_command.hpp"
 
+#include <memory>
 #include <set>
 #include <string>
 
 #include "daemon/config_error.hpp"
+#include "daemon/findings.hpp"
+#include "daemon/machine.hpp"
+#include "daemon/plan_outlook.hpp"
 #include "daemon/robot_setup.hpp"
 #include "daemon/settings.hpp"
 #include "rsi/ethernet_config.hpp"
+#include "rsi/port_owner.hpp"
 #include "rsi/reply.hpp"
+#include "rsi/rsi_context.hpp"
 
 namespace sweepd {
 namespace {
 
+constexpr int kFailed = 1;
 constexpr int kConfigError = 78;  // EX_CONFIG of sysexits.h
+
+std::string count(std::size_t number, const std::string& noun) {
+  return std::to_string(number) + " " + noun + (number == 1 ? "" : "s");
+}
 
 class Check {
  public:
-  explicit Check(std::ostream& out) : out_(out) {}
+  Check(const CheckOptions& options, std::ostream& out) : options_(options), findings_(out) {}
 
-  [[nodiscard]] int exit_code() const { return wrong_ ? kConfigError : 0; }
+  int run() {
+    for (const auto& file : options_.contexts) contexts_.push_back(context(file));
+    if (options_.config) settings(*options_.config);
+    for (const auto& file : options_.ethernet_configs)
+      if (const auto config = ethernet(file)) fit(*config);
+    return findings_.wrong_file() ? kConfigError : findings_.not_ready() ? kFailed : 0;
+  }
 
+ private:
   void settings(const std::filesystem::path& file) {
     try {
       const Settings settings = load_settings(file);
-      ok(file, std::to_string(settings.robots.size()) +
-                   (settings.robots.size() == 1 ? " robot" : " robots"));
+      findings_.ok(file.string() + ": " + count(settings.robots.size(), "robot"));
       for (const auto& robot : settings.robots) check(robot);
     } catch (const ConfigError& problem) {
-      error(problem.what());
+      findings_.error(problem.what());
     }
+  }
+
+  void check(const RobotSettings& robot) {
+    findings_.heading("robot " + robot.name);
+    try {
+      const RobotSetup setup = load_setup(robot);
+      findings_.ok(robot.description.string() + ": " + count(setup.joints, "joint") +
+                   (setup.description->arm ? "" : ", no specified DH table"));
+      if (robot.plan) plan(*setup.description, *setup.plan);
+    } catch (const ConfigError& problem) {
+      findings_.error(problem.what());
+    }
+    std::optional<rsi::EthernetConfig> config;
+    if (robot.ethernet_config)
+      config = ethernet(*robot.ethernet_config);
+    else
+      findings_.warning(robot.name +
+                        ": ethernet_config: not set: replies carry Type ImFree and the IPOC alone; "
+                        "name the file that lies on the controller");
+    if (config) {
+      compare(robot, *config);
+      fit(*config);
+    }
+    if (options_.files_only) return;
+    const bool tcp = config && config->protocol == rsi::EthernetConfig::Protocol::TCP;
+    judge_machine(look_at_machine(robot, tcp ? rsi::Transport::tcp : rsi::Transport::udp), robot,
+                  config ? &*config : nullptr, findings_);
+  }
+
+  /// What the plan would bring, with the decimals of the context where one was given.
+  void plan(const RobotDescription& robot, const SweepPlan& plan) {
+    const auto file = plan.file.string();
+    if (!robot.arm)
+      return findings_.ok(file + ": " + count(plan.sweeps.size(), "sweep") + ", within the limits");
+    Measurement measurement;
+    for (const auto& context : contexts_)
+      if (context) measurement.precision = context->precision.value_or(1);
+    const PlanOutlook outlook = look_ahead(robot, plan, measurement);
+    for (const auto& refusal : outlook.refusals) findings_.error(file + ": " + refusal);
+    for (const auto& warning : outlook.warnings) findings_.warning(file + ": " + warning.message);
+    if (outlook.refusals.empty())
+      findings_.ok(file + ": " + count(plan.sweeps.size(), "sweep") +
+                   ", within the limits, each axis will be found");
   }
 
   std::optional<rsi::EthernetConfig> ethernet(const std::filesystem::path& file) {
     try {
       auto config = rsi::EthernetConfig::load(file);
-      ok(file, "sends " + count(config.send.size(), "tag") + ", receives " +
+      findings_.ok(file.string() + ": sends " + count(config.send.size(), "tag") + ", receives " +
                    count(config.receive.size(), "tag") + ", port " + std::to_string(config.port) +
                    ", " + (config.protocol == rsi::EthernetConfig::Protocol::TCP ? "TCP" : "UDP"));
-      for (const auto& text : config.warnings) warning(text);
-      if (config.only_send)
-        out_ << "  reply    none: ONLYSEND is TRUE\n";
-      else
-        out_ << "  reply    " << rsi::Reply(config).with_ipoc("123456") << '\n';
+      for (const auto& text : config.warnings) findings_.warning(text);
+      findings_.line("reply", config.only_send ? "none: ONLYSEND is TRUE"
+                                               : std::string(rsi::Reply(config).with_ipoc("123456")));
       return config;
     } catch (const rsi::EthernetConfigError& problem) {
-      error(problem.what());
+      findings_.error(problem.what());
       return std::nullopt;
     }
   }
 
- private:
-  void check(const RobotSettings& robot) {
-    out_ << "robot " << robot.name << '\n';
+  std::optional<rsi::RsiContext> context(const std::filesystem::path& file) {
     try {
-      const RobotSetup setup = load_setup(robot);
-      ok(robot.description,
-         count(setup.joints, "joint") + (setup.description->arm ? "" : ", no specified DH table"));
-      if (robot.plan)
-        ok(*robot.plan, count(setup.plan->sweeps.size(), "sweep") + ", fits the robot");
-    } catch (const ConfigError& problem) {
-      error(problem.what());
+      auto context = rsi::RsiContext::load(file);
+      findings_.ok(file.string() + ": Precision " +
+                   (context.precision ? std::to_string(*context.precision) : "not set") +
+                   ", Ethernet file " + context.config_file);
+      for (const auto& text : context.warnings) findings_.warning(text);
+      return context;
+    } catch (const rsi::RsiContextError& problem) {
+      findings_.error(problem.what());
+      return std::nullopt;
     }
-    if (!robot.ethernet_config) {
-      warning(robot.name +
-              ": ethernet_config: not set: replies carry Type ImFree and the IPOC "
-              "alone; name the file that lies on the controller");
-      return;
-    }
-    if (const auto config = ethernet(*robot.ethernet_config)) compare(robot, *config);
+  }
+
+  void fit(const rsi::EthernetConfig& config) {
+    for (const auto& context : contexts_)
+      if (context)
+        for (const auto& text : context->compare(config)) findings_.warning(text);
   }
 
   void compare(const RobotSettings& robot, const rsi::EthernetConfig& config) {
     if (config.port != robot.listen.port)
-      error(config.name + ": PORT: expected " + std::to_string(robot.listen.port) +
-            " as in `listen` of robot " + robot.name + ", found " + std::to_string(config.port) +
-            ": make them equal");
+      findings_.error(config.name + ": PORT: expected " + std::to_string(robot.listen.port) +
+                      " as in `listen` of robot " + robot.name + ", found " +
+                      std::to_string(config.port) + ": make them equal");
     const auto address = rsi::parse_address(config.ip_number);
     if (address && robot.listen.address != 0 && *address != robot.listen.address)
-      error(config.name + ": IP_NUMBER: expected " + rsi::address_text(robot.listen.address) +
-            " as in `listen` of robot " + robot.name + ", found " + config.ip_number +
-            ": make them equal");
+      findings_.error(config.name + ": IP_NUMBER: expected " +
+                      rsi::address_text(robot.listen.address) + " as in `listen` of robot " +
+                      robot.name + ", found " + config.ip_number + ": make them equal");
     std::set<std::string> sent;
     for (const auto& element : rsi::wire_layout(config.send))
       for (const auto& field : element.fields)
         sent.insert(field.attribute.empty() ? element.name : element.name + "." + field.attribute);
     const auto want = [&](const std::string& signal, const std::string& consequence) {
       if (sent.contains(signal)) return true;
-      warning(config.name + ": SEND: " + signal + " of `signals` is not sent: " + consequence);
+      findings_.warning(config.name + ": SEND: " + signal +
+                        " of `signals` is not sent: " + consequence);
       return false;
     };
     for (const auto& signal : robot.signals.position)
@@ -101,30 +159,15 @@ class Check {
         break;
   }
 
-  static std::string count(std::size_t number, const std::string& noun) {
-    return std::to_string(number) + " " + noun + (number == 1 ? "" : "s");
-  }
-
-  void ok(const std::filesystem::path& file, const std::string& text) {
-    out_ << "  ok       " << file.string() << ": " << text << '\n';
-  }
-  void warning(const std::string& text) { out_ << "  warning  " << text << '\n'; }
-  void error(const std::string& text) {
-    out_ << "  error    " << text << '\n';
-    wrong_ = true;
-  }
-
-  std::ostream& out_;
-  bool wrong_ = false;
+  const CheckOptions& options_;
+  Findings findings_;
+  std::vector<std::optional<rsi::RsiContext>> contexts_;
 };
 
 }  // namespace
 
 int check(const CheckOptions& options, std::ostream& out) {
-  Check check(out);
-  if (options.config) check.settings(*options.config);
-  for (const auto& file : options.ethernet_configs) check.ethernet(file);
-  return check.exit_code();
+  return Check(options, out).run();
 }
 
 }  // namespace sweepd

@@ -15,15 +15,6 @@
 namespace sweepd {
 namespace {
 
-/// systemd tells device and inode of the stream that it reads (systemd.exec(5), JOURNAL_STREAM):
-/// standard error may have been led elsewhere since.
-bool leads_to_journal() {
-  const char* stream = std::getenv("JOURNAL_STREAM");
-  struct stat status {};
-  return stream != nullptr && ::fstat(STDERR_FILENO, &status) == 0 &&
-         fmt::format("{}:{}", status.st_dev, status.st_ino) == stream;
-}
-
 void write_to_journal(const LogLine& line) {
   auto fields = journal_fields(line);
   std::vector<iovec> parts;
@@ -51,6 +42,15 @@ Lately& lately() {
 }
 
 }  // namespace
+
+/// systemd tells device and inode of the stream that it reads (systemd.exec(5), JOURNAL_STREAM):
+/// standard error may have been led elsewhere since.
+bool leads_to_journal() {
+  const char* stream = std::getenv("JOURNAL_STREAM");
+  struct stat status {};
+  return stream != nullptr && ::fstat(STDERR_FILENO, &status) == 0 &&
+         fmt::format("{}:{}", status.st_dev, status.st_ino) == stream;
+}
 
 std::string LogLine::message() const {
   return subject.robot.empty() ? text : subject.robot + ": " + text;

@@ -40,6 +40,9 @@ struct LogLine {
 /// What was said of the same robot word for word within the last minute is held back and counted.
 void log(LogLine line);
 
+/// Whether standard error leads to systemd's journal.
+[[nodiscard]] bool leads_to_journal();
+
 /// Says what has been held back for a minute. To be called now and then.
 void log_repeats();
 /// Says all that is held back: the program ends.

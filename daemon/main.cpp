@@ -7,6 +7,7 @@
 
 #include "daemon/command_line.hpp"
 #include "daemon/config_error.hpp"
+#include "daemon/log.hpp"
 #include "rsi/ethernet_config.hpp"
 
 namespace {
@@ -16,7 +17,11 @@ constexpr int kUsage = 2;
 constexpr int kConfigError = 78;  // EX_CONFIG of sysexits.h
 
 int say(const std::exception& problem, int exit_code) {
-  std::cerr << "sweepd: " << problem.what() << '\n';
+  // In the journal as an error; it knows the program's name.
+  if (sweepd::leads_to_journal())
+    sweepd::Log().error("{}", problem.what());
+  else
+    std::cerr << "sweepd: " << problem.what() << '\n';
   return exit_code;
 }
 

@@ -8,7 +8,6 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
-#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include "daemon/numbers.hpp"
@@ -23,13 +22,6 @@ namespace fs = std::filesystem;
 constexpr auto kBetweenRoomChecks = 1s;
 constexpr auto kLongestRetry = 60s;
 constexpr auto kBetweenDeletions = 60s;
-
-std::optional<DiskRoom> disk_room(const fs::path& folder) {
-  struct statvfs status {};
-  if (statvfs(folder.c_str(), &status) != 0) return std::nullopt;
-  return DiskRoom{std::uint64_t{status.f_bavail} * status.f_frsize,
-                  std::uint64_t{status.f_blocks} * status.f_frsize};
-}
 
 /// Beyond what is to be kept free, before a pause ends: else it would begin again at once.
 std::uint64_t margin(std::uint64_t keep_free, std::uint64_t total) {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "daemon/disk_room.hpp"
 #include "daemon/log.hpp"
 #include "daemon/recording.hpp"
 #include "daemon/recording_files.hpp"
@@ -17,11 +18,6 @@ namespace sweepd {
 
 /// Takes a sentence for the log.
 using Say = std::function<void(Importance, const std::string& text)>;
-
-struct DiskRoom {
-  std::uint64_t free = 0;  ///< bytes, to a user without privileges
-  std::uint64_t total = 0;
-};
 
 struct RecorderOptions {
   /// How often memory goes to the disk.

@@ -14,6 +14,8 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kLongest_mm = 1e5;
 constexpr double kTurn_deg = 360;
 constexpr double kMostTurns_deg = 1e5;  // endless joints exist
+constexpr double kLeastSpeed_deg_s = 0.1;
+constexpr double kMostSpeed_deg_s = 1e4;
 
 constexpr std::array<std::string_view, 5> kRowKeys{"b_mm", "theta_deg", "a_mm", "alpha_deg",
                                                    "positive"};
@@ -24,6 +26,8 @@ bool has_row(const TomlTable& joint) {
 
 JointLimits read_limits(const TomlTable& joint) {
   JointLimits limits;
+  if (joint.has("max_speed_deg_s"))
+    limits.max_speed_deg_s = joint.number("max_speed_deg_s", kLeastSpeed_deg_s, kMostSpeed_deg_s);
   if (!joint.has("min_deg") && !joint.has("max_deg")) return limits;
   limits.min_deg = joint.number("min_deg", -kMostTurns_deg, kMostTurns_deg);
   limits.max_deg = joint.number("max_deg", -kMostTurns_deg, kMostTurns_deg);
@@ -86,7 +90,7 @@ RobotDescription load_robot(const std::filesystem::path& file) {
   if (top.has("source")) robot.source = top.text("source");
 
   std::vector<std::string_view> keys(kRowKeys.begin(), kRowKeys.end());
-  keys.insert(keys.end(), {"min_deg", "max_deg"});
+  keys.insert(keys.end(), {"min_deg", "max_deg", "max_speed_deg_s"});
   for (const TomlTable& joint : joints) {
     joint.allow_only(keys);
     robot.limits.push_back(read_limits(joint));

@@ -11,10 +11,12 @@
 
 namespace sweepd {
 
-/// What a joint's angle may be, in the controller's degrees; infinite where that is not known.
+/// What a joint's angle and speed may be, in the controller's degrees; infinite where that is not
+/// known.
 struct JointLimits {
   double min_deg = -std::numeric_limits<double>::infinity();
   double max_deg = std::numeric_limits<double>::infinity();
+  double max_speed_deg_s = std::numeric_limits<double>::infinity();  ///< at 100 %
 
   [[nodiscard]] bool contain(double angle_deg) const {
     return min_deg <= angle_deg && angle_deg <= max_deg;

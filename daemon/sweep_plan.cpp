@@ -1,5 +1,7 @@
 #include "daemon/sweep_plan.hpp"
 
+#include <algorithm>
+
 #include "daemon/toml_table.hpp"
 
 namespace sweepd {
@@ -48,6 +50,28 @@ SweepPlan load_plan(const std::filesystem::path& file) {
   return plan;
 }
 
+std::string plan_toml(const SweepPlan& plan, const std::string& remark) {
+  std::string text;
+  for (std::size_t from = 0; from < remark.size();) {
+    const std::size_t end = std::min(remark.find('\n', from), remark.size());
+    text += end == from ? "#\n" : "# " + remark.substr(from, end - from) + "\n";
+    from = end + 1;
+  }
+  if (!text.empty()) text += '\n';
+  text += "home_deg = [";
+  for (std::size_t i = 0; i < plan.home_deg.size(); ++i)
+    text += (i > 0 ? ", " : "") + number_text(plan.home_deg[i]);
+  text += "]\npositioning_speed_deg_s = " + number_text(plan.positioning_speed_deg_s) +
+          "\nacceleration_deg_s2 = " + number_text(plan.acceleration_deg_s2) +
+          "\ndwell_ms = " + std::to_string(plan.dwell.count()) + "\n";
+  for (const PlannedSweep& sweep : plan.sweeps)
+    text += "\n[[sweep]]\njoint = " + std::to_string(sweep.joint) +
+            "\nstart_deg = " + number_text(sweep.start_deg) +
+            "\nend_deg = " + number_text(sweep.end_deg) +
+            "\nspeed_deg_s = " + number_text(sweep.speed_deg_s) + "\n";
+  return text;
+}
+
 std::vector<std::string> check_plan(const SweepPlan& plan, const RobotDescription& robot) {
   std::vector<std::string> findings;
   const std::string file = plan.file.string();
@@ -65,13 +89,31 @@ std::vector<std::string> check_plan(const SweepPlan& plan, const RobotDescriptio
                        " degrees, found " + number_text(angle_deg) +
                        ": correct it, or the limits in the robot description");
   };
+  const auto check_speed = [&](const std::string& place, std::size_t joint, double speed_deg_s) {
+    const double most_deg_s = robot.limits[joint - 1].max_speed_deg_s;
+    if (speed_deg_s <= most_deg_s) return;
+    findings.push_back(place + ": expected at most " + number_text(most_deg_s) +
+                       " degrees per second, as joint " + std::to_string(joint) +
+                       " can do no more, found " + number_text(speed_deg_s) +
+                       ": sweep slower, or correct the limit in the robot description");
+  };
   for (std::size_t i = 0; i < plan.home_deg.size(); ++i)
     check(file + ": home_deg", i + 1, plan.home_deg[i]);
   for (const PlannedSweep& sweep : plan.sweeps) {
     const std::string place = file + ':' + std::to_string(sweep.line);
     check(place + ": sweep.start_deg", sweep.joint, sweep.start_deg);
     check(place + ": sweep.end_deg", sweep.joint, sweep.end_deg);
+    check_speed(place + ": sweep.speed_deg_s", sweep.joint, sweep.speed_deg_s);
   }
+  // Only joints that sweep are positioned; one finding for the speed of all.
+  const PlannedSweep* slowest = nullptr;
+  for (const PlannedSweep& sweep : plan.sweeps) {
+    const double most_deg_s = robot.limits[sweep.joint - 1].max_speed_deg_s;
+    if (slowest == nullptr || most_deg_s < robot.limits[slowest->joint - 1].max_speed_deg_s)
+      slowest = &sweep;
+  }
+  if (slowest != nullptr)
+    check_speed(file + ": positioning_speed_deg_s", slowest->joint, plan.positioning_speed_deg_s);
   return findings;
 }
 

@@ -33,8 +33,12 @@ struct SweepPlan {
 /// Reads a plan and checks it by itself; throws ConfigError.
 [[nodiscard]] SweepPlan load_plan(const std::filesystem::path& file);
 
+/// The plan as a file that load_plan() reads back as the same plan. `remark`, of whole lines,
+/// stands at its top as a comment.
+[[nodiscard]] std::string plan_toml(const SweepPlan& plan, const std::string& remark = {});
+
 /// What `robot` cannot do of `plan`, one sentence each in the form of a ConfigError; empty if it
-/// can do all: as many joints, home and sweeps within the limits.
+/// can do all: as many joints, home, sweeps and speeds within the limits.
 [[nodiscard]] std::vector<std::string> check_plan(const SweepPlan& plan,
                                                   const RobotDescription& robot);
 

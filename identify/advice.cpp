@@ -14,9 +14,6 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kDegree = kPi / 180;
 constexpr double kArcsec = kDegree / 3600;
-/// An axis that is less certain than this deserves a warning.
-constexpr double kPoorDirection_rad = 0.05 * kDegree;
-constexpr double kPoorRadius_mm = 20;
 constexpr double kGoodRadius_mm = 100;
 /// Without angles to hold it, a circle on so short an arc leans on every smooth error.
 constexpr double kPoorArc_rad = 20 * kDegree;

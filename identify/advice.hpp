@@ -4,6 +4,11 @@
 
 namespace identify {
 
+/// An axis whose direction is less certain than this deserves a warning,
+inline constexpr double kPoorDirection_rad = 0.05 * 3.14159265358979323846 / 180;
+/// and so does a target that is closer to an axis.
+inline constexpr double kPoorRadius_mm = 20;
+
 /// Appends to `found.warnings` what the user could do better next time, and what in the data is not
 /// as the method assumes: each with figures, and where it can be predicted, with what the remedy
 /// would give. By the final axes and their covariance, and by what the chain saw of the noise.

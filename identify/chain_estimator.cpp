@@ -9,19 +9,17 @@
 #include "identify/chain_fit.hpp"
 #include "identify/chain_noise.hpp"
 #include "identify/chain_samples.hpp"
+#include "identify/fitted_axes.hpp"
 
 namespace identify {
 namespace {
 
-using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
 constexpr double kFree = std::numeric_limits<double>::infinity();
 /// Below this nothing is measured, and nothing computed in double precision.
 constexpr double kLeastPosition_mm = 1e-7;
 constexpr double kLeastAngle_rad = 1e-11;
-/// An axis that is less certain than this is none.
-constexpr double kWorstDirection_rad = 3.14159265358979323846 / 180;
 
 /// A way to explain the samples, and how well it does.
 struct Fitted {
@@ -271,7 +269,6 @@ class Estimation {
   }
 
   void finish(const Fitted& best, ChainEstimate& estimate) const {
-    estimate.chain = best.fit.chain;
     estimate.noise = best.noise;
     estimate.summary = best.fit.summary;
     estimate.shared_home = shared_home_;
@@ -280,39 +277,9 @@ class Estimation {
     for (const ChainObservation& sample : samples_)
       if (sample.weight < 0.5) ++estimate.outliers;
 
-    // From parameters to directions and points; axes are stated where the first target passes.
-    const ChainParameters parameters{joints_, best.fit.chain.targets_mm.size()};
-    const auto tool = static_cast<Eigen::Index>(6 * joints_ + 3 * targets_);
-    const auto rows = tool + (estimate.with_orientation ? 3 : 0);
-    MatrixXd by_parameter = MatrixXd::Zero(rows, best.fit.covariance.rows());
-    estimate.axes.resize(joints_);
-    for (std::size_t j = 0; j < joints_; ++j) {
-      if (!axes_[j]) continue;
-      ChainAxis& axis = estimate.chain.axes[j];
-      const auto basis = across(axis.direction);
-      const double along = axis.direction.dot(estimate.chain.targets_mm.front() - axis.point_mm);
-      const auto row = static_cast<Eigen::Index>(6 * j);
-      by_parameter.block<3, 2>(row, parameters.axis(j)) = basis;
-      by_parameter.block<3, 2>(row + 3, parameters.axis(j)) = along * basis;
-      by_parameter.block<3, 2>(row + 3, parameters.axis(j) + 2) = basis;
-      axis.point_mm += along * axis.direction;
-    }
-    for (std::size_t t = 0; t < targets_; ++t)
-      by_parameter.block<3, 3>(static_cast<Eigen::Index>(6 * joints_ + 3 * t),
-                               parameters.target(t)) = Eigen::Matrix3d::Identity();
-    if (estimate.with_orientation)
-      by_parameter.block<3, 3>(tool, parameters.tool()) = Eigen::Matrix3d::Identity();
-    estimate.covariance = estimate.samples_per_independent *
-                          by_parameter.lazyProduct(
-                              MatrixXd(best.fit.covariance.lazyProduct(by_parameter.transpose())));
-    estimate.chain.targets_mm.resize(targets_);
-    for (std::size_t j = 0; j < joints_; ++j) {
-      if (!axes_[j]) continue;
-      const auto row = static_cast<Eigen::Index>(6 * j);
-      const Axis axis{estimate.chain.axes[j].direction, estimate.chain.axes[j].point_mm,
-                      estimate.covariance.block<6, 6>(row, row)};
-      if (axis.direction_sigma_rad() < kWorstDirection_rad) estimate.axes[j] = axis;
-    }
+    std::vector<bool> known;
+    for (const auto& axis : axes_) known.push_back(axis.has_value());
+    set_fitted_axes(estimate, best.fit, known, targets_);
   }
 
   const Identification& circles_;

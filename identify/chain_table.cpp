@@ -80,6 +80,12 @@ std::vector<DhEstimate> table_of(const TableAxes& axes, std::size_t joints,
                     axes.covariance.topLeftCorner(count, count));
 }
 
+void leave_first_to_frame(std::vector<DhEstimate>& table, const std::vector<DhRow>& specified) {
+  const DhRow first = specified.empty() ? DhRow{} : specified.front();
+  table.front().b_mm = {first.b_mm, 0, Knowledge::by_convention};
+  table.front().theta_rad = {first.theta_rad, 0, Knowledge::by_convention};
+}
+
 std::optional<DhEstimate> row_to_tool(const TableAxes& axes, std::size_t joints,
                                       const std::vector<DhRow>& specified) {
   if (axes.z.size() == joints) return std::nullopt;

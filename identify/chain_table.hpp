@@ -26,6 +26,10 @@ struct TableAxes {
 [[nodiscard]] std::vector<DhEstimate> table_of(const TableAxes& axes, std::size_t joints,
                                                const std::vector<DhRow>& specified);
 
+/// Where the measurement frame is a device's: b and theta of row 1 tell where it stands, not how
+/// the arm is made, and are by convention as specified (zero without a specified table).
+void leave_first_to_frame(std::vector<DhEstimate>& table, const std::vector<DhRow>& specified);
+
 /// What the last row is where it leads to the Z axis of the tool's frame; nothing where the tool's
 /// orientation was not measured.
 [[nodiscard]] std::optional<DhEstimate> row_to_tool(const TableAxes& axes, std::size_t joints,

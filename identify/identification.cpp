@@ -25,9 +25,7 @@ Identification estimate(std::vector<Sweep> sweeps, const Campaign& campaign) {
   found.row_to_tool = row_to_tool(axes, joints, found.specified);
   if (campaign.device_frame) {
     found.robot_pose = robot_pose(axes, found.specified);
-    const DhRow first = found.specified.empty() ? DhRow{} : found.specified.front();
-    found.dh.front().b_mm = {first.b_mm, 0, Knowledge::by_convention};
-    found.dh.front().theta_rad = {first.theta_rad, 0, Knowledge::by_convention};
+    leave_first_to_frame(found.dh, found.specified);
   }
   if (found.chain->shared_home)
     found.tool = tool_pose(*found.chain, axes, found.chain->dh, found.specified);

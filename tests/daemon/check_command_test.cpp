@@ -19,7 +19,9 @@ struct Checked {
   std::string text;
 };
 
-Checked checked(const sweepd::CheckOptions& options) {
+/// Of the files alone: the machine is any.
+Checked checked(sweepd::CheckOptions options) {
+  options.files_only = true;
   std::ostringstream out;
   const int code = check(options, out);
   return {code, out.str()};
@@ -193,4 +195,43 @@ TEST_CASE("Ethernet files can be looked at by themselves, all of them") {
   CHECK_THAT(result.text, ContainsSubstring("none: ONLYSEND is TRUE"));
   CHECK(checked({{}, {folder / "missing.xml"}}).code == 78);
   CHECK(checked({{}, {folder.path()}}).code == 78);
+}
+
+TEST_CASE("a plan is looked at beforehand: targets on an axis, ranges that are too short") {
+  const Sound folder;
+  static_cast<void>(folder.write("sweepd.toml", settings("plan = \"plan.toml\"\n")));
+  const auto plan = [&](const std::string& end_deg) {
+    return "home_deg = [90, -90, 90, 0, 90, 0]\npositioning_speed_deg_s = 60\n"
+           "acceleration_deg_s2 = 200\ndwell_ms = 300\n[[sweep]]\njoint = 1\nstart_deg = -45\n"
+           "end_deg = " +
+           end_deg + "\nspeed_deg_s = 20\n";
+  };
+  static_cast<void>(folder.write("plan.toml", plan("45")));
+  const auto sound = folder.check();
+  INFO(sound.text);
+  CHECK(sound.code == 0);
+  CHECK_THAT(sound.text, ContainsSubstring("plan.toml: 1 sweep, within the limits, each axis"));
+
+  static_cast<void>(folder.write("plan.toml", plan("-44")));
+  const auto refused = folder.check();
+  INFO(refused.text);
+  CHECK(refused.code == 78);
+  CHECK_THAT(refused.text, ContainsSubstring("plan.toml: sweep 1 (joint 1, -45 to -44 deg)"));
+}
+
+TEST_CASE("the RSI context has to name the Ethernet file that sweepd was given") {
+  const auto krc4 = kConfig / "controller/krc4";
+  const auto fits = checked({{}, {krc4 / "sweepd_ethernet.xml"}, {krc4 / "sweepd.rsi.xml"}});
+  INFO(fits.text);
+  CHECK(fits.code == 0);
+  CHECK_THAT(fits.text, ContainsSubstring("sweepd.rsi.xml: Precision 4, Ethernet file "
+                                          "sweepd_ethernet.xml") &&
+                            !ContainsSubstring("warning"));
+  const auto other =
+      checked({{}, {krc4 / "sweepd_ethernet.xml"}, {krc4 / "sweepd_onlysend.rsi.xml"}});
+  CHECK(other.code == 0);
+  CHECK_THAT(other.text, ContainsSubstring("warning") && ContainsSubstring("ConfigFile"));
+  const TemporaryFolder folder;
+  static_cast<void>(folder.write("broken.rsi.xml", "<rSIModel>"));
+  CHECK(checked({{}, {}, {folder.path() / "broken.rsi.xml"}}).code == 78);
 }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <fstream>
+#include <limits>
 #include <random>
 
 #include <unistd.h>
@@ -141,6 +142,7 @@ TEST_CASE("the KR 5 arc has the table and the home of the paper") {
   const double alpha_deg[] = {90, 0, 90, 90, 90, 0};
   const double min_deg[] = {-155, -180, -15, -350, -130, -350};
   const double max_deg[] = {155, 65, 158, 350, 130, 350};
+  const double max_speed_deg_s[] = {154, 154, 228, 343, 384, 721};
   for (std::size_t i = 0; i < 6; ++i) {
     INFO("joint " << i + 1);
     CHECK(robot.arm->rows[i].b_mm == b[i]);
@@ -150,12 +152,15 @@ TEST_CASE("the KR 5 arc has the table and the home of the paper") {
     CHECK(robot.arm->home_rad[i] == Approx(robot.home_deg[i] * kDegree).margin(1e-15));
     CHECK(robot.limits[i].min_deg == min_deg[i]);
     CHECK(robot.limits[i].max_deg == max_deg[i]);
+    CHECK(robot.limits[i].max_speed_deg_s == max_speed_deg_s[i]);
   }
   CHECK(robot.arm->tool_mm == Vector3d(200, 0, 215));
 }
 
 TEST_CASE("a robot may have no specified table, no home and no limits") {
-  const RobotFile file("name = \"x\"\n[[joint]]\n[[joint]]\nmin_deg = -10\nmax_deg = 20\n");
+  const RobotFile file(
+      "name = \"x\"\n[[joint]]\n[[joint]]\nmin_deg = -10\nmax_deg = 20\n"
+      "max_speed_deg_s = 90\n");
   const auto robot = load_robot(file.path);
   CHECK(robot.joints() == 2);
   CHECK_FALSE(robot.arm);
@@ -165,6 +170,8 @@ TEST_CASE("a robot may have no specified table, no home and no limits") {
   CHECK(robot.limits[1].contain(20));
   CHECK_FALSE(robot.limits[1].contain(20.1));
   CHECK_FALSE(robot.limits[1].contain(-10.1));
+  CHECK(robot.limits[0].max_speed_deg_s == std::numeric_limits<double>::infinity());
+  CHECK(robot.limits[1].max_speed_deg_s == 90);
 }
 
 TEST_CASE("an arm of one joint or of twelve is read, and one of thirteen is refused") {
@@ -207,6 +214,9 @@ TEST_CASE("a wrong figure of a robot is found in its line") {
         "3:1: joint.max_deg: missing: expected a number of degrees: add it to this table");
   CHECK_THAT(error_of(robot + "min_deg = 7\nmax_deg = 7\n"),
              Catch::Matchers::StartsWith("10:11: joint.max_deg: expected more than min_deg = 7"));
+  CHECK_THAT(error_of(robot + "max_speed_deg_s = 0\n"),
+             Catch::Matchers::StartsWith("9:19: joint.max_speed_deg_s: expected a number of "
+                                         "degrees per second from 0.1 to 10000"));
   CHECK_THAT(error_of(robot + "min_deg = 6\nmax_deg = 7\n"),
              Catch::Matchers::StartsWith("2:12: home_deg: expected joint 1 from 6 to 7, found 5"));
   CHECK_THAT(

@@ -16,7 +16,7 @@ inline std::filesystem::path write_plan(const TemporaryFolder& folder,
                                         const std::string& speed_deg_s) {
   return folder.write("plan.toml",
                       "home_deg = [90, -90, 90, 0, 90, 0]\n"
-                      "positioning_speed_deg_s = 1000\nacceleration_deg_s2 = 100000\n"
+                      "positioning_speed_deg_s = 700\nacceleration_deg_s2 = 100000\n"
                       "dwell_ms = 20\n"
                       "[[sweep]]\njoint = 6\nstart_deg = 0\nend_deg = 5\nspeed_deg_s = " +
                           speed_deg_s + "\n");

@@ -134,3 +134,47 @@ TEST_CASE("a plan is checked against the robot that shall run it") {
   CHECK_THAT(other_robot[0], Catch::Matchers::ContainsSubstring(
                                  "expected 3 angles, as the robot has joints, found 2"));
 }
+
+TEST_CASE("a plan faster than a joint can move is refused, positioning included") {
+  constexpr double kAny = 1000;
+  const PlanFile file(kHead + kSweep);  // joint 2 at 1 deg/s, positioned at 60
+  const auto plan = load_plan(file.path);
+  const auto findings = [&](double of_joint_1, double of_joint_2) {
+    return check_plan(plan, robot_of({{-kAny, kAny, of_joint_1}, {-kAny, kAny, of_joint_2}}));
+  };
+  CHECK(findings(0.5, 60).empty());  // joint 1 never moves
+  REQUIRE(findings(60, 59).size() == 1);
+  CHECK_THAT(findings(60, 59)[0],
+             Catch::Matchers::ContainsSubstring("positioning_speed_deg_s: expected at most 59 "
+                                                "degrees per second, as joint 2 can do no more"));
+  REQUIRE(findings(60, 0.9).size() == 2);
+  CHECK_THAT(findings(60, 0.9)[0],
+             Catch::Matchers::StartsWith(file.path.string() + ":5: sweep.speed_deg_s: expected at "
+                                                              "most 0.9 degrees per second"));
+}
+
+TEST_CASE("a plan that is written reads back as it was") {
+  const auto plan = load_plan(kConfig / "plans" / "kr5_arc_90deg.toml");
+  auto odd = plan;
+  odd.home_deg = {0.1, -1e-7, 1.0 / 3, 4, 5};
+  odd.dwell = std::chrono::milliseconds(0);
+  odd.acceleration_deg_s2 = 1e5;
+  odd.sweeps = {{5, -12.345678901234567, 1e-9, 0.01, 0}};
+  for (const auto& written : {plan, odd}) {
+    const PlanFile file(sweepd::plan_toml(written, "What it is.\n\nAnd why."));
+    const auto read = load_plan(file.path);
+    CHECK(read.home_deg == written.home_deg);
+    CHECK(read.positioning_speed_deg_s == written.positioning_speed_deg_s);
+    CHECK(read.acceleration_deg_s2 == written.acceleration_deg_s2);
+    CHECK(read.dwell == written.dwell);
+    REQUIRE(read.sweeps.size() == written.sweeps.size());
+    for (std::size_t s = 0; s < read.sweeps.size(); ++s) {
+      CHECK(read.sweeps[s].joint == written.sweeps[s].joint);
+      CHECK(read.sweeps[s].start_deg == written.sweeps[s].start_deg);
+      CHECK(read.sweeps[s].end_deg == written.sweeps[s].end_deg);
+      CHECK(read.sweeps[s].speed_deg_s == written.sweeps[s].speed_deg_s);
+    }
+  }
+  CHECK_THAT(sweepd::plan_toml(plan, "What it is.\n\nAnd why."),
+             Catch::Matchers::StartsWith("# What it is.\n#\n# And why.\n\nhome_deg = [90, -90"));
+}

@@ -44,8 +44,9 @@ std::string settings(const std::string& description, const std::string& more) {
 TEST_CASE("0: help, version, and what is sound", "[exit_codes]") {
   for (const auto& arguments :
        {Words{"--help"}, Words{"--version"}, Words{"run", "--help"}, Words{"replay", "--help"},
-        Words{"simulate", "--help"}, Words{"export", "--help"}, Words{"check", "--help"},
-        Words{"check", "--config", (kConfig / "sweepd.toml").string()}}) {
+        Words{"simulate", "--help"}, Words{"plan", "--help"}, Words{"export", "--help"},
+        Words{"check", "--help"},
+        Words{"check", "--files-only", "--config", (kConfig / "sweepd.toml").string()}}) {
     const auto run = run_sweepd(arguments);
     INFO(arguments.front());
     CHECK(run.code == 0);
@@ -67,6 +68,35 @@ TEST_CASE("1: something that is not there or does not answer", "[exit_codes]") {
                 {"simulate", "--robot", kRobot, "--plan", kPlan, "--to",
                  "127.0.0.1:" + std::to_string(free_port()), "--timeout-cycles", "5", "--quiet"},
                 "nobody answered");
+}
+
+TEST_CASE("plan: 0 for what can be run, 1 for what is refused, 78 beyond limits", "[exit_codes]") {
+  const TemporaryFolder folder;
+  const Words words{"plan", "--robot", kRobot, "--plan", kPlan, "--cycle-ms", "16"};
+  const auto with = [&](Words more) {
+    more.insert(more.begin(), words.begin(), words.end());
+    return more;
+  };
+  const auto output = (folder / "krl").string();
+  const auto done = run_sweepd(with({"--krl", "krc2", "--output", output}));
+  CHECK(done.code == 0);
+  CHECK(done.errors.empty());
+  CHECK(std::filesystem::exists(folder / "krl/sweepd_sweeps.src"));
+
+  const auto refused = run_sweepd(
+      with({"--tool-mm", "0,0,215", "--krl", "krc4", "--output", (folder / "none").string()}));
+  CHECK(refused.code == 1);
+  CHECK_THAT(refused.errors, ContainsSubstring("sweepd: joint 6: the target point is 0.00 mm"));
+  CHECK_FALSE(std::filesystem::exists(folder / "none"));
+
+  std::string text = content(kPlan);
+  text.replace(text.find("start_deg = -45.0"), 17, "start_deg = -156.0");
+  const auto far = folder.write("far.toml", text);
+  check_failure(78, {"plan", "--robot", kRobot, "--plan", far.string()},
+                far.string() + ":15: sweep.start_deg: expected joint 1 from -155 to 155 degrees");
+  check_failure(2, with({"--krl", "krc4"}), "--output");
+  check_failure(2, with({"--write-plan", "x.toml"}), "--propose");
+  check_failure(2, with({"--krl", "krc3", "--output", output}), "--krl");
 }
 
 TEST_CASE("2: wrong usage", "[exit_codes]") {

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "daemon/check_command.hpp"
+#include "daemon/export_command.hpp"
+#include "daemon/identify_command.hpp"
+#include "daemon/inspect_command.hpp"
+#include "daemon/plan_command.hpp"
+#include "daemon/replay_command.hpp"
+#include "daemon/run_command.hpp"
+#include "daemon/simulate_command.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace sweepd {
+
+/// Each adds a command to the program, whose options go into `options`, and returns it.
+CLI::App* add_run(CLI::App& app, RunOptions& options);
+CLI::App* add_replay(CLI::App& app, ReplayOptions& options);
+CLI::App* add_inspect(CLI::App& app, InspectOptions& options);
+CLI::App* add_identify(CLI::App& app, IdentifyOptions& options);
+CLI::App* add_simulate(CLI::App& app, SimulateOptions& options);
+CLI::App* add_plan(CLI::App& app, PlanOptions& options);
+CLI::App* add_export(CLI::App& app, ExportOptions& options);
+CLI::App* add_check(CLI::App& app, CheckOptions& options);
+
+}  // namespace sweepd

@@ -1,0 +1,104 @@
+#include "daemon/plan_command.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "daemon/atomic_file.hpp"
+#include "daemon/config_error.hpp"
+#include "daemon/plan_proposal.hpp"
+#include "daemon/plan_text.hpp"
+#include "daemon/progress.hpp"
+#include "daemon/result_files.hpp"
+
+namespace sweepd {
+namespace {
+
+void check(const PlanOptions& options) {
+  if (options.krl.has_value() != options.output.has_value())
+    throw std::invalid_argument(
+        "--krl, --output: expected both or neither: name the dialect and the folder of the "
+        "program");
+  if (options.write_plan && !options.propose)
+    throw std::invalid_argument("--write-plan: expected --propose, as it writes the proposal");
+}
+
+Measurement measurement_of(const PlanOptions& options) {
+  return {std::chrono::milliseconds(options.cycle_ms), options.precision, options.wobble_deg,
+          options.position_sigma_mm};
+}
+
+KrlOptions krl_options(const PlanOptions& options, const RobotDescription& robot) {
+  KrlOptions krl;
+  krl.dialect = *options.krl;
+  krl.name = options.name;
+  krl.tool = options.krl_tool;
+  krl.rsi_file = options.rsi_file;
+  for (const JointLimits& limits : robot.limits) {
+    krl.max_speed_deg_s.emplace_back();
+    if (std::isfinite(limits.max_speed_deg_s)) krl.max_speed_deg_s.back() = limits.max_speed_deg_s;
+  }
+  return krl;
+}
+
+/// Throws with all that KRL cannot express.
+void check_krl(const SweepPlan& plan, const KrlOptions& krl) {
+  std::string text;
+  for (const std::string& finding : krl_findings(plan, krl))
+    text += (text.empty() ? "" : "\n") + plan.file.string() + ": KRL: " + finding;
+  if (!text.empty()) throw ConfigError(text);
+}
+
+std::string remark(const PlanOptions& options, const Proposal& proposal) {
+  return "Proposed by `sweepd plan` from " + options.plan.filename().string() + ": the sweeps of " +
+         std::to_string(proposal.steps.size()) +
+         " joints are wider.\nsweepd knows joint limits, but neither the cell nor the robot's own "
+         "body:\ndrive every new range by hand in T1 first.";
+}
+
+}  // namespace
+
+int plan(const PlanOptions& options, std::ostream& out, std::ostream& errors) {
+  check(options);
+  RobotDescription robot = load_robot(options.robot);
+  const SweepPlan given = load_plan(options.plan);
+  if (options.tool_mm && robot.arm) robot.arm->tool_mm = Eigen::Vector3d(options.tool_mm->data());
+  const Measurement measurement = measurement_of(options);
+  std::optional<KrlProgram> program;
+  if (options.krl) {
+    const KrlOptions krl = krl_options(options, robot);
+    check_krl(given, krl);
+    program = krl_program(given, krl);
+  }
+
+  const PlanOutlook outlook = look_ahead(robot, given, measurement);
+  out << plan_text(robot, outlook, measurement);
+  std::optional<Proposal> proposal;
+  if (options.propose) {
+    Progress progress("plan");
+    proposal =
+        propose(robot, outlook, measurement, options.margin_deg,
+                [&](double done, double total) { progress.update(done, total, "proposal"); });
+    progress.clear();
+    out << proposal_text(outlook, *proposal, options.margin_deg);
+  }
+  const PlanOutlook& judged = proposal && !options.krl ? proposal->outlook : outlook;
+  out << std::flush;
+  for (const std::string& refusal : judged.refusals) errors << "sweepd: " << refusal << '\n';
+  if (!judged.refusals.empty()) return 1;
+
+  if (proposal && options.write_plan) {
+    write_atomically(*options.write_plan,
+                     plan_toml(proposal->outlook.plan, remark(options, *proposal)));
+    out << "\nwritten     " << options.write_plan->string() << '\n';
+  }
+  if (program) {
+    make_folder(*options.output);
+    const auto base = *options.output / options.name;
+    write_atomically(base.string() + ".src", program->src);
+    write_atomically(base.string() + ".dat", program->dat);
+    out << "\nwritten     " << base.string() << ".src\n            " << base.string() << ".dat\n";
+  }
+  return 0;
+}
+
+}  // namespace sweepd

@@ -1,0 +1,137 @@
+#include "identify/prediction.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "identify/chain_fit.hpp"
+#include "identify/chain_samples.hpp"
+#include "identify/chain_table.hpp"
+#include "identify/fitted_axes.hpp"
+
+namespace identify {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+constexpr double kFree = std::numeric_limits<double>::infinity();
+constexpr double kPi = 3.14159265358979323846;
+
+/// Standard deviation of x - round(x), unit `step`, x Gaussian about a whole number of steps: a
+/// locked joint stands at its home, which has no more decimals than are printed. From the Fourier
+/// series of the saw tooth.
+double rounding_error(double step, double sigma) {
+  if (!(step > 0)) return 0;
+  double variance = 1.0 / 12;
+  for (int k = 1; k <= 100; ++k) {
+    const double share = std::exp(-2 * std::pow(kPi * k * sigma / step, 2));
+    variance += (k % 2 == 0 ? share : -share) / (kPi * kPi * k * k);
+  }
+  return step * std::sqrt(std::max(0.0, variance));
+}
+
+/// The specified arm as it stands at the rehearsal's home, in its own base, along positive
+/// rotation.
+Chain specified_chain(const Identification& rehearsed, const Arm& arm) {
+  Chain chain;
+  Isometry3d frame = Isometry3d::Identity();
+  for (std::size_t j = 0; j < arm.joints(); ++j) {
+    chain.axes.push_back(
+        {arm.positive[j] * Vector3d(frame.linear().col(2)), Vector3d(frame.translation())});
+    frame = frame * transform(rehearsed.specified[j]);
+  }
+  chain.targets_mm = {frame * arm.tool_mm};
+  chain.tool = frame.linear();
+  return chain;
+}
+
+/// The covariance of `fit`, whose weights are not quite those of its errors (Huber, 5th Berkeley
+/// Symposium, 1967: "sandwich"). The estimator takes printed numbers for independent; but A, B and
+/// C are rounded each by itself, which is not alike about all directions, and where one of them
+/// follows a single joint it shares that joint's rounding. The errors are the rehearsal's own, at
+/// the true chain.
+template <int Size>
+Eigen::MatrixXd covariance_by_errors(const ChainFit& fit,
+                                     const std::vector<ChainObservation>& samples,
+                                     const ChainNoise& noise) {
+  ChainPose pose(fit.chain);
+  ChainResidual<Size> residual;
+  Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(fit.covariance.rows(), fit.covariance.cols());
+  for (const ChainObservation& sample : samples) {
+    pose.set(sample.target, sample.turns, true);
+    residual.set(fit.chain, sample, pose, noise);
+    const Eigen::VectorXd pull = pose.by_parameter.topLeftCorner(Size, spread.rows()).transpose() *
+                                 (residual.weight * residual.error);
+    spread.noalias() += pull * pull.transpose();
+  }
+  return fit.covariance * spread * fit.covariance;
+}
+
+void predict_from(ChainSamples& samples, const Identification& rehearsed, const Campaign& campaign,
+                  const Chain& chain, ChainNoise& noise, Prediction& prediction) {
+  const std::size_t joints = campaign.joints;
+  std::vector<bool> swept(joints, false);
+  for (const ChainObservation& sample : samples.observations) swept[sample.joint] = true;
+  for (std::size_t j = 0; j < joints; ++j)
+    if (rehearsed.chain->angles[j].trust != AngleTrust::trusted) noise.swept_rad[j] = kFree;
+  // Only the turns matter, and those to what the wobble is beside a sweep.
+  if (!samples.with_angles)
+    static_cast<void>(
+        starting_targets(chain, samples.observations, samples.targets, samples.with_angles));
+
+  ChainEstimate expected;
+  expected.with_orientation = rehearsed.chain->with_orientation;
+  ChainFit fit = fit_chain(chain, samples.observations, noise, expected.with_orientation, 0);
+  if (samples.with_angles)
+    fit.covariance = expected.with_orientation
+                         ? covariance_by_errors<6>(fit, samples.observations, noise)
+                         : covariance_by_errors<3>(fit, samples.observations, noise);
+  set_fitted_axes(expected, fit, swept, 1);
+  const TableAxes axes = table_axes(expected, campaign);
+  prediction.axes = expected.axes;
+  prediction.dh = table_of(axes, joints, rehearsed.specified);
+  if (campaign.device_frame) leave_first_to_frame(prediction.dh, rehearsed.specified);
+}
+
+}  // namespace
+
+ChainNoise printed_noise(const Resolution& resolution, double wobble_rad, std::size_t joints) {
+  const double share = 1 / std::sqrt(12.0);
+  ChainNoise noise;
+  noise.position_mm = share * resolution.position_mm;
+  noise.orientation_rad = share * resolution.angle_rad;
+  noise.locked_rad = rounding_error(resolution.angle_rad, wobble_rad);
+  noise.swept_rad.assign(joints, share * resolution.angle_rad);
+  return noise;
+}
+
+ChainNoise device_noise(double position_mm, double wobble_rad, std::size_t joints) {
+  ChainNoise noise;
+  noise.position_mm = position_mm;
+  noise.locked_rad = wobble_rad;
+  noise.swept_rad.assign(joints, kFree);
+  return noise;
+}
+
+Prediction predict(const Identification& rehearsed, const Campaign& campaign, ChainNoise noise) {
+  const Arm& arm = *campaign.specified;
+  const std::size_t joints = arm.joints();
+  const Chain chain = specified_chain(rehearsed, arm);
+  Prediction prediction;
+  prediction.dh.resize(joints);
+  prediction.axes.resize(joints);
+  for (const ChainAxis& axis : chain.axes)
+    prediction.radius_mm.push_back(
+        axis.direction.cross(chain.targets_mm.front() - axis.point_mm).norm());
+  if (!rehearsed.chain) return prediction;
+  auto axes = starting_axes(rehearsed);
+  for (std::size_t j = 0; j < joints; ++j)
+    if (axes[j]) axes[j] = chain.axes[j];
+  ChainSamples samples = chain_samples(rehearsed, axes);
+  if (!samples.observations.empty())
+    predict_from(samples, rehearsed, campaign, chain, noise, prediction);
+  return prediction;
+}
+
+}  // namespace identify
