@@ -8,6 +8,7 @@
 
 #include "daemon/atomic_file.hpp"
 #include "daemon/result_files.hpp"
+#include "daemon/result_json.hpp"
 
 namespace sweepd {
 namespace {
@@ -51,6 +52,7 @@ void Identifier::interim(std::shared_ptr<const Recording> recording, Snapshot sn
   auto work = [this, recording = std::move(recording),
                snapshot = std::move(snapshot)](const Log& robot) {
     const Outcome outcome = identify(snapshot);
+    publish(outcome, true, robot);
     const auto folder = recording->folder();
     if (!folder.empty()) write_result(folder, outcome);
     say(robot, "interim ", outcome.identification, folder);
@@ -68,6 +70,7 @@ void Identifier::last(std::shared_ptr<const Recording> recording, Snapshot snaps
     run.recording = recording->counts();
     // A replay of what is not whole would give something else.
     if (!run.recording->complete()) outcome.source_kind = "live";
+    publish(outcome, false, robot);
     run.folder = recording->folder();
     if (!link.good) robot.warning("the link is {}", link.verdict);
     if (!link.bad_end.empty())
@@ -93,10 +96,26 @@ void Identifier::link(std::shared_ptr<const Recording> recording, LinkFiles link
   jobs_.submit(logged(std::move(log), std::move(work)), false);
 }
 
+void Identifier::publish(const Outcome& outcome, bool interim, const Log& log) {
+  const auto& result = outcome.identification;
+  ResultState state = *status_->result.newest();
+  ++state.count[static_cast<std::size_t>(result.status)];
+  state.newest = {result.status,
+                  interim,
+                  log.subject().session,
+                  rsi::now(),
+                  identified_in_,
+                  result.warnings.size(),
+                  std::make_shared<const std::string>(result_json(outcome))};
+  status_->result.publish(std::move(state));
+}
+
 Outcome Identifier::identify(const Snapshot& snapshot) {
   const Turn turn;
   began_ = std::chrono::steady_clock::now();
-  return snapshot.identified();
+  Outcome outcome = snapshot.identified();
+  identified_in_ = std::chrono::steady_clock::now() - began_;
+  return outcome;
 }
 
 }  // namespace sweepd

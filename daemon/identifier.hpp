@@ -3,11 +3,13 @@
 #include <atomic>
 #include <chrono>
 #include <memory>
+#include <utility>
 
 #include "daemon/job_thread.hpp"
 #include "daemon/link_watch.hpp"
 #include "daemon/log.hpp"
 #include "daemon/recording.hpp"
+#include "daemon/robot_state.hpp"
 #include "daemon/run_json.hpp"
 #include "daemon/session.hpp"
 
@@ -21,6 +23,9 @@ namespace sweepd {
 /// One thread hands over; took() and drain() are any thread's.
 class Identifier {
  public:
+  /// `status` learns of each result.
+  explicit Identifier(std::shared_ptr<RobotStatus> status) : status_(std::move(status)) {}
+
   /// A result while the session goes on. Gives way to the next one where it has not begun.
   void interim(std::shared_ptr<const Recording> recording, Snapshot snapshot, Log log);
   /// The last result, after the end of the recording, and how the link did. Once run.json has
@@ -37,8 +42,11 @@ class Identifier {
 
  private:
   Outcome identify(const Snapshot& snapshot);
+  void publish(const Outcome& outcome, bool interim, const Log& log);
 
+  const std::shared_ptr<RobotStatus> status_;
   std::chrono::steady_clock::time_point began_;  // the newest, once its turn had come
+  std::chrono::nanoseconds identified_in_{};
   std::atomic<std::chrono::steady_clock::duration> took_{};
   JobThread jobs_;
 };

@@ -32,6 +32,7 @@ class LinkWatch {
 
   /// How the link does so far; `at_end`: and how it ended.
   [[nodiscard]] LinkFiles files(bool at_end) const;
+  [[nodiscard]] rsi::LinkReport report() const { return monitor_.report(); }
 
  private:
   rsi::Conversation conversation_;

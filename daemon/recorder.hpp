@@ -57,6 +57,9 @@ class Recorder {
   /// Other settings from now on. Any thread.
   void reconfigure(const RecordingSettings& settings);
 
+  /// Whether the disk has no room or refuses. Any thread.
+  [[nodiscard]] bool paused() const { return writer_.paused(); }
+
  private:
   struct Begin {
     std::shared_ptr<Recording> recording;

@@ -12,6 +12,16 @@ std::filesystem::path Recording::folder() const {
   return folder_;
 }
 
+Recording::Counts& Recording::Counts::operator+=(const Counts& other) {
+  recorded += other.recorded;
+  memory_full += other.memory_full;
+  disk += other.disk;
+  files += other.files;
+  bytes += other.bytes;
+  pauses += other.pauses;
+  return *this;
+}
+
 Recording::Counts Recording::counts() const {
   const std::lock_guard lock(mutex_);
   return counts_;
@@ -20,6 +30,11 @@ Recording::Counts Recording::counts() const {
 void Recording::wait() const {
   std::unique_lock lock(mutex_);
   ended_.wait(lock, [this] { return finished_; });
+}
+
+bool Recording::finished() const {
+  const std::lock_guard lock(mutex_);
+  return finished_;
 }
 
 void Recording::made(const std::filesystem::path& folder) {

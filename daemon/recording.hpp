@@ -46,6 +46,7 @@ class Recording {
     [[nodiscard]] bool complete() const {
       return memory_full == RecordCount{} && disk == RecordCount{};
     }
+    Counts& operator+=(const Counts& other);
   };
 
   /// The session's folder; empty until it is made.
@@ -54,6 +55,8 @@ class Recording {
 
   /// Waits until all that can be recorded is on the disk.
   void wait() const;
+  /// Whether it is: the counts are the last ones then.
+  [[nodiscard]] bool finished() const;
 
   // The recorder's own:
   void made(const std::filesystem::path& folder);

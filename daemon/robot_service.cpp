@@ -22,6 +22,9 @@ using namespace std::chrono_literals;
 /// system call, and the machine a change of threads.
 constexpr auto kTick = 100ms;
 
+/// And so often it tells how the robot is.
+constexpr auto kPublished = 1s;
+
 /// At the end an identification takes seconds, on a machine that is busy with other things minutes.
 /// More, after the recording was written, is a disk that has stopped answering.
 constexpr auto kLongestResult = 10min;
@@ -46,10 +49,14 @@ RobotService::RobotService(const RobotSettings& settings)
       setup_(load_setup(settings)),
       server_(make_server(settings)),
       log_(settings.name),
+      status_(std::make_shared<RobotStatus>()),
       recorder_(settings.recording, say_for(settings.name)),
+      identifier_(status_),
       given_(settings),
       ethernet_xml_(content(settings.ethernet_config)),
-      session_log_(settings.name) {
+      session_log_(settings.name),
+      tally_(first_state()) {
+  status_->state.publish(first_state());
   std::error_code error;
   std::filesystem::create_directories(settings_.output / settings_.name, error);
   if (error)
@@ -157,10 +164,12 @@ void RobotService::acquire() {
                         settings_.silence.count());
       end_session();
     }
+    if (now - published_ >= kPublished) publish();
   }
   server_->settle();
   drain();
   end_session();
+  publish();
 }
 
 void RobotService::drain() {
@@ -222,6 +231,8 @@ void RobotService::begin_session(const rsi::Datagram& first) {
     }
   };
   recording_ = recorder_.begin(std::move(start));
+  tally_.begin_session({started_, rsi::now(), first.source.address}, recording_);
+  published_ = {};
 }
 
 void RobotService::end_session() {
@@ -232,6 +243,8 @@ void RobotService::end_session() {
   run.ended = utc_name(rsi::now());
   identifier_.last(recording_, session_->snapshot(), std::move(run), watch_->files(true),
                    session_log_);
+  tally_.end_session(watch_->report());
+  published_ = {};
   session_.reset();
   session_log_.about({}, {});
   watch_.reset();
@@ -239,8 +252,10 @@ void RobotService::end_session() {
 }
 
 void RobotService::on_sweep(const identify::Sweep& sweep) {
-  session_log_.note("{}{}", sweep_line(sweep),
-                    sweep.defect == identify::SweepDefect::none ? "" : " (not usable)");
+  const std::string words =
+      sweep_line(sweep) + (sweep.defect == identify::SweepDefect::none ? "" : " (not usable)");
+  session_log_.note("{}", words);
+  tally_.sweep(sweep, words);
   // With many sweeps in one stream each identification takes longer: leave most of the time free.
   const auto now = Steady::now();
   if (now - last_identification_ < 10 * identifier_.took()) return;
@@ -254,6 +269,25 @@ void RobotService::say_link() {
     identifier_.link(recording_, watch_->files(false), session_log_);
   else
     session_log_.note("no RSI at the moment, so there is no link to tell of");
+}
+
+RobotState RobotService::first_state() const {
+  RobotState state;
+  state.name = settings_.name;
+  state.listen = server_->local();
+  state.transport = server_->transport();
+  state.replies = server_->replies();
+  for (std::size_t joint = 1; joint <= setup_.joints; ++joint) state.sweeps[joint] = {};
+  return state;
+}
+
+void RobotService::publish() {
+  std::optional<rsi::LinkReport> under_way;
+  if (session_) under_way = watch_->report();
+  const RobotState& state =
+      tally_.state(server_->counts(), recorder_.paused(), under_way ? &*under_way : nullptr);
+  // A reader is never waited for: then it is told at the next tick.
+  if (status_->state.try_publish(state)) published_ = Steady::now();
 }
 
 RunFacts RobotService::run_facts() const {

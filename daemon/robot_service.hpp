@@ -17,6 +17,8 @@
 #include "daemon/realtime.hpp"
 #include "daemon/recorder.hpp"
 #include "daemon/robot_setup.hpp"
+#include "daemon/robot_state.hpp"
+#include "daemon/robot_tally.hpp"
 #include "daemon/run_json.hpp"
 #include "daemon/session.hpp"
 #include "daemon/settings.hpp"
@@ -53,6 +55,9 @@ class RobotService {
     return {log_.subject().robot, server_->beats(), acquisition_beats_};
   }
 
+  /// How it is: published about once a second. Any thread, also after the end of this.
+  [[nodiscard]] std::shared_ptr<const RobotStatus> status() const { return status_; }
+
   [[nodiscard]] rsi::Endpoint local() const { return server_->local(); }
 
  private:
@@ -68,12 +73,15 @@ class RobotService {
   void end_session();
   void on_sweep(const identify::Sweep& sweep);
   void say_link();
+  [[nodiscard]] RobotState first_state() const;
+  void publish();
   [[nodiscard]] RunFacts run_facts() const;
 
   RobotSettings settings_;
   RobotSetup setup_;
   std::unique_ptr<rsi::Server> server_;
   const Log log_;
+  const std::shared_ptr<RobotStatus> status_;
   Recorder recorder_;
   Identifier identifier_;
   std::thread reply_thread_;
@@ -99,6 +107,8 @@ class RobotService {
   std::string started_;
   std::uint32_t local_address_ = 0;  // as the controller sees it
   LinkComplaints complaints_;
+  RobotTally tally_;
+  Steady::time_point published_;
   Steady::time_point last_datagram_;
   Steady::time_point last_identification_;
 };

@@ -65,9 +65,23 @@ struct RobotSettings {
   SignalNames signals;
 };
 
+/// Names of hosts, without a port.
+struct HostNames {
+  std::vector<std::string> names;
+  bool operator==(const HostNames&) const = default;
+};
+
+/// [http]: the pages that tell how sweepd is.
+struct HttpSettings {
+  std::optional<rsi::Endpoint> listen = rsi::Endpoint{0x7f000001, 19152};  ///< absent: no pages
+  /// This machine's, which a request may name beside localhost and the address of `listen`.
+  HostNames hosts;
+};
+
 struct Settings {
   std::filesystem::path file;
   std::vector<RobotSettings> robots;  ///< at least one
+  HttpSettings http;
 };
 
 /// Reads and checks the settings; throws ConfigError. Whether the files that they name exist is
@@ -80,15 +94,18 @@ struct SettingsChange {
   std::vector<std::string> after_restart;  ///< the server's own: need a new one
 };
 [[nodiscard]] SettingsChange change(RobotSettings from, RobotSettings to);
+/// The keys of [http] that differ. All of them need a restart.
+[[nodiscard]] std::vector<std::string> change(HttpSettings from, HttpSettings to);
 
-/// An option of [[robot]] in words, for a manual.
+/// An option in words, for a manual.
 struct OptionText {
-  std::string key;       ///< "signals.position" stands in [robot.signals]
+  std::string key;       ///< of a robot, "signals.position" stands in [robot.signals]
   std::string value;     ///< what is written, with its range: "whole number, 100 to 3600000"
   std::string fallback;  ///< the default as TOML; empty if there is none
   bool required = false;
   std::string help;  ///< one line
 };
-[[nodiscard]] std::vector<OptionText> robot_options();
+[[nodiscard]] std::vector<OptionText> robot_options();  ///< of [[robot]]
+[[nodiscard]] std::vector<OptionText> http_options();   ///< of [http]
 
 }  // namespace sweepd

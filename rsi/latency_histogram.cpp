@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numeric>
+#include <limits>
 
 namespace rsi {
 namespace {
@@ -29,6 +29,7 @@ void LatencyHistogram::add(std::chrono::nanoseconds duration) noexcept {
   const std::int64_t value = std::max<std::int64_t>(0, duration.count());
   ++counts_[bucket_of(static_cast<std::uint64_t>(value))];
   ++count_;
+  sum_ += std::min(value, std::numeric_limits<std::int64_t>::max() - sum_);
   max_ = std::max(max_, value);
 }
 
@@ -43,10 +44,23 @@ std::chrono::nanoseconds LatencyHistogram::quantile(double q) const {
 }
 
 std::uint64_t LatencyHistogram::at_most(std::chrono::nanoseconds duration) const {
-  if (duration.count() < 0) return 0;
-  const auto end = bucket_of(static_cast<std::uint64_t>(duration.count())) + 1;
-  return std::accumulate(counts_.begin(), counts_.begin() + static_cast<std::ptrdiff_t>(end),
-                         std::uint64_t{0});
+  return at_most(std::span(&duration, 1)).front();
+}
+
+std::vector<std::uint64_t> LatencyHistogram::at_most(
+    std::span<const std::chrono::nanoseconds> durations) const {
+  std::vector<std::uint64_t> counts;
+  counts.reserve(durations.size());
+  std::size_t bucket = 0;
+  std::uint64_t below = 0;
+  for (const auto duration : durations) {
+    if (duration.count() >= 0)
+      for (const auto last = bucket_of(static_cast<std::uint64_t>(duration.count()));
+           bucket <= last; ++bucket)
+        below += counts_[bucket];
+    counts.push_back(below);
+  }
+  return counts;
 }
 
 }  // namespace rsi

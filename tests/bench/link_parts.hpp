@@ -125,8 +125,9 @@ class Load {
 /// Sum over all run.json below a folder of a number in "since_start_of_sweepd".
 [[nodiscard]] std::uint64_t counted(const std::filesystem::path& output, const char* name);
 
-/// The three benches; see link_bench.cpp.
+/// The benches; see link_bench.cpp.
 void turnaround(std::chrono::seconds time);
+void endpoint(std::chrono::seconds time);
 void fleet(const std::vector<std::size_t>& robots, std::chrono::seconds time);
 void soak(std::uint64_t telegrams, std::uint64_t per_stream);
 

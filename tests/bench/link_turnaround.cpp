@@ -2,18 +2,15 @@
 // that the machine's noise meets both alike. The service does all that it does: recording, sweeps,
 // identification.
 
-#include <cerrno>
 #include <iostream>
 #include <optional>
 #include <stdexcept>
-#include <system_error>
-
-#include <sys/socket.h>
 
 #include "daemon/realtime.hpp"
 #include "daemon/robot_service.hpp"
 #include "rsi/ipoc.hpp"
 #include "rsi/reply.hpp"
+#include "tests/bench/link_client.hpp"
 #include "tests/bench/link_parts.hpp"
 #include "tests/bench/table.hpp"
 #include "tests/daemon/temporary_folder.hpp"
@@ -21,7 +18,6 @@
 namespace bench {
 namespace {
 
-using boost::asio::ip::udp;
 using Clock = std::chrono::steady_clock;
 
 constexpr int kServerPriority = 80;
@@ -37,36 +33,6 @@ void enter_fifo(int priority, int processor) {
   sweepd::enter_real_time(settings, report);
   if (!report.refused.empty()) throw std::runtime_error(report.refused.front());
 }
-
-/// Sends to one server and waits for what it answers.
-class Client {
- public:
-  explicit Client(std::uint16_t port) : socket_(context_, udp::v4()) {
-    socket_.connect({boost::asio::ip::address_v4::loopback(), port});
-    const timeval longest{1, 0};
-    setsockopt(socket_.native_handle(), SOL_SOCKET, SO_RCVTIMEO, &longest, sizeof longest);
-  }
-
-  /// The reply is valid until the next call.
-  std::string_view exchange(std::string_view telegram) {
-    const auto sent = Clock::now();
-    socket_.send(boost::asio::buffer(telegram.data(), telegram.size()));
-    const auto size = recv(socket_.native_handle(), buffer_.data(), buffer_.size(), 0);
-    const auto received = Clock::now();
-    if (size < 0)
-      throw std::system_error(errno, std::generic_category(), "no answer within a second");
-    turnarounds_.push_back(received - sent);
-    return {buffer_.data(), static_cast<std::size_t>(size)};
-  }
-
-  std::vector<std::chrono::nanoseconds>& turnarounds() { return turnarounds_; }
-
- private:
-  boost::asio::io_context context_;
-  udp::socket socket_;
-  std::array<char, 65536> buffer_{};
-  std::vector<std::chrono::nanoseconds> turnarounds_;
-};
 
 struct Turnarounds {
   std::vector<std::chrono::nanoseconds> service, echo;

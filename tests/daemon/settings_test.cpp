@@ -211,6 +211,45 @@ TEST_CASE("the manual lists every option with its default and range") {
   CHECK(option("queue_bytes").value == "whole number, 65536 to 1073741824");
   CHECK(option("signals.position").fallback == "[\"RIst.X\", \"RIst.Y\", \"RIst.Z\"]");
   for (const auto& text : options) CHECK_FALSE(text.help.empty());
+
+  const auto http = sweepd::http_options();
+  REQUIRE(http.size() == 2);
+  CHECK(http[0].key == "listen");
+  CHECK(http[0].value == "\"ADDRESS:PORT\" or \"off\"");
+  CHECK(http[0].fallback == "\"127.0.0.1:19152\"");
+  CHECK_FALSE(http[0].required);
+  CHECK(http[1].key == "hosts");
+  CHECK(http[1].fallback == "[]");
+}
+
+TEST_CASE("the pages are served on the loopback interface unless [http] says otherwise") {
+  const auto http = [](const std::string& text) {
+    const SettingsFile file(kRobot + text);
+    return load_settings(file.path).http;
+  };
+  CHECK(http("").listen == rsi::parse_endpoint("127.0.0.1:19152"));
+  CHECK(http("").hosts.names.empty());
+  CHECK(http("[http]\n").listen == rsi::parse_endpoint("127.0.0.1:19152"));
+  CHECK_FALSE(http("[http]\nlisten = \"off\"\n").listen);
+  const auto changed =
+      http("[http]\nlisten = \"0.0.0.0:80\"\nhosts = [\"cell-pc\", \"10.0.0.5\"]\n");
+  CHECK(changed.listen == rsi::parse_endpoint("0.0.0.0:80"));
+  CHECK(changed.hosts.names == std::vector<std::string>{"cell-pc", "10.0.0.5"});
+  CHECK(sweepd::change(http(""), http("")).empty());
+  CHECK(sweepd::change(http(""), changed) == std::vector<std::string>{"http.listen", "http.hosts"});
+}
+
+TEST_CASE("mistakes in [http] are found") {
+  CHECK(error_of("[htp]\n" + kRobot) == "1:2: htp: unknown key: did you mean \"http\"?");
+  CHECK(error_of(kRobot + "[http]\nlissen = \"off\"\n") ==
+        "7:1: http.lissen: unknown key: did you mean \"listen\"?");
+  CHECK(error_of(kRobot + "[http]\nlisten = \"localhost:80\"\n") ==
+        "7:10: http.listen: expected an IPv4 address and a port (1 to 65535), or \"off\", found "
+        "the string \"localhost:80\": write it like \"127.0.0.1:19152\"");
+  for (const auto& wrong :
+       std::vector<std::string>{"a b", "http://a", "a:80", "[::1]", std::string(254, 'a')})
+    CHECK_THAT(error_of(kRobot + "[http]\nhosts = [\"" + wrong + "\"]\n"),
+               Catch::Matchers::ContainsSubstring("write them without scheme and port"));
 }
 
 TEST_CASE("the shipped settings are valid") {
@@ -230,7 +269,9 @@ TEST_CASE("the shipped settings show every option, and the true default of each"
   std::ostringstream content;
   content << in.rdbuf();
   const std::string text = content.str();
-  for (const auto& option : sweepd::robot_options()) {
+  auto options = sweepd::robot_options();
+  for (auto& option : sweepd::http_options()) options.push_back(std::move(option));
+  for (const auto& option : options) {
     const std::string key = option.key.substr(option.key.find('.') + 1);
     INFO(key);
     if (option.fallback.empty())

@@ -21,6 +21,9 @@ bool are_finite(const std::vector<double>& values) {
 void check_settings(const std::filesystem::path& path) {
   const auto settings = sweepd::load_settings(path);
   expect(!settings.robots.empty(), "there is a robot");
+  expect(!settings.http.listen || settings.http.listen->port > 0, "pages have a port");
+  for (const auto& host : settings.http.hosts.names)
+    expect(!host.empty() && host.find_first_of(":/ ") == std::string::npos, "a host is a name");
   for (const auto& robot : settings.robots) {
     expect(!robot.name.empty() && robot.name.find('/') == std::string::npos && robot.name != "..",
            "a name can name a folder");

@@ -77,4 +77,20 @@ TEST_CASE("durations up to a limit are counted, those in its own bucket among th
   CHECK(histogram.at_most(nanoseconds(900'000)) == 100);
   CHECK(histogram.at_most(nanoseconds(1'000'000)) == 101);
   CHECK(histogram.at_most(nanoseconds::max()) == 101);
+  SECTION("for many limits at once") {
+    const std::vector<nanoseconds> limits{nanoseconds(-1), nanoseconds(40), nanoseconds(40),
+                                          nanoseconds(900'000), nanoseconds::max()};
+    CHECK(histogram.at_most(limits) == std::vector<std::uint64_t>{0, 40, 40, 100, 101});
+    CHECK(histogram.at_most(std::vector<nanoseconds>{}).empty());
+  }
+}
+
+TEST_CASE("the sum of all durations is exact") {
+  rsi::LatencyHistogram histogram;
+  CHECK(histogram.sum() == nanoseconds(0));
+  for (int i = 1; i <= 1000; ++i) histogram.add(nanoseconds(1'000'001 * i));
+  histogram.add(nanoseconds(-5));
+  CHECK(histogram.sum() == nanoseconds(1'000'001LL * 500'500));
+  histogram.add(nanoseconds::max());
+  CHECK(histogram.sum() == nanoseconds::max());
 }

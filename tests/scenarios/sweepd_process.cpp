@@ -88,7 +88,8 @@ Daemon::Daemon(const std::filesystem::path& folder, Options options)
   auto ethernet = content(kConfig / "controller/krc4/sweepd_ethernet.xml");
   ethernet.replace(ethernet.find("49152"), 5, std::to_string(port_));
   std::ofstream(folder / "ethernet.xml") << ethernet;
-  std::ofstream(config_) << "[[robot]]\nname = \"kr5-arc\"\ndescription = \""
+  std::ofstream(config_) << "[http]\nlisten = \"" << options_.pages
+                         << "\"\n[[robot]]\nname = \"kr5-arc\"\ndescription = \""
                          << (kConfig / "robots/kr5_arc.toml").string() << "\"\nlisten = \""
                          << address()
                          << "\"\noutput = \"output\"\nethernet_config = \"ethernet.xml\"\n"

@@ -61,6 +61,7 @@ class Daemon {
   struct Options {
     std::string settings = {};  ///< lines that follow in [[robot]]
     SweepdProcess::Launch launch = {};
+    std::string pages = "off";  ///< `listen` of [http]
   };
 
   /// Waits until it listens.

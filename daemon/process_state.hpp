@@ -1,0 +1,18 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+namespace sweepd {
+
+/// What this process takes of the machine.
+struct ProcessState {
+  std::chrono::nanoseconds started{};  ///< since the Unix epoch
+  std::chrono::nanoseconds processor_time{};
+  std::uint64_t resident_bytes = 0;
+};
+
+/// Now. What cannot be read is zero.
+[[nodiscard]] ProcessState process_state();
+
+}  // namespace sweepd
