@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace sweepd {
+
+/// A command's option or file argument in words, for a manual and for completion.
+struct CommandOption {
+  std::vector<std::string> names;    ///< "--help", "-h"; an argument without dashes: its own, TRACE
+  std::string value;                 ///< what is written after it: FILE, DIR; empty: a flag
+  std::vector<std::string> choices;  ///< the only values, if they are a fixed set
+  std::string range;                 ///< the only values: "1 to 12"
+  std::string fallback;              ///< the default; may stand in `help` instead
+  bool required = false;
+  bool repeated = false;           ///< takes several values
+  std::vector<std::string> needs;  ///< options that have to be given with it
+  int alternative = 0;  ///< exactly one option of those with the same number, not 0, is given
+  std::string help;
+
+  [[nodiscard]] bool positional() const { return names.front().front() != '-'; }
+};
+
+/// A command in words, and the program itself, which has commands.
+struct CommandText {
+  std::string name;
+  std::string help;
+  std::string footer;  ///< lines as in --help, empty if it is the program's own
+  std::vector<CommandOption> options;
+  std::vector<CommandText> commands;
+};
+
+/// What a command line parser knows of its options.
+[[nodiscard]] CommandText command_text(const CLI::App& app);
+
+}  // namespace sweepd
