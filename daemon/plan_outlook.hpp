@@ -30,7 +30,10 @@ struct PlanOutlook {
 /// would not be found, where the target is near an axis whose direction would be uncertain by more
 /// than `identify::kPoorDirection_rad`, and where a sweep would not be recognised. Throws as
 /// SimulatedRobot does, with all findings about limits.
+///
+/// The prediction is the mean over so many `rehearsals`: of one, an uncertainty is itself uncertain
+/// by some 3 %.
 [[nodiscard]] PlanOutlook look_ahead(const RobotDescription& robot, const SweepPlan& plan,
-                                     const Measurement& measurement);
+                                     const Measurement& measurement, std::uint64_t rehearsals = 6);
 
 }  // namespace sweepd

@@ -92,7 +92,7 @@ Proposal propose(const RobotDescription& robot, const PlanOutlook& from,
   // Information grows with the number of samples alike for all plans: few are enough to compare.
   Measurement coarse = measurement;
   coarse.cycle = std::max(measurement.cycle, kCoarseCycle);
-  PlanOutlook reached = look_ahead(robot, from.plan, coarse);
+  PlanOutlook reached = look_ahead(robot, from.plan, coarse, 1);
   while (!open.empty()) {
     std::optional<PlanOutlook> best;
     std::size_t best_joint = 0;
@@ -105,7 +105,7 @@ Proposal propose(const RobotDescription& robot, const PlanOutlook& from,
         open.erase(joint);
         continue;
       }
-      PlanOutlook outlook = look_ahead(robot, plan, coarse);
+      PlanOutlook outlook = look_ahead(robot, plan, coarse, 1);
       const double gained = gain(reached.prediction, outlook.prediction);
       if (gained < best_gain) continue;
       best_gain = gained;

@@ -134,4 +134,22 @@ Prediction predict(const Identification& rehearsed, const Campaign& campaign, Ch
   return prediction;
 }
 
+Prediction mean(const std::vector<Prediction>& predictions) {
+  Prediction mean = predictions.front();
+  const auto count = static_cast<double>(predictions.size());
+  for (std::size_t j = 0; j < mean.dh.size(); ++j) {
+    for (const auto number : {&DhEstimate::b_mm, &DhEstimate::theta_rad, &DhEstimate::a_mm,
+                              &DhEstimate::alpha_rad, &DhEstimate::beta_rad}) {
+      double variance = 0;
+      for (const Prediction& one : predictions) variance += std::pow((one.dh[j].*number).sigma, 2);
+      (mean.dh[j].*number).sigma = std::sqrt(variance / count);
+    }
+    if (!mean.axes[j]) continue;
+    mean.axes[j]->covariance.setZero();
+    for (const Prediction& one : predictions)
+      if (one.axes[j]) mean.axes[j]->covariance += one.axes[j]->covariance / count;
+  }
+  return mean;
+}
+
 }  // namespace identify

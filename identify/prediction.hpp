@@ -38,4 +38,8 @@ struct Prediction {
 [[nodiscard]] Prediction predict(const Identification& rehearsed, const Campaign& campaign,
                                  ChainNoise noise);
 
+/// Predictions from rehearsals of the same plan with other errors, at least one, as one: variances
+/// are their means.
+[[nodiscard]] Prediction mean(const std::vector<Prediction>& predictions);
+
 }  // namespace identify

@@ -12,7 +12,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "daemon/rehearsal.hpp"
+#include "daemon/plan_outlook.hpp"
 #include "daemon/units.hpp"
 #include "tests/bench/table.hpp"
 
@@ -95,7 +95,7 @@ void compare(const Options& options, const std::string& title, const std::string
              const sweepd::Measurement& measurement) {
   const auto robot = sweepd::load_robot(kConfig / "robots/kr5_arc.toml");
   const auto plan = sweepd::load_plan(kConfig / "plans" / plan_file);
-  const auto prediction = sweepd::rehearse(robot, plan, measurement).prediction(measurement);
+  const auto prediction = sweepd::look_ahead(robot, plan, measurement).prediction;
   const auto runs = simulated(options, robot, plan, measurement);
 
   int failed = 0;

@@ -299,7 +299,7 @@ TEST_CASE("predicted uncertainties are those of simulated campaigns", "[long]") 
   for (const bool device : {false, true}) {
     Measurement measurement = coarse();
     if (device) measurement.position_sigma_mm = 0.02;
-    const auto expected = rehearse(robot, plan, measurement).prediction(measurement).dh;
+    const auto expected = look_ahead(robot, plan, measurement).prediction.dh;
     const std::array numbers{&identify::DhEstimate::b_mm, &identify::DhEstimate::theta_rad,
                              &identify::DhEstimate::a_mm, &identify::DhEstimate::alpha_rad};
     const std::array truths{&identify::DhRow::b_mm, &identify::DhRow::theta_rad,
