@@ -98,8 +98,9 @@ class Check {
                    count(config.receive.size(), "tag") + ", port " + std::to_string(config.port) +
                    ", " + (config.protocol == rsi::EthernetConfig::Protocol::TCP ? "TCP" : "UDP"));
       for (const auto& text : config.warnings) findings_.warning(text);
-      findings_.line("reply", config.only_send ? "none: ONLYSEND is TRUE"
-                                               : std::string(rsi::Reply(config).with_ipoc("123456")));
+      findings_.line("reply", config.only_send
+                                  ? "none: ONLYSEND is TRUE"
+                                  : std::string(rsi::Reply(config).with_ipoc("123456")));
       return config;
     } catch (const rsi::EthernetConfigError& problem) {
       findings_.error(problem.what());

@@ -300,7 +300,7 @@ CLI::App* add_check(CLI::App& app, CheckOptions& options) {
   command->add_flag("--files-only", options.files_only,
                     "Leave this machine alone: port, addresses, real time, disk");
   command->footer(
-      "Best as the user that serves: sudo -u sweepd sweepd check\n"
+      "Best as the user that serves: sudo -u sweepd sweepd check.\n"
       "Exit codes: 0 nothing wrong (there may be warnings), 78 a file is wrong, 1 the files are\n"
       "right but this machine cannot do what they say.");
   return command;

@@ -18,15 +18,6 @@ namespace {
 
 const std::filesystem::path kController = kConfig / "controller";
 
-/// A TCP port of 127.0.0.1 that nobody uses.
-std::uint16_t free_tcp_port() {
-  using boost::asio::ip::tcp;
-  boost::asio::io_context context;
-  tcp::acceptor acceptor(context, tcp::v4());
-  acceptor.bind({boost::asio::ip::address_v4::loopback(), 0});
-  return acceptor.local_endpoint().port();
-}
-
 /// The value between <KEY> and </KEY> becomes another, as an engineer edits it.
 std::string edited(std::string xml, const std::string& key, const std::string& value) {
   const auto begin = xml.find('<' + key + '>') + key.size() + 2;

@@ -16,12 +16,6 @@ using Json = nlohmann::json;
 
 namespace {
 
-std::uint16_t free_tcp_port() {
-  boost::asio::io_context context;
-  const boost::asio::ip::tcp::acceptor any(context, {boost::asio::ip::address_v4::loopback(), 0});
-  return any.local_endpoint().port();
-}
-
 /// sweepd with its pages on a port of their own; a stream ends after 300 ms.
 struct ServedDaemon {
   TemporaryFolder folder;

@@ -137,6 +137,14 @@ bool eventually(const std::function<bool()>& condition) {
   return true;
 }
 
+std::uint16_t free_tcp_port() {
+  using boost::asio::ip::tcp;
+  boost::asio::io_context context;
+  tcp::acceptor acceptor(context, tcp::v4());
+  acceptor.bind({boost::asio::ip::address_v4::loopback(), 0});
+  return acceptor.local_endpoint().port();
+}
+
 std::uint16_t free_port() {
   boost::asio::io_context context;
   const boost::asio::ip::udp::socket socket(context, {boost::asio::ip::address_v4::loopback(), 0});

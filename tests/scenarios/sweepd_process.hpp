@@ -93,6 +93,8 @@ bool eventually(const std::function<bool()>& condition);
 
 /// A UDP port of 127.0.0.1 that nobody uses.
 std::uint16_t free_port();
+/// The same of TCP.
+std::uint16_t free_tcp_port();
 
 /// Writes a plan in which each joint turns through 30 degrees and back within about a second.
 std::filesystem::path write_short_plan(const TemporaryFolder& folder);

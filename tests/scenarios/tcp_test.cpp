@@ -14,15 +14,6 @@ using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
-/// A TCP port of 127.0.0.1 that nobody uses.
-std::uint16_t free_tcp_port() {
-  using boost::asio::ip::tcp;
-  boost::asio::io_context context;
-  tcp::acceptor acceptor(context, tcp::v4());
-  acceptor.bind({boost::asio::ip::address_v4::loopback(), 0});
-  return acceptor.local_endpoint().port();
-}
-
 /// An Ethernet file in the manner of a KR C2, and settings for it.
 void write_settings(const TemporaryFolder& folder, std::uint16_t port, const std::string& config) {
   static_cast<void>(folder.write(
