@@ -90,7 +90,7 @@ std::vector<fs::path> files_per_joint(const TemporaryFolder& folder, const Measu
 
 }  // namespace
 
-TEST_CASE("a stream of points gives the specified table") {
+TEST_CASE("a stream of points gives the specified table", "[long]") {
   const TemporaryFolder folder;
   Layout layout{.times = true, .angles = true};
   IdentifyOptions wanted;
@@ -144,7 +144,7 @@ TEST_CASE("points that name their joint give the specified table") {
   }
 }
 
-TEST_CASE("one file a joint gives the specified table") {
+TEST_CASE("one file a joint gives the specified table", "[long]") {
   const TemporaryFolder folder;
   Layout layout;
   SECTION("with times and angles") {

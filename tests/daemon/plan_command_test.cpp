@@ -75,7 +75,7 @@ Measurement coarse() {
 
 }  // namespace
 
-TEST_CASE("plan says what the program will do, and how certain each number will be") {
+TEST_CASE("plan says what the program will do, and how certain each number will be", "[long]") {
   const auto planned = run(options_of());
   CHECK(planned.code == 0);
   CHECK(planned.errors.empty());
@@ -143,7 +143,7 @@ TEST_CASE("a target on an axis is refused with the reason, and nothing is writte
   }
 }
 
-TEST_CASE("a target near an axis: what covariance says of it decides") {
+TEST_CASE("a target near an axis: what covariance says of it decides", "[long]") {
   auto options = options_of();
   options.tool_mm = {1.7, 0, 215};
   options.position_sigma_mm = 0.02;
@@ -169,7 +169,7 @@ TEST_CASE("a sweep that would not be used is refused") {
   CHECK_FALSE(fs::exists(folder / "krl"));
 }
 
-TEST_CASE("the program is written for each controller") {
+TEST_CASE("the program is written for each controller", "[long]") {
   for (const auto dialect : {KrlDialect::krc2, KrlDialect::krc4}) {
     const TemporaryFolder folder;
     auto options = writing(options_of(), folder);

@@ -50,7 +50,7 @@ std::string flowing(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("every report fits 80 columns, and no row is wider than its table") {
+TEST_CASE("every report fits 80 columns, and no row is wider than its table", "[long]") {
   check_layout(report(complete_outcome()));
   check_layout(report(partial_outcome()));
   check_layout(report(failed_outcome()));
