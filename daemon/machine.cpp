@@ -82,7 +82,7 @@ std::string list(const std::vector<std::uint32_t>& addresses) {
   std::string text;
   for (const auto address : addresses)
     text += (text.empty() ? "" : ", ") + rsi::address_text(address);
-  return text;
+  return text.empty() ? "none" : text;
 }
 
 void judge_port(const Machine& machine, const RobotSettings& robot, Findings& findings) {
