@@ -43,6 +43,7 @@ class Check {
       const Settings settings = load_settings(file);
       findings_.ok(file.string() + ": " + count(settings.robots.size(), "robot"));
       for (const auto& robot : settings.robots) check(robot);
+      if (settings.http.listen && !options_.files_only) pages(*settings.http.listen);
     } catch (const ConfigError& problem) {
       findings_.error(problem.what());
     }
@@ -73,6 +74,19 @@ class Check {
     const bool tcp = config && config->protocol == rsi::EthernetConfig::Protocol::TCP;
     judge_machine(look_at_machine(robot, tcp ? rsi::Transport::tcp : rsi::Transport::udp), robot,
                   config ? &*config : nullptr, findings_);
+  }
+
+  void pages(const rsi::Endpoint& listen) {
+    const auto place = "pages on http://" + rsi::text(listen) + "/: ";
+    const auto owner = rsi::port_owner(rsi::Transport::tcp, listen);
+    if (owner.empty())
+      findings_.ok(place + "free");
+    else if (owner.starts_with("sweepd "))
+      findings_.ok(place + owner + " serves them");
+    else
+      findings_.warning(place + owner +
+                        " has the port: robots are served without pages; choose another port with "
+                        "`listen` of [http]");
   }
 
   /// What the plan would bring, with the decimals of the context where one was given.

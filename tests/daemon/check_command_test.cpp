@@ -2,6 +2,8 @@
 
 #include <sstream>
 
+#include "rsi/asio.hpp"
+
 #include "tests/catch.hpp"
 #include "tests/daemon/temporary_folder.hpp"
 
@@ -234,4 +236,18 @@ TEST_CASE("the RSI context has to name the Ethernet file that sweepd was given")
   const TemporaryFolder folder;
   static_cast<void>(folder.write("broken.rsi.xml", "<rSIModel>"));
   CHECK(checked({{}, {}, {folder.path() / "broken.rsi.xml"}}).code == 78);
+}
+
+TEST_CASE("a port of the pages that another program has is a warning") {
+  namespace asio = boost::asio;
+  asio::io_context context;
+  const asio::ip::tcp::acceptor other(context, {asio::ip::address_v4::loopback(), 0});
+  const auto port = std::to_string(other.local_endpoint().port());
+  const Sound folder;
+  static_cast<void>(
+      folder.write("sweepd.toml", settings() + "[http]\nlisten = \"127.0.0.1:" + port + "\"\n"));
+  std::ostringstream out;
+  static_cast<void>(check({folder.path() / "sweepd.toml"}, out));
+  CHECK_THAT(out.str(), ContainsSubstring("warning  pages on http://127.0.0.1:" + port +
+                                          "/: daemon_tests (process "));
 }
