@@ -98,8 +98,9 @@ class Check {
     for (const auto& context : contexts_)
       if (context) measurement.precision = context->precision.value_or(1);
     const PlanOutlook outlook = look_ahead(robot, plan, measurement);
-    for (const auto& refusal : outlook.refusals) findings_.error(file + ": " + refusal);
-    for (const auto& warning : outlook.warnings) findings_.warning(file + ": " + warning.message);
+    const auto place = file + ": ";
+    for (const auto& refusal : outlook.refusals) findings_.error(place + refusal);
+    for (const auto& warning : outlook.warnings) findings_.warning(place + warning.message);
     if (outlook.refusals.empty())
       findings_.ok(file + ": " + count(plan.sweeps.size(), "sweep") +
                    ", within the limits, each axis will be found");

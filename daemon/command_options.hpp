@@ -9,7 +9,7 @@
 #include "daemon/run_command.hpp"
 #include "daemon/simulate_command.hpp"
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): theirs
 class App;
 }
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <utility>
 
 #include "daemon/http_pages.hpp"
 #include "rsi/endpoint.hpp"
@@ -26,7 +27,8 @@ class HttpServer {
 
   /// Listens. `answer` is called on its thread; an exception of it becomes a 500. Throws
   /// std::runtime_error if the port is not to be had, and says who has it.
-  HttpServer(const rsi::Endpoint& listen, Answer answer) : HttpServer(listen, answer, Limits{}) {}
+  HttpServer(const rsi::Endpoint& listen, Answer answer)
+      : HttpServer(listen, std::move(answer), Limits{}) {}
   HttpServer(const rsi::Endpoint& listen, Answer answer, const Limits& limits);
   ~HttpServer();  ///< closes all connections
   HttpServer(const HttpServer&) = delete;

@@ -18,6 +18,7 @@ namespace {
 void write_to_journal(const LogLine& line) {
   auto fields = journal_fields(line);
   std::vector<iovec> parts;
+  parts.reserve(fields.size());
   for (auto& field : fields) parts.push_back({field.data(), field.size()});
   sd_journal_sendv(parts.data(), static_cast<int>(parts.size()));
 }
@@ -46,7 +47,8 @@ Lately& lately() {
 /// systemd tells device and inode of the stream that it reads (systemd.exec(5), JOURNAL_STREAM):
 /// standard error may have been led elsewhere since.
 bool leads_to_journal() {
-  const char* stream = std::getenv("JOURNAL_STREAM");
+  const char* stream =
+      std::getenv("JOURNAL_STREAM");  // NOLINT(concurrency-mt-unsafe): nobody sets it
   struct stat status {};
   return stream != nullptr && ::fstat(STDERR_FILENO, &status) == 0 &&
          fmt::format("{}:{}", status.st_dev, status.st_ino) == stream;
@@ -69,7 +71,7 @@ std::vector<std::string> journal_fields(const LogLine& line) {
   return fields;
 }
 
-void log(LogLine line) {
+void log(const LogLine& line) {
   const std::lock_guard lock(lately().mutex);
   if (lately().repeats.is_new(line, std::chrono::steady_clock::now())) write(line);
 }

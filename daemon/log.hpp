@@ -38,7 +38,7 @@ struct LogLine {
 /// the time. Any thread but a reply thread: it may wait.
 ///
 /// What was said of the same robot word for word within the last minute is held back and counted.
-void log(LogLine line);
+void log(const LogLine& line);
 
 /// Whether standard error leads to systemd's journal.
 [[nodiscard]] bool leads_to_journal();

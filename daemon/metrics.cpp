@@ -213,8 +213,9 @@ void write_results(Writer& to, const std::vector<RobotMetrics>& robots) {
   to.counter("sweepd_sweeps_total", "Sweeps seen, by joint; joint 0: no angles tell which.");
   for (const auto& [state, result] : robots)
     for (const auto& [joint, counts] : state->sweeps) {
-      const auto sweeps = [&, number = text(joint)](const char* usable, std::uint64_t count) {
-        to.value({{"robot", state->name}, {"joint", number}, {"usable", usable}}, count);
+      const auto sweeps = [&to, &robot = state->name, number = text(joint)](const char* usable,
+                                                                            std::uint64_t count) {
+        to.value({{"robot", robot}, {"joint", number}, {"usable", usable}}, count);
       };
       sweeps("true", counts.usable);
       sweeps("false", counts.not_usable);

@@ -52,7 +52,7 @@ double specified_value(const identify::DhRow& row, const Number& one) {
 
 /// As short as it can be, without an exponent.
 std::string plain(double value) {
-  std::array<char, 400> text;
+  std::array<char, 400> text{};
   const auto end =
       std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed);
   return {text.data(), end.ptr};
