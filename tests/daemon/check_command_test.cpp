@@ -199,7 +199,8 @@ TEST_CASE("Ethernet files can be looked at by themselves, all of them") {
   CHECK(checked({{}, {folder.path()}}).code == 78);
 }
 
-TEST_CASE("a plan is looked at beforehand: targets on an axis, ranges that are too short") {
+TEST_CASE("a plan is looked at beforehand: targets on an axis, ranges that are too short",
+          "[long]") {
   const Sound folder;
   static_cast<void>(folder.write("sweepd.toml", settings("plan = \"plan.toml\"\n")));
   const auto plan = [&](const std::string& end_deg) {

@@ -158,7 +158,7 @@ TEST_CASE("a target near an axis: what covariance says of it decides", "[long]")
              ContainsSubstring("target close to it") && ContainsSubstring("[target_near_axis]"));
 }
 
-TEST_CASE("a sweep that would not be used is refused") {
+TEST_CASE("a sweep that would not be used is refused", "[long]") {
   const TemporaryFolder folder;
   const auto file = folder.write(
       "plan.toml", changed("start_deg = 0.0\nend_deg = 90.0", "start_deg = 0.0\nend_deg = 4.0"));
