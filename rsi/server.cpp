@@ -36,6 +36,21 @@ Server::Server(Options options)
       queue_(options_.queue_bytes),
       current_(options_.controller.value_or(0)) {}
 
+std::chrono::milliseconds Server::longest_look() const noexcept {
+  return std::chrono::milliseconds(options_.only_from_the_beginning ? 20 : 100);
+}
+
+void Server::set_local(const Endpoint& local) noexcept {
+  local_ = local;
+  callers_.deaf_until(clock());
+}
+
+void Server::add_dropped(std::uint32_t datagrams) noexcept {
+  if (datagrams == 0) return;
+  dropped_ += datagrams;
+  callers_.deaf_until(clock());
+}
+
 void Server::warm() noexcept {
   for (int round = 0; round < 3; ++round) {
     static_cast<void>(find_ipoc("<Rob Type=\"KUKA\"><IPOC>18446744073709551615</IPOC></Rob>"));
@@ -51,19 +66,20 @@ void Server::settle() const {
 
 Server::Counts Server::counts() const noexcept {
   const auto read = [](const auto& counter) { return counter.load(std::memory_order_relaxed); };
-  return {read(answered_), read(superseded_),    read(unanswerable_), read(foreign_),
-          read(refused_),  read(send_failures_), read(cut_),          read(dropped_),
-          read(skipped_),  queue_.overflows()};
+  return {read(answered_),  read(superseded_), read(unanswerable_),  read(foreign_),
+          read(not_begun_), read(refused_),    read(send_failures_), read(cut_),
+          read(dropped_),   read(skipped_),    queue_.overflows()};
 }
 
 void Server::serve(std::span<const Datagram> received) noexcept {
   serving_ = true;
+  const auto taken = clock();
   std::array<Fate, kMostAtOnce> fates;
   std::size_t newest = received.size();
   std::string_view newest_ipoc;
   for (std::size_t i = 0; i < received.size(); ++i) {
     const auto ipoc = find_ipoc(received[i].payload);
-    fates[i] = judge(received[i], ipoc);
+    fates[i] = judge(received[i], ipoc, taken);
     if (fates[i] != Fate::answer) continue;
     newest = i;
     newest_ipoc = ipoc;
@@ -85,18 +101,27 @@ bool Server::may_serve(std::uint32_t address) const noexcept {
   return current == 0 || current == address;
 }
 
-Server::Fate Server::judge(const Datagram& received, std::string_view ipoc) noexcept {
+Server::Fate Server::judge(const Datagram& received, std::string_view ipoc,
+                           Callers::Time taken) noexcept {
   if (received.cut) count(cut_);
   const auto address = received.source.address;
+  if (options_.only_from_the_beginning && options_.controller.value_or(address) == address)
+    callers_.hear(address, taken);
   auto current = current_.load(std::memory_order_relaxed);
   if (current == 0 && !ipoc.empty()) current_ = current = address;
   if (address != current) {
     count(foreign_);
     return Fate::drop;
   }
-  if (!ipoc.empty()) return Fate::answer;
-  count(unanswerable_);
-  return Fate::hand_over;
+  if (ipoc.empty()) {
+    count(unanswerable_);
+    return Fate::hand_over;
+  }
+  if (options_.only_from_the_beginning && !callers_.began(address)) {
+    count(not_begun_);
+    return Fate::hand_over;
+  }
+  return Fate::answer;
 }
 
 Datagram Server::answer(const Datagram& telegram, std::string_view ipoc) noexcept {

@@ -7,12 +7,17 @@
 #include <span>
 #include <string_view>
 
+#include "rsi/callers.hpp"
 #include "rsi/datagram_queue.hpp"
 #include "rsi/endpoint.hpp"
 #include "rsi/port_owner.hpp"
 #include "rsi/reply.hpp"
 
 namespace rsi {
+
+[[nodiscard]] inline Callers::Time steady_now() noexcept {
+  return std::chrono::steady_clock::now();
+}
 
 /// The robot's side of the link: answers each telegram first, hands it over afterwards. Whether
 /// telegrams come over UDP or TCP is up to the two classes that derive from this one.
@@ -30,7 +35,12 @@ class Server {
     Endpoint listen;                          ///< port 0: the system chooses one
     std::optional<std::uint32_t> controller;  ///< nothing: the first that speaks
     std::optional<Reply> reply;               ///< nothing: send nothing (ONLYSEND)
+    /// Never begin to answer in a stream whose beginning was not heard here: for replies that are
+    /// not harmless in the middle of another server's. A beginning is a telegram behind a second in
+    /// which its address was silent on this port. What is not answered is handed over all the same.
+    bool only_from_the_beginning = false;
     std::size_t queue_bytes = 4U << 20;
+    Callers::Time (*clock)() noexcept = steady_now;  ///< for silence
   };
 
   struct Counts {
@@ -38,6 +48,7 @@ class Server {
     std::uint64_t superseded = 0;    ///< not answered, since a newer one waited behind
     std::uint64_t unanswerable = 0;  ///< no IPOC could be found
     std::uint64_t foreign = 0;       ///< not from the controller
+    std::uint64_t not_begun = 0;     ///< not answered: the beginning of its stream was not heard
     std::uint64_t refused = 0;       ///< the reply was no zero correction: it did not leave
     std::uint64_t send_failures = 0;
     std::uint64_t cut = 0;        ///< larger than any buffer: only the first part was received
@@ -101,20 +112,28 @@ class Server {
   [[nodiscard]] bool may_serve(std::uint32_t address) const noexcept;
 
   [[nodiscard]] bool stopping() const noexcept { return stopping_; }
+  /// How long to look at the port while nothing comes. Silence is known only as finely as that.
+  [[nodiscard]] std::chrono::milliseconds longest_look() const noexcept;
+  [[nodiscard]] Callers::Time clock() const noexcept { return options_.clock(); }
+  /// A look that began at `time` took all there was, and that was served.
+  void heard_all_until(Callers::Time time) noexcept { callers_.heard_all_until(time); }
   void beat() noexcept { beats_.fetch_add(1, std::memory_order_relaxed); }
   void count_foreign() noexcept { foreign_.fetch_add(1, std::memory_order_relaxed); }
-  void add_dropped(std::uint32_t datagrams) noexcept { dropped_ += datagrams; }
+  /// They may have been the controller's.
+  void add_dropped(std::uint32_t datagrams) noexcept;
   void set_skipped(std::uint64_t bytes) noexcept { skipped_ = bytes; }
 
   const Options& options() const noexcept { return options_; }
-  void set_local(const Endpoint& local) noexcept { local_ = local; }
+  /// Once the port is bound.
+  void set_local(const Endpoint& local) noexcept;
   void set_receive_buffer(std::size_t bytes) noexcept { receive_buffer_ = bytes; }
 
  private:
   /// What is to be done with one of the telegrams that are served together.
   enum class Fate : std::uint8_t { drop, hand_over, answer };
 
-  [[nodiscard]] Fate judge(const Datagram& received, std::string_view ipoc) noexcept;
+  [[nodiscard]] Fate judge(const Datagram& received, std::string_view ipoc,
+                           Callers::Time taken) noexcept;
   /// The reply; its payload is empty if it did not leave.
   [[nodiscard]] Datagram answer(const Datagram& telegram, std::string_view ipoc) noexcept;
 
@@ -122,12 +141,13 @@ class Server {
   Endpoint local_;
   std::size_t receive_buffer_ = 0;
   DatagramQueue queue_;
+  Callers callers_;
   std::atomic<bool> stopping_{false};
   std::atomic<bool> serving_{false};
   std::atomic<std::uint32_t> current_;  // the controller's address; 0: none yet
   std::atomic<std::uint64_t> beats_{0};
   std::atomic<std::uint64_t> answered_{0}, superseded_{0}, unanswerable_{0}, foreign_{0},
-      refused_{0}, send_failures_{0}, cut_{0}, dropped_{0}, skipped_{0};
+      not_begun_{0}, refused_{0}, send_failures_{0}, cut_{0}, dropped_{0}, skipped_{0};
 };
 
 /// The address of this machine from which it reaches `peer`; nothing if there is no way to it.

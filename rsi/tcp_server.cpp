@@ -18,7 +18,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kLongestWait = 100ms;
+/// No descriptors or memory: so long until the next connection is accepted.
+constexpr auto kPause = 100ms;
 constexpr int kBacklog = 16;
 /// Of a flood of connections so many are looked at before telegrams again.
 constexpr int kMostAccepted = 16;
@@ -85,13 +86,16 @@ void TcpServer::warm() noexcept {
 
 void TcpServer::run() noexcept {
   while (!stopping()) {
+    const auto looking = clock();
     const bool accepts = std::chrono::steady_clock::now() >= accept_after_;
     // poll leaves out what is -1.
     std::array<pollfd, 2> waiting{pollfd{connection_.get(), POLLIN, 0},
                                   pollfd{accepts ? listener_.get() : -1, POLLIN, 0}};
-    const int ready = poll(waiting.data(), waiting.size(), static_cast<int>(kLongestWait.count()));
+    const int ready =
+        poll(waiting.data(), waiting.size(), static_cast<int>(longest_look().count()));
     beat();
     if (ready < 0 && errno != EINTR) usleep(1000);  // one that lasts must not take the processor
+    if (ready == 0 && accepts) heard_all_until(looking);
     if (ready <= 0) continue;
     if (waiting[0].revents != 0) receive();
     if (waiting[1].revents != 0) accept_connections();
@@ -104,8 +108,8 @@ void TcpServer::accept_connections() noexcept {
     Socket connection = accept_from(listener_, peer);
     if (!connection.open()) {
       if (errno == ECONNABORTED || errno == EINTR) continue;
-      // No descriptors or memory: the connection stays in the queue and would wake us at once.
-      if (errno != EAGAIN) accept_after_ = std::chrono::steady_clock::now() + kLongestWait;
+      // The connection stays in the queue and would wake us at once.
+      if (errno != EAGAIN) accept_after_ = std::chrono::steady_clock::now() + kPause;
       return;
     }
     if (!may_serve(peer.address)) {

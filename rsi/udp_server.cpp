@@ -18,7 +18,6 @@ namespace {
 constexpr std::size_t kLargestDatagram = 65536;
 /// Half a minute of telegrams at a cycle of 4 ms, should this machine stop that long.
 constexpr int kReceiveBuffer = 8 << 20;
-constexpr timeval kLongestWait{0, 100'000};
 
 /// Takes what the kernel says beside a datagram: when it came, and how many were dropped so far.
 void read_control(msghdr& message, Timestamp& time, std::uint32_t& dropped) noexcept {
@@ -88,7 +87,8 @@ UdpServer::UdpServer(Options options)
   // Where these are missing, times are taken later and drops are not counted: both still serve.
   socket_.set(SOL_SOCKET, SO_TIMESTAMPNS, 1);
   socket_.set(SOL_SOCKET, SO_RXQ_OVFL, 1);
-  if (!socket_.set(SOL_SOCKET, SO_RCVTIMEO, kLongestWait))
+  const timeval longest_look{0, std::chrono::microseconds(this->longest_look()).count()};
+  if (!socket_.set(SOL_SOCKET, SO_RCVTIMEO, longest_look))
     throw std::system_error(errno, std::generic_category(), "SO_RCVTIMEO");
 }
 
@@ -103,19 +103,23 @@ void UdpServer::warm() noexcept {
 
 void UdpServer::run() noexcept {
   while (!stopping()) {
+    const auto looking = clock();
     const auto received = receive(MSG_WAITFORONE);
     beat();
-    if (received > 0) serve({buffers_->datagrams.data(), received});
+    if (!received) continue;
+    if (*received > 0) serve({buffers_->datagrams.data(), *received});
+    if (*received < kMostAtOnce) heard_all_until(looking);
   }
 }
 
-std::size_t UdpServer::receive(int flags) noexcept {
+std::optional<std::size_t> UdpServer::receive(int flags) noexcept {
   auto& all = *buffers_;
   const int received = recvmmsg(socket_.get(), all.messages.data(), kMostAtOnce, flags, nullptr);
   if (received < 0) {
+    if (errno == EAGAIN) return 0;
     // An error that lasts must not take the processor from others.
-    if (errno != EAGAIN && errno != EINTR) usleep(1000);
-    return 0;
+    if (errno != EINTR) usleep(1000);
+    return std::nullopt;
   }
   std::uint32_t dropped = all.dropped;
   for (std::size_t i = 0; i < static_cast<std::size_t>(received); ++i) {

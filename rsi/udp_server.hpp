@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "rsi/server.hpp"
 #include "rsi/socket.hpp"
@@ -27,7 +28,8 @@ class UdpServer : public Server {
   struct Buffers;
 
   [[nodiscard]] bool send(std::string_view reply, const Endpoint& to) noexcept override;
-  [[nodiscard]] std::size_t receive(int flags) noexcept;
+  /// How many datagrams there were; nothing if the system did not say.
+  [[nodiscard]] std::optional<std::size_t> receive(int flags) noexcept;
 
   Socket socket_;
   std::unique_ptr<Buffers> buffers_;

@@ -2,6 +2,7 @@
 
 // A server on its thread, for the tests of both kinds.
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <string>
@@ -20,6 +21,12 @@ inline Server::Options on_loopback() {
   options.reply.emplace("ImFree");
   return options;
 }
+
+/// A steady clock that stands still until it is set.
+struct HandClock {
+  static inline std::atomic<std::chrono::steady_clock::duration> time{std::chrono::hours(1)};
+  static Callers::Time now() noexcept { return Callers::Time(time); }
+};
 
 inline std::string ipoc_element(std::uint64_t ipoc) {
   return "<IPOC>" + std::to_string(ipoc) + "</IPOC>";
@@ -57,6 +64,12 @@ struct RunningServer {
     while (!server.datagrams().pop(datagram) && std::chrono::steady_clock::now() < deadline)
       std::this_thread::yield();
     return datagram;
+  }
+
+  /// The server has looked at its port at this time, and gone on.
+  void look_at(std::chrono::steady_clock::duration time) {
+    HandClock::time = time;
+    for (const auto beats = server.beats(); server.beats() < beats + 3;) std::this_thread::yield();
   }
 
   AServer server;

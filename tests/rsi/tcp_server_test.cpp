@@ -214,6 +214,33 @@ TEST_CASE("a controller that closes its end is answered to the last telegram, an
   }
 }
 
+TEST_CASE("over TCP, too, a stream whose beginning was not heard is not answered",
+          "[tcp_server][issue11][point_1]") {
+  auto options = on_loopback();
+  options.only_from_the_beginning = true;
+  HandClock::time = 1h;
+  options.clock = HandClock::now;
+  Running running(std::move(options));
+  Controller controller(running.server);
+  for (std::uint64_t ipoc : {4U, 8U}) {
+    controller.send(telegram(ipoc));
+    CHECK(running.next().payload == telegram(ipoc));
+  }
+  CHECK(running.server.counts().not_begun == 2);
+  running.look_at(1h + 999ms);
+  controller.send(telegram(12));
+  CHECK(running.next().payload == telegram(12));
+  CHECK(running.server.counts().not_begun == 3);
+  CHECK(running.server.counts().answered == 0);
+  running.look_at(1h + 2s);
+  CHECK(controller.answered(16));
+  Controller restarted(running.server);  // from another port, within the second
+  CHECK(restarted.answered(4));
+  running.stop();
+  CHECK(running.server.counts().answered == 2);
+  CHECK(running.server.counts().not_begun == 3);
+}
+
 TEST_CASE("over TCP a controller that only sends gets no reply") {
   auto options = on_loopback();
   options.reply.reset();
