@@ -1,3 +1,4 @@
+#include <csignal>
 #include <exception>
 #include <iostream>
 #include <stdexcept>
@@ -28,6 +29,8 @@ int say(const std::exception& problem, int exit_code) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // A write that is refused says so by its result: a reader that went, a limit of file size.
+  for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
   spdlog::set_default_logger(spdlog::stderr_color_mt("sweepd"));
   spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
 

@@ -11,6 +11,7 @@
 #include <toml++/toml.h>
 
 #include "daemon/config_error.hpp"
+#include "daemon/toml_nesting.hpp"
 #include "rsi/ascii.hpp"
 
 namespace sweepd {
@@ -18,6 +19,8 @@ namespace {
 
 /// More than any file of ours; keeps a mistaken path (a capture, /dev/zero) from filling memory.
 constexpr std::size_t kMostBytes = 1 << 20;
+/// Our files have a table in a table.
+constexpr std::size_t kDeepest = 32;
 
 struct Unit {
   std::string_view suffix;
@@ -180,6 +183,11 @@ TomlTable TomlTable::load(const std::filesystem::path& file) {
 
 TomlTable TomlTable::parse(std::string_view text, const std::filesystem::path& file) {
   const std::string name = file.string();
+  if (const auto where = too_deep(text, kDeepest))
+    throw ConfigError(name + ':' + std::to_string(where->line) + ':' +
+                      std::to_string(where->column) +
+                      ": keys, tables or arrays are nested more than " + std::to_string(kDeepest) +
+                      " deep: correct the file");
   try {
     auto root = std::make_shared<const toml::table>(toml::parse(text, name));
     const toml::table* top = root.get();

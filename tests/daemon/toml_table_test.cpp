@@ -150,6 +150,39 @@ TEST_CASE("a mistake in TOML is one line, whatever the file holds") {
              Catch::Matchers::ContainsSubstring("name: found a?b??"));
 }
 
+TEST_CASE("a text that nests too deep for any stack is a mistake with its place",
+          "[issue11][point_4]") {
+  const auto times = [](int count, const std::string& text) {
+    std::string all;
+    for (int k = 0; k < count; ++k) all += text;
+    return all;
+  };
+  constexpr int kMany = 60'000;
+  const auto key = times(kMany, "a.") + "a = 1";
+  for (const std::string& text :
+       {key, times(kMany, "a . ") + "a = 1", times(kMany, "'a'.") + "a = 1",
+        "[" + times(kMany, "a.") + "a]", "[[" + times(kMany, "a.") + "a]]",
+        "x = " + times(kMany, "["), "x = " + times(kMany, "{a = "),
+        "x = " + times(kMany, "{a.b = "), "x = [\"\"\"a\"\"\"\"\", {" + key + "}]",
+        "x = ['''a''''', {" + key + "}]", "x = [\"\", {" + key + "}]", "x = \"a\n" + key}) {
+    INFO(text.substr(0, 40));
+    CHECK_THAT(error_of([&] { return table("first = 1\n" + text); }),
+               Catch::Matchers::StartsWith("some/file.toml:2:") ||
+                   Catch::Matchers::StartsWith("some/file.toml:3:"));
+  }
+  CHECK(error_of([&] { return table("x = 1\n  [" + times(40, "a.") + "a]"); }) ==
+        "some/file.toml:2:67: keys, tables or arrays are nested more than 32 deep: correct the "
+        "file");
+
+  // Dots that nest nothing.
+  const auto sound = table("# " + times(100, "a.") + "\nx = '" + times(100, "../") +
+                           "'\ny = \"\\\"" + times(100, "..") + "\"\nz = [" + times(100, "1.5, ") +
+                           "]\nw = \"\"\"\n" + times(100, "..\n") + "\"\"\"\n[a]\nb.c = 1\n");
+  CHECK(sound.numbers("z").size() == 100);
+  CHECK(sound.text("x").size() == 300);
+  CHECK(sound.text("y").size() == 201);
+}
+
 TEST_CASE("a missing key is reported at the table that lacks it") {
   const auto t = table("# nothing\n[[robot]]\nname = \"a\"\n").tables("robot")[0];
   CHECK(error_of([&] { return t.text("listen"); }) ==

@@ -1,14 +1,19 @@
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <fstream>
 #include <thread>
 
+#include <fcntl.h>
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "rsi/capture_reader.hpp"
 #include "rsi/controller_link.hpp"
 #include "rsi/ipoc.hpp"
 #include "tests/catch.hpp"
+#include "tests/scenarios/streamer.hpp"
 #include "tests/scenarios/sweepd_process.hpp"
 
 using namespace sweepd::test;
@@ -102,6 +107,76 @@ bool said(Daemon& daemon, const std::string& words) {
 
 void write(const fs::path& file, const std::string& text) {
   std::ofstream(file, std::ios::binary) << text;
+}
+
+/// A pipe that sweepd writes its log into, whose reader this is.
+class LogPipe {
+ public:
+  explicit LogPipe(const fs::path& folder) : path_(folder / "log") {
+    REQUIRE(::mkfifo(path_.c_str(), 0600) == 0);
+    reader_ = ::open(path_.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+    REQUIRE(reader_ >= 0);
+  }
+  ~LogPipe() { leave(); }
+  LogPipe(const LogPipe&) = delete;
+  LogPipe& operator=(const LogPipe&) = delete;
+
+  [[nodiscard]] SweepdProcess::Launch launch() const {
+    return {{"sh", "-c", "exec \"$@\" 2>\"$0\"", path_.string()}, {}};
+  }
+  /// Not another byte fits.
+  void fill() const {
+    const std::string block(4096, '\n');
+    while (::write(reader_, block.data(), block.size()) > 0) {
+    }
+    while (::write(reader_, block.data(), 1) > 0) {
+    }
+  }
+  /// What was written by now, since the last time.
+  [[nodiscard]] std::string read() const {
+    std::string text;
+    char part[4096];
+    for (ssize_t size = 0; (size = ::read(reader_, part, sizeof part)) > 0;)
+      text.append(part, static_cast<std::size_t>(size));
+    return text;
+  }
+  void leave() {
+    if (reader_ >= 0) ::close(reader_);
+    reader_ = -1;
+  }
+
+ private:
+  fs::path path_;
+  int reader_ = -1;
+};
+
+/// The settings of a daemon that has ended.
+fs::path settings_of_one(const TemporaryFolder& folder, std::uint16_t& port) {
+  Daemon daemon(folder.path(), {.settings = "silence_ms = 300\n"});
+  port = daemon.port();
+  daemon.process().signal(SIGTERM);
+  REQUIRE(daemon.process().wait() == 0);
+  return daemon.config();
+}
+
+/// That a stream is answered, recorded and identified, and that the end is in order.
+void check_serves(SweepdProcess& sweepd, const fs::path& robot, std::uint16_t port) {
+  Streamer streamer(port, {});
+  const auto answered = [&] {
+    const auto sent = streamer.sent();
+    return std::count_if(sent.begin(), sent.end(),
+                         [](const auto& each) { return each.answered_after.has_value(); });
+  };
+  CHECK(eventually([&] { return answered() > 100; }));
+  streamer.stop();
+  CHECK(eventually([&] {
+    return !sessions(robot).empty() && fs::exists(sessions(robot).back() / "run.json") &&
+           run_file(sessions(robot).back()).contains("ended");
+  }));
+  CHECK(run_file(sessions(robot).back())["recording"]["not_recorded"]["memory_full"]["samples"] ==
+        0);
+  sweepd.signal(SIGTERM);
+  CHECK(sweepd.wait() == 0);
 }
 
 }  // namespace
@@ -247,4 +322,34 @@ TEST_CASE("a session that ends badly leaves its last cycles beside the result", 
   const auto cycles = content(daemon.session() / "last_cycles.csv");
   CHECK(std::count(cycles.begin(), cycles.end(), '\n') == 257);  // a header and 256 cycles
   CHECK(content(daemon.session() / "link.txt").find("Verdict: bad") != std::string::npos);
+}
+
+TEST_CASE("a reader of the log that goes ends nothing", "[life][issue11][point_4]") {
+  const TemporaryFolder folder;
+  std::uint16_t port = 0;
+  const auto config = settings_of_one(folder, port);
+  LogPipe log(folder.path());
+  SweepdProcess sweepd({"run", "--config", config.string()}, log.launch());
+  std::string heard;
+  CHECK(eventually([&] { return (heard += log.read()).find("listening on") != heard.npos; }));
+  log.leave();
+  sweepd.signal(SIGHUP);  // there is something to say
+  check_serves(sweepd, folder / "output/kr5-arc", port);
+}
+
+TEST_CASE("a limit of file size pauses the recording, and nothing else",
+          "[life][issue11][point_4]") {
+  const TemporaryFolder folder;
+  Daemon daemon(folder.path(),
+                {.settings = "silence_ms = 300\n",
+                 .launch = {{"bash", "-c", "ulimit -f 16 && exec \"$0\" \"$@\""}, {}}});
+  Streamer robot(daemon.port(), {});
+  CHECK(said(daemon, "recording pauses, replies go on: cannot write"));
+  const auto paused = robot.sent().size();
+  CHECK(eventually([&] { return robot.sent().size() > paused + 100; }));
+  const auto sent = robot.stop();
+  CHECK(std::any_of(sent.begin() + static_cast<std::ptrdiff_t>(paused), sent.end(),
+                    [](const auto& each) { return each.answered_after.has_value(); }));
+  daemon.process().signal(SIGTERM);
+  CHECK(daemon.process().wait() == 0);
 }
