@@ -233,7 +233,7 @@ void HttpServer::Running::admit(tcp::socket socket) {
 
 void HttpServer::Running::run() noexcept {
   name_thread("http");
-  yield_to_others();
+  take(Share::low);
   while (!context_.stopped()) {
     try {
       context_.run();

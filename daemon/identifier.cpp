@@ -13,18 +13,24 @@
 namespace sweepd {
 namespace {
 
+/// Half of the processors for each share, so that what is waited for does not wait for the other.
 class Turn {
  public:
-  Turn() { turns().acquire(); }
-  ~Turn() { turns().release(); }
+  explicit Turn(Share share) : turns_(turns(share)) { turns_.acquire(); }
+  ~Turn() { turns_.release(); }
   Turn(const Turn&) = delete;
   Turn& operator=(const Turn&) = delete;
 
  private:
-  static std::counting_semaphore<>& turns() {
-    static std::counting_semaphore<> half(std::max(1U, std::thread::hardware_concurrency() / 2));
-    return half;
+  using Turns = std::counting_semaphore<>;
+  static Turns& turns(Share share) {
+    static const auto half = std::max(1U, std::thread::hardware_concurrency() / 2);
+    static Turns fair(half);
+    static Turns low(half);
+    return share == Share::fair ? fair : low;
   }
+
+  Turns& turns_;
 };
 
 void say(const Log& log, const char* which, const identify::Identification& result,
@@ -49,28 +55,34 @@ auto logged(Log log, Work work) {
 }  // namespace
 
 void Identifier::interim(std::shared_ptr<const Recording> recording, Snapshot snapshot, Log log) {
-  auto work = [this, recording = std::move(recording),
-               snapshot = std::move(snapshot)](const Log& robot) {
-    const Outcome outcome = identify(snapshot);
-    publish(outcome, true, robot);
+  auto work = [this, recording = std::move(recording), snapshot = std::move(snapshot),
+               before = ended_.load()](const Log& robot) {
+    if (ended_ != before) return;
+    const auto identified = identify(snapshot, Share::low);
+    const std::lock_guard lock(mutex_);
+    if (ended_ != before) return;  // the last result is under way, or there already
+    publish(identified, true, robot);
     const auto folder = recording->folder();
-    if (!folder.empty()) write_result(folder, outcome);
-    say(robot, "interim ", outcome.identification, folder);
-    took_ = std::chrono::steady_clock::now() - began_;
+    if (!folder.empty()) write_result(folder, identified.outcome);
+    say(robot, "interim ", identified.outcome.identification, folder);
+    took_ = std::chrono::steady_clock::now() - identified.began;
   };
-  jobs_.submit(logged(std::move(log), std::move(work)), true);
+  interim_jobs_.submit(logged(std::move(log), std::move(work)), true);
 }
 
 void Identifier::last(std::shared_ptr<const Recording> recording, Snapshot snapshot, RunFacts run,
                       LinkFiles link, Log log) {
+  ++ended_;
   auto work = [this, recording = std::move(recording), snapshot = std::move(snapshot),
                run = std::move(run), link = std::move(link)](const Log& robot) mutable {
-    Outcome outcome = identify(snapshot);
+    auto identified = identify(snapshot, Share::fair);
+    Outcome& outcome = identified.outcome;
     recording->wait();
     run.recording = recording->counts();
     // A replay of what is not whole would give something else.
     if (!run.recording->complete()) outcome.source_kind = "live";
-    publish(outcome, false, robot);
+    const std::lock_guard lock(mutex_);
+    publish(identified, false, robot);
     run.folder = recording->folder();
     if (!link.good) robot.warning("the link is {}", link.verdict);
     if (!link.bad_end.empty())
@@ -96,26 +108,27 @@ void Identifier::link(std::shared_ptr<const Recording> recording, LinkFiles link
   jobs_.submit(logged(std::move(log), std::move(work)), false);
 }
 
-void Identifier::publish(const Outcome& outcome, bool interim, const Log& log) {
-  const auto& result = outcome.identification;
+void Identifier::publish(const Identified& identified, bool interim, const Log& log) {
+  const auto& result = identified.outcome.identification;
   ResultState state = *status_->result.newest();
   ++state.count[static_cast<std::size_t>(result.status)];
   state.newest = {result.status,
                   interim,
                   log.subject().session,
                   rsi::now(),
-                  identified_in_,
+                  identified.took,
                   result.warnings.size(),
-                  std::make_shared<const std::string>(result_json(outcome))};
+                  std::make_shared<const std::string>(result_json(identified.outcome))};
   status_->result.publish(std::move(state));
 }
 
-Outcome Identifier::identify(const Snapshot& snapshot) {
-  const Turn turn;
-  began_ = std::chrono::steady_clock::now();
-  Outcome outcome = snapshot.identified();
-  identified_in_ = std::chrono::steady_clock::now() - began_;
-  return outcome;
+Identifier::Identified Identifier::identify(const Snapshot& snapshot, Share share) {
+  const Turn turn(share);
+  Identified identified;
+  identified.began = std::chrono::steady_clock::now();
+  identified.outcome = snapshot.identified();
+  identified.took = std::chrono::steady_clock::now() - identified.began;
+  return identified;
 }
 
 }  // namespace sweepd

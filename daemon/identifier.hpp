@@ -2,7 +2,9 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <memory>
+#include <mutex>
 #include <utility>
 
 #include "daemon/job_thread.hpp"
@@ -16,9 +18,10 @@
 namespace sweepd {
 
 /// Identifies one robot from its sessions and writes what they leave: results, link report,
-/// run.json. On a thread of its own, on which nobody waits but drain(); what goes wrong there is
-/// logged. All robots of this program together identify on half of the processors: the rest is for
-/// replies.
+/// run.json. On threads of its own: what somebody waits for has a fair share of the processors and
+/// never waits for an interim result, whose share is low. Nobody waits for them but drain(); what
+/// goes wrong there is logged. All robots of this program together make their last results on half
+/// of the processors, and their interim ones: the rest is for replies.
 ///
 /// One thread hands over; took() and drain() are any thread's.
 class Identifier {
@@ -26,7 +29,8 @@ class Identifier {
   /// `status` learns of each result.
   explicit Identifier(std::shared_ptr<RobotStatus> status) : status_(std::move(status)) {}
 
-  /// A result while the session goes on. Gives way to the next one where it has not begun.
+  /// A result while the session goes on. Gives way to the next one where it has not begun, and to
+  /// the last one in any case.
   void interim(std::shared_ptr<const Recording> recording, Snapshot snapshot, Log log);
   /// The last result, after the end of the recording, and how the link did. Once run.json has
   /// "ended", all files of the session are the final ones.
@@ -41,14 +45,20 @@ class Identifier {
   bool drain(std::chrono::steady_clock::time_point deadline) { return jobs_.drain(deadline); }
 
  private:
-  Outcome identify(const Snapshot& snapshot);
-  void publish(const Outcome& outcome, bool interim, const Log& log);
+  struct Identified {
+    Outcome outcome;
+    std::chrono::steady_clock::time_point began;  ///< once its turn had come
+    std::chrono::nanoseconds took{};
+  };
+  static Identified identify(const Snapshot& snapshot, Share share);
+  void publish(const Identified& identified, bool interim, const Log& log);
 
   const std::shared_ptr<RobotStatus> status_;
-  std::chrono::steady_clock::time_point began_;  // the newest, once its turn had come
-  std::chrono::nanoseconds identified_in_{};
+  std::atomic<std::uint64_t> ended_{0};  // sessions whose last result is under way or done
+  std::mutex mutex_;                     // of whoever publishes and writes a result
   std::atomic<std::chrono::steady_clock::duration> took_{};
-  JobThread jobs_;
+  JobThread interim_jobs_{"interim result", Share::low};
+  JobThread jobs_{"identification", Share::fair};
 };
 
 }  // namespace sweepd

@@ -2,11 +2,14 @@
 
 #include <utility>
 
-#include "daemon/realtime.hpp"
-
 namespace sweepd {
 
-JobThread::JobThread() : thread_([this] { run(); }) {}
+JobThread::JobThread(const char* name, Share share)
+    : thread_([this, name, share] {
+        name_thread(name);
+        take(share);
+        run();
+      }) {}
 
 JobThread::~JobThread() {
   {
@@ -32,8 +35,6 @@ bool JobThread::drain(std::chrono::steady_clock::time_point deadline) {
 }
 
 void JobThread::run() {
-  name_thread("identification");
-  yield_to_others();
   std::unique_lock lock(mutex_);
   while (true) {
     changed_.wait(lock, [this] { return ending_ || !jobs_.empty(); });

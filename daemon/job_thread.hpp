@@ -7,13 +7,16 @@
 #include <mutex>
 #include <thread>
 
+#include "daemon/realtime.hpp"
+
 namespace sweepd {
 
 /// A thread that does one job after the other. An interim job that has not begun gives way to the
 /// next one: only the newest is worth doing.
 class JobThread {
  public:
-  JobThread();
+  /// `name`: of 15 letters at most, for as long as the thread lives.
+  JobThread(const char* name, Share share);
   ~JobThread();  ///< after the jobs that wait
   JobThread(const JobThread&) = delete;
   JobThread& operator=(const JobThread&) = delete;

@@ -114,9 +114,12 @@ void name_thread(const char* name) noexcept {
   pthread_setname_np(pthread_self(), name);
 }
 
-void yield_to_others() noexcept {
+void take(Share share) noexcept {
+  constexpr int kLow = 10;
   const sched_param none{};
-  pthread_setschedparam(pthread_self(), SCHED_IDLE, &none);
+  pthread_setschedparam(pthread_self(), SCHED_BATCH, &none);
+  // 0 is the calling thread; the system keeps the sum within its limits.
+  if (share == Share::low) setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + kLow);
 }
 
 }  // namespace sweepd

@@ -28,9 +28,14 @@ void leave_processors(const std::vector<int>& cpus) noexcept;
 /// Names the calling thread for `top -H` and debuggers; 15 letters at most.
 void name_thread(const char* name) noexcept;
 
-/// The calling thread lets all others go first, at once (SCHED_IDLE): work that can wait must not
-/// meet a reply. A lower priority alone let a reply without SCHED_FIFO wait for a time slice of 4
-/// ms.
-void yield_to_others() noexcept;
+/// What a thread whose work can wait takes of the processors.
+enum class Share {
+  fair,  ///< what every program gets; it just does not push in
+  low,   ///< a tenth of that where others are busy, and all that they leave
+};
+/// The calling thread takes this share from now on. From `low` there is no way back without a
+/// privilege: work that somebody waits for belongs on another thread. Not the share of SCHED_IDLE:
+/// two busy programs leave nothing of two processors. A reply comes first by SCHED_FIFO.
+void take(Share share) noexcept;
 
 }  // namespace sweepd

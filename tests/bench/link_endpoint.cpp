@@ -30,7 +30,7 @@ constexpr auto kWindow = 500ms;
 constexpr auto kBetweenRequests = 1ms;
 
 /// Asks for /metrics a thousand times a second while it is told to. In the plant that is another
-/// machine's work: here it lets all others go first.
+/// machine's work: here its share is low.
 class Scraper {
  public:
   explicit Scraper(std::uint16_t port) : thread_([this, port] { run(port); }) {}
@@ -44,7 +44,7 @@ class Scraper {
 
  private:
   void run(std::uint16_t port) {
-    sweepd::yield_to_others();
+    sweepd::take(sweepd::Share::low);
     std::unique_ptr<sweepd::test::HttpClient> client;
     auto due = Clock::now();
     while (!stop_) {

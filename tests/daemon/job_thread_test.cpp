@@ -7,7 +7,7 @@
 
 #include "tests/catch.hpp"
 
-using sweepd::JobThread;
+using sweepd::Share;
 
 namespace {
 
@@ -34,7 +34,7 @@ TEST_CASE("jobs are done in order, on another thread, and all before the end") {
   std::vector<int> done;
   std::thread::id thread;
   {
-    JobThread jobs;
+    sweepd::JobThread jobs("test", Share::fair);
     for (int k = 0; k < 100; ++k)
       jobs.submit(
           [&done, &thread, k] {
@@ -52,7 +52,7 @@ TEST_CASE("an interim job that has not begun gives way to the next one, a final 
   std::vector<std::string> done;
   Gate gate;
   {
-    JobThread jobs;
+    sweepd::JobThread jobs("test", Share::fair);
     const auto note = [&](const char* name) { return [&done, name] { done.emplace_back(name); }; };
     jobs.submit(gate.job(), true);
     gate.wait_until_entered();  // it has begun: it is not given up
@@ -71,7 +71,7 @@ TEST_CASE("what a job holds is let go when it is done, not with the next job") {
   auto held = std::make_shared<int>(1);
   const std::weak_ptr<int> watch = held;
   std::promise<void> second;
-  JobThread jobs;
+  sweepd::JobThread jobs("test", Share::fair);
   jobs.submit([held] { static_cast<void>(*held); }, false);
   held.reset();
   jobs.submit([&] { second.set_value(); }, false);
@@ -82,7 +82,7 @@ TEST_CASE("what a job holds is let go when it is done, not with the next job") {
 TEST_CASE("a drain waits for the job under way and for those behind it") {
   std::atomic<int> done = 0;
   Gate gate;
-  JobThread jobs;
+  sweepd::JobThread jobs("test", Share::fair);
   jobs.drain();  // nothing to wait for
   jobs.submit(gate.job(), false);
   jobs.submit([&] { ++done; }, false);

@@ -1,8 +1,11 @@
 #include "daemon/realtime.hpp"
 
+#include <algorithm>
 #include <thread>
+#include <utility>
 
 #include <sched.h>
+#include <sys/resource.h>
 
 #include "tests/catch.hpp"
 
@@ -85,12 +88,22 @@ TEST_CASE("other threads keep off the reply thread's processors, unless no other
   }
 }
 
-TEST_CASE("work that can wait lets the rest of the process go first") {
-  int policy = -1;
-  std::thread([&] {
-    sweepd::yield_to_others();
-    policy = sched_getscheduler(0);
-  }).join();
-  CHECK(policy == SCHED_IDLE);
-  CHECK(sched_getscheduler(0) != SCHED_IDLE);
+TEST_CASE(
+    "work that can wait takes a low share, never none, and work that is waited for a fair one",
+    "[issue11][point_17]") {
+  const auto taken = [](sweepd::Share share) {
+    int policy = -1;
+    int nice = -1;
+    std::thread([&] {
+      sweepd::take(share);
+      policy = sched_getscheduler(0);
+      nice = getpriority(PRIO_PROCESS, 0);
+    }).join();
+    return std::pair(policy, nice);
+  };
+  const int own = getpriority(PRIO_PROCESS, 0);
+  CHECK(taken(sweepd::Share::low) == std::pair(SCHED_BATCH, std::min(own + 10, 19)));
+  CHECK(taken(sweepd::Share::fair) == std::pair(SCHED_BATCH, own));
+  CHECK(sched_getscheduler(0) != SCHED_BATCH);
+  CHECK(getpriority(PRIO_PROCESS, 0) == own);
 }
