@@ -1,6 +1,7 @@
 #include "daemon/axes_file.hpp"
 
 #include <array>
+#include <cmath>
 #include <map>
 #include <optional>
 
@@ -9,6 +10,8 @@
 
 namespace sweepd {
 namespace {
+
+constexpr double kMost = 1e9;
 
 struct AxisColumns {
   std::size_t joint = 0;
@@ -62,6 +65,8 @@ double sigma(const CsvFile& file, const std::optional<Place>& place) {
   if (number->value < 0)
     file.fail(place->column,
               "expected a standard uncertainty, found a negative number: correct it");
+  if (number->value > kMost)
+    file.fail(place->column, "expected a standard uncertainty below 1e9, found more: correct it");
   return number->value * place->unit;
 }
 
@@ -71,12 +76,16 @@ identify::Axis read_axis(const CsvFile& file, const AxisColumns& columns) {
   for (std::size_t k = 0; k < 3; ++k) {
     const auto i = static_cast<Eigen::Index>(k);
     axis.point_mm(i) = file.number(columns.point[k].column) * columns.point[k].unit;
+    if (std::abs(axis.point_mm(i)) > kMost)
+      file.fail(columns.point[k].column,
+                "expected a point within a thousand kilometres, found one beyond: correct it");
     direction(i) = file.number(columns.direction[k]);
   }
-  if (direction.norm() < 1e-9)
+  const double largest = direction.cwiseAbs().maxCoeff();
+  if (largest == 0)
     file.fail(columns.direction[0],
               "expected a direction, found zero in dx, dy and dz: give a vector along the axis");
-  axis.direction = direction.normalized();
+  axis.direction = (direction / largest).normalized();
   const double tilt = sigma(file, columns.direction_sigma);
   const double shift = sigma(file, columns.point_sigma);
   const Eigen::Matrix3d across =

@@ -51,7 +51,9 @@ std::string line(const Entry& entry, std::size_t joint, bool compared) {
   const int decimals = decimals_for(half);
   std::string text = std::string(" & $") + entry.symbol + "_{" + std::to_string(joint) + "}$ (" +
                      entry.unit + ") & ";
-  if (entry.found.knowledge == Knowledge::by_convention)
+  if (entry.found.knowledge == Knowledge::undetermined)
+    text += "--";
+  else if (entry.found.knowledge == Knowledge::by_convention)
     text += math(short_number(value) + "^{\\dagger}");
   else if (half > 0)
     text += math(fixed(value, decimals) + " \\pm " + fixed(half, decimals));

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "daemon/units.hpp"
+#include "identify/undetermined.hpp"
 
 namespace sweepd {
 namespace {
@@ -97,6 +98,7 @@ identify::Identification identify_given_axes(const std::vector<Axis>& axes,
     const bool turned = campaign.specified && campaign.specified->positive[j] < 0;
     found.joints[j].axis = turned ? z[j]->reversed() : z[j];
   }
+  identify::name_undetermined(found);
   return found;
 }
 

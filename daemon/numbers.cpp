@@ -19,7 +19,8 @@ double power_of_ten(int exponent) {
 
 double rounded(double value, int decimals) {
   const double unit = power_of_ten(decimals);
-  const double result = std::round(value * unit) / unit;
+  const double units = std::round(value * unit);
+  const double result = std::isfinite(units) ? units / unit : value;
   return result == 0 ? 0 : result;
 }
 

@@ -1,6 +1,7 @@
 #include "daemon/result_json.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include <nlohmann/json.hpp>
@@ -179,6 +180,16 @@ Json differences(const std::vector<DhDifference>& rows) {
   return json;
 }
 
+/// JSON has no word for what is not finite: it becomes null, and its place is named.
+void leave_out_not_finite(Json& json, const std::string& place, Json& places) {
+  if (json.is_structured())
+    for (auto& [key, value] : json.items()) leave_out_not_finite(value, place + "/" + key, places);
+  else if (json.is_number_float() && !std::isfinite(json.get<double>())) {
+    json = nullptr;
+    places.push_back(place);
+  }
+}
+
 /// A name may come from a file's, in any bytes.
 std::string dumped(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -256,6 +267,9 @@ std::string result_json(const Outcome& outcome) {
     item["message"] = warning.message;
     json["warnings"].push_back(std::move(item));
   }
+  Json not_finite = Json::array();
+  leave_out_not_finite(json, "", not_finite);
+  if (!not_finite.empty()) json["not_finite"] = std::move(not_finite);
   std::string out;
   print(json, "", out);
   return out + "\n";

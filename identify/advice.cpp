@@ -187,7 +187,8 @@ class Adviser {
     const double usual = median(std::move(sigmas));
     const double arc = median(std::move(arcs));
     const double sigma = joint.axis->direction_sigma_rad();
-    if (!(sigma > kUneven * usual) || !(joint.circle->arc_rad < kShorter * arc)) return;
+    if (!(usual > 0) || !(sigma > kUneven * usual) || !(joint.circle->arc_rad < kShorter * arc))
+      return;
     warn("range_unbalanced", j,
          "its axis is " + brief(sigma / usual) + " times less certain than the others' (" +
              uncertain(sigma) + " on an arc of " + degrees(joint.circle->arc_rad) +

@@ -119,8 +119,9 @@ std::optional<RobotPose> robot_pose(const TableAxes& axes, const std::vector<DhR
     jacobian.col(p) = change / (2 * step);
   }
   const Eigen::Matrix<double, 12, 12> covariance = axes.covariance.topLeftCorner<12, 12>();
-  const Vector6d sigma =
-      (jacobian * covariance * jacobian.transpose()).diagonal().cwiseMax(0.0).cwiseSqrt();
+  const Vector6d variance = (jacobian * covariance * jacobian.transpose()).diagonal();
+  if (!variance.allFinite() || !found.pose.matrix().allFinite()) return std::nullopt;
+  const Vector6d sigma = variance.cwiseMax(0.0).cwiseSqrt();
   found.position_sigma_mm = sigma.head<3>();
   found.rotation_sigma_rad = sigma.tail<3>();
   return found;

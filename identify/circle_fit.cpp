@@ -91,7 +91,9 @@ std::optional<CircleFit> fit_circle(const Matrix3Xd& points) {
   fit.radial_rms_mm =
       rms((round.topRows<2>().colwise().norm().array() - fit.radius_mm).matrix().transpose());
   fit.arc_rad = swept_angle(round);
-  return fit;
+  const bool finite = std::isfinite(fit.radius_mm) && fit.center_mm.allFinite() &&
+                      std::isfinite(fit.plane_rms_mm) && std::isfinite(fit.radial_rms_mm);
+  return finite ? std::optional(fit) : std::nullopt;
 }
 
 CircleResidual residual(const CircleFit& circle, const Vector3d& point) {

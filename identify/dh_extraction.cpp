@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include "identify/axis_frame.hpp"
@@ -17,16 +16,9 @@ using Eigen::Vector3d;
 using Vector5d = Eigen::Matrix<double, 5, 1>;
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kUncertainFoot = 0.02;  // of the arm's size
-constexpr double kReach = 2;             // in sizes of the arm
-constexpr double kSigmas = 3;
-constexpr double kExact = 1e-9;      // what counts as zero for axes without uncertainty, relative
-constexpr double kRounding = 1e-15;  // rad; no direction is better known
-
-double largest_sigma(const Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, solver.eigenvalues()(2)));
-}
+constexpr double kNoAngle_rad = 1;     // first order says nothing of such an angle,
+constexpr double kNoLength_mm = 1000;  // nor of such a length where the arm is no larger
+constexpr double kExact = 1e-9;        // what counts as zero for axes without uncertainty, relative
 
 double angle_about(const Vector3d& axis, const Vector3d& from, const Vector3d& to) {
   return std::atan2(axis.dot(from.cross(to)), from.dot(to));
@@ -86,6 +78,7 @@ Vector5d advance(const Line& first, const Line& second, const Choice& choice, Fr
 
 Choice choose(const Axis& first, const Axis& second, double size, const DhRow* specified) {
   Choice choice{relation_between(first, second, size), 1};
+  if (choice.relation == Relation::unknown) return choice;
   const auto numbers = [&](double sign) {
     Frame frame = frame_on(first.line());
     return advance(first.line(), second.line(), {choice.relation, sign}, frame);
@@ -110,6 +103,10 @@ struct Run {
   std::vector<Choice> choices;  // one fewer
 };
 
+bool is_finite(const Axis& axis) {
+  return axis.direction.allFinite() && axis.point_mm.allFinite() && axis.covariance.allFinite();
+}
+
 /// b, theta, a, alpha, beta of all rows of the run but its last.
 std::vector<Vector5d> rows_of(const Run& run) {
   std::vector<Vector5d> rows;
@@ -119,17 +116,40 @@ std::vector<Vector5d> rows_of(const Run& run) {
   return rows;
 }
 
+/// How far axes are moved to differentiate: far less than what makes the common normals turn over.
+struct Steps {
+  double direction = 1e-6;
+  double point_mm = 1e-3;
+};
+
+Steps steps_of(const Run& run) {
+  constexpr double kSmall = 0.01;
+  Steps steps;
+  for (std::size_t i = 0; i < run.choices.size(); ++i) {
+    const Line first = run.axes[i].line();
+    const LinePair pair = relate(first, run.axes[i + 1].line());
+    const Relation relation = run.choices[i].relation;
+    if (relation == Relation::skew || relation == Relation::intersecting)
+      steps.direction = std::min(steps.direction, kSmall * pair.sine);
+    else if (relation == Relation::parallel)
+      steps.point_mm = std::min(
+          steps.point_mm,
+          kSmall * first.direction.cross(run.axes[i + 1].point_mm - run.axes[i].point_mm).norm());
+  }
+  return steps;
+}
+
 /// `covariance` is that of the run's axes, six rows an axis.
 std::vector<Vector5d> variances_of(const Run& run, const MatrixXd& covariance) {
-  constexpr double kDirectionStep = 1e-6;
-  constexpr double kPointStep_mm = 1e-3;
+  if (covariance.isZero(0)) return std::vector<Vector5d>(run.choices.size(), Vector5d::Zero());
+  const Steps steps = steps_of(run);
   const auto columns = static_cast<Eigen::Index>(6 * run.axes.size());
   const auto rows = static_cast<Eigen::Index>(5 * run.choices.size());
   MatrixXd jacobian(rows, columns);
   Run moved = run;
   for (Eigen::Index p = 0; p < columns; ++p) {
     const auto k = static_cast<std::size_t>(p / 6);
-    const double step = p % 6 < 3 ? kDirectionStep : kPointStep_mm;
+    const double step = p % 6 < 3 ? steps.direction : steps.point_mm;
     const auto rows_at = [&](double by) {
       moved.axes[k] = run.axes[k];
       (p % 6 < 3 ? moved.axes[k].direction(p % 6) : moved.axes[k].point_mm(p % 6 - 3)) += by;
@@ -149,7 +169,8 @@ std::vector<Vector5d> variances_of(const Run& run, const MatrixXd& covariance) {
   for (std::size_t i = 0; i < variances.size(); ++i)
     for (Eigen::Index k = 0; k < 5; ++k) {
       const auto row = static_cast<Eigen::Index>(5 * i) + k;
-      variances[i](k) = std::max(0.0, spread.row(row).dot(jacobian.row(row)));
+      const double variance = spread.row(row).dot(jacobian.row(row));
+      variances[i](k) = variance < 0 ? 0 : variance;  // not a number remains that
     }
   return variances;
 }
@@ -158,7 +179,15 @@ DhNumber conventional() {
   return {0, 0, Knowledge::by_convention};
 }
 
-void fill(const Run& run, const MatrixXd& covariance, std::vector<DhEstimate>& table) {
+/// Undetermined where the data say nothing of it.
+DhNumber told(double value, double variance, double no_information) {
+  const double sigma = std::sqrt(variance);
+  if (!std::isfinite(value) || !(sigma < no_information)) return {};
+  return {value, sigma, Knowledge::identified};
+}
+
+void fill(const Run& run, const MatrixXd& covariance, double size, std::vector<DhEstimate>& table) {
+  const double no_length = std::max(size, kNoLength_mm);
   const auto rows = rows_of(run);
   const auto variances = variances_of(run, covariance);
   // Without the axis before, neither X nor origin of the run's first frame is known.
@@ -169,7 +198,7 @@ void fill(const Run& run, const MatrixXd& covariance, std::vector<DhEstimate>& t
     DhEstimate& row = table[run.start + i];
     const Choice& choice = run.choices[i];
     const auto number = [&](Eigen::Index k) {
-      return DhNumber{rows[i](k), std::sqrt(variances[i](k)), Knowledge::identified};
+      return told(rows[i](k), variances[i](k), k == 0 || k == 2 ? no_length : kNoAngle_rad);
     };
     const auto convention = [&](Eigen::Index k) {
       return DhNumber{rows[i](k), 0, Knowledge::by_convention};
@@ -201,68 +230,6 @@ double wrapped(double angle) {
   return turned <= -kPi ? turned + 2 * kPi : turned;
 }
 
-std::string_view text(Relation relation) noexcept {
-  switch (relation) {
-    case Relation::skew:
-      return "skew";
-    case Relation::parallel:
-      return "parallel";
-    case Relation::intersecting:
-      return "intersecting";
-    case Relation::coincident:
-      return "coincident";
-    case Relation::last:
-      return "last";
-    case Relation::unknown:
-      return "unknown";
-  }
-  return "";
-}
-
-Axis Axis::reversed() const {
-  Axis axis = *this;
-  axis.direction = -direction;
-  axis.covariance.topRightCorner<3, 3>() *= -1;
-  axis.covariance.bottomLeftCorner<3, 3>() *= -1;
-  return axis;
-}
-
-double Axis::direction_sigma_rad() const {
-  return largest_sigma(covariance.topLeftCorner<3, 3>());
-}
-
-double Axis::point_sigma_mm() const {
-  const Matrix3d across_it = Matrix3d::Identity() - direction * direction.transpose();
-  return largest_sigma(across_it * covariance.bottomRightCorner<3, 3>() * across_it);
-}
-
-Relation relation_between(const Axis& first, const Axis& second, double size) {
-  const LinePair pair = relate(first.line(), second.line());
-  const double direction_sigma =
-      std::hypot(first.direction_sigma_rad(), second.direction_sigma_rad(), kRounding);
-  const double point_sigma = std::hypot(first.point_sigma_mm(), second.point_sigma_mm());
-  const double offset = first.direction.cross(second.point_mm - first.point_mm).norm();
-
-  bool parallel = pair.sine < kExact;
-  double lever = size;
-  if (!parallel) {
-    // The foot moves by a sigma_dir / sin^2 where the axes are apart, sigma_point / sin where they
-    // meet.
-    const double foot_sigma =
-        std::hypot(point_sigma, size * direction_sigma) / pair.sine +
-        std::abs(pair.distance_mm) * direction_sigma / (pair.sine * pair.sine);
-    lever = std::max((pair.first_foot_mm - first.point_mm).norm(),
-                     (pair.second_foot_mm - second.point_mm).norm());
-    parallel = foot_sigma > kUncertainFoot * size || lever > kReach * size;
-  }
-  if (parallel) lever = size;
-  const double distance = parallel ? offset : std::abs(pair.distance_mm);
-  const double distance_sigma = std::hypot(point_sigma, lever * direction_sigma);
-  const bool touching = distance < std::max(kSigmas * distance_sigma, kExact * size);
-  if (parallel) return touching ? Relation::coincident : Relation::parallel;
-  return touching ? Relation::intersecting : Relation::skew;
-}
-
 Eigen::Isometry3d first_frame(const Axis& axis) {
   const Frame frame = frame_on(axis.line());
   const Vector3d z = axis.line().direction;
@@ -277,15 +244,18 @@ std::vector<DhEstimate> extract_dh(const std::vector<std::optional<Axis>>& axes,
                                    const MatrixXd& covariance) {
   std::vector<DhEstimate> table(axes.size());
   for (std::size_t i = 0; i < axes.size();) {
-    if (!axes[i]) {
+    if (!axes[i] || !is_finite(*axes[i])) {
       ++i;
       continue;
     }
     Run run{i, {}, {}};
-    for (; i < axes.size() && axes[i]; ++i) {
-      if (!run.axes.empty())
-        run.choices.push_back(choose(run.axes.back(), *axes[i], size,
-                                     specified.empty() ? nullptr : &specified[i - 1]));
+    for (; i < axes.size() && axes[i] && is_finite(*axes[i]); ++i) {
+      if (!run.axes.empty()) {
+        const Choice choice = choose(run.axes.back(), *axes[i], size,
+                                     specified.empty() ? nullptr : &specified[i - 1]);
+        if (choice.relation == Relation::unknown) break;
+        run.choices.push_back(choice);
+      }
       run.axes.push_back(*axes[i]);
     }
     const auto from = static_cast<Eigen::Index>(6 * run.start);
@@ -296,7 +266,7 @@ std::vector<DhEstimate> extract_dh(const std::vector<std::optional<Axis>>& axes,
     else
       for (Eigen::Index k = 0; k < count; k += 6)
         own.block<6, 6>(k, k) = run.axes[static_cast<std::size_t>(k / 6)].covariance;
-    fill(run, own, table);
+    fill(run, own, size, table);
   }
   if (!table.empty())
     table.back() = {conventional(), conventional(), conventional(),

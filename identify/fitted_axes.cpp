@@ -45,7 +45,8 @@ void set_fitted_axes(ChainEstimate& estimate, const ChainFit& fit, const std::ve
     const auto row = static_cast<Index>(6 * j);
     const Axis axis{estimate.chain.axes[j].direction, estimate.chain.axes[j].point_mm,
                     estimate.covariance.block<6, 6>(row, row)};
-    if (axis.direction_sigma_rad() < kWorstDirection_rad) estimate.axes[j] = axis;
+    const bool finite = axis.direction.allFinite() && axis.point_mm.allFinite();
+    if (finite && axis.direction_sigma_rad() < kWorstDirection_rad) estimate.axes[j] = axis;
   }
 }
 

@@ -7,6 +7,7 @@
 #include "identify/chain_estimator.hpp"
 #include "identify/chain_table.hpp"
 #include "identify/circle_estimator.hpp"
+#include "identify/undetermined.hpp"
 
 namespace identify {
 namespace {
@@ -44,6 +45,7 @@ Identification estimate(std::vector<Sweep> sweeps, const Campaign& campaign) {
 
 Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign) {
   Identification found = estimate(std::move(sweeps), campaign);
+  name_undetermined(found);
   add_advice(found, campaign);
   return found;
 }

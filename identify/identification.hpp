@@ -29,7 +29,7 @@ struct Campaign {
 };
 
 enum class Status {
-  complete,  ///< every joint has an axis
+  complete,  ///< every joint has an axis, and every number of the table is known
   partial,
   failed,  ///< no joint has one
 };

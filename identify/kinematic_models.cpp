@@ -81,9 +81,17 @@ void add_uncertainties(KinematicModel& model, const ModelForms& forms, const Mod
     const double variance =
         spread.row(static_cast<Index>(i)).dot(jacobian.row(static_cast<Index>(i)));
     // The table's own numbers did not change, and keep their uncertainty.
-    if (number.knowledge == Knowledge::identified && variance > 0)
+    if (number.knowledge == Knowledge::identified && !(variance <= 0))
       number.sigma = std::sqrt(variance);
   }
+}
+
+bool is_finite(const KinematicModel& model) {
+  bool all = true;
+  for_each_number(model, [&](const ModelNumber& entry) {
+    all = all && std::isfinite(entry.number.value) && std::isfinite(entry.number.sigma);
+  });
+  return all;
 }
 
 /// Where no sweep tells where the target is at home, its place is a convention, and with it that of
@@ -115,6 +123,7 @@ std::vector<KinematicModel> kinematic_models(const ModelSource& given) {
     KinematicModel& model = models.emplace_back(forms.written(source.chain, form));
     if (source.covariance.size() > 0) add_uncertainties(model, forms, source);
     if (!source.target_identified) doubt_target(model);
+    if (!is_finite(model)) return {};
   }
   return models;
 }

@@ -26,8 +26,9 @@ struct ModelSource {
 };
 
 /// The arm in every form of `kModelForms`, in that order; empty where a number of the table is
-/// undetermined, or there is no target. Each reproduces the first target and the tool's orientation
-/// as the chain moves them, whatever the relations of the axes are called.
+/// undetermined or one of a model not finite, or there is no target. Each reproduces the first
+/// target and the tool's orientation as the chain moves them, whatever the relations of the axes
+/// are called.
 ///
 /// The numbers of the DH table are taken as they are. The others get standard uncertainties to
 /// first order from `covariance`, with relations and senses of common normals held. By convention

@@ -1,5 +1,18 @@
 #include "daemon/given_axes.hpp"
 
+#include <array>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <regex>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/dh_latex.hpp"
+#include "daemon/report.hpp"
+#include "daemon/result_csv.hpp"
+#include "daemon/result_json.hpp"
 #include "daemon/units.hpp"
 #include "identify/dh_comparison.hpp"
 #include "tests/catch.hpp"
@@ -109,4 +122,151 @@ TEST_CASE("axes that all coincide are no arm but no trouble either") {
   }());
   CHECK(found.dh[0].relation == identify::Relation::coincident);
   CHECK(found.dh[0].a_mm.value == 0);
+}
+
+namespace {
+
+/// Texts of all files of a result.
+std::string files_of(const identify::Identification& found) {
+  sweepd::Outcome outcome;
+  outcome.robot = "arm";
+  outcome.source_kind = "axes";
+  outcome.identification = found;
+  return sweepd::result_json(outcome) + sweepd::dh_csv(outcome) + sweepd::dh_latex(outcome) +
+         sweepd::report(outcome);
+}
+
+bool has_word_for_not_finite(const std::string& text) {
+  static const std::regex word("(^|[^a-z])-?(nan|inf)([^a-z]|$)");
+  return std::regex_search(text, word);
+}
+
+Axis with_sigmas(Axis axis, double direction_rad, double point_mm) {
+  const Eigen::Matrix3d across =
+      Eigen::Matrix3d::Identity() - axis.direction * axis.direction.transpose();
+  axis.covariance.topLeftCorner<3, 3>() = direction_rad * direction_rad * across;
+  axis.covariance.bottomRightCorner<3, 3>() = point_mm * point_mm * across;
+  return axis;
+}
+
+/// Two in three lie in a special way to the one before.
+std::vector<Axis> random_axes(std::mt19937& random) {
+  const auto pick = [&](std::size_t choices) {
+    return std::uniform_int_distribution<std::size_t>(0, choices - 1)(random);
+  };
+  std::normal_distribution<> normal;
+  const auto vector = [&] {
+    return Eigen::Vector3d(normal(random), normal(random), normal(random));
+  };
+  constexpr std::array kTilts{0.0, 1e-300, 1e-12, 1e-8, 1e-5, 1e-3, 0.02};
+  constexpr std::array kDirections_rad{0.0, 5e-324, 1e-200, 1e-12, 1e-6, 1e-3, 0.0175, 0.3, 1e8};
+  constexpr std::array kPoints_mm{0.0, 5e-324, 1e-200, 1e-9, 0.01, 1.0, 1e4, 1e9};
+  std::vector<Axis> axes(2 + pick(5));
+  for (std::size_t j = 0; j < axes.size(); ++j) {
+    Axis& axis = axes[j];
+    axis.direction = vector().normalized();
+    axis.point_mm = 500 * vector();
+    const std::size_t kind = pick(9);
+    if (j > 0 && kind < 6) {
+      const Axis& before = axes[j - 1];
+      if (kind < 2)
+        axis.direction =
+            Eigen::Vector3d(before.direction + kTilts[pick(7)] * vector()).normalized();
+      if (kind == 2) axis.direction = before.direction.unitOrthogonal();
+      if (kind == 3) axis.direction = -before.direction;
+      if (kind == 4) axis.direction = before.direction;
+      if (kind >= 4 || pick(2) == 0) axis.point_mm = before.point_mm + 300 * before.direction;
+    }
+    if (kind == 8) axis.point_mm *= 1e5;
+    axis = with_sigmas(axis, kDirections_rad[pick(9)], kPoints_mm[pick(8)]);
+  }
+  return axes;
+}
+
+}  // namespace
+
+TEST_CASE("perpendicular axes with uncertainties of a degree and a millimetre are perpendicular",
+          "[issue11][point_21]") {
+  auto axes = axes_of(identify::test::kr5_arc());
+  for (Axis& axis : axes) axis = with_sigmas(axis, sweepd::radians(1), 1);
+  const auto found = identify_given_axes(axes, kr5_campaign());
+  CHECK(found.status == identify::Status::complete);
+  CHECK(found.dh[0].relation == identify::Relation::skew);
+  CHECK(found.dh[1].relation == identify::Relation::parallel);
+  CHECK(found.dh[4].relation == identify::Relation::intersecting);
+  const auto arm = identify::test::kr5_arc();
+  for (std::size_t j = 0; j < 5; ++j) {
+    INFO("row " << j + 1);
+    CHECK(found.dh[j].a_mm.value == Approx(arm.rows[j].a_mm).margin(1e-6));
+    CHECK(found.dh[j].a_mm.sigma > 1);
+    CHECK(found.dh[j].alpha_rad.sigma == Approx(std::sqrt(2.0) * sweepd::radians(1)).epsilon(0.01));
+  }
+  CHECK_FALSE(has_word_for_not_finite(files_of(found)));
+}
+
+TEST_CASE("axes whose directions are not known have no table, and the result says so",
+          "[issue11][point_21]") {
+  auto axes = axes_of(identify::test::kr5_arc());
+  axes[2] = with_sigmas(axes[2], sweepd::radians(30), 1);
+  const auto found = identify_given_axes(axes, kr5_campaign());
+  CHECK(found.status == identify::Status::partial);
+  CHECK(found.reason.find("b, theta, a, alpha of row 2; b, theta, a, alpha of row 3") !=
+        std::string::npos);
+  REQUIRE(found.warnings.size() == 1);
+  CHECK(found.warnings[0].code == "undetermined");
+  const auto json = nlohmann::json::parse(sweepd::result_json({"arm", "axes", {}, found}));
+  CHECK(json["status"] == "partial");
+  CHECK(json["dh"][1]["a_mm"].is_null());
+  CHECK(json["dh"][0]["a_mm"] == 180.0);
+}
+
+TEST_CASE(
+    "whatever axes are given, no file holds a number that is none, and what is not known is "
+    "not called complete",
+    "[issue11][point_21]") {
+  std::mt19937 random(21);
+  std::size_t complete = 0;
+  constexpr std::size_t kRuns = 2000;
+  for (std::size_t run = 0; run < kRuns; ++run) {
+    INFO("run " << run);
+    const auto axes = random_axes(random);
+    identify::Campaign campaign;
+    campaign.joints = axes.size();
+    if (run % 2 == 0) {
+      campaign.specified = identify::test::kr5_arc();
+      campaign.specified->rows.resize(axes.size());
+      campaign.specified->home_rad.resize(axes.size());
+      campaign.specified->positive.resize(axes.size(), 1);
+    }
+    const auto found = identify_given_axes(axes, campaign);
+    bool all_known = true;
+    for (const auto& row : found.dh)
+      for (const auto* number :
+           {&row.b_mm, &row.theta_rad, &row.a_mm, &row.alpha_rad, &row.beta_rad}) {
+        const bool beta = number == &row.beta_rad && row.relation == identify::Relation::unknown;
+        if (number->knowledge == Knowledge::undetermined) {
+          all_known = all_known && beta;
+          continue;
+        }
+        REQUIRE(std::isfinite(number->value));
+        REQUIRE(std::isfinite(number->sigma));
+      }
+    REQUIRE((found.status == identify::Status::complete) == all_known);
+    REQUIRE(found.reason.empty() == all_known);
+    if (all_known) ++complete;
+    if (run % 10 == 0) REQUIRE_FALSE(has_word_for_not_finite(files_of(found)));
+  }
+  // Neither side of the question is empty.
+  CHECK(complete > kRuns / 20);
+  CHECK(complete < kRuns / 2);
+}
+
+TEST_CASE("a number that is none is null in result.json, and its place is named",
+          "[issue11][point_21]") {
+  sweepd::Outcome outcome;
+  outcome.identification.chain.emplace();
+  outcome.identification.chain->summary.condition = std::numeric_limits<double>::infinity();
+  const auto json = nlohmann::json::parse(sweepd::result_json(outcome));
+  CHECK(json["estimates"]["chain"]["summary"]["condition"].is_null());
+  CHECK(json["not_finite"] == nlohmann::json{"/estimates/chain/summary/condition"});
 }
