@@ -67,7 +67,8 @@ class Scanner {
     return name;
   }
 
-  /// Skips <?…?>, <!--…--> and <!…>. False if the data end inside, or if this is none of them.
+  /// Skips <?…?>, <!--…-->, <![CDATA[…]]> and <!…>. False if the data end inside, or if this is
+  /// none of them.
   bool skip_declaration() {
     std::string_view ignored;
     if (sees("<?")) return take_until("?>", ignored);
@@ -75,6 +76,7 @@ class Scanner {
       rest_.remove_prefix(4);  // "<!-->" is a beginning and no end
       return take_until("-->", ignored);
     }
+    if (sees("<![CDATA[")) return take_until("]]>", ignored);
     if (sees("<!")) return take_until(">", ignored);
     return false;
   }
@@ -142,7 +144,7 @@ std::string_view text(Defect defect) noexcept {
 
 Defect Telegram::parse(std::string_view datagram) {
   signals_.clear();
-  ipoc_.reset();
+  ipoc_ = ipoc_number(find_ipoc(datagram));
   if (blank(datagram)) return Defect::empty;
 
   Scanner scanner(datagram);
@@ -183,8 +185,6 @@ Defect Telegram::parse(std::string_view datagram) {
     const auto content = trimmed(scanner.take_text());
     if (!scanner.sees("</")) continue;
     if (is_ipoc) {
-      // As find_ipoc() does, which answers: the last one that can be read counts.
-      if (const auto number = ipoc_number(content)) ipoc_ = number;
       if (is_root) root_closed = true;
     } else if (signals_.size() == before || !content.empty()) {
       signals_.push_back({element, {}, content});

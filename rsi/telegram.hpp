@@ -41,6 +41,7 @@ class Telegram {
 
   /// In the order of the telegram; the root's attributes and the IPOC are not among them.
   [[nodiscard]] const std::vector<Signal>& signals() const noexcept { return signals_; }
+  /// By the rule of find_ipoc(), whatever defect there is; 0 if there is none.
   [[nodiscard]] std::uint64_t ipoc() const noexcept { return ipoc_.value_or(0); }
 
   /// Index into signals(), looked for at `hint` first: telegrams of one controller all look alike.
