@@ -1,7 +1,6 @@
 #include "daemon/axes_file.hpp"
 
 #include <array>
-#include <cmath>
 #include <map>
 #include <optional>
 
@@ -10,8 +9,6 @@
 
 namespace sweepd {
 namespace {
-
-constexpr double kMost = 1e9;
 
 struct AxisColumns {
   std::size_t joint = 0;
@@ -65,8 +62,6 @@ double sigma(const CsvFile& file, const std::optional<Place>& place) {
   if (number->value < 0)
     file.fail(place->column,
               "expected a standard uncertainty, found a negative number: correct it");
-  if (number->value > kMost)
-    file.fail(place->column, "expected a standard uncertainty below 1e9, found more: correct it");
   return number->value * place->unit;
 }
 
@@ -76,9 +71,6 @@ identify::Axis read_axis(const CsvFile& file, const AxisColumns& columns) {
   for (std::size_t k = 0; k < 3; ++k) {
     const auto i = static_cast<Eigen::Index>(k);
     axis.point_mm(i) = file.number(columns.point[k].column) * columns.point[k].unit;
-    if (std::abs(axis.point_mm(i)) > kMost)
-      file.fail(columns.point[k].column,
-                "expected a point within a thousand kilometres, found one beyond: correct it");
     direction(i) = file.number(columns.direction[k]);
   }
   const double largest = direction.cwiseAbs().maxCoeff();

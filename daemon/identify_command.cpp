@@ -126,12 +126,6 @@ std::vector<Sweep> sweeps_in(const Points& points, const IdentifyOptions& option
                                          : streamed_sweeps(file, setup.joints, points.resolution));
     std::move(found.begin(), found.end(), std::back_inserter(sweeps));
   }
-  const auto without_joint =
-      std::count_if(sweeps.begin(), sweeps.end(), [](const Sweep& sweep) { return !sweep.joint; });
-  // One target's strokes in a row are what the engine tells apart by itself.
-  if (without_joint > 0 &&
-      (points.counts.targets > 1 || without_joint < static_cast<std::ptrdiff_t>(sweeps.size())))
-    assign_joints_by_target(sweeps, campaign.order, setup.joints);
   if (setup.plan) declare_directions(sweeps, *setup.plan, campaign.order);
   return sweeps;
 }

@@ -149,27 +149,6 @@ std::vector<Sweep> sweeps_of_joint(const PointsFile& file, std::size_t joint, st
   return sweeps;
 }
 
-void assign_joints_by_target(std::vector<Sweep>& sweeps, std::vector<identify::DeclaredJoint> order,
-                             std::size_t joints) {
-  if (order.empty())
-    for (std::size_t j = 0; j < joints; ++j) order.push_back({j, 0});
-  const bool directions_known =
-      std::all_of(order.begin(), order.end(),
-                  [](const identify::DeclaredJoint& turn) { return turn.first_direction != 0; });
-  std::map<std::size_t, std::vector<Sweep*>> targets;
-  for (Sweep& sweep : sweeps)
-    if (!sweep.joint) targets[sweep.target].push_back(&sweep);
-  for (const auto& [target, strokes] : targets) {
-    std::vector<Sweep> assigned;
-    for (const Sweep* stroke : strokes) assigned.push_back(*stroke);
-    identify::assign_joints(assigned, order);
-    for (std::size_t k = 0; k < assigned.size(); ++k) {
-      strokes[k]->joint = assigned[k].joint;
-      strokes[k]->direction = directions_known ? assigned[k].direction : 0;
-    }
-  }
-}
-
 void declare_directions(std::vector<Sweep>& sweeps, const SweepPlan& plan,
                         const std::vector<identify::DeclaredJoint>& order) {
   std::map<std::size_t, std::vector<Sweep*>> joints;

@@ -29,11 +29,6 @@ namespace sweepd {
                                                            std::size_t joint, std::size_t joints,
                                                            const identify::Resolution& resolution);
 
-/// Tells the joints of strokes where neither angles nor the file do, by the declared order (empty:
-/// joint 1 to n), each target by itself.
-void assign_joints_by_target(std::vector<identify::Sweep>& sweeps,
-                             std::vector<identify::DeclaredJoint> order, std::size_t joints);
-
 /// Sets the direction of sweeps whose joint is known and whose direction is not (no angles), from
 /// the plan that was run. A joint with no more sweeps than the plan has begins as they do; one with
 /// more was seen on its way to the start too, and begins as `order` says.

@@ -58,8 +58,12 @@ identify::Campaign campaign(const RobotSetup& setup, const identify::Resolution&
       campaign.declared_home_rad.push_back(radians(home));
     for (const auto& sweep : setup.plan->sweeps) {
       const std::size_t joint = sweep.joint - 1;
+      const double home = setup.plan->home_deg[joint];
       if (campaign.order.empty() || campaign.order.back().joint != joint)
-        campaign.order.push_back({joint, first_direction(sweep, setup.plan->home_deg[joint])});
+        campaign.order.push_back({joint, first_direction(sweep, home)});
+      for (const double move :
+           {sweep.start_deg - home, sweep.end_deg - sweep.start_deg, home - sweep.end_deg})
+        if (move != 0) campaign.order.back().strokes_rad.push_back(radians(move));
     }
   }
   return campaign;

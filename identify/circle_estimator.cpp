@@ -68,7 +68,7 @@ class Circles {
     mark_positioning(sweeps_, result_.home_rad, campaign_.resolution);
     const bool told = std::any_of(sweeps_.begin(), sweeps_.end(),
                                   [](const Sweep& sweep) { return sweep.first().joints > 0; });
-    if (!told && campaign_.declared_home_rad.size() == campaign_.joints)
+    if (!told && home_declared_ && campaign_.declared_home_rad.size() == campaign_.joints)
       result_.home_rad.assign(campaign_.declared_home_rad.begin(),
                               campaign_.declared_home_rad.end());
     for (std::size_t j = 0; j < campaign_.joints; ++j) fit(j);
@@ -84,22 +84,13 @@ class Circles {
   }
 
   void assign() {
-    with_angles_ = std::any_of(sweeps_.begin(), sweeps_.end(),
-                               [](const Sweep& sweep) { return sweep.joint.has_value(); });
-    if (!with_angles_ && !sweeps_.empty()) {
-      auto order = campaign_.order;
-      for (std::size_t j = 0; order.size() < campaign_.joints && campaign_.order.empty(); ++j)
-        order.push_back({j, 0});
-      const auto groups = assign_joints(sweeps_, order);
-      if (groups != order.size())
-        warn("order_mismatch", {},
-             std::to_string(groups) +
-                 " axes were swept one after the other, but the declared order "
-                 "has " +
-                 std::to_string(order.size()) +
-                 ": give the sweep plan that was run, or send joint angles (AIPos)");
-      for (const auto& declared : order)
-        if (declared.first_direction == 0) directions_unknown_ = true;
+    const auto without_joint = [](const Sweep& sweep) { return !sweep.joint; };
+    if (std::any_of(sweeps_.begin(), sweeps_.end(), without_joint)) {
+      JointAssignment assigned = assign_joints(sweeps_, campaign_);
+      directions_unknown_ = !assigned.senses_known;
+      home_declared_ = assigned.home_holds;
+      result_.doubt = std::move(assigned.doubt);
+      result_.warnings = std::move(assigned.warnings);
     }
     std::erase_if(sweeps_, [&](const Sweep& sweep) {
       return sweep.joint && *sweep.joint >= campaign_.joints;
@@ -306,7 +297,7 @@ class Circles {
   const Campaign& campaign_;
   std::vector<Sweep> sweeps_;
   Identification result_;
-  bool with_angles_ = false;
+  bool home_declared_ = true;  // nothing contradicts the declared home
   bool directions_unknown_ = false;
   bool positions_missing_ = false;
 };

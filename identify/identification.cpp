@@ -46,6 +46,10 @@ Identification estimate(std::vector<Sweep> sweeps, const Campaign& campaign) {
 Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign) {
   Identification found = estimate(std::move(sweeps), campaign);
   name_undetermined(found);
+  if (found.status == Status::complete && !found.doubt.empty()) {
+    found.status = Status::partial;
+    found.reason = found.doubt;
+  }
   add_advice(found, campaign);
   return found;
 }

@@ -12,6 +12,7 @@
 #include "identify/dh_extraction.hpp"
 #include "identify/joint_assignment.hpp"
 #include "identify/sweep.hpp"
+#include "identify/warning.hpp"
 
 namespace identify {
 
@@ -29,18 +30,11 @@ struct Campaign {
 };
 
 enum class Status {
-  complete,  ///< every joint has an axis, and every number of the table is known
+  complete,  ///< every joint has an axis, every number of the table is known, nothing is in doubt
   partial,
   failed,  ///< no joint has one
 };
 [[nodiscard]] std::string_view text(Status status) noexcept;
-
-/// Something that the user should know; `code` is for programs and stays.
-struct Warning {
-  std::string code;
-  std::optional<std::size_t> joint;  ///< counted from 0
-  std::string message;
-};
 
 /// Which estimator a result comes from. `axes`: none, the axes were given.
 enum class Estimator { circle, chain, axes };
@@ -67,6 +61,7 @@ struct JointResult {
 struct Identification {
   Status status = Status::failed;
   std::string reason;  ///< why not complete; empty if it is
+  std::string doubt;   ///< why a table with all its numbers is not complete; empty: nothing
   /// One a joint, where known: the angles at which the axes below were locked.
   std::vector<std::optional<double>> home_rad;
   std::vector<JointResult> joints;

@@ -1,4 +1,4 @@
-// The paper's controller sent positions alone: nothing but their order tells the joints.
+// The paper's controller sent positions alone: nothing but their geometry tells the joints.
 
 #include <fstream>
 #include <iostream>
@@ -62,7 +62,7 @@ TEST_CASE("Both sets are identified from positions and the plan's order alone",
     check_strokes(result, "kr5_arc_30deg.toml");
 }
 
-TEST_CASE("Without a plan, joints are taken to have swept in their own order", "[positions_only]") {
+TEST_CASE("Without a plan, the robot description tells whose sweep is whose", "[positions_only]") {
   for (const auto& result : check_positions_only("kr5_arc_90deg.toml", kBounds90, false))
     CHECK_FALSE(result.contains("home_deg"));  // nothing tells an angle
 }

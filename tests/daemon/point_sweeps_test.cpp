@@ -133,34 +133,6 @@ TEST_CASE("a stream is split by target before it is segmented") {
   }
 }
 
-TEST_CASE("without angles the declared order tells the joints, each target by itself") {
-  const TemporaryFolder folder;
-  const Layout layout{.times = true, .more = "target,"};
-  std::string text = points_header(layout);
-  const auto first = measured_kr5({});
-  const auto second = measured_kr5({}, {0, 150, 300});
-  for (std::size_t k = 0; k < first.stream.size(); ++k)
-    text += points_lines({first.stream[k]}, layout, "1,") +
-            points_lines({second.stream[k]}, layout, "2,");
-  auto sweeps = streamed_sweeps(file_of(folder, text), 6, kSixDecimals);
-  const auto with_angles = identify::test::segment(first.stream);
-  REQUIRE(sweeps.size() == 2 * with_angles.size());
-  SECTION("joint 1 to 6, in directions unknown") {
-    assign_joints_by_target(sweeps, {}, 6);
-    for (std::size_t k = 0; k < sweeps.size(); ++k) {
-      CHECK(sweeps[k].joint == with_angles[k / 2].joint);
-      CHECK(sweeps[k].direction == 0);
-    }
-  }
-  SECTION("as a plan has them") {
-    assign_joints_by_target(sweeps, {{0, -1}, {1, 1}, {2, 1}, {3, 1}, {4, -1}, {5, 1}}, 6);
-    for (std::size_t k = 0; k < sweeps.size(); ++k) {
-      CHECK(sweeps[k].joint == with_angles[k / 2].joint);
-      CHECK(sweeps[k].direction == with_angles[k / 2].direction);
-    }
-  }
-}
-
 TEST_CASE("the strokes of one file are all of its joint, unless angles say otherwise") {
   const TemporaryFolder folder;
   identify::test::Campaign campaign(identify::test::kr5_arc());

@@ -90,6 +90,13 @@ TEST_CASE("a campaign is the plan in radians, with joints from 0 and their first
   for (const auto& turn : campaign.order) order.emplace_back(turn.joint, turn.first_direction);
   CHECK(order ==
         std::vector<std::pair<std::size_t, int>>{{0, -1}, {1, 1}, {2, 1}, {3, 1}, {4, -1}, {5, 1}});
+  // To its start, the sweep, and home again.
+  const std::vector<double> strokes{radians(-135), radians(90), radians(45)};
+  REQUIRE(campaign.order[0].strokes_rad.size() == strokes.size());
+  for (std::size_t k = 0; k < strokes.size(); ++k)
+    CHECK(campaign.order[0].strokes_rad[k] == Approx(strokes[k]));
+  // It begins at home.
+  CHECK(campaign.order[4].strokes_rad.size() == 2);
 }
 
 TEST_CASE("sweeps of one joint in a row are one turn, and a later one another") {
