@@ -1,6 +1,7 @@
 #include "daemon/csv_file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <fstream>
@@ -8,13 +9,11 @@
 #include <system_error>
 #include <utility>
 
+#include "daemon/units.hpp"
 #include "rsi/ascii.hpp"
 
 namespace sweepd {
 namespace {
-
-/// Beyond what anyone measures in mm, degrees or seconds, and harmless to the numerics.
-constexpr double kLargest = 1e12;
 
 std::string read(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -26,28 +25,17 @@ std::string read(const std::filesystem::path& path) {
   return std::move(content).str();
 }
 
+/// What stands in quotes separates nothing.
 char separator_of(std::string_view line) {
-  for (const char separator : {',', ';', '\t'})
-    if (line.find(separator) != std::string_view::npos) return separator;
-  return ' ';
-}
-
-std::string_view unquoted(std::string_view field) {
-  field = rsi::trimmed(field);
-  if (field.size() >= 2 && field.front() == '"' && field.back() == '"')
-    field = rsi::trimmed(field.substr(1, field.size() - 2));
-  return field;
-}
-
-void split(std::string_view line, char separator, std::vector<std::string_view>& fields) {
-  fields.clear();
-  while (true) {
-    const auto end = line.find(separator);
-    fields.push_back(unquoted(line.substr(0, end)));
-    if (end == std::string_view::npos) return;
-    line.remove_prefix(end + 1);
-    if (separator == ' ') line = rsi::trimmed(line);
+  std::string outside;
+  bool inside = false;
+  for (const char c : line) {
+    if (c == '"') inside = !inside;
+    if (!inside) outside += c;
   }
+  for (const char separator : {',', ';', '\t'})
+    if (outside.find(separator) != std::string::npos) return separator;
+  return ' ';
 }
 
 std::string quoted(std::string_view text) {
@@ -108,18 +96,65 @@ bool CsvFile::next() {
 bool CsvFile::next_line() {
   while (at_ < content_.size()) {
     const auto end = std::min(content_.find('\n', at_), content_.size());
-    const auto line = std::string_view(content_).substr(at_, end - at_);
-    at_ = std::min(end + 1, content_.size());
+    const auto line = rsi::trimmed(std::string_view(content_).substr(at_, end - at_));
     ++line_;
-    const auto text = rsi::trimmed(line);
-    if (text.empty() || text.front() == '#') continue;
-    if (separator_ == 0) separator_ = separator_of(text);
-    // Between tabs, what is empty at the end is a field too.
-    const auto end_of_text = line.ends_with('\r') ? line.size() - 1 : line.size();
-    split(separator_ == ' ' ? text : line.substr(0, end_of_text), separator_, fields_);
+    if (line.empty() || line.front() == '#') {
+      at_ = std::min(end + 1, content_.size());
+      continue;
+    }
+    if (separator_ == 0) separator_ = separator_of(line);
+    fields_.clear();
+    while (next_field()) {
+    }
     return true;
   }
   return false;
+}
+
+/// Takes a field and the separator behind it off the line. False after the last field.
+bool CsvFile::next_field() {
+  const auto skip_blanks = [this] {
+    at_ = std::min(content_.find_first_not_of(separator_ == '\t' ? " \r" : " \t\r", at_),
+                   content_.size());
+  };
+  const auto at_end = [this] { return at_ == content_.size() || content_[at_] == '\n'; };
+  skip_blanks();
+  if (!at_end() && content_[at_] == '"') {
+    fields_.push_back(quoted_field());
+    skip_blanks();
+    if (separator_ != ' ' && !at_end() && content_[at_] != separator_)
+      throw CsvError(place() + ": expected the next field after a closing quote, found more of " +
+                     "the same: write a quote inside of quotes twice");
+  } else {
+    const std::array ends{separator_, '\n'};
+    const auto begin = at_;
+    at_ = std::min(content_.find_first_of(ends.data(), at_, ends.size()), content_.size());
+    fields_.push_back(rsi::trimmed(std::string_view(content_).substr(begin, at_ - begin)));
+    if (separator_ == ' ') skip_blanks();
+  }
+  const bool last = at_end();
+  if (at_ < content_.size() && (last || separator_ != ' ')) ++at_;
+  return !last;
+}
+
+/// What stands in quotes may hold separators, ends of lines, and quotes that are written twice.
+std::string_view CsvFile::quoted_field() {
+  const std::size_t begin = ++at_;
+  std::size_t end = begin;  // the text takes the place of what it is written as
+  const std::size_t first_line = line_;
+  while (true) {
+    if (at_ == content_.size())
+      throw CsvError(path_.string() + ": line " + std::to_string(first_line) +
+                     ": expected a closing quote, found none up to the end of the file: add it");
+    const char c = content_[at_++];
+    if (c == '\n') ++line_;
+    if (c == '"') {
+      if (at_ == content_.size() || content_[at_] != '"') break;
+      ++at_;
+    }
+    content_[end++] = c;
+  }
+  return rsi::trimmed(std::string_view(content_).substr(begin, end - begin));
 }
 
 bool CsvFile::any_number() const {
@@ -137,7 +172,7 @@ std::optional<rsi::Decimal> CsvFile::decimal(std::size_t column) const {
                      (text.find(',') != std::string_view::npos
                           ? ": write a decimal point"
                           : ": correct it, or leave it empty if the value is missing"));
-  if (std::abs(number->value) > kLargest)
+  if (std::abs(number->value) > kLargestMeasured)
     fail(column, "expected a measured number, found " + quoted(text) + ": correct it");
   number->decimals = decimals_of(text, number->decimals);
   return number;

@@ -23,8 +23,9 @@ class CsvError : public std::runtime_error {
 /// A text file of columns, read a line at a time.
 ///
 /// Commas stand between the fields or, where the first line has none, semicolons, tabs, or blanks.
-/// Lines that are empty or begin with # are passed over; a byte order mark, CR LF and quotes around
-/// a field are taken off. All functions that read throw CsvError.
+/// Lines that are empty or begin with # are passed over; a byte order mark and CR LF are taken off,
+/// and quotes around a field, which may then hold anything (RFC 4180). All functions that read
+/// throw CsvError.
 class CsvFile {
  public:
   /// Reads the whole file. The first line names the columns, unless `columns` does; then a first
@@ -58,6 +59,8 @@ class CsvFile {
 
  private:
   bool next_line();
+  bool next_field();
+  [[nodiscard]] std::string_view quoted_field();
   [[nodiscard]] std::string place() const;
   [[nodiscard]] std::string header_place() const;
   [[nodiscard]] bool any_number() const;

@@ -111,9 +111,9 @@ struct Reader {
     *number = static_cast<int>(table.whole_number(option.key, option.least, option.most));
   }
   void operator()(std::vector<int>* numbers) const {
-    for (const double number : table.numbers(option.key)) {
-      if (number < static_cast<double>(option.least) || number > static_cast<double>(option.most) ||
-          number != std::floor(number))
+    for (const double number : table.numbers(option.key, static_cast<double>(option.least),
+                                             static_cast<double>(option.most))) {
+      if (number != std::floor(number))
         wrong("whole numbers from " + std::to_string(option.least) + " to " +
                   std::to_string(option.most),
               "write them like [2, 3], as `lscpu -e` counts them");

@@ -53,7 +53,7 @@ void read_row(const TomlTable& joint, identify::Arm& arm) {
 }
 
 void read_home(const TomlTable& top, RobotDescription& robot) {
-  robot.home_deg = top.numbers("home_deg");
+  robot.home_deg = top.numbers("home_deg", -kMostTurns_deg, kMostTurns_deg);
   if (robot.home_deg.size() != robot.joints())
     top.fail("home_deg", "expected " + std::to_string(robot.joints()) +
                              " angles, one a [[joint]], found " + top.found("home_deg") +
@@ -68,7 +68,7 @@ void read_home(const TomlTable& top, RobotDescription& robot) {
 }
 
 Eigen::Vector3d read_tool(const TomlTable& top) {
-  const std::vector<double> tool = top.numbers("tool_mm");
+  const std::vector<double> tool = top.numbers("tool_mm", -kLongest_mm, kLongest_mm);
   if (tool.size() != 3)
     top.fail("tool_mm",
              "expected [x, y, z], found " + top.found("tool_mm") + ": write three numbers");

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "daemon/units.hpp"
+#include "rsi/ascii.hpp"
 #include "rsi/ipoc.hpp"
 
 namespace sweepd {
@@ -25,14 +26,16 @@ SampleReader::Source SampleReader::source(const std::string& name) {
 std::optional<double> SampleReader::value(const rsi::Telegram& telegram, Source& source,
                                           int& decimals) {
   const auto at = telegram.find(source.element, source.attribute, source.hint);
-  source.text = at ? telegram.signals()[*at].text : std::string_view();
+  source.text = {};
   if (!at) return std::nullopt;
   source.hint = *at;
-  const auto number = rsi::decimal(source.text);
-  if (!number) {
+  const auto text = telegram.signals()[*at].text;
+  const auto number = rsi::decimal(text);
+  if (!number || std::abs(number->value) > kLargestMeasured) {
     ++unusable_;
     return std::nullopt;
   }
+  source.text = rsi::trimmed(text);
   decimals = std::max(decimals, number->decimals);
   return number->value;
 }

@@ -25,18 +25,18 @@ class SampleReader {
   [[nodiscard]] std::optional<std::uint64_t> delay(const rsi::Telegram& telegram);
 
   /// Appends ",x,y,z,a,b,c,a1,…" of the telegram last read, as the controller printed them; nothing
-  /// between the commas for what is missing.
+  /// between the commas for what is missing or no number that can be measured.
   void append_csv(std::string& row) const;
   [[nodiscard]] std::string csv_header() const;
 
   /// The last decimal that was printed so far, in the finest telegram.
   [[nodiscard]] const identify::Resolution& resolution() const { return resolution_; }
 
-  /// Values that were there but no finite numbers.
+  /// Values that were there but no numbers that can be measured.
   [[nodiscard]] std::uint64_t unusable() const { return unusable_; }
 
  private:
-  /// A signal's name, where it was found last, and what stood there.
+  /// A signal's name, where it was found last, and the number that stood there.
   struct Source {
     std::string element;
     std::string attribute;

@@ -37,7 +37,7 @@ SweepPlan load_plan(const std::filesystem::path& file) {
       {"home_deg", "positioning_speed_deg_s", "acceleration_deg_s2", "dwell_ms", "sweep"});
   SweepPlan plan;
   plan.file = file;
-  plan.home_deg = top.numbers("home_deg");
+  plan.home_deg = top.numbers("home_deg", -kMostAngle_deg, kMostAngle_deg);
   if (plan.home_deg.empty() || plan.home_deg.size() > 12)
     top.fail("home_deg", "expected 1 to 12 angles, one a joint, found " + top.found("home_deg") +
                              ": give the pose from which each sweep begins");

@@ -146,10 +146,15 @@ struct TomlTable::Node {
     fail(key, node, "expected " + expected + ", found " + in_words(&node) + ": " + remedy);
   }
 
-  [[nodiscard]] double finite(std::string_view key, const toml::node& node,
-                              const std::string& expected) const {
+  [[nodiscard]] double number(std::string_view key, const toml::node& node, double least,
+                              double most) const {
+    const std::string expected = "a number" + unit_of(key);
     const auto value = node.is_number() ? node.value<double>() : std::nullopt;
     if (!value || !std::isfinite(*value)) wrong_type(key, node, expected);
+    if (*value < least || *value > most)
+      fail(key, node,
+           "expected " + expected + " from " + number_text(least) + " to " + number_text(most) +
+               ", found " + in_words(&node) + ": choose one in between");
     return *value;
   }
 
@@ -239,14 +244,7 @@ bool TomlTable::flag(std::string_view key) const {
 }
 
 double TomlTable::number(std::string_view key, double least, double most) const {
-  const std::string expected = "a number" + unit_of(key);
-  const toml::node& node = node_->get(key, expected);
-  const double value = node_->finite(key, node, expected);
-  if (value < least || value > most)
-    node_->fail(key, node,
-                "expected " + expected + " from " + number_text(least) + " to " +
-                    number_text(most) + ", found " + in_words(&node) + ": choose one in between");
-  return value;
+  return node_->number(key, node_->get(key, "a number" + unit_of(key)), least, most);
 }
 
 std::int64_t TomlTable::whole_number(std::string_view key, std::int64_t least,
@@ -263,10 +261,10 @@ std::int64_t TomlTable::whole_number(std::string_view key, std::int64_t least,
   return value->get();
 }
 
-std::vector<double> TomlTable::numbers(std::string_view key) const {
+std::vector<double> TomlTable::numbers(std::string_view key, double least, double most) const {
   std::vector<double> values;
   for (const toml::node& node : node_->array(key, "an array of numbers" + unit_of(key)))
-    values.push_back(node_->finite(key, node, "a number" + unit_of(key)));
+    values.push_back(node_->number(key, node, least, most));
   return values;
 }
 

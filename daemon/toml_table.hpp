@@ -34,8 +34,8 @@ class TomlTable {
   [[nodiscard]] double number(std::string_view key, double least, double most) const;
   [[nodiscard]] std::int64_t whole_number(std::string_view key, std::int64_t least,
                                           std::int64_t most) const;
-  /// An array of finite numbers, perhaps empty.
-  [[nodiscard]] std::vector<double> numbers(std::string_view key) const;
+  /// An array of finite numbers from `least` to `most`, perhaps empty.
+  [[nodiscard]] std::vector<double> numbers(std::string_view key, double least, double most) const;
   /// An array of strings, perhaps empty.
   [[nodiscard]] std::vector<std::string> texts(std::string_view key) const;
   /// The tables [[key]] in order of appearance, at least one.

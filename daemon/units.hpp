@@ -6,6 +6,9 @@ namespace sweepd {
 
 inline constexpr double kPi = 3.14159265358979323846;
 
+/// Beyond what anyone measures in mm, degrees or seconds, and harmless to the numerics.
+inline constexpr double kLargestMeasured = 1e12;
+
 [[nodiscard]] constexpr double radians(double degrees) {
   return degrees * (kPi / 180);
 }

@@ -1,16 +1,13 @@
 #include "rsi/capture_reader.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdio>
-#include <system_error>
+#include <utility>
 
 #include <pcap/pcap.h>
 
 namespace rsi {
 namespace {
-
-constexpr std::size_t read_buffer_size = 256 * 1024;
 
 /// libpcap takes the 32 bits of a pcap file as signed, but nothing was captured before 1970: those
 /// are times after 2038. Seconds beyond what nanoseconds in 64 bits can count (the year 2262) come
@@ -47,39 +44,63 @@ void CaptureReader::Close::operator()(pcap* capture) const noexcept {
   pcap_close(capture);
 }
 
-CaptureReader::CaptureReader(const std::filesystem::path& path) : name_(path.string()) {
-  std::FILE* file = std::fopen(path.c_str(), "rbe");
-  if (file == nullptr)
-    throw CaptureError("cannot open capture " + name_ + ": " +
-                       std::generic_category().message(errno) +
-                       ": check the name and the permissions");
-  std::setvbuf(file, nullptr, _IOFBF, read_buffer_size);
-  char error[PCAP_ERRBUF_SIZE] = "";
-  capture_.reset(pcap_fopen_offline_with_tstamp_precision(file, PCAP_TSTAMP_PRECISION_NANO, error));
-  if (!capture_) {
-    std::fclose(file);
-    throw CaptureError(name_ + " is not a capture that can be read (" + error +
-                       "): give a pcap or pcapng file as tcpdump and Wireshark write it, unpacked");
+CaptureReader::CaptureReader(const std::filesystem::path& path)
+    : name_(path.string()), sections_(std::make_unique<CaptureSections>(path)) {
+  sections_->next();
+  if (const auto problem = open_section(); !problem.empty()) throw CaptureError(name_ + problem);
+}
+
+/// Empty if it can be read; else what is wrong with it, as what follows its name.
+std::string CaptureReader::open_section() {
+  capture_.reset();
+  char error[PCAP_ERRBUF_SIZE] = "out of memory";
+  std::FILE* const file = sections_->open();
+  if (file != nullptr) {
+    capture_.reset(
+        pcap_fopen_offline_with_tstamp_precision(file, PCAP_TSTAMP_PRECISION_NANO, error));
+    if (!capture_) std::fclose(file);
   }
+  if (!capture_)
+    return " is not a capture that can be read (" + std::string(error) +
+           "): give a pcap or pcapng file as tcpdump and Wireshark write it, unpacked";
   const int link_type = pcap_datalink(capture_.get());
   const auto layer = link_layer(link_type);
-  if (!layer)
-    throw CaptureError(name_ + " was captured on a link of type " + link_type_name(link_type) +
-                       ", which is not understood; Ethernet, raw IP, loopback and Linux's \"any\" "
-                       "(SLL, SLL2) are: "
-                       "capture again on an interface of such a type");
-  layer_ = *layer;
+  if (layer) {
+    layer_ = *layer;
+    return {};
+  }
+  capture_.reset();
+  return " was captured on a link of type " + link_type_name(link_type) +
+         ", which is not understood; Ethernet, raw IP, loopback and Linux's \"any\" (SLL, SLL2) "
+         "are: capture again on an interface of such a type";
+}
+
+void CaptureReader::next_section() {
+  capture_.reset();
+  while (!capture_ && sections_->next()) {
+    ++section_;
+    const auto problem = open_section();
+    const bool empty = problem.find("no Interface Description Blocks") != std::string::npos;
+    if (!problem.empty() && !empty) note(name_ + ": section " + std::to_string(section_) + problem);
+  }
+}
+
+/// A damaged file may have any number of bad sections.
+void CaptureReader::note(std::string sentence) {
+  constexpr std::size_t most_notes = 8;
+  if (section_notes_.size() < most_notes) section_notes_.push_back(std::move(sentence));
 }
 
 std::optional<Datagram> CaptureReader::next() {
-  while (!ended_) {
+  while (capture_) {
     pcap_pkthdr* header = nullptr;
     const u_char* bytes = nullptr;
     const int result = pcap_next_ex(capture_.get(), &header, &bytes);
     if (result != 1) {
-      ended_ = true;
-      if (result != PCAP_ERROR_BREAK) end_error_ = pcap_geterr(capture_.get());
-      break;
+      if (result != PCAP_ERROR_BREAK)
+        note(early_end(name_, pcap_geterr(capture_.get()), counters_.packets));
+      next_section();
+      continue;
     }
     ++counters_.packets;
     Datagram datagram;
@@ -100,14 +121,8 @@ std::optional<Datagram> CaptureReader::next() {
   return std::nullopt;
 }
 
-std::uint64_t CaptureReader::bytes_read() const {
-  const auto position = ftello(pcap_file(capture_.get()));
-  return position < 0 ? 0 : static_cast<std::uint64_t>(position);
-}
-
 std::vector<std::string> CaptureReader::notes() const {
-  std::vector<std::string> notes;
-  if (!end_error_.empty()) notes.push_back(early_end(name_, end_error_, counters_.packets));
+  auto notes = section_notes_;
   if (counters_.snapped > 0)
     notes.push_back(name_ + ": of " + std::to_string(counters_.snapped) +
                     " datagrams only the first part was captured: capture again with whole packets "

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "rsi/capture_sections.hpp"
 #include "rsi/datagram.hpp"
 #include "rsi/packet.hpp"
 
@@ -29,9 +30,9 @@ struct CaptureCounters {
   std::uint64_t foreign = 0;    ///< not UDP over IPv4
 };
 
-/// Reads the UDP datagrams over IPv4 from a pcap or pcapng file, in the order of the file. What is
-/// wrong in the middle of the file never throws: what was read before it has been handed out, and
-/// notes() says the rest. One thread at a time.
+/// Reads the UDP datagrams over IPv4 from a pcap or pcapng file, all sections of it, in the order
+/// of the file. What is wrong in the middle of the file never throws: what was read before it has
+/// been handed out, and notes() says the rest. One thread at a time.
 class CaptureReader {
  public:
   /// Throws CaptureError if the file cannot be opened, is no capture, or is of a link type that is
@@ -44,7 +45,7 @@ class CaptureReader {
   [[nodiscard]] const CaptureCounters& counters() const noexcept { return counters_; }
 
   /// How far into the file the reading is, for progress.
-  [[nodiscard]] std::uint64_t bytes_read() const;
+  [[nodiscard]] std::uint64_t bytes_read() const noexcept { return sections_->bytes_read(); }
 
   /// One sentence for each thing that is wrong with the capture as far as it was read: file, what,
   /// what to do. Empty if all is well.
@@ -55,12 +56,17 @@ class CaptureReader {
     void operator()(pcap* capture) const noexcept;
   };
 
+  [[nodiscard]] std::string open_section();
+  void next_section();
+  void note(std::string sentence);
+
   std::string name_;
-  std::unique_ptr<pcap, Close> capture_;
+  std::unique_ptr<CaptureSections> sections_;
+  std::unique_ptr<pcap, Close> capture_;  // of the section; null at the end
+  std::uint64_t section_ = 1;
   LinkLayer layer_{};
   CaptureCounters counters_;
-  bool ended_ = false;
-  std::string end_error_;  // libpcap's words, if the end came too early
+  std::vector<std::string> section_notes_;  // what is wrong with a section as a whole
 };
 
 }  // namespace rsi

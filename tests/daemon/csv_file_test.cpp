@@ -39,6 +39,26 @@ TEST_CASE("columns stand between commas, semicolons, tabs or blanks") {
   CHECK(numbers(CsvFile(folder.write("x.csv", "x  y\n 1   2.5 \n-3 -1\n"))) == kTwoLines);
 }
 
+TEST_CASE("what stands in quotes is one field, whatever it holds", "[issue11][point_14]") {
+  const TemporaryFolder folder;
+  CsvFile file(folder.write(
+      "x.csv", "\"a, in mm\";\"say \"\"b\"\"\";c\r\n \"1\" ;\"2;\r\n3\";\"\"\"\"\r\n4;5\"6;7"));
+  CHECK(file.columns() == Names{"a, in mm", "say \"b\"", "c"});
+  REQUIRE(file.next());
+  CHECK(file.number(0) == 1);
+  CHECK(file.text(1) == "2;\r\n3");
+  CHECK(file.text(2) == "\"");
+  REQUIRE(file.next());
+  CHECK(file.line() == 4);
+  CHECK(file.text(1) == "5\"6");
+  CHECK_FALSE(file.next());
+  CsvFile open(folder.write("x.csv", "a,b\n1,\"2\n3,4\n"));
+  CHECK_THROWS_WITH(open.next(), ContainsSubstring("x.csv: line 2: expected a closing quote"));
+  CsvFile more(folder.write("x.csv", "a,b\n1,\"2\"3\n"));
+  CHECK_THROWS_WITH(more.next(),
+                    ContainsSubstring("line 2: expected the next field after a closing quote"));
+}
+
 TEST_CASE("empty lines, comments and a byte order mark are passed over, and lines still count") {
   const TemporaryFolder folder;
   CsvFile file(folder.write("x.csv", "\xef\xbb\xbf# made by hand\r\n\nx,y\n\n  \n#1,1\n1,2\n"));

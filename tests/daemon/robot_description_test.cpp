@@ -93,6 +93,15 @@ const std::string kRow = "b_mm = 1\ntheta_deg = 90\na_mm = 2\nalpha_deg = -90\np
 
 }  // namespace
 
+TEST_CASE("a home or tool beyond any robot is told where it stands", "[issue11][point_14]") {
+  const std::string joint = "[[joint]]\n" + kRow;
+  CHECK(error_of("name = \"x\"\nhome_deg = [1e300]\n" + joint) ==
+        "2:13: home_deg: expected a number of degrees from -1e+05 to 1e+05, found the number "
+        "1e+300: choose one in between");
+  CHECK_THAT(error_of("name = \"x\"\nhome_deg = [0]\ntool_mm = [0, -1e6, 0]\n" + joint),
+             Catch::Matchers::StartsWith("3:15: tool_mm: expected a number of millimetres from"));
+}
+
 TEST_CASE("every shipped robot moves as its axes say") {
   constexpr unsigned kSeed = 20130704;
   std::mt19937 random(kSeed);

@@ -99,7 +99,7 @@ TEST_CASE("what is there in part is not there: no coordinate is ever made up") {
     CHECK(sample.joints == 0);
   }
   SECTION("a coordinate is no number") {
-    for (const char* bad : {"nan", "inf", "1,5", "1.5mm", "", "-", "1e999"}) {
+    for (const char* bad : {"nan", "inf", "1,5", "1.5mm", "", "-", "1e999", "1e13"}) {
       INFO(bad);
       const auto before = reader.unusable();
       const auto sample =
@@ -108,11 +108,22 @@ TEST_CASE("what is there in part is not there: no coordinate is ever made up") {
       CHECK(reader.unusable() == before + 1);
     }
   }
-  SECTION("the row keeps its columns, and what was printed") {
+  SECTION("the row keeps its columns, and of what was printed the numbers") {
     const Parsed parsed(R"(<RIst X="1.0" Z="nan"/><AIPos A6="6.50"/>)");
     static_cast<void>(reader.read(parsed));
-    CHECK(csv(reader) == ",1.0,,nan,,,,,,,,,6.50");
+    CHECK(csv(reader) == ",1.0,,,,,,,,,,,6.50");
   }
+}
+
+TEST_CASE("no text of a telegram shifts the columns of samples.csv", "[issue11][point_14]") {
+  SignalNames names;
+  names.position = {"RIst.X", "RIst.Y", "Act_Z"};
+  SampleReader reader(names, 6);
+  const Parsed parsed(
+      "<RIst X=\"1,5\" Y=\"-2\n,3\" A=\"&quot;\" B=\" 4.0 \"/><Act_Z>\n 3.5\n</Act_Z>");
+  static_cast<void>(reader.read(parsed));
+  CHECK(csv(reader) == ",,,3.5,,4.0,,,,,,,");
+  CHECK(reader.unusable() == 3);
 }
 
 TEST_CASE("a telegram whose signals stand elsewhere than in the one before is read the same") {

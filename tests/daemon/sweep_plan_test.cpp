@@ -109,6 +109,8 @@ TEST_CASE("a wrong figure of a plan is found in its line") {
              Catch::Matchers::ContainsSubstring("missing: expected at least one table [[sweep]]"));
   CHECK_THAT(error_of("home_deg = []\n" + kHead.substr(kHead.find('\n') + 1) + kSweep),
              Catch::Matchers::StartsWith("1:12: home_deg: expected 1 to 12 angles"));
+  CHECK_THAT(error_of("home_deg = [0, 1e300]\n" + kHead.substr(kHead.find('\n') + 1) + kSweep),
+             Catch::Matchers::StartsWith("1:16: home_deg: expected a number of degrees from"));
 }
 
 TEST_CASE("a plan is checked against the robot that shall run it") {

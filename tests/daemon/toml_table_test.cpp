@@ -45,7 +45,7 @@ TEST_CASE("values are read as they are written") {
   CHECK(t.whole_number("whole", 7, 7) == 7);
   CHECK(t.number("whole", 0, 10) == 7.0);
   CHECK(t.number("broken", -25, 0) == -25.0);
-  CHECK(t.numbers("numbers") == std::vector<double>{1, 2.5});
+  CHECK(t.numbers("numbers", 1, 2.5) == std::vector<double>{1, 2.5});
   CHECK(t.texts("words") == std::vector<std::string>{"a", "b"});
   REQUIRE(t.table("sub"));
   CHECK(t.table("sub")->whole_number("x", 1, 1) == 1);
@@ -109,14 +109,14 @@ TEST_CASE("a value of a wrong type is described beside what was expected, with i
         "some/file.toml:3:8: name: expected a string, found the number 5: put it in quotes");
   CHECK_THAT(error_of([&] { return t.flag("record"); }),
              Catch::Matchers::ContainsSubstring("expected true or false, found the number 1.5"));
-  CHECK_THAT(error_of([&] { return t.numbers("home_deg"); }),
+  CHECK_THAT(error_of([&] { return t.numbers("home_deg", 0, 1); }),
              Catch::Matchers::StartsWith(
                  "some/file.toml:5:16: home_deg: expected a number of degrees, found "
                  "the string \"x\""));
   CHECK_THAT(error_of([&] { return t.whole_number("broken_ms", 0, 9); }),
              Catch::Matchers::ContainsSubstring(
                  "expected a whole number of milliseconds, found the number 1.5"));
-  CHECK_THAT(error_of([&] { return t.numbers("date"); }),
+  CHECK_THAT(error_of([&] { return t.numbers("date", 0, 1); }),
              Catch::Matchers::ContainsSubstring("a date or a time"));
   CHECK_THAT(
       error_of([&] { return t.table("list"); }),
@@ -178,7 +178,7 @@ TEST_CASE("a text that nests too deep for any stack is a mistake with its place"
   const auto sound = table("# " + times(100, "a.") + "\nx = '" + times(100, "../") +
                            "'\ny = \"\\\"" + times(100, "..") + "\"\nz = [" + times(100, "1.5, ") +
                            "]\nw = \"\"\"\n" + times(100, "..\n") + "\"\"\"\n[a]\nb.c = 1\n");
-  CHECK(sound.numbers("z").size() == 100);
+  CHECK(sound.numbers("z", 0, 2).size() == 100);
   CHECK(sound.text("x").size() == 300);
   CHECK(sound.text("y").size() == 201);
 }

@@ -122,18 +122,24 @@ class PcapBytes {
   std::string bytes_;
 };
 
-/// A pcapng file of one section
+/// A pcapng file of one section or more
 /// (https://www.ietf.org/archive/id/draft-ietf-opsawg-pcapng-02.html).
 class PcapngBytes {
  public:
-  explicit PcapngBytes(Order order = Order::little_endian) : order_(order) {
-    add_block(0x0a0d0d0a, n(0x1a2b3c4d, 4) + n(1, 2) + n(0, 2) + n(UINT64_MAX, 8));
+  explicit PcapngBytes(Order order = Order::little_endian) { add_section(order); }
+
+  PcapngBytes& add_section(Order order) {
+    order_ = order;
+    nanoseconds_.clear();
+    return add_block(0x0a0d0d0a, n(0x1a2b3c4d, 4) + n(1, 2) + n(0, 2) + n(UINT64_MAX, 8));
   }
 
-  PcapngBytes& add_interface(std::uint32_t link_type, bool nanoseconds = true) {
+  PcapngBytes& add_interface(std::uint32_t link_type, bool nanoseconds = true,
+                             std::uint32_t snapshot = 262144) {
     const auto resolution = n(9, 2) + n(1, 2) + n(9, 1) + std::string(3, '\0') + n(0, 4);
     nanoseconds_.push_back(nanoseconds);
-    return add_block(1, n(link_type, 2) + n(0, 2) + n(262144, 4) + (nanoseconds ? resolution : ""));
+    return add_block(1,
+                     n(link_type, 2) + n(0, 2) + n(snapshot, 4) + (nanoseconds ? resolution : ""));
   }
 
   PcapngBytes& add(Timestamp time, std::string_view packet, std::size_t captured = SIZE_MAX,
@@ -159,8 +165,8 @@ class PcapngBytes {
     return number(value, size, order_);
   }
 
-  Order order_;
-  std::vector<bool> nanoseconds_;  // of each interface
+  Order order_{};                  // of the section
+  std::vector<bool> nanoseconds_;  // of each of its interfaces
   std::string bytes_;
 };
 

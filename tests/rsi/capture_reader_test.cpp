@@ -258,6 +258,54 @@ TEST_CASE("pcapng interfaces of unlike link types end the reading with a remedy"
                                     ContainsSubstring("capture again on the one interface"));
 }
 
+TEST_CASE("all sections of a pcapng file are read, each as it was captured",
+          "[issue11][point_14]") {
+  PcapngBytes bytes;
+  bytes.add_interface(link_ethernet).add(start, ethernet(ip_packet(1)));
+  bytes.add_section(Order::little_endian).add_interface(link_ethernet);
+  bytes.add(start + 4ms, ethernet(ip_packet(2)));
+  bytes.add_section(Order::little_endian).add_interface(link_ethernet, true, 65535);
+  bytes.add(start + 8ms, ethernet(ip_packet(3)));
+  bytes.add_section(Order::big_endian).add_interface(link_ethernet, false);
+  bytes.add(start + 12ms, ethernet(ip_packet(4)));
+  bytes.add_section(Order::big_endian);  // nothing was captured
+  bytes.add_section(Order::little_endian).add_interface(link_sll);
+  bytes.add(start + 16ms, linux_sll(ip_packet(5)));
+  const TemporaryFile file(bytes.bytes());
+  CaptureReader reader(file.path());
+  for (int i = 1; i <= 5; ++i) {
+    CAPTURE(i);
+    const auto datagram = reader.next();
+    REQUIRE(datagram);
+    CHECK(datagram->payload == telegram(i));
+    CHECK(datagram->time == start + 4ms * (i - 1) - (i == 4 ? 789ns : 0ns));
+  }
+  CHECK_FALSE(reader.next());
+  CHECK(reader.counters().packets == 5);
+  CHECK(reader.bytes_read() == bytes.bytes().size());
+  CHECK(reader.notes().empty());
+}
+
+TEST_CASE("a pcapng section that cannot be read does not hide the next one",
+          "[issue11][point_14]") {
+  PcapngBytes bytes;
+  bytes.add_interface(link_ethernet).add(start, ethernet(ip_packet(1)));
+  bytes.add_interface(link_null).add(start, ethernet(ip_packet(2)), SIZE_MAX, 1);
+  bytes.add_section(Order::big_endian).add_interface(105).add(start, "wireless");
+  bytes.add_section(Order::little_endian).add_interface(link_ethernet);
+  bytes.add(start, ethernet(ip_packet(3)));
+  const auto whole = bytes.bytes();
+  const TemporaryFile file(
+      bytes.add_section(Order::big_endian).bytes().substr(0, whole.size() + 9));
+  CaptureReader reader(file.path());
+  CHECK(payloads(reader) == std::vector{telegram(1), telegram(3)});
+  REQUIRE(reader.notes().size() == 3);
+  CHECK_THAT(reader.notes()[0], ContainsSubstring("unlike interfaces"));
+  CHECK_THAT(reader.notes()[1],
+             ContainsSubstring("type 105 (IEEE802_11)") && ContainsSubstring("section 2"));
+  CHECK_THAT(reader.notes()[2], ContainsSubstring("section 4 is not a capture"));
+}
+
 TEST_CASE("what is no capture is refused with the file, the reason and a remedy") {
   check_refused("", "is not a capture");
   check_refused("a line of text that is no capture\n", "pcap or pcapng");
