@@ -23,7 +23,7 @@ JobThread::~JobThread() {
 void JobThread::submit(std::function<void()> job, bool interim) {
   {
     const std::lock_guard lock(mutex_);
-    if (!jobs_.empty() && jobs_.back().interim) jobs_.pop_back();
+    if (interim) std::erase_if(jobs_, [](const Job& waiting) { return waiting.interim; });
     jobs_.push_back({std::move(job), interim});
   }
   changed_.notify_all();

@@ -12,7 +12,7 @@
 namespace sweepd {
 
 /// A thread that does one job after the other. An interim job that has not begun gives way to the
-/// next one: only the newest is worth doing.
+/// next interim one: only the newest is worth doing.
 class JobThread {
  public:
   /// `name`: of 15 letters at most, for as long as the thread lives.

@@ -189,6 +189,10 @@ void write_recording(Writer& to, const std::vector<RobotMetrics>& robots) {
   to.counter("sweepd_recording_files_total", "Files of recordings that were begun.");
   for (const auto& [state, result] : robots)
     to.value({{"robot", state->name}}, state->recording.files);
+  to.counter("sweepd_recording_folders_deleted_total",
+             "Folders that were deleted or moved while they were written.");
+  for (const auto& [state, result] : robots)
+    to.value({{"robot", state->name}}, state->recording.folders_deleted);
   to.counter("sweepd_recorded_datagrams_total", "Datagrams of both directions that are recorded.");
   for (const auto& [state, result] : robots)
     to.value({{"robot", state->name}}, state->recording.recorded.datagrams);
@@ -226,6 +230,14 @@ void write_results(Writer& to, const std::vector<RobotMetrics>& robots) {
       to.value({{"robot", state->name},
                 {"status", std::string(identify::text(static_cast<identify::Status>(i)))}},
                result->count[i]);
+  to.gauge("sweepd_results_pending",
+           "Last results of sessions that are under way or wait for a disk that takes them.");
+  for (const auto& [state, result] : robots)
+    to.value({{"robot", state->name}}, state->results.pending);
+  to.counter("sweepd_results_given_up_total",
+             "Last results that were given up, as too many others waited for the disk.");
+  for (const auto& [state, result] : robots)
+    to.value({{"robot", state->name}}, state->results.given_up);
   const auto newest = [&](std::string_view name, std::string_view help, const auto& of) {
     to.gauge(name, help);
     for (const auto& [state, result] : robots)

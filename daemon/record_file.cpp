@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "daemon/atomic_file.hpp"
@@ -48,6 +49,14 @@ void RecordFile::append(std::string& records) {
   records.erase(0, whole.bytes);
   if (whole.bytes < done && ftruncate(file_, static_cast<off_t>(bytes_)) != 0) doubtful_ = true;
   if (failure != 0) fail(path_, failure);
+}
+
+bool RecordFile::in_place() const noexcept {
+  struct stat open_one {};
+  struct stat named {};
+  return fstat(file_, &open_one) != 0 ||
+         (lstat(path_.c_str(), &named) == 0 && named.st_ino == open_one.st_ino &&
+          named.st_dev == open_one.st_dev);
 }
 
 void RecordFile::sync() {

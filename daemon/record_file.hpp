@@ -31,6 +31,8 @@ class RecordFile {
   /// Returns once everything is on the disk.
   void sync();
 
+  /// Whether it is still found under its name.
+  [[nodiscard]] bool in_place() const noexcept;
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
   [[nodiscard]] std::uint64_t records() const { return records_; }
   /// A piece of a record could not be taken back, or what was written may have been lost: the rest

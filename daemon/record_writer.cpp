@@ -1,17 +1,12 @@
 #include "daemon/record_writer.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <stdexcept>
-#include <system_error>
 #include <utility>
-
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "daemon/numbers.hpp"
 #include "daemon/retention.hpp"
+#include "daemon/session_folder.hpp"
 
 namespace sweepd {
 namespace {
@@ -30,13 +25,6 @@ std::uint64_t margin(std::uint64_t keep_free, std::uint64_t total) {
 
 std::string size_text(std::uint64_t bytes) {
   return fixed(static_cast<double>(bytes) / 1e6, 1) + " MB";
-}
-
-void sync_folder(const fs::path& folder) {
-  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return;
-  fsync(descriptor);
-  close(descriptor);
 }
 
 }  // namespace
@@ -65,6 +53,7 @@ bool RecordWriter::write(Records& records, const RecordingSettings& settings) {
   if (paused_ && now < retry_at_) return false;
   const auto bytes = records.bytes();
   try {
+    look_for_folder();
     make_folder();
     check_room(settings, now);
     if (session_->files->write(records, {settings.rotate_bytes, settings.rotate}, now)) tidy_soon();
@@ -119,20 +108,24 @@ Missing RecordWriter::lose(Recording& recording, const RecordCount& records) {
 void RecordWriter::make_folder() {
   if (session_->files) return;
   const auto& start = session_->start;
-  std::error_code error;
-  fs::create_directories(robot_folder_, error);
-  auto folder = robot_folder_ / start.name;
-  for (int again = 2; !error && mkdir(folder.c_str(), 0777) != 0; ++again) {
-    if (errno != EEXIST) error.assign(errno, std::generic_category());
-    folder = robot_folder_ / (start.name + '-' + std::to_string(again));
-  }
-  if (error)
-    throw std::runtime_error("cannot make a folder in " + robot_folder_.string() + " (" +
-                             error.message() + "): check its permissions and the free space");
-  sync_folder(robot_folder_);
+  const auto folder = make_session_folder(robot_folder_, start.name);
   session_->files.emplace(folder, start.trace, start.csv_header);
   session_->recording->made(folder);
   if (start.on_folder) start.on_folder(folder);
+}
+
+void RecordWriter::look_for_folder() {
+  if (!session_->files || session_->files->in_place()) return;
+  const RecordingFiles& files = *session_->files;
+  say_(Importance::error, "somebody deleted or moved " + files.folder().string() +
+                              " or a file in it while it was written: " + text(files.recorded()) +
+                              " went with it; recording goes on in a new folder");
+  session_->recording->deleted(files.recorded());
+  session_->records_before += files.recorded();
+  session_->files_before += files.files();
+  session_->bytes_before += files.bytes();
+  session_->files.reset();
+  unsynced_since_.reset();
 }
 
 void RecordWriter::check_room(const RecordingSettings& settings, Steady::time_point now) {
@@ -195,9 +188,11 @@ void RecordWriter::delete_old(const RecordingSettings& settings) {
 }
 
 void RecordWriter::report() const {
-  if (session_->files)
-    session_->recording->written(session_->files->recorded(), session_->files->files(),
-                                 session_->files->bytes());
+  if (!session_->files) return;
+  auto records = session_->records_before;
+  records += session_->files->recorded();
+  session_->recording->written(records, session_->files_before + session_->files->files(),
+                               session_->bytes_before + session_->files->bytes());
 }
 
 }  // namespace sweepd

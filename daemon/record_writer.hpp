@@ -73,9 +73,14 @@ class RecordWriter {
     std::shared_ptr<Recording> recording;
     SessionStart start;
     std::optional<RecordingFiles> files;  // once there is a folder
+    // In folders that were deleted.
+    RecordCount records_before;
+    std::uint64_t files_before = 0;
+    std::uint64_t bytes_before = 0;
   };
 
   void make_folder();
+  void look_for_folder();
   void check_room(const RecordingSettings& settings, Steady::time_point now);
   void pause(const std::string& why, bool for_room);
   void sync();

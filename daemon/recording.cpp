@@ -1,5 +1,7 @@
 #include "daemon/recording.hpp"
 
+#include <utility>
+
 namespace sweepd {
 
 std::string text(const RecordCount& count) {
@@ -19,6 +21,8 @@ Recording::Counts& Recording::Counts::operator+=(const Counts& other) {
   files += other.files;
   bytes += other.bytes;
   pauses += other.pauses;
+  folders_deleted += other.folders_deleted;
+  deleted += other.deleted;
   return *this;
 }
 
@@ -38,8 +42,10 @@ bool Recording::finished() const {
 }
 
 void Recording::made(const std::filesystem::path& folder) {
+  FolderLock folder_lock(folder);
   const std::lock_guard lock(mutex_);
   folder_ = folder;
+  std::swap(lock_, folder_lock);
 }
 
 void Recording::written(const RecordCount& records, std::uint64_t files, std::uint64_t bytes) {
@@ -52,6 +58,12 @@ void Recording::written(const RecordCount& records, std::uint64_t files, std::ui
 void Recording::paused() {
   const std::lock_guard lock(mutex_);
   ++counts_.pauses;
+}
+
+void Recording::deleted(const RecordCount& records) {
+  const std::lock_guard lock(mutex_);
+  ++counts_.folders_deleted;
+  counts_.deleted += records;
 }
 
 void Recording::lost(Missing reason, const RecordCount& records) {

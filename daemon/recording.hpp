@@ -6,6 +6,8 @@
 #include <mutex>
 #include <string>
 
+#include "daemon/session_folder.hpp"
+
 namespace sweepd {
 
 /// Datagrams of a trace and rows of samples.
@@ -42,9 +44,13 @@ class Recording {
     std::uint64_t files = 0;
     std::uint64_t bytes = 0;
     std::uint64_t pauses = 0;  ///< times that the disk had no room or refused
+    /// Times that somebody deleted or moved the folder while it was written, and what of `recorded`
+    /// went with it.
+    std::uint64_t folders_deleted = 0;
+    RecordCount deleted;
 
     [[nodiscard]] bool complete() const {
-      return memory_full == RecordCount{} && disk == RecordCount{};
+      return memory_full == RecordCount{} && disk == RecordCount{} && folders_deleted == 0;
     }
     Counts& operator+=(const Counts& other);
   };
@@ -62,6 +68,7 @@ class Recording {
   void made(const std::filesystem::path& folder);
   void written(const RecordCount& records, std::uint64_t files, std::uint64_t bytes);
   void paused();
+  void deleted(const RecordCount& records);
   void lost(Missing reason, const RecordCount& records);
   void finish();
 
@@ -69,6 +76,7 @@ class Recording {
   mutable std::mutex mutex_;
   mutable std::condition_variable ended_;
   std::filesystem::path folder_;
+  FolderLock lock_;  // as long as anybody knows of this
   Counts counts_;
   bool finished_ = false;
 };

@@ -46,6 +46,10 @@ void RecordingFiles::sync() {
   if (samples_) samples_->sync();
 }
 
+bool RecordingFiles::in_place() const {
+  return (!trace_ || trace_->in_place()) && (!samples_ || samples_->in_place());
+}
+
 RecordCount RecordingFiles::recorded() const {
   RecordCount count = closed_records_;
   count += {trace_ ? trace_->records() : 0, samples_ ? samples_->records() : 0};

@@ -37,6 +37,8 @@ class RecordingFiles {
   /// Takes what is written out of `records`. True if it went to a new file, and not the first.
   bool write(Records& records, const Rotation& rotation, Steady::time_point now);
   void sync();
+  /// Whether the files that are open are still found under their names.
+  [[nodiscard]] bool in_place() const;
 
   // In all files so far.
   [[nodiscard]] RecordCount recorded() const;

@@ -1,5 +1,8 @@
 #include "daemon/result_files.hpp"
 
+#include <array>
+#include <exception>
+#include <optional>
 #include <stdexcept>
 
 #include "daemon/atomic_file.hpp"
@@ -14,18 +17,45 @@
 namespace sweepd {
 namespace {
 
-void write_models(const std::filesystem::path& folder, const Outcome& outcome) {
-  const auto models = models_of(outcome);
-  if (models.empty()) {
-    // An interim result may have left them.
-    std::error_code ignored;
-    for (const char* name : {"robot.urdf", "dh.tex", "models.csv"})
-      std::filesystem::remove(folder / name, ignored);
-    return;
-  }
-  write_atomically(folder / "robot.urdf", urdf(models.back(), outcome));
-  write_atomically(folder / "dh.tex", dh_latex(outcome));
-  write_atomically(folder / "models.csv", models_csv(models));
+using Content = std::optional<std::string>;  // nothing: there is no such file
+
+struct ResultFile {
+  const char* name;
+  Content (*content)(const Outcome& outcome);
+};
+
+template <std::string (*text)(const Outcome&)>
+Content always(const Outcome& outcome) {
+  return text(outcome);
+}
+
+const std::array<ResultFile, 7> kFiles{{
+    {"result.json", always<result_json>},
+    {"report.txt", always<report>},
+    {"dh.csv", always<dh_csv>},
+    {"robot.urdf",
+     [](const Outcome& outcome) -> Content {
+       const auto models = models_of(outcome);
+       return models.empty() ? Content() : urdf(models.back(), outcome);
+     }},
+    {"dh.tex",
+     [](const Outcome& outcome) -> Content {
+       return models_of(outcome).empty() ? Content() : dh_latex(outcome);
+     }},
+    {"models.csv",
+     [](const Outcome& outcome) -> Content {
+       const auto models = models_of(outcome);
+       return models.empty() ? Content() : models_csv(models);
+     }},
+    {"sweeps.csv", always<sweeps_csv>},
+}};
+
+void write(const std::filesystem::path& file, const Content& content) {
+  std::error_code ignored;
+  if (content)
+    write_atomically(file, *content);
+  else
+    std::filesystem::remove(file, ignored);  // an interim result may have left it
 }
 
 }  // namespace
@@ -38,12 +68,30 @@ void make_folder(const std::filesystem::path& folder) {
                              "): give one that may be written with --output");
 }
 
+std::vector<std::string> result_file_names() {
+  std::vector<std::string> names;
+  for (const auto& file : kFiles) names.emplace_back(file.name);
+  return names;
+}
+
+void write_result(const std::filesystem::path& folder, const Outcome& outcome,
+                  std::set<std::string>& written) {
+  std::exception_ptr failure;
+  for (const auto& [name, content] : kFiles) {
+    if (written.contains(name)) continue;
+    try {
+      write(folder / name, content(outcome));
+      written.insert(name);
+    } catch (const std::exception&) {
+      if (!failure) failure = std::current_exception();
+    }
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
 void write_result(const std::filesystem::path& folder, const Outcome& outcome) {
-  write_atomically(folder / "sweeps.csv", sweeps_csv(outcome));
-  write_atomically(folder / "dh.csv", dh_csv(outcome));
-  write_models(folder, outcome);
-  write_atomically(folder / "report.txt", report(outcome));
-  write_atomically(folder / "result.json", result_json(outcome));
+  std::set<std::string> written;
+  write_result(folder, outcome, written);
 }
 
 }  // namespace sweepd

@@ -1,6 +1,9 @@
 #pragma once
 
 #include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "daemon/outcome.hpp"
 
@@ -9,9 +12,16 @@ namespace sweepd {
 /// For results, with all folders above it; it may be there already. Throws std::runtime_error.
 void make_folder(const std::filesystem::path& folder);
 
-/// Writes result.json, dh.csv, sweeps.csv and report.txt into `folder`, which must exist, and where
-/// the chain is complete robot.urdf, dh.tex and models.csv. Each file appears whole, and
-/// result.json last: who sees it finds the others too. Throws std::runtime_error.
+/// Names of the files that write_result() writes, in its order: what matters most first, what is
+/// largest last.
+[[nodiscard]] std::vector<std::string> result_file_names();
+
+/// Writes the files of an outcome into `folder`, which must exist; robot.urdf, dh.tex and
+/// models.csv only where the chain is complete. Each file appears whole. Those in `written` are
+/// there already, and what is written now is added. A file that cannot be written keeps no other
+/// from being written; at the end the first failure is thrown, a std::runtime_error.
+void write_result(const std::filesystem::path& folder, const Outcome& outcome,
+                  std::set<std::string>& written);
 void write_result(const std::filesystem::path& folder, const Outcome& outcome);
 
 }  // namespace sweepd

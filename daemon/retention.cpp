@@ -1,8 +1,11 @@
 #include "daemon/retention.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
+#include <functional>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -16,6 +19,7 @@
 #include <unistd.h>
 
 #include "daemon/recording_files.hpp"
+#include "daemon/session_folder.hpp"
 
 namespace sweepd {
 namespace {
@@ -58,21 +62,8 @@ std::optional<unsigned> number(std::string_view text) {
   return end.ec == std::errc{} ? std::optional(value) : std::nullopt;
 }
 
-/// Sessions in the order in which they began: the start, and the number of those of one second.
-using Start = std::pair<std::string, unsigned>;
-
-/// Of a folder named 20130704T120000Z or 20130704T120000Z-2; nothing for any other name.
-std::optional<Start> start_of(std::string_view name) {
-  constexpr std::size_t kLength = 16;
-  if (name.size() < kLength || name[8] != 'T' || name[15] != 'Z' || !digits(name.substr(0, 8)) ||
-      !digits(name.substr(9, 6)))
-    return std::nullopt;
-  const auto start = std::string(name.substr(0, kLength));
-  if (name.size() == kLength) return Start{start, 1};
-  const auto again = number(name.substr(std::min(kLength + 1, name.size())));
-  if (!again || *again < 2 || name != start + '-' + std::to_string(*again)) return std::nullopt;
-  return Start{start, *again};
-}
+/// What of a session is not in numbered parts goes with the last one.
+constexpr unsigned kAfterAllParts = std::numeric_limits<unsigned>::max();
 
 std::optional<unsigned> part_of(std::string_view name) {
   for (const auto& [stem, ending] :
@@ -84,7 +75,20 @@ std::optional<unsigned> part_of(std::string_view name) {
                  .value_or(1);
     if (name == part_name(stem, ending, part)) return part;
   }
+  constexpr std::array<std::string_view, 4> kBesideResults{"sweeps.csv", "link.txt", "link.json",
+                                                           "last_cycles.csv"};
+  if (std::count(kBesideResults.begin(), kBesideResults.end(), name) > 0) return kAfterAllParts;
   return std::nullopt;
+}
+
+/// Whether a session left a table of its own, that stays.
+bool is_table(std::string_view name) {
+  return name == "dh.csv" || name == "report.txt";
+}
+
+/// Of a session without a table not even these stay.
+bool is_about_session(std::string_view name) {
+  return name == "run.json" || name == "result.json";
 }
 
 /// What of one number lies in a session's folder.
@@ -93,8 +97,16 @@ struct Part {
   std::vector<std::string> files;
   std::uint64_t bytes = 0;
   Time written{};
+  bool whole_folder = false;  // goes with it
+
+  void add(const std::string& name, const struct stat& status, Time now) {
+    files.push_back(name);
+    bytes += static_cast<std::uint64_t>(status.st_size);
+    const auto time = std::chrono::system_clock::from_time_t(status.st_mtim.tv_sec);
+    written = std::max(written, std::min(time, now));
+  }
 };
-using Parts = std::map<std::pair<Start, unsigned>, Part>;  // oldest first
+using Parts = std::map<std::pair<SessionName, unsigned>, Part>;  // oldest first
 
 struct Sweeping {
   Deleted deleted;
@@ -105,22 +117,49 @@ struct Sweeping {
   }
 };
 
-void look_into(int robot, const std::string& session, const Start& start, Parts& parts) {
+void look_into(int robot, const std::string& session, const SessionName& start, Time now,
+               Parts& parts) {
   Folder folder(openat(robot, session.c_str(), kFolder | O_NOFOLLOW));
   if (!folder) return;  // no folder, or a link to one
+  bool has_table = false;
+  Part rest;  // of a session without a table
   while (const auto name = folder.next()) {
+    has_table = has_table || is_table(*name);
     const auto part = part_of(*name);
     struct stat status {};
-    if (!part || fstatat(folder.descriptor(), name->c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0 ||
+    if ((!part && !is_about_session(*name)) ||
+        fstatat(folder.descriptor(), name->c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0 ||
         !S_ISREG(status.st_mode))
       continue;
-    auto& found = parts[{start, *part}];
+    Part& found = part ? parts[{start, *part}] : rest;
     found.session = session;
-    found.files.push_back(*name);
-    found.bytes += static_cast<std::uint64_t>(status.st_size);
-    found.written =
-        std::max(found.written, std::chrono::system_clock::from_time_t(status.st_mtim.tv_sec));
+    found.add(*name, status, now);
   }
+  if (has_table || rest.files.empty()) return;
+  Part& last = parts[{start, kAfterAllParts}];
+  last.session = session;
+  last.files.insert(last.files.end(), rest.files.begin(), rest.files.end());
+  last.bytes += rest.bytes;
+  last.written = std::max(last.written, rest.written);
+  last.whole_folder = true;
+}
+
+/// From when the days of what was written before `gap` are counted, and that gap. Where nothing was
+/// written for longer than a recording is kept, robots stood still or the clock jumped; until more
+/// was written after the gap than before, the clock is not believed to have passed it.
+struct Clock {
+  Time gap;
+  Time before_gap;
+};
+
+Clock believed_clock(const Parts& parts, Time now, std::chrono::seconds keep) {
+  std::vector<Time> times;
+  for (const auto& [key, part] : parts) times.push_back(part.written);
+  std::sort(times.begin(), times.end(), std::greater<>());
+  Time later = now;
+  for (std::size_t after = 0; after < times.size(); later = times[after++])
+    if (later - times[after] > keep && 2 * after <= times.size()) return {later, times[after]};
+  return {Time::min(), now};
 }
 
 void remove(int robot, const Part& part, Sweeping& sweeping) {
@@ -133,6 +172,7 @@ void remove(int robot, const Part& part, Sweeping& sweeping) {
       return sweeping.trouble("cannot delete " + part.session + '/' + name);
   }
   sweeping.deleted.bytes += part.bytes;
+  if (part.whole_folder) unlinkat(robot, part.session.c_str(), AT_REMOVEDIR);  // if it is empty
 }
 
 void sweep(const std::filesystem::path& robot_folder, const RecordingSettings& settings, Time now,
@@ -141,12 +181,15 @@ void sweep(const std::filesystem::path& robot_folder, const RecordingSettings& s
   if (!robot) return sweeping.trouble("cannot open " + robot_folder.string());
   Parts parts;
   while (const auto name = robot.next())
-    if (const auto start = start_of(*name)) look_into(robot.descriptor(), *name, *start, parts);
+    if (const auto start = session_name(*name))
+      look_into(robot.descriptor(), *name, *start, now, parts);
 
+  const Clock clock = believed_clock(parts, now, settings.keep);
   std::uint64_t bytes = 0;
   for (const auto& [key, part] : parts) bytes += part.bytes;
   for (const auto& [key, part] : parts) {
-    const bool old = settings.keep.count() > 0 && now - part.written > settings.keep;
+    const Time until = part.written < clock.gap ? clock.before_gap : now;
+    const bool old = settings.keep.count() > 0 && until - part.written > settings.keep;
     const bool beyond = settings.keep_bytes > 0 && bytes > settings.keep_bytes;
     if (!old && !beyond) continue;
     if (part.session == in_use.session && key.second >= in_use.part) continue;

@@ -76,6 +76,7 @@ void RobotService::start() {
       std::thread([this, ready = std::move(ready)]() mutable { serve(std::move(ready)); });
   say_real_time(report.get());
   acquisition_thread_ = std::thread([this] { acquire(); });
+  identifier_.finish_earlier(settings_.output / settings_.name, setup_, log_);
   log_.note("listening on {} {}, receive buffer {} KiB", rsi::text(server_->transport()),
             rsi::text(local()), server_->receive_buffer() / 1024);
 }
@@ -165,6 +166,7 @@ void RobotService::acquire() {
       end_session();
     }
     if (now - published_ >= kPublished) publish();
+    identifier_.try_again(now);
   }
   server_->settle();
   drain();
@@ -241,8 +243,18 @@ void RobotService::end_session() {
   recorder_.end();
   RunFacts run = run_facts();
   run.ended = utc_name(rsi::now());
-  identifier_.last(recording_, session_->snapshot(), std::move(run), watch_->files(true),
-                   session_log_);
+  identifier_.last({settings_.output / settings_.name,
+                    started_,
+                    recording_,
+                    {},
+                    session_->snapshot(),
+                    watch_->files(true),
+                    [run = std::move(run), recording = recording_](const auto& folder) mutable {
+                      run.folder = folder;
+                      run.recording = recording->counts();
+                      return run_json(run);
+                    },
+                    session_log_});
   tally_.end_session(watch_->report());
   published_ = {};
   session_.reset();
@@ -284,6 +296,7 @@ RobotState RobotService::first_state() const {
 void RobotService::publish() {
   std::optional<rsi::LinkReport> under_way;
   if (session_) under_way = watch_->report();
+  tally_.results(identifier_.results());
   const RobotState& state =
       tally_.state(server_->counts(), recorder_.paused(), under_way ? &*under_way : nullptr);
   // A reader is never waited for: then it is told at the next tick.

@@ -32,6 +32,12 @@ struct SweepCounts {
   std::uint64_t not_usable = 0;
 };
 
+/// Last results of sessions.
+struct ResultBacklog {
+  std::uint64_t pending = 0;   ///< under way, or waiting for a disk that takes them
+  std::uint64_t given_up = 0;  ///< as too many others waited, since sweepd started
+};
+
 /// What an operator may want to know of a robot at one moment. Counts are those since sweepd
 /// started, over all sessions; they never fall.
 struct RobotState {
@@ -47,6 +53,8 @@ struct RobotState {
 
   Recording::Counts recording;
   bool recording_paused = false;  ///< the disk has no room, or refuses
+
+  ResultBacklog results;
 
   /// By joint, from 1; 0: no angles tell which one it was.
   std::map<std::size_t, SweepCounts> sweeps;

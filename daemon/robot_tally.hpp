@@ -20,6 +20,7 @@ class RobotTally {
   /// `words`: what is said of it.
   void sweep(const identify::Sweep& sweep, std::string words);
   void end_session(const rsi::LinkReport& report);
+  void results(const ResultBacklog& results) { state_.results = results; }
 
   /// At this moment; `under_way` is the report of the session, if there is one.
   [[nodiscard]] const RobotState& state(const rsi::Server::Counts& server, bool recording_paused,

@@ -1,5 +1,7 @@
 #include "daemon/run_json.hpp"
 
+#include <fstream>
+
 #include <nlohmann/json.hpp>
 
 namespace sweepd {
@@ -12,13 +14,22 @@ Json json(const RecordCount& count) {
 }
 
 Json json(const Recording::Counts& counts) {
-  return {
+  Json recording = {
       {"files", counts.files},
       {"bytes", counts.bytes},
       {"datagrams", counts.recorded.datagrams},
       {"samples", counts.recorded.samples},
       {"not_recorded", {{"memory_full", json(counts.memory_full)}, {"disk", json(counts.disk)}}},
       {"paused", counts.pauses}};
+  if (counts.folders_deleted > 0) {
+    recording["folders_deleted"] = counts.folders_deleted;
+    recording["deleted"] = json(counts.deleted);
+  }
+  return recording;
+}
+
+std::string text(const Json& run) {
+  return run.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace
@@ -45,7 +56,17 @@ std::string run_json(const RunFacts& facts) {
                                   {"skipped_bytes", facts.link.skipped},
                                   {"overflows", facts.link.overflows}};
   if (facts.recording) run["recording"] = json(*facts.recording);
-  return run.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return text(run);
+}
+
+std::string run_json_of_cut_session(const std::filesystem::path& folder, const std::string& ended) {
+  std::ifstream stream(folder / "run.json", std::ios::binary);
+  Json run = Json::parse(stream, nullptr, false);
+  if (!run.is_object())
+    run = {{"schema", "sweepd.run/1"}, {"sweepd", SWEEPD_VERSION}, {"command", "run"}};
+  run["ended"] = ended;
+  run["from_recording"] = true;
+  return text(run);
 }
 
 }  // namespace sweepd

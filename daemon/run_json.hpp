@@ -24,4 +24,9 @@ struct RunFacts {
 
 [[nodiscard]] std::string run_json(const RunFacts& facts);
 
+/// What run.json of `folder` becomes once the last result of a session was made from its recording:
+/// as it is, with "ended" and "from_recording". Made anew where it cannot be read.
+[[nodiscard]] std::string run_json_of_cut_session(const std::filesystem::path& folder,
+                                                  const std::string& ended);
+
 }  // namespace sweepd

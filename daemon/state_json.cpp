@@ -80,7 +80,8 @@ Json recording(const RobotState& state) {
       {"bytes", counts.bytes},
       {"files", counts.files},
       {"recorded", records(counts.recorded)},
-      {"missed", {{"memory_full", records(counts.memory_full)}, {"disk", records(counts.disk)}}}};
+      {"missed", {{"memory_full", records(counts.memory_full)}, {"disk", records(counts.disk)}}},
+      {"folders_deleted", counts.folders_deleted}};
 }
 
 Json sweeps(const RobotState& state) {
@@ -130,6 +131,8 @@ Json robot(const RobotMetrics& metrics) {
           {"recording", recording(state)},
           {"sweeps", sweeps(state)},
           {"identifications", identifications(*metrics.result)},
+          {"results_pending", state.results.pending},
+          {"results_given_up", state.results.given_up},
           {"result", newest_result(*metrics.result)}};
 }
 

@@ -528,19 +528,44 @@ TEST_CASE("a folder that cannot be made is tried again, and said once") {
                                        ContainsSubstring("check its permissions"));
 }
 
+TEST_CASE("a folder that is deleted while it is written is said, counted, and made anew",
+          "[issue11][point_12]") {
+  Bench bench;
+  std::atomic<int> folders = 0;
+  const auto recording = bench.begin("20250101T000000Z", [&](const fs::path&) { ++folders; });
+  bench.send(10);
+  REQUIRE(eventually([&] { return recording->counts().recorded.samples == 10; }));
+  fs::remove_all(bench.session());
+  bench.send(5);
+  REQUIRE(eventually([&] { return recording->counts().recorded.samples == 15; }));
+  bench.recorder->end();
+  recording->wait();
+  CHECK(numbers(bench.session() / "trace.pcap") == std::vector<int>{10, 11, 12, 13, 14});
+  const auto counts = recording->counts();
+  CHECK(counts.folders_deleted == 1);
+  CHECK(counts.deleted == RecordCount{10, 10});
+  CHECK(counts.recorded == RecordCount{15, 15});
+  CHECK_FALSE(counts.complete());
+  CHECK(folders == 2);
+  REQUIRE(bench.log.lines().size() == 1);
+  CHECK_THAT(bench.log.all(),
+             ContainsSubstring("somebody deleted or moved " + bench.session().string()) &&
+                 ContainsSubstring("10 datagrams and 10 samples went with it"));
+}
+
 TEST_CASE("old recordings go at the start of a session and when files change, said in one line") {
   Bench bench([](auto& settings) {
     settings.keep_bytes = 300'000;
     settings.rotate_bytes = 100'000;
   });
   fs::create_directories(bench.session("20240101T000000Z"));
-  for (const char* name : {"trace.pcap", "trace-0002.pcap", "samples.csv", "result.json"}) {
+  for (const char* name : {"trace.pcap", "trace-0002.pcap", "samples.csv", "dh.csv"}) {
     std::ofstream(bench.session("20240101T000000Z") / name) << std::string(200'000, 'x');
   }
   const auto recording = bench.begin();
   REQUIRE(eventually([&] { return bench.log.lines().size() == 1; }));
   CHECK(files(bench.session("20240101T000000Z")) ==
-        std::vector<std::string>{"result.json", "trace-0002.pcap"});
+        std::vector<std::string>{"dh.csv", "trace-0002.pcap"});
   CHECK_THAT(bench.log.lines()[0], ContainsSubstring("2 files, 0.4 MB"));
   for (int k = 0; k < 10; ++k) {
     bench.send(100);
@@ -549,7 +574,7 @@ TEST_CASE("old recordings go at the start of a session and when files change, sa
   }
   bench.recorder->end();
   recording->wait();
-  CHECK(files(bench.session("20240101T000000Z")) == std::vector<std::string>{"result.json"});
+  CHECK(files(bench.session("20240101T000000Z")) == std::vector<std::string>{"dh.csv"});
   CHECK_FALSE(fs::exists(bench.session() / "trace.pcap"));
   CHECK(recording->counts().recorded.samples == 1000);
 }

@@ -61,7 +61,7 @@ TEST_CASE("without a limit nothing is deleted, however old and large") {
   CHECK(recordings.names().size() == 1);
 }
 
-TEST_CASE("recordings older than the days to keep go, results stay") {
+TEST_CASE("recordings older than the days to keep go, results stay", "[issue11][point_12]") {
   const Recordings recordings;
   const std::string old = "20241201T000000Z/";
   for (const char* name : {"trace.pcap", "trace-0002.pcap", "samples.csv", "samples-0002.csv",
@@ -72,13 +72,12 @@ TEST_CASE("recordings older than the days to keep go, results stay") {
   recordings.add("20241229T000000Z/trace.pcap", 49h);
   recordings.add("20241229T000000Z/samples.csv", 47h);
   const auto deleted = recordings.clean(std::chrono::days(2), 0);
-  CHECK(deleted.files == 4);
-  CHECK(deleted.bytes == 4000);
+  CHECK(deleted.files == 5);
+  CHECK(deleted.bytes == 5000);
   CHECK(deleted.trouble.empty());
   CHECK(recordings.names() == Names{old + "result.json", old + "run.json", old + "dh.csv",
-                                    old + "sweeps.csv", old + "report.txt",
-                                    "20241230T120000Z/trace.pcap", "20241229T000000Z/trace.pcap",
-                                    "20241229T000000Z/samples.csv"});
+                                    old + "report.txt", "20241230T120000Z/trace.pcap",
+                                    "20241229T000000Z/trace.pcap", "20241229T000000Z/samples.csv"});
 }
 
 TEST_CASE("the oldest recordings go until all fit, in the order in which they were made") {
@@ -145,6 +144,55 @@ TEST_CASE("what is not exactly named as a recording is never touched") {
   fs::create_directories(recordings / "20241202T000000Z/trace.pcap");  // a folder of that name
   CHECK(recordings.clean(std::chrono::days(1), 1).files == 0);
   CHECK(recordings.names() == names);
+}
+
+TEST_CASE("everything but results counts, and a session without a result goes with its folder",
+          "[issue11][point_12]") {
+  const Recordings recordings;
+  const std::string with_table = "20241201T000000Z/";
+  const std::string without = "20241202T000000Z/";
+  for (const char* name : {"trace.pcap", "samples.csv", "sweeps.csv", "link.txt", "link.json",
+                           "last_cycles.csv", "result.json", "run.json", "dh.csv", "report.txt"})
+    recordings.add(with_table + name, 10h);
+  for (const char* name : {"trace.pcap", "samples.csv", "result.json", "run.json"})
+    recordings.add(without + name, 5h);
+  recordings.add("20241203T000000Z/trace.pcap", 1h);
+  recordings.add("20241203T000000Z/notes.txt", 1h);
+  CHECK(recordings.clean(std::chrono::days(0), 11'000).files == 0);
+  CHECK(recordings.clean(std::chrono::days(0), 10'999).files == 2);
+  CHECK_FALSE(recordings.names().contains(with_table + "trace.pcap"));
+  CHECK(recordings.names().contains(with_table + "sweeps.csv"));
+  CHECK(recordings.clean(std::chrono::days(0), 1000).files == 8);
+  CHECK(recordings.names() == Names{with_table + "result.json", with_table + "run.json",
+                                    with_table + "dh.csv", with_table + "report.txt",
+                                    "20241203T000000Z/trace.pcap", "20241203T000000Z/notes.txt"});
+  CHECK_FALSE(fs::exists(recordings / without));
+}
+
+TEST_CASE("a clock that jumps deletes nothing, until more was recorded after it than before",
+          "[issue11][point_12]") {
+  const Recordings recordings;
+  constexpr auto kYears = 12 * 365 * 24h;  // the clock jumped so far just now
+  const auto add = [&](const std::string& name, std::chrono::hours ago) {
+    recordings.add(name + "/trace.pcap", ago);
+  };
+  for (int day = 0; day < 5; ++day)
+    add("2012120" + std::to_string(5 - day) + "T000000Z", kYears + day * 24h);
+  const auto all = recordings.names();
+  CHECK(recordings.clean(std::chrono::days(7), 0).files == 0);
+  for (int session = 1; session <= 5; ++session) {
+    add("2024123" + std::to_string(session % 2) + "T00000" + std::to_string(session) + "Z", 1h);
+    CAPTURE(session);
+    CHECK(recordings.clean(std::chrono::days(7), 0).files == 0);
+  }
+  // Age goes on within what was recorded before.
+  CHECK(recordings.clean(std::chrono::days(2), 0).files == 2);
+  add("20241231T000009Z", 0h);
+  CHECK(recordings.clean(std::chrono::days(2), 0).files == 3);
+  CHECK(recordings.names().size() == 6);
+  // What the clock put into the future is not old either.
+  add("20370101T000000Z", -kYears);
+  CHECK(recordings.clean(std::chrono::days(2), 0).files == 0);
 }
 
 TEST_CASE("symbolic links are neither followed nor deleted") {

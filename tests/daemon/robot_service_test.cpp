@@ -10,6 +10,7 @@
 #include <spdlog/spdlog.h>
 
 #include "daemon/replay_command.hpp"
+#include "daemon/session_folder.hpp"
 #include "rsi/capture_reader.hpp"
 #include "rsi/controller_link.hpp"
 #include "tests/catch.hpp"
@@ -173,6 +174,41 @@ TEST_CASE("each stream gets a folder of its own, and silence completes it", "[re
   }
   service.stop();
   CHECK(sessions(output).size() == 2);
+}
+
+TEST_CASE("a session whose last result was never written gets it at the next start",
+          "[realtime][issue11][point_10]") {
+  const TemporaryFolder folder;
+  fs::path session;
+  {
+    RobotService service(settings(folder / "out"));
+    service.start();
+    static_cast<void>(stream(service.local()));
+    service.stop();
+    session = *sessions(folder / "out").begin();
+  }
+  // As after kill -9: the recording, and run.json without its end.
+  const auto result = content(session / "result.json");
+  auto run = json_in(session / "run.json");
+  run.erase("ended");
+  for (const auto& entry : fs::directory_iterator(session))
+    if (entry.path().filename() != "trace.pcap" && entry.path().filename() != "samples.csv")
+      fs::remove(entry.path());
+  static_cast<void>(folder.write("run.json", run.dump()));
+  fs::copy(folder / "run.json", session / "run.json");
+  const auto other = session.parent_path() / "20370101T000000Z";  // looked at first
+  fs::copy(session, other);
+  const sweepd::FolderLock written_by_another(other);
+
+  RobotService service(settings(folder / "out"));
+  service.start();
+  REQUIRE(eventually([&] { return json_in(session / "run.json").contains("ended"); }));
+  CHECK(json_in(session / "run.json")["from_recording"] == true);
+  CHECK(content(session / "result.json") == result);
+  for (const char* name : {"sweeps.csv", "dh.csv", "report.txt"}) CHECK(fs::exists(session / name));
+  service.stop();
+  CHECK_FALSE(fs::exists(other / "result.json"));
+  CHECK_FALSE(json_in(other / "run.json").contains("ended"));
 }
 
 TEST_CASE("a stop while RSI streams leaves a complete result at once, and answers until then",
