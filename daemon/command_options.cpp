@@ -35,6 +35,11 @@ void add_filter(CLI::App& command, rsi::ConversationFilter& filter) {
       ->type_name("ADDRESS");
 }
 
+void add_force(CLI::App& command, bool& force) {
+  command.add_flag("--force", force,
+                   "Overwrite what is not of sweepd, or was edited; never what is read");
+}
+
 void add_traces(CLI::App& command, std::vector<std::filesystem::path>& traces) {
   command.add_option("TRACE", traces, "Captures of one stream: all parts of a trace, in any order")
       ->required()
@@ -75,6 +80,7 @@ CLI::App* add_replay(CLI::App& app, ReplayOptions& options) {
       ->type_name("DIR");
   add_filter(*command, options.filter);
   command->add_flag("--quiet", options.quiet, "No progress, no report");
+  add_force(*command, options.force);
   return command;
 }
 
@@ -88,6 +94,7 @@ CLI::App* add_inspect(CLI::App& app, InspectOptions& options) {
                    "Write the report as JSON too; - is standard output, in place of the text")
       ->type_name("FILE");
   command->add_flag("--quiet", options.quiet, "No progress, no text");
+  add_force(*command, options.force);
   command->footer(
       "The verdict is good, marginal or bad, each reason with what to do about it.\n"
       "Exit codes: 0 good or marginal, 1 bad, or no RSI in the captures.");
@@ -133,6 +140,7 @@ CLI::App* add_identify(CLI::App& app, IdentifyOptions& options) {
   command->add_option("--output", options.output, "Folder for the result files (default: none)")
       ->type_name("DIR");
   command->add_flag("--quiet", options.quiet, "No progress, no report");
+  add_force(*command, options.force);
   command->footer(
       R"(Points: text with commas, semicolons, tabs or blanks between columns; lines that begin
 with # are passed over. The header names columns and units, in any order:
@@ -195,6 +203,7 @@ CLI::App* add_simulate(CLI::App& app, SimulateOptions& options) {
       ->type_name("X,Y,Z")
       ->delimiter(',');
   command->add_flag("--quiet", options.quiet, "No progress, no report");
+  add_force(*command, options.force);
   return command;
 }
 
@@ -261,6 +270,7 @@ CLI::App* add_plan(CLI::App& app, PlanOptions& options) {
                    "Ethernet file (krc2) or RSI context (krc4, iiqka) that the KRL program names "
                    "(default: sweepd_udp.xml, sweepd.rsi, sweepd)")
       ->type_name("NAME");
+  add_force(*command, options.force);
   command->footer(
       "The plan is rehearsed by a simulated robot; the uncertainties are those of the Fisher\n"
       "information of the samples that the estimator would use.\n"
@@ -279,6 +289,7 @@ CLI::App* add_export(CLI::App& app, ExportOptions& options) {
       ->required()
       ->type_name("FILE");
   add_filter(*command, options.filter);
+  add_force(*command, options.force);
   return command;
 }
 

@@ -7,6 +7,7 @@
 
 #include "daemon/line_file.hpp"
 #include "daemon/numbers.hpp"
+#include "daemon/outputs.hpp"
 #include "daemon/sample_clock.hpp"
 #include "rsi/capture_order.hpp"
 #include "rsi/capture_reader.hpp"
@@ -15,6 +16,8 @@
 
 namespace sweepd {
 namespace {
+
+constexpr std::string_view kBegins = "t_s,ipoc";
 
 struct Column {
   std::string element;
@@ -90,13 +93,16 @@ std::vector<Column> columns_of(const ExportOptions& options,
 
 int export_csv(const ExportOptions& given, std::ostream& out, std::ostream& errors) {
   ExportOptions options = given;
+  const bool to_file = options.csv != "-";
+  if (to_file) Outputs(given.traces, given.force).check(options.csv, kBegins);
   options.traces = rsi::in_order_of_time(given.traces);
   const auto search = rsi::find_conversation(options.traces, options.filter);
   if (!search.note.empty()) errors << "sweepd: " << search.note << '\n';
   if (!search.chosen) return 1;
 
+  std::optional<OutputFile> output;
   std::optional<LineFile> file;
-  if (options.csv != "-") file.emplace(options.csv);
+  if (to_file) file.emplace(output.emplace(options.csv).beside());
   const auto write = [&](const std::string& line) {
     if (file)
       file->append(line);
@@ -104,7 +110,7 @@ int export_csv(const ExportOptions& given, std::ostream& out, std::ostream& erro
       out << line << '\n';
   };
   auto columns = columns_of(options, *search.chosen);
-  std::string header = "t_s,ipoc";
+  std::string header(kBegins);
   for (const Column& column : columns) header += "," + field(column.name());
   write(header);
 
@@ -138,6 +144,8 @@ int export_csv(const ExportOptions& given, std::ostream& out, std::ostream& erro
       errors << "sweepd: " << file->error() << '\n';
       return 1;
     }
+    file.reset();
+    output->commit();
   }
   return telegrams > 0 ? 0 : 1;
 }

@@ -10,6 +10,7 @@
 #include "daemon/axes_file.hpp"
 #include "daemon/csv_file.hpp"
 #include "daemon/given_axes.hpp"
+#include "daemon/outputs.hpp"
 #include "daemon/point_sweeps.hpp"
 #include "daemon/points_file.hpp"
 #include "daemon/progress.hpp"
@@ -179,6 +180,15 @@ Outcome identified_axes(const IdentifyOptions& options, RobotSetup setup) {
   return outcome;
 }
 
+void check_output(const IdentifyOptions& options) {
+  auto inputs = options.points;
+  for (const auto& file : {options.axes, options.robot, options.plan})
+    if (file) inputs.push_back(*file);
+  auto names = result_file_names();
+  names.emplace_back("run.json");
+  Outputs(std::move(inputs), options.force).check_results(*options.output, names);
+}
+
 void write_run_file(const IdentifyOptions& options) {
   nlohmann::ordered_json json = {
       {"schema", "sweepd.run/1"}, {"sweepd", SWEEPD_VERSION}, {"command", "identify"}};
@@ -198,13 +208,14 @@ void write_run_file(const IdentifyOptions& options) {
 
 int identify_points(const IdentifyOptions& options, std::ostream& out) {
   check(options);
+  if (options.output) check_output(options);
   const RobotSetup setup = load_setup(options.robot, options.plan);
   const Outcome outcome =
       options.axes ? identified_axes(options, setup) : identified_points(options, setup);
   if (options.output) {
     make_folder(*options.output);
-    write_result(*options.output, outcome);
     write_run_file(options);
+    write_result(*options.output, outcome);
   }
   if (!options.quiet) out << report(outcome);
   return outcome.identification.status != identify::Status::failed ? 0 : 1;

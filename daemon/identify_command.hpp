@@ -20,12 +20,13 @@ struct IdentifyOptions {
   bool device_frame = true;           ///< points are not in the robot's own frame
   std::optional<std::filesystem::path> output;
   bool quiet = false;  ///< no progress, no report
+  bool force = false;  ///< over any files but those that are read
 };
 
 /// Identifies from points that another device than the controller measured, or takes axes as lines,
 /// and writes what a replay writes. The report goes to `report`. Returns the exit code: 1 if not
 /// one axis was identified. Throws CsvError, ConfigError, std::invalid_argument for options that
-/// contradict each other, and std::runtime_error.
+/// contradict each other and as Outputs where results may not be written, and std::runtime_error.
 [[nodiscard]] int identify_points(const IdentifyOptions& options, std::ostream& report = std::cout);
 
 }  // namespace sweepd

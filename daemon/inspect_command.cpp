@@ -1,15 +1,19 @@
 #include "daemon/inspect_command.hpp"
 
-#include "daemon/atomic_file.hpp"
 #include "daemon/link_json.hpp"
 #include "daemon/link_text.hpp"
+#include "daemon/outputs.hpp"
 #include "daemon/traces.hpp"
 #include "rsi/capture_order.hpp"
 #include "rsi/link_monitor.hpp"
 #include "rsi/link_verdict.hpp"
 
 namespace sweepd {
+
 int inspect(const InspectOptions& options, std::ostream& out, std::ostream& errors) {
+  const bool json_only = options.json == "-";
+  if (options.json && !json_only)
+    Outputs(options.traces, options.force).check(*options.json, kLinkJsonBegins);
   const auto traces = rsi::in_order_of_time(options.traces);
   const auto search = rsi::find_conversation(traces, options.filter);
   if (!search.note.empty()) errors << "sweepd: " << search.note << '\n';
@@ -21,11 +25,10 @@ int inspect(const InspectOptions& options, std::ostream& out, std::ostream& erro
     if (direction == rsi::Direction::to_controller) monitor.reply(datagram);
   });
   const auto report = monitor.report();
-  const bool json_only = options.json == "-";
   if (json_only)
     out << link_json(*search.chosen, report);
   else if (options.json)
-    write_atomically(*options.json, link_json(*search.chosen, report));
+    write_output(*options.json, link_json(*search.chosen, report));
   if (!json_only && !options.quiet) out << link_text(*search.chosen, report);
   return rsi::verdict(report).grade == rsi::Grade::bad ? 1 : 0;
 }

@@ -2,9 +2,11 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
-#include "daemon/atomic_file.hpp"
 #include "daemon/config_error.hpp"
+#include "daemon/outputs.hpp"
 #include "daemon/plan_proposal.hpp"
 #include "daemon/plan_text.hpp"
 #include "daemon/progress.hpp"
@@ -86,17 +88,23 @@ int plan(const PlanOptions& options, std::ostream& out, std::ostream& errors) {
   for (const std::string& refusal : judged.refusals) errors << "sweepd: " << refusal << '\n';
   if (!judged.refusals.empty()) return 1;
 
-  if (proposal && options.write_plan) {
-    write_atomically(*options.write_plan,
-                     plan_toml(proposal->outlook.plan, remark(options, *proposal)));
-    out << "\nwritten     " << options.write_plan->string() << '\n';
-  }
+  std::vector<std::pair<std::filesystem::path, std::string>> files;
+  if (proposal && options.write_plan)
+    files.emplace_back(*options.write_plan,
+                       plan_toml(proposal->outlook.plan, remark(options, *proposal)));
   if (program) {
-    make_folder(*options.output);
     const auto base = *options.output / options.name;
-    write_atomically(base.string() + ".src", program->src);
-    write_atomically(base.string() + ".dat", program->dat);
-    out << "\nwritten     " << base.string() << ".src\n            " << base.string() << ".dat\n";
+    files.emplace_back(base.string() + ".src", program->src);
+    files.emplace_back(base.string() + ".dat", program->dat);
+  }
+  const Outputs outputs({options.robot, options.plan}, options.force);
+  for (const auto& [file, content] : files) outputs.check_same(file, content);
+  if (program) make_folder(*options.output);
+  for (const auto& [file, content] : files) write_output(file, content);
+  const char* before = "\nwritten     ";
+  for (const auto& [file, content] : files) {
+    out << before << file.string() << '\n';
+    before = "            ";
   }
   return 0;
 }

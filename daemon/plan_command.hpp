@@ -27,6 +27,7 @@ struct PlanOptions {
   std::string name = "sweepd_sweeps";               ///< of the KRL program
   int krl_tool = 1;                                 ///< number of the controller's tool
   std::string rsi_file;                             ///< as in KrlOptions
+  bool force = false;                               ///< over any file but robot and plan
 };
 
 /// Checks the plan against the robot, says what uncertainties it will lead to, proposes a better
@@ -37,7 +38,8 @@ struct PlanOptions {
 /// asked for and no KRL, else the plan as given.
 ///
 /// Throws ConfigError for files that are wrong, plans beyond the limits (with all findings) and
-/// what KRL cannot express; std::invalid_argument for wrong options; std::runtime_error where a
+/// what KRL cannot express; std::invalid_argument for wrong options, and as
+/// Outputs where a file may not be written; std::runtime_error where a
 /// file cannot be written.
 [[nodiscard]] int plan(const PlanOptions& options, std::ostream& out = std::cout,
                        std::ostream& errors = std::cerr);

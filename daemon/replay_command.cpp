@@ -5,6 +5,7 @@
 #include "daemon/atomic_file.hpp"
 #include "daemon/config_error.hpp"
 #include "daemon/line_file.hpp"
+#include "daemon/outputs.hpp"
 #include "daemon/report.hpp"
 #include "daemon/result_files.hpp"
 #include "daemon/robot_setup.hpp"
@@ -47,6 +48,15 @@ RobotSetup setup_for(const ReplayOptions& options,
   return setup;
 }
 
+void check_output(const ReplayOptions& options) {
+  auto inputs = options.traces;
+  for (const auto& file : {options.config, options.robot, options.plan})
+    if (file) inputs.push_back(*file);
+  auto names = result_file_names();
+  names.insert(names.end(), {"samples.csv", "run.json"});
+  Outputs(std::move(inputs), options.force).check_results(*options.output, names);
+}
+
 void write_run_file(const ReplayOptions& options, const rsi::ConversationSearch& search) {
   nlohmann::ordered_json json = {
       {"schema", "sweepd.run/1"}, {"sweepd", SWEEPD_VERSION}, {"command", "replay"}};
@@ -64,14 +74,18 @@ void write_run_file(const ReplayOptions& options, const rsi::ConversationSearch&
 
 int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) {
   ReplayOptions options = given;
+  if (options.output) check_output(options);
   options.traces = rsi::in_order_of_time(given.traces);
   const auto search = rsi::find_conversation(options.traces, options.filter);
   if (!search.note.empty()) errors << "sweepd: " << search.note << '\n';
   const RobotSetup setup = setup_for(options, search.chosen);
-  if (options.output) make_folder(*options.output);
-
+  std::optional<OutputFile> samples_file;
   std::optional<LineFile> samples;
-  if (options.output) samples.emplace(*options.output / "samples.csv");
+  if (options.output) {
+    make_folder(*options.output);
+    write_run_file(options, search);
+    samples.emplace(samples_file.emplace(*options.output / "samples.csv").beside());
+  }
   Session session(setup, "trace", {{}, [&](std::string_view row) {
                                      if (samples) samples->append(row);
                                    }});
@@ -85,12 +99,11 @@ int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) 
   if (samples) samples->flush();
   const bool all_written = !samples || samples->error().empty();
   if (!all_written) errors << "sweepd: " << samples->error() << '\n';
+  samples.reset();
+  if (samples_file && all_written) samples_file->commit();
   Outcome outcome = session.snapshot().identified();
   if (!search.chosen) outcome.identification.reason = "no RSI telegrams in the capture";
-  if (options.output) {
-    write_result(*options.output, outcome);
-    write_run_file(options, search);
-  }
+  if (options.output) write_result(*options.output, outcome);
   if (!options.quiet) out << report(outcome);
   return all_written && outcome.identification.status != identify::Status::failed ? 0 : 1;
 }

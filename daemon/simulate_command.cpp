@@ -5,10 +5,13 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "daemon/outputs.hpp"
 #include "daemon/progress.hpp"
 #include "daemon/simulated_robot.hpp"
 #include "daemon/simulation_report.hpp"
+#include "rsi/capture_record.hpp"
 #include "rsi/capture_writer.hpp"
 
 namespace sweepd {
@@ -58,6 +61,21 @@ EthernetConfig built_in_ethernet_config() {
   config.send.push_back({"DEF_Delay", Type::LONG, 0, false, 0});
   config.receive.push_back({"DEF_EStr", Type::STRING, 0, false, 0});
   return config;
+}
+
+/// Of captures that are written here, so that the same options write the same bytes:
+/// 2025-01-01T00:00:00Z.
+constexpr std::chrono::seconds kStart{1'735'689'600};
+
+/// What such a capture begins with: no recording does.
+std::string simulated_capture_begins() {
+  rsi::Datagram first;
+  first.time = kStart;
+  std::string bytes = rsi::capture_header();
+  const auto header = bytes.size();
+  constexpr std::size_t kSecondsAndNanoseconds = 8;
+  rsi::append_capture_record(first, bytes);
+  return bytes.substr(0, header + kSecondsAndNanoseconds);
 }
 
 /// A run of the command.
@@ -145,15 +163,14 @@ int Simulation::to_server() {
 }
 
 int Simulation::to_capture() {
-  // Fixed, so that the same options write the same bytes: 2025-01-01T00:00:00Z.
-  constexpr std::chrono::seconds kStart{1'735'689'600};
   rsi::Datagram datagram;
   datagram.source = *rsi::parse_endpoint("192.168.1.20:49153");
   datagram.destination = {*rsi::parse_address("192.168.1.10"), ethernet_.port};
 
   const rsi::TelegramWriter writer(ethernet_, options_.precision);
   rsi::FaultyWire wire(faults_, options_.seed);
-  rsi::CaptureWriter capture(*options_.write);
+  OutputFile output(*options_.write);
+  rsi::CaptureWriter capture(output.beside());
   const auto record = [&](const std::vector<rsi::Sent>& datagrams) {
     for (const auto& sent : datagrams) {
       datagram.payload = sent.payload;
@@ -174,7 +191,7 @@ int Simulation::to_capture() {
   }
   datagram.time = kStart + since_start;
   record(wire.flush());
-  capture.flush();
+  if (capture.flush()) output.commit();
 
   auto report = report_to(options_.write->string());
   report.link.controller.telegrams = telegrams;
@@ -195,6 +212,11 @@ int Simulation::finish(const SimulationReport& report, const std::string& proble
 int simulate(const SimulateOptions& options, std::ostream& report, std::ostream& errors) {
   if (options.to.has_value() == options.write.has_value())
     throw std::invalid_argument("simulate: expected either a server or a capture to write");
+  if (options.write) {
+    std::vector<std::filesystem::path> inputs{options.robot, options.plan};
+    if (options.ethernet_config) inputs.push_back(*options.ethernet_config);
+    Outputs(std::move(inputs), options.force).check(*options.write, simulated_capture_begins());
+  }
   Simulation simulation(options, report, errors);
   return options.to ? simulation.to_server() : simulation.to_capture();
 }

@@ -29,6 +29,7 @@ struct SimulateOptions {
   double swap_percent = 0;                       ///< with the next telegram
   std::optional<std::array<double, 3>> tool_mm;  ///< in place of the description's
   bool quiet = false;                            ///< no progress, no report
+  bool force = false;                            ///< over any capture
 };
 
 /// Stands in for a controller whose robot runs the plan: sends its telegrams and checks each reply,
@@ -40,7 +41,8 @@ struct SimulateOptions {
 /// goes to `report`.
 ///
 /// Throws ConfigError and rsi::EthernetConfigError for files that are wrong, std::invalid_argument
-/// for wrong options, std::runtime_error if the socket or the capture cannot be opened.
+/// for wrong options and as Outputs where the capture may not be written, std::runtime_error if the
+/// socket or the capture cannot be opened.
 [[nodiscard]] int simulate(const SimulateOptions& options, std::ostream& report = std::cout,
                            std::ostream& errors = std::cerr);
 
