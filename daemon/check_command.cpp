@@ -14,6 +14,7 @@
 #include "rsi/port_owner.hpp"
 #include "rsi/reply.hpp"
 #include "rsi/rsi_context.hpp"
+#include "rsi/wire_layout.hpp"
 
 namespace sweepd {
 namespace {

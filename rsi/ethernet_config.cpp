@@ -9,18 +9,22 @@
 #include <optional>
 #include <sstream>
 #include <system_error>
+#include <unordered_map>
+#include <unordered_set>
 
 #include <pugixml.hpp>
 
 #include "rsi/ascii.hpp"
 #include "rsi/endpoint.hpp"
+#include "rsi/internal_tag.hpp"
+#include "rsi/text_positions.hpp"
 
 namespace rsi {
 namespace {
 
 using Element = EthernetConfig::Element;
 
-constexpr std::string_view kInternal = "DEF_";
+constexpr std::size_t kMostBytes = 1 << 20;  // with 64 channels each way they have some kB
 
 bool is_one_of(std::string_view text, std::initializer_list<std::string_view> words) {
   return std::any_of(words.begin(), words.end(),
@@ -40,35 +44,16 @@ std::optional<int> whole_number(std::string_view text, int lowest, int highest) 
   return value >= lowest && value <= highest ? std::optional(value) : std::nullopt;
 }
 
+constexpr std::string_view kTypes[] = {"BOOL", "STRING", "LONG", "DOUBLE"};  // in Type's order
+
 std::optional<Element::Type> element_type(std::string_view text) {
-  if (is_one_of(text, {"BOOL"})) return Element::Type::BOOL;
-  if (is_one_of(text, {"STRING"})) return Element::Type::STRING;
-  if (is_one_of(text, {"LONG"})) return Element::Type::LONG;
-  if (is_one_of(text, {"DOUBLE"})) return Element::Type::DOUBLE;
+  for (std::size_t i = 0; i < std::size(kTypes); ++i)
+    if (is_one_of(text, {kTypes[i]})) return static_cast<Element::Type>(i);
   return std::nullopt;
 }
 
-std::vector<std::string> numbered(std::string_view prefix, int count) {
-  std::vector<std::string> names;
-  for (int i = 1; i <= count; ++i) names.push_back(std::string(prefix) + std::to_string(i));
-  return names;
-}
-
-/// The attributes of an internal tag, given without its DEF_; none if it has none or is unknown.
-std::vector<std::string> internal_attributes(std::string_view tag) {
-  if (tag == "RIst" || tag == "RSol") return {"X", "Y", "Z", "A", "B", "C"};
-  if (tag == "AIPos" || tag == "ASPos" || tag == "MACur") return numbered("A", 6);
-  if (tag == "EIPos" || tag == "ESPos" || tag == "MECur") return numbered("E", 6);
-  if (tag == "Delay") return {"D"};
-  if (tag.size() == 7 && tag.starts_with("Tech.") && (tag[5] == 'C' || tag[5] == 'T') &&
-      tag[6] >= '1' && tag[6] <= '6')
-    return numbered(tag.substr(5), 10);
-  return {};
-}
-
-/// What a tag is called on the wire, where the dot parts element and attribute.
-std::string_view wire_name(std::string_view tag) {
-  return tag.starts_with(kInternal) ? tag.substr(kInternal.size()) : tag;
+std::string type_text(Element::Type type) {
+  return std::string(kTypes[static_cast<std::size_t>(type)]);
 }
 
 /// Whether `tag`, cut at its first dot, gives names that XML (with numbers allowed) can hold.
@@ -81,7 +66,7 @@ bool is_name(std::string_view tag) {
 
 class Reader {
  public:
-  Reader(std::string_view xml, EthernetConfig& config) : xml_(xml), config_(config) {}
+  Reader(std::string_view xml, EthernetConfig& config) : xml_(xml), text_(xml), config_(config) {}
 
   void read();
 
@@ -89,20 +74,16 @@ class Reader {
   void read_config(const pugi::xml_node& section);
   std::vector<Element> read_list(const pugi::xml_node& section);
   Element read_element(const pugi::xml_node& node);
+  void check_internal(const pugi::xml_node& node, const Element& element);
+  void check_received(const pugi::xml_node& node, const Element& element);
   void check_sent(const pugi::xml_node& section);
 
   /// The text of a key of <CONFIG>, which may stand there once; nothing if it is missing or empty.
   std::optional<std::string> value(const pugi::xml_node& config, const char* key);
   bool config_flag(const pugi::xml_node& config, const char* key);
 
-  int line_of(std::ptrdiff_t offset) const {
-    return 1 + static_cast<int>(std::count(xml_.begin(), xml_.begin() + offset, '\n'));
-  }
   std::string position(std::ptrdiff_t offset) const {
-    const auto before = xml_.substr(0, static_cast<std::size_t>(offset));
-    const auto newline = before.find_last_of('\n');  // npos + 1 is 0
-    return config_.name + ":" + std::to_string(line_of(offset)) + ":" +
-           std::to_string(before.size() - (newline + 1)) + ": ";
+    return config_.name + ":" + text_.position(offset) + ": ";
   }
   void warn(const pugi::xml_node& node, const std::string& text) {
     config_.warnings.push_back(position(node.offset_debug()) + printable(text));
@@ -115,6 +96,7 @@ class Reader {
   }
 
   std::string_view xml_;
+  TextPositions text_;
   EthernetConfig& config_;
 };
 
@@ -126,7 +108,7 @@ void Reader::read() {
       document.load_buffer(xml_.data(), xml_.size(), pugi::parse_default, pugi::encoding_utf8);
   if (!outcome)
     throw EthernetConfigError(
-        position(std::min(outcome.offset, static_cast<std::ptrdiff_t>(xml_.size()))) +
+        position(outcome.offset) +
         "expected an RSI Ethernet file in XML, found: " + outcome.description());
 
   const auto root = document.document_element();
@@ -205,7 +187,10 @@ void Reader::read_config(const pugi::xml_node& config) {
 }
 
 std::vector<Element> Reader::read_list(const pugi::xml_node& section) {
+  const bool received = std::string_view(section.name()) == "RECEIVE";
   std::vector<Element> list;
+  std::unordered_map<std::string, int> line_of_tag;
+  std::unordered_map<int, std::string> tag_of_channel;
   for (const auto& elements : section.children("ELEMENTS"))
     for (const auto& node : elements.children()) {
       if (node.type() != pugi::node_element) continue;
@@ -214,11 +199,15 @@ std::vector<Element> Reader::read_list(const pugi::xml_node& section) {
         continue;
       }
       auto element = read_element(node);
-      const auto first = std::find_if(
-          list.begin(), list.end(), [&](const Element& other) { return other.tag == element.tag; });
-      if (first != list.end())
-        warn(node, "TAG: \"" + element.tag + "\" stands in line " + std::to_string(first->line) +
+      if (received) check_received(node, element);
+      const auto [same, is_first] = line_of_tag.try_emplace(element.tag, element.line);
+      if (!is_first)
+        warn(node, "TAG: \"" + element.tag + "\" stands in line " + std::to_string(same->second) +
                        " already: only the first counts");
+      else if (const auto [other, is_free] = tag_of_channel.try_emplace(element.index, element.tag);
+               !is_free && element.index != 0)
+        warn(node, "INDX: channel " + std::to_string(element.index) + " is that of \"" +
+                       other->second + "\" already: give each tag a channel of its own");
       list.push_back(std::move(element));
     }
   return list;
@@ -227,7 +216,7 @@ std::vector<Element> Reader::read_list(const pugi::xml_node& section) {
 Element Reader::read_element(const pugi::xml_node& node) {
   const auto attribute = [&](const char* key) { return trimmed(node.attribute(key).value()); };
   Element element;
-  element.line = line_of(node.offset_debug());
+  element.line = text_.line(node.offset_debug());
   element.tag = attribute("TAG");
   const auto name = wire_name(element.tag);
   if (!is_name(name)) fail(node, "TAG", "a name without blanks or <>&\"'/=!?", element.tag);
@@ -248,15 +237,37 @@ Element Reader::read_element(const pugi::xml_node& node) {
   if (!holdon) fail(node, "HOLDON", "0 or 1", attribute("HOLDON"));
   element.holdon = *holdon;
 
-  const bool named_internal = element.tag.starts_with(kInternal);
-  if (named_internal != internal)
-    warn(node,
-         "INDX: expected INTERNAL for a tag that starts with DEF_, and a number for another: "
-         "\"" +
-             element.tag + "\"");
-  if (named_internal && element.tag != "DEF_EStr" && internal_attributes(name).empty())
-    warn(node, "TAG: \"" + element.tag + "\" is no internal tag known to sweepd");
+  check_internal(node, element);
   return element;
+}
+
+void Reader::check_internal(const pugi::xml_node& node, const Element& element) {
+  const auto quoted = "\"" + element.tag + "\"";
+  if (is_internal(element.tag) != (element.index == 0))
+    warn(node,
+         "INDX: expected INTERNAL for a tag that starts with DEF_, and a number for another: " +
+             quoted);
+  const auto known = internal_tag(element.tag);
+  if (!known) {
+    if (is_internal(element.tag))
+      warn(node, "TAG: " + quoted + " is no internal tag known to sweepd");
+  } else if (known->type != element.type) {
+    warn(node, "TYPE: expected " + type_text(known->type) + " for " + quoted + ", found " +
+                   type_text(element.type) +
+                   ": the controller may refuse it, or lose decimals; correct it");
+  }
+}
+
+void Reader::check_received(const pugi::xml_node& node, const Element& element) {
+  const auto known = internal_tag(element.tag);
+  if (known && known->only_sent)
+    warn(node, "TAG: \"" + element.tag +
+                   "\" is measured by the controller and cannot be received: take it out of "
+                   "RECEIVE");
+  if (element.tag == "DEF_Tech.T1" || element.tag == "DEF_Tech.C1")
+    warn(node, "TAG: \"" + element.tag +
+                   "\" belongs to function generator 1, which RSI keeps for its own corrections: "
+                   "the Ethernet object fails with RSIBad; take another, such as DEF_Tech.T2");
 }
 
 void Reader::check_sent(const pugi::xml_node& section) {
@@ -285,6 +296,10 @@ void Reader::check_sent(const pugi::xml_node& section) {
 EthernetConfig EthernetConfig::parse(std::string_view xml, std::string name) {
   EthernetConfig config;
   config.name = std::move(name);
+  if (xml.size() > kMostBytes)
+    throw EthernetConfigError(config.name + ": expected an RSI Ethernet file, found " +
+                              std::to_string(xml.size()) +
+                              " bytes: give the file that lies on the controller");
   Reader(xml, config).read();
   return config;
 }
@@ -299,50 +314,16 @@ EthernetConfig EthernetConfig::load(const std::filesystem::path& file) {
   return parse(xml.str(), file.string());
 }
 
-bool WireElement::has_text() const {
-  return std::any_of(fields.begin(), fields.end(),
-                     [](const Field& field) { return field.attribute.empty(); });
-}
-
-std::vector<WireElement> wire_layout(const std::vector<Element>& list) {
-  std::vector<WireElement> layout;
-  const auto add = [&](std::string_view name, WireElement::Field field) {
-    auto element = std::find_if(layout.begin(), layout.end(),
-                                [&](const WireElement& other) { return other.name == name; });
-    if (element == layout.end())
-      element = layout.insert(layout.end(), WireElement{std::string(name), {}});
-    for (const auto& other : element->fields)
-      if (other.attribute == field.attribute) return;
-    element->fields.push_back(std::move(field));
-  };
-  for (std::size_t tag = 0; tag < list.size(); ++tag) {
-    const auto name = wire_name(list[tag].tag);
-    std::vector<std::string> attributes;
-    if (name != list[tag].tag) attributes = internal_attributes(name);
-    const auto dot = name.find('.');
-    if (attributes.empty())
-      attributes.emplace_back(dot == std::string_view::npos ? "" : name.substr(dot + 1));
-    for (std::size_t i = 0; i < attributes.size(); ++i)
-      add(name.substr(0, dot), {attributes[i], tag, i});
+std::vector<Element> EthernetConfig::commands() const {
+  std::vector<Element> commands;
+  std::unordered_set<std::string> seen;
+  for (const Element& element : receive) {
+    const auto known = internal_tag(element.tag);
+    const bool is_text = element.type == Element::Type::STRING && element.index == 0 &&
+                         (!known || known->type == Element::Type::STRING);
+    if (!is_text && seen.insert(element.tag).second) commands.push_back(element);
   }
-  return layout;
-}
-
-std::string xml_escaped(std::string_view text) {
-  std::string escaped;
-  for (const char c : text) {
-    if (c == '&')
-      escaped += "&amp;";
-    else if (c == '<')
-      escaped += "&lt;";
-    else if (c == '>')
-      escaped += "&gt;";
-    else if (c == '"')
-      escaped += "&quot;";
-    else
-      escaped += c;
-  }
-  return escaped;
+  return commands;
 }
 
 }  // namespace rsi

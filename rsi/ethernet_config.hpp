@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <stdexcept>
@@ -40,34 +39,16 @@ struct EthernetConfig {
   /// `name` is for messages. Throws EthernetConfigError.
   [[nodiscard]] static EthernetConfig parse(std::string_view xml, std::string name);
   [[nodiscard]] static EthernetConfig load(const std::filesystem::path& file);
+
+  /// The tags of `receive` with which a reply can move the robot or switch something, each once.
+  /// Zero is a command like any other: $OV_PRO and outputs go to 0 by it, and so does an absolute
+  /// correction. Only an internal string cannot.
+  [[nodiscard]] std::vector<Element> commands() const;
 };
 
 /// Says file:line:column, the key, what was expected and what was found.
 struct EthernetConfigError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
-
-/// An XML element of a telegram or reply, folded from one or more tags of a list.
-struct WireElement {
-  struct Field {
-    std::string attribute;      ///< empty: the text of the element
-    std::size_t tag = 0;        ///< index into the list
-    std::size_t component = 0;  ///< of an internal tag: 0 for X or A1, 1 for Y or A2, ...
-  };
-
-  std::string name;
-  std::vector<Field> fields;
-
-  [[nodiscard]] bool has_text() const;
-};
-
-/// The elements that a list becomes on the wire. An internal tag expands (DEF_RIst to <RIst> with X
-/// Y Z A B C), dotted tags of one element fold into its first occurrence, other tags are element
-/// text. A tag that stands in the list twice counts once.
-[[nodiscard]] std::vector<WireElement> wire_layout(
-    const std::vector<EthernetConfig::Element>& list);
-
-/// `text` as it may stand between quotation marks or tags.
-[[nodiscard]] std::string xml_escaped(std::string_view text);
 
 }  // namespace rsi

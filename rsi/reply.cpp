@@ -7,6 +7,7 @@
 #include "rsi/ascii.hpp"
 #include "rsi/ipoc.hpp"
 #include "rsi/telegram.hpp"
+#include "rsi/wire_layout.hpp"
 
 namespace rsi {
 namespace {

@@ -7,16 +7,21 @@
 #include <fstream>
 #include <sstream>
 #include <system_error>
+#include <utility>
 
 #include <pugixml.hpp>
 
 #include "rsi/ascii.hpp"
+#include "rsi/rsi_object.hpp"
+#include "rsi/signal_flow.hpp"
+#include "rsi/text_positions.hpp"
 
 namespace rsi {
 namespace {
 
 constexpr int kLeastPrecision = 4;
 constexpr std::size_t kMostBytes = 16 << 20;  // .rsix files with all blueprints have 0.1 MB
+constexpr std::size_t kMostObjects = 10'000;
 
 std::optional<int> whole_number(std::string_view text) {
   int value = 0;
@@ -40,16 +45,9 @@ pugi::xml_node child(const pugi::xml_node& node, std::string_view name) {
   return node.find_child([&](const pugi::xml_node& each) { return is_named(each, name); });
 }
 
-bool moves_the_robot(std::string_view type) {
-  constexpr std::array<std::string_view, 4> kMoving = {"AXISCORR", "AXISCORREXT", "POSCORR",
-                                                       "MAP2OV_PRO"};
-  return std::any_of(kMoving.begin(), kMoving.end(),
-                     [&](std::string_view each) { return equal_ignoring_case(type, each); });
-}
-
 class Reader {
  public:
-  Reader(std::string_view xml, RsiContext& context) : xml_(xml), context_(context) {}
+  Reader(std::string_view xml, RsiContext& context) : xml_(xml), text_(xml), context_(context) {}
 
   void read() {
     if (xml_.find('\0') != std::string_view::npos)
@@ -61,36 +59,62 @@ class Reader {
       fail(result.offset,
            std::string("expected an RSI context in XML, found: ") + result.description());
     const auto root = document.document_element();
-    pugi::xml_node objects = root;
-    if (is_named(root, "RsiContext")) {
+    if (is_named(root, "RsiContext"))
       context_.form = RsiContext::Form::rsix;
-      objects = child(root, "RsiObjects");
-    } else if (is_named(root, "rSIModel")) {
+    else if (is_named(root, "rSIModel"))
       fail(root.offset_debug(),
            "expected the context that the controller reads, found the editor's model: give the "
            ".rsi.xml beside it");
-    } else if (!is_named(root, "RSIObjects")) {
+    else if (!is_named(root, "RSIObjects"))
       fail(root.offset_debug(), "expected <RSIObjects> or <RsiContext>, found <" +
                                     printable(root.name()) +
                                     ">: give the .rsi.xml (RSI 3) or .rsix (RSI 4 and later)");
-    }
-    const auto ethernet = find_ethernet(objects);
+    find_objects(root);
+    const auto ethernet = find_ethernet(root);
     read_parameters(ethernet);
-    read_links(objects, ethernet);
+    read_links(ethernet);
+    name_actors();
   }
 
  private:
-  pugi::xml_node find_ethernet(const pugi::xml_node& objects) {
+  struct Object {
+    pugi::xml_node node;
+    std::string_view type, type_id, id;
+  };
+
+  /// Wherever they stand: an .rsix may group them.
+  void find_objects(const pugi::xml_node& root) {
+    struct Walker : pugi::xml_tree_walker {
+      std::vector<Object>* objects;
+      bool for_each(pugi::xml_node& node) override {
+        if (is_named(node, "RSIObject") || !attribute(node, "ObjType").empty())
+          objects->push_back({node, attribute(node, "ObjType"), attribute(node, "ObjTypeID"),
+                              attribute(node, "ObjID")});
+        return objects->size() <= kMostObjects;
+      }
+    } walker;
+    walker.objects = &objects_;
+    pugi::xml_node(root).traverse(walker);
+    if (objects_.size() > kMostObjects)
+      fail(root.offset_debug(), "expected at most " + std::to_string(kMostObjects) +
+                                    " objects, found more: give the .rsi.xml or .rsix");
+    for (const Object& object : objects_)
+      if (!flow_.add(object.id, is_ethernet(object.type, object.type_id)))
+        warn(object.node, "\"" + printable(object.id) +
+                              "\" is the name of another object already: give each its own");
+  }
+
+  pugi::xml_node find_ethernet(const pugi::xml_node& root) {
     pugi::xml_node found;
-    for (const auto& object : objects.children()) {
-      if (!equal_ignoring_case(attribute(object, "ObjType"), "ETHERNET")) continue;
+    for (const Object& object : objects_) {
+      if (!is_ethernet(object.type, object.type_id)) continue;
       if (found)
-        warn(object, "a second Ethernet object: sweepd serves one; the first is checked");
+        warn(object.node, "a second Ethernet object: sweepd serves one; the first is checked");
       else
-        found = object;
+        found = object.node;
     }
     if (!found)
-      fail(objects.offset_debug(),
+      fail(root.offset_debug(),
            "expected an object of type ETHERNET, found none: add one, it is what sends");
     return found;
   }
@@ -123,23 +147,47 @@ class Reader {
     return number;
   }
 
-  void read_links(const pugi::xml_node& objects, const pugi::xml_node& ethernet) {
-    const auto ethernet_id = attribute(ethernet, "ObjID");
+  void read_links(const pugi::xml_node& ethernet) {
     const int first = context_.form == RsiContext::Form::xml ? 1 : 0;
-    for (const auto& input : child(ethernet, "Inputs").children())
-      context_.fed.push_back(channel(input, "InIdx", first));
-    for (const auto& object : objects.children())
-      for (const auto& input : child(object, "Inputs").children()) {
-        if (attribute(input, "OutObjID") != ethernet_id) continue;
-        const std::string type(attribute(object, "ObjType"));
-        context_.receivers.push_back({type, std::string(attribute(object, "ObjID")),
-                                      channel(input, "OutIdx", first), moves_the_robot(type),
-                                      position(input.offset_debug())});
-        if (context_.receivers.back().moves)
-          warn(input, printable(type) +
-                          " takes what is received and can move the robot: sweepd sends zeros "
-                          "alone; leave the object out");
+    const auto ethernet_index = flow_.of(attribute(ethernet, "ObjID"));
+    std::array<bool, 65> fed{};
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+      const Object& object = objects_[i];
+      for (const auto& input : child(object.node, "Inputs").children()) {
+        if (input.type() != pugi::node_element) continue;
+        if (object.node == ethernet) {
+          const int to = channel(input, "InIdx", first);
+          if (!std::exchange(fed[static_cast<std::size_t>(to)], true)) context_.fed.push_back(to);
+        }
+        const auto source = attribute(input, "OutObjID");
+        const auto from = flow_.of(source);
+        if (from == SignalFlow::none) {
+          warn(input, printable(object.id) + " takes a signal of \"" + printable(source) +
+                          "\", which is no object here: correct the link");
+          continue;
+        }
+        flow_.link(from, i);
+        if (from == ethernet_index)
+          context_.receivers.push_back({std::string(object.type), std::string(object.id),
+                                        channel(input, "OutIdx", first),
+                                        position(input.offset_debug())});
       }
+    }
+    flow_.trace();
+  }
+
+  void name_actors() {
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+      const Object& object = objects_[i];
+      const RsiEffect effect = rsi_effect(object.type, object.type_id);
+      if (effect == RsiEffect::none) continue;
+      context_.actors.push_back(
+          {std::string(object.type), std::string(object.id), effect, flow_.path(i)});
+      warn(object.node, printable(object.id) + " (" + printable(object.type) + ") " +
+                            std::string(text(effect)) +
+                            (flow_.is_fed(i) ? ", fed by " + flow_.path(i) : ", fed by nothing") +
+                            ": leave it out, an identification needs no such object");
+    }
   }
 
   int channel(const pugi::xml_node& input, std::string_view name, int first) {
@@ -153,12 +201,7 @@ class Reader {
   }
 
   [[nodiscard]] std::string position(std::ptrdiff_t offset) const {
-    offset = std::clamp<std::ptrdiff_t>(offset, 0, static_cast<std::ptrdiff_t>(xml_.size()));
-    const auto before = xml_.substr(0, static_cast<std::size_t>(offset));
-    const auto newline = before.find_last_of('\n');  // npos + 1 is 0
-    return context_.name + ":" +
-           std::to_string(1 + std::count(before.begin(), before.end(), '\n')) + ":" +
-           std::to_string(std::max<std::size_t>(before.size() - (newline + 1), 1)) + ": ";
+    return context_.name + ":" + text_.position(offset) + ": ";
   }
   void warn(const pugi::xml_node& node, const std::string& text) {
     context_.warnings.push_back(position(node.offset_debug()) + text);
@@ -168,7 +211,10 @@ class Reader {
   }
 
   std::string_view xml_;
+  TextPositions text_;
   RsiContext& context_;
+  std::vector<Object> objects_;  // as long as the document
+  SignalFlow flow_;
 };
 
 }  // namespace
@@ -200,10 +246,10 @@ std::vector<std::string> RsiContext::compare(const EthernetConfig& config) const
     findings.push_back(name + ": ConfigFile: expected " + file +
                        " as in ethernet_config of sweepd, found " + printable(config_file) +
                        ": give sweepd the file that the controller reads");
-  const auto has = [](const std::vector<EthernetConfig::Element>& list, int index) {
-    return std::any_of(list.begin(), list.end(),
-                       [&](const auto& element) { return element.index == index; });
-  };
+  std::array<bool, 65> received{};
+  for (const auto& element : config.receive)
+    if (element.index > 0 && element.index <= 64)
+      received[static_cast<std::size_t>(element.index)] = true;
   for (const auto& element : config.send)
     if (element.index != 0 && std::find(fed.begin(), fed.end(), element.index) == fed.end())
       findings.push_back(config.name + ":" + std::to_string(element.line) + ": " +
@@ -211,7 +257,7 @@ std::vector<std::string> RsiContext::compare(const EthernetConfig& config) const
                          std::to_string(element.index) + " of the Ethernet object in " + name +
                          ": link it there, or leave the tag out");
   for (const auto& receiver : receivers)
-    if (!has(config.receive, receiver.channel))
+    if (!received[static_cast<std::size_t>(receiver.channel)])
       findings.push_back(receiver.position + printable(receiver.id) + " takes channel " +
                          std::to_string(receiver.channel) + ", which no tag in RECEIVE of " +
                          config.name +

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "rsi/ethernet_config.hpp"
+#include "rsi/rsi_object.hpp"
 
 namespace rsi {
 
@@ -18,13 +19,20 @@ namespace rsi {
 struct RsiContext {
   enum class Form { xml, rsix };
 
-  /// Another object that takes what the Ethernet object received.
+  /// Another object that takes what the Ethernet object received, as it is.
   struct Receiver {
     std::string type;      ///< as in the file: "AXISCORR", "AxisCorr"
     std::string id;        ///< of this object
     int channel = 0;       ///< from 1: INDX of the tag in RECEIVE
-    bool moves = false;    ///< it can move the robot
     std::string position;  ///< "file:line:column: "
+  };
+
+  /// An object that can do something, whatever feeds it.
+  struct Actor {
+    std::string type;
+    std::string id;
+    RsiEffect effect{};  ///< none of them has RsiEffect::none
+    std::string path;    ///< by which signals reach it: "ETHERNET1 -> LIMIT1 -> POSCORR1"
   };
 
   std::string name;  ///< of the file, as it was given
@@ -34,6 +42,7 @@ struct RsiContext {
   std::optional<int> timeout;    ///< unanswered cycles before RSI stops; KUKA's default is 10
   std::vector<int> fed;          ///< channels from 1 that other objects feed: INDX of tags in SEND
   std::vector<Receiver> receivers;
+  std::vector<Actor> actors;
   std::vector<std::string> warnings;  ///< "file:line:column: text"
 
   /// `name` is for messages. Throws RsiContextError.

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "rsi/wire_layout.hpp"
+
 namespace rsi {
 namespace {
 

@@ -4,6 +4,7 @@
 
 #include "rsi/ethernet_config.hpp"
 #include "rsi/reply.hpp"
+#include "rsi/wire_layout.hpp"
 #include "tests/fuzz/property.hpp"
 
 using fuzz::expect;

@@ -27,13 +27,12 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   for (const auto& warning : context.warnings)
     expect(warning.starts_with("a.rsix:"), "a warning names the file");
   expect(context.precision.value_or(0) >= 0, "decimals are counted");
-  bool moves = false;
   for (const int channel : context.fed) expect(channel >= 1 && channel <= 64, "a channel");
-  for (const auto& receiver : context.receivers) {
+  for (const auto& receiver : context.receivers)
     expect(receiver.channel >= 1 && receiver.channel <= 64, "a channel");
-    moves = moves || receiver.moves;
-  }
-  expect(!moves || !context.warnings.empty(), "what can move the robot is warned about");
+  for (const auto& actor : context.actors)
+    expect(!actor.path.empty() && fuzz::is_one_line(actor.path), "a way leads to each object");
+  expect(context.warnings.size() >= context.actors.size(), "what can act is warned about");
 
   rsi::EthernetConfig ethernet;
   ethernet.name = "eth.xml";

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "rsi/wire_layout.hpp"
 #include "tests/catch.hpp"
 
 using rsi::EthernetConfig;
@@ -275,4 +276,53 @@ TEST_CASE("the shipped Ethernet file is without fault and receives no correction
         "RIst(X,Y,Z,A,B,C,) RSol(X,Y,Z,A,B,C,) AIPos(A1,A2,A3,A4,A5,A6,) "
         "ASPos(A1,A2,A3,A4,A5,A6,) Delay(D,) ");
   CHECK(printed(rsi::wire_layout(config.receive)) == "EStr(,) ");
+}
+
+TEST_CASE("every tag but an internal string is a command", "[issue11][point_1]") {
+  const auto config = parse(file(kSettings, kSent,
+                                 R"(<ELEMENT TAG="DEF_EStr" TYPE="STRING" INDX="INTERNAL"/>
+<ELEMENT TAG="RKorr.X" TYPE="DOUBLE" INDX="1"/>
+<ELEMENT TAG="DEF_Tech.T2" TYPE="DOUBLE" INDX="INTERNAL"/>
+<ELEMENT TAG="OvProW" TYPE="LONG" INDX="2"/>
+<ELEMENT TAG="Stop" TYPE="BOOL" INDX="3"/>
+<ELEMENT TAG="Stop" TYPE="BOOL" INDX="3"/>
+<ELEMENT TAG="DEF_Tech.T3" TYPE="STRING" INDX="INTERNAL"/>
+<ELEMENT TAG="Fed" TYPE="STRING" INDX="4"/>
+<ELEMENT TAG="Note" TYPE="STRING" INDX="INTERNAL"/>)"));
+  std::string commands;
+  for (const auto& element : config.commands())
+    commands += element.tag + ":" + std::to_string(element.line) + " ";
+  CHECK(commands == "RKorr.X:7 DEF_Tech.T2:8 OvProW:9 Stop:10 DEF_Tech.T3:12 Fed:13 ");
+}
+
+TEST_CASE("a tag that a controller would not take as it stands is warned about",
+          "[issue11][point_2]") {
+  const auto [tags, said] = GENERATE(table<std::string, std::string>(
+      {{R"(<ELEMENT TAG="a" TYPE="BOOL" INDX="5"/><ELEMENT TAG="b" TYPE="BOOL" INDX="5"/>)",
+        R"(INDX: channel 5 is that of "a" already: give each tag a channel of its own)"},
+       {R"(<ELEMENT TAG="DEF_Tech.T1" TYPE="DOUBLE" INDX="INTERNAL"/>)", "function generator 1"},
+       {R"(<ELEMENT TAG="DEF_RIst" TYPE="DOUBLE" INDX="INTERNAL"/>)",
+        R"("DEF_RIst" is measured by the controller and cannot be received)"},
+       {R"(<ELEMENT TAG="DEF_EStr" TYPE="LONG" INDX="INTERNAL"/>)",
+        R"(TYPE: expected STRING for "DEF_EStr", found LONG)"}}));
+  const auto warnings = parse(file(kSettings, kSent, tags)).warnings;
+  REQUIRE(warnings.size() == 1);
+  CHECK_THAT(warnings[0], Catch::Matchers::StartsWith("eth.xml:6:") && ContainsSubstring(said));
+}
+
+TEST_CASE("positions as whole numbers, and two tags on one channel, are warned about in SEND too",
+          "[issue11][point_2]") {
+  auto sent =
+      kSent + R"(<ELEMENT TAG="a" TYPE="BOOL" INDX="5"/><ELEMENT TAG="b" TYPE="BOOL" INDX="5"/>)";
+  sent.replace(sent.find("DOUBLE"), 6, "LONG");
+  const auto warnings = parse(file(kSettings, sent)).warnings;
+  REQUIRE(warnings.size() == 2);
+  CHECK_THAT(warnings[0], ContainsSubstring(R"(TYPE: expected DOUBLE for "DEF_RIst", found LONG)"));
+  CHECK_THAT(warnings[1], ContainsSubstring("INDX: channel 5"));
+}
+
+TEST_CASE("a file larger than any Ethernet file is refused before it is read",
+          "[issue11][point_2]") {
+  CHECK_THAT(error_of(file(kSettings) + std::string(1 << 20, ' ')),
+             ContainsSubstring("eth.xml: expected an RSI Ethernet file, found 10"));
 }

@@ -49,6 +49,14 @@ std::string taken(const std::string& type, int index) {
          std::to_string(index) + "\" />\n</Inputs>\n</RSIObject>\n";
 }
 
+/// TYPE1, which takes the first output of each of these.
+std::string object(const std::string& type, const std::vector<std::string>& sources) {
+  std::string text = "<RSIObject ObjType=\"" + type + "\" ObjID=\"" + type + "1\">\n<Inputs>\n";
+  for (const auto& source : sources)
+    text += "<Input InIdx=\"1\" OutObjID=\"" + source + "\" OutIdx=\"1\" />\n";
+  return text + "</Inputs>\n</RSIObject>\n";
+}
+
 RsiContext parse(const std::string& xml) {
   return RsiContext::parse(xml, "a.rsi.xml");
 }
@@ -98,6 +106,7 @@ TEST_CASE("the shipped contexts name the shipped Ethernet files and cannot move 
   CHECK(context.precision == 4);
   CHECK(context.timeout == 100);
   CHECK(context.receivers.empty());
+  CHECK(context.actors.empty());
   CHECK(joined(context.warnings) == "");
   CHECK(joined(context.compare(EthernetConfig::load(kKrc4 / ethernet_file))) == "");
 }
@@ -113,20 +122,94 @@ TEST_CASE("too few decimals are warned about, and none said is one") {
              Catch::Matchers::StartsWith("a.rsi.xml:3:1: Precision: expected 4 or more, " + found));
 }
 
-TEST_CASE("an object that turns what is received into motion is warned about") {
-  const auto type = GENERATE(as<std::string>(), "AXISCORR", "POSCORR", "AxisCorrExt", "Map2OV_PRO");
+TEST_CASE("an object that can act is warned about, once, with what it can do",
+          "[issue11][point_2]") {
+  const auto [type, effect] = GENERATE(table<std::string, std::string>(
+      {{"AXISCORR", "can move the robot"},
+       {"POSCORR", "can move the robot"},
+       {"AxisCorrExt", "can move the robot"},
+       {"Map2OV_PRO", "sets the speed of the robot's program"},
+       {"MAP2DIGOUT", "sets an output"},
+       {"SetDigOut", "sets an output"},
+       {"Map2AnOut", "sets an output"},
+       {"Map2Sen_PRea", "writes a variable that the robot's program may act on"},
+       {"WIDGET", "is an object that sweepd does not know"}}));
   const auto context = parse(rsi3(kGood, taken(type, 1)));
   REQUIRE(context.receivers.size() == 1);
-  CHECK(context.receivers[0].moves);
   CHECK(context.receivers[0].channel == 1);
-  CHECK_THAT(joined(context.warnings),
-             ContainsSubstring("a.rsi.xml:5:1: " + type + " takes what is received and can move"));
+  REQUIRE(context.actors.size() == 1);
+  CHECK(context.actors[0].id == type + "1");
+  CHECK(context.actors[0].path == "ETHERNET1 -> " + type + "1");
+  REQUIRE(context.warnings.size() == 1);
+  CHECK_THAT(context.warnings[0],
+             Catch::Matchers::StartsWith("a.rsi.xml:3:1: " + type + "1 (" + type + ") " + effect) &&
+                 ContainsSubstring("fed by ETHERNET1 -> " + type + "1: leave it out"));
 }
 
-TEST_CASE("an object that cannot move the robot may take what is received") {
-  const auto context = parse(rsi3(kGood, taken("MAP2DIGOUT", 2)));
-  REQUIRE(context.receivers.size() == 1);
-  CHECK_FALSE(context.receivers[0].moves);
+TEST_CASE("an object that can act is found whatever lies before it", "[issue11][point_2]") {
+  const auto [others, path] = GENERATE(table<std::string, std::string>({
+      {object("LIMIT", {"ETHERNET1"}) + object("POSCORR", {"LIMIT1"}),
+       "ETHERNET1 -> LIMIT1 -> POSCORR1"},
+      {object("MULTI", {"SOURCE1", "ETHERNET1"}) + object("SOURCE", {}) +
+           object("AXISCORREXT", {"MULTI1"}),
+       "ETHERNET1 -> MULTI1 -> AXISCORREXT1"},
+      {object("SOURCE", {}) + object("POSCORR", {"SOURCE1"}), "SOURCE1 -> POSCORR1"},
+      {object("POSCORR", {}), "POSCORR1"},
+      {object("SUM", {"DELAY1"}) + object("DELAY", {"SUM1"}) + object("AXISCORR", {"DELAY1"}),
+       "SUM1 -> DELAY1 -> AXISCORR1"},
+      {object("AXISCORR", {"AXISCORR1", "ETHERNET1"}), "ETHERNET1 -> AXISCORR1"},
+      {object("LIMIT", {"ethernet1"}) + object("MAP2DIGOUT", {"Limit1", "LIMIT1", "LIMIT1"}),
+       "ETHERNET1 -> LIMIT1 -> MAP2DIGOUT1"},
+      {object("ABS", {"ETHERNET1"}) + object("CEIL", {"ABS1"}) + object("EXP", {"CEIL1"}) +
+           object("FLOOR", {"EXP1"}) + object("SIN", {"FLOOR1"}) + object("COS", {"SIN1"}) +
+           object("TAN", {"COS1"}) + object("I", {"TAN1"}) + object("POSCORR", {"I1"}),
+       "ETHERNET1 -> ... -> EXP1 -> FLOOR1 -> SIN1 -> COS1 -> TAN1 -> I1 -> POSCORR1"},
+  }));
+  const auto context = parse(rsi3(kGood, others));
+  REQUIRE(context.actors.size() == 1);
+  CHECK(context.actors[0].path == path);
+  CHECK(context.warnings.size() == 1);
+  CHECK(parse(rsi4(kGood, object("LIMIT", {"Ethernet_1"}) + object("PosCorr", {"LIMIT1"})))
+            .actors.at(0)
+            .path == "Ethernet_1 -> LIMIT1 -> PosCorr1");
+}
+
+TEST_CASE("an object is what the controller takes it for, by the number of its type",
+          "[issue11][point_2]") {
+  const auto context = parse(rsi3(
+      kGood, "<RSIObject ObjType=\"LIMIT\" ObjTypeID=\"27\" ObjID=\"HARMLESS\"></RSIObject>\n"));
+  REQUIRE(context.actors.size() == 1);
+  CHECK(context.actors[0].effect == rsi::RsiEffect::moves);
+}
+
+TEST_CASE("objects that are grouped are found, and links that lead nowhere are warned about",
+          "[issue11][point_2]") {
+  const auto context =
+      parse(rsi3(kGood, "<Group>" + object("POSCORR", {"GONE1"}) + object("LIMIT", {"ETHERNET1"}) +
+                            object("LIMIT", {}) + "</Group>"));
+  CHECK(context.actors.size() == 1);
+  CHECK_THAT(joined(context.warnings),
+             ContainsSubstring("POSCORR1 takes a signal of \"GONE1\", which is no object here") &&
+                 ContainsSubstring("\"LIMIT1\" is the name of another object already"));
+}
+
+TEST_CASE("a context of nothing but objects that act is read in time", "[issue11][point_2]") {
+  std::string chain = object("SUM", {"ETHERNET1"});
+  for (int i = 2; i < 5000; ++i)
+    chain += "<RSIObject ObjType=\"POSCORR\" ObjID=\"P" + std::to_string(i) +
+             "\"><Inputs><Input InIdx=\"1\" OutObjID=\"P" + std::to_string(i - 1) +
+             "\" OutIdx=\"1\"/></Inputs></RSIObject>\n";
+  CHECK(parse(rsi3(kGood, chain)).actors.size() == 4998);
+  std::string many;
+  for (int i = 0; i < 10'000; ++i) many += "<RSIObject ObjType=\"SUM\"/>";
+  CHECK_THAT(error_of(rsi3(kGood, many)), ContainsSubstring("expected at most 10000 objects"));
+}
+
+TEST_CASE("an object that can only stop, show or limit is nothing to warn about") {
+  const auto type = GENERATE(as<std::string>(), "STOP", "MONITOR", "POSCORRMON", "LIMIT");
+  const auto context = parse(rsi3(kGood, taken(type, 2)));
+  CHECK(context.receivers.size() == 1);
+  CHECK(context.actors.empty());
   CHECK(joined(context.warnings) == "");
 }
 
@@ -145,13 +228,13 @@ TEST_CASE("context and Ethernet file are held against each other") {
   const std::string sent = "<ELEMENT TAG=\"Source\" TYPE=\"DOUBLE\" INDX=\"5\"/>";
   const std::string received = "<ELEMENT TAG=\"Out\" TYPE=\"BOOL\" INDX=\"2\"/>";
   const std::string input = "<Input InIdx=\"5\" OutObjID=\"SOURCE1\" OutIdx=\"1\"/>";
-  const auto context = parse(rsi3(kGood, taken("MAP2DIGOUT", 2), input));
+  const auto context = parse(rsi3(kGood, taken("DIGOUT", 2), input));
   CHECK(joined(context.compare(ethernet(sent, received))) == "");
   CHECK_THAT(
       joined(context.compare(ethernet(sent, received, "other.xml"))),
       ContainsSubstring("ConfigFile: expected other.xml") && ContainsSubstring("found eth.xml"));
   CHECK_THAT(joined(context.compare(ethernet(sent, ""))),
-             ContainsSubstring("MAP2DIGOUT1 takes channel 2, which no tag in RECEIVE"));
+             ContainsSubstring("DIGOUT1 takes channel 2, which no tag in RECEIVE"));
   CHECK_THAT(joined(parse(rsi3(kGood)).compare(ethernet(sent, received))),
              ContainsSubstring("Source: nothing feeds input 5"));
 }
