@@ -189,6 +189,17 @@ CLI::App* add_simulate(CLI::App& app, SimulateOptions& options) {
       ->add_option("--timeout-cycles", options.timeout_cycles,
                    "Unanswered cycles in a row until the controller stops")
       ->capture_default_str();
+  command
+      ->add_option_function<std::string>(
+          "--check",
+          [&options](const std::string& rule) {
+            options.check = rule == "sweepd" ? rsi::ReplyRule::sweepd : rsi::ReplyRule::controller;
+          },
+          "What replies must be: what a controller accepts (Type and IPOC are right, tags may be "
+          "missing), or what sweepd promises (every tag of RECEIVE is there and zero) (default: "
+          "controller)")
+      ->type_name("controller|sweepd")
+      ->check(CLI::IsMember({"controller", "sweepd"}));
   command->add_option("--first-ipoc", options.first_ipoc, "IPOC of the first telegram")
       ->capture_default_str();
   for (const auto& [name, value, help] :

@@ -149,7 +149,8 @@ int Simulation::to_server() {
                              .cycle = cycle_,
                              .first_ipoc = options_.first_ipoc,
                              .precision = options_.precision,
-                             .timeout = options_.timeout_cycles};
+                             .timeout = options_.timeout_cycles,
+                             .rule = options_.check};
   link_options.faults = faults_;
   link_options.seed = options_.seed;
   ControllerLink link(ethernet_, link_options);

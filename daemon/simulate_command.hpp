@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "rsi/endpoint.hpp"
+#include "rsi/simulated_controller.hpp"
 
 namespace sweepd {
 
@@ -30,6 +31,7 @@ struct SimulateOptions {
   std::optional<std::array<double, 3>> tool_mm;  ///< in place of the description's
   bool quiet = false;                            ///< no progress, no report
   bool force = false;                            ///< over any capture
+  rsi::ReplyRule check = rsi::ReplyRule::controller;
 };
 
 /// Stands in for a controller whose robot runs the plan: sends its telegrams and checks each reply,

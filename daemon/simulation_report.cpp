@@ -46,6 +46,11 @@ std::string reply_rows(const SimulationReport& report) {
     rows += row("replies", counts.replies, "none expected: ONLYSEND");
   } else {
     rows += row("replies accepted", counts.accepted);
+    if (const auto count = counts.remarks_of(ReplyFault::missing_tag); count != 0)
+      rows += row("  with tags left out", count, "which controllers accept");
+    if (const auto count = counts.remarks_of(ReplyFault::not_zero); count != 0)
+      rows += row("  with values not zero", count, "which controllers obey");
+    for (const auto& remark : report.link.first_remarks) rows += "  first " + remark + '\n';
     rows += row("cycles unanswered", counts.unanswered,
                 "at most " + std::to_string(counts.longest_unanswered) + " in a row");
     rows += row("replies late", counts.of(ReplyFault::late));
@@ -54,8 +59,11 @@ std::string reply_rows(const SimulationReport& report) {
   for (std::size_t i = 0; i < rsi::kReplyFaults; ++i) {
     const auto kind = static_cast<ReplyFault>(i);
     if (kind == ReplyFault::late || counts.of(kind) == 0) continue;
-    rows += row("replies refused", counts.of(kind), rsi::text(kind));
-    refused = true;
+    // A controller obeys these: they are accepted all the same.
+    const bool obeyed = kind == ReplyFault::not_zero;
+    rows += row(obeyed ? "replies not zero" : "replies refused", counts.of(kind),
+                obeyed ? "sweepd promises zeros" : rsi::text(kind));
+    refused = refused || !obeyed;
   }
   if (!refused) rows += row("replies refused", 0);
   if (!report.link.first_fault.empty()) rows += "  first " + report.link.first_fault + '\n';

@@ -44,6 +44,9 @@ ControllerLink::Report ControllerLink::run(Program program, Progress progress) {
   report_.wire = wire_.counts();
   report_.latency = controller_.latency();
   report_.first_fault = controller_.first_fault();
+  for (const auto kind : {ReplyFault::missing_tag, ReplyFault::not_zero})
+    if (report_.controller.remarks_of(kind) != 0)
+      report_.first_remarks.push_back(controller_.first_fault(kind));
   return report_;
 }
 

@@ -46,11 +46,12 @@ class ControllerLink {
     SimulatedController::Counts controller;
     FaultyWire::Counts wire;
     LatencyHistogram latency;
-    std::string first_fault;          ///< empty: none
-    std::uint64_t skipped = 0;        ///< cycles that this machine overslept
-    std::uint64_t send_failures = 0;  ///< datagrams that the system refused
-    std::string first_send_failure;   ///< why it refused the first; empty: none
-    std::string disconnection;        ///< why it is disconnected
+    std::string first_fault;                 ///< empty: none
+    std::vector<std::string> first_remarks;  ///< one of each kind that came up
+    std::uint64_t skipped = 0;               ///< cycles that this machine overslept
+    std::uint64_t send_failures = 0;         ///< datagrams that the system refused
+    std::string first_send_failure;          ///< why it refused the first; empty: none
+    std::string disconnection;               ///< why it is disconnected
   };
 
   /// Fills in what the robot does in cycle k, counted from 0; false: the program is over. Called

@@ -179,7 +179,7 @@ ReplyContent ReplyCheck::read(std::string_view payload) const {
           const auto setting = [&] { return wanted_[i].tag + " = " + std::string(value); };
           const auto figure = number(value);
           if (!figure && no_number.empty()) no_number = setting();
-          if (figure && *figure != 0 && content.correction.empty()) content.correction = setting();
+          if (figure && *figure != 0 && content.not_zero.empty()) content.not_zero = setting();
         }
       });
   if (!broken.empty()) return wrong(std::string(broken));

@@ -35,8 +35,8 @@ struct ReplyContent {
   std::string sen_type;   ///< Type of <Sen>, as it is written
   bool right_type = false;
   std::uint64_t ipoc = 0;
-  std::string missing;     ///< the first tag of the RECEIVE list that is not there
-  std::string correction;  ///< the first tag whose value is not zero, and the value: "AK.A1 = 0.5"
+  std::string missing;   ///< the first tag of the RECEIVE list that is not there
+  std::string not_zero;  ///< the first tag whose value is not zero, and the value: "AK.A1 = 0.5"
 };
 
 /// Reads replies as a controller with this Ethernet file would, names that begin with a digit

@@ -24,8 +24,8 @@ std::string_view text(ReplyFault fault) noexcept {
       return "repeated";
     case ReplyFault::missing_tag:
       return "missing tag";
-    case ReplyFault::correction:
-      return "correction";
+    case ReplyFault::not_zero:
+      return "not zero";
   }
   return "unknown";
 }
@@ -35,6 +35,7 @@ SimulatedController::SimulatedController(const EthernetConfig& config, const Opt
       check_(config),
       sentype_(config.sentype),
       only_send_(config.only_send),
+      rule_(options.rule),
       server_(options.server),
       cycle_(options.cycle),
       timeout_(options.timeout),
@@ -87,7 +88,7 @@ void SimulatedController::on_reply(std::string_view payload, const Endpoint& sou
     return count(ReplyFault::wrong_type, subject,
                  "expected \"" + sentype_ + "\", found \"" + content.sen_type + "\"");
   // Whether in time or not: it should not have been sent.
-  if (!content.correction.empty()) count(ReplyFault::correction, subject, content.correction);
+  if (!content.not_zero.empty()) count(ReplyFault::not_zero, subject, content.not_zero);
 
   const bool nothing_sent = next_ipoc_ == first_ipoc_;
   const auto step = static_cast<std::uint64_t>(cycle_.count());
@@ -104,7 +105,10 @@ void SimulatedController::on_reply(std::string_view payload, const Endpoint& sou
     return count(
         ReplyFault::late, subject,
         "it took " + std::to_string((time - sent_) / std::chrono::microseconds(1)) + " us");
-  if (!content.missing.empty()) return count(ReplyFault::missing_tag, subject, content.missing);
+  if (!content.missing.empty()) {
+    count(ReplyFault::missing_tag, subject, content.missing);
+    if (!allowed(ReplyFault::missing_tag)) return;
+  }
 
   awaiting_ = false;
   unanswered_ = 0;
@@ -115,10 +119,15 @@ void SimulatedController::on_reply(std::string_view payload, const Endpoint& sou
 void SimulatedController::count(ReplyFault fault, std::string_view subject,
                                 std::string_view detail) {
   const auto kind = static_cast<std::size_t>(fault);
-  if (counts_.faults[kind]++ != 0) return;
+  if ((allowed(fault) ? counts_.remarks : counts_.faults)[kind]++ != 0) return;
   first_faults_[kind].append("reply").append(subject).append(": ").append(text(fault));
   first_faults_[kind].append(": ").append(detail);
-  if (first_fault_.empty()) first_fault_ = first_faults_[kind];
+  if (first_fault_.empty() && !allowed(fault)) first_fault_ = first_faults_[kind];
+}
+
+bool SimulatedController::allowed(ReplyFault fault) const {
+  return rule_ == ReplyRule::controller &&
+         (fault == ReplyFault::missing_tag || fault == ReplyFault::not_zero);
 }
 
 }  // namespace rsi

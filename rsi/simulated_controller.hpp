@@ -24,18 +24,25 @@ enum class ReplyFault {
   late,         ///< its cycle was over
   repeated,     ///< its telegram was answered already
   missing_tag,  ///< a tag of the RECEIVE list is not there
-  correction,   ///< a value is not zero: the robot would move
+  not_zero,     ///< a value is not zero: the controller obeys it
 };
 inline constexpr std::size_t kReplyFaults = 9;
 [[nodiscard]] std::string_view text(ReplyFault fault) noexcept;
+
+/// By what replies are measured.
+enum class ReplyRule {
+  controller,  ///< what a controller evidently accepts: tags may be left out, values are any
+  sweepd,      ///< what sweepd promises: every tag of the RECEIVE list is there, with a zero
+};
 
 /// The RSI of a controller without its robot, socket and clock: what it sends in each cycle and
 /// what it makes of the replies. Times are given by the caller, from any one steady clock.
 ///
 /// A reply counts for the cycle of its telegram if it comes from the server, can be read, has the
-/// right Type, the telegram's IPOC and every tag of the RECEIVE list, and comes before the cycle is
-/// over. Then a correction is counted as a fault, yet the reply is accepted: a controller would
-/// obey it.
+/// right Type and the telegram's IPOC, and comes before the cycle is over. Tags that are not in the
+/// RECEIVE list are passed over. A tag of it that is missing is a remark, or a fault for which the
+/// reply is dropped; a value that is not zero is a remark or a fault, and the reply is accepted
+/// either way: a controller obeys it. Which of the two is up to ReplyRule.
 class SimulatedController {
  public:
   struct Options {
@@ -44,6 +51,7 @@ class SimulatedController {
     std::uint64_t first_ipoc = 100'000;
     int precision = 4;            ///< decimals
     std::uint64_t timeout = 100;  ///< it stops after so many unanswered cycles in a row
+    ReplyRule rule = ReplyRule::controller;
   };
 
   struct Counts {
@@ -52,10 +60,14 @@ class SimulatedController {
     std::uint64_t accepted = 0;
     std::uint64_t unanswered = 0;                      ///< cycles without a reply that was accepted
     std::uint64_t longest_unanswered = 0;              ///< in a row
-    std::array<std::uint64_t, kReplyFaults> faults{};  ///< a reply may have two: late, correction
+    std::array<std::uint64_t, kReplyFaults> faults{};  ///< a reply may have two: late, not zero
+    std::array<std::uint64_t, kReplyFaults> remarks{};  ///< the same where the rule allows it
 
     [[nodiscard]] std::uint64_t of(ReplyFault fault) const {
       return faults[static_cast<std::size_t>(fault)];
+    }
+    [[nodiscard]] std::uint64_t remarks_of(ReplyFault fault) const {
+      return remarks[static_cast<std::size_t>(fault)];
     }
   };
 
@@ -81,18 +93,20 @@ class SimulatedController {
   [[nodiscard]] const LatencyHistogram& latency() const { return latency_; }
   /// The first fault of all in words, with IPOC and sender; empty while there is none.
   [[nodiscard]] const std::string& first_fault() const { return first_fault_; }
-  /// The first of this kind.
+  /// The first of this kind, be it fault or remark.
   [[nodiscard]] const std::string& first_fault(ReplyFault kind) const {
     return first_faults_[static_cast<std::size_t>(kind)];
   }
 
  private:
   void count(ReplyFault fault, std::string_view subject, std::string_view detail);
+  [[nodiscard]] bool allowed(ReplyFault fault) const;
 
   TelegramWriter writer_;
   ReplyCheck check_;
   std::string sentype_;
   bool only_send_;
+  ReplyRule rule_;
   Endpoint server_;
   std::chrono::milliseconds cycle_;
   std::uint64_t timeout_;

@@ -46,6 +46,7 @@ rsi::ControllerLink::Options at(const rsi::Endpoint& server) {
   options.controller.server = server;
   options.controller.cycle = 2ms;
   options.controller.timeout = 100'000;
+  options.controller.rule = rsi::ReplyRule::sweepd;
   options.local = {*rsi::parse_address("127.0.0.1"), 0};
   return options;
 }

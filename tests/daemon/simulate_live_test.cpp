@@ -142,6 +142,30 @@ TEST_CASE("a server that answers wrongly fails, and the first fault is said", "[
              ContainsSubstring("1 wrong Type") && ContainsSubstring("played to its end"));
 }
 
+TEST_CASE("replies with tags left out are right by a controller's check, and wrong by sweepd's",
+          "[realtime][issue11][point_18]") {
+  const TemporaryFolder folder;
+  std::string reply;
+  Server server([&](std::uint64_t, std::string_view telegram) {
+    reply = "<Sen Type=\"ImFree\"><Tech T21=\"1.09\"/><IPOC>" +
+            std::string(rsi::find_ipoc(telegram)) + "</IPOC></Sen>";
+    return std::string_view(reply);
+  });
+  auto simulation = live(folder, server.endpoint());
+  const auto by_controller = run(simulation);
+  CHECK(by_controller.errors == "");
+  CHECK(by_controller.code == 0);
+  CHECK_THAT(by_controller.report, ContainsSubstring("replies refused                  0") &&
+                                       ContainsSubstring("which controllers accept") &&
+                                       ContainsSubstring("missing tag: DEF_EStr") &&
+                                       !ContainsSubstring("correction"));
+  simulation.check = rsi::ReplyRule::sweepd;
+  simulation.timeout_cycles = 3;
+  const auto by_sweepd = run(simulation);
+  CHECK(by_sweepd.code == 1);
+  CHECK_THAT(by_sweepd.errors, ContainsSubstring("missing tag: DEF_EStr"));
+}
+
 TEST_CASE("SIGINT and SIGTERM end a simulation in order, with its report", "[realtime]") {
   const TemporaryFolder folder;
   const int signal = GENERATE(SIGINT, SIGTERM);

@@ -52,6 +52,22 @@ TEST_CASE("a flawless run is reported in lined up figures, and nothing is wrong 
         "latency max                   20.0 µs\n");
 }
 
+TEST_CASE("what a controller accepts is remarked on, and is no problem", "[issue11][point_18]") {
+  auto report = flawless();
+  auto& remarks = report.link.controller.remarks;
+  remarks[static_cast<std::size_t>(ReplyFault::missing_tag)] = 1000;
+  remarks[static_cast<std::size_t>(ReplyFault::not_zero)] = 7;
+  report.link.first_remarks = {"reply to IPOC 7: missing tag: AK.A1",
+                               "reply to IPOC 9: not zero: Tech.T21 = 1.09"};
+  CHECK(problem(report).empty());
+  CHECK_THAT(text(report),
+             ContainsSubstring("replies accepted              1000\n"
+                               "  with tags left out          1000 which controllers accept\n"
+                               "  with values not zero           7 which controllers obey\n"
+                               "  first reply to IPOC 7: missing tag: AK.A1\n"
+                               "  first reply to IPOC 9: not zero: Tech.T21 = 1.09\n"));
+}
+
 TEST_CASE("a capture has no replies to report") {
   SimulationReport report;
   report.target = "trace.pcap";

@@ -54,6 +54,6 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   expect(read.right_type, "a reply has the Type that the file wants");
   expect(read.ipoc == UINT64_MAX, "a reply echoes the IPOC");
   expect(read.missing.empty(), "a reply has every tag");
-  expect(read.correction.empty(), "a reply corrects nothing");
+  expect(read.not_zero.empty(), "a reply corrects nothing");
   return 0;
 }

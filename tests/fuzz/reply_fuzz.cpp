@@ -63,7 +63,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   }
   expect(read.right_type == (read.sen_type == "ImFree"), "the type is compared to the letter");
   expect(bytes.find(std::to_string(read.ipoc)) != std::string_view::npos, "the IPOC is in there");
-  if (!read.missing.empty() || !read.correction.empty()) return 0;
+  if (!read.missing.empty() || !read.not_zero.empty()) return 0;
 
   pugi::xml_document document;
   if (!document.load_buffer(bytes.data(), bytes.size(), pugi::parse_default, pugi::encoding_utf8))

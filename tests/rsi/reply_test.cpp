@@ -78,7 +78,7 @@ TEST_CASE("a reply never contains a correction that is not zero") {
     CHECK(content.right_type);
     CHECK(content.ipoc == ipoc);
     CHECK(content.missing.empty());
-    CHECK(content.correction.empty());
+    CHECK(content.not_zero.empty());
     // And without trust in the check: between the quotation marks and tags of the values stands no
     // digit but 0.
     const auto values = text.substr(text.find('>') + 1, text.find("<IPOC>") - text.find('>') - 1);
@@ -104,16 +104,16 @@ TEST_CASE("a controller finds a missing tag and a correction, numeric names incl
   const auto good = read("<GPIO 01=\"0\" 02='-0'/>" + rest);
   CHECK(good.malformed.empty());
   CHECK(good.missing.empty());
-  CHECK(good.correction.empty());
+  CHECK(good.not_zero.empty());
   CHECK(good.ipoc == 7);
 
   CHECK(read("<GPIO 01=\"0\"/>" + rest).missing == "GPIO.02");
   CHECK(read("<GPIO 01=\"0\" 02=\"0\"/><EStr/>").missing == "AK.A1");
-  CHECK(read("<GPIO 01=\"0\" 02=\"1\"/>" + rest).correction == "GPIO.02 = 1");
-  CHECK(read("<GPIO 01=\"0\" 02=\"0\"/><AK A1=\"1e-9\"/><EStr>hello</EStr>").correction ==
+  CHECK(read("<GPIO 01=\"0\" 02=\"1\"/>" + rest).not_zero == "GPIO.02 = 1");
+  CHECK(read("<GPIO 01=\"0\" 02=\"0\"/><AK A1=\"1e-9\"/><EStr>hello</EStr>").not_zero ==
         "AK.A1 = 1e-9");
   // A second value for a tag does not hide behind the first.
-  CHECK(read("<GPIO 01=\"0\" 02=\"0\"/>" + rest + "<AK A1=\"2\"/>").correction == "AK.A1 = 2");
+  CHECK(read("<GPIO 01=\"0\" 02=\"0\"/>" + rest + "<AK A1=\"2\"/>").not_zero == "AK.A1 = 2");
   CHECK(read("<GPIO 01=\"0\" 02=\"0\"/><AK A1=\"none\"/>").malformed == "no number: AK.A1 = none");
 }
 
@@ -175,7 +175,7 @@ TEST_CASE("a correction does not hide in what interrupts a value, or behind a co
   const rsi::ReplyCheck check(config_with({{"FREE", Type::LONG}}));
   const auto is_taken = [&](const std::string& content) {
     const auto read = check.read("<Sen Type=\"ImFree\">" + content + "<IPOC>1</IPOC></Sen>");
-    return read.malformed.empty() && read.missing.empty() && read.correction.empty();
+    return read.malformed.empty() && read.missing.empty() && read.not_zero.empty();
   };
   CHECK(is_taken("<FREE><!-- -->0</FREE>"));
   CHECK_FALSE(is_taken("<FREE>5<!-- -->0</FREE>"));

@@ -8,6 +8,7 @@
 using namespace std::chrono_literals;
 using rsi::EthernetConfig;
 using rsi::ReplyFault;
+using rsi::ReplyRule;
 using Type = EthernetConfig::Element::Type;
 using Catch::Matchers::ContainsSubstring;
 
@@ -32,10 +33,14 @@ struct Bench {
   std::chrono::nanoseconds now = 1000s;
   std::string telegram;
 
-  explicit Bench(EthernetConfig ethernet = config_with_corrections(), std::uint64_t timeout = 100)
+  explicit Bench(EthernetConfig ethernet = config_with_corrections(), std::uint64_t timeout = 100,
+                 ReplyRule rule = ReplyRule::sweepd)
       : config(std::move(ethernet)),
-        controller(config,
-                   {.server = kServer, .cycle = 4ms, .first_ipoc = 500, .timeout = timeout}) {}
+        controller(config, {.server = kServer,
+                            .cycle = 4ms,
+                            .first_ipoc = 500,
+                            .timeout = timeout,
+                            .rule = rule}) {}
 
   bool cycle() {
     now += 4ms;
@@ -202,17 +207,44 @@ TEST_CASE("each kind of wrong reply is dropped, counted and put into words") {
   CHECK(bench.faults() == 1);
 }
 
-TEST_CASE("a correction is obeyed as a controller would, but counted with its tag") {
+TEST_CASE("a controller accepts what is left out, what it does not know, and any value",
+          "[issue11][point_18]") {
+  Bench bench(config_with_corrections(), 100, ReplyRule::controller);
+  const auto answered = [&](const std::string& tags) {
+    bench.cycle();
+    bench.answer("<Sen Type=\"ImFree\">" + tags + "<IPOC>" +
+                 std::to_string(bench.controller.ipoc()) + "</IPOC></Sen>");
+  };
+  answered("");
+  answered("<AK A1=\"0\"/><Unknown x=\"1\"/>");
+  CHECK(bench.controller.counts().remarks_of(ReplyFault::missing_tag) == 2);
+  CHECK_THAT(bench.controller.first_fault(ReplyFault::missing_tag),
+             ContainsSubstring("reply to IPOC 500") && ContainsSubstring("missing tag: AK.A1"));
+  answered("<AK A1=\"1.09\"/><GPIO 01=\"0\"/>");
+  CHECK(bench.controller.counts().remarks_of(ReplyFault::not_zero) == 1);
+  CHECK_THAT(bench.controller.first_fault(ReplyFault::not_zero),
+             ContainsSubstring("not zero: AK.A1 = 1.09"));
+  CHECK(bench.controller.counts().accepted == 3);
+  CHECK(bench.faults() == 0);
+  CHECK(bench.controller.first_fault().empty());
+
+  bench.cycle();
+  bench.answer("<Sen Type=\"KMC\"><IPOC>512</IPOC></Sen>");
+  CHECK(bench.count(ReplyFault::wrong_type) == 1);
+  CHECK(bench.controller.counts().accepted == 3);
+}
+
+TEST_CASE("a value is obeyed as a controller would, but counted with its tag") {
   Bench bench;
   bench.cycle();
   bench.answer("<Sen Type=\"ImFree\"><AK A1=\"0.1\"/><GPIO 01=\"0\"/><IPOC>500</IPOC></Sen>");
-  CHECK(bench.count(ReplyFault::correction) == 1);
-  CHECK_THAT(bench.controller.first_fault(), ContainsSubstring("correction: AK.A1 = 0.1"));
+  CHECK(bench.count(ReplyFault::not_zero) == 1);
+  CHECK_THAT(bench.controller.first_fault(), ContainsSubstring("not zero: AK.A1 = 0.1"));
   CHECK(bench.controller.counts().accepted == 1);
   // Nor does one go unseen because it came late.
   bench.cycle();
   bench.answer("<Sen Type=\"ImFree\"><AK A1=\"0.0\"/><GPIO 01=\"1\"/><IPOC>500</IPOC></Sen>");
-  CHECK(bench.count(ReplyFault::correction) == 2);
+  CHECK(bench.count(ReplyFault::not_zero) == 2);
   CHECK(bench.count(ReplyFault::late) == 1);
 }
 

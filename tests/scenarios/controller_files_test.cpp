@@ -68,7 +68,8 @@ class Campaign {
     REQUIRE(daemon_->running());
     controller_ = std::make_unique<SweepdProcess>(std::vector<std::string>{
         "simulate", "--robot", kRobot, "--plan", write_short_plan(folder_).string(), "--cycle-ms",
-        shipped.cycle_ms, "--ethernet-config", ethernet.string(), "--to", address});
+        shipped.cycle_ms, "--ethernet-config", ethernet.string(), "--to", address, "--check",
+        "sweepd"});
   }
 
   void check_end() {

@@ -57,6 +57,7 @@ class Controller {
     options.controller.server = {0x7f000001, port};
     options.controller.first_ipoc = first_ipoc;
     options.controller.timeout = 1'000'000;
+    options.controller.rule = rsi::ReplyRule::sweepd;
     options.local = {0x7f000001, 0};
     options.faults.lose = lose;
     return options;

@@ -12,9 +12,9 @@ TEST_CASE("a live campaign and the replay of its own recording leave the same fi
           "[live_equals_replay]") {
   const TemporaryFolder folder;
   Daemon daemon(folder.path());
-  const auto simulated =
-      run_sweepd({"simulate", "--robot", (kConfig / "robots/kr5_arc.toml").string(), "--plan",
-                  write_short_plan(folder).string(), "--to", daemon.address()});
+  const auto simulated = run_sweepd(
+      {"simulate", "--robot", (kConfig / "robots/kr5_arc.toml").string(), "--plan",
+       write_short_plan(folder).string(), "--to", daemon.address(), "--check", "sweepd"});
   INFO(simulated.out << simulated.errors);
   // Whether replies were in time is up to this machine; that they were right is not.
   CHECK_THAT(simulated.out, ContainsSubstring("played to its end") &&
