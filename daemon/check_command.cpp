@@ -4,6 +4,7 @@
 #include <set>
 #include <string>
 
+#include "daemon/answers.hpp"
 #include "daemon/config_error.hpp"
 #include "daemon/findings.hpp"
 #include "daemon/machine.hpp"
@@ -34,7 +35,10 @@ class Check {
     for (const auto& file : options_.contexts) contexts_.push_back(context(file));
     if (options_.config) settings(*options_.config);
     for (const auto& file : options_.ethernet_configs)
-      if (const auto config = ethernet(file)) fit(*config);
+      if (const auto config = ethernet(file)) {
+        if (const auto text = warning_of_commands(*config); !text.empty()) findings_.warning(text);
+        fit(*config);
+      }
     return findings_.wrong_file() ? kConfigError : findings_.not_ready() ? kFailed : 0;
   }
 
@@ -69,6 +73,7 @@ class Check {
                         "name the file that lies on the controller");
     if (config) {
       compare(robot, *config);
+      answers(robot, *config);
       fit(*config);
     }
     if (options_.files_only) return;
@@ -114,6 +119,7 @@ class Check {
                    count(config.receive.size(), "tag") + ", port " + std::to_string(config.port) +
                    ", " + (config.protocol == rsi::EthernetConfig::Protocol::TCP ? "TCP" : "UDP"));
       for (const auto& text : config.warnings) findings_.warning(text);
+      for (const auto& text : warnings_of_answers(config)) findings_.warning(text);
       findings_.line("reply", config.only_send
                                   ? "none: ONLYSEND is TRUE"
                                   : std::string(rsi::Reply(config).with_ipoc("123456")));
@@ -122,6 +128,16 @@ class Check {
       findings_.error(problem.what());
       return std::nullopt;
     }
+  }
+
+  void answers(const RobotSettings& robot, const rsi::EthernetConfig& config) {
+    const auto objections = objections_to_answers(robot, config);
+    for (const auto& objection : objections) findings_.error(objection);
+    if (const auto tags = commanding_tags(config); objections.empty() && !tags.empty())
+      findings_.ok(std::to_string(tags.size()) +
+                   " of these tags can move the robot or switch "
+                   "something: they are answered with zeros, as answers_with_zeros wants, and only "
+                   "in streams whose beginning sweepd saw");
   }
 
   std::optional<rsi::RsiContext> context(const std::filesystem::path& file) {

@@ -17,6 +17,11 @@ constexpr Kind kKindsOfTrouble[] = {
      "replies did not leave, since they were no zero corrections: stop the robot, this is a fault "
      "of "
      "sweepd; report it with the Ethernet file"},
+    {&Counts::not_begun,
+     "telegrams were not answered: their stream had begun before sweepd listened, perhaps with "
+     "another server, and a zero from here might move the robot: switch RSI off, and on again "
+     "after "
+     "a second or more"},
     {&Counts::send_failures,
      "replies could not be sent: see `ip -s link` and the firewall of this machine"},
     {&Counts::dropped,
@@ -32,6 +37,11 @@ constexpr Kind kKindsOfTrouble[] = {
 };
 
 }  // namespace
+
+void LinkComplaints::new_stream() {
+  for (std::size_t i = 0; i < kKinds; ++i)
+    if (kKindsOfTrouble[i].count == &Counts::not_begun) said_[i].again = {};
+}
 
 std::vector<std::string> LinkComplaints::about(const Counts& counts,
                                                std::chrono::steady_clock::time_point now) {

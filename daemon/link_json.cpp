@@ -83,6 +83,7 @@ Json replies(const LinkReport& report) {
           {"late", replies.late},
           {"superseded", replies.superseded},
           {"unanswered", replies.unanswered},
+          {"withheld", replies.withheld},
           {"untimed", replies.untimed},
           {"repeated", replies.repeated},
           {"stray", replies.stray},
@@ -111,8 +112,8 @@ std::string link_json(const rsi::Conversation& conversation, const LinkReport& r
     json["jitter"]["earliest_us"] = us(report.earliest);
     json["jitter"]["latest_us"] = us(report.latest);
   }
+  if (report.replies.sent > 0 || report.replies.withheld > 0) json["replies"] = replies(report);
   if (report.replies.sent > 0) {
-    json["replies"] = replies(report);
     json["latency"] = histogram(report.latency);
     json["latency"]["slowest"] = places(
         report.slowest, "latency_us", [](std::int64_t amount) { return us(nanoseconds(amount)); });

@@ -89,7 +89,8 @@ std::string replies(const LinkReport& report) {
   const rsi::ReplyCounts& replies = report.replies;
   if (replies.sent == 0)
     return left("Replies", kLabel) + right("none", kCount) +
-           "   ONLYSEND, or only one direction was captured\n";
+           (replies.withheld > 0 ? "   the stream had begun before sweepd listened\n"
+                                 : "   ONLYSEND, or only one direction was captured\n");
   const auto all = replies.in_time + replies.not_in_time();
   const auto line = [&](const char* label, std::uint64_t count, const std::string& what) {
     const auto share = percent(count, all);
@@ -100,6 +101,8 @@ std::string replies(const LinkReport& report) {
                      line("  late", replies.late, "later than a cycle") +
                      line("  superseded", replies.superseded, "a newer telegram was answered") +
                      line("  unanswered", replies.unanswered, "telegrams without any reply");
+  if (replies.withheld > 0)
+    text += row("  withheld", replies.withheld, "the stream had begun before sweepd listened");
   if (replies.untimed > 0)
     text += row("  not timed", replies.untimed, "clock set between telegram and reply");
   if (replies.repeated > 0)

@@ -1,5 +1,7 @@
 #include "daemon/link_watch.hpp"
 
+#include <algorithm>
+
 #include "daemon/atomic_file.hpp"
 #include "daemon/link_json.hpp"
 #include "daemon/link_text.hpp"
@@ -15,12 +17,20 @@ void LinkWatch::telegram(const rsi::Datagram& datagram, const rsi::Telegram& tel
 
 void LinkWatch::reply(const rsi::Datagram& datagram) {
   if (datagram.payload.empty()) return flight_.send_failed();
+  answered_ = true;
   monitor_.reply(datagram);
   flight_.reply(datagram);
 }
 
+rsi::LinkReport LinkWatch::report() const {
+  auto report = monitor_.report();
+  report.replies.withheld = withheld_;
+  report.replies.unanswered -= std::min(report.replies.unanswered, withheld_);
+  return report;
+}
+
 LinkFiles LinkWatch::files(bool at_end) const {
-  const auto report = monitor_.report();
+  const auto report = this->report();
   const auto verdict = rsi::verdict(report);
   LinkFiles files;
   files.good = verdict.grade == rsi::Grade::good;
@@ -30,6 +40,8 @@ LinkFiles LinkWatch::files(bool at_end) const {
   files.json = link_json(conversation_, report);
   if (!at_end) return files;
   files.bad_end = flight_.reason();
+  if (withheld_ > 0 && !answered_)
+    files.bad_end = "it was not answered, since it had begun before sweepd listened";
   if (!files.bad_end.empty()) files.last_cycles = flight_.csv();
   return files;
 }

@@ -30,14 +30,19 @@ class LinkWatch {
   /// An empty payload: the system refused to send it.
   void reply(const rsi::Datagram& datagram);
 
+  /// So many telegrams of this session were not answered on purpose.
+  void withheld(std::uint64_t telegrams) { withheld_ = telegrams; }
+
   /// How the link does so far; `at_end`: and how it ended.
   [[nodiscard]] LinkFiles files(bool at_end) const;
-  [[nodiscard]] rsi::LinkReport report() const { return monitor_.report(); }
+  [[nodiscard]] rsi::LinkReport report() const;
 
  private:
   rsi::Conversation conversation_;
   rsi::LinkMonitor monitor_;
   FlightRecorder flight_;
+  std::uint64_t withheld_ = 0;
+  bool answered_ = false;
 };
 
 /// Writes link.txt and link.json, and last_cycles.csv if there is one, each as a whole. Throws

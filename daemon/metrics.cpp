@@ -113,6 +113,7 @@ struct ServerRow {
   std::uint64_t Server::*count;
 };
 constexpr ServerRow kReplyFailures[] = {{"refused", &Server::refused},
+                                        {"stream_not_begun", &Server::not_begun},
                                         {"send_failed", &Server::send_failures}};
 constexpr ServerRow kDropped[] = {{"foreign", &Server::foreign},
                                   {"receive_buffer_full", &Server::dropped},
@@ -140,7 +141,8 @@ void write_link(Writer& to, const std::vector<RobotMetrics>& robots) {
   for (const auto& [state, result] : robots)
     to.value({{"robot", state->name}}, state->server.answered);
   to.counter("sweepd_reply_failures_total",
-             "Replies that did not leave: refused as no zero correction, or by the system.");
+             "Replies that did not leave: refused as no zero correction or by the system, or "
+             "withheld since the beginning of the stream was not seen.");
   for (const auto& [state, result] : robots)
     for (const auto& [label, count] : kReplyFailures)
       to.value({{"robot", state->name}, {"reason", std::string(label)}}, state->server.*count);

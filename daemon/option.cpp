@@ -151,6 +151,7 @@ struct Reader {
                    "\"192.168.1.5\", found \"" +
                        host + "\": write them without scheme and port");
   }
+  void operator()(TagNames* tags) const { tags->names = table.texts(option.key); }
 };
 
 std::string names_text(std::span<const std::string> names) {
@@ -198,6 +199,10 @@ struct Describer {
   void operator()(const HostNames* hosts) const {
     text.value = "at most 32 names of hosts";
     text.fallback = names_text(hosts->names);
+  }
+  void operator()(const TagNames* tags) const {
+    text.value = "tags in brackets";
+    text.fallback = names_text(tags->names);
   }
 
   void whole_number(std::int64_t value) const {

@@ -17,12 +17,12 @@
 namespace sweepd {
 
 /// Where an option's value goes. Its type says how it is written and whether it may be left out.
-using Field =
-    std::variant<std::string*, std::filesystem::path*, rsi::Endpoint*,  // required
-                 std::optional<std::filesystem::path>*, std::optional<std::uint32_t>*,
-                 std::optional<rsi::Endpoint>*, bool*, std::chrono::milliseconds*,
-                 std::chrono::seconds*, std::chrono::days*, std::size_t*, int*, std::vector<int>*,
-                 RealTime*, std::array<std::string, 3>*, std::vector<std::string>*, HostNames*>;
+using Field = std::variant<std::string*, std::filesystem::path*, rsi::Endpoint*,  // required
+                           std::optional<std::filesystem::path>*, std::optional<std::uint32_t>*,
+                           std::optional<rsi::Endpoint>*, bool*, std::chrono::milliseconds*,
+                           std::chrono::seconds*, std::chrono::days*, std::size_t*, int*,
+                           std::vector<int>*, RealTime*, std::array<std::string, 3>*,
+                           std::vector<std::string>*, HostNames*, TagNames*>;
 
 /// A key of the settings file.
 struct Option {

@@ -2,6 +2,10 @@
 
 #include <utility>
 
+#include <spdlog/fmt/ranges.h>
+
+#include "daemon/answers.hpp"
+#include "daemon/config_error.hpp"
 #include "daemon/log.hpp"
 #include "rsi/ethernet_config.hpp"
 #include "rsi/tcp_server.hpp"
@@ -23,11 +27,22 @@ std::unique_ptr<rsi::Server> make_server(const RobotSettings& settings) {
     return std::make_unique<rsi::UdpServer>(std::move(options));
   }
   const auto config = rsi::EthernetConfig::load(*settings.ethernet_config);
+  for (const auto& objection : objections_to_answers(settings, config))
+    throw ConfigError(objection);
   for (const auto& warning : config.warnings) log.warning("{}", warning);
+  for (const auto& warning : warnings_of_answers(config)) log.warning("{}", warning);
   if (config.port != 0 && settings.listen.port != 0 && config.port != settings.listen.port)
     log.warning("the controller sends to port {}, but listen is {}: make them equal", config.port,
                 rsi::text(settings.listen));
   if (!config.only_send) options.reply.emplace(config);
+  if (const auto tags = commanding_tags(config); !tags.empty()) {
+    options.only_from_the_beginning = true;
+    log.warning(
+        "zeros for {} may move the robot or switch something: only streams whose beginning was "
+        "seen "
+        "are answered",
+        fmt::join(tags, ", "));
+  }
   if (config.protocol == rsi::EthernetConfig::Protocol::TCP)
     return std::make_unique<rsi::TcpServer>(std::move(options));
   return std::make_unique<rsi::UdpServer>(std::move(options));

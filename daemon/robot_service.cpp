@@ -180,7 +180,9 @@ void RobotService::drain() {
     take(datagram);
     ++acquisition_beats_;
   }
-  for (const auto& complaint : complaints_.about(server_->counts(), Steady::now()))
+  const auto counts = server_->counts();
+  if (session_) watch_->withheld(counts.not_begun - not_begun_);
+  for (const auto& complaint : complaints_.about(counts, Steady::now()))
     session_log_.error("{}", complaint);
 }
 
@@ -218,6 +220,7 @@ void RobotService::begin_session(const rsi::Datagram& first) {
                                    [watch = watch_.get()](const auto&... telegram) {
                                      watch->telegram(telegram...);
                                    }});
+  complaints_.new_stream();
   session_log_.about(started_, rsi::find_ipoc(first.payload));
   session_log_.note("RSI from {}", rsi::text(first.source));
   SessionStart start{
@@ -260,6 +263,7 @@ void RobotService::end_session() {
   session_.reset();
   session_log_.about({}, {});
   watch_.reset();
+  not_begun_ = server_->counts().not_begun;
   server_->forget_controller();
 }
 

@@ -107,6 +107,7 @@ class RobotService {
   std::string started_;
   std::uint32_t local_address_ = 0;  // as the controller sees it
   LinkComplaints complaints_;
+  std::uint64_t not_begun_ = 0;  // telegrams before this session
   RobotTally tally_;
   Steady::time_point published_;
   Steady::time_point last_datagram_;

@@ -49,6 +49,7 @@ std::string run_json(const RunFacts& facts) {
                                   {"superseded", facts.link.superseded},
                                   {"unanswerable", facts.link.unanswerable},
                                   {"foreign", facts.link.foreign},
+                                  {"not_begun", facts.link.not_begun},
                                   {"refused", facts.link.refused},
                                   {"cut", facts.link.cut},
                                   {"send_failures", facts.link.send_failures},

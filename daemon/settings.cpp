@@ -21,9 +21,9 @@ constexpr std::string_view kRecording = "recording";
 constexpr std::int64_t kTebibyte = std::int64_t{1} << 40;
 
 /// What the socket and the reply thread are made of; all else may change while a robot is served.
-constexpr std::array<std::string_view, 7> kAfterRestart{
-    "listen", "controller", "ethernet_config", "queue_bytes", "realtime", "realtime_priority",
-    "cpus"};
+constexpr std::array<std::string_view, 8> kAfterRestart{
+    "listen",      "controller", "ethernet_config",   "answers_with_zeros",
+    "queue_bytes", "realtime",   "realtime_priority", "cpus"};
 
 Options options_of(RobotSettings& robot) {
   return {
@@ -36,6 +36,9 @@ Options options_of(RobotSettings& robot) {
        "only this address is answered; left out: the first that speaks"},
       {"ethernet_config", &robot.ethernet_config,
        "the very Ethernet file that lies on the controller"},
+      {"answers_with_zeros", &robot.answers_with_zeros,
+       "tags of RECEIVE that can move the robot or switch something, and may all the same be "
+       "answered with zeros"},
       {"output", &robot.output,
        "folder under which recordings and results are kept, in OUTPUT/NAME/START"},
       {"plan", &robot.plan,
@@ -120,6 +123,10 @@ Settings load_settings(const fs::path& file) {
       read_options(*signals, options_of(robot.signals), {}, folder);
     if (const auto recording = table.table(kRecording))
       read_options(*recording, options_of(robot.recording), {}, folder);
+    if (!robot.answers_with_zeros.names.empty() && !robot.ethernet_config)
+      table.fail("answers_with_zeros",
+                 "expected `ethernet_config` beside it, whose tags it names, found nothing: add "
+                 "that key");
 
     for (std::size_t i = 0; i < settings.robots.size(); ++i) {
       const std::string other = " of the robot in line " + std::to_string(tables[i].line());

@@ -47,6 +47,12 @@ struct RecordingSettings {
   std::chrono::days keep{0};              ///< 0: for ever
 };
 
+/// Tags of the RECEIVE list of an Ethernet file, as they are written there.
+struct TagNames {
+  std::vector<std::string> names;
+  bool operator==(const TagNames&) const = default;
+};
+
 /// One [[robot]] of the settings: a controller that is served. The defaults are those of the file.
 /// Paths are absolute, or relative to the working directory as the path of the settings file was.
 struct RobotSettings {
@@ -55,6 +61,7 @@ struct RobotSettings {
   rsi::Endpoint listen;                     ///< local; 0.0.0.0 is every interface
   std::optional<std::uint32_t> controller;  ///< host byte order; absent: the first that speaks
   std::optional<std::filesystem::path> ethernet_config;  ///< the controller's own file
+  TagNames answers_with_zeros;                           ///< see answers.hpp
   std::filesystem::path output;
   std::optional<std::filesystem::path> plan;  ///< see sweep_plan.hpp
   bool record = true;

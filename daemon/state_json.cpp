@@ -59,6 +59,7 @@ Json replies(const RobotState& state) {
   const LinkTotals& link = state.link;
   return {{"sent", state.server.answered},
           {"refused", state.server.refused},
+          {"not_begun", state.server.not_begun},
           {"send_failures", state.server.send_failures},
           {"in_time", link.in_time},
           {"late", link.late},

@@ -11,6 +11,7 @@
 #include <toml++/toml.h>
 
 #include "daemon/config_error.hpp"
+#include "daemon/nearest_word.hpp"
 #include "daemon/toml_nesting.hpp"
 #include "rsi/ascii.hpp"
 
@@ -64,42 +65,6 @@ std::string in_words(const toml::node* node) {
     return "an array of " + std::to_string(array->size()) +
            (array->size() == 1 ? " value" : " values");
   return node->is_table() ? "a table" : "a date or a time";
-}
-
-/// Edit distance that counts two swapped neighbours as one mistake.
-std::size_t distance(std::string_view a, std::string_view b) {
-  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
-  for (std::size_t i = 0; i <= a.size(); ++i) {
-    for (std::size_t j = 0; j <= b.size(); ++j) {
-      if (i == 0 || j == 0) {
-        d[i][j] = i + j;
-        continue;
-      }
-      d[i][j] = std::min(
-          {d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0u : 1u)});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
-    }
-  }
-  return d[a.size()][b.size()];
-}
-
-/// The key that was probably meant; empty if none is near. A forgotten unit is near.
-std::string_view nearest(std::string_view wrong, const std::vector<std::string_view>& keys) {
-  constexpr std::size_t kLongest = 64;  // no key of ours is longer
-  if (wrong.size() > kLongest) return {};
-  std::string_view best;
-  std::size_t least = wrong.size() / 4 + 2;
-  for (const std::string_view key : keys) {
-    const bool forgot_unit =
-        key.starts_with(wrong) && key.size() > wrong.size() && key[wrong.size()] == '_';
-    const std::size_t mistakes = forgot_unit ? 1 : distance(wrong, key);
-    if (mistakes < least) {
-      least = mistakes;
-      best = key;
-    }
-  }
-  return best;
 }
 
 std::string place(const std::string& file, const toml::source_position& where) {
@@ -213,7 +178,7 @@ void TomlTable::allow_only(const std::vector<std::string_view>& keys) const {
   if (!unknown) return;
 
   std::string problem = "unknown key: ";
-  if (const auto meant = nearest(unknown->str(), keys); !meant.empty()) {
+  if (const auto meant = nearest_word(unknown->str(), keys); !meant.empty()) {
     problem += "did you mean " + in_quotes(meant) + "?";
   } else {
     problem += "this table may have";

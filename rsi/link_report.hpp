@@ -23,6 +23,9 @@ struct ReplyCounts {
                                ///< of telegram and reply contradict each other
   std::uint64_t repeated = 0;  ///< replies to what was answered already
   std::uint64_t stray = 0;     ///< replies whose IPOC no telegram had
+  /// Not answered on purpose, since the beginning of their stream was not seen; in none of the
+  /// above.
+  std::uint64_t withheld = 0;
 
   [[nodiscard]] std::uint64_t not_in_time() const { return late + superseded + unanswered; }
 };

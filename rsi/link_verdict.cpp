@@ -46,6 +46,7 @@ class Judge {
   explicit Judge(const LinkReport& report) : report_(report), cycles_(report.link.telegrams) {}
 
   Verdict judged() {
+    withheld();
     controllers_delay();
     telegrams_without_reply();
     lost();
@@ -70,9 +71,19 @@ class Judge {
     return bad ? Grade::bad : Grade::marginal;
   }
 
+  void withheld() {
+    const auto count = report_.replies.withheld;
+    if (count == 0) return;
+    add(Grade::bad, "not_begun",
+        counted(count, cycles_, "telegram", "telegrams") +
+            " got no answer on purpose: this stream had begun before sweepd listened, perhaps "
+            "with another server, and zeros might have moved the robot: switch RSI off, and on "
+            "again after a second or more");
+  }
+
   void controllers_delay() {
     const LinkCounts& link = report_.link;
-    if (link.late_replies == 0) return;
+    if (link.late_replies <= report_.replies.withheld) return;
     const auto longest = static_cast<std::int64_t>(link.longest_late_run);
     std::string message = counted(link.late_replies, cycles_, "reply", "replies") +
                           " missed the controller's cycle by its own Delay, in " +

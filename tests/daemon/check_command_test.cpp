@@ -47,9 +47,11 @@ std::string ethernet(const std::string& ip = "192.168.1.10", const std::string& 
 }
 
 /// Settings beside which robot and Ethernet file lie.
-std::string settings(const std::string& more = "", const std::string& listen = "0.0.0.0:49152") {
+std::string settings(const std::string& more = "", const std::string& listen = "0.0.0.0:49152",
+                     const std::string& zeros = "\"RKorr.X\", \"DiO\"") {
   return "[[robot]]\nname = \"kr5-arc\"\ndescription = \"robot.toml\"\nlisten = \"" + listen +
-         "\"\noutput = \"out\"\nethernet_config = \"ethernet.xml\"\n" + more;
+         "\"\noutput = \"out\"\nethernet_config = \"ethernet.xml\"\nanswers_with_zeros = [" +
+         zeros + "]\n" + more;
 }
 
 /// A folder where everything fits together.
@@ -81,6 +83,65 @@ TEST_CASE("the reply is printed as it will be sent: zero for every tag, in order
   CHECK_THAT(result.text, ContainsSubstring("<DiO>0</DiO><IPOC>123456</IPOC></Sen>"));
 }
 
+TEST_CASE("tags that can move the robot by zeros are refused unless the settings name each",
+          "[issue11][point_1]") {
+  const Sound folder;
+  const auto refused = [&](const std::string& zeros) {
+    static_cast<void>(folder.write("sweepd.toml", settings("", "0.0.0.0:49152", zeros)));
+    const auto result = folder.check();
+    CHECK(result.code == 78);
+    return result.text;
+  };
+  const auto place = (folder / "ethernet.xml").string() + ":7: RECEIVE: zeros for ";
+  CHECK_THAT(refused(""), ContainsSubstring("error    " + place + "RKorr.X, DiO can move") &&
+                              ContainsSubstring("ONLYSEND") &&
+                              ContainsSubstring("answers_with_zeros"));
+  CHECK_THAT(refused("\"DiO\""), ContainsSubstring(place + "RKorr.X can move"));
+  CHECK_THAT(refused("\"RKor.X\", \"DiO\""),
+             ContainsSubstring("\"RKor.X\" is no tag in RECEIVE of") &&
+                 ContainsSubstring("did you mean \"RKorr.X\"?"));
+  CHECK_THAT(refused("\"RKorr.X\", \"DiO\", \"Gripper\""),
+             ContainsSubstring("it has RKorr.X, DiO"));
+
+  SECTION("ONLYSEND answers nothing") {
+    auto text = ethernet();
+    text.replace(text.find("FALSE"), 5, "TRUE");
+    static_cast<void>(folder.write("ethernet.xml", text));
+    static_cast<void>(folder.write("sweepd.toml", settings("", "0.0.0.0:49152", "")));
+    CHECK(folder.check().code == 0);
+  }
+  SECTION("without settings that could allow it, a file is warned of") {
+    const auto result = checked({{}, {folder / "ethernet.xml"}});
+    CHECK(result.code == 0);
+    CHECK_THAT(result.text, ContainsSubstring("warning  " + place));
+  }
+}
+
+TEST_CASE("replies that no datagram holds are refused, those in pieces are warned of",
+          "[issue11][point_2]") {
+  const TemporaryFolder folder;
+  const auto with_string_of = [&](std::size_t bytes) {
+    auto text = ethernet();
+    const auto begin = text.find("<ELEMENT TAG=\"RKorr");
+    text.replace(
+        begin, text.find("</ELEMENTS></RECEIVE>") - begin,
+        "<ELEMENT TAG=\"" + std::string(bytes, 'x') + "\" TYPE=\"STRING\" INDX=\"INTERNAL\"/>");
+    return folder.write("ethernet.xml", text);
+  };
+  fs::copy_file(kConfig / "robots/kr5_arc.toml", folder / "robot.toml");
+  static_cast<void>(folder.write("sweepd.toml", settings("", "0.0.0.0:49152", "")));
+  static_cast<void>(with_string_of(700));
+  CHECK_THAT(checked({folder / "sweepd.toml", {}}).text, !ContainsSubstring("bytes"));
+  static_cast<void>(with_string_of(800));  // stands in the reply twice
+  const auto pieces = checked({folder / "sweepd.toml", {}});
+  CHECK(pieces.code == 0);
+  CHECK_THAT(pieces.text, ContainsSubstring("expected replies of at most 1472 bytes, found 16"));
+  static_cast<void>(with_string_of(80'000));
+  const auto refused = checked({folder / "sweepd.toml", {}});
+  CHECK(refused.code == 78);
+  CHECK_THAT(refused.text, ContainsSubstring("expected replies of at most 65507 bytes, found 160"));
+}
+
 TEST_CASE("wrong settings are 78, with file and line") {
   const Sound folder;
   SECTION("no TOML") {
@@ -89,7 +150,7 @@ TEST_CASE("wrong settings are 78, with file and line") {
   }
   SECTION("an unknown key") {
     static_cast<void>(folder.write("sweepd.toml", settings("recrod = false\n")));
-    CHECK_THAT(folder.check().text, ContainsSubstring((folder / "sweepd.toml").string() + ":7") &&
+    CHECK_THAT(folder.check().text, ContainsSubstring((folder / "sweepd.toml").string() + ":8") &&
                                         ContainsSubstring("recrod") && ContainsSubstring("record"));
   }
   SECTION("no such file") {

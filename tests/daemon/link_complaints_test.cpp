@@ -30,12 +30,29 @@ TEST_CASE("each kind of trouble is said by itself, with what to do") {
   sweepd::LinkComplaints complaints;
   rsi::Server::Counts counts;
   counts.refused = counts.send_failures = counts.dropped = counts.cut = counts.foreign =
-      counts.overflows = 7;
+      counts.overflows = counts.not_begun = 7;
   const auto all = complaints.about(counts, std::chrono::steady_clock::time_point(1h));
-  REQUIRE(all.size() == 6);
+  REQUIRE(all.size() == 7);
   for (const auto& text : all) {
     INFO(text);
     CHECK(text.starts_with("7 "));
     CHECK(text.find(": ") != text.npos);
+  }
+}
+
+TEST_CASE("a stream that is not answered is said at once, however soon it follows another",
+          "[issue11][point_1]") {
+  sweepd::LinkComplaints complaints;
+  rsi::Server::Counts counts;
+  auto now = std::chrono::steady_clock::time_point(1h);
+  for (int stream = 0; stream < 3; ++stream) {
+    complaints.new_stream();
+    ++counts.not_begun;
+    CHECK_THAT(complaints.about(counts, now += 1s).at(0),
+               ContainsSubstring("1 telegrams were not answered: their stream had begun before"));
+    counts.not_begun += 100;
+    CHECK(complaints.about(counts, now += 1s).empty());
+    complaints.new_stream();
+    CHECK(complaints.about(counts, now += 1s).size() == 1);
   }
 }

@@ -77,7 +77,7 @@ TEST_CASE("every option of a robot can be set") {
   const SettingsFile file(
       kRobot +
       "controller = \"192.168.1.20\"\nethernet_config = \"e.xml\"\nplan = \"p.toml\"\n"
-      "record = false\nsilence_ms = 500\nqueue_bytes = 65536\n"
+      "record = false\nsilence_ms = 500\nqueue_bytes = 65536\nanswers_with_zeros = [\"DiO\"]\n"
       "[robot.signals]\nposition = [\"Act_X\", \"Act_Y\", \"Pos.Z\"]\n"
       "orientation = [\"A\", \"B\", \"C\"]\nangles = [\"GPIO.01\"]\n");
   const auto robot = load_settings(file.path).robots.at(0);
@@ -87,6 +87,7 @@ TEST_CASE("every option of a robot can be set") {
   CHECK_FALSE(robot.record);
   CHECK(robot.silence == std::chrono::milliseconds(500));
   CHECK(robot.queue_bytes == 65536);
+  CHECK(robot.answers_with_zeros.names == std::vector<std::string>{"DiO"});
   CHECK(robot.signals.position == std::array<std::string, 3>{"Act_X", "Act_Y", "Pos.Z"});
   CHECK(robot.signals.orientation == std::array<std::string, 3>{"A", "B", "C"});
   CHECK(robot.signals.angles == std::vector<std::string>{"GPIO.01"});
@@ -200,7 +201,7 @@ TEST_CASE("the manual lists every option with its default and range") {
     FAIL("no option " + key);
     return options[0];
   };
-  CHECK(options.size() == 22);
+  CHECK(options.size() == 23);
   CHECK(option("realtime").fallback == "\"try\"");
   CHECK(option("recording.keep_days").fallback == "0");
   CHECK(option("listen").required);
@@ -293,6 +294,14 @@ TEST_CASE("the shipped settings show every option, and the true default of each"
   }
 }
 
+TEST_CASE("tags to be answered with zeros need the Ethernet file that has them",
+          "[issue11][point_1]") {
+  CHECK_THAT(error_of(kRobot + "answers_with_zeros = [\"RKorr.X\"]\n"),
+             Catch::Matchers::StartsWith("6:") &&
+                 Catch::Matchers::ContainsSubstring("expected `ethernet_config` beside it"));
+  CHECK(error_of(kRobot + "answers_with_zeros = []\n") == "no error");
+}
+
 TEST_CASE("real time and recording have keys of their own") {
   const SettingsFile file(kRobot +
                           "realtime = \"require\"\nrealtime_priority = 42\ncpus = [2, 3]\n"
@@ -330,6 +339,7 @@ TEST_CASE("what differs between two settings is told, and what of it needs a res
   to.listen.port = 1;
   to.controller = 2;
   to.ethernet_config = "e.xml";
+  to.answers_with_zeros.names = {"RKorr.X"};
   to.queue_bytes = 1 << 20;
   to.real_time.wish = sweepd::RealTime::off;
   to.real_time.cpus = {1};
@@ -337,5 +347,6 @@ TEST_CASE("what differs between two settings is told, and what of it needs a res
   CHECK(change.live ==
         std::vector<std::string>{"plan", "silence_ms", "signals.angles", "recording.keep_days"});
   CHECK(change.after_restart == std::vector<std::string>{"listen", "controller", "ethernet_config",
-                                                         "queue_bytes", "realtime", "cpus"});
+                                                         "answers_with_zeros", "queue_bytes",
+                                                         "realtime", "cpus"});
 }

@@ -85,6 +85,18 @@ TEST_CASE("the controller's Delay is explained by what was seen here") {
              ContainsSubstring("1 telegram") && ContainsSubstring("1 got lost"));
 }
 
+TEST_CASE("a stream that was not answered on purpose says so, and blames nothing else for it",
+          "[issue11][point_1]") {
+  auto report = flawless();
+  report.replies = {};
+  report.replies.withheld = 100;
+  report.link.late_replies = report.link.longest_late_run = 100;
+  report.link.late_runs = 1;
+  check_only(report, Grade::bad, "not_begun", "100 telegrams (1.00 %) got no answer on purpose");
+  report.link.late_replies = 101;  // one more than that
+  CHECK(reason(rsi::verdict(report), "late_at_controller") != nullptr);
+}
+
 TEST_CASE("telegrams without a reply in time are graded by their run and their share") {
   auto report = flawless();
   report.replies.unanswered = 3;

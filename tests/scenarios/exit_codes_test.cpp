@@ -152,6 +152,20 @@ TEST_CASE("78: an Ethernet file that is wrong or missing", "[exit_codes]") {
                 ethernet.string());
 }
 
+TEST_CASE("78: an Ethernet file whose zeros can move the robot", "[exit_codes][issue11][point_1]") {
+  const TemporaryFolder folder;
+  auto text = content(kConfig / "controller/krc4/sweepd_ethernet.xml");
+  text.insert(text.find("</ELEMENTS>", text.find("<RECEIVE>")),
+              "<ELEMENT TAG=\"RKorr.X\" TYPE=\"DOUBLE\" INDX=\"1\" HOLDON=\"1\"/>");
+  const auto ethernet = folder.write("e.xml", text).string();
+  const auto config =
+      folder.write("sweepd.toml", settings(kRobot, "ethernet_config = \"e.xml\"\n"));
+  check_failure(78, {"run", "--config", config.string()}, "RECEIVE: zeros for RKorr.X can move");
+  CHECK(run_sweepd({"simulate", "--robot", kRobot, "--plan", kPlan, "--write",
+                    (folder / "x.pcap").string(), "--ethernet-config", ethernet, "--quiet"})
+            .code == 0);
+}
+
 TEST_CASE("1: a port that another sweepd has, which goes on undisturbed", "[exit_codes]") {
   const TemporaryFolder folder;
   Daemon first(folder.path());

@@ -25,7 +25,7 @@ void write_settings(const TemporaryFolder& folder, std::uint16_t port, const std
           "<ELEMENT TAG=\"DEF_AIPos\" TYPE=\"DOUBLE\" INDX=\"INTERNAL\" UNIT=\"0\" />\n"
           "<ELEMENT TAG=\"DEF_Delay\" TYPE=\"LONG\" INDX=\"INTERNAL\" UNIT=\"0\" />\n"
           "</ELEMENTS>\n</SEND>\n<RECEIVE>\n<ELEMENTS>\n"
-          "<ELEMENT TAG=\"RKorr.X\" TYPE=\"DOUBLE\" INDX=\"1\" UNIT=\"1\" HOLDON=\"1\" />\n"
+          "<ELEMENT TAG=\"DEF_EStr\" TYPE=\"STRING\" INDX=\"INTERNAL\" UNIT=\"0\" />\n"
           "</ELEMENTS>\n</RECEIVE>\n</ROOT>\n"));
   static_cast<void>(folder.write(
       "sweepd.toml", "[[robot]]\nname = \"kr5-arc\"\ndescription = \"" +
@@ -54,10 +54,10 @@ TEST_CASE("a campaign over TCP gives the result of its replayed recording", "[tc
   INFO(daemon.errors());
   REQUIRE(daemon.running());
 
-  const auto simulated =
-      run_sweepd({"simulate", "--robot", (kConfig / "robots/kr5_arc.toml").string(), "--plan",
-                  write_short_plan(folder).string(), "--ethernet-config",
-                  (folder / "ethernet.xml").string(), "--to", "127.0.0.1:" + std::to_string(port)});
+  const auto simulated = run_sweepd(
+      {"simulate", "--robot", (kConfig / "robots/kr5_arc.toml").string(), "--plan",
+       write_short_plan(folder).string(), "--ethernet-config", (folder / "ethernet.xml").string(),
+       "--to", "127.0.0.1:" + std::to_string(port), "--check", "sweepd"});
   INFO(simulated.out << simulated.errors);
   // Whether replies were in time is up to this machine; that they were right is not.
   CHECK_THAT(simulated.out, ContainsSubstring("played to its end") && ContainsSubstring(replies) &&
