@@ -116,7 +116,7 @@ class Assigner {
       if (!strokes_[s].joint) targets[strokes_[s].target].push_back(s);
     std::optional<Order> before;
     for (const auto& [target, places] : targets) {
-      turns_ = turns_in(strokes_, places);
+      turns_ = turns_in(strokes_, places, plan_.order().size());
       if (turns_.size() != plan_.order().size()) mismatch();
       if (turns_.size() > plan_.order().size()) turns_.resize(plan_.order().size());
       if (turns_.empty()) continue;

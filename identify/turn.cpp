@@ -58,28 +58,38 @@ struct Group {
   Matrix3Xd all = Matrix3Xd(3, 0);
 };
 
+void add(const Group& more, Group& group) {
+  group.strokes.insert(group.strokes.end(), more.strokes.begin(), more.strokes.end());
+  group.points.insert(group.points.end(), more.points.begin(), more.points.end());
+  if (group.all.cols() < 4 * kPoints) group.all = joined(group.all, more.all);
+}
+
+/// Groups to which the motion came back later are one.
+std::vector<Group> returned(const std::vector<Group>& groups) {
+  std::vector<Group> whole;
+  for (const Group& group : groups) {
+    auto same = std::find_if(whole.begin(), whole.end(),
+                             [&](const Group& known) { return same_circle(known.all, group.all); });
+    if (same == whole.end()) same = whole.insert(whole.end(), Group{});
+    add(group, *same);
+  }
+  return whole;
+}
+
 }  // namespace
 
 std::vector<Turn> turns_in(const std::vector<Sweep>& strokes,
-                           const std::vector<std::size_t>& places) {
+                           const std::vector<std::size_t>& places, std::size_t joints) {
   std::vector<Group> groups;
-  std::size_t newest = 0;
   for (const std::size_t place : places) {
     const Sweep& stroke = strokes[place];
     if (stroke.defect != SweepDefect::none) continue;
     const Matrix3Xd points = thinned(positions(*stroke.samples));
     if (!fit_circle(points)) continue;
-    const auto is_its = [&](const Group& group) { return same_circle(group.all, points); };
-    // The one that was under way, as a rule.
-    if (groups.empty() || !is_its(groups[newest]))
-      newest = static_cast<std::size_t>(std::find_if(groups.begin(), groups.end(), is_its) -
-                                        groups.begin());
-    if (newest == groups.size()) groups.emplace_back();
-    Group& group = groups[newest];
-    group.strokes.push_back(place);
-    group.points.push_back(points);
-    group.all = group.all.cols() < 4 * kPoints ? joined(group.all, points) : group.all;
+    if (groups.empty() || !same_circle(groups.back().all, points)) groups.emplace_back();
+    add({{place}, {points}, points}, groups.back());
   }
+  if (groups.size() > joints) groups = returned(groups);
   std::vector<Turn> turns;
   for (const Group& group : groups) {
     const auto circle = fit_circle(group.all);

@@ -15,10 +15,13 @@ struct Turn {
   Axis axis;                         ///< its sense of rotation is any
 };
 
-/// Groups strokes without a defect: those whose points lie on one circle are of one turn, though
-/// others came between. Turns in the order in which they began. Of `strokes` those count whose
-/// place is in `places`.
+/// Groups strokes without a defect: those one after the other whose points lie on one circle are of
+/// one turn. Where that makes more turns than there are `joints`, those about one axis that others
+/// came between are one, too. (Two joints may have one axis at home: they stay apart as long as
+/// there is room.) Turns in the order in which they began. Of `strokes` those count whose place is
+/// in `places`.
 [[nodiscard]] std::vector<Turn> turns_in(const std::vector<Sweep>& strokes,
-                                         const std::vector<std::size_t>& places);
+                                         const std::vector<std::size_t>& places,
+                                         std::size_t joints);
 
 }  // namespace identify

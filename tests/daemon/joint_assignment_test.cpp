@@ -182,6 +182,31 @@ TEST_CASE(
     }
 }
 
+TEST_CASE("an arm as it is built, near its home, is still the one that is described",
+          "[issue11][point_22]") {
+  std::mt19937 random(23);
+  std::uniform_real_distribution<> uniform(-1, 1);
+  const auto described = identify::test::kr5_arc();
+  for (int run = 0; run < 20; ++run) {
+    auto built = described;
+    auto home = described.home_rad;
+    for (auto& row : built.rows) {
+      row.a_mm += 1.5 * uniform(random);
+      row.b_mm += 1.5 * uniform(random);
+      row.alpha_rad += 0.3 * kDegree * uniform(random);
+    }
+    for (double& angle : home) angle += 0.5 * kDegree * uniform(random);
+    const Seen campaign = seen(built, kNarrow, home);
+    const Order order{0, 2, 1, 3, 5, 4};
+    identify::Campaign known;
+    known.specified = described;
+    auto strokes = in_order(campaign, order);
+    INFO("run " << run);
+    CHECK(assign_joints(strokes, known).doubt.empty());
+    CHECK(is_right(strokes, campaign, order, true));
+  }
+}
+
 TEST_CASE("repeated turns, lone strokes and joints left out do not make a wrong order certain",
           "[issue11][point_22]") {
   const auto arm = identify::test::kr5_arc();
@@ -223,6 +248,30 @@ TEST_CASE("repeated turns, lone strokes and joints left out do not make a wrong 
       CHECK(is_right(strokes, alone, order, true));
     }
   }
+}
+
+TEST_CASE("joints whose axes are one line at home stay apart, and which is which is in doubt",
+          "[issue11][point_22]") {
+  const auto arm = identify::test::kr5_arc();
+  auto home = arm.home_rad;
+  home[4] = 0;  // axes 4 and 6
+  auto ranges = kNarrow;
+  ranges[4] = {20, -20};
+  const Seen campaign = seen(arm, ranges, home);
+  identify::Campaign known;
+  known.specified = arm;
+  declare(known, campaign, home);
+  const Order order{0, 1, 2, 3, 4, 5};
+  auto strokes = in_order(campaign, order);
+  auto found = assign_joints(strokes, known);
+  CHECK(is_right(strokes, campaign, order, true));
+  // Their strokes differ: 90, -30, -60 and 30, -30.
+  CHECK(found.doubt.empty());
+  known.order.clear();
+  strokes = in_order(campaign, order);
+  found = assign_joints(strokes, known);
+  CHECK(warns(found, "order_ambiguous"));
+  CHECK(found.doubt.find("1, 2, 3, 4, 5, 6 or 1, 2, 3, 6, 5, 4") != std::string::npos);
 }
 
 TEST_CASE("a plan or a description that is another's is said to be", "[issue11][point_22]") {
