@@ -148,6 +148,7 @@ class Assigner {
 
   void mismatch() {
     warn("order_mismatch", std::to_string(turns_.size()) +
+                               (turns_.size() < 2 * plan_.order().size() ? "" : " or more") +
                                " axes were swept one after the other, but the declared order has " +
                                std::to_string(plan_.order().size()) +
                                ": give the sweep plan that was run, or send joint angles (AIPos)");

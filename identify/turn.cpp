@@ -33,17 +33,6 @@ double misfit(const CircleFit& circle) {
   return std::max(circle.plane_rms_mm, circle.radial_rms_mm);
 }
 
-/// Arcs of one circle fit together as well as each alone; those of two joints, which pass through
-/// the same home point about different axes, miss by millimetres.
-bool same_circle(const Matrix3Xd& first, const Matrix3Xd& second) {
-  const auto one = fit_circle(first);
-  const auto other = fit_circle(second);
-  const auto both = fit_circle(joined(first, second));
-  if (!one || !other || !both) return false;
-  constexpr double kSlack_mm = 0.05;
-  return misfit(*both) <= kSlack_mm + 2 * std::max(misfit(*one), misfit(*other));
-}
-
 /// +1 where the points run about the circle's normal, -1 where against it.
 double sense_of(const Matrix3Xd& points, const CircleFit& circle) {
   Vector3d turned = Vector3d::Zero();
@@ -52,26 +41,42 @@ double sense_of(const Matrix3Xd& points, const CircleFit& circle) {
   return turned.dot(circle.normal) < 0 ? -1 : 1;
 }
 
+/// Strokes about one axis.
 struct Group {
   std::vector<std::size_t> strokes;
   std::vector<Matrix3Xd> points;  // one a stroke
   Matrix3Xd all = Matrix3Xd(3, 0);
+  double misfit_mm = 0;  // of the circle through all
 };
+
+/// Arcs of one circle fit together as well as each alone; those of two joints, which pass through
+/// the same home point about different axes, miss by millimetres.
+bool same_circle(const Group& first, const Group& second) {
+  const auto both = fit_circle(joined(first.all, second.all));
+  constexpr double kSlack_mm = 0.05;
+  return both && misfit(*both) <= kSlack_mm + 2 * std::max(first.misfit_mm, second.misfit_mm);
+}
 
 void add(const Group& more, Group& group) {
   group.strokes.insert(group.strokes.end(), more.strokes.begin(), more.strokes.end());
   group.points.insert(group.points.end(), more.points.begin(), more.points.end());
-  if (group.all.cols() < 4 * kPoints) group.all = joined(group.all, more.all);
+  if (group.all.cols() >= 4 * kPoints) return;
+  group.all = joined(group.all, more.all);
+  const auto circle = fit_circle(group.all);
+  group.misfit_mm = circle ? misfit(*circle) : group.misfit_mm;
 }
 
-/// Groups to which the motion came back later are one.
-std::vector<Group> returned(const std::vector<Group>& groups) {
+/// Groups to which the motion came back later are one. Of motion that never does so only the first
+/// `most` count: so the time is in proportion to the number of groups.
+std::vector<Group> returned(const std::vector<Group>& groups, std::size_t most) {
   std::vector<Group> whole;
   for (const Group& group : groups) {
-    auto same = std::find_if(whole.begin(), whole.end(),
-                             [&](const Group& known) { return same_circle(known.all, group.all); });
-    if (same == whole.end()) same = whole.insert(whole.end(), Group{});
-    add(group, *same);
+    const auto same = std::find_if(whole.begin(), whole.end(),
+                                   [&](const Group& known) { return same_circle(known, group); });
+    if (same != whole.end())
+      add(group, *same);
+    else if (whole.size() < most)
+      whole.push_back(group);
   }
   return whole;
 }
@@ -85,11 +90,15 @@ std::vector<Turn> turns_in(const std::vector<Sweep>& strokes,
     const Sweep& stroke = strokes[place];
     if (stroke.defect != SweepDefect::none) continue;
     const Matrix3Xd points = thinned(positions(*stroke.samples));
-    if (!fit_circle(points)) continue;
-    if (groups.empty() || !same_circle(groups.back().all, points)) groups.emplace_back();
-    add({{place}, {points}, points}, groups.back());
+    const auto circle = fit_circle(points);
+    if (!circle) continue;
+    const Group alone{{place}, {points}, points, misfit(*circle)};
+    if (groups.empty() || !same_circle(groups.back(), alone))
+      groups.push_back(alone);
+    else
+      add(alone, groups.back());
   }
-  if (groups.size() > joints) groups = returned(groups);
+  if (groups.size() > joints) groups = returned(groups, 2 * joints);
   std::vector<Turn> turns;
   for (const Group& group : groups) {
     const auto circle = fit_circle(group.all);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <numeric>
@@ -306,6 +307,36 @@ TEST_CASE("a plan or a description that is another's is said to be", "[issue11][
     CHECK(found.doubt.find("no order agrees with the robot description") != std::string::npos);
     CHECK(warns(found, "order_assumed"));
   }
+}
+
+TEST_CASE("arcs about ever new axes are no campaign, and cost no more than their number",
+          "[issue11][point_22]") {
+  std::mt19937 random(24);
+  std::normal_distribution<> normal;
+  const auto vector = [&] {
+    return Eigen::Vector3d(normal(random), normal(random), normal(random));
+  };
+  std::vector<Sweep> strokes;
+  for (int k = 0; k < 100; ++k) {
+    const Eigen::Vector3d centre = 300 * vector();
+    const Eigen::Vector3d x = vector().normalized();
+    std::vector<identify::Sample> samples(60);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const double angle = 0.02 * static_cast<double>(i);
+      samples[i].position_mm =
+          centre + 200 * (std::cos(angle) * x + std::sin(angle) * x.unitOrthogonal());
+      samples[i].has_position = true;
+    }
+    Sweep& stroke = strokes.emplace_back();
+    stroke.range_rad = 1.2;
+    stroke.samples = std::make_shared<const std::vector<identify::Sample>>(std::move(samples));
+  }
+  identify::Campaign known;
+  known.specified = identify::test::kr5_arc();
+  const auto found = assign_joints(strokes, known);
+  REQUIRE(warns(found, "order_mismatch"));
+  CHECK(found.warnings[0].message.find("12 or more axes") != std::string::npos);
+  CHECK_FALSE(found.doubt.empty());
 }
 
 TEST_CASE("each target tells the joints by itself, and all have to agree", "[issue11][point_22]") {
