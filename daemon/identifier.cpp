@@ -221,7 +221,8 @@ void Identifier::go_on_with_earlier() {
       auto identified = identify(end.snapshot, Share::low);
       {
         const std::lock_guard lock(result_mutex_);
-        if (!status_->result.newest()->newest) publish(identified, false, end.log);
+        const bool is_news = !end.written.contains("result.json");
+        if (is_news && !status_->result.newest()->newest) publish(identified, false, end.log);
       }
       end.outcome = std::move(identified.outcome);
       enqueue(std::move(end));

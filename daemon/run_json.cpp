@@ -60,13 +60,14 @@ std::string run_json(const RunFacts& facts) {
   return text(run);
 }
 
-std::string run_json_of_cut_session(const std::filesystem::path& folder, const std::string& ended) {
+std::string run_json_of_cut_session(const std::filesystem::path& folder, const std::string& ended,
+                                    bool from_recording) {
   std::ifstream stream(folder / "run.json", std::ios::binary);
   Json run = Json::parse(stream, nullptr, false);
   if (!run.is_object())
     run = {{"schema", "sweepd.run/1"}, {"sweepd", SWEEPD_VERSION}, {"command", "run"}};
   run["ended"] = ended;
-  run["from_recording"] = true;
+  if (from_recording) run["from_recording"] = true;
   return text(run);
 }
 

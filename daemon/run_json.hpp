@@ -24,9 +24,10 @@ struct RunFacts {
 
 [[nodiscard]] std::string run_json(const RunFacts& facts);
 
-/// What run.json of `folder` becomes once the last result of a session was made from its recording:
-/// as it is, with "ended" and "from_recording". Made anew where it cannot be read.
+/// What run.json of `folder` becomes once the files of a session that was cut are final: as it is,
+/// with "ended" and, where the result was made from the recording, "from_recording". Made anew where
+/// it cannot be read.
 [[nodiscard]] std::string run_json_of_cut_session(const std::filesystem::path& folder,
-                                                  const std::string& ended);
+                                                  const std::string& ended, bool from_recording);
 
 }  // namespace sweepd

@@ -21,10 +21,12 @@ bool SessionEnd::has_usable_sweeps() const {
 
 void SessionEnd::write() {
   if (recording && !recording->folder().empty()) folder = recording->folder();
-  if (folder.empty())
-    folder = make_session_folder(robot_folder, started);
-  else
-    make_folder(folder);  // it may have been deleted
+  if (folder.empty()) folder = make_session_folder(robot_folder, started);
+  if (!std::filesystem::exists(folder)) {  // deleted meanwhile
+    make_folder(folder);
+    written.clear();
+    link_written = false;
+  }
   std::exception_ptr failure;
   const auto attempt = [&](const auto& write) {
     try {
@@ -39,8 +41,9 @@ void SessionEnd::write() {
       if (name != "result.json") written.insert(name);
   attempt([&] { write_result(folder, *outcome, written); });
   attempt([&] {
-    // The trace tells the rest.
-    const bool worth_it = link && (all || !link->good || !link->bad_end.empty());
+    // The trace tells the rest. What was written by SIGUSR1 has to become final.
+    const bool worth_it = link && (all || !link->good || !link->bad_end.empty() ||
+                                   std::filesystem::exists(folder / "link.txt"));
     if (worth_it && !link_written) write_link(folder, *link);
     link_written = true;
   });

@@ -1,10 +1,15 @@
 #include "daemon/session_replay.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <fstream>
 #include <stdexcept>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 #include "daemon/recording_files.hpp"
+#include "daemon/result_files.hpp"
 #include "daemon/run_json.hpp"
 #include "daemon/utc.hpp"
 #include "rsi/capture_order.hpp"
@@ -21,6 +26,14 @@ std::vector<fs::path> traces_of(const fs::path& folder) {
     if (!fs::is_regular_file(trace)) return traces;
     traces.push_back(std::move(trace));
   }
+}
+
+/// How many telegrams a result was made of that is there already; 0: none is.
+std::uint64_t telegrams_of_result(const fs::path& folder) {
+  std::ifstream stream(folder / "result.json", std::ios::binary);
+  const auto result = nlohmann::json::parse(stream, nullptr, false);
+  const auto telegrams = nlohmann::json::json_pointer("/source/telegrams");
+  return result.is_object() ? result.value(telegrams, std::uint64_t{0}) : 0;
 }
 
 }  // namespace
@@ -59,17 +72,23 @@ SessionEnd SessionReplay::end(Log log) {
   session_->finish();
   const auto started = folder_.filename().string();
   log.about(started, {});
+  const auto snapshot = session_->snapshot();
+  const bool better = telegrams_of_result(folder_) <= snapshot.counts.link.telegrams;
   SessionEnd end{folder_.parent_path(),
                  started,
                  nullptr,
                  folder_,
-                 session_->snapshot(),
+                 snapshot,
                  std::nullopt,
-                 [ended = utc_name(newest_)](const fs::path& folder) {
-                   return run_json_of_cut_session(folder, ended);
+                 [ended = utc_name(newest_), better](const fs::path& folder) {
+                   return run_json_of_cut_session(folder, ended, better);
                  },
                  std::move(log)};
   end.lock = std::move(lock_);
+  if (!better) {
+    end.log.note("the result in {} stays: it knew more than is in the recording", folder_.string());
+    for (auto& name : result_file_names()) end.written.insert(std::move(name));
+  }
   return end;
 }
 

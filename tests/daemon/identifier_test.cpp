@@ -69,6 +69,24 @@ TEST_CASE("a result that the disk refuses is pending, and tried again until it i
   CHECK(bench.identifier.results().given_up == 0);
 }
 
+TEST_CASE("a folder that is deleted while its result is pending is made anew, with all files",
+          "[issue11][point_10][point_12]") {
+  Bench bench;
+  const auto session = bench.folder / "20250101T000000Z";
+  fs::create_directories(session / "run.json.tmp");  // in the way of the last file
+  const auto recording = std::make_shared<Recording>();
+  recording->made(session);
+  recording->finish();
+  bench.identifier.last(bench.end("20250101T000000Z", recording));
+  REQUIRE(bench.identifier.drain(std::chrono::steady_clock::now() + 20s));
+  CHECK(fs::exists(session / "result.json"));
+  fs::remove_all(session);
+  bench.identifier.try_again(std::chrono::steady_clock::time_point::max());
+  REQUIRE(eventually([&] { return bench.identifier.results().pending == 0; }));
+  CHECK(fs::exists(session / "result.json"));
+  CHECK(fs::exists(session / "run.json"));
+}
+
 TEST_CASE("a session for which the disk had no folder gets one with its result",
           "[issue11][point_10]") {
   Bench bench;

@@ -200,6 +200,12 @@ TEST_CASE("a session whose last result was never written gets it at the next sta
   const auto other = session.parent_path() / "20370101T000000Z";  // looked at first
   fs::copy(session, other);
   const sweepd::FolderLock written_by_another(other);
+  // The disk took the result, but only the beginning of the recording.
+  const auto cut = session.parent_path() / "20380101T000000Z";
+  fs::copy(session, cut);
+  static_cast<void>(folder.write("result.json", result));
+  fs::copy(folder / "result.json", cut / "result.json");
+  fs::resize_file(cut / "trace.pcap", fs::file_size(cut / "trace.pcap") / 2);
 
   RobotService service(settings(folder / "out"));
   service.start();
@@ -208,6 +214,9 @@ TEST_CASE("a session whose last result was never written gets it at the next sta
   CHECK(content(session / "result.json") == result);
   for (const char* name : {"sweeps.csv", "dh.csv", "report.txt"}) CHECK(fs::exists(session / name));
   service.stop();
+  CHECK(json_in(cut / "run.json").contains("ended"));
+  CHECK_FALSE(json_in(cut / "run.json").contains("from_recording"));
+  CHECK(content(cut / "result.json") == result);
   CHECK_FALSE(fs::exists(other / "result.json"));
   CHECK_FALSE(json_in(other / "run.json").contains("ended"));
 }
