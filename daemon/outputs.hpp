@@ -36,7 +36,7 @@ class Outputs {
 /// written where it is.
 class OutputFile {
  public:
-  /// `path` as Outputs has checked it.
+  /// `path` as Outputs has checked it. Throws std::runtime_error where nothing can be written.
   explicit OutputFile(const std::filesystem::path& path);
   ~OutputFile();  ///< without commit() the file is as it was
   OutputFile(const OutputFile&) = delete;

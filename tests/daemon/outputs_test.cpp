@@ -172,5 +172,7 @@ TEST_CASE("a file that was not finished leaves the one before it", "[issue11][po
     static_cast<void>(folder.write(output.beside().filename().string(), "half"));
   }
   CHECK(content(file) == "before");
+  CHECK_THROWS_WITH(OutputFile(file / "y"),
+                    ContainsSubstring("cannot write " + file.string() + "/y "));
   CHECK(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()) == 1);
 }
