@@ -29,6 +29,10 @@ constexpr auto kPublished = 1s;
 /// More, after the recording was written, is a disk that has stopped answering.
 constexpr auto kLongestResult = 10min;
 
+/// So many datagrams of others than the session's controller wait for the answer to whose stream it
+/// is: a server needs a few telegrams to tell.
+constexpr std::size_t kMostWaiting = 64;
+
 Say say_for(const std::string& name) {
   return [log = Log(name)](Importance importance, const std::string& text) {
     log.say(importance, text);
@@ -164,6 +168,8 @@ void RobotService::acquire() {
       session_log_.note("RSI has been silent for {} ms: the stream has ended",
                         settings_.silence.count());
       end_session();
+      server_->forget_controller();
+      take_waiting();
     }
     if (now - published_ >= kPublished) publish();
     identifier_.try_again(now);
@@ -176,8 +182,9 @@ void RobotService::acquire() {
 
 void RobotService::drain() {
   rsi::Datagram datagram;
-  while (server_->datagrams().pop(datagram)) {
-    take(datagram);
+  rsi::Handling handling;
+  while (server_->datagrams().pop(datagram, &handling)) {
+    take(datagram, handling);
     ++acquisition_beats_;
   }
   const auto counts = server_->counts();
@@ -186,34 +193,50 @@ void RobotService::drain() {
     session_log_.error("{}", complaint);
 }
 
-void RobotService::take(const rsi::Datagram& datagram) {
-  const bool sent = datagram.source == server_->local();
+void RobotService::take(const rsi::Datagram& datagram, rsi::Handling handling) {
+  const bool sent = handling.sent;
+  const auto peer = (sent ? datagram.destination : datagram.source).address;
+  if (session_ && peer != controller_) return take_from_other(datagram, handling, peer);
   if (!session_) {
     // A stream begins with what can be answered; stray datagrams are no session.
     if (sent || rsi::find_ipoc(datagram.payload).empty()) return;
     begin_session(datagram);
   }
-  rsi::Datagram seen = datagram;
-  (sent ? seen.source : seen.destination).address = local_address_;
-  const bool left = !sent || !seen.payload.empty();
-  if (left) recorder_.datagram(seen);
-  if (sent) return watch_->reply(seen);
+  const bool left = !sent || !datagram.payload.empty();
+  if (left) recorder_.datagram(datagram);
+  if (sent) return watch_->reply(datagram);
   // Noise on the port does not keep a stream alive.
-  if (const auto ipoc = rsi::find_ipoc(seen.payload); !ipoc.empty()) {
+  if (const auto ipoc = rsi::find_ipoc(datagram.payload); !ipoc.empty()) {
     last_datagram_ = Steady::now();
     session_log_.about(started_, ipoc);
   }
-  session_->telegram(seen);
+  session_->telegram(datagram);
+}
+
+void RobotService::take_from_other(const rsi::Datagram& datagram, rsi::Handling handling,
+                                   std::uint32_t peer) {
+  if (waiting_.size() == kMostWaiting) waiting_.pop_front();
+  waiting_.push_back({datagram, std::string(datagram.payload), handling, peer});
+  if (!handling.streams) return;
+  session_log_.note("{} streams: it is the controller, and what came before was none",
+                    rsi::address_text(peer));
+  end_session();
+  std::erase_if(waiting_, [&](const Waiting& other) { return other.peer != peer; });
+  take_waiting();
+}
+
+void RobotService::take_waiting() {
+  for (auto& waiting : std::exchange(waiting_, {})) {
+    waiting.datagram.payload = waiting.payload;
+    take(waiting.datagram, waiting.handling);
+  }
 }
 
 void RobotService::begin_session(const rsi::Datagram& first) {
-  local_address_ = server_->local().address != 0
-                       ? server_->local().address
-                       : rsi::local_address_towards(first.source).value_or(0);
+  controller_ = first.source.address;
   started_ = utc_name(rsi::now());
-  watch_ = std::make_unique<LinkWatch>(
-      rsi::Conversation{first.source.address, {local_address_, server_->local().port}},
-      server_->replies());
+  watch_ = std::make_unique<LinkWatch>(rsi::Conversation{controller_, first.destination},
+                                       server_->replies());
   session_.emplace(setup_, settings_.record ? "trace" : "live",
                    Session::Events{[this](const identify::Sweep& sweep) { on_sweep(sweep); },
                                    [this](std::string_view row) { recorder_.line(row); },
@@ -264,7 +287,6 @@ void RobotService::end_session() {
   session_log_.about({}, {});
   watch_.reset();
   not_begun_ = server_->counts().not_begun;
-  server_->forget_controller();
 }
 
 void RobotService::on_sweep(const identify::Sweep& sweep) {

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <deque>
 #include <future>
 #include <memory>
 #include <mutex>
@@ -68,7 +69,10 @@ class RobotService {
   void acquire();
   void take_over();
   void drain();
-  void take(const rsi::Datagram& datagram);
+  void take(const rsi::Datagram& datagram, rsi::Handling handling);
+  /// The session is not about this one: it waits, unless it streams.
+  void take_from_other(const rsi::Datagram& datagram, rsi::Handling handling, std::uint32_t peer);
+  void take_waiting();
   void begin_session(const rsi::Datagram& first);
   void end_session();
   void on_sweep(const identify::Sweep& sweep);
@@ -105,7 +109,14 @@ class RobotService {
   std::unique_ptr<LinkWatch> watch_;            // of the session
   std::shared_ptr<const Recording> recording_;  // of the session
   std::string started_;
-  std::uint32_t local_address_ = 0;  // as the controller sees it
+  std::uint32_t controller_ = 0;  // address
+  struct Waiting {
+    rsi::Datagram datagram;
+    std::string payload;
+    rsi::Handling handling;
+    std::uint32_t peer;  // address
+  };
+  std::deque<Waiting> waiting_;
   LinkComplaints complaints_;
   std::uint64_t not_begun_ = 0;  // telegrams before this session
   RobotTally tally_;

@@ -33,7 +33,7 @@ Options options_of(RobotSettings& robot) {
       {"listen", &robot.listen,
        "address and port of this machine that the controller sends to; 0.0.0.0 is any"},
       {"controller", &robot.controller,
-       "only this address is answered; left out: the first that speaks"},
+       "only this address is answered; left out: the first that streams"},
       {"ethernet_config", &robot.ethernet_config,
        "the very Ethernet file that lies on the controller"},
       {"answers_with_zeros", &robot.answers_with_zeros,

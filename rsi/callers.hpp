@@ -3,10 +3,16 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <optional>
 
 namespace rsi {
 
-/// The addresses that were heard on a port, and which of them began their stream there.
+/// The addresses that were heard on a port: which of them is the controller, and which began their
+/// stream there.
+///
+/// The controller is the first that streams: several IPOCs in step within a second, which one that
+/// speaks now and then never sends. It stays so until it has not streamed for a second; before, and
+/// then, anyone may become it.
 ///
 /// Silence is what was seen to be silent, by one steady clock: a look at the port that took all
 /// there was shows that nothing else had come when it began. So neither a standstill of this
@@ -19,13 +25,24 @@ class Callers {
   using Time = std::chrono::steady_clock::time_point;
   /// Between two telegrams of one stream there is less.
   static constexpr std::chrono::seconds kSilence{1};
+  /// So many IPOCs that rise, each by less than a second's, are a stream.
+  static constexpr unsigned kSteps = 3;
 
   /// The port is there, or datagrams were lost unseen: nobody is known to have been silent before.
   void deaf_until(Time time) noexcept;
   /// All that had come by `time` was heard.
   void heard_all_until(Time time) noexcept { heard_all_ = time; }
-  /// A datagram of this address was taken from the port by `now`.
-  void hear(std::uint32_t address, Time now) noexcept;
+  /// A datagram of this address was taken from the port by `now`. Whether it is the controller's,
+  /// or may become it.
+  bool hear(std::uint32_t address, Time now) noexcept;
+  [[nodiscard]] bool may_be_controller(std::uint32_t address) const noexcept;
+  /// The datagram just heard was a telegram.
+  void telegram(std::uint32_t address, std::uint64_t ipoc, Time now) noexcept;
+  /// Nobody is the controller any more.
+  void forget_controller() noexcept { controller_ = 0; }
+
+  /// How much it looks like a controller, from 0 to kSteps: it streams; nothing without an IPOC.
+  [[nodiscard]] std::optional<unsigned> rank(std::uint32_t address) const noexcept;
 
   /// Whether its stream was heard from the beginning: since the first datagram behind a second of
   /// silence it counts as that, whatever pauses follow.
@@ -36,13 +53,21 @@ class Callers {
     std::uint32_t address = 0;  // 0: a free place
     Time heard;
     bool began = false;
+    bool spoke = false;      // a telegram
+    unsigned steps = 0;      // in step, since `first`
+    std::uint64_t ipoc = 0;  // the newest
+    Time first;
+    Time streamed;  // when there were kSteps
   };
+
+  [[nodiscard]] const Caller* find(std::uint32_t address) const noexcept;
 
   [[nodiscard]] Caller& place_of(std::uint32_t address) noexcept;
 
   std::array<Caller, 8> callers_{};
   Time unknown_until_;  // before this, an address without a place may have been heard
   Time heard_all_;
+  std::uint32_t controller_ = 0;  // the one that streams; 0: none
 };
 
 }  // namespace rsi

@@ -13,9 +13,10 @@ DatagramQueue::DatagramQueue(std::size_t bytes) : bytes_(bytes) {
     bytes_.push(block.data(), block.size());
 }
 
-bool DatagramQueue::push(const Datagram& datagram) noexcept {
-  const Header header{datagram.time, datagram.source, datagram.destination,
-                      static_cast<std::uint32_t>(datagram.payload.size()), datagram.cut};
+bool DatagramQueue::push(const Datagram& datagram, Handling handling) noexcept {
+  const Header header{datagram.time,        datagram.source,
+                      datagram.destination, static_cast<std::uint32_t>(datagram.payload.size()),
+                      datagram.cut,         handling};
   if (bytes_.write_available() < sizeof header + datagram.payload.size()) {
     overflows_.fetch_add(1, std::memory_order_relaxed);
     return false;
@@ -27,7 +28,7 @@ bool DatagramQueue::push(const Datagram& datagram) noexcept {
   return true;
 }
 
-bool DatagramQueue::pop(Datagram& datagram) {
+bool DatagramQueue::pop(Datagram& datagram, Handling* handling) {
   Header header;
   if (bytes_.read_available() < sizeof header) return false;
   std::array<char, sizeof header> raw;
@@ -38,6 +39,7 @@ bool DatagramQueue::pop(Datagram& datagram) {
   for (std::size_t have = 0; have < header.size;)
     have += bytes_.pop(payload_.data() + have, header.size - have);
   datagram = {header.time, header.source, header.destination, payload_, header.cut};
+  if (handling != nullptr) *handling = header.handling;
   return true;
 }
 

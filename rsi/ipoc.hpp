@@ -15,6 +15,16 @@ namespace rsi {
 /// reply thread.
 [[nodiscard]] std::string_view find_ipoc(std::string_view datagram) noexcept;
 
+/// One that fell back by so much, in the IPOC's milliseconds, was not overtaken on the way: RSI
+/// began anew.
+inline constexpr std::uint64_t kNoLatecomer = 1000;
+
+/// Whether `later` came behind `before` because it was overtaken on the way. By their difference,
+/// so that 0 follows the greatest number.
+[[nodiscard]] constexpr bool was_overtaken(std::uint64_t before, std::uint64_t later) noexcept {
+  return before - later - 1 < kNoLatecomer - 1;
+}
+
 /// The number that `digits` stand for; nothing if it is no unsigned 64-bit number.
 [[nodiscard]] std::optional<std::uint64_t> ipoc_number(std::string_view digits) noexcept;
 

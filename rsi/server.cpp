@@ -31,10 +31,7 @@ std::optional<std::uint32_t> local_address_towards(const Endpoint& peer) {
   return socket.local_endpoint().address().to_v4().to_uint();
 }
 
-Server::Server(Options options)
-    : options_(std::move(options)),
-      queue_(options_.queue_bytes),
-      current_(options_.controller.value_or(0)) {}
+Server::Server(Options options) : options_(std::move(options)), queue_(options_.queue_bytes) {}
 
 std::chrono::milliseconds Server::longest_look() const noexcept {
   return std::chrono::milliseconds(options_.only_from_the_beginning ? 20 : 100);
@@ -75,47 +72,52 @@ void Server::serve(std::span<const Datagram> received) noexcept {
   serving_ = true;
   const auto taken = clock();
   std::array<Fate, kMostAtOnce> fates;
-  std::size_t newest = received.size();
-  std::string_view newest_ipoc;
+  std::optional<Candidate> newest;
   for (std::size_t i = 0; i < received.size(); ++i) {
-    const auto ipoc = find_ipoc(received[i].payload);
-    fates[i] = judge(received[i], ipoc, taken);
-    if (fates[i] != Fate::answer) continue;
-    newest = i;
-    newest_ipoc = ipoc;
+    const auto& source = received[i].source;
+    std::string_view digits;
+    fates[i] = judge(received[i], digits, taken);
+    if (digits.empty()) continue;
+    const Candidate candidate{i, digits, *ipoc_number(digits), source};
+    callers_.telegram(source.address, candidate.ipoc, taken);
+    if (fates[i] == Fate::answer && (!newest || displaces(candidate, *newest))) newest = candidate;
   }
   Datagram sent;
-  if (newest < received.size()) sent = answer(received[newest], newest_ipoc);
+  if (newest) sent = answer(received[newest->at], newest->digits);
 
   for (std::size_t i = 0; i < received.size(); ++i) {
     if (fates[i] == Fate::drop) continue;
-    if (fates[i] == Fate::answer && i != newest) count(superseded_);
-    queue_.push(received[i]);
-    if (i == newest && options_.reply) queue_.push(sent);
+    const bool answered = newest && i == newest->at;
+    if (fates[i] == Fate::answer && !answered) count(superseded_);
+    const bool streams = callers_.rank(received[i].source.address) == Callers::kSteps;
+    queue_.push(received[i], {false, streams});
+    if (answered && options_.reply) queue_.push(sent, {true, streams});
   }
   serving_ = false;
 }
 
-bool Server::may_serve(std::uint32_t address) const noexcept {
-  const auto current = current_.load(std::memory_order_relaxed);
-  return current == 0 || current == address;
+bool Server::may_serve(std::uint32_t address) noexcept {
+  if (options_.controller) return address == *options_.controller;
+  if (forget_.exchange(false)) callers_.forget_controller();
+  return callers_.may_be_controller(address);
 }
 
-Server::Fate Server::judge(const Datagram& received, std::string_view ipoc,
+Server::Fate Server::judge(const Datagram& received, std::string_view& digits,
                            Callers::Time taken) noexcept {
   if (received.cut) count(cut_);
   const auto address = received.source.address;
-  if (options_.only_from_the_beginning && options_.controller.value_or(address) == address)
-    callers_.hear(address, taken);
-  auto current = current_.load(std::memory_order_relaxed);
-  if (current == 0 && !ipoc.empty()) current_ = current = address;
-  if (address != current) {
+  // Strangers' bytes are not looked at.
+  if (!may_serve(address)) {
+    if (!options_.controller) callers_.hear(address, taken);
     count(foreign_);
     return Fate::drop;
   }
-  if (ipoc.empty()) {
-    count(unanswerable_);
-    return Fate::hand_over;
+  callers_.hear(address, taken);
+  digits = find_ipoc(received.payload);
+  if (digits.empty()) {
+    const bool known = options_.controller || callers_.rank(address);
+    count(known ? unanswerable_ : foreign_);
+    return known ? Fate::hand_over : Fate::drop;
   }
   if (options_.only_from_the_beginning && !callers_.began(address)) {
     count(not_begun_);
@@ -124,13 +126,22 @@ Server::Fate Server::judge(const Datagram& received, std::string_view ipoc,
   return Fate::answer;
 }
 
-Datagram Server::answer(const Datagram& telegram, std::string_view ipoc) noexcept {
-  Datagram sent{{}, local_, telegram.source, {}, false};
+bool Server::displaces(const Candidate& later, const Candidate& before) const noexcept {
+  if (later.source.address != before.source.address)
+    return callers_.rank(later.source.address) >= callers_.rank(before.source.address);
+  // RSI that began anew sends from another port; what comes from the old one is a straggler.
+  if (later.source.port != before.source.port) return later.source != answered_last_;
+  return later.ipoc != before.ipoc && !was_overtaken(before.ipoc, later.ipoc);
+}
+
+Datagram Server::answer(const Datagram& telegram, std::string_view digits) noexcept {
+  Datagram sent{{}, telegram.destination, telegram.source, {}, false};
+  answered_last_ = telegram.source;
   if (!options_.reply) return sent;
-  const auto reply = options_.reply->with_ipoc(ipoc);
+  const auto reply = options_.reply->with_ipoc(digits);
   if (!moves_nothing(reply)) {
     count(refused_);
-  } else if (!send(reply, telegram.source)) {
+  } else if (!send(reply, telegram)) {
     count(send_failures_);
   } else {
     sent.payload = reply;

@@ -113,7 +113,7 @@ void TcpServer::accept_connections() noexcept {
       return;
     }
     if (!may_serve(peer.address)) {
-      count_foreign();
+      add_foreign(1);
       continue;
     }
     disconnect();
@@ -159,7 +159,7 @@ void TcpServer::disconnect() noexcept {
   broken_ = false;
 }
 
-bool TcpServer::send(std::string_view reply, const Endpoint&) noexcept {
+bool TcpServer::send(std::string_view reply, const Datagram&) noexcept {
   if (broken_) return false;
   const auto length = length_bytes(framer_.prefix(), static_cast<std::uint32_t>(reply.size()));
   std::array<iovec, 2> parts{iovec{const_cast<char*>(length.bytes.data()), length.size},

@@ -38,7 +38,7 @@ class TcpServer : public Server {
   void receive() noexcept;
   void serve_received() noexcept;
   void disconnect() noexcept;
-  [[nodiscard]] bool send(std::string_view reply, const Endpoint& to) noexcept override;
+  [[nodiscard]] bool send(std::string_view reply, const Datagram& telegram) noexcept override;
 
   Socket listener_;
   Socket connection_;

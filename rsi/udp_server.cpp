@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include <linux/filter.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -19,10 +20,17 @@ constexpr std::size_t kLargestDatagram = 65536;
 /// Half a minute of telegrams at a cycle of 4 ms, should this machine stop that long.
 constexpr int kReceiveBuffer = 8 << 20;
 
-/// Takes what the kernel says beside a datagram: when it came, and how many were dropped so far.
-void read_control(msghdr& message, Timestamp& time, std::uint32_t& dropped) noexcept {
+/// No datagram takes more of the receive buffer, in the system's counting.
+constexpr std::size_t kMostMemory = 128 << 10;
+
+/// Takes what the kernel says beside a datagram: when it came, to which address and interface, and
+/// how many were dropped so far.
+void read_control(msghdr& message, Timestamp& time, in_pktinfo& came_to,
+                  std::uint32_t& dropped) noexcept {
   for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr;
        part = CMSG_NXTHDR(&message, part)) {
+    if (part->cmsg_level == IPPROTO_IP && part->cmsg_type == IP_PKTINFO)
+      std::memcpy(&came_to, CMSG_DATA(part), sizeof came_to);
     if (part->cmsg_level != SOL_SOCKET) continue;
     if (part->cmsg_type == SO_TIMESTAMPNS) {
       timespec stamp;
@@ -34,12 +42,25 @@ void read_control(msghdr& message, Timestamp& time, std::uint32_t& dropped) noex
   }
 }
 
+/// Lets datagrams of this address alone into the socket.
+bool attach_filter(const Socket& socket, std::uint32_t address) noexcept {
+  constexpr std::uint32_t kSourceAddress = static_cast<std::uint32_t>(SKF_NET_OFF) + 12;
+  std::array<sock_filter, 4> program{{BPF_STMT(BPF_LD | BPF_W | BPF_ABS, kSourceAddress),
+                                      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, address, 0, 1),
+                                      BPF_STMT(BPF_RET | BPF_K, 0xffffffff),
+                                      BPF_STMT(BPF_RET | BPF_K, 0)}};
+  return socket.set(SOL_SOCKET, SO_ATTACH_FILTER,
+                    sock_fprog{static_cast<unsigned short>(program.size()), program.data()});
+}
+
 }  // namespace
 
 /// What the system fills in for each datagram. Pages that are never needed are never touched.
 struct UdpServer::Buffers {
   struct alignas(cmsghdr) Control {
-    std::array<char, CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(std::uint32_t))> bytes;
+    std::array<char, CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(in_pktinfo)) +
+                         CMSG_SPACE(sizeof(std::uint32_t))>
+        bytes;
   };
 
   std::unique_ptr<char[]> payloads{new char[kMostAtOnce * kLargestDatagram]};
@@ -47,8 +68,11 @@ struct UdpServer::Buffers {
   std::array<sockaddr_in, kMostAtOnce> sources;
   std::array<Control, kMostAtOnce> controls;
   std::array<mmsghdr, kMostAtOnce> messages{};
+  std::array<in_pktinfo, kMostAtOnce> came_to{};
   std::array<Datagram, kMostAtOnce> datagrams;
   std::uint32_t dropped = 0;
+  std::size_t waited = 0;  // since nothing did
+  bool emptied = false;
 
   Buffers() {
     for (std::size_t i = 0; i < kMostAtOnce; ++i) {
@@ -75,6 +99,9 @@ UdpServer::UdpServer(Options options)
       socket_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)),
       buffers_(std::make_unique<Buffers>()) {
   const Endpoint listen = this->options().listen;
+  const auto controller = this->options().controller;
+  filtered_ = controller && attach_filter(socket_, *controller);
+  everywhere_ = listen.address == 0;
   auto address = to_system(listen);
   socklen_t size = sizeof address;
   // Neither SO_REUSEADDR nor SO_REUSEPORT: the port is this program's alone.
@@ -87,6 +114,8 @@ UdpServer::UdpServer(Options options)
   // Where these are missing, times are taken later and drops are not counted: both still serve.
   socket_.set(SOL_SOCKET, SO_TIMESTAMPNS, 1);
   socket_.set(SOL_SOCKET, SO_RXQ_OVFL, 1);
+  if (everywhere_ && !socket_.set(IPPROTO_IP, IP_PKTINFO, 1))
+    throw std::system_error(errno, std::generic_category(), "IP_PKTINFO");
   const timeval longest_look{0, std::chrono::microseconds(this->longest_look()).count()};
   if (!socket_.set(SOL_SOCKET, SO_RCVTIMEO, longest_look))
     throw std::system_error(errno, std::generic_category(), "SO_RCVTIMEO");
@@ -121,27 +150,63 @@ std::optional<std::size_t> UdpServer::receive(int flags) noexcept {
     if (errno != EINTR) usleep(1000);
     return std::nullopt;
   }
-  std::uint32_t dropped = all.dropped;
+  const bool peeks = (flags & MSG_PEEK) != 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(received); ++i) {
     auto& [message, size] = all.messages[i];
     Timestamp time{};
-    read_control(message, time, dropped);
+    std::uint32_t dropped = all.dropped;
+    all.came_to[i] = {};
+    read_control(message, time, all.came_to[i], dropped);
+    Endpoint destination = local();
+    if (everywhere_) destination.address = ntohl(all.came_to[i].ipi_spec_dst.s_addr);
     all.datagrams[i] = {time.count() == 0 ? now() : time,
                         from_system(all.sources[i]),
-                        local(),
+                        destination,
                         {static_cast<const char*>(all.places[i].iov_base), size},
                         (message.msg_flags & MSG_TRUNC) != 0};
     all.reset(i);
+    if (!peeks) count_dropped(dropped);
   }
-  if ((flags & MSG_PEEK) == 0) add_dropped(dropped - std::exchange(all.dropped, dropped));
+  if (!peeks) all.emptied = static_cast<std::size_t>(received) < kMostAtOnce;
   return static_cast<std::size_t>(received);
 }
 
-bool UdpServer::send(std::string_view reply, const Endpoint& to) noexcept {
-  const auto address = to_system(to);
-  return sendto(socket_.get(), reply.data(), reply.size(), MSG_DONTWAIT,
-                reinterpret_cast<const sockaddr*>(&address),
-                sizeof address) == static_cast<ssize_t>(reply.size());
+void UdpServer::count_dropped(std::uint32_t until_this_datagram) noexcept {
+  auto& all = *buffers_;
+  const auto dropped = until_this_datagram - std::exchange(all.dropped, until_this_datagram);
+  // The system counts what the filter keeps away and what finds no room in one. So few as have
+  // waited do not fill the buffer.
+  if (dropped > 0 && filtered_ && all.waited * kMostMemory < receive_buffer())
+    add_foreign(dropped);
+  else
+    add_dropped(dropped);
+  all.waited = (std::exchange(all.emptied, false) ? 0 : all.waited) + 1;
+}
+
+bool UdpServer::send(std::string_view reply, const Datagram& telegram) noexcept {
+  auto address = to_system(telegram.source);
+  iovec text{const_cast<char*>(reply.data()), reply.size()};
+  msghdr message{};
+  message.msg_name = &address;
+  message.msg_namelen = sizeof address;
+  message.msg_iov = &text;
+  message.msg_iovlen = 1;
+  Buffers::Control control{};
+  if (everywhere_) {
+    const auto& came_to =
+        buffers_->came_to[static_cast<std::size_t>(&telegram - buffers_->datagrams.data())];
+    in_pktinfo from{};
+    from.ipi_spec_dst = came_to.ipi_spec_dst;
+    from.ipi_ifindex = came_to.ipi_ifindex;
+    message.msg_control = control.bytes.data();
+    message.msg_controllen = CMSG_SPACE(sizeof from);
+    cmsghdr* const part = CMSG_FIRSTHDR(&message);
+    part->cmsg_level = IPPROTO_IP;
+    part->cmsg_type = IP_PKTINFO;
+    part->cmsg_len = CMSG_LEN(sizeof from);
+    std::memcpy(CMSG_DATA(part), &from, sizeof from);
+  }
+  return sendmsg(socket_.get(), &message, MSG_DONTWAIT) == static_cast<ssize_t>(reply.size());
 }
 
 }  // namespace rsi

@@ -221,6 +221,57 @@ TEST_CASE("a session whose last result was never written gets it at the next sta
   CHECK_FALSE(json_in(other / "run.json").contains("ended"));
 }
 
+TEST_CASE("a stray with an IPOC neither keeps out the controller nor shares its recording",
+          "[realtime][robot_service][issue11][point_8]") {
+  const TemporaryFolder folder;
+  const auto output = folder / "out";
+  auto robot = settings(output);
+  robot.silence = 20s;
+  RobotService service(robot);
+  service.start();
+  auto stray = at(service.local());
+  stray.local.address = *rsi::parse_address("127.0.0.2");
+  const auto send_one = [](std::uint64_t cycle, rsi::SignalValues&) { return cycle < 1; };
+  static_cast<void>(rsi::ControllerLink(rsi::EthernetConfig::load(kEthernet), stray).run(send_one));
+  REQUIRE(eventually([&] { return sessions(output).size() == 1; }));
+  const auto of_stray = *sessions(output).begin();
+  const auto report = stream(service.local(), 100);
+  CHECK(report.controller.telegrams == 100);
+  service.stop();
+  auto folders = sessions(output);
+  folders.erase(of_stray);
+  REQUIRE(folders.size() == 1);
+  const auto counts = traced(*folders.begin(), service.local().port);
+  CHECK(counts.telegrams == 100);
+  CHECK(counts.replies == report.controller.replies);
+}
+
+TEST_CASE("where all addresses are listened at, the recording has those that were used",
+          "[realtime][robot_service][issue11][point_3]") {
+  const TemporaryFolder folder;
+  auto robot = settings(folder / "out");
+  robot.listen.address = 0;
+  RobotService service(robot);
+  service.start();
+  const rsi::Endpoint server{*rsi::parse_address("127.0.0.3"), service.local().port};
+  auto options = at(server);
+  options.local.address = *rsi::parse_address("127.0.0.2");
+  rsi::ControllerLink link(rsi::EthernetConfig::load(kEthernet), options);
+  const auto report = link.run([](std::uint64_t cycle, auto&) { return cycle < 20; });
+  CHECK(report.controller.of(rsi::ReplyFault::wrong_source) == 0);
+  CHECK(report.controller.accepted > 0);
+  service.stop();
+  REQUIRE(sessions(folder / "out").size() == 1);
+  rsi::CaptureReader trace(*sessions(folder / "out").begin() / "trace.pcap");
+  std::uint64_t replies = 0;
+  while (const auto datagram = trace.next()) {
+    const bool reply = datagram->source == server;
+    CHECK((reply || datagram->destination == server));
+    replies += reply;
+  }
+  CHECK(replies == report.controller.replies);
+}
+
 TEST_CASE("a stop while RSI streams leaves a complete result at once, and answers until then",
           "[realtime]") {
   const TemporaryFolder folder;

@@ -177,11 +177,11 @@ TEST_CASE("without a configured controller one that says nothing does not keep o
   Running running(on_loopback());
   Controller silent(running.server, 0x7f000003);
   Controller first(running.server, 0x7f000002);
-  CHECK(first.answered(4));
+  for (std::uint64_t ipoc : {4U, 8U, 12U, 16U}) CHECK(first.answered(ipoc));
   CHECK(silent.closed_by_server());
   Controller stranger(running.server);
   CHECK(stranger.closed_by_server());
-  CHECK(first.answered(8));
+  CHECK(first.answered(20));
   running.server.forget_controller();
   Controller next(running.server);
   CHECK(next.answered(4));

@@ -181,21 +181,65 @@ TEST_CASE("only the configured controller is answered, others are counted") {
   CHECK(running.server.counts().foreign == 1);
 }
 
-TEST_CASE(
-    "without a configured controller the first that sends an IPOC is served until forgotten") {
+TEST_CASE("without a configured controller the first that streams is served until forgotten") {
   Running running(on_loopback());
   Controller stranger(running.server);
   Controller first(running.server, 0x7f000002);
   stranger.send("no telegram");
-  first.send(telegram(4));
-  CHECK(first.receive().find(">4<") != std::string::npos);
+  for (std::uint64_t ipoc : {4U, 8U, 12U, 16U}) {
+    first.send(telegram(ipoc));
+    CHECK(first.receive() == reply(ipoc));
+  }
   stranger.send(telegram(5));
-  first.send(telegram(8));
-  CHECK(first.receive().find(">8<") != std::string::npos);
+  first.send(telegram(20));
+  CHECK(first.receive() == reply(20));
   CHECK(running.server.counts().foreign == 2);
   running.server.forget_controller();
   stranger.send(telegram(12));
-  CHECK(stranger.receive().find(">12<") != std::string::npos);
+  CHECK(stranger.receive() == reply(12));
+}
+
+TEST_CASE("what strangers send does not get into the receive buffer of a configured controller",
+          "[udp_server][issue11][point_8]") {
+  auto options = on_loopback();
+  options.controller = 0x7f000002;
+  UdpServer server(std::move(options));
+  Controller stranger(server);
+  Controller controller(server, 0x7f000002);
+  controller.send(telegram(4));
+  // More than would fit: each takes its page or more.
+  const std::size_t sent = server.receive_buffer() / 4096 + 2000;
+  for (std::size_t k = 0; k < sent; ++k) stranger.send(std::string(4000, 'x'));
+  controller.send(telegram(8));
+  std::thread thread([&] { server.run(); });
+  CHECK(controller.receive() == reply(8));
+  server.stop();
+  thread.join();
+  CHECK(server.counts().dropped == 0);
+  CHECK(server.counts().foreign == sent);
+  CHECK(server.counts().superseded == 1);
+}
+
+TEST_CASE("a reply leaves from the address that the telegram came to",
+          "[udp_server][issue11][point_3]") {
+  auto options = on_loopback();
+  options.listen.address = 0;
+  Running running(std::move(options));
+  for (const std::uint32_t address : {0x7f000003U, 0x7f000004U, kLoopback}) {
+    Controller controller(running.server, 0x7f000002);
+    // A connected socket, as controllers have: it takes nothing from another address.
+    controller.socket.connect({boost::asio::ip::address_v4(address), running.server.local().port});
+    controller.socket.send(boost::asio::buffer(telegram(4)));
+    CHECK(controller.receive() == reply(4));
+    const rsi::Endpoint end{0x7f000002, controller.socket.local_endpoint().port()};
+    const rsi::Endpoint here{address, running.server.local().port};
+    const Datagram received = running.next();
+    CHECK(received.source == end);
+    CHECK(received.destination == here);
+    const Datagram sent = running.next();
+    CHECK(sent.source == here);
+    CHECK(sent.destination == end);
+  }
 }
 
 TEST_CASE("a stream whose beginning was not heard is handed over unanswered, if that is wanted",
