@@ -11,6 +11,7 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
+#include "rsi/ipoc.hpp"
 #include "rsi/port_owner.hpp"
 
 namespace rsi {
@@ -20,6 +21,8 @@ using namespace std::chrono_literals;
 
 /// No descriptors or memory: so long until the next connection is accepted.
 constexpr auto kPause = 100ms;
+/// Beside one that speaks a connection may be silent for so long.
+constexpr auto kLongestWait = 10s;
 constexpr int kBacklog = 16;
 /// Of a flood of connections so many are looked at before telegrams again.
 constexpr int kMostAccepted = 16;
@@ -49,6 +52,14 @@ Socket accept_from(const Socket& listener, Endpoint& peer) noexcept {
   return connection;
 }
 
+/// Where it was connected to.
+Endpoint local_end(const Socket& connection) noexcept {
+  sockaddr_in address{};
+  socklen_t size = sizeof address;
+  getsockname(connection.get(), reinterpret_cast<sockaddr*>(&address), &size);
+  return from_system(address);
+}
+
 }  // namespace
 
 TcpServer::TcpServer(Options options)
@@ -72,33 +83,38 @@ TcpServer::TcpServer(Options options)
 void TcpServer::warm() noexcept {
   Server::warm();
   constexpr std::string_view kTelegram = "<Rob Type=\"KUKA\"><IPOC>1</IPOC></Rob>";
-  const auto room = framer_.room();
-  std::memset(room.data(), 0, room.size());
-  std::memcpy(room.data(), kTelegram.data(), kTelegram.size());
-  framer_.received(kTelegram.size());
-  static_cast<void>(framer_.next());
-  framer_.reset();
+  for (auto* framer : {&served_.framer, &next_.framer}) {
+    const auto room = framer->room();
+    std::memset(room.data(), 0, room.size());
+    std::memcpy(room.data(), kTelegram.data(), kTelegram.size());
+    framer->received(kTelegram.size());
+    static_cast<void>(framer->next());
+    framer->reset();
+  }
   // There is no connection yet: these two only take the way into the system.
   receive();
   static_cast<void>(send(kTelegram, {}));
-  broken_ = false;
+  served_.broken = false;
 }
 
 void TcpServer::run() noexcept {
   while (!stopping()) {
-    const auto looking = clock();
+    looking_ = clock();
     const bool accepts = std::chrono::steady_clock::now() >= accept_after_;
     // poll leaves out what is -1.
-    std::array<pollfd, 2> waiting{pollfd{connection_.get(), POLLIN, 0},
+    std::array<pollfd, 3> waiting{pollfd{served_.socket.get(), POLLIN, 0},
+                                  pollfd{next_.socket.get(), POLLIN, 0},
                                   pollfd{accepts ? listener_.get() : -1, POLLIN, 0}};
     const int ready =
         poll(waiting.data(), waiting.size(), static_cast<int>(longest_look().count()));
     beat();
     if (ready < 0 && errno != EINTR) usleep(1000);  // one that lasts must not take the processor
-    if (ready == 0 && accepts) heard_all_until(looking);
-    if (ready <= 0) continue;
-    if (waiting[0].revents != 0) receive();
-    if (waiting[1].revents != 0) accept_connections();
+    if (ready == 0 && accepts) heard_all_until(looking_);
+    if (ready > 0 && waiting[0].revents != 0) receive();
+    if (ready > 0 && waiting[1].revents != 0) receive_next();
+    if (ready > 0 && waiting[2].revents != 0) accept_connections();
+    if (next_.socket.open() && looking_ - next_since_ >= kLongestWait && spoke_ >= next_since_)
+      close(next_);
   }
 }
 
@@ -116,60 +132,89 @@ void TcpServer::accept_connections() noexcept {
       add_foreign(1);
       continue;
     }
-    disconnect();
+    if (next_.socket.open()) receive_next();  // it may have spoken
+    Connection& place = served_.socket.open() ? next_ : served_;
+    close(place);
     set_options(connection);
-    connection_ = std::move(connection);
-    peer_ = peer;
+    place.local = local().address == 0 ? local_end(connection) : local();
+    place.socket = std::move(connection);
+    place.peer = peer;
+    next_since_ = looking_;
   }
+}
+
+std::optional<std::size_t> TcpServer::read(Connection& connection) noexcept {
+  const auto room = connection.framer.room();
+  const auto received = recv(connection.socket.get(), room.data(), room.size(), MSG_DONTWAIT);
+  if (received > 0) {
+    connection.framer.received(static_cast<std::size_t>(received));
+    return static_cast<std::size_t>(received);
+  }
+  if (received < 0 && !connection.broken && (errno == EAGAIN || errno == EINTR)) return 0;
+  return std::nullopt;
 }
 
 void TcpServer::receive() noexcept {
-  const auto room = framer_.room();
-  const auto received = recv(connection_.get(), room.data(), room.size(), MSG_DONTWAIT);
-  if (received <= 0) {
-    if (received == 0 || broken_ || (errno != EAGAIN && errno != EINTR)) disconnect();
-    return;
-  }
-  framer_.received(static_cast<std::size_t>(received));
+  const auto room = served_.framer.room().size();
+  const auto received = read(served_);
+  if (!received) return close(served_);
+  if (*received == 0) return;
   serve_received();
-  if (broken_ && static_cast<std::size_t>(received) < room.size()) return disconnect();
+  if (served_.broken && *received < room) return close(served_);
   // The system forgets this wish. After the reply, which carries the acknowledgement, it costs no
   // packet; where none was sent, the controller must not wait for it (Nagle).
-  connection_.set(IPPROTO_TCP, TCP_QUICKACK, 1);
+  served_.socket.set(IPPROTO_TCP, TCP_QUICKACK, 1);
 }
 
-void TcpServer::serve_received() noexcept {
+void TcpServer::receive_next() noexcept {
+  if (!read(next_)) return close(next_);
+  std::string_view telegram;
+  do telegram = next_.framer.next();
+  while (!telegram.empty() && find_ipoc(telegram).empty());
+  if (telegram.empty()) return;
+  if (!may_serve(next_.peer.address)) {
+    add_foreign(1);
+    return close(next_);
+  }
+  std::swap(served_, next_);
+  close(next_);
+  serve_received(telegram);
+}
+
+void TcpServer::serve_received(std::string_view first) noexcept {
   const Timestamp time = now();
   std::size_t count = 0;
   do {
     for (count = 0; count < datagrams_.size(); ++count) {
-      const auto telegram = framer_.next();
+      const auto telegram = first.empty() ? served_.framer.next() : std::exchange(first, {});
       if (telegram.empty()) break;
-      datagrams_[count] = {time, peer_, local(), telegram, false};
+      datagrams_[count] = {time, served_.peer, served_.local, telegram, false};
+      spoke_ = looking_;
     }
     if (count > 0) serve({datagrams_.data(), count});
   } while (count == datagrams_.size());
-  set_skipped(framer_.skipped());
+  set_skipped(served_.framer.skipped() + next_.framer.skipped());
 }
 
-void TcpServer::disconnect() noexcept {
-  connection_ = Socket();
-  framer_.reset();
-  set_skipped(framer_.skipped());
-  broken_ = false;
+void TcpServer::close(Connection& connection) noexcept {
+  connection.socket = Socket();
+  connection.framer.reset();
+  connection.broken = false;
+  set_skipped(served_.framer.skipped() + next_.framer.skipped());
 }
 
 bool TcpServer::send(std::string_view reply, const Datagram&) noexcept {
-  if (broken_) return false;
-  const auto length = length_bytes(framer_.prefix(), static_cast<std::uint32_t>(reply.size()));
+  if (served_.broken) return false;
+  const auto length =
+      length_bytes(served_.framer.prefix(), static_cast<std::uint32_t>(reply.size()));
   std::array<iovec, 2> parts{iovec{const_cast<char*>(length.bytes.data()), length.size},
                              iovec{const_cast<char*>(reply.data()), reply.size()}};
   msghdr message{};
   message.msg_iov = parts.data();
   message.msg_iovlen = parts.size();
-  const auto sent = sendmsg(connection_.get(), &message, MSG_DONTWAIT | MSG_NOSIGNAL);
-  broken_ = sent != static_cast<ssize_t>(length.size + reply.size());
-  return !broken_;
+  const auto sent = sendmsg(served_.socket.get(), &message, MSG_DONTWAIT | MSG_NOSIGNAL);
+  served_.broken = sent != static_cast<ssize_t>(length.size + reply.size());
+  return !served_.broken;
 }
 
 }  // namespace rsi

@@ -203,6 +203,56 @@ TEST_CASE("a new connection of the controller takes the place of the one left be
   CHECK(running.server.counts().foreign == 0);
 }
 
+TEST_CASE("a second connection takes the place of the one that is served with its first telegram",
+          "[tcp_server][issue11][point_9]") {
+  auto options = on_loopback();
+  HandClock::time = 1h;
+  options.clock = HandClock::now;
+  Running running(std::move(options));
+  Controller controller(running.server);
+  CHECK(controller.answered(4));
+  Controller silent(running.server);
+  for (std::uint64_t ipoc = 8; ipoc < 100; ipoc += 4) REQUIRE(controller.answered(ipoc));
+  SECTION("a part of one does not do") {
+    silent.send("<Rob><IPOC>9</IPOC><A></Rob");
+    CHECK(controller.answered(100));
+    silent.send(">");
+    CHECK(silent.receive(reply(9).size()) == reply(9));
+    CHECK(controller.closed_by_server());
+    CHECK(silent.answered(10));
+  }
+  SECTION("one that never speaks is closed") {
+    running.look_at(1h + 9s);
+    CHECK(controller.answered(100));
+    running.look_at(1h + 11s);
+    CHECK(silent.closed_by_server());
+    CHECK(controller.answered(104));
+  }
+  SECTION("one more takes the place of the one that waits") {
+    Controller third(running.server);
+    CHECK(silent.closed_by_server());
+    CHECK(controller.answered(100));
+    CHECK(third.answered(4));
+    CHECK(controller.closed_by_server());
+  }
+  running.stop();
+  CHECK(running.server.counts().foreign == 0);
+}
+
+TEST_CASE("over TCP, too, the recording has the addresses that were used",
+          "[tcp_server][issue11][point_3]") {
+  auto options = on_loopback();
+  options.listen.address = 0;
+  Running running(std::move(options));
+  boost::asio::io_context context;
+  tcp::socket socket(context);
+  socket.connect({boost::asio::ip::make_address_v4("127.0.0.3"), running.server.local().port});
+  socket.send(boost::asio::buffer(telegram(4)));
+  const rsi::Endpoint here{0x7f000003, running.server.local().port};
+  CHECK(running.next().destination == here);
+  CHECK(running.next().source == here);
+}
+
 TEST_CASE("a controller that closes its end is answered to the last telegram, and may come again") {
   Running running(on_loopback());
   for (std::uint64_t ipoc : {4U, 8U}) {
