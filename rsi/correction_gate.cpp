@@ -43,7 +43,9 @@ bool moves_nothing(std::string_view reply) noexcept {
   if (!take(reply, "<Sen Type=\"") || !take_until(reply, '"', ignored) ||
       ignored.find_first_of("<>") != ignored.npos || !take(reply, ">"))
     return false;
-  while (!take(reply, "</Sen>")) {
+  // The oldest RSI wraps all into an element of its own.
+  const bool wrapped = take(reply, "<Dat TaskType=\"b\">");
+  while (!take(reply, wrapped ? "</Dat></Sen>" : "</Sen>")) {
     std::string_view tag;
     if (!take(reply, "<") || !take_until(reply, '>', tag)) return false;
     const bool closed = tag.ends_with('/');

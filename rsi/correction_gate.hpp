@@ -5,7 +5,8 @@
 namespace rsi {
 
 /// Whether a reply moves nothing: an element <Sen> in which every value, attribute or text, is
-/// empty or a zero ("0", "0.0"), but for Sen's own Type and the digits of the IPOC. Anything that
+/// empty or a zero ("0", "0.0"), but for Sen's own Type and the digits of the IPOC. All of it may
+/// stand in one <Dat TaskType="b">. Anything that
 /// cannot be read with certainty moves something.
 ///
 /// The last thing that a reply passes on its way out. It knows nothing of how replies are made, so

@@ -15,7 +15,6 @@ namespace {
 using Type = EthernetConfig::Element::Type;
 
 constexpr std::size_t kLongestIpoc = 20;  // digits of 2^64 - 1
-constexpr std::string_view kEnd = "</IPOC></Sen>";
 
 std::string_view zero(Type type) {
   if (type == Type::STRING) return "";
@@ -124,27 +123,47 @@ Reply::Reply(const EthernetConfig& config) : Reply(config.sentype, config.receiv
 Reply::Reply(std::string_view sentype) : Reply(sentype, {}) {}
 
 Reply::Reply(std::string_view sentype, const std::vector<EthernetConfig::Element>& receive) {
-  buffer_ = "<Sen Type=\"" + xml_escaped(sentype) + "\">";
+  std::string values;
   for (const auto& element : wire_layout(receive)) {
     std::string content;
-    buffer_ += "<" + element.name;
+    values += "<" + element.name;
     for (const auto& [attribute, tag, component] : element.fields)
       if (attribute.empty())
         content = zero(receive[tag].type);
       else
-        buffer_.append(" ").append(attribute).append("=\"").append(zero(receive[tag].type)) += '"';
-    buffer_ += element.has_text() ? ">" + content + "</" + element.name + ">" : "/>";
+        values.append(" ").append(attribute).append("=\"").append(zero(receive[tag].type)) += '"';
+    values += element.has_text() ? ">" + content + "</" + element.name + ">" : "/>";
   }
-  buffer_ += "<IPOC>";
-  ipoc_at_ = buffer_.size();
-  buffer_.resize(ipoc_at_ + kLongestIpoc + kEnd.size());
+  const std::string sen = "<Sen Type=\"" + xml_escaped(sentype) + "\">";
+  templates_ = {
+      Template{sen + values + "<IPOC>", 0, "</IPOC></Sen>"},
+      Template{sen + "<Dat TaskType=\"b\">" + values + "<IPOC>", 0, "</IPOC></Dat></Sen>"}};
+  for (auto& [buffer, ipoc_at, end] : templates_) {
+    ipoc_at = buffer.size();
+    buffer.resize(ipoc_at + kLongestIpoc + end.size());
+  }
 }
 
-std::string_view Reply::with_ipoc(std::string_view ipoc_digits) noexcept {
+std::string_view Reply::with_ipoc(std::string_view ipoc_digits, Form form) noexcept {
   if (ipoc_digits.empty() || ipoc_digits.size() > kLongestIpoc) return {};
-  char* const ipoc = buffer_.data() + ipoc_at_;
-  char* const end = std::copy(ipoc_digits.begin(), ipoc_digits.end(), ipoc);
-  return {buffer_.data(), std::copy(kEnd.begin(), kEnd.end(), end)};
+  auto& [buffer, ipoc_at, rest] = templates_[static_cast<std::size_t>(form)];
+  char* const end = std::copy(ipoc_digits.begin(), ipoc_digits.end(), buffer.data() + ipoc_at);
+  return {buffer.data(), std::copy(rest.begin(), rest.end(), end)};
+}
+
+Form form_of(std::string_view telegram) noexcept {
+  constexpr std::size_t kSearched = 256;  // room for an XML declaration and name spaces
+  constexpr std::string_view kTag = "<Dat";
+  constexpr std::string_view kAttribute = "TaskType";
+  telegram = telegram.substr(0, kSearched);
+  for (auto at = telegram.find('<'); at != telegram.npos; at = telegram.find('<', at + 1)) {
+    if (!equal_ignoring_case(telegram.substr(at, kTag.size()), kTag)) continue;
+    auto rest = telegram.substr(at + kTag.size());
+    if (rest.empty() || !is_blank(rest.front())) continue;
+    while (!rest.empty() && is_blank(rest.front())) rest.remove_prefix(1);
+    if (equal_ignoring_case(rest.substr(0, kAttribute.size()), kAttribute)) return Form::wrapped;
+  }
+  return Form::flat;
 }
 
 ReplyCheck::ReplyCheck(const EthernetConfig& config) : sentype_(config.sentype) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -8,6 +9,14 @@
 #include "rsi/ethernet_config.hpp"
 
 namespace rsi {
+
+/// How a telegram and its reply are built.
+enum class Form : std::uint8_t {
+  flat,
+  wrapped,  ///< all in <Dat TaskType="b">, as from the oldest RSI on KR C2
+};
+/// Told by the first bytes of a telegram, whatever the rest is. For the reply thread.
+[[nodiscard]] Form form_of(std::string_view telegram) noexcept;
 
 /// The answer to a telegram: a zero for every tag of the RECEIVE list in its order (nothing for
 /// strings), and the telegram's IPOC. There is no way to put another value in: sweepd never moves
@@ -20,13 +29,18 @@ class Reply {
 
   /// The reply with these digits, which are echoed as they are; empty if there are none or more
   /// than 20. Valid until the next call. Does not allocate.
-  [[nodiscard]] std::string_view with_ipoc(std::string_view ipoc_digits) noexcept;
+  [[nodiscard]] std::string_view with_ipoc(std::string_view ipoc_digits,
+                                           Form form = Form::flat) noexcept;
 
  private:
   Reply(std::string_view sentype, const std::vector<EthernetConfig::Element>& receive);
 
-  std::string buffer_;  // what comes before the IPOC, then room for the rest
-  std::size_t ipoc_at_ = 0;
+  struct Template {
+    std::string buffer;  // what comes before the IPOC, then room for the rest
+    std::size_t ipoc_at = 0;
+    std::string_view end;
+  };
+  std::array<Template, 2> templates_;  // by Form
 };
 
 /// What a controller makes of the text of a reply.

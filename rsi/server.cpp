@@ -52,8 +52,9 @@ void Server::warm() noexcept {
   for (int round = 0; round < 3; ++round) {
     static_cast<void>(find_ipoc("<Rob Type=\"KUKA\"><IPOC>18446744073709551615</IPOC></Rob>"));
     static_cast<void>(now());
-    if (options_.reply)
-      static_cast<void>(moves_nothing(options_.reply->with_ipoc("18446744073709551615")));
+    if (!options_.reply) continue;
+    for (const auto form : {Form::flat, form_of("<Rob><Dat TaskType=\"b\">")})
+      static_cast<void>(moves_nothing(options_.reply->with_ipoc("18446744073709551615", form)));
   }
 }
 
@@ -138,7 +139,7 @@ Datagram Server::answer(const Datagram& telegram, std::string_view digits) noexc
   Datagram sent{{}, telegram.destination, telegram.source, {}, false};
   answered_last_ = telegram.source;
   if (!options_.reply) return sent;
-  const auto reply = options_.reply->with_ipoc(digits);
+  const auto reply = options_.reply->with_ipoc(digits, form_of(telegram.payload));
   if (!moves_nothing(reply)) {
     count(refused_);
   } else if (!send(reply, telegram)) {

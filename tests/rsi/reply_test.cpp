@@ -3,6 +3,7 @@
 #include <limits>
 #include <random>
 
+#include "rsi/correction_gate.hpp"
 #include "tests/catch.hpp"
 
 using rsi::EthernetConfig;
@@ -42,6 +43,44 @@ TEST_CASE("one reply serves telegram after telegram, whatever the length of the 
     CHECK(reply.with_ipoc(ipoc) == "<Sen Type=\"KMC\"><IPOC>" + ipoc + "</IPOC></Sen>");
   const char* buffer = reply.with_ipoc("1").data();
   CHECK(reply.with_ipoc("18446744073709551615").data() == buffer);
+}
+
+TEST_CASE("the answer to a wrapped telegram is wrapped, passes the gate and is understood",
+          "[reply][issue11][point_20]") {
+  const auto config = config_with(kMuch);
+  rsi::Reply reply(config);
+  const std::string flat(reply.with_ipoc("1525084"));
+  const std::string wrapped(reply.with_ipoc("1525084", rsi::Form::wrapped));
+  const auto begin = flat.find('>') + 1;
+  const auto end = flat.rfind("</Sen>");
+  CHECK(wrapped == flat.substr(0, begin) + "<Dat TaskType=\"b\">" +
+                       flat.substr(begin, end - begin) + "</Dat></Sen>");
+  CHECK(rsi::moves_nothing(wrapped));
+  const auto content = rsi::ReplyCheck(config).read(wrapped);
+  CHECK(content.malformed.empty());
+  CHECK(content.right_type);
+  CHECK(content.ipoc == 1525084);
+  CHECK(content.missing.empty());
+  CHECK(content.not_zero.empty());
+  CHECK(reply.with_ipoc("1525084") == flat);
+  // Every damaged byte that makes a value is seen.
+  for (const auto* moving :
+       {"<Dat TaskType=\"1\">", "<Dat TaskType=\"b\" X=\"1\">", "<Dat TaskType=\"b\"><X>1</X>"}) {
+    auto damaged = wrapped;
+    damaged.replace(begin, std::string("<Dat TaskType=\"b\">").size(), moving);
+    CHECK_FALSE(rsi::moves_nothing(damaged));
+  }
+  CHECK_FALSE(rsi::moves_nothing("<Sen Type=\"A\"><Dat TaskType=\"b\"><IPOC>1</IPOC></Sen>"));
+  CHECK_FALSE(rsi::moves_nothing("<Sen Type=\"A\"><IPOC>1</IPOC></Dat></Sen>"));
+}
+
+TEST_CASE("the form of a telegram is told by its first bytes", "[reply][issue11][point_20]") {
+  using rsi::Form;
+  CHECK(rsi::form_of("<Rob Type=\"KUKA\">\n\t<Dat TaskType=\"b\">") == Form::wrapped);
+  CHECK(rsi::form_of("<rob><dat  tasktype='b'>") == Form::wrapped);
+  for (const auto* flat : {"", "<", "<Dat", "<Dat ", "<Rob Type=\"KUKA\"><Data TaskType=\"b\"/>",
+                           "<Rob Type=\"KUKA\"><Dat A=\"1\"/><IPOC>1</IPOC></Rob>"})
+    CHECK(rsi::form_of(flat) == Form::flat);
 }
 
 TEST_CASE("there is no reply without an IPOC, or to one that no controller sends") {

@@ -185,6 +185,19 @@ TEST_CASE("what is handed over says whether its source streams, and which of it 
   }
 }
 
+TEST_CASE("a reply is wrapped if its telegram was", "[server][issue11][point_20]") {
+  Bench bench;
+  const std::string wrapped =
+      "<?xml version=\"1.0\"?>\r\n<Rob Type=\"KUKA\" "
+      "xmlns:xsi=\"http://www.w3.org/2001/XMLSchema\">"
+      "\r\n\t<Dat TaskType=\"b\">\r\n\t<DiI>0</DiI><IPOC>8</IPOC>\r\n</Dat>\r\n</Rob>";
+  CHECK(bench.give({{kController, wrapped}}) ==
+        Replies{
+            {kController, "<Sen Type=\"ImFree\"><Dat TaskType=\"b\"><IPOC>8</IPOC></Dat></Sen>"}});
+  CHECK(bench.give({{kController, telegram(12)}}) == Replies{{kController, reply(12)}});
+  CHECK(bench.counts().refused == 0);
+}
+
 TEST_CASE("junk of one that never sent an IPOC is a stranger's", "[server][issue11][point_8]") {
   Bench bench;
   bench.give({{kStray, "junk"}, {kController, telegram(4)}, {kController, "junk"}});
