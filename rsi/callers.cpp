@@ -33,14 +33,17 @@ void Callers::telegram(std::uint32_t address, std::uint64_t ipoc, Time now) noex
   Caller& caller = place_of(address);
   if (caller.spoke && was_overtaken(caller.ipoc, ipoc)) return;
   const auto rise = ipoc - caller.ipoc;
-  const bool in_step = caller.spoke && rise < kNoLatecomer && now - caller.first <= kSilence;
+  const bool in_step = caller.spoke && rise < kNoLatecomer;
+  // One that is out of step may be damaged, two have begun anew.
+  caller.odd = caller.spoke && !in_step && !caller.odd;
+  if (caller.odd) return;
   caller.spoke = true;
   caller.ipoc = ipoc;
-  if (in_step) {
-    if (rise > 0) ++caller.steps;
-  } else {
+  if (!in_step || now - caller.first > kSilence) {
     caller.steps = 0;
     caller.first = now;
+  } else if (rise > 0) {
+    ++caller.steps;
   }
   if (caller.steps < kSteps) return;
   caller.steps = 0;

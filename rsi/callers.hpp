@@ -54,6 +54,7 @@ class Callers {
     Time heard;
     bool began = false;
     bool spoke = false;      // a telegram
+    bool odd = false;        // the last one was out of step
     unsigned steps = 0;      // in step, since `first`
     std::uint64_t ipoc = 0;  // the newest
     Time first;

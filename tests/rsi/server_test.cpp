@@ -169,6 +169,20 @@ TEST_CASE("a standstill of this program does not make the controller give way",
   CHECK(replies == Replies{{kController, reply(1044)}});
 }
 
+TEST_CASE("damaged telegrams between good ones do not make a controller give way",
+          "[server][issue11][point_8]") {
+  Bench bench;
+  for (std::uint64_t ipoc = 2000; ipoc < 6000; ipoc += 4) {
+    bench.pass(4ms);
+    if (!bench.answers(kController, ipoc) || !bench.answers(kController, 77)) FAIL(ipoc);
+    if (ipoc >= 2012 && bench.answers(kStray, 8)) FAIL(ipoc);
+  }
+  for (std::uint64_t ipoc = 40; ipoc < 5000; ipoc += 4) {  // RSI begins anew
+    bench.pass(4ms);
+    if (!bench.answers(kController, ipoc) || bench.answers(kStray, 8)) FAIL(ipoc);
+  }
+}
+
 TEST_CASE("what is handed over says whether its source streams, and which of it are replies",
           "[server][issue11][point_8]") {
   Bench bench;
