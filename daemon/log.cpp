@@ -1,41 +1,59 @@
 #include "daemon/log.hpp"
 
+#include <atomic>
 #include <cstdlib>
+#include <memory>
 #include <mutex>
+#include <utility>
 
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
-#include <sys/uio.h>
 #include <unistd.h>
-#define SD_JOURNAL_SUPPRESS_LOCATION
-#include <systemd/sd-journal.h>
 
+#include "daemon/log_queue.hpp"
 #include "daemon/log_repeats.hpp"
 
 namespace sweepd {
 namespace {
 
-void write_to_journal(const LogLine& line) {
-  auto fields = journal_fields(line);
-  std::vector<iovec> parts;
-  parts.reserve(fields.size());
-  for (auto& field : fields) parts.push_back({field.data(), field.size()});
-  sd_journal_sendv(parts.data(), static_cast<int>(parts.size()));
+/// Of lines: a reader that stands still for a while has the newest.
+constexpr std::size_t kMostWaiting = 2048;
+
+/// Null while lines are written at once. Never destroyed: its thread may stand in a write for ever.
+std::atomic<LogQueue*> background{nullptr};
+
+bool to_journal() {
+  static const bool leads_there = leads_to_journal();
+  return leads_there;
+}
+
+std::shared_ptr<LogSink> make_sink() {
+  return to_journal() ? std::make_shared<LogSink>() : std::make_shared<LogSink>(STDERR_FILENO);
+}
+
+/// As LogSink takes it.
+std::string payload(const LogLine& line) {
+  if (!to_journal()) return line.message();
+  std::string fields;
+  for (const auto& field : journal_fields(line)) (fields += field) += '\0';
+  return fields;
 }
 
 void write(const LogLine& line) {
-  static const bool to_journal = leads_to_journal();
-  if (to_journal) return write_to_journal(line);
   const auto level = line.importance == Importance::note      ? spdlog::level::info
                      : line.importance == Importance::warning ? spdlog::level::warn
                                                               : spdlog::level::err;
-  spdlog::log(level, line.message());
+  if (LogQueue* const queue = background)
+    queue->write(level, payload(line));
+  else
+    spdlog::log(level, payload(line));
 }
 
 /// What has been said lately, by all threads.
 struct Lately {
   std::mutex mutex;
   LogRepeats repeats;
+  std::uint64_t losses_told = 0;
 };
 Lately& lately() {
   static Lately all;
@@ -76,9 +94,37 @@ void log(const LogLine& line) {
   if (lately().repeats.is_new(line, std::chrono::steady_clock::now())) write(line);
 }
 
+void log_at_once() {
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>("sweepd", make_sink()));
+}
+
+void log_in_background() {
+  background = new LogQueue(make_sink(), kMostWaiting);
+}
+
+bool finish_log(std::chrono::milliseconds patience) {
+  const LogQueue* const queue = background;
+  return queue == nullptr || queue->drain(patience);
+}
+
+std::uint64_t log_lines_lost() {
+  const LogQueue* const queue = background;
+  return queue == nullptr ? 0 : queue->lost();
+}
+
 void log_repeats() {
   const std::lock_guard lock(lately().mutex);
   for (const auto& line : lately().repeats.due(std::chrono::steady_clock::now())) write(line);
+  const LogQueue* const queue = background;
+  if (queue == nullptr || !queue->is_read()) return;
+  const auto all = queue->lost();
+  const auto lost = all - std::exchange(lately().losses_told, all);
+  if (lost == 0) return;
+  write({Importance::warning,
+         {},
+         fmt::format("{} of the log nobody got: whoever reads it stood still, or had no room: see "
+                     "what held it up",
+                     lost == 1 ? "1 line" : fmt::format("{} lines", lost))});
 }
 
 void log_all_repeats() {

@@ -35,7 +35,8 @@ struct LogLine {
 [[nodiscard]] std::vector<std::string> journal_fields(const LogLine& line);
 
 /// Says a line: to systemd's journal where standard error leads there, else to standard error, with
-/// the time. Any thread but a reply thread: it may wait.
+/// the time. Any thread but a reply thread; it waits for who reads the log unless
+/// log_in_background() was called.
 ///
 /// What was said of the same robot word for word within the last minute is held back and counted.
 void log(const LogLine& line);
@@ -43,7 +44,19 @@ void log(const LogLine& line);
 /// Whether standard error leads to systemd's journal.
 [[nodiscard]] bool leads_to_journal();
 
-/// Says what has been held back for a minute. To be called now and then.
+/// Once, at the start of the program: lines are written at once.
+void log_at_once();
+/// Once, before there is much to say: from now on a thread of its own writes the lines, and nobody
+/// waits for who reads them. Lines that find no room go, the oldest first.
+void log_in_background();
+/// Waits until what was said is written: true. Or for `patience`: whoever reads the log stands
+/// still, and so does the thread that writes it; the process can only end without it.
+bool finish_log(std::chrono::milliseconds patience = std::chrono::seconds(2));
+/// Lines that nobody got since the start, as who reads the log stood still or went.
+[[nodiscard]] std::uint64_t log_lines_lost();
+
+/// Says what has been held back for a minute, and that lines were lost once they can be written
+/// again. To be called now and then.
 void log_repeats();
 /// Says all that is held back: the program ends.
 void log_all_repeats();

@@ -1,10 +1,11 @@
 #include <csignal>
+#include <cstdlib>
 #include <exception>
 #include <iostream>
 #include <stdexcept>
 
-#include <spdlog/sinks/stdout_color_sinks.h>
-#include <spdlog/spdlog.h>
+#include <poll.h>
+#include <unistd.h>
 
 #include "daemon/command_line.hpp"
 #include "daemon/config_error.hpp"
@@ -17,12 +18,20 @@ constexpr int kFailed = 1;
 constexpr int kUsage = 2;
 constexpr int kConfigError = 78;  // EX_CONFIG of sysexits.h
 
+/// Whether standard error takes a line: `run` must not wait for one who does not read it.
+bool is_read() {
+  pollfd room{STDERR_FILENO, POLLOUT, 0};
+  return ::poll(&room, 1, 2000) == 1;
+}
+
 int say(const std::exception& problem, int exit_code) {
   // In the journal as an error; it knows the program's name.
-  if (sweepd::leads_to_journal())
-    sweepd::Log().error("{}", problem.what());
-  else
+  if (sweepd::leads_to_journal()) sweepd::Log().error("{}", problem.what());
+  const bool finished = sweepd::finish_log();
+  if (!sweepd::leads_to_journal() && finished && is_read())
     std::cerr << "sweepd: " << problem.what() << '\n';
+  // Else a thread stands in a write, perhaps for ever.
+  if (!finished) std::_Exit(exit_code);
   return exit_code;
 }
 
@@ -31,8 +40,7 @@ int say(const std::exception& problem, int exit_code) {
 int main(int argc, char** argv) {
   // A write that is refused says so by its result: a reader that went, a limit of file size.
   for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
-  spdlog::set_default_logger(spdlog::stderr_color_mt("sweepd"));
-  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+  sweepd::log_at_once();
 
   try {
     return sweepd::CommandLine().execute(argc, argv);

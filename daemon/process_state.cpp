@@ -6,6 +6,8 @@
 
 #include <unistd.h>
 
+#include "daemon/log.hpp"
+
 namespace sweepd {
 namespace {
 
@@ -38,6 +40,7 @@ ProcessState process_state() {
   std::uint64_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages >> pages;
   state.resident_bytes = pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+  state.log_lines_lost = log_lines_lost();
   return state;
 }
 

@@ -10,6 +10,7 @@ struct ProcessState {
   std::chrono::nanoseconds started{};  ///< since the Unix epoch
   std::chrono::nanoseconds processor_time{};
   std::uint64_t resident_bytes = 0;
+  std::uint64_t log_lines_lost = 0;  ///< that nobody got, as who reads the log stood still
 };
 
 /// Now. What cannot be read is zero.

@@ -140,6 +140,7 @@ int run(const RunOptions& options) {
 
   // What all other threads inherit: each reply thread chooses its own.
   for (const RobotSettings& robot : settings.robots) leave_processors(robot.real_time.cpus);
+  log_in_background();
   Services services;
   for (const RobotSettings& robot : settings.robots) services.try_emplace(robot.name, robot);
   Published<ServiceStatus> status;
@@ -164,8 +165,9 @@ int run(const RunOptions& options) {
   bool complete = true;
   for (auto& [name, service] : services) complete = service.stop() && complete;
   log_all_repeats();
-  // Else a thread waits for a disk that does not answer, perhaps for ever.
-  if (!complete) std::_Exit(1);
+  // Else a thread waits for a disk or a reader that does not answer, perhaps for ever.
+  const bool told = finish_log();
+  if (!complete || !told) std::_Exit(complete ? 0 : 1);
   return 0;
 }
 

@@ -168,9 +168,9 @@ void check_serves(SweepdProcess& sweepd, const fs::path& robot, std::uint16_t po
     return std::count_if(sent.begin(), sent.end(),
                          [](const auto& each) { return each.answered_after.has_value(); });
   };
-  CHECK(eventually([&] { return answered() > 100; }));
+  REQUIRE(eventually([&] { return answered() > 100; }));
   streamer.stop();
-  CHECK(eventually([&] {
+  REQUIRE(eventually([&] {
     return !sessions(robot).empty() && fs::exists(sessions(robot).back() / "run.json") &&
            run_file(sessions(robot).back()).contains("ended");
   }));
@@ -335,6 +335,17 @@ TEST_CASE("a reader of the log that goes ends nothing", "[life][issue11][point_4
   CHECK(eventually([&] { return (heard += log.read()).find("listening on") != heard.npos; }));
   log.leave();
   sweepd.signal(SIGHUP);  // there is something to say
+  check_serves(sweepd, folder / "output/kr5-arc", port);
+}
+
+TEST_CASE("a reader of the log that stands still stops nothing, not even the end",
+          "[life][issue11][point_5]") {
+  const TemporaryFolder folder;
+  std::uint16_t port = 0;
+  const auto config = settings_of_one(folder, port);
+  LogPipe log(folder.path());
+  log.fill();
+  SweepdProcess sweepd({"run", "--config", config.string()}, log.launch());
   check_serves(sweepd, folder / "output/kr5-arc", port);
 }
 
