@@ -45,6 +45,16 @@ std::vector<RobotMetrics> newest(const ServiceStatus& status) {
   return robots;
 }
 
+HttpResponse readiness(const ServiceStatus& status) {
+  if (status.phase == ServiceStatus::Phase::starting) return text(503, "starting");
+  if (status.phase == ServiceStatus::Phase::stopping) return text(503, "stopping");
+  if (status.ready()) return text(200, "ready");
+  std::string trouble;
+  for (const auto& [robot, reason] : status.not_served)
+    trouble += robot + ": not served: " + reason + '\n';
+  return {503, HttpResponse{}.type, trouble};
+}
+
 /// `query` is empty or "robot=NAME".
 HttpResponse result(const ServiceStatus& status, std::string_view query) {
   if (!query.empty() && !take(query, "robot=")) return text(400, "expected ?robot=NAME");
@@ -104,15 +114,11 @@ bool HttpPages::is_ours(std::string_view authority) const {
 
 HttpResponse HttpPages::page(std::string_view path, std::string_view query) const {
   const auto status = status_.newest();
-  const bool serving = status->phase == ServiceStatus::Phase::serving;
   if (path == "/api/result") return result(*status, query);
   if (path == "/healthz") return health(*status);
-  if (path == "/readyz") {
-    if (serving) return text(200, "ready");
-    return text(503, status->phase == ServiceStatus::Phase::starting ? "starting" : "stopping");
-  }
+  if (path == "/readyz") return readiness(*status);
   const auto process = process_state();
-  if (path == "/metrics") return {200, kPrometheus, metrics(newest(*status), process, serving)};
+  if (path == "/metrics") return {200, kPrometheus, metrics(*status, newest(*status), process)};
   if (path == "/api/state") return {200, kJson, state_json(*status, newest(*status), process)};
   if (path == "/") return {200, HttpResponse{}.type, std::string(kIndex)};
   return text(404, "no such page: / lists them");

@@ -256,19 +256,26 @@ void write_results(Writer& to, const std::vector<RobotMetrics>& robots) {
 
 }  // namespace
 
-std::string metrics(const std::vector<RobotMetrics>& robots, const ProcessState& process,
-                    bool ready) {
+std::string metrics(const ServiceStatus& status, const std::vector<RobotMetrics>& robots,
+                    const ProcessState& process) {
   Writer to;
   to.gauge("sweepd_build_info", "Which sweepd this is.");
   to.value({{"version", SWEEPD_VERSION}}, 1);
   to.gauge("sweepd_ready", "1 while all robots are served, else 0.");
-  to.value({}, ready ? 1 : 0);
+  to.value({}, status.ready() ? 1 : 0);
+  to.gauge("sweepd_robot_served",
+           "1 while the robot is served; 0 while it cannot be, and is tried again.");
+  for (const auto& [state, result] : robots) to.value({{"robot", state->name}}, 1);
+  for (const auto& [robot, reason] : status.not_served) to.value({{"robot", robot}}, 0);
   to.gauge("process_start_time_seconds", "When this process started, since the epoch.");
   to.value({}, seconds(process.started));
   to.counter("process_cpu_seconds_total", "Processor time that this process took.");
   to.value({}, seconds(process.processor_time));
   to.gauge("process_resident_memory_bytes", "Memory of this process that is in memory.");
   to.value({}, process.resident_bytes);
+  to.counter("sweepd_log_lines_lost_total",
+             "Lines of the log that nobody got, as who reads it stood still or had no room.");
+  to.value({}, process.log_lines_lost);
   write_stream(to, robots);
   write_link(to, robots);
   write_recording(to, robots);

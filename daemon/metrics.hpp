@@ -6,6 +6,7 @@
 
 #include "daemon/process_state.hpp"
 #include "daemon/robot_state.hpp"
+#include "daemon/service_status.hpp"
 
 namespace sweepd {
 
@@ -16,8 +17,9 @@ struct RobotMetrics {
 };
 
 /// The text format of Prometheus, version 0.0.4: units are seconds and bytes, names and labels by
-/// its rules. `ready` is what /readyz says.
-[[nodiscard]] std::string metrics(const std::vector<RobotMetrics>& robots,
-                                  const ProcessState& process, bool ready);
+/// its rules.
+[[nodiscard]] std::string metrics(const ServiceStatus& status,
+                                  const std::vector<RobotMetrics>& robots,
+                                  const ProcessState& process);
 
 }  // namespace sweepd

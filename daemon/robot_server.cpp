@@ -19,33 +19,37 @@ std::unique_ptr<rsi::Server> make_server(const RobotSettings& settings) {
   options.listen = settings.listen;
   options.controller = settings.controller;
   options.queue_bytes = settings.queue_bytes;
+  // Warnings come after the port: until it is had, this is tried again and again.
   if (!settings.ethernet_config) {
     options.reply.emplace("ImFree");
+    auto server = std::make_unique<rsi::UdpServer>(std::move(options));
     log.warning(
         "no ethernet_config: replies carry Type ImFree and the IPOC alone; name the file that lies "
         "on the controller");
-    return std::make_unique<rsi::UdpServer>(std::move(options));
+    return server;
   }
   const auto config = rsi::EthernetConfig::load(*settings.ethernet_config);
   for (const auto& objection : objections_to_answers(settings, config))
     throw ConfigError(objection);
+  if (!config.only_send) options.reply.emplace(config);
+  const auto tags = commanding_tags(config);
+  options.only_from_the_beginning = !tags.empty();
+  std::unique_ptr<rsi::Server> server;
+  if (config.protocol == rsi::EthernetConfig::Protocol::TCP)
+    server = std::make_unique<rsi::TcpServer>(std::move(options));
+  else
+    server = std::make_unique<rsi::UdpServer>(std::move(options));
   for (const auto& warning : config.warnings) log.warning("{}", warning);
   for (const auto& warning : warnings_of_answers(config)) log.warning("{}", warning);
   if (config.port != 0 && settings.listen.port != 0 && config.port != settings.listen.port)
     log.warning("the controller sends to port {}, but listen is {}: make them equal", config.port,
                 rsi::text(settings.listen));
-  if (!config.only_send) options.reply.emplace(config);
-  if (const auto tags = commanding_tags(config); !tags.empty()) {
-    options.only_from_the_beginning = true;
+  if (!tags.empty())
     log.warning(
         "zeros for {} may move the robot or switch something: only streams whose beginning was "
-        "seen "
-        "are answered",
+        "seen are answered",
         fmt::join(tags, ", "));
-  }
-  if (config.protocol == rsi::EthernetConfig::Protocol::TCP)
-    return std::make_unique<rsi::TcpServer>(std::move(options));
-  return std::make_unique<rsi::UdpServer>(std::move(options));
+  return server;
 }
 
 }  // namespace sweepd

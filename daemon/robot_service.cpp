@@ -52,6 +52,7 @@ RobotService::RobotService(const RobotSettings& settings)
     : settings_(settings),
       setup_(load_setup(settings)),
       server_(make_server(settings)),
+      local_(server_->local()),
       log_(settings.name),
       status_(std::make_shared<RobotStatus>()),
       recorder_(settings.recording, say_for(settings.name)),
@@ -129,6 +130,7 @@ bool RobotService::stop(std::chrono::seconds patience) {
                settings_.output.string());
   server_->stop();
   reply_thread_.join();
+  server_.reset();
   return recorded && written;
 }
 

@@ -42,7 +42,7 @@ class RobotService {
   void start();
   /// Takes over what can be changed: from the next session on, the limits of recording at once.
   /// Says what else has changed and needs a restart. Throws ConfigError, and changes nothing then.
-  /// From the thread that calls start() and stop().
+  /// One thread at a time; stop() may come meanwhile.
   void reload(const RobotSettings& settings);
   /// Writes how the link does into the session's folder, and says it. Any thread; soon afterwards.
   void report_link() noexcept { link_wanted_ = true; }
@@ -59,7 +59,7 @@ class RobotService {
   /// How it is: published about once a second. Any thread, also after the end of this.
   [[nodiscard]] std::shared_ptr<const RobotStatus> status() const { return status_; }
 
-  [[nodiscard]] rsi::Endpoint local() const { return server_->local(); }
+  [[nodiscard]] rsi::Endpoint local() const { return local_; }
 
  private:
   using Steady = std::chrono::steady_clock;
@@ -83,7 +83,8 @@ class RobotService {
 
   RobotSettings settings_;
   RobotSetup setup_;
-  std::unique_ptr<rsi::Server> server_;
+  std::unique_ptr<rsi::Server> server_;  // null after the end: another one may have the port
+  const rsi::Endpoint local_;
   const Log log_;
   const std::shared_ptr<RobotStatus> status_;
   Recorder recorder_;

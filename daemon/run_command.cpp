@@ -1,21 +1,23 @@
 #include "daemon/run_command.hpp"
 
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
-#include <map>
+#include <future>
 #include <memory>
-#include <set>
 #include <string>
+#include <thread>
+#include <utility>
 
 #include <spdlog/fmt/ranges.h>
 
 #include "daemon/config_error.hpp"
+#include "daemon/fleet.hpp"
 #include "daemon/heartbeat.hpp"
 #include "daemon/http_pages.hpp"
 #include "daemon/http_server.hpp"
 #include "daemon/log.hpp"
 #include "daemon/realtime.hpp"
-#include "daemon/robot_service.hpp"
 #include "daemon/service_manager.hpp"
 #include "daemon/service_status.hpp"
 #include "daemon/settings.hpp"
@@ -23,6 +25,8 @@
 
 namespace sweepd {
 namespace {
+
+using namespace std::chrono_literals;
 
 Settings read_settings(const RunOptions& options) {
   Settings settings = load_settings(options.config);
@@ -38,57 +42,45 @@ Settings read_settings(const RunOptions& options) {
   return settings;
 }
 
-/// The robots that are served, by name.
-using Services = std::map<std::string, RobotService>;
-
-/// Robots that went are let go, those that came are served, the others take over what they can. A
-/// file with a mistake changes nothing.
-void reload(const RunOptions& options, const HttpSettings& http, Services& services) {
-  const Log log;
-  log.note("reading {} again", options.config.string());
-  service_manager::reloading();
-  try {
-    const Settings settings = read_settings(options);
-    std::set<std::string> names;
-    for (const RobotSettings& robot : settings.robots) names.insert(robot.name);
-    if (const auto keys = change(http, settings.http); !keys.empty())
-      log.warning("only a restart of sweepd takes over {}", fmt::join(keys, ", "));
-    std::erase_if(services, [&](const auto& service) {
-      const bool gone = !names.contains(service.first);
-      if (gone) Log(service.first).note("no longer in the settings: it is not served any more");
-      return gone;
-    });
-    for (const RobotSettings& robot : settings.robots) {
-      const auto service = services.find(robot.name);
-      try {
-        if (service != services.end()) {
-          service->second.reload(robot);
-        } else {
-          leave_processors(robot.real_time.cpus);
-          services.try_emplace(robot.name, robot).first->second.start();
-        }
-      } catch (const std::exception& error) {
-        Log(robot.name).error("{}", error.what());
-        if (service == services.end()) services.erase(robot.name);
-      }
-    }
-  } catch (const std::exception& error) {
-    log.error("{}; sweepd goes on with the settings that it had", error.what());
+/// Settings that are read while others wait for nothing: a disk may not answer.
+class Reading {
+ public:
+  void begin(const RunOptions& options) {
+    Log().note("reading {} again", options.config.string());
+    service_manager::reloading();
+    std::packaged_task<Settings()> task([options] { return read_settings(options); });
+    settings_ = task.get_future();
+    std::thread(std::move(task)).detach();
   }
-  service_manager::ready();
-}
+  [[nodiscard]] bool under_way() const { return settings_.valid(); }
+  [[nodiscard]] bool done() const {
+    return under_way() && settings_.wait_for(0s) == std::future_status::ready;
+  }
+  /// A file with a mistake changes nothing.
+  void take_over(const HttpSettings& http, Fleet& fleet) {
+    try {
+      const Settings settings = settings_.get();
+      if (const auto keys = change(http, settings.http); !keys.empty())
+        Log().warning("only a restart of sweepd takes over {}", fmt::join(keys, ", "));
+      fleet.reload(settings.robots);
+    } catch (const std::exception& error) {
+      Log().error("{}; sweepd goes on with the settings that it had", error.what());
+    }
+  }
 
-/// Looks after the services now and then: systemd hears that they are alive only while they are.
+ private:
+  std::future<Settings> settings_;
+};
+
+/// Looks after the robots now and then: systemd hears that they are alive only while they are.
 class Watch {
  public:
   explicit Watch(Published<ServiceStatus>& status) : status_(status) {}
 
-  void look(const Services& services) {
+  void look(const Fleet& fleet) {
     log_repeats();
-    std::vector<Heartbeat::Beats> beats;
-    for (const auto& [name, service] : services) beats.push_back(service.beats());
     const auto now = std::chrono::steady_clock::now();
-    const auto still = heartbeat_.look(beats, now);
+    const auto still = heartbeat_.look(fleet.beats(), now);
     for (const auto& [robot, thread, since] : still)
       Log(robot).error("the {} thread stands still: {}; see what holds up this machine", thread,
                        thread == "reply" ? "the robot gets no answers"
@@ -96,7 +88,7 @@ class Watch {
     if (still.empty()) service_manager::beat();
 
     ServiceStatus status{ServiceStatus::Phase::serving, {}, {}, now};
-    for (const auto& [name, service] : services) status.robots.push_back(service.status());
+    fleet.tell(status);
     for (const auto& standstill : still) status.standstills.push_back(text(standstill, now));
     // A line that is still true is not told again.
     if (const auto line = status_line(status); line != told_) service_manager::status(told_ = line);
@@ -128,6 +120,57 @@ std::unique_ptr<HttpServer> serve(const HttpPages& pages, const HttpSettings& se
   }
 }
 
+/// What takes longer than this waits for a disk: nobody else does.
+constexpr auto kPatience = 5s;
+constexpr auto kOften = 1s;
+constexpr auto kSoon = 20ms;
+
+/// Waits until all robots have been tried.
+void settle(const Fleet& fleet) {
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  while (!fleet.settled() && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(kSoon);
+}
+
+/// All that streams is completed, while systemd hears that sweepd is alive. Returns whether all of
+/// it is.
+bool end(Fleet& fleet) {
+  fleet.let_all_go();
+  for (auto due = std::chrono::steady_clock::now(); !fleet.gone();) {
+    if (std::chrono::steady_clock::now() >= due) {
+      service_manager::beat();
+      due += kOften;
+    }
+    std::this_thread::sleep_for(kSoon);
+  }
+  return fleet.complete();
+}
+
+/// Waits for what the threads of the robots still hold; false if that takes too long.
+bool finish(const Fleet& fleet) {
+  const auto deadline = std::chrono::steady_clock::now() + 1s;
+  while (!fleet.finished() && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(kSoon);
+  return fleet.finished();
+}
+
+/// Ends what has begun, and throws the problem; nothing happens if there is none.
+void give_up(Fleet& fleet, const std::exception_ptr& problem) {
+  if (!problem) return;
+  end(fleet);
+  if (finish(fleet)) std::rethrow_exception(problem);
+  Log().error("{}", text(problem));
+  finish_log();
+  std::_Exit(EXIT_FAILURE);
+}
+
+/// The next signal; -1 if none comes in time.
+int next_signal(const sigset_t& signals, std::chrono::milliseconds time) {
+  const auto ns = std::chrono::nanoseconds(time).count();
+  const timespec longest{ns / 1'000'000'000, ns % 1'000'000'000};
+  return sigtimedwait(&signals, nullptr, &longest);
+}
+
 }  // namespace
 
 int run(const RunOptions& options) {
@@ -141,34 +184,53 @@ int run(const RunOptions& options) {
   // What all other threads inherit: each reply thread chooses its own.
   for (const RobotSettings& robot : settings.robots) leave_processors(robot.real_time.cpus);
   log_in_background();
-  Services services;
-  for (const RobotSettings& robot : settings.robots) services.try_emplace(robot.name, robot);
   Published<ServiceStatus> status;
   const HttpPages pages(status, settings.http);
+  Fleet fleet(settings.robots);
+  settle(fleet);
+  give_up(fleet, fleet.mistake());
+  give_up(fleet, fleet.all_failed());
   const auto http = serve(pages, settings.http);
-  for (auto& [name, service] : services) service.start();
+  fleet.serve();
+  settle(fleet);
+  give_up(fleet, fleet.all_failed());
 
   service_manager::ready();
   Watch watch(status);
-  constexpr timespec kOften{.tv_sec = 1, .tv_nsec = 0};
+  Reading reading;
+  bool read_again = false;
+  bool reloaded = false;  // and not told yet
+  auto told_by = std::chrono::steady_clock::time_point::max();
   int signal = 0;
   while (signal != SIGINT && signal != SIGTERM) {
-    watch.look(services);
-    signal = sigtimedwait(&signals, nullptr, &kOften);  // -1: none came
-    if (signal == SIGHUP) reload(options, settings.http, services);
-    if (signal == SIGUSR1)
-      for (auto& [name, service] : services) service.report_link();
+    watch.look(fleet);
+    signal = next_signal(signals, reading.under_way() || reloaded ? kSoon : kOften);
+    if (signal == SIGHUP) read_again = true;
+    if (signal == SIGUSR1) fleet.report_link();
+    if (read_again && !reading.under_way()) {
+      read_again = false;
+      reading.begin(options);
+    }
+    if (reading.done()) {
+      reading.take_over(settings.http, fleet);
+      reloaded = true;
+      told_by = std::chrono::steady_clock::now() + kPatience;
+    }
+    if (reloaded && (fleet.settled() || std::chrono::steady_clock::now() > told_by)) {
+      service_manager::ready();
+      reloaded = false;
+    }
+    fleet.tidy();
   }
   service_manager::stopping();
   watch.stopping();
   Log().note("ending on {}", signal == SIGINT ? "SIGINT" : "SIGTERM");
-  bool complete = true;
-  for (auto& [name, service] : services) complete = service.stop() && complete;
+  const bool complete = end(fleet);
   log_all_repeats();
   // Else a thread waits for a disk or a reader that does not answer, perhaps for ever.
   const bool told = finish_log();
-  if (!complete || !told) std::_Exit(complete ? 0 : 1);
-  return 0;
+  if (!finish(fleet) || reading.under_way() || !told) std::_Exit(complete ? 0 : 1);
+  return complete ? 0 : 1;
 }
 
 }  // namespace sweepd

@@ -14,8 +14,9 @@ struct RunOptions {
 };
 
 /// The daemon, in the foreground, until SIGINT or SIGTERM. Then the last result and the recording
-/// are completed, and the socket closes last. Returns the exit code; throws ConfigError and
-/// std::runtime_error before anything is served.
+/// are completed, and the sockets close last. A robot that cannot be served is tried again while
+/// others are. Returns the exit code; throws ConfigError before anything is served, and
+/// std::runtime_error where nothing can be.
 [[nodiscard]] int run(const RunOptions& options);
 
 }  // namespace sweepd

@@ -8,7 +8,7 @@ namespace sweepd {
 /// program was started by someone else. Any thread; never throws.
 namespace service_manager {
 
-/// Everything is served.
+/// What can be served is; or the settings are taken over.
 void ready() noexcept;
 /// The settings are read again; ready() follows.
 void reloading() noexcept;

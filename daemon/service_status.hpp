@@ -18,6 +18,14 @@ struct ServiceStatus {
   /// The threads that stand still, a sentence each: see Heartbeat.
   std::vector<std::string> standstills;
   std::chrono::steady_clock::time_point looked{};  ///< when that was found out
+
+  struct NotServed {
+    std::string robot;
+    std::string reason;
+  };
+  std::vector<NotServed> not_served = {};  ///< robots of the settings that are tried again
+
+  [[nodiscard]] bool ready() const { return phase == Phase::serving && not_served.empty(); }
 };
 
 }  // namespace sweepd

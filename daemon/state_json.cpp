@@ -143,7 +143,10 @@ std::string state_json(const ServiceStatus& status, const std::vector<RobotMetri
                        const ProcessState& process) {
   Json json = {{"schema", "sweepd.state/1"},           {"version", SWEEPD_VERSION},
                {"started", utc_text(process.started)}, {"phase", text(status.phase)},
-               {"standstills", status.standstills},    {"robots", Json::array()}};
+               {"standstills", status.standstills},    {"log_lines_lost", process.log_lines_lost},
+               {"not_served", Json::array()},          {"robots", Json::array()}};
+  for (const auto& [robot, reason] : status.not_served)
+    json["not_served"].push_back({{"robot", robot}, {"reason", reason}});
   for (const RobotMetrics& metrics : robots) json["robots"].push_back(robot(metrics));
   return json.dump(2) + "\n";
 }

@@ -21,6 +21,8 @@ std::string of(const RobotStatus& status) {
 std::string status_line(const ServiceStatus& status) {
   std::string line;
   for (const auto& standstill : status.standstills) line += "STANDS STILL: " + standstill + "; ";
+  for (const auto& [robot, reason] : status.not_served)
+    line += "NOT SERVED: " + robot + ": " + reason + "; ";
   for (const auto& robot : status.robots) line += of(*robot) + "; ";
   if (!line.empty()) line.resize(line.size() - 2);
   return line;

@@ -132,6 +132,26 @@ TEST_CASE("it is ready only between start and stop") {
   }
 }
 
+TEST_CASE("it is not ready while a robot is not served, and says which and why",
+          "[issue11][point_7]") {
+  Service service;
+  service.status.not_served = {{"far", "cannot listen on UDP 10.0.0.7:49152"}};
+  service.published.publish(service.status);
+  CHECK(service.get("/readyz").status == 503);
+  CHECK(service.get("/readyz").body == "far: not served: cannot listen on UDP 10.0.0.7:49152\n");
+  CHECK(service.get("/healthz").status == 200);
+  const auto state = Json::parse(service.get("/api/state").body);
+  REQUIRE(state["not_served"].size() == 1);
+  CHECK(state["not_served"][0]["robot"] == "far");
+  CHECK(state["not_served"][0]["reason"] == "cannot listen on UDP 10.0.0.7:49152");
+  CHECK(state["robots"].size() == 1);
+
+  service.status.not_served.clear();
+  service.published.publish(service.status);
+  CHECK(service.get("/readyz").body == "ready\n");
+  CHECK(Json::parse(service.get("/api/state").body)["not_served"].empty());
+}
+
 TEST_CASE("a result is what result.json holds, or the reason why there is none") {
   const Service service;
   CHECK(service.get("/api/result").body == "{\"schema\": \"sweepd.result/1\"}\n");

@@ -20,8 +20,10 @@ using sweepd::test::one_result;
 namespace {
 
 std::string text(const std::vector<sweepd::RobotMetrics>& robots) {
-  return sweepd::metrics(robots,
-                         {std::chrono::seconds(1000), std::chrono::milliseconds(1500), 4096}, true);
+  sweepd::ServiceStatus status;
+  status.phase = sweepd::ServiceStatus::Phase::serving;
+  return sweepd::metrics(status, robots,
+                         {std::chrono::seconds(1000), std::chrono::milliseconds(1500), 4096, 12});
 }
 
 std::string busy_text() {
@@ -153,4 +155,16 @@ TEST_CASE("promtool has nothing to say about the metrics", "[promtool]") {
   CHECK(check(busy_text()) == std::pair(0, std::string()));
   CHECK(check(text({metrics_of({})})) == std::pair(0, std::string()));
   CHECK(check("# TYPE wrong counter\nwrong 1\n").first != 0);
+}
+
+TEST_CASE("a robot that cannot be served has a metric, and so have lost lines of the log",
+          "[issue11][point_5][point_7]") {
+  sweepd::ServiceStatus status;
+  status.phase = sweepd::ServiceStatus::Phase::serving;
+  status.not_served = {{"far", "cannot listen"}};
+  const auto text = sweepd::metrics(status, {metrics_of(busy_robot("near"))}, {{}, {}, 0, 12});
+  CHECK_THAT(text, ContainsSubstring("\nsweepd_ready 0\n"));
+  CHECK_THAT(text, ContainsSubstring("\nsweepd_robot_served{robot=\"near\"} 1\n"
+                                     "sweepd_robot_served{robot=\"far\"} 0\n"));
+  CHECK_THAT(text, ContainsSubstring("\nsweepd_log_lines_lost_total 12\n"));
 }

@@ -333,6 +333,33 @@ TEST_CASE("a folder that cannot be made later costs the files, not the replies",
   CHECK(content(folder / "out/kr5-arc") == "a file in its place");
 }
 
+TEST_CASE("busy programs keep neither the result nor the end from coming",
+          "[realtime][issue11][point_17]") {
+  const TemporaryFolder folder;
+  std::atomic<bool> busy = true;
+  std::vector<std::thread> programs;
+  for (unsigned k = 0; k < 2 * std::max(2U, std::thread::hardware_concurrency()); ++k)
+    programs.emplace_back([&] {
+      while (busy) {
+      }
+    });
+  {
+    RobotService service(settings(folder / "out"));
+    service.start();
+    CHECK(stream(service.local()).controller.telegrams == 400);
+    CHECK(eventually([&] {
+      const auto all = sessions(folder / "out");
+      return !all.empty() && fs::exists(*all.begin() / "run.json") &&
+             json_in(*all.begin() / "run.json").contains("ended");
+    }));
+    const auto asked = std::chrono::steady_clock::now();
+    CHECK(service.stop());
+    CHECK(std::chrono::steady_clock::now() - asked < 20s);
+  }
+  busy = false;
+  for (auto& program : programs) program.join();
+}
+
 TEST_CASE("a controller that only sends gets nothing sent", "[realtime]") {
   const TemporaryFolder folder;
   auto xml = content(kEthernet);

@@ -41,3 +41,9 @@ TEST_CASE("the status line has each robot's stream, telegrams, last sweep and re
   CHECK(line.starts_with("STANDS STILL: arc: the reply thread has stood still for 5 s; arc: RSI"));
   CHECK(line.ends_with("recording PAUSES"));
 }
+
+TEST_CASE("the status line begins with the robots that are not served", "[issue11][point_7]") {
+  ServiceStatus service{ServiceStatus::Phase::serving, {robot("arc")}, {}, {}};
+  service.not_served = {{"far", "cannot listen"}};
+  CHECK(status_line(service) == "NOT SERVED: far: cannot listen; arc: no RSI now, 0 telegrams");
+}

@@ -205,3 +205,43 @@ TEST_CASE("the watchdog is not fed while a thread that serves the robot stands s
     CHECK(daemon.process().wait() == 0);
   }
 }
+
+TEST_CASE("systemd hears beats while a robot whose disk stands still is let go",
+          "[service][issue11][point_6]") {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  std::cout << "not permitted here: a library before a sanitizer's\n";
+#else
+  const TemporaryFolder folder;
+  ServiceManager systemd(folder.path());
+  const auto marker = folder / "stopped";
+  auto launch = systemd.launch();
+  launch.environment.push_back(std::string("LD_PRELOAD=") + SLOW_DISK_LIBRARY);
+  launch.environment.push_back("SWEEPD_STOPPED_DISK=" + marker.string());
+  Daemon daemon(folder.path(), {.settings = {}, .launch = launch});
+  Streamer robot(daemon.port(), {});
+  REQUIRE(eventually([&] { return robot.sent().size() > 100; }));
+  static_cast<void>(folder.write("stopped", ""));
+
+  auto settings = content(daemon.config());
+  settings.replace(settings.find("kr5-arc"), 7, "another");
+  std::ofstream(daemon.config()) << settings;
+  while (systemd.next(0s)) {
+  }
+  daemon.process().signal(SIGHUP);
+  CHECK(systemd.hears("RELOADING=1"));
+  CHECK(systemd.hears("READY=1"));
+  // The disk is waited for longer than this.
+  for (const auto until = Clock::now() + 5s; Clock::now() < until;)
+    CHECK(systemd.hears("WATCHDOG=1", 4s));
+  CHECK_THAT(daemon.process().errors(),
+             Catch::Matchers::ContainsSubstring("kr5-arc: no longer in the settings"));
+  std::filesystem::remove(marker);
+  // Its port is free again for the other one.
+  CHECK(eventually([&] {
+    return daemon.process().errors().find("another: listening on UDP") != std::string::npos;
+  }));
+  robot.stop();
+  daemon.process().signal(SIGTERM);
+  CHECK(daemon.process().wait() == 0);
+#endif
+}
