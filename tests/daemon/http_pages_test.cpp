@@ -194,6 +194,7 @@ TEST_CASE("the state of each robot is told in JSON") {
   CHECK(robot["stream"]["since"] == "2025-01-01T00:00:00.000Z");
   CHECK(robot["telegrams"]["received"] == 1010);
   CHECK(robot["replies"]["late"] == 1);
+  CHECK(robot["replies"]["not_begun"] == 5);
   CHECK(robot["recording"]["missed"]["disk"]["datagrams"] == 4);
   CHECK(robot["sweeps"][0] == Json{{"joint", 1}, {"usable", 2}, {"not_usable", 1}});
   CHECK(robot["identifications"]["partial"] == 2);
