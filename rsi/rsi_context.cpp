@@ -183,7 +183,7 @@ class Reader {
       if (effect == RsiEffect::none) continue;
       context_.actors.push_back(
           {std::string(object.type), std::string(object.id), effect, flow_.path(i)});
-      warn(object.node, printable(object.id) + " (" + printable(object.type) + ") " +
+      warn(object.node, flow_.name(i) + " (" + printable(object.type) + ") " +
                             std::string(text(effect)) +
                             (flow_.is_fed(i) ? ", fed by " + flow_.path(i) : ", fed by nothing") +
                             ": leave it out, an identification needs no such object");

@@ -19,7 +19,8 @@ std::string folded(std::string_view id) {
 bool SignalFlow::add(std::string_view id, bool from_outside) {
   const bool is_new = by_id_.try_emplace(std::string(id), nodes_.size()).second;
   by_id_in_any_case_.try_emplace(folded(id), nodes_.size());
-  nodes_.push_back({.id = std::string(id), .from_outside = from_outside});
+  nodes_.push_back(
+      {.name = id.empty() ? "(no name)" : printable(id), .from_outside = from_outside});
   return is_new;
 }
 
@@ -72,7 +73,7 @@ std::string SignalFlow::path(std::size_t object) const {
       text += " -> ...";
       left = kMost - 1;
     }
-    text += (text.empty() ? "" : " -> ") + printable(nodes_[back[left - 1]].id);
+    text += (text.empty() ? "" : " -> ") + nodes_[back[left - 1]].name;
   }
   return text;
 }

@@ -22,6 +22,8 @@ class SignalFlow {
   static constexpr std::size_t none = SIZE_MAX;
   [[nodiscard]] std::size_t of(std::string_view id) const;
   void link(std::size_t from, std::size_t to);
+  /// For messages.
+  [[nodiscard]] const std::string& name(std::size_t object) const { return nodes_[object].name; }
   [[nodiscard]] bool is_fed(std::size_t object) const { return nodes_[object].fed; }
 
   /// After all links were made: the way that leads to each object, the shortest from outside, else
@@ -33,7 +35,7 @@ class SignalFlow {
 
  private:
   struct Node {
-    std::string id;
+    std::string name;  ///< for messages
     bool from_outside;
     bool fed = false;
     std::vector<std::size_t> feeds = {};

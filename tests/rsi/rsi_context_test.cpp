@@ -193,6 +193,14 @@ TEST_CASE("objects that are grouped are found, and links that lead nowhere are w
                  ContainsSubstring("\"LIMIT1\" is the name of another object already"));
 }
 
+TEST_CASE("an object without a name is named as that", "[issue11][point_2]") {
+  const auto context = parse(rsi3(kGood, "<RSIObject ObjType=\"POSCORR\"/>\n"));
+  REQUIRE(context.actors.size() == 1);
+  CHECK(context.actors[0].path == "(no name)");
+  CHECK_THAT(joined(context.warnings),
+             ContainsSubstring(" (no name) (POSCORR) can move the robot"));
+}
+
 TEST_CASE("a context of nothing but objects that act is read in time", "[issue11][point_2]") {
   std::string chain = object("SUM", {"ETHERNET1"});
   for (int i = 2; i < 5000; ++i)
