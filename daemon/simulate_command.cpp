@@ -48,6 +48,9 @@ class Interrupt {
   struct sigaction old_term_ {};
 };
 
+constexpr int kFailed = 1;
+constexpr int kLate = 3;  // every reply was right: a busy machine, perhaps, and not a wrong server
+
 /// config/controller/krc4/sweepd_ethernet.xml
 EthernetConfig built_in_ethernet_config() {
   using Type = EthernetConfig::Element::Type;
@@ -205,7 +208,7 @@ int Simulation::finish(const SimulationReport& report, const std::string& proble
   if (!options_.quiet) report_ << text(report) << std::flush;
   if (problem.empty()) return 0;
   errors_ << "sweepd: " + problem + '\n' << std::flush;
-  return 1;
+  return only_late(report) ? kLate : kFailed;
 }
 
 }  // namespace

@@ -39,8 +39,8 @@ struct SimulateOptions {
 /// order; a second one kills as usual.
 ///
 /// Returns the exit code: 0 if the plan was played to its end and every telegram that was not
-/// spoilt on purpose had a right reply in time; else 1, and `errors` says what to do. The report
-/// goes to `report`.
+/// spoilt on purpose had a right reply in time; 3 if only the time was wrong; else 1. `errors` says
+/// what to do. The report goes to `report`.
 ///
 /// Throws ConfigError and rsi::EthernetConfigError for files that are wrong, std::invalid_argument
 /// for wrong options and as Outputs where the capture may not be written, std::runtime_error if the

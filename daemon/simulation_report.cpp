@@ -152,4 +152,13 @@ std::string problem(const SimulationReport& report) {
   return {};
 }
 
+bool only_late(const SimulationReport& report) {
+  const auto& counts = report.link.controller;
+  const auto timely = counts.of(ReplyFault::late) +
+                      std::min(counts.of(ReplyFault::repeated), report.link.wire.duplicated);
+  return report.live && !report.interrupted && report.link.end == End::done &&
+         report.link.send_failures == 0 && counts.replies > 0 &&
+         timely == std::accumulate(counts.faults.begin(), counts.faults.end(), std::uint64_t{0});
+}
+
 }  // namespace sweepd

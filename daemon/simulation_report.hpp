@@ -31,4 +31,7 @@ struct SimulationReport {
 /// newer one is there.
 [[nodiscard]] std::string problem(const SimulationReport& report);
 
+/// Whether that is a matter of time alone: the plan was played to its end, and no reply was wrong.
+[[nodiscard]] bool only_late(const SimulationReport& report);
+
 }  // namespace sweepd

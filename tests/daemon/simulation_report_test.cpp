@@ -68,6 +68,29 @@ TEST_CASE("what a controller accepts is remarked on, and is no problem", "[issue
                                "  first reply to IPOC 9: not zero: Tech.T21 = 1.09\n"));
 }
 
+TEST_CASE("lateness is told from replies that were wrong or did not come", "[issue11][point_17]") {
+  auto late = flawless();
+  refuse(late, ReplyFault::late, 7);
+  CHECK_FALSE(problem(late).empty());
+  CHECK(only_late(late));
+  late.link.controller.unanswered = 3;  // of telegrams that waited together
+  CHECK(only_late(late));
+
+  auto wrong = late;
+  refuse(wrong, ReplyFault::wrong_ipoc, 1);
+  CHECK_FALSE(only_late(wrong));
+  auto stopped = late;
+  stopped.link.end = End::timed_out;
+  CHECK_FALSE(only_late(stopped));
+  auto silent = flawless();
+  silent.link.controller.replies = 0;
+  silent.link.controller.unanswered = 1000;
+  CHECK_FALSE(only_late(silent));
+  auto interrupted = late;
+  interrupted.interrupted = true;
+  CHECK_FALSE(only_late(interrupted));
+}
+
 TEST_CASE("a capture has no replies to report") {
   SimulationReport report;
   report.target = "trace.pcap";
