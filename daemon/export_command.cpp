@@ -11,6 +11,7 @@
 #include "daemon/sample_clock.hpp"
 #include "rsi/capture_order.hpp"
 #include "rsi/capture_reader.hpp"
+#include "rsi/counted.hpp"
 #include "rsi/link_statistics.hpp"
 #include "rsi/telegram.hpp"
 
@@ -120,7 +121,7 @@ int export_csv(const ExportOptions& given, std::ostream& out, std::ostream& erro
   const auto malformed = for_each_telegram(
       options, *search.chosen,
       [&](const rsi::Telegram& telegram, const rsi::Datagram& datagram) {
-        const auto arrival = link.add(telegram.ipoc(), datagram.source, {});
+        const auto arrival = link.add(datagram, telegram.ipoc(), {});
         const double time = clock.seconds(telegram.ipoc(), datagram.time, link.step(),
                                           arrival == rsi::Arrival::restart);
         std::string row = fixed(time, 3) + "," + std::to_string(telegram.ipoc());
@@ -136,7 +137,10 @@ int export_csv(const ExportOptions& given, std::ostream& out, std::ostream& erro
       },
       &errors);
   if (malformed > 0)
-    errors << "sweepd: " << malformed << " datagrams were no usable telegrams and have no row: "
+    errors << "sweepd: "
+           << rsi::counted(malformed, "datagram was no usable telegram and has",
+                           "datagrams were no usable telegrams and have")
+           << " no row: "
            << "`sweepd replay` tells why\n";
   if (file) {
     file->flush();

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "daemon/numbers.hpp"
+#include "rsi/counted.hpp"
 #include "rsi/ipoc.hpp"
-#include "rsi/ipoc_unit.hpp"
 
 namespace sweepd {
 namespace {
@@ -45,17 +45,14 @@ void FlightRecorder::telegram(const rsi::Datagram& datagram, const rsi::Telegram
     cycle.delay = rsi::ipoc_number(telegram.signals()[*at].text);
   }
   if (cycle.ipoc) {
-    const auto arrival = link_.add(*cycle.ipoc, datagram.source, cycle.delay);
+    rsi::Datagram whole = datagram;
+    whole.cut = cycle.malformed;
+    const auto arrival = link_.add(whole, *cycle.ipoc, cycle.delay);
     cycle.duplicate = arrival == rsi::Arrival::duplicate;
     cycle.reordered = arrival == rsi::Arrival::reordered;
-    if (arrival == rsi::Arrival::in_order && newest_ipoc_) {
-      cycle.rise = *cycle.ipoc - *newest_ipoc_;
-      cycle.since = datagram.time - newest_received_;
-    }
-    if (arrival == rsi::Arrival::in_order || arrival == rsi::Arrival::restart) {
+    if (arrival == rsi::Arrival::in_order && newest_ipoc_) cycle.rise = *cycle.ipoc - *newest_ipoc_;
+    if (arrival == rsi::Arrival::in_order || arrival == rsi::Arrival::restart)
       newest_ipoc_ = cycle.ipoc;
-      newest_received_ = datagram.time;
-    }
   }
   cycles_[next_] = cycle;
   next_ = (next_ + 1) % kCycles;
@@ -78,7 +75,7 @@ void FlightRecorder::send_failed() {
 }
 
 std::string FlightRecorder::reason() const {
-  const auto cycle_time = this->cycle_time();
+  const auto cycle_time = link_.cycle().value_or(nanoseconds(0));
   std::array<std::uint64_t, kEvents> count{};
   std::uint64_t lost = 0;
   std::uint64_t overtaken = 0;  // these fill a gap that was taken for a loss
@@ -92,8 +89,8 @@ std::string FlightRecorder::reason() const {
   const auto of = [&](Event event) { return count[static_cast<std::size_t>(event)]; };
   const auto sentence = [&](std::uint64_t number, const char* one, const char* many,
                             const char* rest) {
-    return "in the last " + std::to_string(size_) + " cycles " + std::to_string(number) + " " +
-           (number == 1 ? one : many) + " " + rest;
+    return "in the last " + rsi::counted(size_, "cycle") + " " + rsi::counted(number, one, many) +
+           " " + rest;
   };
   if (of(Event::send_failed) > 0)
     return sentence(of(Event::send_failed), "reply", "replies",
@@ -109,16 +106,22 @@ std::string FlightRecorder::reason() const {
                     "left later than a cycle: see what kept this machine busy");
   if (expects_replies_ && delay > 0)
     return sentence(delay, "reply", "replies in a row",
-                    "came too late for the controller (Delay), though all left in time: look at "
-                    "the network to it");
+                    link_.same_machine()
+                        ? "came too late for the controller (Delay), though all left in time: see "
+                          "what keeps it busy on this machine"
+                        : "came too late for the controller (Delay), though all left in time: look "
+                          "at the network to it");
   if (lost > overtaken)
     return sentence(lost - overtaken, "telegram", "telegrams",
-                    "never came: look at cable, switch and receive buffer");
+                    link_.same_machine()
+                        ? "never came: see what kept the sender on this machine busy, and the "
+                          "receive buffer"
+                        : "never came: look at cable, switch and receive buffer");
   return {};
 }
 
 std::string FlightRecorder::csv() const {
-  const auto cycle_time = this->cycle_time();
+  const auto cycle_time = link_.cycle().value_or(nanoseconds(0));
   std::string text =
       "received_s,replied_s,ipoc,latency_us,delay_packets,lost_before_packets,event\n";
   for (std::size_t i = 0; i < size_; ++i) {
@@ -146,16 +149,6 @@ const FlightRecorder::Cycle& FlightRecorder::cycle(std::size_t index) const {
 
 FlightRecorder::Cycle& FlightRecorder::newest(std::size_t back) {
   return cycles_[(next_ + kCycles - 1 - back) % kCycles];
-}
-
-nanoseconds FlightRecorder::cycle_time() const {
-  std::array<nanoseconds, kCycles> per_count{};
-  std::size_t known = 0;
-  for (std::size_t i = 0; i < size_; ++i)
-    if (cycle(i).rise > 0 && cycle(i).since.count() >= 0)
-      per_count[known++] = cycle(i).since / static_cast<std::int64_t>(cycle(i).rise);
-  return static_cast<std::int64_t>(link_.step().value_or(0)) *
-         rsi::ipoc_unit({per_count.data(), known});
 }
 
 FlightRecorder::Event FlightRecorder::event(std::size_t index, nanoseconds cycle_time) const {

@@ -69,7 +69,6 @@ class FlightRecorder {
     std::optional<std::uint64_t> ipoc;
     std::optional<std::uint64_t> delay;
     std::uint64_t rise = 0;  // of the IPOC since the telegram in order before; 0: none counts
-    std::chrono::nanoseconds since{};  // that telegram
     bool duplicate = false;
     bool reordered = false;
     bool malformed = false;
@@ -80,7 +79,6 @@ class FlightRecorder {
   /// Of the cycles that are kept, 0 is the oldest.
   [[nodiscard]] const Cycle& cycle(std::size_t index) const;
   Cycle& newest(std::size_t back);
-  [[nodiscard]] std::chrono::nanoseconds cycle_time() const;
   [[nodiscard]] Event event(std::size_t index, std::chrono::nanoseconds cycle_time) const;
   [[nodiscard]] std::uint64_t lost_before(const Cycle& cycle) const;
 
@@ -89,7 +87,6 @@ class FlightRecorder {
   rsi::Telegram telegram_;
   std::size_t delay_hint_ = 0;
   std::optional<std::uint64_t> newest_ipoc_;  // in order
-  rsi::Timestamp newest_received_{};
   std::array<Cycle, kCycles> cycles_{};
   std::size_t next_ = 0;
   std::size_t size_ = 0;

@@ -62,12 +62,22 @@ Json verdict_reasons(const rsi::Verdict& verdict) {
 
 Json telegrams(const LinkReport& report) {
   const rsi::LinkCounts& link = report.link;
-  Json json = {{"received", link.telegrams},    {"lost", link.lost},
-               {"duplicated", link.duplicated}, {"reordered", link.reordered},
-               {"malformed", report.malformed}, {"unanswerable", report.unanswerable},
-               {"restarts", link.restarts},     {"late_replies", link.late_replies},
-               {"late_runs", link.late_runs},   {"longest_late_run", link.longest_late_run},
-               {"has_delay", report.has_delay}};
+  Json json = {{"received", link.telegrams},
+               {"lost", link.lost},
+               {"duplicated", link.duplicated},
+               {"reordered", link.reordered},
+               {"malformed", report.malformed},
+               {"unanswerable", report.unanswerable},
+               {"restarts", link.restarts},
+               {"late_replies", nullptr},
+               {"late_runs", nullptr},
+               {"longest_late_run", nullptr},
+               {"has_delay", link.late_replies.has_value()}};
+  if (link.late_replies) {
+    json["late_replies"] = *link.late_replies;
+    json["late_runs"] = link.late_runs;
+    json["longest_late_run"] = link.longest_late_run;
+  }
   if (report.longest_gap.amount > 0)
     json["longest_gap"] = {{"telegrams", report.longest_gap.amount},
                            {"at_s", s(report.longest_gap.at)},
@@ -102,7 +112,7 @@ std::string link_json(const rsi::Conversation& conversation, const LinkReport& r
                {"verdict", rsi::text(verdict.grade)},
                {"reasons", verdict_reasons(verdict)}};
   if (report.step) {
-    json["cycle_ms"] = ms(report.cycle);
+    if (report.cycle > nanoseconds(0)) json["cycle_ms"] = rounded(ms(report.cycle), 3);
     json["ipoc_step"] = *report.step;
     json["ipoc_counts_ms"] = report.ipoc_counts_ms;
   }
@@ -119,6 +129,7 @@ std::string link_json(const rsi::Conversation& conversation, const LinkReport& r
         report.slowest, "latency_us", [](std::int64_t amount) { return us(nanoseconds(amount)); });
   }
   json["clock_steps"] = {{"count", report.clock_steps},
+                         {"back", report.clock_steps_back},
                          {"largest_s", s(report.largest_clock_step)}};
   return json.dump(2) + "\n";
 }

@@ -8,6 +8,7 @@
 #include "daemon/numbers.hpp"
 #include "daemon/text_layout.hpp"
 #include "daemon/utc.hpp"
+#include "rsi/counted.hpp"
 #include "rsi/link_verdict.hpp"
 
 namespace sweepd {
@@ -56,16 +57,22 @@ std::string percent(std::uint64_t part, std::uint64_t whole) {
 
 std::string cycle_remark(const LinkReport& report) {
   if (!report.step) return {};
+  if (report.cycle == nanoseconds(0)) return "IPOC rises by " + std::to_string(*report.step);
   return "one each " + fixed(us(report.cycle) / 1e3, report.ipoc_counts_ms ? 0 : 3) +
          " ms, IPOC rises by " + std::to_string(*report.step);
 }
 
 std::string delay_remark(const LinkReport& report) {
-  if (!report.has_delay) return "not known: the telegrams carry no Delay";
   if (report.link.late_runs == 0) return "by its Delay";
-  return "by its Delay, in " + std::to_string(report.link.late_runs) +
-         (report.link.late_runs == 1 ? " run of " : " runs of at most ") +
+  return "by its Delay, in " + rsi::counted(report.link.late_runs, "run") +
+         (report.link.late_runs == 1 ? " of " : " of at most ") +
          std::to_string(report.link.longest_late_run);
+}
+
+std::string late_row(const LinkReport& report) {
+  constexpr const char* kLate = "  late at controller";
+  if (report.link.late_replies) return row(kLate, *report.link.late_replies, delay_remark(report));
+  return left(kLate, kLabel) + right("-", kCount) + "   not known: the telegrams carry no Delay\n";
 }
 
 std::string telegrams(const LinkReport& report) {
@@ -78,10 +85,9 @@ std::string telegrams(const LinkReport& report) {
          row("  malformed", report.malformed,
              report.unanswerable == 0 ? of(report.malformed)
                                       : std::to_string(report.unanswerable) + " without an IPOC") +
-         row("  restarts of RSI", link.restarts) +
-         row("  late at controller", link.late_replies, delay_remark(report)) +
+         row("  restarts of RSI", link.restarts) + late_row(report) +
          (report.clock_steps == 0 ? ""
-                                  : row("  clock was set", report.clock_steps,
+                                  : row("  clock against IPOC", report.clock_steps,
                                         "by at most " + duration(report.largest_clock_step)));
 }
 
@@ -104,7 +110,7 @@ std::string replies(const LinkReport& report) {
   if (replies.withheld > 0)
     text += row("  withheld", replies.withheld, "the stream had begun before sweepd listened");
   if (replies.untimed > 0)
-    text += row("  not timed", replies.untimed, "clock set between telegram and reply");
+    text += row("  not timed", replies.untimed, "clock stepped between telegram and reply");
   if (replies.repeated > 0)
     text += row("  repeated", replies.repeated, "to what was answered already");
   if (replies.stray > 0) text += row("  stray", replies.stray, "to no telegram in this capture");

@@ -30,7 +30,8 @@ void LinkTotals::add(const rsi::LinkReport& report) {
   reordered += report.link.reordered;
   malformed += report.malformed;
   restarts += report.link.restarts;
-  missed_by_controller += report.link.late_replies;
+  if (const auto missed = report.link.late_replies)
+    missed_by_controller = missed_by_controller.value_or(0) + *missed;
   in_time += report.replies.in_time;
   late += report.replies.late;
   superseded += report.replies.superseded;
@@ -43,10 +44,10 @@ void LinkTotals::add(const rsi::LinkReport& report) {
 void LinkTotals::never_less(const LinkTotals& before) {
   for (const auto count :
        {&LinkTotals::telegrams, &LinkTotals::lost, &LinkTotals::duplicated, &LinkTotals::reordered,
-        &LinkTotals::malformed, &LinkTotals::restarts, &LinkTotals::missed_by_controller,
-        &LinkTotals::in_time, &LinkTotals::late, &LinkTotals::superseded, &LinkTotals::unanswered,
-        &LinkTotals::clock_steps})
+        &LinkTotals::malformed, &LinkTotals::restarts, &LinkTotals::in_time, &LinkTotals::late,
+        &LinkTotals::superseded, &LinkTotals::unanswered, &LinkTotals::clock_steps})
     this->*count = std::max(this->*count, before.*count);
+  missed_by_controller = std::max(missed_by_controller, before.missed_by_controller);
   latency.never_less(before.latency);
   jitter.never_less(before.jitter);
 }

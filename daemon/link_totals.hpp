@@ -3,6 +3,7 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -51,9 +52,9 @@ struct LinkTotals {
   std::uint64_t duplicated = 0;
   std::uint64_t reordered = 0;
   std::uint64_t malformed = 0;
-  std::uint64_t restarts = 0;              ///< of the controller's IPOC within a session
-  std::uint64_t missed_by_controller = 0;  ///< replies, by its Delay
-  std::uint64_t in_time = 0;               ///< telegrams by their reply, see rsi::ReplyCounts
+  std::uint64_t restarts = 0;                         ///< of the controller's IPOC within a session
+  std::optional<std::uint64_t> missed_by_controller;  ///< replies, by its Delay, if it sends one
+  std::uint64_t in_time = 0;  ///< telegrams by their reply, see rsi::ReplyCounts
   std::uint64_t late = 0;
   std::uint64_t superseded = 0;
   std::uint64_t unanswered = 0;

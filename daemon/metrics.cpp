@@ -89,12 +89,10 @@ constexpr LinkRow kLink[] = {
      &LinkTotals::reordered},
     {"sweepd_telegrams_malformed_total", "Datagrams that were no whole telegram.",
      &LinkTotals::malformed},
-    {"sweepd_controller_missed_replies_total",
-     "Replies that the controller missed in time, by its Delay.",
-     &LinkTotals::missed_by_controller},
     {"sweepd_ipoc_restarts_total", "Times that the IPOC began anew while RSI streamed.",
      &LinkTotals::restarts},
-    {"sweepd_clock_steps_total", "Times that this machine's clock was set while RSI streamed.",
+    {"sweepd_clock_steps_total",
+     "Times that clock and IPOC parted: the clock was set, or the sender paused.",
      &LinkTotals::clock_steps},
 };
 
@@ -125,6 +123,11 @@ void write_link(Writer& to, const std::vector<RobotMetrics>& robots) {
     for (const auto& [state, result] : robots)
       to.value({{"robot", state->name}}, state->link.*count);
   }
+  to.counter("sweepd_controller_missed_replies_total",
+             "Replies that the controller missed in time, by its Delay; none where it sends none.");
+  for (const auto& [state, result] : robots)
+    if (const auto missed = state->link.missed_by_controller)
+      to.value({{"robot", state->name}}, *missed);
   to.counter("sweepd_telegrams_answered_total",
              "Telegrams by what became of their reply; none where the controller wants none.");
   for (const auto& [state, result] : robots)

@@ -40,7 +40,7 @@ bool Pipeline::telegram(const rsi::Datagram& datagram) {
     ++malformed_[static_cast<std::size_t>(defect)];
     return false;
   }
-  const auto arrival = link_.add(telegram_.ipoc(), datagram.source, reader_.delay(telegram_));
+  const auto arrival = link_.add(datagram, telegram_.ipoc(), reader_.delay(telegram_));
   if (arrival == rsi::Arrival::duplicate) return true;
   const bool restarted = arrival == rsi::Arrival::restart;
   if (restarted) finish();
@@ -60,7 +60,7 @@ void Pipeline::finish() {
 }
 
 SourceCounts Pipeline::counts() const {
-  return {link_.counts(), malformed_, reader_.unusable(), link_.step()};
+  return {link_.counts(), malformed_, reader_.unusable(), link_.cycle()};
 }
 
 void Pipeline::hold(Waiting waiting) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -22,7 +23,7 @@ struct SourceCounts {
   rsi::LinkCounts link;
   std::array<std::uint64_t, rsi::kDefects> malformed{};  ///< by rsi::Defect; `none` stays 0
   std::uint64_t unusable_values = 0;  ///< signals that should be numbers and are not
-  std::optional<std::uint64_t> cycle_ms;
+  std::optional<std::chrono::nanoseconds> cycle;
 
   [[nodiscard]] std::uint64_t malformed_in_all() const;
 };

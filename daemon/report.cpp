@@ -1,6 +1,7 @@
 #include "daemon/report.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <optional>
 #include <string_view>
 
@@ -9,11 +10,13 @@
 #include "daemon/numbers.hpp"
 #include "daemon/text_layout.hpp"
 #include "daemon/units.hpp"
+#include "rsi/counted.hpp"
 
 namespace sweepd {
 namespace {
 
 using identify::Identification;
+using rsi::counted;
 
 /// Axes from elsewhere: nothing was swept.
 bool is_given(const Outcome& outcome) {
@@ -21,13 +24,17 @@ bool is_given(const Outcome& outcome) {
 }
 
 std::string points_text(const PointCounts& points) {
-  const auto counted = [](std::size_t number, const std::string& noun) {
-    return std::to_string(number) + " " + noun + (number == 1 ? "" : "s");
-  };
   std::string text = std::to_string(points.points) + " in " + counted(points.sweeps, "sweep") +
                      " of " + counted(points.files, "file");
   if (points.targets > 1) text += ", " + counted(points.targets, "target point");
   return paragraph("points      ", text);
+}
+
+/// "4 ms"; "4.003 ms" where it is measured.
+std::string cycle_text(std::chrono::nanoseconds cycle) {
+  constexpr std::chrono::milliseconds kMillisecond(1);
+  const bool whole = cycle % kMillisecond == std::chrono::nanoseconds(0);
+  return fixed(std::chrono::duration<double, std::milli>(cycle).count(), whole ? 0 : 3) + " ms";
 }
 
 std::string source_text(const Outcome& outcome) {
@@ -38,10 +45,12 @@ std::string source_text(const Outcome& outcome) {
   const auto& counts = outcome.counts;
   const auto& link = counts.link;
   std::string telegrams = std::to_string(link.telegrams);
-  if (counts.cycle_ms) telegrams += ", one every " + std::to_string(*counts.cycle_ms) + " ms";
-  std::string late = "late by the controller's count " + std::to_string(link.late_replies);
+  if (counts.cycle) telegrams += ", one every " + cycle_text(*counts.cycle);
+  std::string late = link.late_replies
+                         ? "late by the controller's count " + std::to_string(*link.late_replies)
+                         : "how many were late is not known: the telegrams carry no Delay";
   if (link.late_runs > 0)
-    late += ", in " + std::to_string(link.late_runs) + " runs of at most " +
+    late += ", in " + counted(link.late_runs, "run") + " of at most " +
             std::to_string(link.longest_late_run);
   std::string text =
       paragraph("telegrams   ", telegrams) +
@@ -151,15 +160,16 @@ std::string report(const Outcome& outcome) {
 }
 
 std::string sweep_line(const identify::Sweep& sweep) {
-  const std::string who =
-      sweep.joint ? "joint " + std::to_string(*sweep.joint + 1) : std::string("a joint");
+  std::string who = "a joint";
+  if (sweep.joint) who = "joint " + std::to_string(*sweep.joint + 1);
+  if (sweep.joint && sweep.first().joints == 0) who += " (by the order of the plan)";
   return who + ": sweep of " +
          (sweep.direction > 0   ? "+"
           : sweep.direction < 0 ? "-"
                                 : "") +
          fixed(degrees(sweep.range_rad), 1) + " deg in " +
          fixed(sweep.last().time_s - sweep.first().time_s, 2) + " s, " +
-         std::to_string(sweep.samples->size()) + " samples";
+         counted(sweep.samples->size(), "sample");
 }
 
 }  // namespace sweepd

@@ -1,6 +1,7 @@
 #include "daemon/result_json.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <optional>
 
@@ -52,12 +53,18 @@ Json source(const Outcome& outcome) {
                {"reordered", counts.link.reordered},
                {"malformed", counts.malformed_in_all()},
                {"restarts", counts.link.restarts},
-               {"late_replies", counts.link.late_replies},
-               {"late_runs", counts.link.late_runs},
-               {"longest_late_run", counts.link.longest_late_run},
+               {"late_replies", nullptr},
+               {"late_runs", nullptr},
+               {"longest_late_run", nullptr},
                {"unusable_values", counts.unusable_values},
                {"cycle_ms", nullptr}};
-  if (counts.cycle_ms) json["cycle_ms"] = static_cast<double>(*counts.cycle_ms);
+  if (counts.link.late_replies) {
+    json["late_replies"] = *counts.link.late_replies;
+    json["late_runs"] = counts.link.late_runs;
+    json["longest_late_run"] = counts.link.longest_late_run;
+  }
+  if (counts.cycle)
+    json["cycle_ms"] = rounded(std::chrono::duration<double, std::milli>(*counts.cycle).count(), 3);
   Json kinds = Json::object();
   for (std::size_t k = 1; k < counts.malformed.size(); ++k)
     if (counts.malformed[k] > 0)

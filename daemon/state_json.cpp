@@ -36,7 +36,7 @@ Json stream(const RobotState& state) {
   Json json = {{"session", stream.session},
                {"since", utc_text(stream.since)},
                {"controller", rsi::address_text(stream.controller)}};
-  if (stream.cycle.count() > 0) json["cycle_ms"] = ms(stream.cycle);
+  if (stream.cycle.count() > 0) json["cycle_ms"] = rounded(ms(stream.cycle), 3);
   if (state.replies)
     json["reply_latency"] = {{"p50_us", us(stream.latency_p50)},
                              {"p99_us", us(stream.latency_p99)},
@@ -65,7 +65,8 @@ Json replies(const RobotState& state) {
           {"late", link.late},
           {"superseded", link.superseded},
           {"unanswered", link.unanswered},
-          {"missed_by_controller", link.missed_by_controller},
+          {"missed_by_controller",
+           link.missed_by_controller ? Json(*link.missed_by_controller) : Json()},
           {"mean_latency_us", rounded(link.latency.mean_s() * 1e6, 3)}};
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "rsi/ipoc.hpp"
-#include "rsi/ipoc_unit.hpp"
 
 namespace rsi {
 
@@ -40,11 +39,12 @@ void LinkMonitor::telegram(const Datagram& datagram, const Telegram& telegram, D
     delay_hint_ = *at;
     delay = ipoc_number(telegram.signals()[*at].text);
   }
-  report_.has_delay = report_.has_delay || delay;
   Cycle cycle;
   cycle.ipoc = *ipoc;
   cycle.received = datagram.time;
-  cycle.arrival = link_.add(*ipoc, datagram.source, delay);
+  Datagram whole = datagram;
+  whole.cut = datagram.cut || defect != Defect::none;
+  cycle.arrival = link_.add(whole, *ipoc, delay);
   if (cycle.arrival == Arrival::duplicate) return;
   if (newest_) {
     cycle.since = std::clamp(datagram.time - newest_->received, -kLongest, kLongest);
@@ -85,6 +85,7 @@ LinkReport LinkMonitor::report() const {
   end.end_run(end.late_run_, end.report_.late_runs);
   end.end_run(end.silent_run_, end.report_.silent_runs);
   LinkReport report = end.report_;
+  report.same_machine = link_.same_machine();
   report.link = link_.counts();
   report.step = link_.step();
   report.duration = end.settled_until_;
@@ -98,7 +99,8 @@ LinkReport LinkMonitor::report() const {
 }
 
 void LinkMonitor::settle(std::size_t count, bool at_end) {
-  learn_unit();
+  unit_ = link_.unit();
+  cycle_ = link_.cycle().value_or(0ns);
   lay_out();
   for (std::size_t i = 0; i < count; ++i) {
     score_arrival(cycles_[i]);
@@ -109,16 +111,6 @@ void LinkMonitor::settle(std::size_t count, bool at_end) {
   const auto rest = cycles_.begin() + static_cast<std::ptrdiff_t>(count);
   std::move(rest, cycles_.begin() + static_cast<std::ptrdiff_t>(size_), cycles_.begin());
   size_ -= count;
-}
-
-void LinkMonitor::learn_unit() {
-  std::array<Nanoseconds, kMost> per_count;
-  std::size_t known = 0;
-  for (std::size_t i = 0; i < size_; ++i)
-    if (cycles_[i].rise > 0 && cycles_[i].since >= 0ns)
-      per_count[known++] = cycles_[i].since / static_cast<std::int64_t>(cycles_[i].rise);
-  if (known > 0) unit_ = ipoc_unit({per_count.data(), known});
-  cycle_ = static_cast<std::int64_t>(link_.step().value_or(0)) * unit_;
 }
 
 void LinkMonitor::lay_out() {
@@ -171,6 +163,7 @@ void LinkMonitor::score_arrival(const Cycle& cycle) {
   const Nanoseconds deviation = this->deviation(cycle);
   if (cycle.clock_stepped) {
     ++report_.clock_steps;
+    if (cycle.since < 0ns) ++report_.clock_steps_back;
     if (std::chrono::abs(deviation) > std::chrono::abs(report_.largest_clock_step))
       report_.largest_clock_step = deviation;
   } else {

@@ -54,7 +54,6 @@ class LinkMonitor {
     std::optional<Nanoseconds> next_reply{};  // when the next one to a newer telegram left
   };
 
-  void learn_unit();
   void lay_out();
   [[nodiscard]] bool clock_stepped(std::size_t index) const;
   [[nodiscard]] Nanoseconds deviation(const Cycle& cycle) const;

@@ -36,6 +36,8 @@ struct LinkReport {
   Timestamp start{};                    ///< of the first telegram, by the clock of that machine
   std::chrono::nanoseconds duration{};  ///< to the last telegram; setting the clock does not count
 
+  bool same_machine = false;  ///< telegrams did not come over a network: loopback, one address
+
   // From the controller.
   LinkCounts link;
   std::uint64_t malformed = 0;        ///< datagrams that are no whole telegram
@@ -43,9 +45,8 @@ struct LinkReport {
   std::optional<std::uint64_t> step;  ///< of the IPOC, per cycle
   std::chrono::nanoseconds cycle{};   ///< zero before two telegrams came in order
   bool ipoc_counts_ms = true;         ///< else the cycle is the median time between telegrams
-  Place longest_gap;       ///< most telegrams that did not come in a row: `amount`, before `ipoc`
-  bool has_delay = false;  ///< telegrams carry the controller's Delay
-  WorstPlaces late_runs;   ///< runs of late replies by the controller's Delay: `amount` replies
+  Place longest_gap;      ///< most telegrams that did not come in a row: `amount`, before `ipoc`
+  WorstPlaces late_runs;  ///< runs of late replies by the controller's Delay: `amount` replies
   /// Size of the difference between the time from telegram to telegram and the rise of the IPOC.
   LatencyHistogram jitter;
   std::chrono::nanoseconds earliest{};  ///< the least such difference, negative
@@ -57,8 +58,10 @@ struct LinkReport {
   WorstPlaces slowest;       ///< replies: `amount` in nanoseconds
   WorstPlaces silent_runs;   ///< telegrams in a row without a reply in time: `amount` of them
 
-  /// The machine's clock was set against the IPOC. Neither jitter nor latency contain it.
+  /// The machine's clock and the IPOC parted for good: the clock was set, or the sender paused with
+  /// its IPOC. Neither jitter nor latency contain it.
   std::uint64_t clock_steps = 0;
+  std::uint64_t clock_steps_back = 0;             ///< of these: to an earlier time
   std::chrono::nanoseconds largest_clock_step{};  ///< negative: backwards
 };
 

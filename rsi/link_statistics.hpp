@@ -1,19 +1,21 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <optional>
 
-#include "rsi/endpoint.hpp"
+#include "rsi/datagram.hpp"
 
 namespace rsi {
 
-/// How a telegram came in, judged by its IPOC.
+/// How a telegram came in.
 enum class Arrival {
   in_order,
-  duplicate,  ///< this IPOC was seen before
+  duplicate,  ///< a copy: the same telegram came shortly before
   reordered,  ///< older than the newest one, seen for the first time
-  restart,    ///< the controller's RSI began anew: its IPOC or its port jumped
+  restart,    ///< the controller's RSI began anew: its IPOC or its port jumped, or its IPOC fell
+              ///< back to one that another telegram had
 };
 
 /// What happened to a controller's telegrams on the way. Counts since the first of them.
@@ -23,23 +25,37 @@ struct LinkCounts {
   std::uint64_t duplicated = 0;  ///< telegrams that came again
   std::uint64_t reordered = 0;   ///< telegrams overtaken by a later one
   std::uint64_t restarts = 0;
-  std::uint64_t late_replies = 0;  ///< replies that the controller missed in time, by its Delay
-  std::uint64_t late_runs = 0;     ///< runs of consecutive late replies
+  /// Replies that the controller missed in time, by its Delay; not known where it sends none.
+  std::optional<std::uint64_t> late_replies;
+  std::uint64_t late_runs = 0;  ///< runs of consecutive late replies
   std::uint64_t longest_late_run = 0;
 };
 
-/// Link statistics of one controller, from IPOC, source and Delay of each telegram in order of
-/// reception. The IPOC's step per cycle is learned: 4 or 12 (ms) on controllers, 1 on simulators;
-/// that it passes 2^64 is nothing special. Constant memory; not thread-safe.
+/// Link statistics of one controller, from its telegrams in order of reception. The IPOC's step per
+/// cycle is learned: 4 or 12 (ms) on controllers, 1 on simulators; that it passes 2^64 is nothing
+/// special. Constant memory, some 20 kB; not thread-safe.
+///
+/// An IPOC that falls back is that of a copy, of a latecomer or of an RSI that began anew. A copy
+/// has the content of what was seen, and comes within a second of it. A latecomer fills a gap among
+/// the last 256 telegrams. All else is a restart.
 class LinkStatistics {
  public:
-  /// `delay`: the telegram's <Delay D=>, where it has one.
-  Arrival add(std::uint64_t ipoc, const Endpoint& source, std::optional<std::uint64_t> delay);
+  /// `delay`: the telegram's <Delay D=>, where it has one. What a datagram holds that is `cut` is
+  /// not compared.
+  Arrival add(const Datagram& datagram, std::uint64_t ipoc, std::optional<std::uint64_t> delay);
 
   [[nodiscard]] LinkCounts counts() const;
+  /// The telegrams never were on a network: they come from loopback, or from their own destination.
+  [[nodiscard]] bool same_machine() const { return same_machine_; }
 
   /// IPOC's rise from one cycle to the next; nothing before two telegrams came in order.
   [[nodiscard]] std::optional<std::uint64_t> step() const;
+
+  /// What one count of the IPOC lasts by the last 1024 telegrams, see ipoc_unit().
+  [[nodiscard]] std::chrono::nanoseconds unit() const;
+  /// From one telegram to the next: that unit times the step. Nothing without a step, nor where
+  /// telegrams have no times and their IPOC only counts them.
+  [[nodiscard]] std::optional<std::chrono::nanoseconds> cycle() const;
 
  private:
   /// Telegrams between two restarts.
@@ -47,15 +63,30 @@ class LinkStatistics {
     std::uint64_t oldest = 0;  ///< IPOC
     std::uint64_t newest = 0;
     std::uint64_t distinct = 0;
+    std::uint64_t in_step = 0;  ///< that came a usual step after the one before
+  };
+  struct Seen {
+    std::uint64_t ipoc = 0;
+    std::optional<std::uint64_t> content;  ///< a hash; nothing of a cut datagram
+    Timestamp time{};
   };
 
   [[nodiscard]] std::uint64_t lost_in(const Run& run) const;
-  [[nodiscard]] bool restarted(std::uint64_t ipoc, const Endpoint& source) const;
-  [[nodiscard]] bool seen(std::uint64_t ipoc) const;
+  [[nodiscard]] Arrival judge(const Seen& came, const Endpoint& source) const;
+  [[nodiscard]] Arrival judge_fallen(const Seen& came) const;
+  [[nodiscard]] const Seen* seen(std::uint64_t ipoc) const;
+  void learn_pace(std::uint64_t rise, std::chrono::nanoseconds since);
   void count_late(std::uint64_t ipoc, std::uint64_t delay);
 
-  /// A telegram that is older than this, in IPOC's milliseconds, is no latecomer but a restart.
-  static constexpr std::uint64_t kWindow = 4096;
+  /// Telegrams that are remembered, and times between telegrams.
+  static constexpr std::uint64_t kRecent = 256;
+  static constexpr std::size_t kPaces = 1024;
+  /// From so many telegrams in step on an IPOC out of step is not of the same run.
+  static constexpr std::uint64_t kSureOfStep = 16;
+  /// A latecomer from before the first telegram is older than that by no more cycles.
+  static constexpr std::uint64_t kBeforeFirst = 8;
+  /// A copy comes no later after the telegram.
+  static constexpr std::chrono::seconds kCopyWithin{1};
   /// A rise by more than a minute is no loss but a restart.
   static constexpr std::uint64_t kLongestGap = 60'000;
   static constexpr std::size_t kLargestStep = 255;
@@ -63,11 +94,16 @@ class LinkStatistics {
   LinkCounts counts_;
   Run run_;
   Endpoint source_;
+  bool same_machine_ = false;
   std::uint64_t delay_ = 0;  // the last one, and its telegram
   std::uint64_t delay_ipoc_ = 0;
   std::array<std::uint64_t, kLargestStep + 1> steps_{};  // how often IPOC rose by so much
   std::uint64_t usual_step_ = 0;                         // the most frequent, of equals the least
-  std::array<std::optional<std::uint64_t>, kWindow> recent_;  // at IPOC modulo the window
+  std::array<Seen, kRecent> recent_;  // of this run, number k at k modulo kRecent
+  Timestamp newest_time_{};           // of the newest in order
+  bool has_times_ = false;            // not all the same
+  std::array<std::chrono::nanoseconds, kPaces> per_count_{};  // time for each count that IPOC rose
+  std::uint64_t paces_ = 0;
 };
 
 }  // namespace rsi

@@ -4,6 +4,8 @@
 #include <array>
 #include <charconv>
 
+#include "rsi/counted.hpp"
+
 namespace rsi {
 namespace {
 
@@ -33,7 +35,7 @@ double share(std::uint64_t part, std::uint64_t whole) {
 /// "1 reply (0.01 %)", "12 replies (0.18 %)".
 std::string counted(std::uint64_t count, std::uint64_t whole, const char* one, const char* many) {
   const double percent = 100 * share(count, whole);
-  return std::to_string(count) + ' ' + (count == 1 ? one : many) + " (" +
+  return rsi::counted(count, one, many) + " (" +
          (percent < 0.005 ? "under 0.01" : fixed(percent, 2)) + " %)";
 }
 
@@ -83,11 +85,12 @@ class Judge {
 
   void controllers_delay() {
     const LinkCounts& link = report_.link;
-    if (link.late_replies <= report_.replies.withheld) return;
+    const std::uint64_t late = link.late_replies.value_or(0);
+    if (late <= report_.replies.withheld) return;
     const auto longest = static_cast<std::int64_t>(link.longest_late_run);
-    std::string message = counted(link.late_replies, cycles_, "reply", "replies") +
+    std::string message = counted(late, cycles_, "reply", "replies") +
                           " missed the controller's cycle by its own Delay, in " +
-                          std::to_string(link.late_runs) + (link.late_runs == 1 ? " run" : " runs");
+                          rsi::counted(link.late_runs, "run");
     if (!report_.late_runs.empty())
       message += ", at most " + std::to_string(longest) + " in a row (" +
                  where(report_.late_runs.worst()) + ")";
@@ -98,16 +101,20 @@ class Judge {
           "this capture has no replies, so record both directions to see whether the server or "
           "the network is slow";
     else if (here == 0 && link.lost == 0)
-      message +=
-          "all were answered in time here, so look at the way back to the controller: cable, "
-          "switch, other load on its port";
-    else if (here >= link.late_replies)
+      message += report_.same_machine
+                     ? "all were answered within a cycle of their coming, so see what keeps the "
+                       "sender busy, which runs on the same machine"
+                     : "all were answered within a cycle of their coming here, so the time went on "
+                       "the way from or to the controller: cable, switch, other load on its port";
+    else if (here >= late)
       message += "the server did not answer these in time, see below";
     else
-      message += std::to_string(here) + " telegrams were not answered in time here and " +
-                 std::to_string(link.lost) +
-                 " got lost, the rest of it is on the way back to the controller: cable, switch";
-    add(grade(link.late_replies, longest), "late_at_controller", std::move(message));
+      message +=
+          rsi::counted(here, "telegram was", "telegrams were") + " not answered in time here and " +
+          std::to_string(link.lost) + " never came; for the rest " +
+          (report_.same_machine ? "see what keeps the sender busy, which runs on the same machine"
+                                : "look at the way from and to the controller: cable, switch");
+    add(grade(late, longest), "late_at_controller", std::move(message));
   }
 
   void telegrams_without_reply() {
@@ -126,16 +133,22 @@ class Judge {
   }
 
   void lost() {
+    constexpr std::int64_t kLongGap = 1000;
     const auto lost = report_.link.lost;
     if (lost == 0) return;
     const auto gap = std::min(report_.longest_gap.amount, static_cast<std::int64_t>(lost));
     std::string message = counted(lost, cycles_ + lost, "telegram", "telegrams") +
                           " never came, at most " + std::to_string(gap) + " in a row";
     if (gap > 0) message += " (" + where(report_.longest_gap) + ")";
-    message += gap >= 1000
-                   ? ": the cable was out, or this machine was suspended or recorded nothing"
-                   : ": check cable, connectors and switch, and the receive buffer of this machine "
-                     "(`netstat -su`, receive buffer errors)";
+    constexpr const char* kBuffer = "receive buffer (`netstat -su`, receive buffer errors)";
+    if (report_.same_machine)
+      message += std::string(": the sender left them out, or the ") + kBuffer +
+                 " was full: see what keeps this machine busy, since both run on it";
+    else if (gap >= kLongGap)
+      message += ": the cable was out, or this machine was suspended or recorded nothing";
+    else
+      message += std::string(": check cable, connectors and switch, and this machine's ") +
+                 kBuffer + "; a simulator may have left them out";
     add(grade(lost, gap), "lost", std::move(message));
   }
 
@@ -155,14 +168,16 @@ class Judge {
     const LinkCounts& link = report_.link;
     if (link.duplicated > 0)
       add(Grade::marginal, "duplicated",
-          counted(link.duplicated, cycles_, "telegram", "telegrams") +
-              " came twice: look for a loop in the network, or a capture of two interfaces at "
-              "once");
+          counted(link.duplicated, cycles_, "telegram", "telegrams") + " came twice: " +
+              (report_.same_machine ? "the sender sent them twice"
+                                    : "look for a loop in the network") +
+              ", or the capture is one of two interfaces at once");
     if (link.reordered > 0)
       add(Grade::marginal, "reordered",
-          counted(link.reordered, cycles_, "telegram", "telegrams") +
-              " came after a later one: take out what has two ways to choose from (bonded "
-              "links, wireless bridges)");
+          counted(link.reordered, cycles_, "telegram", "telegrams") + " came after a later one: " +
+              (report_.same_machine ? "the sender sent them so"
+                                    : "take out what has two ways to choose from (bonded links, "
+                                      "wireless bridges)"));
   }
 
   void wrong_replies() {
@@ -200,26 +215,23 @@ class Judge {
     add(bad ? Grade::bad : Grade::marginal, "jitter",
         std::string(bad ? "one in 100" : "one in 1000") + " of the telegrams came more than " +
             ms(jitter.quantile(bad ? 0.99 : 0.999)) + " too early or too late (cycle " +
-            ms(report_.cycle) +
-            "): the sender, or the way from it, does not keep the pace; give the robot a network "
-            "card and cable of its own, without other load on the switch; without time stamps of "
-            "the kernel a busy machine here looks like that too");
+            ms(report_.cycle) + "): " +
+            (report_.same_machine
+                 ? "the sender does not keep the pace: see what keeps this machine busy, since it "
+                   "runs here"
+                 : "the sender, or the way from it, does not keep the pace; give the robot a "
+                   "network card and cable of its own, without other load on the switch; without "
+                   "time stamps of the kernel a busy machine here looks like that too"));
   }
 
   void good_to_know() {
     const LinkCounts& link = report_.link;
     if (link.restarts > 0)
       add(Grade::good, "restarts",
-          "RSI began anew " + std::to_string(link.restarts) +
-              (link.restarts == 1 ? " time" : " times") +
+          "RSI began anew " + rsi::counted(link.restarts, "time") +
               ": if no program on the controller did that, look there for why it stopped");
-    if (report_.clock_steps > 0)
-      add(Grade::good, "clock_steps",
-          "the clock of the machine was set " + std::to_string(report_.clock_steps) +
-              (report_.clock_steps == 1 ? " time" : " times") + ", by at most " +
-              fixed(static_cast<double>(report_.largest_clock_step.count()) / 1e9, 3) +
-              " s: replies around it are not timed; let chrony slew the clock instead");
-    if (report_.replies.sent > 0 && !report_.has_delay)
+    if (report_.clock_steps > 0) clock_steps();
+    if (report_.replies.sent > 0 && !report_.link.late_replies)
       add(Grade::good, "no_delay",
           "the telegrams carry no Delay, so what reached the controller too late cannot be seen: "
           "add DEF_Delay to SEND in its Ethernet file");
@@ -227,6 +239,25 @@ class Judge {
       add(Grade::good, "ipoc_no_clock",
           "the IPOC does not count milliseconds of this machine's clock: a simulator, or a "
           "capture that was not made in real time; the cycle is the median time between telegrams");
+  }
+
+  /// A clock that goes back was set. Of one that runs ahead of the IPOC nothing tells whether it
+  /// was set, or the sender paused.
+  void clock_steps() {
+    const auto ahead = report_.clock_steps - report_.clock_steps_back;
+    const std::string size =
+        fixed(static_cast<double>(report_.largest_clock_step.count()) / 1e9, 3) + " s";
+    std::string message;
+    if (report_.clock_steps_back > 0)
+      message = "the clock of the machine was set back " +
+                rsi::counted(report_.clock_steps_back, "time") + " (let chrony slew it instead)" +
+                (ahead > 0 ? ", and " : "");
+    if (ahead > 0)
+      message += rsi::counted(ahead, "time") +
+                 " the clock of the machine ran ahead of the IPOC and stayed there: it was set, or "
+                 "the sender paused with its IPOC (a simulator, a machine that was suspended)";
+    add(Grade::good, "clock_steps",
+        message + "; by at most " + size + ", and replies around it are not timed");
   }
 
   const LinkReport& report_;

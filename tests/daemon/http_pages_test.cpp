@@ -191,6 +191,7 @@ TEST_CASE("the state of each robot is told in JSON") {
   CHECK(robot["transport"] == "UDP");
   CHECK(robot["stream"]["controller"] == "192.168.1.20");
   CHECK(robot["stream"]["cycle_ms"] == 4);
+  CHECK(robot["replies"]["missed_by_controller"].is_null());  // no Delay came
   CHECK(robot["stream"]["since"] == "2025-01-01T00:00:00.000Z");
   CHECK(robot["telegrams"]["received"] == 1010);
   CHECK(robot["replies"]["late"] == 1);

@@ -69,8 +69,12 @@ TEST_CASE("the JSON of a link holds every figure with its unit") {
 TEST_CASE("what was not seen is absent from the JSON") {
   rsi::LinkMonitor monitor;
   LinkStream stream(monitor);
-  stream.telegram(0ms, 7);
+  stream.telegram(0ms, 7, {});
   const Json json = json_of(monitor);
+  for (const char* unknown : {"late_replies", "late_runs", "longest_late_run"}) {
+    INFO(unknown);
+    CHECK(json["telegrams"][unknown].is_null());
+  }
   for (const char* absent : {"replies", "latency", "jitter", "cycle_ms"}) {
     INFO(absent);
     CHECK_FALSE(json.contains(absent));

@@ -111,7 +111,7 @@ TEST_CASE("a link with every fault fits the terminal and says each one") {
   CHECK(widest_line(text) <= 80);
   for (const char* part :
        {"Verdict: bad", "\n  bad  ", "\n  marginal  ", "\n  note  ", "1 without an IPOC",
-        "by its Delay, in 1 run of 3", "clock was set", "repeated", "stray",
+        "by its Delay, in 1 run of 3", "clock against IPOC", "repeated", "stray",
         "Telegrams in a row without a reply in time", "Runs of late replies"})
     CHECK_THAT(text, ContainsSubstring(part));
 }

@@ -111,6 +111,15 @@ TEST_CASE("metrics keep to the text format: a family at a time, each value once"
   }
 }
 
+TEST_CASE("replies that a controller missed have no value where its telegrams carry no Delay",
+          "[issue11][point_15]") {
+  auto tells = busy_robot("b");
+  tells.link.missed_by_controller = 3;
+  const auto all = scrape(text({metrics_of(busy_robot()), metrics_of(tells)}));
+  CHECK(all.values.at("sweepd_controller_missed_replies_total{robot=\"b\"}") == 3);
+  CHECK_FALSE(all.values.contains("sweepd_controller_missed_replies_total{robot=\"kr5-arc\"}"));
+}
+
 TEST_CASE("the buckets of a histogram add up, and the last one holds all") {
   const auto all = scrape(busy_text());
   const std::string name = "sweepd_reply_latency_seconds";

@@ -30,7 +30,7 @@ inline Outcome outcome_of(std::vector<identify::Sample> samples, identify::Campa
   Outcome outcome;
   outcome.robot = "kr5-arc";
   outcome.counts.link.telegrams = samples.size();
-  outcome.counts.cycle_ms = 4;
+  outcome.counts.cycle = std::chrono::milliseconds(4);
   outcome.identification = identify::identify(sweeps, campaign);
   return outcome;
 }

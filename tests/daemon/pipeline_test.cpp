@@ -70,7 +70,7 @@ TEST_CASE("each telegram becomes a sample with its time, and a row as the contro
   CHECK(watched.samples[0].has_position);
   CHECK(watched.samples[1].time_s == Approx(0.004));
   CHECK_FALSE(watched.samples[1].has_position);
-  CHECK(watched.pipeline.counts().cycle_ms == 4U);
+  CHECK(watched.pipeline.counts().cycle == 4ms);  // by the IPOC: there are no times
 }
 
 TEST_CASE("swapped telegrams are put in order and counted, duplicates are dropped and counted") {
@@ -242,6 +242,18 @@ TEST_CASE(
   CHECK(watched.sweeps.size() == 2);
 }
 
+TEST_CASE("RSI that restarts on its port from the same IPOC loses no telegram",
+          "[issue11][point_13]") {
+  Watched watched;
+  watched.stroke(4000, 0, 30, 1h);
+  watched.stroke(4000, 30, 60, 1h + 5s);
+  watched.pipeline.finish();
+  CHECK(watched.pipeline.counts().link.duplicated == 0);
+  CHECK(watched.pipeline.counts().link.restarts == 1);
+  CHECK(watched.samples.size() == 800);
+  CHECK(watched.sweeps.size() == 2);
+}
+
 TEST_CASE("one decimal, KUKA's default, is enough to find a stroke") {
   Watched watched;
   std::uint64_t ipoc = 4000;
@@ -275,16 +287,49 @@ TEST_CASE("positions alone make a stroke of no joint, angles alone one without p
   }
 }
 
-TEST_CASE("where IPOC rises by one, the time of reception tells how fast the robot is") {
+TEST_CASE("where IPOC rises by one, the time of reception tells the cycle and the robot's speed",
+          "[issue11][point_15]") {
   Watched watched;
   std::uint64_t ipoc = 1;
   rsi::Timestamp time = 1h;
   for (const double angle : stroke_deg(0, 30))
     watched.add(telegram(ipoc++, joint_1_at(angle)), time += 4ms);
   watched.pipeline.finish();
-  CHECK(watched.pipeline.counts().cycle_ms == 1U);
+  CHECK(watched.pipeline.counts().cycle == 4ms);
   REQUIRE(watched.sweeps.size() == 1);
   CHECK(watched.samples.back().time_s == Approx(399 * 0.004));
+}
+
+TEST_CASE("the cycle is the one that telegrams keep, whatever the IPOC counts",
+          "[issue11][point_15]") {
+  struct Kind {
+    std::uint64_t step;
+    rsi::Timestamp cycle;
+    std::optional<rsi::Timestamp> expected;
+  };
+  for (const auto& kind : {Kind{4, 4ms, 4ms}, Kind{12, 12'001us, 12ms}, Kind{4, 40ms, 40ms},
+                           Kind{1, 12ms, 12ms}, Kind{1, 0ms, {}}, Kind{12, 0ms, 12ms}}) {
+    CAPTURE(kind.step, kind.cycle.count());
+    Watched watched;
+    CHECK_FALSE(watched.pipeline.counts().cycle);
+    for (std::uint64_t k = 0; k < 100; ++k)
+      // Every tenth is late, and one came after the clock was set.
+      watched.add(telegram(1000 + kind.step * k, ""),
+                  1h + k * kind.cycle + (k % 10 == 0 ? kind.cycle / 2 : 0ns) +
+                      (k > 50 && kind.cycle > 0ms ? 1min : 0min));
+    CHECK(watched.pipeline.counts().cycle == kind.expected);
+  }
+}
+
+TEST_CASE("whether replies were late is not known where telegrams carry no Delay",
+          "[issue11][point_15]") {
+  Watched watched;
+  watched.add(telegram(1000, ""));
+  CHECK_FALSE(watched.pipeline.counts().link.late_replies);
+  watched.add(telegram(1004, R"(<Delay D="0"/>)"));
+  CHECK(watched.pipeline.counts().link.late_replies == 0U);
+  watched.add(telegram(1008, R"(<Delay D="1"/>)"));
+  CHECK(watched.pipeline.counts().link.late_replies == 1U);
 }
 
 TEST_CASE("an observer that wants nothing is not called") {

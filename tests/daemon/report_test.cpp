@@ -125,6 +125,21 @@ TEST_CASE("without a specified table there is no column for it") {
   CHECK_THAT(report(unspecified_outcome()), !ContainsSubstring("difference"));
 }
 
+TEST_CASE("a report says the cycle as it was measured, and what it does not know of late replies",
+          "[issue11][point_15]") {
+  auto outcome = failed_outcome();
+  outcome.counts.cycle = std::chrono::microseconds(4003);
+  CHECK_THAT(flowing(report(outcome)),
+             ContainsSubstring("one every 4.003 ms") &&
+                 ContainsSubstring("replies how many were late is not known"));
+  outcome.counts.cycle = std::chrono::milliseconds(12);
+  outcome.counts.link.late_replies = 1;
+  outcome.counts.link.late_runs = outcome.counts.link.longest_late_run = 1;
+  CHECK_THAT(flowing(report(outcome)),
+             ContainsSubstring("one every 12 ms") &&
+                 ContainsSubstring("late by the controller's count 1, in 1 run of at most 1"));
+}
+
 TEST_CASE("long texts, large counts, odd numbers and twelve joints fit as well") {
   auto outcome = partial_outcome();
   auto& found = outcome.identification;
@@ -156,4 +171,11 @@ TEST_CASE("a sweep is told as it happens: joint, direction, range, time, samples
   unknown.direction = 0;
   CHECK_THAT(sweepd::sweep_line(unknown),
              Catch::Matchers::StartsWith("a joint: ") && !ContainsSubstring("+"));
+  // Of positions alone it is the plan that tells.
+  auto positions = sweeps[1];
+  auto samples = *positions.samples;
+  for (auto& sample : samples) sample.joints = 0;
+  positions.samples = std::make_shared<const std::vector<identify::Sample>>(std::move(samples));
+  CHECK_THAT(sweepd::sweep_line(positions),
+             Catch::Matchers::StartsWith("joint 1 (by the order of the plan): "));
 }

@@ -1,5 +1,6 @@
 #include "daemon/result_json.hpp"
 
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -14,6 +15,7 @@ using identify::Knowledge;
 using sweepd::Outcome;
 using sweepd::result_json;
 using namespace sweepd::test;
+using namespace std::chrono_literals;
 
 namespace {
 
@@ -248,9 +250,27 @@ TEST_CASE("a partial result says why, and null for what the data cannot determin
   CHECK(warned);
 }
 
+TEST_CASE("what only Delay or times could tell is null, not nought", "[issue11][point_15]") {
+  auto outcome = failed_outcome();
+  outcome.counts.cycle = 4'001'234ns;
+  outcome.counts.link.late_replies = 3;
+  outcome.counts.link.late_runs = 2;
+  auto source = parsed(outcome).at("source");
+  CHECK(source.at("cycle_ms") == 4.001);
+  CHECK(source.at("late_replies") == 3);
+  CHECK(source.at("late_runs") == 2);
+  outcome.counts.cycle.reset();
+  outcome.counts.link.late_replies.reset();
+  source = parsed(outcome).at("source");
+  for (const char* unknown : {"cycle_ms", "late_replies", "late_runs", "longest_late_run"}) {
+    INFO(unknown);
+    CHECK(source.at(unknown).is_null());
+  }
+}
+
 TEST_CASE("a failed result is one too: status, reason, source, no number made up") {
   auto outcome = failed_outcome();
-  outcome.counts.cycle_ms.reset();
+  outcome.counts.cycle.reset();
   const auto json = parsed(outcome);
   CHECK(json.at("status") == "failed");
   CHECK_FALSE(json.at("reason").get<std::string>().empty());

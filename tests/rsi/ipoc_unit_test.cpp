@@ -19,6 +19,7 @@ TEST_CASE("an IPOC that counts milliseconds has a unit of exactly one") {
   CHECK(unit({1007us, 998us, 700us, 1001us, 90ms}) == 1ms);
   CHECK(unit({1250us}) == 1ms);
   CHECK(unit({750us}) == 1ms);
+  CHECK(unit({0us, 0us, 5us}) == 1ms);  // no times
 }
 
 TEST_CASE("any other IPOC has the median for its unit, however wild the rest is") {

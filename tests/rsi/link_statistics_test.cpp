@@ -1,23 +1,39 @@
 #include "rsi/link_statistics.hpp"
 
+#include <chrono>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "tests/catch.hpp"
 
 using rsi::Arrival;
 using rsi::LinkStatistics;
+using namespace std::chrono_literals;
 
 namespace {
 
 constexpr rsi::Endpoint kController{0xc0a80114, 50000};
 constexpr rsi::Endpoint kRestarted{0xc0a80114, 50001};
 
+/// Link statistics fed with telegrams of which only some things matter: a resting robot's.
+struct Link : LinkStatistics {
+  Arrival add(std::uint64_t ipoc, const rsi::Endpoint& source, std::optional<std::uint64_t> delay) {
+    return add(ipoc, "at rest", 0ms, source, delay);
+  }
+  Arrival add(std::uint64_t ipoc, const std::string& content, rsi::Timestamp time,
+              const rsi::Endpoint& source = kController, std::optional<std::uint64_t> delay = {}) {
+    return LinkStatistics::add({time, source, {}, content + std::to_string(ipoc), cut}, ipoc,
+                               delay);
+  }
+  bool cut = false;
+};
+
 }  // namespace
 
 TEST_CASE("the step of the IPOC is learned, for 4 and 12 ms and for simulators that count by one") {
   for (const std::uint64_t step : {1u, 4u, 12u}) {
-    LinkStatistics link;
+    Link link;
     CHECK_FALSE(link.step());
     for (std::uint64_t k = 0; k < 100; ++k)
       if (k != 1 && k != 50) link.add(237433 + k * step, kController, {});
@@ -28,7 +44,7 @@ TEST_CASE("the step of the IPOC is learned, for 4 and 12 ms and for simulators t
 }
 
 TEST_CASE("a telegram that came late is reordered, not lost; one that came again is a duplicate") {
-  LinkStatistics link;
+  Link link;
   const auto add = [&](std::uint64_t ipoc) { return link.add(ipoc, kController, {}); };
   CHECK(add(1000) == Arrival::in_order);
   CHECK(add(1004) == Arrival::in_order);
@@ -45,7 +61,7 @@ TEST_CASE("a telegram that came late is reordered, not lost; one that came again
 }
 
 TEST_CASE("an IPOC that jumps, or a new port, is a restart and not a loss") {
-  LinkStatistics link;
+  Link link;
   for (std::uint64_t k = 0; k < 10; ++k) link.add(5'000'000 + 4 * k, kController, {});
   SECTION("back") {
     CHECK(link.add(100, kController, {}) == Arrival::restart);
@@ -63,7 +79,7 @@ TEST_CASE("an IPOC that jumps, or a new port, is a restart and not a loss") {
 TEST_CASE("an IPOC that passes 2^64 is neither a restart nor a loss, whatever its step") {
   for (const std::uint64_t step : {1u, 4u, 12u, 15u}) {
     INFO("step " << step);
-    LinkStatistics link;
+    Link link;
     // Before it and after it telegrams are lost, and over it two are swapped.
     const auto add = [&](std::uint64_t k) { return link.add((k - 500) * step, kController, {}); };
     for (std::uint64_t k = 0; k < 499; ++k)
@@ -83,7 +99,7 @@ TEST_CASE("an IPOC that passes 2^64 is neither a restart nor a loss, whatever it
 }
 
 TEST_CASE("the greatest IPOC of all is one like any other") {
-  LinkStatistics link;
+  Link link;
   constexpr auto kGreatest = ~std::uint64_t{0};
   CHECK(link.add(kGreatest - 1, kController, {}) == Arrival::in_order);
   CHECK(link.add(kGreatest, kController, {}) == Arrival::in_order);
@@ -91,7 +107,7 @@ TEST_CASE("the greatest IPOC of all is one like any other") {
 }
 
 TEST_CASE("a gap within a run is counted telegram by telegram, also over several restarts") {
-  LinkStatistics link;
+  Link link;
   for (const std::uint64_t start : {1'000'000u, 100u, 700'000u})
     for (std::uint64_t k = 0; k < 1000; ++k)
       if (k % 100 != 50) link.add(start + 12 * k, kController, {});
@@ -99,8 +115,69 @@ TEST_CASE("a gap within a run is counted telegram by telegram, also over several
   CHECK(link.counts().lost == 30);
 }
 
+TEST_CASE("RSI that begins anew from an IPOC it had a moment ago is one restart and no duplicate",
+          "[issue11][point_13]") {
+  // 750 telegrams each time, which is less than 4,096 ms.
+  const auto run = [](Link& link, std::uint64_t first, const char* content, rsi::Timestamp from) {
+    std::vector<Arrival> arrivals;
+    for (std::uint64_t k = 0; k < 750; ++k)
+      arrivals.push_back(link.add(first + 4 * k, content, from + k * 4ms));
+    return arrivals;
+  };
+  for (const std::uint64_t fall : {3000u, 2998u, 400u, 64u})
+    for (const char* content : {"moved", "at rest"}) {
+      CAPTURE(fall, content);
+      Link link;
+      run(link, 100'000, "at rest", 0s);
+      auto arrivals = run(link, 100'000 + 3000 - fall, content, 10s);
+      CHECK(arrivals[0] == Arrival::restart);
+      arrivals[0] = Arrival::in_order;
+      CHECK(arrivals == std::vector<Arrival>(750, Arrival::in_order));
+      CHECK(link.counts().restarts == 1);
+      CHECK(link.counts().duplicated == 0);
+      CHECK(link.counts().reordered == 0);
+      CHECK(link.counts().lost == 0);
+    }
+}
+
+TEST_CASE(
+    "a telegram that was overtaken is no restart, though the cycle is not known yet, or another",
+    "[issue11][point_13]") {
+  Link link;
+  CHECK(link.add(100, "a", 0ms) == Arrival::in_order);
+  CHECK(link.add(108, "c", 8ms) == Arrival::in_order);
+  CHECK(link.add(104, "b", 9ms) == Arrival::reordered);
+  // RSI begins anew in IPO_FAST after a long time in IPO.
+  for (std::uint64_t k = 0; k < 1000; ++k) link.add(100'000 + 12 * k, "slow", 1s + k * 12ms);
+  for (std::uint64_t k = 0; k < 100; ++k) link.add(4 * k, "fast", 20s + k * 4ms);
+  CHECK(link.add(404, "swapped", 20s + 404ms) == Arrival::in_order);
+  CHECK(link.add(400, "swapped", 20s + 405ms) == Arrival::reordered);
+}
+
+TEST_CASE("without times the content tells a restart from a copy", "[issue11][point_13]") {
+  Link link;
+  for (std::uint64_t k = 0; k < 100; ++k) link.add(1000 + 4 * k, "before", {});
+  CHECK(link.add(1200, "before", {}) == Arrival::duplicate);
+  CHECK(link.add(1200, "after", {}) == Arrival::restart);
+  CHECK(link.add(1204, "after", {}) == Arrival::in_order);
+}
+
+TEST_CASE("copies that come late or damaged, and an IPOC that stands still, are no restart",
+          "[issue11][point_13]") {
+  Link link;
+  for (std::uint64_t k = 0; k < 100; ++k) link.add(1000 + 4 * k, "moves", k * 4ms);
+  CHECK(link.add(1200, "moves", 396ms + 800ms) == Arrival::duplicate);
+  link.cut = true;
+  CHECK(link.add(1200, "mov", 400ms) == Arrival::duplicate);
+  link.cut = false;
+  CHECK(link.add(1396, "stands", 400ms) == Arrival::duplicate);
+  CHECK(link.add(1400, "moves", 404ms) == Arrival::in_order);
+  CHECK(link.counts().restarts == 0);
+  CHECK(link.counts().lost == 0);
+}
+
 TEST_CASE("the controller's Delay counts runs of late replies") {
-  LinkStatistics link;
+  Link link;
   std::uint64_t ipoc = 0;
   for (const std::uint64_t delay : {0u, 1u, 2u, 0u, 1u, 0u, 0u, 1u, 2u, 3u, 4u, 0u})
     link.add(ipoc += 4, kController, delay);
@@ -110,7 +187,7 @@ TEST_CASE("the controller's Delay counts runs of late replies") {
 }
 
 TEST_CASE("runs of late replies are told apart even if what came between them was lost") {
-  LinkStatistics link;
+  Link link;
   const auto add = [&](std::uint64_t cycle, std::uint64_t delay) {
     link.add(1000 + 4 * cycle, kController, delay);
   };
@@ -138,7 +215,7 @@ TEST_CASE("loss, duplication and exchange at random are counted exactly") {
     else
       kept.push_back(1'525'084 + 4 * k);
   }
-  LinkStatistics link;
+  Link link;
   const auto send = [&](std::uint64_t ipoc) {
     link.add(ipoc, kController, {});
     if (chance(random) < 0.005) {

@@ -68,7 +68,7 @@ TEST_CASE("the controller's Delay is explained by what was seen here") {
   report.link.late_replies = 2;
   report.link.late_runs = 1;
   report.link.longest_late_run = 2;
-  check_only(report, Grade::marginal, "late_at_controller", "look at the way back");
+  check_only(report, Grade::marginal, "late_at_controller", "the way from or to the controller");
   report.replies = {};
   check_only(report, Grade::marginal, "late_at_controller", "record both directions");
   report.replies.sent = 9999;
@@ -82,7 +82,8 @@ TEST_CASE("the controller's Delay is explained by what was seen here") {
   const auto both = rsi::verdict(report);
   REQUIRE(reason(both, "late_at_controller") != nullptr);
   CHECK_THAT(reason(both, "late_at_controller")->message,
-             ContainsSubstring("1 telegram") && ContainsSubstring("1 got lost"));
+             ContainsSubstring("1 telegram was not answered in time") &&
+                 ContainsSubstring("1 never came"));
 }
 
 TEST_CASE("a stream that was not answered on purpose says so, and blames nothing else for it",
@@ -175,17 +176,64 @@ TEST_CASE("restarts, clock steps and missing Delay are good to know, and no faul
   report.link.restarts = 1;
   check_only(report, Grade::good, "restarts", "1 time");
   report = flawless();
-  report.clock_steps = 2;
+  report.clock_steps = report.clock_steps_back = 2;
   report.largest_clock_step = -1500ms;
   check_only(report, Grade::good, "clock_steps", "-1.500 s");
   report = flawless();
-  report.has_delay = false;
+  report.link.late_replies.reset();
   check_only(report, Grade::good, "no_delay", "DEF_Delay");
   report.replies = {};
   CHECK(rsi::verdict(report).reasons.empty());
   report = flawless();
   report.ipoc_counts_ms = false;
   check_only(report, Grade::good, "ipoc_no_clock", "simulator");
+}
+
+TEST_CASE("only a clock that goes back was set for certain: else the sender may have paused",
+          "[issue11][point_16]") {
+  const auto message = [](std::chrono::nanoseconds jump) {
+    rsi::LinkMonitor monitor;
+    LinkStream stream(monitor);
+    stream.cycles(0, 100);
+    stream.clock_off = jump;
+    stream.cycles(100, 200);
+    const auto verdict = rsi::verdict(monitor.report());
+    const auto* found = reason(verdict, "clock_steps");
+    return found == nullptr ? std::string() : found->message;
+  };
+  CHECK(message(-2s) ==
+        "the clock of the machine was set back 1 time (let chrony slew it instead); by at most "
+        "-2.000 s, and replies around it are not timed");
+  CHECK_THAT(message(30ms), ContainsSubstring("1 time the clock of the machine ran ahead") &&
+                                ContainsSubstring("or the sender paused with its IPOC") &&
+                                !ContainsSubstring("chrony") && !ContainsSubstring("set back"));
+}
+
+TEST_CASE("no cable, switch or loop is blamed for telegrams that never left the machine",
+          "[issue11][point_16]") {
+  for (const bool loopback : {true, false}) {
+    CAPTURE(loopback);
+    rsi::LinkMonitor monitor;
+    LinkStream stream(monitor);
+    if (loopback) stream.controller = {0x7f000001, 49153};
+    stream.cycles(0, 300);
+    stream.telegram(stream.at(300), stream.ipoc(300), 3);
+    stream.telegram(stream.at(300), stream.ipoc(300), 3);
+    stream.cycles(310, 320);
+    stream.telegram(stream.at(320), stream.ipoc(305));
+    for (std::uint64_t k = 321; k < 400; ++k)
+      stream.telegram(stream.at(k) + k % 5 * 1ms, stream.ipoc(k));
+    const auto verdict = rsi::verdict(monitor.report());
+    std::string all;
+    for (const char* code : {"lost", "duplicated", "reordered", "jitter", "late_at_controller"}) {
+      CAPTURE(code);
+      REQUIRE(reason(verdict, code) != nullptr);
+      all += reason(verdict, code)->message + "\n";
+    }
+    INFO(all);
+    for (const char* network : {"cable", "switch", "loop", "wireless", "network card"})
+      CHECK((all.find(network) == all.npos) == loopback);
+  }
 }
 
 TEST_CASE("the worst reason stands first and makes the verdict") {
