@@ -21,7 +21,7 @@ constexpr Kind kKindsOfTrouble[] = {
      "not sent, being no zero correction: stop the robot, this is a fault of sweepd; report it "
      "with the Ethernet file"},
     {&Counts::not_begun, "telegram", "telegrams",
-     "not answered: their stream had begun before sweepd listened, perhaps with another server, and "
+     "not answered: the stream had begun before sweepd listened, perhaps with another server, and "
      "a zero from here might move the robot: switch RSI off, and on again after a second or more"},
     {&Counts::send_failures, "reply", "replies",
      "refused by the system: see `ip -s link` and the firewall of this machine"},

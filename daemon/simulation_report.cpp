@@ -5,10 +5,12 @@
 #include <string_view>
 
 #include "daemon/numbers.hpp"
+#include "rsi/counted.hpp"
 
 namespace sweepd {
 namespace {
 
+using rsi::counted;
 using rsi::ReplyFault;
 using End = rsi::ControllerLink::End;
 
@@ -30,12 +32,17 @@ std::string seconds(std::chrono::milliseconds time) {
   return fixed(std::chrono::duration<double>(time).count(), 1) + " s";
 }
 
+/// That were played, with a telegram or without.
+std::uint64_t cycles(const SimulationReport& report) {
+  return report.link.controller.telegrams + report.link.skipped;
+}
+
 std::string_view ending(const SimulationReport& report) {
   if (report.interrupted) return "a signal stopped it";
   if (report.live && report.link.end == End::timed_out)
     return "the controller stopped for want of replies";
   if (report.live && report.link.end == End::disconnected) return "the connection broke";
-  if (report.link.controller.telegrams < report.planned) return "it ended before the plan was over";
+  if (cycles(report) < report.planned) return "it ended before the plan was over";
   return "the plan was played to its end";
 }
 
@@ -85,11 +92,6 @@ std::uint64_t beyond(std::uint64_t count, std::uint64_t excused) {
   return count > excused ? count - excused : 0;
 }
 
-/// "1 reply was", "2 replies were".
-std::string counted(std::uint64_t count, const char* one, const char* many) {
-  return std::to_string(count) + ' ' + (count == 1 ? one : many);
-}
-
 std::string link_problem(const SimulationReport& report) {
   const auto& link = report.link;
   const auto& counts = link.controller;
@@ -130,7 +132,7 @@ std::string text(const SimulationReport& report) {
   const auto& link = report.link;
   const auto telegrams = link.controller.telegrams;
   std::string text = (report.live ? "Simulated to " : "Simulated into ") + report.target + ", " +
-                     seconds(telegrams * report.cycle) + " of " +
+                     seconds(cycles(report) * report.cycle) + " of " +
                      seconds(report.planned * report.cycle) + ": ";
   text.append(ending(report)).append(".\n");
   text += row("telegrams", telegrams, "one each " + std::to_string(report.cycle.count()) + " ms");
@@ -138,9 +140,11 @@ std::string text(const SimulationReport& report) {
   text += row("  duplicated on purpose", link.wire.duplicated);
   text += row("  swapped on purpose", link.wire.swapped, "pairs");
   if (!report.live) return text;
-  if (link.skipped != 0) text += row("cycles overslept", link.skipped, "by this machine");
+  if (link.skipped != 0)
+    text += row("cycles overslept", link.skipped, "by this machine: no telegrams, IPOC went on");
   if (link.send_failures != 0)
-    text += row("not sent", link.send_failures, "datagrams: " + link.first_send_failure);
+    text += row("not sent", link.send_failures,
+                (link.send_failures == 1 ? "datagram: " : "datagrams: ") + link.first_send_failure);
   return text + reply_rows(report) + latency_rows(link.latency);
 }
 

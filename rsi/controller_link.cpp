@@ -65,12 +65,13 @@ void ControllerLink::on_cycle() {
   if (program_over_) return end(End::done);
 
   if (program_(next_cycle_, values_)) {
-    telegram_.clear();
-    if (!controller_.next_telegram(values_, telegram_)) return end(End::timed_out);
-    const auto& datagrams = wire_.pass(telegram_);
-    controller_.sent(Clock::now().time_since_epoch());
-    for (const auto& datagram : datagrams) send(datagram.payload);
     ++next_cycle_;
+    if (Clock::now() - due_ > cycle_ / 2) {
+      controller_.skip_cycle();
+      ++report_.skipped;
+    } else if (!send_telegram()) {
+      return end(End::timed_out);
+    }
   } else {
     // The last telegram had a whole cycle, unless it was held back.
     program_over_ = true;
@@ -83,13 +84,17 @@ void ControllerLink::on_cycle() {
   if (progress_ && next_cycle_ % static_cast<std::uint64_t>(a_second) == 0) progress_(controller_);
 
   due_ += cycle_;
-  if (const auto overslept = Clock::now() - (due_ - cycle_); overslept > cycle_ / 2) {
-    const auto cycles = (overslept + cycle_ - Clock::duration(1)) / cycle_;
-    due_ += cycles * cycle_;
-    report_.skipped += static_cast<std::uint64_t>(cycles);
-  }
   if (!waiting_for_replies_) wait_for_replies();
   wait_for_cycle();
+}
+
+bool ControllerLink::send_telegram() {
+  telegram_.clear();
+  if (!controller_.next_telegram(values_, telegram_)) return false;
+  const auto& datagrams = wire_.pass(telegram_);
+  controller_.sent(Clock::now().time_since_epoch());
+  for (const auto& datagram : datagrams) send(datagram.payload);
+  return true;
 }
 
 void ControllerLink::send(std::string_view datagram) {

@@ -16,9 +16,10 @@
 namespace rsi {
 
 /// Runs a simulated controller in real time, over UDP or, if its Ethernet file says so, over TCP:
-/// telegram k leaves at start + k cycles, by the steady clock. A machine that oversleeps by more
-/// than half a cycle gets whole cycles to catch up in, so that two telegrams never go out in one
-/// burst; they are counted as `skipped`.
+/// telegram k leaves at start + k cycles, by the steady clock. Robot and IPOC go on with time: what
+/// this machine oversleeps by more than half a cycle does not leave at all, so that IPOC and clock
+/// never part and two telegrams never go out in one burst. It is counted as `skipped`; at the other
+/// end it is lost.
 ///
 /// For an RSI restart take a second link: a new socket has a new port, as at a controller. A TCP
 /// connection that breaks ends the link, since no controller is known to connect by itself again:
@@ -48,14 +49,14 @@ class ControllerLink {
     LatencyHistogram latency;
     std::string first_fault;                 ///< empty: none
     std::vector<std::string> first_remarks;  ///< one of each kind that came up
-    std::uint64_t skipped = 0;               ///< cycles that this machine overslept
+    std::uint64_t skipped = 0;               ///< cycles that this machine overslept: no telegram
     std::uint64_t send_failures = 0;         ///< datagrams that the system refused
     std::string first_send_failure;          ///< why it refused the first; empty: none
     std::string disconnection;               ///< why it is disconnected
   };
 
   /// Fills in what the robot does in cycle k, counted from 0; false: the program is over. Called
-  /// just before the telegram goes out.
+  /// for each cycle, just before its telegram goes out or is skipped.
   using Program = std::function<bool(std::uint64_t cycle, SignalValues& values)>;
   /// Called about once a second.
   using Progress = std::function<void(const SimulatedController& controller)>;
@@ -80,6 +81,7 @@ class ControllerLink {
   void wait_for_cycle();
   void wait_for_replies();
   void on_cycle();
+  [[nodiscard]] bool send_telegram();
   void send(std::string_view datagram);
   void receive();
   void end(End end);

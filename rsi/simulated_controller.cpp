@@ -60,6 +60,11 @@ bool SimulatedController::next_telegram(SignalValues values, std::string& telegr
   return true;
 }
 
+void SimulatedController::skip_cycle() {
+  finish();
+  next_ipoc_ += static_cast<std::uint64_t>(cycle_.count());
+}
+
 void SimulatedController::finish() {
   if (!awaiting_) return;
   awaiting_ = false;

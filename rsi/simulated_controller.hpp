@@ -77,6 +77,8 @@ class SimulatedController {
   /// Ends the cycle and appends the telegram of the next one to `telegram`; its Delay is the
   /// controller's own. False, and nothing appended, once the controller has stopped.
   [[nodiscard]] bool next_telegram(SignalValues values, std::string& telegram);
+  /// Ends the cycle, and lets the next one pass without a telegram: IPOC goes on.
+  void skip_cycle();
   /// The time at which this telegram goes out.
   void sent(std::chrono::nanoseconds time) { sent_ = time; }
   void on_reply(std::string_view payload, const Endpoint& source, std::chrono::nanoseconds time);

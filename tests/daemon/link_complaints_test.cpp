@@ -50,7 +50,7 @@ TEST_CASE("a stream that is not answered is said at once, however soon it follow
     complaints.new_stream();
     ++counts.not_begun;
     CHECK_THAT(complaints.about(counts, now += 1s).at(0),
-               ContainsSubstring("1 telegrams were not answered: their stream had begun before"));
+               ContainsSubstring("1 telegram was not answered: the stream had begun before"));
     counts.not_begun += 100;
     CHECK(complaints.about(counts, now += 1s).empty());
     complaints.new_stream();

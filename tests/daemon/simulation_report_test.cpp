@@ -219,13 +219,16 @@ TEST_CASE("a run that a signal ended is not whole") {
 TEST_CASE("what this machine could not send or slept over is said") {
   auto report = flawless();
   report.link.skipped = 12;
-  CHECK_THAT(text(report), ContainsSubstring("cycles overslept                12 by this machine"));
+  report.link.controller.telegrams -= 12;
+  CHECK_THAT(text(report), ContainsSubstring("cycles overslept                12 by this machine: "
+                                             "no telegrams, IPOC went on") &&
+                               ContainsSubstring("the plan was played to its end"));
   CHECK(problem(report).empty());
   report.link.send_failures = 1;
   report.link.first_send_failure = "Network is unreachable";
   CHECK_THAT(
       text(report),
-      ContainsSubstring("not sent                         1 datagrams: Network is unreachable"));
+      ContainsSubstring("not sent                         1 datagram: Network is unreachable"));
   CHECK_THAT(problem(report),
              ContainsSubstring("1 datagram could not be sent to 127.0.0.1:49152: Network"));
 }

@@ -104,16 +104,17 @@ TEST_CASE("a link over TCP streams a program and takes the replies, with lengths
   running.stop();
 
   CHECK(report.end == End::done);
-  CHECK(report.controller.telegrams == 50);
+  CHECK(report.controller.telegrams + report.skipped == 50);
   CHECK(report.send_failures == 0);
   // A busy machine may make replies late, but nothing else may be wrong with them.
   CHECK(report.controller.accepted > 0);
-  CHECK(report.controller.accepted + report.controller.unanswered == 50);
+  CHECK(report.controller.accepted + report.controller.unanswered == report.controller.telegrams);
   for (std::size_t kind = 0; kind < rsi::kReplyFaults; ++kind)
     if (kind != static_cast<std::size_t>(ReplyFault::late))
       CHECK(report.controller.faults[kind] == 0);
   CHECK(running.server.counts().skipped == 0);
-  CHECK(running.server.counts().answered + running.server.counts().superseded == 50);
+  CHECK(running.server.counts().answered + running.server.counts().superseded ==
+        report.controller.telegrams);
   rsi::Datagram datagram;
   REQUIRE(running.server.datagrams().pop(datagram));
   CHECK(datagram.payload.starts_with("<Rob"));
@@ -129,9 +130,10 @@ TEST_CASE("a link over TCP that only sends gets nothing and ends as planned") {
   CHECK(report.controller.replies == 0);
   std::uint64_t telegrams = 0;
   const auto deadline = std::chrono::steady_clock::now() + 10s;
-  for (rsi::Datagram datagram; telegrams < 50 && std::chrono::steady_clock::now() < deadline;)
+  for (rsi::Datagram datagram;
+       telegrams < report.controller.telegrams && std::chrono::steady_clock::now() < deadline;)
     telegrams += running.server.datagrams().pop(datagram);
-  CHECK(telegrams == 50);
+  CHECK(telegrams == report.controller.telegrams);
 }
 
 TEST_CASE("over TCP somebody must listen") {

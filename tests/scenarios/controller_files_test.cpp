@@ -24,12 +24,6 @@ std::string edited(std::string xml, const std::string& key, const std::string& v
   return xml.replace(begin, xml.find("</" + key + '>') - begin, value);
 }
 
-/// The number that follows `label` in a report.
-std::uint64_t figure(const std::string& report, const std::string& label) {
-  const auto at = report.find(label);
-  return at == std::string::npos ? 0 : std::stoull(report.substr(at + label.size()));
-}
-
 struct ShippedFile {
   std::string name;
   std::string cycle_ms;
@@ -99,7 +93,7 @@ class Campaign {
       session = entry.path();
     const auto result = nlohmann::json::parse(content(session / "result.json"));
     CHECK(result["source"]["telegrams"] == telegrams);
-    CHECK(result["source"]["lost"] == 0);
+    CHECK(result["source"]["lost"].get<std::uint64_t>() <= figure(report, "\ncycles overslept "));
     CHECK(result["source"]["malformed"] == 0);
     // The simulator knows no channels that objects feed: it sends zeros there.
     if (shipped_.settings.empty()) CHECK(result["status"] == "complete");

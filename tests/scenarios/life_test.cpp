@@ -214,21 +214,22 @@ TEST_CASE("a controller that starts RSI again goes on in the same session, from 
   Daemon daemon(folder.path());
   Controller first(daemon.port(), 5'000'000);
   REQUIRE(first.streams(50));
-  const auto before = first.stop().controller;
+  const auto before = first.stop();
   Controller second(daemon.port(), 1000);
   REQUIRE(second.streams(50));
-  const auto after = second.stop().controller;
+  const auto after = second.stop();
   daemon.process().signal(SIGTERM);
   CHECK(daemon.process().wait() == 0);
   const auto folders = sessions(folder / "output/kr5-arc");
   REQUIRE(folders.size() == 1);
   const auto source = Json::parse(content(folders[0] / "result.json"))["source"];
   CHECK(source["restarts"] == 1);
-  CHECK(source["lost"] == 0);
-  CHECK(source["telegrams"] == before.telegrams + after.telegrams);
+  CHECK(source["lost"].get<std::uint64_t>() <= before.skipped + after.skipped);
+  const auto telegrams = before.controller.telegrams + after.controller.telegrams;
+  CHECK(source["telegrams"] == telegrams);
   const auto superseded =
       run_file(folders[0])["since_start_of_sweepd"]["superseded"].get<std::uint64_t>();
-  CHECK(before.replies + after.replies + superseded == before.telegrams + after.telegrams);
+  CHECK(before.controller.replies + after.controller.replies + superseded == telegrams);
 }
 
 TEST_CASE("SIGHUP takes over what it can, says what it cannot, and survives a mistake", "[life]") {

@@ -26,7 +26,8 @@ TEST_CASE("a live campaign and the replay of its own recording leave the same fi
 
   const auto result = nlohmann::json::parse(content(session / "result.json"));
   CHECK(result["status"] == "complete");
-  CHECK(result["source"]["lost"] == 0);
+  CHECK(result["source"]["lost"].get<std::uint64_t>() <=
+        figure(simulated.out, "\ncycles overslept "));
   CHECK(result["source"]["malformed"] == 0);
   for (const auto& joint : result["joints"]) CHECK(joint["sweeps"].size() == 2);  // there and back
 

@@ -128,6 +128,11 @@ std::filesystem::path Daemon::session() const {
   return found;
 }
 
+std::uint64_t figure(const std::string& report, const std::string& label) {
+  const auto at = report.find(label);
+  return at == std::string::npos ? 0 : std::stoull(report.substr(at + label.size()));
+}
+
 bool eventually(const std::function<bool()>& condition) {
   const auto deadline = std::chrono::steady_clock::now() + 30s;
   while (!condition()) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -87,6 +88,10 @@ class Daemon {
   std::filesystem::path config_;
   std::unique_ptr<SweepdProcess> process_;
 };
+
+/// The number that follows `label` in a report; 0 if it is not there. "\ncycles overslept " of a
+/// simulation: telegrams that did not leave, which the other side finds lost.
+std::uint64_t figure(const std::string& report, const std::string& label);
 
 /// Waits for what another process does; false if it takes unreasonably long.
 bool eventually(const std::function<bool()>& condition);

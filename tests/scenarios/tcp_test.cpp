@@ -70,7 +70,8 @@ TEST_CASE("a campaign over TCP gives the result of its replayed recording", "[tc
     session = entry.path();
   const auto result = nlohmann::json::parse(content(session / "result.json"));
   CHECK(result["status"] == "complete");
-  CHECK(result["source"]["lost"] == 0);
+  CHECK(result["source"]["lost"].get<std::uint64_t>() <=
+        figure(simulated.out, "\ncycles overslept "));
   CHECK(result["source"]["malformed"] == 0);
 
   const auto replayed = run_sweepd({"replay", (session / "trace.pcap").string(), "--config",
