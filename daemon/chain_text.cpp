@@ -5,6 +5,7 @@
 #include "daemon/numbers.hpp"
 #include "daemon/text_layout.hpp"
 #include "daemon/units.hpp"
+#include "rsi/counted.hpp"
 
 namespace sweepd {
 namespace {
@@ -16,12 +17,12 @@ std::string fit_text(const ChainEstimate& estimate) {
   const auto& summary = estimate.summary;
   return paragraph(
       "fit         ",
-      std::to_string(estimate.samples) + " samples, " + std::to_string(estimate.outliers) +
-          " outliers, position noise " + fixed(1000 * estimate.noise.position_mm, 3) + " um, " +
+      rsi::counted(estimate.samples, "sample") + ", " + rsi::counted(estimate.outliers, "outlier") +
+          ", position noise " + fixed(1000 * estimate.noise.position_mm, 3) + " um, " +
           fixed(estimate.samples_per_independent, 1) +
           " samples an independent one, orientations " +
           (estimate.with_orientation ? "used" : "not used") + "; " + std::string(summary.ending) +
-          ", after " + std::to_string(summary.iterations) + " iterations");
+          ", after " + rsi::counted(static_cast<std::uint64_t>(summary.iterations), "iteration"));
 }
 
 /// Joints that share a reason, with it.

@@ -11,6 +11,7 @@
 #include "daemon/plan_outlook.hpp"
 #include "daemon/robot_setup.hpp"
 #include "daemon/settings.hpp"
+#include "rsi/counted.hpp"
 #include "rsi/ethernet_config.hpp"
 #include "rsi/port_owner.hpp"
 #include "rsi/reply.hpp"
@@ -22,10 +23,6 @@ namespace {
 
 constexpr int kFailed = 1;
 constexpr int kConfigError = 78;  // EX_CONFIG of sysexits.h
-
-std::string count(std::size_t number, const std::string& noun) {
-  return std::to_string(number) + " " + noun + (number == 1 ? "" : "s");
-}
 
 class Check {
  public:
@@ -46,7 +43,7 @@ class Check {
   void settings(const std::filesystem::path& file) {
     try {
       const Settings settings = load_settings(file);
-      findings_.ok(file.string() + ": " + count(settings.robots.size(), "robot"));
+      findings_.ok(file.string() + ": " + rsi::counted(settings.robots.size(), "robot"));
       for (const auto& robot : settings.robots) check(robot);
       if (settings.http.listen && !options_.files_only) pages(*settings.http.listen);
     } catch (const ConfigError& problem) {
@@ -58,7 +55,7 @@ class Check {
     findings_.heading("robot " + robot.name);
     try {
       const RobotSetup setup = load_setup(robot);
-      findings_.ok(robot.description.string() + ": " + count(setup.joints, "joint") +
+      findings_.ok(robot.description.string() + ": " + rsi::counted(setup.joints, "joint") +
                    (setup.description->arm ? "" : ", no specified DH table"));
       if (robot.plan) plan(*setup.description, *setup.plan);
     } catch (const ConfigError& problem) {
@@ -99,7 +96,8 @@ class Check {
   void plan(const RobotDescription& robot, const SweepPlan& plan) {
     const auto file = plan.file.string();
     if (!robot.arm)
-      return findings_.ok(file + ": " + count(plan.sweeps.size(), "sweep") + ", within the limits");
+      return findings_.ok(file + ": " + rsi::counted(plan.sweeps.size(), "sweep") +
+                          ", within the limits");
     Measurement measurement;
     for (const auto& context : contexts_)
       if (context) measurement.precision = context->precision.value_or(1);
@@ -108,16 +106,17 @@ class Check {
     for (const auto& refusal : outlook.refusals) findings_.error(place + refusal);
     for (const auto& warning : outlook.warnings) findings_.warning(place + warning.message);
     if (outlook.refusals.empty())
-      findings_.ok(file + ": " + count(plan.sweeps.size(), "sweep") +
+      findings_.ok(file + ": " + rsi::counted(plan.sweeps.size(), "sweep") +
                    ", within the limits, each axis will be found");
   }
 
   std::optional<rsi::EthernetConfig> ethernet(const std::filesystem::path& file) {
     try {
       auto config = rsi::EthernetConfig::load(file);
-      findings_.ok(file.string() + ": sends " + count(config.send.size(), "tag") + ", receives " +
-                   count(config.receive.size(), "tag") + ", port " + std::to_string(config.port) +
-                   ", " + (config.protocol == rsi::EthernetConfig::Protocol::TCP ? "TCP" : "UDP"));
+      findings_.ok(file.string() + ": sends " + rsi::counted(config.send.size(), "tag") +
+                   ", receives " + rsi::counted(config.receive.size(), "tag") + ", port " +
+                   std::to_string(config.port) + ", " +
+                   (config.protocol == rsi::EthernetConfig::Protocol::TCP ? "TCP" : "UDP"));
       for (const auto& text : config.warnings) findings_.warning(text);
       for (const auto& text : warnings_of_answers(config)) findings_.warning(text);
       findings_.line("reply", config.only_send

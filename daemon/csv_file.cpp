@@ -11,6 +11,7 @@
 
 #include "daemon/units.hpp"
 #include "rsi/ascii.hpp"
+#include "rsi/counted.hpp"
 
 namespace sweepd {
 namespace {
@@ -87,7 +88,7 @@ CsvFile::CsvFile(std::filesystem::path path, std::vector<std::string> columns)
 bool CsvFile::next() {
   if (!std::exchange(waiting_, false) && !next_line()) return false;
   if (fields_.size() == columns_.size()) return true;
-  throw CsvError(place() + ": expected " + std::to_string(columns_.size()) + " columns, as " +
+  throw CsvError(place() + ": expected " + rsi::counted(columns_.size(), "column") + ", as " +
                  (declared_ ? "named with --columns" : "in line " + std::to_string(header_line_)) +
                  ", found " + std::to_string(fields_.size()) +
                  (declared_ ? ": name all of them, - for one to skip" : ": correct the line"));

@@ -18,6 +18,7 @@
 #include "daemon/result_files.hpp"
 #include "daemon/robot_setup.hpp"
 #include "daemon/session.hpp"
+#include "rsi/counted.hpp"
 
 namespace sweepd {
 namespace {
@@ -51,8 +52,8 @@ std::optional<std::size_t> declared_joints(const IdentifyOptions& options,
   if (options.joints && *options.joints != setup.joints)
     throw std::invalid_argument("--joints " + std::to_string(*options.joints) + ": " +
                                 (options.robot ? *options.robot : *options.plan).string() +
-                                " has " + std::to_string(setup.joints) +
-                                " joints: leave --joints out");
+                                " has " + rsi::counted(setup.joints, "joint") +
+                                ": leave --joints out");
   return setup.joints;
 }
 
@@ -140,9 +141,9 @@ Outcome identified_points(const IdentifyOptions& options, RobotSetup setup) {
   Points points = read_points(options, declared.value_or(identify::kMostJoints));
   setup.joints = declared ? *declared : joints_in(options, points);
   if (options.per_joint && points.files.size() > setup.joints)
-    throw std::invalid_argument("--per-joint: " + std::to_string(points.files.size()) +
-                                " files for " + std::to_string(setup.joints) +
-                                " joints: give one file a joint");
+    throw std::invalid_argument("--per-joint: " + rsi::counted(points.files.size(), "file") +
+                                " for " + rsi::counted(setup.joints, "joint") +
+                                ": give one file a joint");
   auto known = campaign(setup, points.resolution);
   known.device_frame = options.device_frame;
   Snapshot snapshot;
@@ -167,7 +168,7 @@ Outcome identified_axes(const IdentifyOptions& options, RobotSetup setup) {
   setup.joints = declared.value_or(axes.size());
   if (axes.size() != setup.joints)
     throw CsvError(options.axes->string() + ": expected the axes of " +
-                   std::to_string(setup.joints) + " joints, found those of " +
+                   rsi::counted(setup.joints, "joint") + ", found those of " +
                    std::to_string(axes.size()) + ": add the others");
   auto known = campaign(setup, {});
   known.device_frame = options.device_frame;

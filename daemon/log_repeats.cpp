@@ -14,6 +14,7 @@ LogLine counted(LogLine line, std::uint64_t times) {
 }  // namespace
 
 bool LogRepeats::is_new(const LogLine& line, Time now) {
+  if (line.importance == Importance::note) return true;
   const Key key{line.subject.robot, line.text};
   const auto found = said_.find(key);
   if (found == said_.end()) {

@@ -12,8 +12,8 @@
 
 namespace sweepd {
 
-/// Holds back lines of the log that repeat another of the last minute, and counts them. Bounded.
-/// One thread.
+/// Holds back warnings and errors that repeat another of the last minute, and counts them; a note
+/// tells of an event, each of which is news. Bounded. One thread.
 class LogRepeats {
  public:
   using Time = std::chrono::steady_clock::time_point;

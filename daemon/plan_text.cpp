@@ -9,6 +9,7 @@
 #include "daemon/outcome.hpp"
 #include "daemon/text_layout.hpp"
 #include "daemon/units.hpp"
+#include "rsi/counted.hpp"
 
 namespace sweepd {
 namespace {
@@ -186,7 +187,7 @@ std::string measured_text(const Measurement& measurement) {
     return "by another device, to " + plain(*measurement.position_sigma_mm) +
            " mm (sigma) a coordinate, a point every " + cycle + ", no angles" + wobble;
   return "by the controller, a telegram every " + cycle + ", " +
-         std::to_string(measurement.precision) + " decimals" + wobble;
+         rsi::counted(static_cast<std::uint64_t>(measurement.precision), "decimal") + wobble;
 }
 
 }  // namespace
@@ -198,7 +199,7 @@ std::string plan_text(const RobotDescription& robot, const PlanOutlook& outlook,
   std::string text =
       paragraph("robot       ", robot.name) +
       paragraph("plan        ", outlook.plan.file.string() + ": " +
-                                    std::to_string(outlook.plan.sweeps.size()) + " sweeps, takes " +
+                                    rsi::counted(outlook.plan.sweeps.size(), "sweep") + ", takes " +
                                     fixed(duration_s, 1) + " s") +
       paragraph("measured    ", measured_text(measurement)) +
       paragraph("target      ", plain(tool.x()) + ", " + plain(tool.y()) + ", " + plain(tool.z()) +

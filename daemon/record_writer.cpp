@@ -7,6 +7,7 @@
 #include "daemon/numbers.hpp"
 #include "daemon/retention.hpp"
 #include "daemon/session_folder.hpp"
+#include "rsi/counted.hpp"
 
 namespace sweepd {
 namespace {
@@ -179,7 +180,7 @@ void RecordWriter::delete_old(const RecordingSettings& settings) {
   if (deleted.files > 0)
     say_(Importance::note,
          "deleted the oldest recordings in " + robot_folder_.string() +
-             ", as keep_days and keep_bytes say: " + std::to_string(deleted.files) + " files, " +
+             ", as keep_days and keep_bytes say: " + rsi::counted(deleted.files, "file") + ", " +
              size_text(deleted.bytes));
   if (!deleted.trouble.empty() && deleted.trouble != retention_trouble_)
     say_(Importance::warning, "old recordings in " + robot_folder_.string() +

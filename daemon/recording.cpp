@@ -2,11 +2,13 @@
 
 #include <utility>
 
+#include "rsi/counted.hpp"
+
 namespace sweepd {
 
 std::string text(const RecordCount& count) {
-  return std::to_string(count.datagrams) + " datagrams and " + std::to_string(count.samples) +
-         " samples";
+  return rsi::counted(count.datagrams, "datagram") + " and " +
+         rsi::counted(count.samples, "sample");
 }
 
 std::filesystem::path Recording::folder() const {

@@ -162,7 +162,6 @@ std::string report(const Outcome& outcome) {
 std::string sweep_line(const identify::Sweep& sweep) {
   std::string who = "a joint";
   if (sweep.joint) who = "joint " + std::to_string(*sweep.joint + 1);
-  if (sweep.joint && sweep.first().joints == 0) who += " (by the order of the plan)";
   return who + ": sweep of " +
          (sweep.direction > 0   ? "+"
           : sweep.direction < 0 ? "-"

@@ -3,6 +3,8 @@
 #include <set>
 #include <utility>
 
+#include "rsi/counted.hpp"
+
 namespace sweepd {
 
 Outcome Snapshot::identified() const {
@@ -13,8 +15,9 @@ Outcome Snapshot::identified() const {
     outcome.identification.warnings.push_back(
         {"memory_limit",
          {},
-         std::to_string(sweeps_left_out) + " later sweeps were not used: end the stream (RSI off) "
-                                           "between campaigns, so that each gets its own result"});
+         rsi::counted(sweeps_left_out, "later sweep was", "later sweeps were") +
+             " not used: end the stream (RSI off) "
+             "between campaigns, so that each gets its own result"});
   return outcome;
 }
 

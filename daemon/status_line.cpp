@@ -1,5 +1,7 @@
 #include "daemon/status_line.hpp"
 
+#include "rsi/counted.hpp"
+
 namespace sweepd {
 namespace {
 
@@ -7,7 +9,7 @@ std::string of(const RobotStatus& status) {
   const auto state = status.state.newest();
   const auto newest = status.result.newest()->newest;
   std::string text = state->name + ": " + (state->stream ? "RSI streams" : "no RSI now") + ", " +
-                     std::to_string(state->link.telegrams) + " telegrams";
+                     rsi::counted(state->link.telegrams, "telegram");
   if (!state->last_sweep.empty()) text += ", last " + state->last_sweep;
   if (newest)
     text += std::string(", ") + (newest->interim ? "interim result " : "result ") +

@@ -14,6 +14,7 @@
 #include "daemon/nearest_word.hpp"
 #include "daemon/toml_nesting.hpp"
 #include "rsi/ascii.hpp"
+#include "rsi/counted.hpp"
 
 namespace sweepd {
 namespace {
@@ -62,8 +63,7 @@ std::string in_words(const toml::node* node) {
     return "the number " + number_text(number->get());
   if (const auto* flag = node->as_boolean()) return flag->get() ? "true" : "false";
   if (const auto* array = node->as_array())
-    return "an array of " + std::to_string(array->size()) +
-           (array->size() == 1 ? " value" : " values");
+    return "an array of " + rsi::counted(array->size(), "value");
   return node->is_table() ? "a table" : "a date or a time";
 }
 

@@ -261,10 +261,13 @@ class Adviser {
   void judge_resolution() {
     const Resolution& steps = campaign_.resolution;
     if (steps.position_mm <= kPoorResolution_mm && steps.angle_rad <= kPoorResolution_rad) return;
+    std::string sizes;  // 0: there are none of these
+    if (steps.position_mm > 0) sizes = fixed(steps.position_mm, 4) + " mm";
+    if (steps.angle_rad > 0)
+      sizes += (sizes.empty() ? "" : " and ") + fixed(steps.angle_rad / kDegree, 4) + "°";
     warn("low_precision", {},
-         "numbers come in steps of " + fixed(steps.position_mm, 4) + " mm and " +
-             fixed(steps.angle_rad / kDegree, 4) +
-             "°: have them written with four decimals or more (on a KUKA controller: Precision of "
+         "numbers come in steps of " + sizes +
+             ": have them written with four decimals or more (on a KUKA controller: Precision of "
              "the ETHERNET object)");
   }
 

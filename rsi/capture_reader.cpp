@@ -6,6 +6,8 @@
 
 #include <pcap/pcap.h>
 
+#include "rsi/counted.hpp"
+
 namespace rsi {
 namespace {
 
@@ -27,7 +29,8 @@ std::string link_type_name(int link_type) {
 }
 
 std::string early_end(const std::string& name, const std::string& error, std::uint64_t packets) {
-  const auto used = "; the " + std::to_string(packets) + " packets before that are used: ";
+  const auto used =
+      "; " + counted(packets, "packet before that is", "packets before that are") + " used: ";
   if (error.starts_with("truncated"))
     return name + ": is cut off in the middle of a packet" + used +
            "let the capturing program end (Ctrl-C) before the file is copied";
@@ -124,8 +127,8 @@ std::optional<Datagram> CaptureReader::next() {
 std::vector<std::string> CaptureReader::notes() const {
   auto notes = section_notes_;
   if (counters_.snapped > 0)
-    notes.push_back(name_ + ": of " + std::to_string(counters_.snapped) +
-                    " datagrams only the first part was captured: capture again with whole packets "
+    notes.push_back(name_ + ": of " + counted(counters_.snapped, "datagram") +
+                    " only the first part was captured: capture again with whole packets "
                     "(tcpdump -s 0)");
   if (counters_.fragments > 0)
     notes.push_back(name_ + ": " + std::to_string(counters_.fragments) +

@@ -5,6 +5,7 @@
 
 #include "rsi/ascii.hpp"
 #include "rsi/capture_reader.hpp"
+#include "rsi/counted.hpp"
 
 namespace rsi {
 namespace {
@@ -20,15 +21,15 @@ bool has_element(std::string_view text, std::string_view name) noexcept {
   return false;
 }
 
-std::string counted(const ConversationSearch::Found& found) {
-  return text(found.conversation) + " (" + std::to_string(found.telegrams) + " telegrams)";
+std::string with_count(const ConversationSearch::Found& found) {
+  return text(found.conversation) + " (" + counted(found.telegrams, "telegram") + ")";
 }
 
 std::string listed(const std::vector<ConversationSearch::Found>& all) {
   constexpr std::size_t shown = 8;
   std::string list;
   for (std::size_t i = 0; i < std::min(all.size(), shown); ++i)
-    list += (i > 0 ? ", " : "") + counted(all[i]);
+    list += (i > 0 ? ", " : "") + with_count(all[i]);
   if (all.size() > shown) list += " and " + std::to_string(all.size() - shown) + " more";
   return list;
 }
@@ -55,7 +56,7 @@ void choose(ConversationSearch& search, const ConversationFilter& filter) {
   search.chosen = busiest->conversation;
   if (candidates.size() == 1) return;
   search.note = std::to_string(candidates.size()) +
-                " RSI conversations; taken: " + counted(*busiest) + ", not taken: ";
+                " RSI conversations; taken: " + with_count(*busiest) + ", not taken: ";
   candidates.erase(busiest);
   search.note += listed(candidates) + ": choose another by --port or --controller";
 }
@@ -115,9 +116,9 @@ ConversationSearch find_conversation(std::span<const std::filesystem::path> capt
   }
 
   if (search.found.empty())
-    search.note = "no RSI among " + std::to_string(seen.udp) + " UDP datagrams (IPv4) in " +
-                  std::to_string(seen.packets) +
-                  " packets: capture on the machine that answers the controller, or on a mirror "
+    search.note = "no RSI among " + counted(seen.udp, "UDP datagram") + " (IPv4) in " +
+                  counted(seen.packets, "packet") +
+                  ": capture on the machine that answers the controller, or on a mirror "
                   "port, while RSI is on (RSI over TCP is not read: let `sweepd run` record it)" +
                   trouble;
   else

@@ -132,10 +132,12 @@ class Reader {
     }
     if (context_.config_file.empty()) warn(ethernet, "ConfigFile: not set: name the Ethernet file");
     if (context_.precision.value_or(1) < kLeastPrecision)
-      warn(ethernet, "Precision: expected 4 or more, found " +
-                         (context_.precision ? std::to_string(*context_.precision)
-                                             : std::string("nothing, which is 1")) +
-                         ": positions come rounded, which ruins the identification; set it to 4");
+      warn(ethernet,
+           "Precision: expected 4 or more, found " +
+               (context_.precision ? std::to_string(*context_.precision)
+                                   : std::string("nothing, which is 1")) +
+               ": positions come rounded; with 1 decimal a simulated KR 5 arc was identified to "
+               "0.03 mm and 0.003°, with 4 to 0.0001 mm and 0.00001°; set it to 4");
   }
 
   std::optional<int> read_number(const pugi::xml_node& node, std::string_view name,

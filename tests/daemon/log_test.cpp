@@ -52,6 +52,15 @@ TEST_CASE("a line is said once a minute, and then how often it came meanwhile") 
   CHECK(repeats.is_new(line("RSI from 10.0.0.2"), kStart + 181s));
 }
 
+TEST_CASE("a note tells of an event: one like another is said when it happens",
+          "[issue11][point_20]") {
+  LogRepeats repeats;
+  LogLine sweep = line("joint 1: sweep of +90.0 deg in 4.50 s, 1125 samples");
+  sweep.importance = Importance::note;
+  for (int i = 0; i < 3; ++i) CHECK(repeats.is_new(sweep, kStart + i * 1s));
+  CHECK(repeats.all().empty());
+}
+
 TEST_CASE("other lines, and those of other robots, are no repeats") {
   LogRepeats repeats;
   CHECK(repeats.is_new(line("result complete"), kStart));

@@ -171,11 +171,4 @@ TEST_CASE("a sweep is told as it happens: joint, direction, range, time, samples
   unknown.direction = 0;
   CHECK_THAT(sweepd::sweep_line(unknown),
              Catch::Matchers::StartsWith("a joint: ") && !ContainsSubstring("+"));
-  // Of positions alone it is the plan that tells.
-  auto positions = sweeps[1];
-  auto samples = *positions.samples;
-  for (auto& sample : samples) sample.joints = 0;
-  positions.samples = std::make_shared<const std::vector<identify::Sample>>(std::move(samples));
-  CHECK_THAT(sweepd::sweep_line(positions),
-             Catch::Matchers::StartsWith("joint 1 (by the order of the plan): "));
 }

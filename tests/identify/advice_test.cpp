@@ -158,6 +158,17 @@ TEST_CASE("coarsely printed numbers are told, in words that fit any device") {
              ContainsSubstring("0.1000 mm") && ContainsSubstring("on a KUKA controller"));
 }
 
+TEST_CASE("steps are told only of numbers that there are", "[issue11][point_20][long]") {
+  auto campaign = campaign_of(kr5(), kController);
+  campaign.resolution = {0, 0.1 * kDegree};
+  const auto sweeps = sweeps_of(kr5(), kController, 1);
+  CHECK_THAT(message(identify::identify(sweeps, campaign), "low_precision", {}),
+             ContainsSubstring("in steps of 0.1000°:") && !ContainsSubstring("mm"));
+  campaign.resolution = {0.1, 0};
+  CHECK_THAT(message(identify::identify(sweeps, campaign), "low_precision", {}),
+             ContainsSubstring("in steps of 0.1000 mm:") && !ContainsSubstring("°:"));
+}
+
 TEST_CASE("an angle that depends on the direction of the motion is told", "[long]") {
   // Joint 2 there and back; on the way back its angle reads 20 arcsec more.
   constexpr double kBacklash_rad = 20 * accuracy::kArcsec;

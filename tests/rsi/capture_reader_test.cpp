@@ -2,6 +2,7 @@
 
 #include <random>
 
+#include "rsi/counted.hpp"
 #include "tests/catch.hpp"
 #include "tests/rsi/capture_bytes.hpp"
 
@@ -125,7 +126,7 @@ TEST_CASE("a capture cut at any byte gives the whole packets before the cut and 
       } else {
         REQUIRE(reader.notes().size() == 1);
         CHECK_THAT(reader.notes()[0], ContainsSubstring(file.path().string() + ": is cut off") &&
-                                          ContainsSubstring(std::to_string(whole) + " packets"));
+                                          ContainsSubstring(rsi::counted(whole, "packet")));
       }
     }
   };
