@@ -178,7 +178,7 @@ TEST_CASE("lines with more or fewer fields than columns are told") {
                                         std::to_string((line.size() + 1) / 2)));
   }
   CsvFile file(folder.write("x.csv", "1,2\n"), {"x"});
-  CHECK_THROWS_WITH(file.next(), ContainsSubstring("expected 1 columns, as named with --columns") &&
+  CHECK_THROWS_WITH(file.next(), ContainsSubstring("expected 1 column, as named with --columns") &&
                                      ContainsSubstring("- for one to skip"));
 }
 
