@@ -64,6 +64,7 @@ void ControllerLink::on_cycle() {
   if (stop_) return end(End::stopped);
   if (program_over_) return end(End::done);
 
+  if (next_cycle_ == 0) due_ = Clock::now();  // the first telegram begins the grid
   if (program_(next_cycle_, values_)) {
     ++next_cycle_;
     if (Clock::now() - due_ > cycle_ / 2) {
