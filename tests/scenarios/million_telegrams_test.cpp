@@ -155,7 +155,7 @@ TEST_CASE("whatever a network does to a long stream is counted exactly, and answ
   CHECK(source["longest_late_run"] == expected.longest_late_run);
   CHECK(source["malformed"] == wire.cut + wire.garbage);
   CHECK(source["malformed_by_kind"] == expected.malformed);
-  CHECK(source["cycle_ms"] == 4.0);
+  CHECK(source["cycle_ms"].get<double>() < 4);  // they come as fast as the machine goes
 
   const auto run = Json::parse(content(sessions[0] / "run.json"));
   const auto& link = run["since_start_of_sweepd"];
