@@ -37,10 +37,10 @@ Arrival LinkStatistics::add(const Datagram& datagram, std::uint64_t ipoc,
   }
   if (run_.distinct == 0) {
     run_ = {ipoc, ipoc, 0, 0};
+    milestones_.fill({ipoc, datagram.time});
   } else if (arrival == Arrival::in_order) {
-    learn_pace(ipoc - run_.newest, datagram.time - newest_time_);
+    learn_pace(ipoc - run_.newest, {ipoc, datagram.time});
   }
-  if (arrival != Arrival::reordered) newest_time_ = datagram.time;
   source_ = datagram.source;
   same_machine_ = source_.address == datagram.destination.address || source_.address >> 24 == 127;
   recent_[run_.distinct++ % kRecent] = came;
@@ -113,10 +113,13 @@ const LinkStatistics::Seen* LinkStatistics::seen(std::uint64_t ipoc) const {
   return found == end ? nullptr : &*found;
 }
 
-void LinkStatistics::learn_pace(std::uint64_t rise, std::chrono::nanoseconds since) {
+void LinkStatistics::learn_pace(std::uint64_t rise, const Milestone& now) {
+  Milestone& before = milestones_[next_milestone_++ % milestones_.size()];
+  const auto since = now.time - before.time;
   has_times_ = has_times_ || since != std::chrono::nanoseconds(0);
   if (since >= std::chrono::nanoseconds(0))
-    per_count_[paces_++ % kPaces] = since / static_cast<std::int64_t>(rise);
+    per_count_[paces_++ % kPaces] = since / static_cast<std::int64_t>(now.ipoc - before.ipoc);
+  before = now;
   if (rise > kLargestStep) return;
   const std::uint64_t lead = steps_[usual_step_];
   if (++steps_[rise] > lead || (steps_[rise] == lead && rise < usual_step_)) usual_step_ = rise;

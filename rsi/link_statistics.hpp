@@ -71,11 +71,16 @@ class LinkStatistics {
     Timestamp time{};
   };
 
+  struct Milestone {
+    std::uint64_t ipoc = 0;
+    Timestamp time{};
+  };
+
   [[nodiscard]] std::uint64_t lost_in(const Run& run) const;
   [[nodiscard]] Arrival judge(const Seen& came, const Endpoint& source) const;
   [[nodiscard]] Arrival judge_fallen(const Seen& came) const;
   [[nodiscard]] const Seen* seen(std::uint64_t ipoc) const;
-  void learn_pace(std::uint64_t rise, std::chrono::nanoseconds since);
+  void learn_pace(std::uint64_t rise, const Milestone& now);
   void count_late(std::uint64_t ipoc, std::uint64_t delay);
 
   /// Telegrams that are remembered, and times between telegrams.
@@ -100,8 +105,11 @@ class LinkStatistics {
   std::array<std::uint64_t, kLargestStep + 1> steps_{};  // how often IPOC rose by so much
   std::uint64_t usual_step_ = 0;                         // the most frequent, of equals the least
   std::array<Seen, kRecent> recent_;  // of this run, number k at k modulo kRecent
-  Timestamp newest_time_{};           // of the newest in order
-  bool has_times_ = false;            // not all the same
+  /// The last telegrams in order. A pace is taken over all of them: a machine that is busy sends
+  /// and receives in bursts, within which telegrams are closer than their cycle.
+  std::array<Milestone, 16> milestones_{};
+  std::size_t next_milestone_ = 0;                            // the oldest
+  bool has_times_ = false;                                    // not all the same
   std::array<std::chrono::nanoseconds, kPaces> per_count_{};  // time for each count that IPOC rose
   std::uint64_t paces_ = 0;
 };

@@ -43,6 +43,20 @@ TEST_CASE("the step of the IPOC is learned, for 4 and 12 ms and for simulators t
   }
 }
 
+TEST_CASE("the cycle is that of the stream, also where telegrams come in bursts",
+          "[issue11][point_15]") {
+  for (const int burst : {1, 2, 8}) {
+    Link link;
+    for (int k = 0; k < 400; ++k) {
+      const auto sent = 4ms * (k - k % burst + burst - 1);
+      link.add(1000 + 4 * static_cast<std::uint64_t>(k), "", sent + 10us * (k % burst));
+    }
+    INFO("bursts of " << burst);
+    REQUIRE(link.cycle());
+    CHECK(*link.cycle() == 4ms);
+  }
+}
+
 TEST_CASE("a telegram that came late is reordered, not lost; one that came again is a duplicate") {
   Link link;
   const auto add = [&](std::uint64_t ipoc) { return link.add(ipoc, kController, {}); };
