@@ -25,8 +25,8 @@ struct RunFacts {
 [[nodiscard]] std::string run_json(const RunFacts& facts);
 
 /// What run.json of `folder` becomes once the files of a session that was cut are final: as it is,
-/// with "ended" and, where the result was made from the recording, "from_recording". Made anew where
-/// it cannot be read.
+/// with "ended" and, where the result was made from the recording, "from_recording". Made anew
+/// where it cannot be read.
 [[nodiscard]] std::string run_json_of_cut_session(const std::filesystem::path& folder,
                                                   const std::string& ended, bool from_recording);
 

@@ -115,7 +115,8 @@ TEST_CASE("a capture without RSI is exit 1 with one sentence, and leaves no file
   Capture(file).add("something else");
   std::ostringstream errors;
   CHECK(export_csv({{file}, folder / "x.csv", {}}, errors, errors) == 1);
-  CHECK_THAT(errors.str(), ContainsSubstring("sweepd: no RSI among 1 UDP datagram (IPv4) in 1 packet:"));
+  CHECK_THAT(errors.str(),
+             ContainsSubstring("sweepd: no RSI among 1 UDP datagram (IPv4) in 1 packet:"));
   CHECK(std::count(errors.view().begin(), errors.view().end(), '\n') == 1);
   CHECK_FALSE(fs::exists(folder / "x.csv"));
 }

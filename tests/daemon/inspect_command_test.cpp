@@ -121,7 +121,8 @@ TEST_CASE("a capture without RSI is exit 1 with one sentence") {
   const auto none = inspected({.traces = {folder / "x.pcap"}});
   CHECK(none.code == 1);
   CHECK(none.text.empty());
-  CHECK_THAT(none.errors, ContainsSubstring("sweepd: no RSI among 1 UDP datagram (IPv4) in 1 packet:"));
+  CHECK_THAT(none.errors,
+             ContainsSubstring("sweepd: no RSI among 1 UDP datagram (IPv4) in 1 packet:"));
 }
 
 TEST_CASE("a capture that is cut off is inspected as far as it goes, and said") {

@@ -134,8 +134,7 @@ const std::string kCorrection =
 TEST_CASE("a robot that another server moves is not taken over, but answered when RSI starts anew",
           "[takeover][issue11][point_1]") {
   Takeover takeover(kCorrection, "answers_with_zeros = [\"RKorr.X\"]\n");
-  REQUIRE(
-      eventually([&] { return takeover.says("the stream had begun before sweepd listened"); }));
+  REQUIRE(eventually([&] { return takeover.says("the stream had begun before sweepd listened"); }));
   REQUIRE(eventually([&] { return takeover.telegrams() > 300; }));
   CHECK(takeover.answered() == 0);
 
