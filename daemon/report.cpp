@@ -159,8 +159,9 @@ std::string report(const Outcome& outcome) {
   return text;
 }
 
-std::string sweep_line(const identify::Sweep& sweep) {
+std::string sweep_line(const identify::Sweep& sweep, std::optional<std::size_t> planned) {
   std::string who = "a joint";
+  if (planned) who = "joint " + std::to_string(*planned + 1) + " by the plan";
   if (sweep.joint) who = "joint " + std::to_string(*sweep.joint + 1);
   return who + ": sweep of " +
          (sweep.direction > 0   ? "+"

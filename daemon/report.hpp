@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
 
 #include "daemon/outcome.hpp"
@@ -10,6 +12,8 @@ namespace sweepd {
 [[nodiscard]] std::string report(const Outcome& outcome);
 
 /// "joint 3: sweep of +90.0 deg in 4.60 s, 1150 samples": what a person wants to see as it happens.
-[[nodiscard]] std::string sweep_line(const identify::Sweep& sweep);
+/// `planned`: the joint by the plan, counted from 0, for a sweep that does not know its own.
+[[nodiscard]] std::string sweep_line(const identify::Sweep& sweep,
+                                     std::optional<std::size_t> planned = {});
 
 }  // namespace sweepd

@@ -245,6 +245,7 @@ void RobotService::begin_session(const rsi::Datagram& first) {
                                    [watch = watch_.get()](const auto&... telegram) {
                                      watch->telegram(telegram...);
                                    }});
+  turns_ = PlannedTurns(campaign(setup_, {}).order);
   complaints_.new_stream();
   session_log_.about(started_, rsi::find_ipoc(first.payload));
   session_log_.note("RSI from {}", rsi::text(first.source));
@@ -292,8 +293,8 @@ void RobotService::end_session() {
 }
 
 void RobotService::on_sweep(const identify::Sweep& sweep) {
-  const std::string words =
-      sweep_line(sweep) + (sweep.defect == identify::SweepDefect::none ? "" : " (not usable)");
+  const std::string words = sweep_line(sweep, turns_.joint_of(sweep)) +
+                            (sweep.defect == identify::SweepDefect::none ? "" : " (not usable)");
   session_log_.note("{}", words);
   tally_.sweep(sweep, words);
   // With many sweeps in one stream each identification takes longer: leave most of the time free.

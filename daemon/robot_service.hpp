@@ -15,6 +15,7 @@
 #include "daemon/link_complaints.hpp"
 #include "daemon/link_watch.hpp"
 #include "daemon/log.hpp"
+#include "daemon/planned_turns.hpp"
 #include "daemon/realtime.hpp"
 #include "daemon/recorder.hpp"
 #include "daemon/robot_setup.hpp"
@@ -107,6 +108,7 @@ class RobotService {
   // The acquisition thread's own.
   Log session_log_;
   std::optional<Session> session_;
+  PlannedTurns turns_;                          // of the session
   std::unique_ptr<LinkWatch> watch_;            // of the session
   std::shared_ptr<const Recording> recording_;  // of the session
   std::string started_;
