@@ -109,14 +109,18 @@ std::string link_problem(const SimulationReport& report) {
            ": start `sweepd run` there, or check address and port";
 
   const std::uint64_t held_back = link.wire.swapped + (report.swaps ? 1 : 0);
-  const auto excused = std::min(counts.of(ReplyFault::late), held_back) +
+  const auto all = std::accumulate(counts.faults.begin(), counts.faults.end(), std::uint64_t{0});
+  const auto refused = all - counts.of(ReplyFault::late) -
                        std::min(counts.of(ReplyFault::repeated), link.wire.duplicated);
-  const auto wrong =
-      std::accumulate(counts.faults.begin(), counts.faults.end(), std::uint64_t{0}) - excused;
-  if (wrong != 0)
-    return counted(wrong, "reply was", "replies were") +
-           " refused or late (the first fault: " + link.first_fault +
-           "): correct the server, or see what keeps it busy";
+  const auto late = beyond(counts.of(ReplyFault::late), held_back);
+  const auto first = " (the first fault: " + link.first_fault + "): ";
+  if (refused != 0)
+    return counted(refused, "reply was refused", "replies were refused") +
+           (late != 0 ? " and " + counted(late, "was late", "were late") : "") + first +
+           "correct the server";
+  if (late != 0)
+    return counted(late, "reply was late", "replies were late") + first +
+           "see what keeps the server or this machine busy";
 
   const auto missing = beyond(counts.unanswered, link.wire.lost + 2 * held_back);
   if (missing != 0 || link.end == End::timed_out)
