@@ -56,17 +56,17 @@ bool Fleet::settled() const {
                      [](const auto& robot) { return robot.second->state().settled; });
 }
 
-std::exception_ptr Fleet::mistake() const {
+std::optional<Problem> Fleet::mistake() const {
   for (const auto& [name, keeper] : robots_)
     if (const auto state = keeper->state(); state.phase == Phase::refused) return state.problem;
-  return nullptr;
+  return std::nullopt;
 }
 
-std::exception_ptr Fleet::all_failed() const {
-  std::exception_ptr first;
+std::optional<Problem> Fleet::all_failed() const {
+  std::optional<Problem> first;
   for (const auto& [name, keeper] : robots_) {
     const auto state = keeper->state();
-    if (!state.problem) return nullptr;
+    if (!state.problem) return std::nullopt;
     if (!first) first = state.problem;
   }
   return first;
@@ -86,7 +86,7 @@ void Fleet::tell(ServiceStatus& status) const {
       status.robots.push_back(state.status);
     else
       status.not_served.push_back(
-          {name, state.problem ? text(state.problem) : "it is being tried for the first time"});
+          {name, state.problem ? state.problem->text : "it is being tried for the first time"});
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,10 +28,10 @@ class Fleet {
 
   /// Of all robots: what was asked for is done, or being tried again.
   [[nodiscard]] bool settled() const;
-  /// Null unless a robot's files hold a mistake.
-  [[nodiscard]] std::exception_ptr mistake() const;
-  /// Null unless no robot at all can be served.
-  [[nodiscard]] std::exception_ptr all_failed() const;
+  /// A robot's files hold one.
+  [[nodiscard]] std::optional<Problem> mistake() const;
+  /// The first one, if no robot at all can be served.
+  [[nodiscard]] std::optional<Problem> all_failed() const;
 
   /// Of those that are served.
   [[nodiscard]] std::vector<Heartbeat::Beats> beats() const;

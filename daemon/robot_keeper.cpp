@@ -19,29 +19,22 @@ constexpr auto kLongestPause = 3s;
 /// What passes sooner, as a port whose robot is just let go, is not worth a word.
 constexpr auto kWorthSaying = 1s;
 
-bool is_mistake(const std::exception_ptr& problem) {
+/// Of the exception that is being handled.
+Problem problem_at_hand() {
   try {
-    std::rethrow_exception(problem);
-  } catch (const ConfigError&) {
-    return true;
-  } catch (const rsi::EthernetConfigError&) {
-    return true;
+    throw;
+  } catch (const ConfigError& error) {
+    return {error.what(), true};
+  } catch (const rsi::EthernetConfigError& error) {
+    return {error.what(), true};
+  } catch (const std::exception& error) {
+    return {error.what(), false};
   } catch (...) {
-    return false;
+    return {"an unknown error", false};
   }
 }
 
 }  // namespace
-
-std::string text(const std::exception_ptr& problem) {
-  try {
-    std::rethrow_exception(problem);
-  } catch (const std::exception& error) {
-    return error.what();
-  } catch (...) {
-    return "an unknown error";
-  }
-}
 
 RobotKeeper::RobotKeeper(RobotSettings settings)
     : log_(settings.name), wanted_(std::move(settings)), keeping_([this] { keep(); }) {}
@@ -150,10 +143,10 @@ void RobotKeeper::try_to_serve(Lock& lock) {
     lock.unlock();
     if (!going) service->start();
   } catch (...) {
-    const auto problem = std::current_exception();
+    auto problem = problem_at_hand();
     service.reset();
     lock.lock();
-    problem_ = problem;
+    problem_ = std::move(problem);
     return failed(lock);
   }
   lock.lock();
@@ -165,7 +158,7 @@ void RobotKeeper::try_to_serve(Lock& lock) {
   }
   if (!said_.empty()) log_.note("it can be served now");
   said_.clear();
-  problem_ = nullptr;
+  problem_.reset();
   pause_ = {};
   service_ = std::move(service);
   phase_ = Phase::serving;
@@ -173,12 +166,12 @@ void RobotKeeper::try_to_serve(Lock& lock) {
 
 void RobotKeeper::failed(Lock& lock) {
   const auto now = Steady::now();
-  const bool mistake = is_mistake(problem_);
+  const bool mistake = problem_->is_mistake;
   phase_ = mistake ? Phase::refused : Phase::waiting;
   if (pause_ == 0ms) failing_since_ = now;
   pause_ = std::clamp(2 * pause_, std::chrono::milliseconds(kFirstPause),
                       std::chrono::milliseconds(kLongestPause));
-  const auto words = text(problem_);
+  const std::string words = problem_->text;
   if (may_serve_ && words != said_ && (mistake || now - failing_since_ >= kWorthSaying)) {
     log_.error("{}; {}", words,
                mistake ? "the robot is not served until the file is corrected and read again"

@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <condition_variable>
-#include <exception>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -17,6 +16,12 @@
 namespace sweepd {
 
 class RobotService;
+
+/// Why a robot is not served. A value, since threads tell each other of it.
+struct Problem {
+  std::string text;
+  bool is_mistake = false;  ///< in the robot's files: trying again does not help
+};
 
 /// Sees to it that one robot of the settings is served: an address that this machine does not have
 /// yet, a port that another program has, an output that cannot be made are tried again until they
@@ -47,8 +52,8 @@ class RobotKeeper {
   };
   struct State {
     Phase phase = Phase::trying;
-    bool settled = false;        ///< all that was asked for is done, or being tried again
-    std::exception_ptr problem;  ///< why it is not served; null otherwise
+    bool settled = false;  ///< all that was asked for is done, or being tried again
+    std::optional<Problem> problem;
     /// While it is served.
     std::optional<Heartbeat::Beats> beats;
     std::shared_ptr<const RobotStatus> status;
@@ -83,7 +88,7 @@ class RobotKeeper {
   bool complete_ = true;
   int threads_ = 1;
   Phase phase_ = Phase::trying;
-  std::exception_ptr problem_;
+  std::optional<Problem> problem_;
   std::string said_;  // of the problem
   std::chrono::steady_clock::time_point failing_since_;
   std::chrono::milliseconds pause_{};
@@ -91,8 +96,5 @@ class RobotKeeper {
   std::thread ending_;
   std::thread keeping_;
 };
-
-/// Its what().
-[[nodiscard]] std::string text(const std::exception_ptr& problem);
 
 }  // namespace sweepd

@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <future>
 #include <memory>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <utility>
@@ -155,11 +157,14 @@ bool finish(const Fleet& fleet) {
 }
 
 /// Ends what has begun, and throws the problem; nothing happens if there is none.
-void give_up(Fleet& fleet, const std::exception_ptr& problem) {
+void give_up(Fleet& fleet, const std::optional<Problem>& problem) {
   if (!problem) return;
   end(fleet);
-  if (finish(fleet)) std::rethrow_exception(problem);
-  Log().error("{}", text(problem));
+  if (finish(fleet)) {
+    if (problem->is_mistake) throw ConfigError(problem->text);
+    throw std::runtime_error(problem->text);
+  }
+  Log().error("{}", problem->text);
   finish_log();
   std::_Exit(EXIT_FAILURE);
 }

@@ -128,7 +128,8 @@ TEST_CASE("that no robot at all can be served is an error, and so is a mistake i
   no_folder.output = folder.write("file", "") / "out";
   Fleet none({no_folder});
   REQUIRE(eventually([&] { return none.settled(); }));
-  CHECK_THAT(sweepd::text(none.all_failed()), ContainsSubstring("cannot make the folder"));
+  REQUIRE(none.all_failed());
+  CHECK_THAT(none.all_failed()->text, ContainsSubstring("cannot make the folder"));
   CHECK_FALSE(none.mistake());
 
   auto wrong = settings("wrong", folder);
@@ -136,7 +137,7 @@ TEST_CASE("that no robot at all can be served is an error, and so is a mistake i
   Fleet one({settings("arc", folder), wrong});
   REQUIRE(eventually([&] { return one.settled(); }));
   REQUIRE(one.mistake());
-  CHECK_THROWS_AS(std::rethrow_exception(one.mistake()), sweepd::ConfigError);
+  CHECK(one.mistake()->is_mistake);
   CHECK_FALSE(one.all_failed());
 }
 
