@@ -18,8 +18,8 @@
 #include <sys/prctl.h>
 #include <sys/socket.h>
 #include <time.h>
-#include <unistd.h>
 
+#include "daemon/realtime.hpp"
 #include "daemon/robot_service.hpp"
 #include "rsi/ipoc.hpp"
 #include "tests/bench/link_parts.hpp"
@@ -152,8 +152,9 @@ class Controllers {
   int socket_;
 };
 
-/// Threads of a service.
-constexpr std::size_t kRoles = 4;
+/// What threads of a service do, by the names that they bear.
+const std::array<std::vector<std::string>, 4> kRoles{
+    {{"reply"}, {"acquisition"}, {"recorder"}, {"identification", "interim result"}}};
 
 constexpr double kRatioAim = 1.5;
 
@@ -163,27 +164,15 @@ struct Cost {
   std::uint64_t beyond_2ms = 0;
   /// Time on a processor per telegram: of the reply, acquisition, recorder and identification
   /// threads.
-  std::array<double, kRoles> us{};
+  std::array<double, kRoles.size()> us{};
   double all_us = 0;
   double resident_before_mb = 0, resident_after_mb = 0;
   std::uint64_t superseded = 0, overflows = 0, dropped = 0;
 };
 
-/// The server says of each robot its port, and its threads in the order of the roles; 0: none.
+/// The server says the port of each robot.
 Cost play(const Child& server, std::chrono::seconds time) {
-  std::vector<std::uint16_t> ports;
-  std::array<std::vector<int>, kRoles> roles;
-  const auto& numbers = server.numbers();
-  for (std::size_t i = 0; i < numbers.size(); i += 1 + kRoles) {
-    ports.push_back(static_cast<std::uint16_t>(numbers.at(i)));
-    for (std::size_t role = 0; role < kRoles; ++role)
-      roles[role].push_back(numbers.at(i + 1 + role));
-  }
-  const auto used = [&](const std::vector<int>& threads) {
-    nanoseconds sum{};
-    for (const int thread : threads) sum += processor_time(server.process(), thread);
-    return sum;
-  };
+  const std::vector<std::uint16_t> ports(server.numbers().begin(), server.numbers().end());
 
   Controllers controllers(ports);
   controllers.play(1s / kCycle);  // sessions begin, buffers find their sizes
@@ -191,19 +180,17 @@ Cost play(const Child& server, std::chrono::seconds time) {
   const auto before = controllers.telegrams();
   Cost cost;
   cost.resident_before_mb = resident_mb(server.process());
-  const auto threads = bench::threads(server.process());
-  std::array<nanoseconds, kRoles> begin{};
-  std::transform(roles.begin(), roles.end(), begin.begin(), used);
-  const auto all_begin = used(threads);
+  auto used_before = processor_times(server.process());
   controllers.play(time / kCycle);
+  auto used = processor_times(server.process());
   const auto telegrams = controllers.telegrams() - before;
   const auto us = [&](nanoseconds used_up) {
     return std::chrono::duration<double, std::micro>(used_up).count() /
            static_cast<double>(telegrams);
   };
-  for (std::size_t role = 0; role < kRoles; ++role)
-    cost.us[role] = us(used(roles[role]) - begin[role]);
-  cost.all_us = us(used(threads) - all_begin);
+  for (std::size_t role = 0; role < kRoles.size(); ++role)
+    for (const auto& name : kRoles[role]) cost.us[role] += us(used[name] - used_before[name]);
+  for (const auto& [name, time_used] : used) cost.all_us += us(time_used - used_before[name]);
   cost.resident_after_mb = resident_mb(server.process());
   auto& latencies = controllers.latencies();
   cost.unanswered = telegrams - latencies.size();
@@ -220,8 +207,8 @@ Cost echoes(std::size_t robots, std::chrono::seconds time) {
     std::vector<std::unique_ptr<EchoServer>> servers;
     std::vector<int> numbers;
     for (std::size_t i = 0; i < robots; ++i) {
-      servers.push_back(std::make_unique<EchoServer>());
-      numbers.insert(numbers.end(), {servers.back()->port(), threads(getpid()).back(), 0, 0, 0});
+      servers.push_back(std::make_unique<EchoServer>([] { sweepd::name_thread("reply"); }));
+      numbers.push_back(servers.back()->port());
     }
     ready(numbers);
   });
@@ -236,17 +223,10 @@ Cost services(std::size_t robots, std::chrono::seconds time) {
     std::vector<std::unique_ptr<sweepd::RobotService>> services;
     std::vector<int> numbers;
     for (std::size_t i = 0; i < robots; ++i) {
-      const auto before = threads(getpid()).size();
       services.push_back(std::make_unique<sweepd::RobotService>(
           settings(temporary.path(), "robot-" + std::to_string(i + 1))));
-      const auto constructed = threads(getpid());
       services.back()->start();
-      // The service begins with recorder and identification, and its start with the reply thread.
-      const auto started = threads(getpid());
-      if (constructed.size() != before + 2 || started.size() != before + kRoles)
-        throw std::runtime_error("the service has other threads than this bench knows");
-      numbers.insert(numbers.end(), {services.back()->local().port, started[before + 2],
-                                     started[before + 3], started[before], started[before + 1]});
+      numbers.push_back(services.back()->local().port);
     }
     ready(numbers);
     for (const auto& service : services) service->stop();

@@ -117,18 +117,16 @@ double quantile_us(std::vector<std::chrono::nanoseconds>& times, double q) {
   return std::chrono::duration<double, std::micro>(times[at]).count();
 }
 
-std::vector<int> threads(int process) {
-  std::vector<int> all;
-  for (const auto& entry : std::filesystem::directory_iterator(proc(process) / "task"))
-    all.push_back(std::stoi(entry.path().filename()));
-  std::sort(all.begin(), all.end());  // numbers are given in turn
-  return all;
-}
-
-std::chrono::nanoseconds processor_time(int process, int thread) {
-  std::int64_t time = 0;
-  std::ifstream(proc(process) / "task" / std::to_string(thread) / "schedstat") >> time;
-  return std::chrono::nanoseconds(time);
+std::map<std::string, std::chrono::nanoseconds> processor_times(int process) {
+  std::map<std::string, std::chrono::nanoseconds> times;
+  for (const auto& thread : std::filesystem::directory_iterator(proc(process) / "task")) {
+    std::string name;
+    std::getline(std::ifstream(thread.path() / "comm"), name);
+    std::int64_t time = 0;
+    std::ifstream(thread.path() / "schedstat") >> time;
+    times[name] += std::chrono::nanoseconds(time);
+  }
+  return times;
 }
 
 double resident_mb(int process) {

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -79,10 +80,8 @@ class Telegrams {
 /// The smallest of `times` that the share `q` of all does not exceed, in microseconds; sorts them.
 [[nodiscard]] double quantile_us(std::vector<std::chrono::nanoseconds>& times, double q);
 
-/// Threads of a process, in the order in which they began.
-[[nodiscard]] std::vector<int> threads(int process);
-/// Time on a processor; zero for a thread that is gone.
-[[nodiscard]] std::chrono::nanoseconds processor_time(int process, int thread);
+/// Time on a processor of a process's threads, by their names.
+[[nodiscard]] std::map<std::string, std::chrono::nanoseconds> processor_times(int process);
 [[nodiscard]] double resident_mb(int process);
 [[nodiscard]] std::size_t open_files(int process);
 
