@@ -1,0 +1,185 @@
+#include "tests/bench/coverage_cases.hpp"
+
+#include <utility>
+
+namespace coverage {
+namespace {
+
+using simulation::Strokes;
+using simulation::World;
+using Gears = Aim::Gears;
+
+constexpr double kTracker_mm = 0.02;
+
+/// A device that knows no angles.
+World tracker() {
+  World world;
+  world.placed = true;
+  world.noise.range_mm = world.noise.across_mm = kTracker_mm;
+  return world;
+}
+
+/// A device beside a controller's angles.
+World with_angles() {
+  World world = tracker();
+  world.angles = true;
+  world.decimals = 4;
+  return world;
+}
+
+World telegrams(int decimals, bool wobble) {
+  World world;
+  world.controller = true;
+  world.angles = true;
+  world.decimals = decimals;
+  if (wobble) world.wobble_deg = 0.0005;
+  return world;
+}
+
+World with_gears(double first_arcsec, double second_arcsec) {
+  World world = with_angles();
+  world.gears.first_arcsec = first_arcsec;
+  world.gears.second_arcsec = second_arcsec;
+  return world;
+}
+
+World with_home_error(double sigma_deg) {
+  World world = tracker();
+  world.home.sigma_deg = sigma_deg;
+  return world;
+}
+
+/// Everything of the list but sag, which no residual shows from one home.
+World everything() {
+  World world = with_angles();
+  world.wobble_deg = 0.0005;
+  world.noise.range_mm = 0.005;
+  world.noise.correlation = 0.9;
+  world.noise.outlier_share = 0.05;
+  world.drift.walk_mm = 0.05;
+  world.home.sigma_deg = 0.002;
+  world.gears = {20, 10, 30};
+  world.delay.late_s = 0.1;
+  return world;
+}
+
+std::vector<Case> cases() {
+  std::vector<Case> all;
+  const auto add = [&](std::string name, std::string about, const World& world,
+                       Strokes strokes = {}, std::size_t targets = 1, Aim aim = {}) {
+    all.push_back({std::move(name), std::move(about), world, std::move(strokes), targets, aim});
+  };
+  Strokes back;
+  back.there_and_back = true;
+  back.ramp = 0.1;
+  Strokes two_homes;
+  two_homes.homes = 2;
+  Strokes at_once;
+  at_once.targets_at_once = true;
+
+  add("white", "a device of 0.02 mm, no angles", tracker());
+  World world = tracker();
+  world.noise.correlation = 0.9;
+  add("ar1", "its errors are AR(1) with 0.9", world);
+  for (const bool wobble : {false, true})
+    for (const int decimals : {4, 3, 2, 1})
+      add(std::string(wobble ? "wobble_" : "telegrams_") + std::to_string(decimals),
+          "a controller's telegrams of " + std::to_string(decimals) + " decimals, " +
+              (wobble ? "servo wobble 0.0005 deg" : "no wobble"),
+          telegrams(decimals, wobble));
+  for (const auto& [name, sigma] :
+       {std::pair("0005", 0.0005), std::pair("002", 0.002), std::pair("005", 0.005)}) {
+    const std::string what = "locked joints off by 0." + std::string(name) + " deg each stroke";
+    add(std::string("home_") + name, what, with_home_error(sigma));
+    add(std::string("home_") + name + "_targets", what + ", three targets one after the other",
+        with_home_error(sigma), {}, 3);
+  }
+  add("home_002_markers", "0.002 deg, three targets seen in one stroke", with_home_error(0.002),
+      at_once, 3);
+  add("home_002_back", "0.002 deg, there and back", with_home_error(0.002), back);
+  world = with_angles();
+  world.home = {0.0005, true, 0.05};
+  add("strays", "a joint comes back 0.05 deg elsewhere, as its angle says", world);
+  for (const int size : {0, 20, 60}) {
+    const World gears = with_gears(size, size / 2.0);
+    const Aim aim = {93, 97, size > 0 ? Gears::with_error : Gears::perfect};
+    const std::string what = "transmission error " + std::to_string(size) + " + " +
+                             std::to_string(size / 2) + " arcsec, ";
+    add("one_home_" + std::to_string(size), what + "one home", gears, {}, 1, aim);
+    add("two_homes_" + std::to_string(size), what + "two homes", gears, two_homes, 1, aim);
+  }
+  add("eccentricity", "50 arcsec once a turn", with_gears(50, 0), {}, 1,
+      {93, 97, Gears::with_large});
+  world = with_angles();
+  world.gears.backlash_arcsec = 30;
+  add("backlash", "30 arcsec, there and back", world, back, 1, {93, 97, Gears::with_backlash});
+  for (const bool walk : {false, true}) {
+    world = tracker();
+    (walk ? world.drift.walk_mm : world.drift.linear_mm) = 0.05;
+    add(walk ? "drift_walk" : "drift", walk ? "0.05 mm, a random walk" : "0.05 mm, evenly", world);
+  }
+  world = tracker();
+  world.noise.range_mm = 0.005;
+  world.noise.across_mm = 0.03;
+  add("anisotropic", "0.005 mm along the line of sight, 0.03 across", world);
+  for (const int percent : {5, 15}) {
+    world = tracker();
+    world.noise.outlier_share = percent / 100.0;
+    add("outliers_" + std::to_string(percent), std::to_string(percent) + " % off by 5 mm", world);
+  }
+  for (const int ms : {4, 100, 500}) {
+    world = with_angles();
+    world.delay.late_s = ms / 1000.0;
+    add("delay_" + std::to_string(ms), "angles late by " + std::to_string(ms) + " ms", world, back);
+  }
+  world = with_angles();
+  world.delay = {0.02, 50};
+  add("clock", "angles late by 20 ms, the device's clock off by 50 ppm", world, back);
+  world = tracker();
+  world.shape.rms_mm = 0.02;
+  add("arcs", "arcs that are no circles, 0.02 mm rms", world);
+  for (const int size : {30, 60, 100}) {
+    world = tracker();
+    world.sag_arcsec = size;
+    add("sag_" + std::to_string(size), "sag of " + std::to_string(size) + " arcsec, no angles",
+        world, {}, 1, {90, 100});
+  }
+  world = with_angles();
+  world.sag_arcsec = 100;
+  add("sag_two_homes", "sag of 100 arcsec, angles, two homes", world, two_homes, 1,
+      {90, 100, Gears::with_error});
+  add("everything",
+      "AR(1), anisotropic, 5 % outliers, drift, home error 0.002 deg, gears 20 + 10 arcsec, "
+      "backlash 30, delay 100 ms, there and back",
+      everything(), back, 1, {90, 98, Gears::with_error});
+  world = everything();
+  world.sag_arcsec = 30;
+  world.shape.rms_mm = 0.01;
+  world.home.stray_sigma_deg = 0.02;
+  world.delay.rate_ppm = 50;
+  Strokes most = back;
+  most.homes = 2;
+  add("everything_two_homes", "the same, sag 30 arcsec, arcs no circles, strays, clock, two homes",
+      world, most, 1, {90, 98, Gears::with_error});
+  return all;
+}
+
+}  // namespace
+
+const std::vector<Case>& all_cases() {
+  static const std::vector<Case> kAll = cases();
+  return kAll;
+}
+
+const std::vector<std::string>& all_arms() {
+  static const std::vector<std::string> kAll = {"kr5", "iiwa", "paper"};
+  return kAll;
+}
+
+simulation::Robot robot_of(const std::string& arm, std::size_t targets, std::uint32_t seed) {
+  if (arm == "paper") return simulation::kr5(targets);
+  const auto robot = arm == "iiwa" ? simulation::iiwa(targets) : simulation::kr5(targets);
+  return simulation::at_random_home(simulation::built(robot, seed), seed);
+}
+
+}  // namespace coverage

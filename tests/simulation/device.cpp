@@ -1,0 +1,65 @@
+#include "tests/simulation/device.hpp"
+
+#include <cmath>
+
+#include "tests/simulation/stream.hpp"
+
+namespace simulation {
+
+using Eigen::Vector3d;
+
+Device::Device(const Noise& noise, const Drift& drift, double seconds, std::uint32_t seed)
+    : noise_(noise),
+      drift_(drift),
+      seconds_(seconds),
+      random_(stream(seed, Source::noise)),
+      outliers_(stream(seed, Source::outliers)),
+      wandering_(stream(seed, Source::drift)),
+      way_(normal3(wandering_).normalized()) {}
+
+Vector3d Device::measured(const Vector3d& point, double time_s) {
+  const double old = fresh_ ? 0 : noise_.correlation;
+  fresh_ = false;
+  Vector3d seen = point;
+  if (noise_.range_mm > 0 || noise_.across_mm > 0) {
+    error_ = old * error_ + std::sqrt(1 - old * old) * normal3(random_);
+    seen += noise_.across_mm * error_;
+    if (noise_.range_mm != noise_.across_mm) {
+      const Vector3d sight = point.normalized();
+      seen += (noise_.range_mm - noise_.across_mm) * sight.dot(error_) * sight;
+    }
+  }
+  if (noise_.outlier_share > 0 &&
+      std::uniform_real_distribution<>()(outliers_) < noise_.outlier_share)
+    seen += noise_.outlier_mm * normal3(outliers_).normalized();
+  if (drift_.walk_mm > 0) {
+    const double sigma = drift_.walk_mm / std::sqrt(3.0);
+    wandered_mm_ += sigma * std::sqrt((time_s - time_s_) / seconds_) * normal3(wandering_);
+    time_s_ = time_s;
+  }
+  return seen + wandered_mm_ + drift_.linear_mm * (time_s / seconds_) * way_;
+}
+
+Vector3d Device::normal3(std::mt19937_64& random) {
+  const double x = normal_(random);
+  const double y = normal_(random);
+  return {x, y, normal_(random)};
+}
+
+Eigen::Isometry3d random_place(std::uint32_t seed) {
+  auto random = stream(seed, Source::place);
+  const auto between = [&](double low, double high) {
+    return std::uniform_real_distribution<>(low, high)(random);
+  };
+  constexpr double kPi = 3.14159265358979323846;
+  const double bearing = between(-kPi, kPi);
+  const double away = between(2500, 4000);
+  const double turn = between(-kPi, kPi);
+  const double tilt = between(-0.1, 0.1);
+  return Eigen::Isometry3d(
+      Eigen::Translation3d(away * std::cos(bearing), away * std::sin(bearing), between(-1500, 0)) *
+      Eigen::AngleAxisd(tilt, Vector3d(std::cos(turn), std::sin(turn), 0)) *
+      Eigen::AngleAxisd(turn, Vector3d::UnitZ()));
+}
+
+}  // namespace simulation

@@ -1,0 +1,189 @@
+#include "tests/simulation/simulation.hpp"
+
+#include <cmath>
+#include <map>
+#include <memory>
+#include <random>
+#include <utility>
+
+#include "tests/simulation/arc_shape.hpp"
+#include "tests/simulation/device.hpp"
+#include "tests/simulation/stream.hpp"
+
+namespace simulation {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kDegree = kPi / 180;
+constexpr double kArcsec = kDegree / 3600;
+
+double printed(double value, double step) {
+  return step > 0 ? step * std::round(value / step) : value;
+}
+
+double step_of(const World& world) {
+  return world.decimals ? std::pow(10.0, -*world.decimals) : 0;
+}
+
+/// A, B, C of R = Rz(A) Ry(B) Rx(C).
+std::array<double, 3> abc_of(const Eigen::Matrix3d& r) {
+  return {std::atan2(r(1, 0), r(0, 0)), std::atan2(-r(2, 0), std::hypot(r(0, 0), r(1, 0))),
+          std::atan2(r(2, 1), r(2, 2))};
+}
+
+/// Where a point is on its arc: radial, axial and tangential unit vectors.
+Eigen::Matrix3d along_arc(const identify::Chain& chain, const identify::Turns& turns,
+                          std::size_t joint, const Vector3d& point) {
+  identify::Turns before{};
+  std::copy_n(turns.begin(), joint, before.begin());
+  const Eigen::Isometry3d moved = chain.displacement(before);
+  const Vector3d axial = moved.linear() * chain.axes[joint].direction;
+  const Vector3d from = point - moved * chain.axes[joint].point_mm;
+  const Vector3d radial = (from - axial * axial.dot(from)).normalized();
+  Eigen::Matrix3d ways;
+  ways << radial, axial, axial.cross(radial);
+  return ways;
+}
+
+}  // namespace
+
+Simulation::Simulation(Robot robot, Strokes strokes, World world, std::uint32_t seed)
+    : robot_(std::move(robot)),
+      how_(std::move(strokes)),
+      world_(world),
+      seed_(seed),
+      chain_(chain_of(robot_)),
+      sag_(robot_, world.sag_arcsec * kArcsec),
+      homes_(homes_of(how_, robot_, seed)) {
+  if (world_.placed) base_ = random_place(seed);
+  auto random = stream(seed, Source::gears);
+  std::uniform_real_distribution<> phase(-kPi, kPi);
+  for (std::size_t j = 0; j < robot_.arm.joints(); ++j) {
+    const double first = phase(random);
+    phases_.push_back({first, phase(random)});
+  }
+}
+
+identify::Turns Simulation::turns_at(const std::vector<double>& angles, std::size_t moving,
+                                     int direction) const {
+  identify::Turns turns{};
+  const Gears& gears = world_.gears;
+  for (std::size_t k = 0; k < angles.size(); ++k) {
+    turns[k] = angles[k] - robot_.arm.home_rad[k];
+    if (world_.controller) continue;
+    const double play = k == moving ? direction : 1;
+    turns[k] += kArcsec * (gears.first_arcsec * std::sin(angles[k] + phases_[k][0]) +
+                           gears.second_arcsec * std::sin(2 * angles[k] + phases_[k][1]) -
+                           0.5 * gears.backlash_arcsec * play);
+  }
+  if (world_.sag_arcsec > 0 && !world_.controller) {
+    const identify::Turns bent = sag_.at(turns);
+    for (std::size_t k = 0; k < angles.size(); ++k) turns[k] += bent[k];
+  }
+  return turns;
+}
+
+identify::Arm Simulation::arm_at(const std::vector<double>& angles) const {
+  const identify::Turns turns = turns_at(angles, angles.size(), 1);
+  identify::Arm arm = robot_.arm;
+  for (std::size_t k = 0; k < angles.size(); ++k)
+    arm.rows[k].theta_rad += arm.positive[k] * turns[k];
+  arm.home_rad = angles;
+  return arm;
+}
+
+std::vector<identify::Sweep> Simulation::sweeps() const {
+  const std::size_t joints = robot_.arm.joints();
+  const auto strokes = strokes_of(how_, joints, robot_.targets_mm.size());
+  const double seconds = strokes.back().start_s + strokes.back().seconds;
+  Device device(world_.noise, world_.drift, seconds, seed_);
+  auto home_errors = stream(seed_, Source::home);
+  auto strays = stream(seed_, Source::stray);
+  auto wobble = stream(seed_, Source::wobble);
+  auto shapes = stream(seed_, Source::shape);
+  std::normal_distribution<> normal;
+  std::map<std::pair<std::size_t, std::size_t>, ArcCurve> curves;  // joint and home
+  std::vector<double> stray(joints, 0.0);
+  const double step = step_of(world_);
+  std::vector<identify::Sweep> sweeps;
+  for (const Stroke& stroke : strokes) {
+    const std::size_t j = stroke.joint;
+    const double low = std::min(stroke.from_rad, stroke.to_rad);
+    const double high = std::max(stroke.from_rad, stroke.to_rad);
+    const ArcCurve& curve =
+        curves.try_emplace({j, stroke.home}, world_.shape, low, high, shapes).first->second;
+    std::vector<double> locked = homes_[stroke.home];  // where the encoders stand
+    std::vector<double> play(joints, 0.0);             // what they do not see
+    for (std::size_t k = 0; k < joints; ++k) {
+      const double error = k == j ? 0 : world_.home.sigma_deg * kDegree * normal(home_errors);
+      locked[k] += stray[k];
+      (world_.home.seen || world_.controller ? locked[k] : play[k]) += error;
+    }
+    std::vector<std::vector<identify::Sample>> seen(stroke.targets.size());
+    device.begin();
+    for (int i = 0; i < how_.samples; ++i) {
+      const double time = stroke.seconds * i / (how_.samples - 1);
+      std::vector<double> angles = locked;
+      angles[j] = homes_[stroke.home][j] + stroke.turn_at(time, how_.ramp);
+      if (world_.wobble_deg > 0)
+        for (double& angle : angles) angle += world_.wobble_deg * kDegree * normal(wobble);
+      identify::Turns turns = turns_at(angles, j, stroke.direction());
+      for (std::size_t k = 0; k < joints; ++k) turns[k] += play[k];
+      const Eigen::Isometry3d moved = chain_.displacement(turns);
+
+      identify::Sample sample;
+      sample.time_s = stroke.start_s + time;
+      sample.has_position = true;
+      if (world_.angles) {
+        const double late = world_.delay.late_s + 1e-6 * world_.delay.rate_ppm * sample.time_s;
+        angles[j] += stroke.turn_at(time - late, how_.ramp) - stroke.turn_at(time, how_.ramp);
+        sample.joints = static_cast<std::uint8_t>(joints);
+        for (std::size_t k = 0; k < joints; ++k)
+          sample.angles_rad[k] = printed(angles[k] / kDegree, step) * kDegree;
+      }
+      if (world_.controller) {
+        sample.has_orientation = true;
+        sample.abc_rad = abc_of(base_.linear() * moved.linear() * chain_.tool);
+        for (double& angle : sample.abc_rad) angle = printed(angle / kDegree, step) * kDegree;
+      }
+      for (std::size_t n = 0; n < stroke.targets.size(); ++n) {
+        Vector3d point = moved * chain_.targets_mm[stroke.targets[n]];
+        if (world_.shape.rms_mm > 0)
+          point +=
+              along_arc(chain_, turns, j, point) * curve.at(angles[j] - homes_[stroke.home][j]);
+        sample.position_mm = base_ * point;
+        if (!world_.controller)
+          sample.position_mm = device.measured(sample.position_mm, sample.time_s);
+        else
+          for (double& value : sample.position_mm) value = printed(value, step);
+        seen[n].push_back(sample);
+      }
+    }
+    for (std::size_t n = 0; n < stroke.targets.size(); ++n) {
+      identify::Sweep sweep;
+      sweep.samples = std::make_shared<const std::vector<identify::Sample>>(std::move(seen[n]));
+      sweep.joint = j;
+      sweep.target = stroke.targets[n];
+      sweep.direction = stroke.direction();
+      sweep.range_rad = high - low;
+      sweeps.push_back(sweep);
+    }
+    if (stroke.last_of_joint && world_.home.stray_sigma_deg > 0)
+      stray[j] = world_.home.stray_sigma_deg * kDegree * normal(strays);
+  }
+  return sweeps;
+}
+
+identify::Campaign Simulation::campaign() const {
+  identify::Campaign campaign;
+  campaign.joints = robot_.arm.joints();
+  campaign.specified = robot_.specified;
+  campaign.resolution = {world_.controller ? step_of(world_) : 0, step_of(world_) * kDegree};
+  campaign.declared_home_rad = robot_.arm.home_rad;
+  campaign.device_frame = world_.placed;
+  return campaign;
+}
+
+}  // namespace simulation

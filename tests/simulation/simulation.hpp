@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "identify/identification.hpp"
+#include "tests/simulation/gravity.hpp"
+#include "tests/simulation/robot.hpp"
+#include "tests/simulation/strokes.hpp"
+#include "tests/simulation/world.hpp"
+
+namespace simulation {
+
+/// A campaign of an arm that is known exactly: what identify() gets, and what it ought to find. The
+/// same seed gives the same bits.
+class Simulation {
+ public:
+  Simulation(Robot robot, Strokes strokes, World world, std::uint32_t seed);
+
+  /// In the order of time. Every stroke is a sweep whose joint and direction are known; of a stroke
+  /// that all targets see, one sweep each.
+  [[nodiscard]] std::vector<identify::Sweep> sweeps() const;
+  /// What is known beforehand: the specified arm, the home that was meant, what is printed.
+  [[nodiscard]] identify::Campaign campaign() const;
+
+  /// The true arm as it stands, on average, where the encoders show `angles_rad`: thetas with what
+  /// the gears and the load add there, as the DH numbers of the axes in that pose are.
+  [[nodiscard]] identify::Arm arm_at(const std::vector<double>& angles_rad) const;
+  /// The robot's base in the measurement frame.
+  [[nodiscard]] const Eigen::Isometry3d& base() const { return base_; }
+  [[nodiscard]] const Robot& robot() const { return robot_; }
+
+ private:
+  /// How far the arm's joints have turned from home where its encoders show `angles`.
+  [[nodiscard]] identify::Turns turns_at(const std::vector<double>& angles_rad, std::size_t moving,
+                                         int direction) const;
+
+  Robot robot_;
+  Strokes how_;
+  World world_;
+  std::uint32_t seed_;
+  identify::Chain chain_;
+  Sag sag_;
+  std::vector<std::vector<double>> homes_;
+  Eigen::Isometry3d base_ = Eigen::Isometry3d::Identity();
+  std::vector<std::array<double, 2>> phases_;  ///< of each joint's gear
+};
+
+}  // namespace simulation

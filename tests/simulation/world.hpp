@@ -1,0 +1,72 @@
+#pragma once
+
+#include <optional>
+
+namespace simulation {
+
+/// Errors of the device that measures positions. Standard deviations; each of three directions.
+struct Noise {
+  double range_mm = 0;     ///< along the line from the device, which is its frame's origin
+  double across_mm = 0;    ///< in the two directions across it
+  double correlation = 0;  ///< of a sample's error with that of the one before: AR(1)
+  double outlier_share = 0;
+  double outlier_mm = 5;  ///< how far off, in any direction
+};
+
+/// How the device wanders from the first sample to the last.
+struct Drift {
+  double linear_mm = 0;  ///< in any direction
+  double walk_mm = 0;    ///< a random walk: root mean square of where it ends
+};
+
+/// How locked joints stand elsewhere than at home.
+struct HomeError {
+  double sigma_deg = 0;  ///< each locked joint, anew for each stroke
+  bool seen = false;     ///< by the encoders; else it is play behind them
+  /// Each joint after its own strokes, until it is swept again; the encoders see it.
+  double stray_sigma_deg = 0;
+};
+
+/// Where the arm is beyond what the encoder says.
+struct Gears {
+  double first_arcsec = 0;   ///< amplitude of sin(q + phase), every joint with a phase of its own
+  double second_arcsec = 0;  ///< of sin(2 q + phase)
+  /// Play: the arm is behind its motor by half of it. Locked joints came home rising.
+  double backlash_arcsec = 0;
+};
+
+/// When angles were read: `late_s` before the position of the same sample, and later by the
+/// device's clock, which goes wrong by `rate_ppm`.
+struct Delay {
+  double late_s = 0;
+  double rate_ppm = 0;
+};
+
+/// What bends arcs, as a smooth random function of the joint's angle in each of the radial, axial
+/// and tangential direction: Chebyshev polynomials of the arc, order m with a standard deviation as
+/// max(1, m)^-power. Nothing at home, which all arcs share.
+struct ArcShape {
+  double rms_mm = 0;  ///< each direction, expected over the arc before home is made nothing
+  double power = 2;
+};
+
+/// Everything that may go wrong in a simulated campaign. All zero: exact data. Every source of
+/// errors draws its numbers by itself: a knob turned leaves the others' errors as they are.
+struct World {
+  /// Positions and orientations are the controller's, computed from its encoders: no device and no
+  /// error of the gears is in them.
+  bool controller = false;
+  bool angles = false;          ///< are known, the controller's
+  bool placed = false;          ///< the device stands some metres away, and its frame is its own
+  std::optional<int> decimals;  ///< of what a controller prints, mm and degrees; nothing: all
+  double wobble_deg = 0;        ///< of every joint's servo, a sample, sigma; the encoders see it
+  Noise noise;
+  Drift drift;
+  HomeError home;
+  Gears gears;
+  double sag_arcsec = 0;  ///< of the elastic joints, at the worst pose (gravity.hpp)
+  Delay delay;
+  ArcShape shape;
+};
+
+}  // namespace simulation
