@@ -8,12 +8,11 @@
 #include <string_view>
 #include <utility>
 
+#include "identify/angle.hpp"
+
 namespace identify {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kDegree = kPi / 180;
-constexpr double kArcsec = kDegree / 3600;
 constexpr double kGoodRadius_mm = 100;
 /// Without angles to hold it, a circle on so short an arc leans on every smooth error.
 constexpr double kPoorArc_rad = 20 * kDegree;
@@ -27,7 +26,7 @@ constexpr double kFast_mm_s = 500;
 /// Printed more coarsely than this, positions and angles blur the result.
 constexpr double kPoorResolution_mm = 0.0011;
 constexpr double kPoorResolution_rad = 0.0011 * kDegree;
-constexpr double kSigmas = 4;
+constexpr double kAdviceSigmas = 4;
 constexpr double kLeastCurve_rad = 5 * kArcsec;
 constexpr double kLeastCoherence = 8;
 constexpr double kManyOutliers = 0.01;
@@ -58,7 +57,7 @@ std::string arcsec(double angle_rad) {
   return brief(angle_rad / kArcsec) + " arcsec";
 }
 
-double median(std::vector<double> values) {
+double median_of(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
@@ -108,7 +107,7 @@ std::optional<Motion> motion(const JointResult& joint) {
     }
   }
   if (steps.empty()) return std::nullopt;
-  return Motion{median(std::move(speeds)), median(std::move(steps))};
+  return Motion{median_of(std::move(speeds)), median_of(std::move(steps))};
 }
 
 class Adviser {
@@ -184,8 +183,8 @@ class Adviser {
     }
     const JointResult& joint = found_.joints[j];
     if (sigmas.size() < 2 || !joint.axis) return;
-    const double usual = median(std::move(sigmas));
-    const double arc = median(std::move(arcs));
+    const double usual = median_of(std::move(sigmas));
+    const double arc = median_of(std::move(arcs));
     const double sigma = joint.axis->direction_sigma_rad();
     if (!(usual > 0) || !(sigma > kUneven * usual) || !(joint.circle->arc_rad < kShorter * arc))
       return;
@@ -214,7 +213,8 @@ class Adviser {
     // Neighbours in time share their error, and so do the strokes' means.
     const double correlated = std::sqrt(found_.chain->samples_per_independent);
     const double backlash = std::abs(seen.backlash_rad);
-    if (seen.backlash_sigma_rad > 0 && backlash > kSigmas * correlated * seen.backlash_sigma_rad &&
+    if (seen.backlash_sigma_rad > 0 &&
+        backlash > kAdviceSigmas * correlated * seen.backlash_sigma_rad &&
         backlash > campaign_.resolution.angle_rad)
       warn("backlash", j,
            "its error depends on the direction of the motion, by " + arcsec(backlash) + " or " +
@@ -250,7 +250,7 @@ class Adviser {
     const double swing = highest - lowest;
     // A circle's centre that is off looks like a smooth error, too.
     const double uncertainty = joint.axis->point_sigma_mm() / joint.circle->radius_mm;
-    if (swing <= std::max(kLeastCurve_rad, 2 * kSigmas * uncertainty)) return;
+    if (swing <= std::max(kLeastCurve_rad, 2 * kAdviceSigmas * uncertainty)) return;
     warn("transmission_error", j,
          "its angles are off by a smooth curve of " + arcsec(swing) + " from lowest to highest (" +
              brief(swing * joint.circle->radius_mm) + " mm at the target) between " +

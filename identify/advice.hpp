@@ -1,11 +1,12 @@
 #pragma once
 
+#include "identify/angle.hpp"
 #include "identify/identification.hpp"
 
 namespace identify {
 
 /// An axis whose direction is less certain than this deserves a warning,
-inline constexpr double kPoorDirection_rad = 0.05 * 3.14159265358979323846 / 180;
+inline constexpr double kPoorDirection_rad = 0.05 * kDegree;
 /// and so does a target that is closer to an axis.
 inline constexpr double kPoorRadius_mm = 20;
 

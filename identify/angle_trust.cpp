@@ -6,6 +6,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "identify/angle.hpp"
+
 namespace identify {
 namespace {
 
@@ -155,8 +157,7 @@ std::vector<AngleEvidence> seen_angle_errors(const Chain& chain,
   std::vector<Curve> curves(chain.axes.size());
   std::vector<double> expected(chain.axes.size(), 0.0);
   visit(chain, samples, noise, [&](const ChainObservation& sample, const ChainResidual<3>& at) {
-    const double error = std::remainder(sample.measured_turn - sample.turns[sample.joint],
-                                        2 * 3.14159265358979323846);
+    const double error = std::remainder(sample.measured_turn - sample.turns[sample.joint], 2 * kPi);
     ++evidence[sample.joint].samples;
     curves[sample.joint].add(sample.turns[sample.joint], sample.falling, error, sample.weight);
     expected[sample.joint] +=

@@ -14,11 +14,10 @@ using Eigen::Matrix3d;
 
 constexpr double kUncertainFoot = 0.02;  // of the arm's size
 constexpr double kReach = 2;             // in sizes of the arm
-constexpr double kSigmas = 3;
+constexpr double kRelationSigmas = 3;
 constexpr double kAlmostParallel = 0.0175;  // sine of a degree
 constexpr double kNoDirection_rad = 0.25;   // of two axes together: nothing tells how they lie
-constexpr double kRounding = 1e-15;         // rad; no direction is better known
-constexpr double kExact = 1e-9;  // what counts as zero for axes without uncertainty, relative
+constexpr double kDirectionRounding_rad = 1e-15;  // no direction is better known
 
 double largest_sigma(const Matrix3d& covariance) {
   if (!covariance.allFinite()) return std::numeric_limits<double>::infinity();
@@ -66,7 +65,7 @@ double Axis::point_sigma_mm() const {
 Relation relation_between(const Axis& first, const Axis& second, double size) {
   const LinePair pair = relate(first.line(), second.line());
   const double direction_sigma =
-      std::hypot(first.direction_sigma_rad(), second.direction_sigma_rad(), kRounding);
+      std::hypot(first.direction_sigma_rad(), second.direction_sigma_rad(), kDirectionRounding_rad);
   const double point_sigma = std::hypot(first.point_sigma_mm(), second.point_sigma_mm());
   if (!(direction_sigma < kNoDirection_rad) || !std::isfinite(point_sigma))
     return Relation::unknown;
@@ -82,13 +81,13 @@ Relation relation_between(const Axis& first, const Axis& second, double size) {
         std::abs(pair.distance_mm) * direction_sigma / (pair.sine * pair.sine);
     lever = std::max((pair.first_foot_mm - first.point_mm).norm(),
                      (pair.second_foot_mm - second.point_mm).norm());
-    const bool almost = pair.sine < std::max(kAlmostParallel, kSigmas * direction_sigma);
+    const bool almost = pair.sine < std::max(kAlmostParallel, kRelationSigmas * direction_sigma);
     parallel = almost && (foot_sigma > kUncertainFoot * size || lever > kReach * size);
   }
   if (parallel) lever = size;
   const double distance = parallel ? offset : std::abs(pair.distance_mm);
   const double distance_sigma = std::hypot(point_sigma, lever * direction_sigma);
-  const bool touching = distance < std::max(kSigmas * distance_sigma, kExact * size);
+  const bool touching = distance < std::max(kRelationSigmas * distance_sigma, kExact * size);
   if (parallel) return touching ? Relation::coincident : Relation::parallel;
   return touching ? Relation::intersecting : Relation::skew;
 }

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "identify/angle.hpp"
 #include "identify/line.hpp"
 
 namespace identify {
@@ -20,6 +21,11 @@ struct Axis {
   [[nodiscard]] double direction_sigma_rad() const;  ///< in its worst direction
   [[nodiscard]] double point_sigma_mm() const;       ///< across the axis, in its worst direction
 };
+
+/// An axis whose direction is less certain than this is none.
+inline constexpr double kWorstDirection_rad = 1 * kDegree;
+/// What counts as zero for axes without uncertainty, relative.
+inline constexpr double kExact = 1e-9;
 
 /// How an axis lies to the next one.
 enum class Relation { skew, parallel, intersecting, coincident, last, unknown };

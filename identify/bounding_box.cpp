@@ -38,7 +38,7 @@ Matrix3Xd distinct(const Matrix3Xd& points) {
   return result;
 }
 
-struct Frame {
+struct PrincipalFrame {
   Matrix3d axes = Matrix3d::Identity();
   int rank = 0;
   double least_width = 0;  // no direction within the rank has less
@@ -46,8 +46,8 @@ struct Frame {
 
 // A tetrahedron of far points: the farthest from the first, from the line through both, and from
 // the plane through the three. Its edges say how far the set extends, and give the frame.
-Frame frame_of(const Matrix3Xd& points, double flat) {
-  Frame frame;
+PrincipalFrame frame_of(const Matrix3Xd& points, double flat) {
+  PrincipalFrame frame;
   Index far = 0;
   const Matrix3Xd from_first = points.colwise() - points.col(0);
   const double length = std::sqrt(from_first.colwise().squaredNorm().maxCoeff(&far));
@@ -106,7 +106,7 @@ std::optional<BoundingBox> minimum_bounding_box(const Matrix3Xd& points_mm) {
   const double rounding = std::numeric_limits<double>::epsilon() *
                           std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff()) / size;
 
-  const Frame frame = frame_of(unit, std::max(kFlat, 8 * rounding));
+  const PrincipalFrame frame = frame_of(unit, std::max(kFlat, 8 * rounding));
   Matrix3d axes = frame.axes;
   double log_gap = 0;
   if (frame.rank >= 2) {

@@ -9,6 +9,8 @@
 #include <queue>
 #include <vector>
 
+#include "identify/cross_matrix.hpp"
+
 namespace identify {
 namespace {
 
@@ -17,7 +19,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using PointRows = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
-constexpr double kRounding = 2e-16;  // of a width, relative to the size of the set
+constexpr double kWidthRounding = 2e-16;  // of a width, relative to the size of the set
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The two points that are farthest along and against a direction.
@@ -154,19 +156,13 @@ struct HigherBound {
   bool operator()(const Cell& a, const Cell& b) const { return a.bound > b.bound; }
 };
 
-Matrix3d cross_matrix(const Vector3d& v) {
-  Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
-
-class Search {
+class BoundedSearch {
  public:
-  Search(const PointRows& points, int rank, double least_width, double tolerance,
-         double max_products)
+  BoundedSearch(const PointRows& points, int rank, double least_width, double tolerance,
+                double max_products)
       : rank_(rank),
         log_least_width_(std::log(least_width)),
-        tolerance_(std::max(tolerance, kRounding / least_width)),
+        tolerance_(std::max(tolerance, kWidthRounding / least_width)),
         max_products_(max_products),
         all_(points),
         core_(PointRows(0, 3)) {
@@ -313,7 +309,7 @@ class Search {
 
 BoxSearch search_box(const PointRows& points, int rank, double least_width, double tolerance,
                      double max_products) {
-  return Search(points, rank, least_width, tolerance, max_products).run();
+  return BoundedSearch(points, rank, least_width, tolerance, max_products).run();
 }
 
 }  // namespace identify

@@ -44,11 +44,11 @@ Chain moved(const Chain& chain, const Eigen::VectorXd& change) {
 
 namespace {
 
-struct Turn {
+struct SineOfTurn {
   double sine;
   double versine;  ///< 1 - cos, without cancellation
 
-  explicit Turn(double angle) {
+  explicit SineOfTurn(double angle) {
     // Most joints stand nearly still: a series, right to the last bit.
     constexpr double kSmall = 0.01;
     const double square = angle * angle;
@@ -90,7 +90,7 @@ void ChainPose::set(std::size_t target, const Turns& turns, bool with_parameters
     }
     if (turns[j] == 0) continue;
     carried = true;
-    const Turn turn(turns[j]);
+    const SineOfTurn turn(turns[j]);
     const Vector3d first = turned * across_[j].col(0);
     const Vector3d second = direction[j].cross(first);
     // How far the rotation moves the two: e - R e.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,12 +16,14 @@ namespace identify {
 
 /// Standard deviations of what was measured, each sample on its own.
 struct ChainNoise {
-  double position_mm = 0;      ///< isotropic, each coordinate
-  double orientation_rad = 0;  ///< isotropic, about each direction
-  double locked_rad = 0;       ///< of the angle of each joint that stands
-  /// Of a sweeping joint's angle, one a joint. Infinite: its angle is not used.
-  std::vector<double> swept_rad;
+  double position_mm = 0;         ///< isotropic, each coordinate
+  double orientation_rad = 0;     ///< isotropic, about each direction
+  double locked_rad = 0;          ///< of the angle of each joint that stands
+  std::vector<double> swept_rad;  ///< of a sweeping joint's angle, one a joint
 };
+
+/// As the noise of a sweeping joint: its angle is not used.
+inline constexpr double kFreeAngle = std::numeric_limits<double>::infinity();
 
 /// How far the angles of a sweeping joint are believed.
 enum class AngleTrust {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "identify/angle_trust.hpp"
@@ -16,7 +15,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kFree = std::numeric_limits<double>::infinity();
 /// Below this nothing is measured, and nothing computed in double precision.
 constexpr double kLeastPosition_mm = 1e-7;
 constexpr double kLeastAngle_rad = 1e-11;
@@ -163,7 +161,7 @@ class Estimation {
   /// The first fit: the noise is not known yet, and some points may be far off.
   Fitted robustly_started(Chain chain) {
     ChainNoise noise = floor_;
-    noise.swept_rad.assign(joints_, kFree);
+    noise.swept_rad.assign(joints_, kFreeAngle);
     noise.position_mm = 1;
     constexpr int kRounds = 3;
     for (int round = 0; round < kRounds; ++round) {
@@ -182,7 +180,7 @@ class Estimation {
   [[nodiscard]] double misprint(const Fitted& fitted, bool with_orientation) const {
     ChainNoise printed = quantum_;
     for (std::size_t j = 0; j < joints_; ++j)
-      if (std::isinf(fitted.noise.swept_rad[j])) printed.swept_rad[j] = kFree;
+      if (std::isinf(fitted.noise.swept_rad[j])) printed.swept_rad[j] = kFreeAngle;
     return misfit(fitted.fit.chain, samples_, printed, with_orientation);
   }
 
@@ -228,7 +226,7 @@ class Estimation {
       evidence[*worst].reason = evidence[*worst].size > kMostQuanta
                                     ? "larger errors than the printed decimals explain"
                                     : "a pattern in the residuals along the motion";
-      noise.swept_rad[*worst] = kFree;
+      noise.swept_rad[*worst] = kFreeAngle;
     }
     samples_ = free_samples;
   }

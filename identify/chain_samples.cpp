@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
+#include "identify/angle.hpp"
 #include "identify/points.hpp"
 #include "identify/robust_circle.hpp"
 
@@ -96,7 +97,6 @@ double angle_about(const Vector3d& axis, const Vector3d& from, const Vector3d& t
 }  // namespace
 
 std::vector<std::optional<ChainAxis>> starting_axes(const Identification& circles) {
-  constexpr double kWorstDirection_rad = 3.14159265358979323846 / 180;
   std::vector<std::optional<ChainAxis>> axes;
   for (const JointResult& joint : circles.joints) {
     axes.emplace_back();
@@ -240,10 +240,10 @@ std::vector<Vector3d> starting_targets(const Chain& chain,
     constexpr int kPlaces = 72;
     const AxisCircle& first = circles.front();
     for (int k = 0; k < kPlaces; ++k)
-      consider(first.axis.point_mm + Eigen::AngleAxisd(2 * 3.14159265358979323846 * k / kPlaces,
-                                                       first.axis.direction) *
-                                         (first.on_it_mm - first.axis.point_mm),
-               1);
+      consider(
+          first.axis.point_mm + Eigen::AngleAxisd(2 * kPi * k / kPlaces, first.axis.direction) *
+                                    (first.on_it_mm - first.axis.point_mm),
+          1);
     // Where the angles lead to about as good a place, they know which of several it is.
     constexpr double kAsGood = 0.1;
     if (!at_home.empty()) consider(median(at_home), circles.size() > 1 ? kAsGood : 0);

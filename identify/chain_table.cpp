@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/cross_matrix.hpp"
+
 namespace identify {
 namespace {
 
@@ -12,12 +14,6 @@ using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
-
-Matrix3d cross_matrix(const Vector3d& v) {
-  Matrix3d matrix;
-  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return matrix;
-}
 
 double largest_distance(const std::vector<Vector3d>& places) {
   double size = 1;

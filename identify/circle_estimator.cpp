@@ -15,9 +15,6 @@ namespace {
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-constexpr double kDegree = 3.14159265358979323846 / 180;
-/// An axis that is less certain than this is none.
-constexpr double kWorstDirection_rad = 1.0 * kDegree;
 std::string joint_name(std::size_t joint) {
   return "joint " + std::to_string(joint + 1);
 }

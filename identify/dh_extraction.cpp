@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include "identify/angle.hpp"
 #include "identify/axis_frame.hpp"
 
 namespace identify {
@@ -15,12 +16,10 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Vector5d = Eigen::Matrix<double, 5, 1>;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kNoAngle_rad = 1;     // first order says nothing of such an angle,
 constexpr double kNoLength_mm = 1000;  // nor of such a length where the arm is no larger
-constexpr double kExact = 1e-9;        // what counts as zero for axes without uncertainty, relative
 
-double angle_about(const Vector3d& axis, const Vector3d& from, const Vector3d& to) {
+double angle_across(const Vector3d& axis, const Vector3d& from, const Vector3d& to) {
   return std::atan2(axis.dot(from.cross(to)), from.dot(to));
 }
 
@@ -68,7 +67,7 @@ Vector5d advance(const Line& first, const Line& second, const Choice& choice, Fr
   // The second direction is Rx(alpha) Ry(beta) Z, seen from X, Y = Z x X, Z.
   const Vector3d& n = second.direction;
   Vector5d numbers;
-  numbers << (foot - frame.origin).dot(z), angle_about(z, frame.x, next.x),
+  numbers << (foot - frame.origin).dot(z), angle_across(z, frame.x, next.x),
       (next.origin - foot).dot(next.x), std::atan2(-n.dot(z.cross(next.x)), n.dot(z)),
       std::asin(std::clamp(n.dot(next.x), -1.0, 1.0));
   next.x = turned_across(next.x, n);

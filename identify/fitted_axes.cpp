@@ -6,9 +6,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-/// An axis that is less certain than this is none.
-constexpr double kWorstDirection_rad = 3.14159265358979323846 / 180;
-
 }  // namespace
 
 void set_fitted_axes(ChainEstimate& estimate, const ChainFit& fit, const std::vector<bool>& known,

@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "identify/angle.hpp"
 #include "identify/circle_fit.hpp"
 #include "identify/points.hpp"
 
@@ -14,7 +15,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kDegree = 3.14159265358979323846 / 180;
 /// Locked joints come back to their place by better than this.
 constexpr double kSame_rad = 0.02 * kDegree;
 /// The end of a stroke is seen with its ramp cut off a little.

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "identify/angle.hpp"
 #include "identify/identification.hpp"
 #include "identify/joint_order.hpp"
 #include "identify/turn.hpp"
@@ -14,11 +15,10 @@
 namespace identify {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180;
 // Chi squared of a stroke that no plan has, and of a planned one that was not seen.
 constexpr double kStray = 25;
 constexpr double kUnseen = 5;
-constexpr double kAlike = 20;  // differences that chance explains
+constexpr double kByChance = 20;  // differences that chance explains
 
 using Order = std::vector<std::size_t>;
 
@@ -176,7 +176,7 @@ class Assigner {
     });
     std::optional<JointOrder> rival;
     for (const JointOrder& order : fitting)
-      if (order.joints != best->joints && by_plan(order) < by_plan(*best) + kAlike &&
+      if (order.joints != best->joints && by_plan(order) < by_plan(*best) + kByChance &&
           (!rival || order.joints == declared()))
         rival = order;
     if (rival) {

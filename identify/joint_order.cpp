@@ -5,12 +5,12 @@
 
 #include <Eigen/Geometry>
 
+#include "identify/angle.hpp"
 #include "identify/line.hpp"
 
 namespace identify {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180;
 /// How far an arm may be off its description, and off the pose that is said.
 constexpr double kBuilt_mm = 2;
 constexpr double kBuilt_rad = 0.5 * kDegree;
@@ -18,7 +18,7 @@ constexpr double kPosed_rad = 1.5 * kDegree;
 /// Lines that are closer to parallel have no common normal worth comparing.
 constexpr double kParallel = 0.1;  // sine
 /// Orders whose chi squared differs by less are equal as far as one can tell.
-constexpr double kAlike = 30;
+constexpr double kEqualOrders = 30;
 constexpr std::size_t kMostSteps = 20'000;
 constexpr std::size_t kMostOrders = 500;
 
@@ -49,10 +49,10 @@ double offset(const Axis& first, const Axis& second) {
   return first.direction.cross(second.point_mm - first.point_mm).norm();
 }
 
-class Search {
+class OrderSearch {
  public:
-  Search(const std::vector<Axis>& axes, const Arm& arm,
-         const std::optional<std::vector<double>>& home)
+  OrderSearch(const std::vector<Axis>& axes, const Arm& arm,
+              const std::optional<std::vector<double>>& home)
       : given_(axes),
         expected_(axes_at(arm, home.value_or(arm.home_rad))),
         posed_(home.has_value()),
@@ -71,7 +71,7 @@ class Search {
     place(0, 0);
     if (found_.undecided) found_.fitting.clear();
     std::erase_if(found_.fitting,
-                  [&](const JointOrder& order) { return order.misfit > best_ + kAlike; });
+                  [&](const JointOrder& order) { return order.misfit > best_ + kEqualOrders; });
     std::stable_sort(found_.fitting.begin(), found_.fitting.end(),
                      [](const JointOrder& a, const JointOrder& b) { return a.misfit < b.misfit; });
     return std::move(found_);
@@ -86,7 +86,7 @@ class Search {
   };
 
   void place(std::size_t joint, double misfit) {
-    if (found_.undecided || misfit > std::min(bound_, best_ + kAlike)) return;
+    if (found_.undecided || misfit > std::min(bound_, best_ + kEqualOrders)) return;
     if (placed_.size() == given_.size()) {
       keep(misfit);
       return;
@@ -213,7 +213,7 @@ class Search {
 JointOrders orders_that_fit(const std::vector<Axis>& axes, const Arm& arm,
                             const std::optional<std::vector<double>>& home_rad) {
   if (axes.empty() || axes.size() > arm.joints()) return {};
-  return Search(axes, arm, home_rad).run();
+  return OrderSearch(axes, arm, home_rad).run();
 }
 
 }  // namespace identify

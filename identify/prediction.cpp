@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "identify/angle.hpp"
 #include "identify/chain_fit.hpp"
 #include "identify/chain_samples.hpp"
 #include "identify/chain_table.hpp"
@@ -14,9 +14,6 @@ namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
-
-constexpr double kFree = std::numeric_limits<double>::infinity();
-constexpr double kPi = 3.14159265358979323846;
 
 /// Standard deviation of x - round(x), unit `step`, x Gaussian about a whole number of steps: a
 /// locked joint stands at its home, which has no more decimals than are printed. From the Fourier
@@ -74,7 +71,7 @@ void predict_from(ChainSamples& samples, const Identification& rehearsed, const 
   std::vector<bool> swept(joints, false);
   for (const ChainObservation& sample : samples.observations) swept[sample.joint] = true;
   for (std::size_t j = 0; j < joints; ++j)
-    if (rehearsed.chain->angles[j].trust != AngleTrust::trusted) noise.swept_rad[j] = kFree;
+    if (rehearsed.chain->angles[j].trust != AngleTrust::trusted) noise.swept_rad[j] = kFreeAngle;
   // Only the turns matter, and those to what the wobble is beside a sweep.
   if (!samples.with_angles)
     static_cast<void>(
@@ -110,7 +107,7 @@ ChainNoise device_noise(double position_mm, double wobble_rad, std::size_t joint
   ChainNoise noise;
   noise.position_mm = position_mm;
   noise.locked_rad = wobble_rad;
-  noise.swept_rad.assign(joints, kFree);
+  noise.swept_rad.assign(joints, kFreeAngle);
   return noise;
 }
 

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/angle.hpp"
+
 namespace identify {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kFullTurn = 2 * 3.14159265358979323846;
+constexpr double kFullTurn = 2 * kPi;
 
 }  // namespace
 

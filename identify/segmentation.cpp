@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "identify/angle.hpp"
 #include "identify/circle_fit.hpp"
 #include "identify/points.hpp"
 
@@ -12,7 +13,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kDegree = 3.14159265358979323846 / 180;
 constexpr double kHalfWindow_s = 0.1;
 constexpr double kLongestGap_s = 0.25;
 constexpr double kShortestStroke_rad = 0.5 * kDegree;

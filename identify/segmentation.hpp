@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "identify/angle.hpp"
 #include "identify/sample.hpp"
 #include "identify/sweep.hpp"
 
@@ -69,7 +70,7 @@ class Segmenter {
 };
 
 /// Strokes below this range or number of samples are reported as defective.
-inline constexpr double kShortestRange_rad = 5 * 3.14159265358979323846 / 180;
+inline constexpr double kShortestRange_rad = 5 * kDegree;
 inline constexpr std::size_t kFewestSamples = 20;
 
 }  // namespace identify

@@ -42,7 +42,7 @@ double sense_of(const Matrix3Xd& points, const CircleFit& circle) {
 }
 
 /// Strokes about one axis.
-struct Group {
+struct StrokeGroup {
   std::vector<std::size_t> strokes;
   std::vector<Matrix3Xd> points;  // one a stroke
   Matrix3Xd all = Matrix3Xd(3, 0);
@@ -51,13 +51,13 @@ struct Group {
 
 /// Arcs of one circle fit together as well as each alone; those of two joints, which pass through
 /// the same home point about different axes, miss by millimetres.
-bool same_circle(const Group& first, const Group& second) {
+bool same_circle(const StrokeGroup& first, const StrokeGroup& second) {
   const auto both = fit_circle(joined(first.all, second.all));
   constexpr double kSlack_mm = 0.05;
   return both && misfit(*both) <= kSlack_mm + 2 * std::max(first.misfit_mm, second.misfit_mm);
 }
 
-void add(const Group& more, Group& group) {
+void add(const StrokeGroup& more, StrokeGroup& group) {
   group.strokes.insert(group.strokes.end(), more.strokes.begin(), more.strokes.end());
   group.points.insert(group.points.end(), more.points.begin(), more.points.end());
   if (group.all.cols() >= 4 * kPoints) return;
@@ -68,11 +68,12 @@ void add(const Group& more, Group& group) {
 
 /// Groups to which the motion came back later are one. Of motion that never does so only the first
 /// `most` count: so the time is in proportion to the number of groups.
-std::vector<Group> returned(const std::vector<Group>& groups, std::size_t most) {
-  std::vector<Group> whole;
-  for (const Group& group : groups) {
-    const auto same = std::find_if(whole.begin(), whole.end(),
-                                   [&](const Group& known) { return same_circle(known, group); });
+std::vector<StrokeGroup> returned(const std::vector<StrokeGroup>& groups, std::size_t most) {
+  std::vector<StrokeGroup> whole;
+  for (const StrokeGroup& group : groups) {
+    const auto same = std::find_if(whole.begin(), whole.end(), [&](const StrokeGroup& known) {
+      return same_circle(known, group);
+    });
     if (same != whole.end())
       add(group, *same);
     else if (whole.size() < most)
@@ -85,14 +86,14 @@ std::vector<Group> returned(const std::vector<Group>& groups, std::size_t most) 
 
 std::vector<Turn> turns_in(const std::vector<Sweep>& strokes,
                            const std::vector<std::size_t>& places, std::size_t joints) {
-  std::vector<Group> groups;
+  std::vector<StrokeGroup> groups;
   for (const std::size_t place : places) {
     const Sweep& stroke = strokes[place];
     if (stroke.defect != SweepDefect::none) continue;
     const Matrix3Xd points = thinned(positions(*stroke.samples));
     const auto circle = fit_circle(points);
     if (!circle) continue;
-    const Group alone{{place}, {points}, points, misfit(*circle)};
+    const StrokeGroup alone{{place}, {points}, points, misfit(*circle)};
     if (groups.empty() || !same_circle(groups.back(), alone))
       groups.push_back(alone);
     else
@@ -100,7 +101,7 @@ std::vector<Turn> turns_in(const std::vector<Sweep>& strokes,
   }
   if (groups.size() > joints) groups = returned(groups, 2 * joints);
   std::vector<Turn> turns;
-  for (const Group& group : groups) {
+  for (const StrokeGroup& group : groups) {
     const auto circle = fit_circle(group.all);
     if (!circle) continue;
     Turn turn{group.strokes, {}, {circle->normal, circle->center_mm, {}}};

@@ -14,15 +14,15 @@
 
 #include <Eigen/Dense>
 
+#include "identify/angle.hpp"
 #include "identify/chain.hpp"
 #include "identify/dh_extraction.hpp"
 #include "identify/identification.hpp"
 
 namespace accuracy {
 
-inline constexpr double kDegree = 3.14159265358979323846 / 180;
-inline constexpr double kArcsec = kDegree / 3600;
-
+using identify::kArcsec;
+using identify::kDegree;
 struct Range {
   double start_deg;
   double end_deg;

@@ -31,6 +31,7 @@
 #include <ceres/solver.h>
 
 #include "daemon/numbers.hpp"
+#include "identify/angle.hpp"
 #include "identify/chain_fit.hpp"
 #include "identify/chain_samples.hpp"
 #include "identify/circle_estimator.hpp"
@@ -327,7 +328,7 @@ Case case_of(Angles angles, int samples) {
   made.start.targets_mm = starting_targets(made.start, made.samples, 1, !free);
   const double step = 1 / std::sqrt(12.0);
   made.noise.position_mm = free ? regime.position_mm : step * regime.step;
-  const double angle = step * regime.step * accuracy::kDegree;
+  const double angle = step * regime.step * identify::kDegree;
   made.noise.locked_rad = angle;
   made.noise.swept_rad.assign(kJoints, free ? std::numeric_limits<double>::infinity() : angle);
   if (!free)

@@ -4,23 +4,18 @@
 #include <functional>
 #include <string>
 
+#include "identify/angle.hpp"
 #include "tests/bench/accuracy_campaign.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/simulated_campaign.hpp"
 
 using namespace identify;
 using Catch::Matchers::ContainsSubstring;
-using identify::test::kDegree;
+using identify::test::find_warning;
 using identify::test::kr5_arc;
 using identify::test::segment;
 
 namespace {
-
-const Warning* find(const Identification& found, std::string_view code) {
-  for (const Warning& warning : found.warnings)
-    if (warning.code == code) return &warning;
-  return nullptr;
-}
 
 accuracy::Simulated kr5(double arc_deg = 90) {
   accuracy::Simulated robot;
@@ -142,7 +137,7 @@ TEST_CASE("a joint swept much less than the others is told with the factor", "[l
   const auto found = identified(robot);
   CHECK_THAT(message(found, "range_unbalanced", 4),
              ContainsSubstring("times less certain") && ContainsSubstring("over 90.0°"));
-  CHECK_FALSE(find(found, "arc_short"));
+  CHECK_FALSE(find_warning(found, "arc_short"));
 }
 
 TEST_CASE("a quick target is told with its speed") {
@@ -171,7 +166,7 @@ TEST_CASE("steps are told only of numbers that there are", "[issue11][point_20][
 
 TEST_CASE("an angle that depends on the direction of the motion is told", "[long]") {
   // Joint 2 there and back; on the way back its angle reads 20 arcsec more.
-  constexpr double kBacklash_rad = 20 * accuracy::kArcsec;
+  constexpr double kBacklash_rad = 20 * kArcsec;
   const auto robot = kr5();
   auto sweeps = sweeps_of(robot, kController, 1);
   auto back = changed({sweeps[1]}, [&](Sweep& sweep, std::vector<Sample>& samples) {

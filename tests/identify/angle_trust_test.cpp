@@ -1,12 +1,11 @@
 #include "identify/angle_trust.hpp"
 
+#include "identify/angle.hpp"
 #include "identify/chain_fit.hpp"
 #include "random_chain.hpp"
 #include "tests/catch.hpp"
 
 using namespace identify;
-using identify::test::kArcsec;
-using identify::test::kFree;
 using identify::test::Measured;
 using identify::test::Random;
 using identify::test::random_chain;
@@ -15,7 +14,6 @@ using identify::test::sweeps_of;
 namespace {
 
 constexpr double kStep = 1e-4;  // mm and degrees
-constexpr double kDegree = 3600 * kArcsec;
 const double kQuantum_rad = kStep * kDegree / std::sqrt(12.0);
 
 ChainNoise quantum(std::size_t joints) {
@@ -23,7 +21,7 @@ ChainNoise quantum(std::size_t joints) {
           std::vector<double>(joints, kQuantum_rad)};
 }
 
-Measured printed() {
+Measured as_controller() {
   Measured how;
   how.position_mm = kStep / std::sqrt(12.0);
   how.locked_rad = how.swept_rad = kQuantum_rad;
@@ -46,7 +44,7 @@ Measured tracked() {
 std::vector<AngleEvidence> seen_errors(const Chain& chain, std::vector<ChainObservation> samples) {
   ChainNoise noise;
   noise.position_mm = 0.02;
-  noise.swept_rad.assign(chain.axes.size(), kFree);
+  noise.swept_rad.assign(chain.axes.size(), kFreeAngle);
   // At the true chain: the fit's own errors are not what is tested.
   ChainPose pose(chain);
   ChainResidual<3> residual;
@@ -64,7 +62,7 @@ TEST_CASE("Angles that are off by white print quanta stand the test") {
   for (const std::uint32_t seed : {31u, 32u, 33u, 34u, 35u}) {
     Random random(seed);
     const Chain chain = random_chain(4, 1, random);
-    auto samples = sweeps_of(chain, printed(), random);
+    auto samples = sweeps_of(chain, as_controller(), random);
     const ChainNoise noise = quantum(4);
     const auto fit = fit_chain(chain, samples, noise, false);
     std::vector<AngleEvidence> evidence(4);
@@ -80,7 +78,7 @@ TEST_CASE("Angles that are off by white print quanta stand the test") {
 TEST_CASE("An angle that is off by a sine of two seconds of arc does not stand the test") {
   Random random(36);
   const Chain chain = random_chain(4, 1, random);
-  auto samples = sweeps_of(chain, printed(), random);
+  auto samples = sweeps_of(chain, as_controller(), random);
   for (ChainObservation& sample : samples)
     if (sample.joint == 1) {
       sample.turns[1] += 2 * kArcsec * std::sin(3 * sample.turns[1] + 0.7);
@@ -96,9 +94,9 @@ TEST_CASE("An angle that is off by a sine of two seconds of arc does not stand t
 TEST_CASE("Joints whose angles are not used are not tested") {
   Random random(37);
   const Chain chain = random_chain(2, 1, random);
-  const auto samples = sweeps_of(chain, printed(), random);
+  const auto samples = sweeps_of(chain, as_controller(), random);
   ChainNoise noise = quantum(2);
-  noise.swept_rad[0] = kFree;
+  noise.swept_rad[0] = kFreeAngle;
   std::vector<AngleEvidence> evidence(2);
   test_believed_angles(chain, samples, noise, quantum(2), evidence);
   CHECK(evidence[0].size == 0);

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <random>
 #include <vector>
 
 #include <Eigen/Geometry>
 
+#include "identify/angle.hpp"
 #include "tests/catch.hpp"
 
 using Eigen::AngleAxisd;
@@ -21,22 +21,22 @@ using identify::minimum_bounding_box;
 
 namespace {
 
-using Random = std::mt19937_64;
+using Engine = std::mt19937_64;
 
-double normal(Random& random) {
+double normal(Engine& random) {
   return std::normal_distribution<double>()(random);
 }
-double uniform(Random& random) {
+double uniform(Engine& random) {
   return std::uniform_real_distribution<double>(-1, 1)(random);
 }
 
-Matrix3d random_rotation(Random& random) {
+Matrix3d random_rotation(Engine& random) {
   return Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random))
       .normalized()
       .toRotationMatrix();
 }
 
-Matrix3Xd random_points(Index count, Random& random) {
+Matrix3Xd random_points(Index count, Engine& random) {
   return Matrix3Xd::NullaryExpr(3, count, [&] { return normal(random); });
 }
 
@@ -67,7 +67,7 @@ BoundingBox box_of(const Matrix3Xd& points) {
 
 // The corners of a cuboid and points in it, turned and moved.
 Matrix3Xd cuboid(const Vector3d& lengths, Index inner, const Matrix3d& rotation,
-                 const Vector3d& center, Random& random) {
+                 const Vector3d& center, Engine& random) {
   Matrix3Xd points(3, 8 + inner);
   for (Index i = 0; i < 8; ++i) {
     points.col(i) << (i & 1 ? 1 : -1), (i & 2 ? 1 : -1), (i & 4 ? 1 : -1);
@@ -101,7 +101,7 @@ double smallest_volume_by_edge_pairs(const Matrix3Xd& points) {
         return volume(points, axes);
       };
       constexpr int kSteps = 90;
-      constexpr double kStep = std::numbers::pi / kSteps;
+      constexpr double kStep = identify::kPi / kSteps;
       std::vector<double> walk;
       for (int i = 0; i <= kSteps + 1; ++i) walk.push_back(at(i * kStep));
       for (std::size_t i = 1; i + 1 < walk.size(); ++i) {
@@ -125,7 +125,7 @@ double smallest_volume_by_edge_pairs(const Matrix3Xd& points) {
 
 // Six robot sweeps: arcs about six axes with the noise and the print of a controller.
 Matrix3Xd six_arcs(double range_deg, unsigned seed) {
-  Random random(seed);
+  Engine random(seed);
   const double radii[] = {900, 1000, 620, 160, 160, 60};
   constexpr Index kSamples = 1500;
   Matrix3Xd points(3, 6 * kSamples);
@@ -135,7 +135,7 @@ Matrix3Xd six_arcs(double range_deg, unsigned seed) {
     const double radius = radii[arc];
     for (Index i = 0; i < kSamples; ++i) {
       const double angle =
-          range_deg * std::numbers::pi / 180 * (static_cast<double>(i) / (kSamples - 1) - 0.3);
+          range_deg * identify::kPi / 180 * (static_cast<double>(i) / (kSamples - 1) - 0.3);
       const Vector3d on_circle(std::cos(angle) - 1, std::sin(angle), 0);
       const Vector3d noise(normal(random), normal(random), normal(random));
       points.col(arc * kSamples + i) = shared + radius * (frame * on_circle) + 0.002 * noise;
@@ -148,7 +148,7 @@ Matrix3Xd six_arcs(double range_deg, unsigned seed) {
 
 TEST_CASE("a box is found again from its corners and points inside") {
   for (unsigned seed = 1; seed <= 20; ++seed) {
-    Random random(seed);
+    Engine random(seed);
     const Vector3d lengths(500 + 50 * uniform(random), 300, 100 + 90 * uniform(random));
     const Matrix3d rotation = random_rotation(random);
     const Vector3d center = 1000 * random_points(1, random);
@@ -163,7 +163,7 @@ TEST_CASE("a box is found again from its corners and points inside") {
 }
 
 TEST_CASE("regular bodies have the boxes that are known for them") {
-  Random random(7);
+  Engine random(7);
   const Matrix3d rotation = random_rotation(random);
   Matrix3Xd tetrahedron(3, 4);  // every other corner of the unit cube
   tetrahedron << 0, 1, 1, 0, 0, 1, 0, 1, 0, 0, 1, 1;
@@ -182,7 +182,7 @@ TEST_CASE("regular bodies have the boxes that are known for them") {
 
 TEST_CASE("the box is the one that a search over all pairs of edges finds") {
   for (unsigned seed = 1; seed <= 12; ++seed) {
-    Random random(seed);
+    Engine random(seed);
     const Index count = 4 + static_cast<Index>(seed % 4);
     const Matrix3Xd points = Vector3d(3, 2, 1).asDiagonal() * random_points(count, random);
     const BoundingBox box = box_of(points);
@@ -194,7 +194,7 @@ TEST_CASE("the box is the one that a search over all pairs of edges finds") {
 }
 
 TEST_CASE("no other orientation gives a smaller box") {
-  Random random(11);
+  Engine random(11);
   const Matrix3Xd points = Vector3d(3, 2, 1).asDiagonal() * random_points(2000, random);
   const BoundingBox box = box_of(points);
   const double least = box.volume_mm3() * (1 - 1e-11);
@@ -228,7 +228,7 @@ TEST_CASE("equal points have a box without size at the point") {
 }
 
 TEST_CASE("points on a line have their segment as box") {
-  Random random(3);
+  Engine random(3);
   const Vector3d direction = random_rotation(random).col(0);
   Matrix3Xd points(3, 500);
   for (Index i = 0; i < points.cols(); ++i) points.col(i) = 40 * uniform(random) * direction;
@@ -243,7 +243,7 @@ TEST_CASE("points on a line have their segment as box") {
 
 TEST_CASE("points in a plane have the rectangle of least area as box") {
   for (unsigned seed = 1; seed <= 20; ++seed) {
-    Random random(seed);
+    Engine random(seed);
     Matrix3Xd flat = random_points(30, random);
     flat.row(2).setZero();
     // One side of the least rectangle contains an edge of the hull.
@@ -277,7 +277,7 @@ TEST_CASE("thin sets keep their thickness") {
                              {1000, 1e-3, 1e-6}};
   for (const Vector3d& lengths : shapes) {
     for (unsigned seed = 1; seed <= 5; ++seed) {
-      Random random(seed);
+      Engine random(seed);
       const Matrix3Xd points =
           cuboid(lengths, 300, random_rotation(random), Vector3d::Zero(), random);
       const BoundingBox box = box_of(points);
@@ -289,7 +289,7 @@ TEST_CASE("thin sets keep their thickness") {
 }
 
 TEST_CASE("below the tolerance a thin set is flat, and its thickness is measured") {
-  Random random(2);
+  Engine random(2);
   const Matrix3d rotation = random_rotation(random);
   const BoundingBox box = box_of(cuboid({1, 0.5, 1e-12}, 100, rotation, {0, 0, 0}, random));
   CHECK(box.lengths_mm(0) * box.lengths_mm(1) == Approx(0.5).epsilon(1e-11));
@@ -298,7 +298,7 @@ TEST_CASE("below the tolerance a thin set is flat, and its thickness is measured
 }
 
 TEST_CASE("order and repetition of the points do not change a bit") {
-  Random random(5);
+  Engine random(5);
   const Matrix3Xd points = random_points(400, random);
   const BoundingBox box = box_of(points);
   Matrix3Xd shuffled(3, 1000);
@@ -314,7 +314,7 @@ TEST_CASE("order and repetition of the points do not change a bit") {
 }
 
 TEST_CASE("turning, moving and scaling the points does so to the box") {
-  Random random(6);
+  Engine random(6);
   const Matrix3Xd points = Vector3d(3, 2, 1).asDiagonal() * random_points(500, random);
   const BoundingBox box = box_of(points);
   for (const double scale : {1.0, 1e-300, 1e300}) {
@@ -331,7 +331,7 @@ TEST_CASE("the points of six sweeps have a box proven to be the smallest") {
     const Matrix3Xd points = six_arcs(range_deg, 4);
     const BoundingBox box = box_of(points);
     CHECK(box.gap < 1e-11);
-    Random random(8);
+    Engine random(8);
     for (int i = 0; i < 200; ++i) {
       const Matrix3d near =
           AngleAxisd(1e-3 * normal(random), random_rotation(random).col(0)) * box.orientation;

@@ -1,11 +1,11 @@
 #include "identify/box_search.hpp"
 
 #include <cmath>
-#include <numbers>
 #include <random>
 
 #include <Eigen/Geometry>
 
+#include "identify/angle.hpp"
 #include "tests/catch.hpp"
 
 using Eigen::Index;
@@ -27,7 +27,7 @@ PointRows random_points(Index count, const Vector3d& scale, unsigned seed) {
 PointRows cylinder(Index count) {
   PointRows points(2 * count, 3);
   for (Index i = 0; i < count; ++i) {
-    const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(count);
+    const double angle = 2 * identify::kPi * static_cast<double>(i) / static_cast<double>(count);
     points.row(2 * i) << std::cos(angle), std::sin(angle), 0.1;
     points.row(2 * i + 1) << std::cos(angle), std::sin(angle), -0.1;
   }

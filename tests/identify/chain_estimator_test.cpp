@@ -6,31 +6,24 @@
 
 #include <Eigen/Geometry>
 
+#include "identify/angle.hpp"
 #include "simulated_campaign.hpp"
 #include "tests/catch.hpp"
 
 using namespace identify;
 using Eigen::Vector3d;
-using identify::test::kDegree;
+using identify::test::for_kr5;
+using identify::test::kPrinted;
 using identify::test::segment;
 
 namespace {
 
-constexpr double kPrinted = 1e-4;
-
-Campaign for_kr5(double step = 0) {
-  Campaign campaign;
-  campaign.specified = test::kr5_arc();
-  campaign.resolution = {step, step * kDegree};
-  return campaign;
-}
-
-std::vector<Sample> printed(std::vector<Sample> samples) {
-  const auto round = [](double value) { return kPrinted * std::round(value / kPrinted); };
+std::vector<Sample> as_printed(std::vector<Sample> samples) {
   for (Sample& sample : samples) {
-    for (Eigen::Index k = 0; k < 3; ++k) sample.position_mm(k) = round(sample.position_mm(k));
+    for (Eigen::Index k = 0; k < 3; ++k)
+      sample.position_mm(k) = test::printed(sample.position_mm(k));
     for (std::size_t k = 0; k < sample.joints; ++k)
-      sample.angles_rad[k] = round(sample.angles_rad[k] / kDegree) * kDegree;
+      sample.angles_rad[k] = test::printed(sample.angles_rad[k] / kDegree) * kDegree;
   }
   return samples;
 }
@@ -94,8 +87,8 @@ Sample at(const Vector3d& position, double time_s = 0) {
 }
 
 /// A quarter of a circle about `axis` through the origin, `radius` off, with noise.
-std::vector<Sample> arc(const Vector3d& axis, const Vector3d& start, int count, double noise,
-                        double end_rad = 1.5) {
+std::vector<Sample> noisy_arc(const Vector3d& axis, const Vector3d& start, int count, double noise,
+                              double end_rad = 1.5) {
   std::mt19937 random(3);
   std::normal_distribution<> normal;
   std::vector<Sample> samples;
@@ -114,7 +107,7 @@ TEST_CASE("angles of a controller are believed, and the wobble is no noise") {
   test::Campaign campaign(test::kr5_arc(), {0.0005, 0, 2});
   campaign.sweep_all_30();
   const auto found = identify::identify(
-      segment(printed(campaign.samples()), {kPrinted, kPrinted * kDegree}), for_kr5(kPrinted));
+      segment(as_printed(campaign.samples()), {kPrinted, kPrinted * kDegree}), for_kr5(kPrinted));
   REQUIRE(found.estimator == Estimator::chain);
   CHECK(found.chain->summary.converged);
   CHECK(found.chain->summary.undetermined == 0);
@@ -160,8 +153,8 @@ TEST_CASE("one joint whose angles sag is not believed while the others are", "[l
   auto samples = campaign.samples();
   for (Sample& sample : samples)
     sample.angles_rad[2] += 2 * kDegree / 3600 * std::sin(2 * sample.angles_rad[2]);
-  const auto found = identify::identify(segment(printed(samples), {kPrinted, kPrinted * kDegree}),
-                                        for_kr5(kPrinted));
+  const auto found = identify::identify(
+      segment(as_printed(samples), {kPrinted, kPrinted * kDegree}), for_kr5(kPrinted));
   REQUIRE(found.chain);
   for (std::size_t j = 0; j < 6; ++j) {
     CAPTURE(j);
@@ -305,46 +298,48 @@ TEST_CASE("absurd data end in a result that says so") {
     check_finite(result);
   }
   SECTION("four points of a circle") {
-    check_finite(found({sweep_of(arc(z, x, 4, 0.01))}));
+    check_finite(found({sweep_of(noisy_arc(z, x, 4, 0.01))}));
   }
   SECTION("noise as large as the circle") {
-    check_finite(found({sweep_of(arc(z, x, 200, 300))}));
+    check_finite(found({sweep_of(noisy_arc(z, x, 200, 300))}));
   }
   SECTION("an arc of a hundredth of a degree") {
-    const auto result = found({sweep_of(arc(z, x, 200, 0.02, 2e-4))});
+    const auto result = found({sweep_of(noisy_arc(z, x, 200, 0.02, 2e-4))});
     CHECK(result.status == Status::failed);
     check_finite(result);
   }
   SECTION("lengths of kilometres and of nanometres") {
-    check_finite(found({sweep_of(arc(z, 1e12 * x, 200, 1e9))}));
-    check_finite(found({sweep_of(arc(z, 1e-9 * x, 200, 1e-12))}));
+    check_finite(found({sweep_of(noisy_arc(z, 1e12 * x, 200, 1e9))}));
+    check_finite(found({sweep_of(noisy_arc(z, 1e-9 * x, 200, 1e-12))}));
   }
   SECTION("numbers that are none, here and there and everywhere") {
-    auto samples = arc(z, x, 200, 0.01);
+    auto samples = noisy_arc(z, x, 200, 0.01);
     samples[17].position_mm.y() = nan;
     check_finite(found({sweep_of(samples)}));
     for (Sample& sample : samples) sample.position_mm.setConstant(nan);
     check_finite(found({sweep_of(samples)}));
   }
   SECTION("one joint about two axes") {
-    const auto result = found({sweep_of(arc(z, x, 200, 0.01)),
-                               sweep_of(arc(Vector3d::UnitX(), Vector3d(0, 200, 50), 200, 0.01))});
+    const auto result =
+        found({sweep_of(noisy_arc(z, x, 200, 0.01)),
+               sweep_of(noisy_arc(Vector3d::UnitX(), Vector3d(0, 200, 50), 200, 0.01))});
     check_finite(result);
   }
   SECTION("two joints about the same axis") {
-    check_finite(found({sweep_of(arc(z, x, 200, 0.01), 0), sweep_of(arc(z, x, 200, 0.01), 1)}, 2));
+    check_finite(found(
+        {sweep_of(noisy_arc(z, x, 200, 0.01), 0), sweep_of(noisy_arc(z, x, 200, 0.01), 1)}, 2));
   }
   SECTION("circles that meet nowhere") {
-    auto far = arc(z, x, 200, 0.01);
+    auto far = noisy_arc(z, x, 200, 0.01);
     for (Sample& sample : far) sample.position_mm += Vector3d(0, 0, 5000);
     const auto result =
-        found({sweep_of(arc(Vector3d::UnitY(), x, 200, 0.01), 0), sweep_of(far, 1)}, 2);
+        found({sweep_of(noisy_arc(Vector3d::UnitY(), x, 200, 0.01), 0), sweep_of(far, 1)}, 2);
     check_finite(result);
     REQUIRE(result.chain);
     CHECK_FALSE(result.chain->shared_home);
   }
   SECTION("angles that have nothing to do with the points") {
-    auto samples = arc(z, x, 400, 0.01);
+    auto samples = noisy_arc(z, x, 400, 0.01);
     std::mt19937 random(9);
     std::uniform_real_distribution<> any(-3, 3);
     for (Sample& sample : samples) {

@@ -171,7 +171,7 @@ TEST_CASE("Correlated samples are worth fewer independent ones") {
   const Chain chain = random_chain(3, 1, random);
   ChainNoise noise;
   noise.position_mm = 0.02;
-  noise.swept_rad.assign(3, test::kFree);
+  noise.swept_rad.assign(3, kFreeAngle);
   const auto found = [&](double memory) {
     auto samples = correlated(chain, memory, 1500, random);
     const auto fit = fit_chain(chain, samples, noise, false);

@@ -2,27 +2,17 @@
 
 #include <cmath>
 
+#include "identify/angle.hpp"
 #include "simulated_campaign.hpp"
 #include "tests/catch.hpp"
 
 using namespace identify;
-using identify::test::kDegree;
+using identify::test::find_warning;
+using identify::test::for_kr5;
 using identify::test::segment;
 using identify::test::without_angles;
 
 namespace {
-
-Campaign for_kr5() {
-  Campaign campaign;
-  campaign.specified = test::kr5_arc();
-  return campaign;
-}
-
-const Warning* find(const Identification& result, std::string_view code) {
-  for (const auto& warning : result.warnings)
-    if (warning.code == code) return &warning;
-  return nullptr;
-}
 
 /// Bounds in mm and degrees; b by convention is not compared.
 void check_table(const Identification& result, double b, double a, double alpha_deg) {
@@ -131,8 +121,8 @@ TEST_CASE("a joint that was never swept makes the result partial and makes up no
   const auto result = identify_by_circles(segment(campaign.samples()), for_kr5());
   CHECK(result.status == Status::partial);
   CHECK(result.reason == "no axis for joint 6");
-  REQUIRE(find(result, "joint_never_moved"));
-  CHECK(find(result, "joint_never_moved")->joint == 5u);
+  REQUIRE(find_warning(result, "joint_never_moved"));
+  CHECK(find_warning(result, "joint_never_moved")->joint == 5u);
   CHECK(result.dh[4].alpha_rad.knowledge == Knowledge::undetermined);
   CHECK(result.dh[3].alpha_rad.knowledge == Knowledge::identified);
 }
@@ -150,8 +140,8 @@ TEST_CASE("a sweep that is too short, or too quick for its samples, is said and 
       .rest();
   const auto result = identify_by_circles(segment(campaign.samples()), for_kr5());
   CHECK(result.status == Status::failed);
-  CHECK(find(result, "sweep_too_short")->joint == 0u);
-  CHECK(find(result, "too_few_samples")->joint == 1u);
+  CHECK(find_warning(result, "sweep_too_short")->joint == 0u);
+  CHECK(find_warning(result, "too_few_samples")->joint == 1u);
 }
 
 TEST_CASE("a target on an axis is said and gives no axis") {
@@ -173,8 +163,8 @@ TEST_CASE("a target near an axis is warned about", "[long]") {
   test::Campaign campaign(arm, {0.0001});
   campaign.sweep_all_90();
   const auto result = identify::identify(segment(campaign.samples()), for_kr5());
-  REQUIRE(find(result, "target_near_axis"));
-  CHECK(find(result, "target_near_axis")->joint == 5u);
+  REQUIRE(find_warning(result, "target_near_axis"));
+  CHECK(find_warning(result, "target_near_axis")->joint == 5u);
   // The prediction covers the error that it warns of.
   const auto& alpha = result.dh[4].alpha_rad;
   CHECK(std::abs(wrapped(alpha.value - 90 * kDegree)) < 4 * alpha.sigma);
@@ -213,7 +203,7 @@ TEST_CASE("coarsely printed positions are warned about", "[long]") {
   campaign.sweep_all_90();
   auto known = for_kr5();
   known.resolution = {0.1, 0.1 * kDegree};
-  CHECK(find(identify::identify(segment(campaign.samples()), known), "low_precision"));
+  CHECK(find_warning(identify::identify(segment(campaign.samples()), known), "low_precision"));
 }
 
 TEST_CASE("positions that contradict the angles give no axis") {

@@ -5,15 +5,15 @@
 
 #include <Eigen/Geometry>
 
+#include "identify/angle.hpp"
 #include "tests/catch.hpp"
 
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 using identify::fit_circle;
+using identify::kDegree;
 
 namespace {
-
-constexpr double kDegree = 3.14159265358979323846 / 180;
 
 /// Points of a circle about `axis` through `center`, from angle 0 on, with isotropic noise.
 Matrix3Xd arc(const Vector3d& center, const Vector3d& axis, double radius, double degrees,

@@ -5,12 +5,12 @@
 
 #include <Eigen/Geometry>
 
+#include "identify/angle.hpp"
 #include "simulated_campaign.hpp"
 #include "tests/catch.hpp"
 
 using namespace identify;
 using Eigen::Vector3d;
-using identify::test::kDegree;
 
 namespace {
 

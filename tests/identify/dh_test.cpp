@@ -1,9 +1,10 @@
 #include "identify/dh.hpp"
 
+#include "identify/angle.hpp"
 #include "tests/catch.hpp"
 
 using Eigen::Vector3d;
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
+using identify::kDegree;
 
 TEST_CASE("a DH row moves along Z and X and turns about them, in this order") {
   // Turning by 90 deg about Z puts X_i+1 on Y_i; the twist of 90 deg then puts Z_i+1 on X_i.

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <random>
 #include <set>
 
 #include <Eigen/Geometry>
 
+#include "identify/angle.hpp"
 #include "simulated_campaign.hpp"
 #include "tests/catch.hpp"
 
@@ -15,7 +15,6 @@ using namespace identify;
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
-using identify::test::kDegree;
 
 namespace {
 
@@ -103,7 +102,7 @@ ModelSource source_of(Chain chain, const std::vector<int>& positive, const Doubt
 const std::vector<Turns>& poses() {
   static const std::vector<Turns> all = [] {
     std::mt19937 random(7);
-    std::uniform_real_distribution<> angle(-std::numbers::pi, std::numbers::pi);
+    std::uniform_real_distribution<> angle(-kPi, kPi);
     std::vector<Turns> turns(1000);
     for (std::size_t k = 1; k < turns.size(); ++k)
       for (std::size_t j = 0; j < 7; ++j) turns[k][j] = angle(random);

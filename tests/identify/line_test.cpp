@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include "identify/angle.hpp"
 #include "tests/catch.hpp"
 
 using Eigen::Vector3d;
@@ -52,7 +53,7 @@ TEST_CASE("parallel lines have a distance and no feet") {
   const auto pair =
       relate(Line::through({0, 0, 0}, {0, 0, 1}), Line::through({3, 4, 9}, {0, 0, -2}));
   CHECK(pair.sine == 0);
-  CHECK(pair.angle_rad == Approx(3.14159265358979));
+  CHECK(pair.angle_rad == Approx(identify::kPi));
   CHECK(pair.distance_mm == Approx(5));
 }
 

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 
+#include "identify/angle.hpp"
 #include "identify/identification.hpp"
 #include "simulated_campaign.hpp"
 #include "tests/catch.hpp"
@@ -11,15 +12,11 @@
 using namespace identify;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using identify::test::kDegree;
+using identify::test::for_kr5;
+using identify::test::kPrinted;
+using identify::test::printed;
 
 namespace {
-
-constexpr double kPrinted = 1e-4;  // mm and degrees
-
-double printed(double value) {
-  return kPrinted * std::round(value / kPrinted);
-}
 
 /// A, B, C of R = Rz(a) Ry(b) Rx(c), in degrees.
 Vector3d abc_deg(const Matrix3d& r) {
@@ -44,13 +41,6 @@ std::vector<Sample> as_printed(const test::Campaign& campaign, const Matrix3d& t
   return samples;
 }
 
-identify::Campaign settings() {
-  identify::Campaign campaign;
-  campaign.specified = test::kr5_arc();
-  campaign.resolution = {kPrinted, kPrinted * kDegree};
-  return campaign;
-}
-
 const Matrix3d kTool =
     (Eigen::AngleAxisd(0.3, Vector3d::UnitZ()) * Eigen::AngleAxisd(-0.5, Vector3d::UnitY()))
         .toRotationMatrix();
@@ -60,8 +50,8 @@ const Matrix3d kTool =
 TEST_CASE("the controller's orientations make the last row and the tool known") {
   test::Campaign campaign(test::kr5_arc(), {0.0005, 0, 4});
   campaign.sweep_all_30();
-  const auto sweeps = test::segment(as_printed(campaign, kTool), settings().resolution);
-  const auto with = identify::identify(sweeps, settings());
+  const auto sweeps = test::segment(as_printed(campaign, kTool), for_kr5(kPrinted).resolution);
+  const auto with = identify::identify(sweeps, for_kr5(kPrinted));
   REQUIRE(with.chain);
   CHECK(with.status == Status::complete);
   CHECK(with.chain->with_orientation);
@@ -88,7 +78,7 @@ TEST_CASE("the controller's orientations make the last row and the tool known") 
     for (Sample& sample : samples) sample.has_orientation = false;
     sweep.samples = std::make_shared<const std::vector<Sample>>(samples);
   }
-  const auto without = identify::identify(positions_only, settings());
+  const auto without = identify::identify(positions_only, for_kr5(kPrinted));
   CHECK_FALSE(without.row_to_tool);
   for (std::size_t i = 0; i + 1 < 6; ++i) {
     CHECK(with.dh[i].alpha_rad.sigma < without.dh[i].alpha_rad.sigma);
@@ -103,7 +93,8 @@ TEST_CASE("orientations that disagree with the positions are left alone") {
   auto samples = as_printed(campaign, kTool);
   // The tool was changed half way.
   for (std::size_t i = samples.size() / 2; i < samples.size(); ++i) samples[i].abc_rad[0] += 0.001;
-  const auto found = identify::identify(test::segment(samples, settings().resolution), settings());
+  const auto found =
+      identify::identify(test::segment(samples, for_kr5(kPrinted).resolution), for_kr5(kPrinted));
   REQUIRE(found.chain);
   CHECK_FALSE(found.chain->with_orientation);
   CHECK_FALSE(found.row_to_tool);
@@ -118,7 +109,7 @@ TEST_CASE("in a device's frame the robot's own place is part of the result") {
   device.translation() = Vector3d(2500, -900, 400);
   auto samples = test::without_angles(campaign.samples());
   for (Sample& sample : samples) sample.position_mm = device * sample.position_mm;
-  auto known = settings();
+  auto known = for_kr5(kPrinted);
   known.resolution = {};
   known.device_frame = true;
   known.declared_home_rad = test::kr5_arc().home_rad;

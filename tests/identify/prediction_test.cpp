@@ -5,11 +5,11 @@
 #include <limits>
 #include <memory>
 
+#include "identify/angle.hpp"
 #include "simulated_campaign.hpp"
 #include "tests/catch.hpp"
 
 using namespace identify;
-using identify::test::kDegree;
 
 namespace {
 

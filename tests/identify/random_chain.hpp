@@ -4,19 +4,16 @@
 
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <random>
 #include <vector>
 
 #include <Eigen/Geometry>
 
+#include "identify/angle.hpp"
 #include "identify/chain.hpp"
 #include "identify/chain_residual.hpp"
 
 namespace identify::test {
-
-inline constexpr double kArcsec = 3.14159265358979323846 / 180 / 3600;
-inline constexpr double kFree = std::numeric_limits<double>::infinity();
 
 class Random {
  public:
@@ -87,7 +84,7 @@ inline std::vector<ChainObservation> sweeps_of(const Chain& chain, const Measure
 
 inline ChainNoise noise_of(const Chain& chain, const Measured& how, bool free) {
   return {how.position_mm, how.orientation_rad, how.locked_rad,
-          std::vector<double>(chain.axes.size(), free ? kFree : how.swept_rad)};
+          std::vector<double>(chain.axes.size(), free ? kFreeAngle : how.swept_rad)};
 }
 
 /// Errors of a fit's axes and targets in the parameters of the true chain.

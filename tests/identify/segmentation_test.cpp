@@ -2,11 +2,11 @@
 
 #include <cmath>
 
+#include "identify/angle.hpp"
 #include "simulated_campaign.hpp"
 #include "tests/catch.hpp"
 
 using namespace identify;
-using identify::test::kDegree;
 using identify::test::segment;
 using identify::test::without_angles;
 
@@ -161,7 +161,7 @@ TEST_CASE("the ringing after a stop is no sweep, though it turns through any ang
   for (auto& sample : samples) {
     const double since = sample.time_s - stop_s - 0.4;
     if (since <= 0 || since > 1) continue;
-    const double phase = 2 * 3.14159265358979 * 2.5 * since;
+    const double phase = 2 * kPi * 2.5 * since;
     sample.position_mm += 0.4 * Eigen::Vector3d(std::cos(phase) - 1, std::sin(phase), 0);
   }
   std::size_t usable = 0;

@@ -6,15 +6,16 @@
 #include <cmath>
 #include <cstdint>
 #include <random>
+#include <string_view>
 #include <vector>
 
+#include "identify/angle.hpp"
 #include "identify/dh.hpp"
+#include "identify/identification.hpp"
 #include "identify/sample.hpp"
 #include "identify/segmentation.hpp"
 
 namespace identify::test {
-
-inline constexpr double kDegree = 3.14159265358979323846 / 180;
 
 /// The paper's specified table; thetas at the paper's home.
 inline Arm kr5_arc() {
@@ -63,7 +64,7 @@ class Campaign {
       longest = std::max(longest, std::abs(target.to_deg - from[target.joint] / kDegree));
     const int cycles = std::max(1, static_cast<int>(longest / speed_deg_s / 0.004));
     for (int k = 1; k <= cycles; ++k) {
-      const double share = 0.5 - 0.5 * std::cos(3.14159265358979323846 * k / cycles);
+      const double share = 0.5 - 0.5 * std::cos(kPi * k / cycles);
       for (const auto& target : targets)
         angles_[target.joint] =
             from[target.joint] + share * (target.to_deg * kDegree - from[target.joint]);
@@ -149,6 +150,27 @@ inline std::vector<Sweep> segment(const std::vector<Sample>& samples, Resolution
 inline std::vector<Sample> without_angles(std::vector<Sample> samples) {
   for (auto& sample : samples) sample.joints = 0;
   return samples;
+}
+
+/// The last decimal of mm and degrees in a controller's telegrams.
+inline constexpr double kPrinted = 1e-4;
+
+inline double printed(double value) {
+  return kPrinted * std::round(value / kPrinted);
+}
+
+/// What is known of a campaign with kr5_arc().
+inline identify::Campaign for_kr5(double step = 0) {
+  identify::Campaign campaign;
+  campaign.specified = kr5_arc();
+  campaign.resolution = {step, step * kDegree};
+  return campaign;
+}
+
+inline const Warning* find_warning(const Identification& found, std::string_view code) {
+  for (const Warning& warning : found.warnings)
+    if (warning.code == code) return &warning;
+  return nullptr;
 }
 
 }  // namespace identify::test
