@@ -74,6 +74,8 @@ std::vector<Case> cases() {
   back.ramp = 0.1;
   Strokes two_homes;
   two_homes.homes = 2;
+  Strokes repeats;
+  repeats.repeats = 3;
   Strokes at_once;
   at_once.targets_at_once = true;
 
@@ -97,6 +99,7 @@ std::vector<Case> cases() {
   add("home_002_markers", "0.002 deg, three targets seen in one stroke", with_home_error(0.002),
       at_once, 3);
   add("home_002_back", "0.002 deg, there and back", with_home_error(0.002), back);
+  add("home_002_repeats", "0.002 deg, every sweep three times", with_home_error(0.002), repeats);
   world = with_angles();
   world.home = {0.0005, true, 0.05};
   add("strays", "a joint comes back 0.05 deg elsewhere, as its angle says", world);

@@ -25,7 +25,8 @@ Reference read_reference(const std::string& path) {
   Reference reference;
   std::ifstream file(path);
   for (std::string text; std::getline(file, text);) {
-    if (text.starts_with(kBefore)) reference.commit = text.substr(kBefore.size(), 12);
+    if (text.starts_with(kBefore))
+      reference.commit = text.substr(kBefore.size(), text.find(':') - kBefore.size());
     if (text.starts_with('#') || text == kColumns) continue;
     std::istringstream words(text);
     std::vector<std::string> fields;

@@ -22,7 +22,7 @@ Sag::Sag(const Robot& robot, double worst_rad) : home_(chain_of(robot)) {
     centers_mm_.push_back(frame * robot.links[j].center_mm);
   }
   if (worst_rad == 0) return;
-  constexpr int kPoses = 1000;
+  constexpr int kPoses = 400;
   std::mt19937_64 random(1);
   std::uniform_real_distribution<> angle(-kPi, kPi);
   identify::Turns worst{};

@@ -10,7 +10,7 @@ namespace simulation {
 /// about its axis at the pose, tau_j = z_j . sum over links k >= j of (c_k - p_j) x m_k g.
 class Sag {
  public:
-  /// `worst_rad`: of each elastic joint where the torque about it is largest, of all poses.
+  /// `worst_rad`: of each elastic joint at the worst of some hundred poses.
   Sag(const Robot& robot, double worst_rad);
 
   /// How far each joint is turned by the load, positive rotation, joints having turned by `turns`

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "tests/identify/simulated_campaign.hpp"
+#include "tests/simulation/stream.hpp"
 
 namespace simulation {
 namespace {
@@ -55,7 +56,7 @@ Robot iiwa(std::size_t targets) {
 }
 
 Robot built(Robot robot, std::uint32_t seed) {
-  std::mt19937_64 random(seed);
+  auto random = stream(seed, Source::built);
   std::normal_distribution<> normal;
   for (auto& row : robot.arm.rows) {
     row.b_mm += 0.5 * normal(random);
@@ -76,7 +77,7 @@ Robot at_home(Robot robot, const std::vector<double>& home_rad) {
 }
 
 Robot at_random_home(const Robot& robot, std::uint32_t seed) {
-  std::mt19937_64 random(seed);
+  auto random = stream(seed, Source::home);
   std::uniform_real_distribution<> off(-35 * kDegree, 35 * kDegree);
   while (true) {
     std::vector<double> home = robot.arm.home_rad;

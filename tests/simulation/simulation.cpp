@@ -99,7 +99,7 @@ std::vector<identify::Sweep> Simulation::sweeps() const {
   const auto strokes = strokes_of(how_, joints, robot_.targets_mm.size());
   const double seconds = strokes.back().start_s + strokes.back().seconds;
   Device device(world_.noise, world_.drift, seconds, seed_);
-  auto home_errors = stream(seed_, Source::home);
+  auto home_errors = stream(seed_, Source::home_error);
   auto strays = stream(seed_, Source::stray);
   auto wobble = stream(seed_, Source::wobble);
   auto shapes = stream(seed_, Source::shape);

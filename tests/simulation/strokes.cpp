@@ -6,6 +6,8 @@
 #include <random>
 #include <utility>
 
+#include "tests/simulation/stream.hpp"
+
 namespace simulation {
 namespace {
 
@@ -61,7 +63,7 @@ std::vector<Stroke> strokes_of(const Strokes& how, std::size_t joints, std::size
 std::vector<std::vector<double>> homes_of(const Strokes& how, const Robot& robot,
                                           std::uint32_t seed) {
   std::vector<std::vector<double>> homes = {robot.arm.home_rad};
-  std::mt19937_64 random(seed);
+  auto random = stream(seed, Source::homes);
   std::uniform_real_distribution<> off(-30 * kDegree, 30 * kDegree);
   while (homes.size() < static_cast<std::size_t>(how.homes)) {
     std::vector<double> home = robot.arm.home_rad;
