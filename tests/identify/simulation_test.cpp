@@ -1,17 +1,15 @@
 #include "tests/simulation/simulation.hpp"
 
-#include <cmath>
 #include <functional>
 
 #include <Eigen/Dense>
 
+#include "simulated_robots.hpp"
 #include "tests/catch.hpp"
-#include "tests/simulation/arc_shape.hpp"
-#include "tests/simulation/device.hpp"
-#include "tests/simulation/stream.hpp"
 #include "tests/simulation/truth.hpp"
 
 using namespace simulation;
+using namespace simulation::test;
 using Catch::Matchers::WithinAbs;
 using Catch::Matchers::WithinRel;
 using Eigen::Vector3d;
@@ -19,46 +17,6 @@ using identify::Sample;
 using identify::Sweep;
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kDegree = kPi / 180;
-
-Robot robot(std::uint32_t seed = 1, std::size_t targets = 1) {
-  return at_random_home(built(kr5(targets), seed), seed);
-}
-
-Strokes strokes(int samples) {
-  Strokes how;
-  how.samples = samples;
-  return how;
-}
-
-/// Where the arm of a forward kinematics apart from the simulation's has its target, in the base.
-Vector3d by_table(const Robot& robot, const std::vector<double>& angles, std::size_t target = 0) {
-  return identify::forward_kinematics(robot.arm, angles) * robot.targets_mm[target];
-}
-
-std::vector<double> angles_of(const Sample& sample) {
-  return {sample.angles_rad.begin(), sample.angles_rad.begin() + sample.joints};
-}
-
-/// Standard deviation of deviations from zero; of n of them it is known to 1 / sqrt(2 n).
-struct Spread {
-  double squares = 0;
-  int count = 0;
-  void add(double value) {
-    squares += value * value;
-    ++count;
-  }
-  [[nodiscard]] double sigma() const { return std::sqrt(squares / count); }
-  [[nodiscard]] double tolerance() const { return 5 / std::sqrt(2.0 * count); }  // five sigma
-};
-
-World exact_angles() {
-  World world;
-  world.angles = true;
-  return world;
-}
 
 /// What the positions of `changed` have beyond those of `plain`, sample by sample.
 void compare(const std::vector<Sweep>& plain, const std::vector<Sweep>& changed,
@@ -127,87 +85,6 @@ TEST_CASE("The same seed gives the same bits, and a knob leaves other errors as 
   drifting.drift.linear_mm = 1;
   compare(one, Simulation(robot(), strokes(50), drifting, 1).sweeps(),
           [](const Sweep&, std::size_t, const Vector3d& off) { CHECK(off.norm() < 1 + 1e-9); });
-}
-
-TEST_CASE("Random homes are off the grid, and keep targets off the axes") {
-  for (std::uint32_t seed = 0; seed < 20; ++seed)
-    for (const Robot& arm : {robot(seed, 3), at_random_home(built(iiwa(3), seed), seed)}) {
-      const identify::Chain chain = chain_of(arm);
-      for (std::size_t j = 0; j < arm.arm.joints(); ++j) {
-        const double degrees = arm.arm.home_rad[j] / kDegree;
-        CHECK(std::abs(degrees * 1e4 - std::round(degrees * 1e4)) > 1e-6);
-        for (const Vector3d& target : chain.targets_mm)
-          CHECK(chain.axes[j].direction.cross(target - chain.axes[j].point_mm).norm() > 80);
-        CHECK(std::abs(arm.specified.rows[j].a_mm - arm.arm.rows[j].a_mm) < 3);  // six sigma
-      }
-    }
-}
-
-TEST_CASE("White and correlated noise are as large and as much alike as they should be") {
-  for (const double correlation : {0.0, 0.9}) {
-    Noise noise;
-    noise.range_mm = noise.across_mm = 0.02;
-    noise.correlation = correlation;
-    Device device(noise, {}, 1, 7);
-    Spread all;
-    double products = 0;
-    Vector3d before = Vector3d::Zero();
-    constexpr int kCount = 100'000;
-    for (int i = 0; i < kCount; ++i) {
-      const Vector3d error = device.measured(Vector3d::Zero(), 0);
-      for (const double one : error) all.add(one);
-      products += error.dot(before);
-      before = error;
-    }
-    CHECK_THAT(all.sigma(), WithinRel(0.02, 0.02));
-    CHECK_THAT(products / all.squares, WithinAbs(correlation, 0.01));
-  }
-}
-
-TEST_CASE("A tracker's noise lies along and across its line of sight") {
-  Noise noise;
-  noise.range_mm = 0.005;
-  noise.across_mm = 0.03;
-  const Vector3d point(1000, -2000, 500);
-  const Vector3d sight = point.normalized();
-  Device device(noise, {}, 1, 8);
-  Spread along, across;
-  for (int i = 0; i < 20'000; ++i) {
-    const Vector3d error = device.measured(point, 0) - point;
-    along.add(sight.dot(error));
-    across.add(sight.unitOrthogonal().dot(error));
-  }
-  CHECK_THAT(along.sigma(), WithinRel(0.005, along.tolerance()));
-  CHECK_THAT(across.sigma(), WithinRel(0.03, across.tolerance()));
-}
-
-TEST_CASE("Outliers are as many and as far off as asked for") {
-  Noise noise;
-  noise.outlier_share = 0.15;
-  Device device(noise, {}, 1, 9);
-  int count = 0;
-  for (int i = 0; i < 10'000; ++i) {
-    const double off = device.measured(Vector3d::Zero(), 0).norm();
-    if (off == 0) continue;
-    CHECK_THAT(off, WithinAbs(5, 1e-9));
-    ++count;
-  }
-  CHECK(std::abs(count - 1500) < 5 * 36);
-}
-
-TEST_CASE("A device drifts by what is asked for over the campaign") {
-  Device straight({}, {0.05, 0}, 100, 1);
-  CHECK(straight.measured(Vector3d::Zero(), 0).isZero(0));
-  CHECK_THAT(straight.measured(Vector3d::Zero(), 50).norm(), WithinAbs(0.025, 1e-12));
-  CHECK_THAT(straight.measured(Vector3d::Zero(), 100).norm(), WithinAbs(0.05, 1e-12));
-  Spread ends;
-  for (std::uint32_t seed = 0; seed < 1000; ++seed) {
-    Device walking({}, {0, 0.05}, 100, seed);
-    Vector3d end;
-    for (int i = 0; i <= 10; ++i) end = walking.measured(Vector3d::Zero(), 10 * i);
-    for (const double one : end) ends.add(one);
-  }
-  CHECK_THAT(ends.sigma(), WithinRel(0.05 / std::sqrt(3.0), ends.tolerance()));
 }
 
 TEST_CASE("Locked joints stand off home by turns about their own axes, anew each stroke") {
