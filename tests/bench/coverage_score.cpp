@@ -4,13 +4,13 @@
 #include <cmath>
 #include <map>
 
+#include "identify/angle.hpp"
 #include "tests/simulation/truth.hpp"
 
 namespace coverage {
 namespace {
 
 constexpr std::array<const char*, 5> kNames = {"b", "theta", "a", "alpha", "beta"};
-constexpr double kDegree = 3.14159265358979323846 / 180;
 
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
@@ -66,7 +66,7 @@ Errors errors(const std::vector<Outcome>& outcomes, std::size_t runs) {
     std::vector<double> all;
     for (const auto& [index, sum] : sums)
       if (index % 5 == kPlaces[kind])
-        all.push_back(std::sqrt(sum.squares / sum.count) / (kind < 2 ? 1 : kDegree));
+        all.push_back(std::sqrt(sum.squares / sum.count) / (kind < 2 ? 1 : identify::kDegree));
     if (!all.empty()) found.rms[kind] = median(std::move(all));
   }
   return found;

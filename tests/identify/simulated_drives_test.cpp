@@ -15,12 +15,6 @@ using Eigen::Vector3d;
 using identify::Sample;
 using identify::Sweep;
 
-namespace {
-
-constexpr double kArcsec = kDegree / 3600;
-
-}  // namespace
-
 TEST_CASE("Gears err by two harmonics of the joint's angle, locked joints at other homes as well") {
   World world = exact_angles();
   world.gears.first_arcsec = 60;

@@ -5,12 +5,14 @@
 #include <cmath>
 #include <vector>
 
+#include "identify/angle.hpp"
 #include "tests/simulation/simulation.hpp"
 
 namespace simulation::test {
 
-inline constexpr double kPi = 3.14159265358979323846;
-inline constexpr double kDegree = kPi / 180;
+using identify::kArcsec;
+using identify::kDegree;
+using identify::kPi;
 
 inline Robot robot(std::uint32_t seed = 1, std::size_t targets = 1) {
   return at_random_home(built(kr5(targets), seed), seed);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "identify/angle.hpp"
 #include "tests/simulation/stream.hpp"
 
 namespace simulation {
@@ -51,7 +52,7 @@ Eigen::Isometry3d random_place(std::uint32_t seed) {
   const auto between = [&](double low, double high) {
     return std::uniform_real_distribution<>(low, high)(random);
   };
-  constexpr double kPi = 3.14159265358979323846;
+  using identify::kPi;
   const double bearing = between(-kPi, kPi);
   const double away = between(2500, 4000);
   const double turn = between(-kPi, kPi);

@@ -4,13 +4,14 @@
 #include <cmath>
 #include <random>
 
+#include "identify/angle.hpp"
+
 namespace simulation {
 namespace {
 
 using Eigen::Vector3d;
 
 constexpr double kGravity = 9.81;  // m / s^2
-constexpr double kPi = 3.14159265358979323846;
 
 }  // namespace
 
@@ -24,7 +25,7 @@ Sag::Sag(const Robot& robot, double worst_rad) : home_(chain_of(robot)) {
   if (worst_rad == 0) return;
   constexpr int kPoses = 400;
   std::mt19937_64 random(1);
-  std::uniform_real_distribution<> angle(-kPi, kPi);
+  std::uniform_real_distribution<> angle(-identify::kPi, identify::kPi);
   identify::Turns worst{};
   for (int i = 0; i < kPoses; ++i) {
     identify::Turns turns{};

@@ -3,6 +3,7 @@
 #include <random>
 #include <utility>
 
+#include "identify/angle.hpp"
 #include "tests/identify/simulated_campaign.hpp"
 #include "tests/simulation/stream.hpp"
 
@@ -10,7 +11,7 @@ namespace simulation {
 namespace {
 
 using Eigen::Vector3d;
-using identify::test::kDegree;
+using identify::kDegree;
 
 double distance_mm(const identify::ChainAxis& axis, const Vector3d& point) {
   return axis.direction.cross(point - axis.point_mm).norm();

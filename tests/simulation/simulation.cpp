@@ -6,6 +6,7 @@
 #include <random>
 #include <utility>
 
+#include "identify/angle.hpp"
 #include "tests/simulation/arc_shape.hpp"
 #include "tests/simulation/device.hpp"
 #include "tests/simulation/stream.hpp"
@@ -15,9 +16,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kDegree = kPi / 180;
-constexpr double kArcsec = kDegree / 3600;
+using identify::kArcsec;
+using identify::kDegree;
+using identify::kPi;
 
 double printed(double value, double step) {
   return step > 0 ? step * std::round(value / step) : value;

@@ -6,12 +6,13 @@
 #include <random>
 #include <utility>
 
+#include "identify/angle.hpp"
 #include "tests/simulation/stream.hpp"
 
 namespace simulation {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180;
+using identify::kDegree;
 
 }  // namespace
 
