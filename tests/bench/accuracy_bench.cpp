@@ -22,6 +22,7 @@ using namespace accuracy;
 using identify::DhEstimate;
 using identify::DhNumber;
 using identify::Knowledge;
+using simulation::World;
 using sweepd::fixed;
 
 namespace {
@@ -71,20 +72,6 @@ Simulated built_kr5(int arc_deg, unsigned seed) {
     row.alpha_rad += 0.05 * kDegree * normal(random);
   }
   return robot;
-}
-
-Regime controller() {
-  Regime regime;
-  regime.wobble_deg = 0.0005;
-  regime.step = 1e-4;
-  return regime;
-}
-
-Regime tracker() {
-  Regime regime;
-  regime.position_mm = 0.02;
-  regime.angles = false;
-  return regime;
 }
 
 /// One number of a table, over all runs.
@@ -150,22 +137,26 @@ struct Found {
   bool ok = false;
   std::vector<DhEstimate> dh;
   std::vector<DhEstimate> circle_dh;
-  std::vector<std::optional<double>> home_rad;
+  std::vector<double> at_home_rad;  ///< the true thetas there beyond those at the home meant
   std::size_t trusted = 0;
   double samples_per_independent = 0;
 };
 
-Found identified(const Simulated& robot, const Simulated& nominal, const Regime& regime,
+Found identified(const Simulated& robot, const Simulated& nominal, const World& world,
                  unsigned seed) {
-  const auto result =
-      identify::identify(sweeps_of(robot, regime, seed), campaign_of(nominal, regime));
+  const auto simulation = simulation_of(robot, world, seed);
+  const auto result = identify::identify(simulation.sweeps(), campaign_of(nominal, world));
   Found found;
   found.ok =
       result.estimator == identify::Estimator::chain && result.status == identify::Status::complete;
   if (!found.ok) return found;
   found.dh = result.dh;
   found.circle_dh = result.circle_dh;
-  found.home_rad = result.home_rad;
+  std::vector<double> home;
+  for (const auto& angle : result.home_rad) home.push_back(*angle);
+  const identify::Arm standing = simulation.arm_at(home);
+  for (std::size_t j = 0; j < home.size(); ++j)
+    found.at_home_rad.push_back(standing.rows[j].theta_rad - robot.arm.rows[j].theta_rad);
   found.samples_per_independent = result.chain->samples_per_independent;
   for (const auto& angles : result.chain->angles)
     if (angles.trust == identify::AngleTrust::trusted) ++found.trusted;
@@ -185,8 +176,7 @@ void in_parallel(const Options& options, int count, const std::function<void(int
   for (auto& thread : threads) thread.join();
 }
 
-void add(Result& total, const Found& found, const std::vector<DhEstimate>& limit,
-         const Simulated& robot, const Regime& regime) {
+void add(Result& total, const Found& found, const std::vector<DhEstimate>& limit) {
   static const std::array<const char*, 5> kNames = {"b", "theta", "a", "alpha", "beta"};
   const auto truth = numbers(limit);
   ++total.runs;
@@ -214,13 +204,8 @@ void add(Result& total, const Found& found, const std::vector<DhEstimate>& limit
     }
     if (truth[k]->knowledge != Knowledge::identified || truth[k]->sigma == 0) continue;
     if (seen[k]->knowledge != Knowledge::identified) continue;
-    // Theta is stated at the home that the angles tell, not at the one that was meant; but a
-    // sagging joint's angle is off there.
-    double expected = truth[k]->value;
-    if (k % 5 == 1 && regime.angles) {
-      const double home = robot.arm.home_rad[j];
-      expected += robot.arm.positive[j] * (*found.home_rad[j] - home - sag_at(regime, j, home));
-    }
+    // Theta is stated at the home that the angles tell, not at the one that was meant.
+    const double expected = truth[k]->value + (k % 5 == 1 ? found.at_home_rad[j] : 0);
     Score& score = total.scores[k];
     const double error = error_of(*seen[k], expected, k);
     ++score.count;
@@ -235,15 +220,15 @@ void add(Result& total, const Found& found, const std::vector<DhEstimate>& limit
   }
 }
 
-Result run(const Options& options, const Simulated& robot, const Regime& regime, bool believed) {
-  const auto limit = bound(robot, regime, believed);
+Result run(const Options& options, const Simulated& robot, const World& world, bool believed) {
+  const auto limit = bound(robot, world, believed);
   std::vector<Found> found(static_cast<std::size_t>(options.runs));
   in_parallel(options, options.runs, [&](int i) {
     found[static_cast<std::size_t>(i)] =
-        identified(robot, robot, regime, 1 + static_cast<unsigned>(i));
+        identified(robot, robot, world, 1 + static_cast<unsigned>(i));
   });
   Result total;
-  for (const Found& one : found) add(total, one, limit, robot, regime);
+  for (const Found& one : found) add(total, one, limit);
   std::erase_if(total.scores, [](const Score& score) { return score.count == 0; });
   return total;
 }
@@ -314,36 +299,39 @@ void correlated(const Options& options) {
                "the bound is that of white noise.\n\n";
   print_header();
   for (const int arc : {90, 30}) {
-    Regime regime = tracker();
-    regime.correlation = 0.9;
+    World world = tracker();
+    world.noise.correlation = 0.9;
     Simulated robot = kr5(arc);
     robot.samples = 1500;
-    print("AR(1) " + degrees(arc), options, run(options, robot, regime, false));
+    print("AR(1) " + degrees(arc), options, run(options, robot, world, false));
   }
 }
 
-void sag(const Options& options) {
+void gears(const Options& options) {
   std::cout
-      << "\nSmooth error of 100 arcsec in one joint's angles, tracker with angles; the bound is "
-         "that of free angles.\n\n";
+      << "\nTransmission error of 100 arcsec once a turn in one joint, tracker with angles; the "
+         "bound is that of free angles.\n\n";
   print_header();
   for (const int arc : {90, 30, 15})
     for (const std::size_t joint : {1U, 4U}) {
-      Regime regime = tracker();
-      regime.angles = true;
-      regime.sagging = joint;
-      regime.sag_arcsec = 100;
+      World world = tracker();
+      world.angles = true;
+      world.gears.joint = joint;
+      world.gears.first_arcsec = 100;
       print("joint " + std::to_string(joint + 1) + ", " + degrees(arc), options,
-            run(options, kr5(arc), regime, false));
+            run(options, kr5(arc), world, false));
     }
-  std::cout << "\nThe same in controller regime: that joint's angles are not believed, the others' "
+  std::cout << "\nThe same with exact positions of four decimals: that joint's angles are not "
+               "believed, the others' "
                "are.\n\n";
   print_header();
   for (const int arc : {90, 30}) {
-    Regime regime = controller();
-    regime.sagging = 1;
-    regime.sag_arcsec = 100;
-    print("controller " + degrees(arc), options, run(options, kr5(arc), regime, false));
+    World world = controller();
+    world.controller = false;  // whose positions would know nothing of its gears
+    world.noise.decimals = world.decimals;
+    world.gears.joint = 1;
+    world.gears.first_arcsec = 100;
+    print("exact " + degrees(arc), options, run(options, kr5(arc), world, false));
   }
 }
 
@@ -351,12 +339,12 @@ void outliers(const Options& options) {
   std::cout << "\nOutliers: 5 % of the points off by 5 mm in any direction.\n\n";
   print_header();
   for (const int arc : {90, 30, 15}) {
-    Regime regime = tracker();
-    regime.outlier_share = 0.05;
-    print("tracker " + degrees(arc), options, run(options, kr5(arc), regime, false));
-    regime = controller();
-    regime.outlier_share = 0.05;
-    print("controller " + degrees(arc), options, run(options, kr5(arc), regime, true));
+    World world = tracker();
+    world.noise.outlier_share = 0.05;
+    print("tracker " + degrees(arc), options, run(options, kr5(arc), world, false));
+    world = controller();
+    world.noise.outlier_share = 0.05;
+    print("controller " + degrees(arc), options, run(options, kr5(arc), world, true));
   }
 }
 
@@ -422,20 +410,20 @@ void arms(const Options& options) {
             << right("covered %", 11) << right("worst", 14) << right("relation*", 12) << "\n";
   const int runs = std::min(options.runs, 200);
   for (const bool from_controller : {true, false}) {
-    const Regime regime = from_controller ? controller() : tracker();
+    const World world = from_controller ? controller() : tracker();
     const std::string suffix = from_controller ? ", controller" : ", tracker";
     std::vector<Found> found(static_cast<std::size_t>(runs));
     Result built;
     for (const int arc : {90, 30}) {
       in_parallel(options, runs, [&](int i) {
         const auto seed = static_cast<unsigned>(i);
-        found[seed] = identified(built_kr5(arc, seed), kr5(arc), regime, 1000 + seed);
+        found[seed] = identified(built_kr5(arc, seed), kr5(arc), world, 1000 + seed);
       });
       built = {};
       for (int i = 0; i < runs; ++i) {
         const auto seed = static_cast<unsigned>(i);
         const Simulated robot = built_kr5(arc, seed);
-        add(built, found[seed], bound(robot, regime, from_controller), robot, regime);
+        add(built, found[seed], bound(robot, world, from_controller));
       }
       print_sigmas("KR 5s off by 0.5 mm, 0.05 deg, " + degrees(arc) + suffix, built);
     }
@@ -463,7 +451,7 @@ void arms(const Options& options) {
     for (const auto& [name, robot] : others) {
       Options some = options;
       some.runs = runs;
-      print_sigmas(name + suffix, run(some, robot, regime, from_controller));
+      print_sigmas(name + suffix, run(some, robot, world, from_controller));
     }
   }
   std::cout << "* rows that were called parallel where the bound says skew, or the other way; not "
@@ -474,7 +462,7 @@ void arms(const Options& options) {
 
 int main(int argc, char** argv) {
   const std::vector<std::pair<std::string, void (*)(const Options&)>> cases = {
-      {"efficiency", efficiency}, {"correlated", correlated}, {"sag", sag},
+      {"efficiency", efficiency}, {"correlated", correlated}, {"gears", gears},
       {"outliers", outliers},     {"targets", targets},       {"arms", arms}};
   CLI::App app("Accuracy of the engine on simulated campaigns", "bench_accuracy");
   Options options;

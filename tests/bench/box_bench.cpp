@@ -37,10 +37,8 @@ Eigen::Matrix3Xd points(int arc_deg, double noise_mm, int samples) {
     robot.ranges = {{-45, 45}, {-60, -130}, {120, 30}, {90, 0}, {90, 0}, {0, 90}};
   else
     robot.ranges = {{-15, 15}, {-60, -90}, {120, 90}, {90, 60}, {90, 60}, {0, 30}};
-  accuracy::Regime regime;
-  regime.position_mm = noise_mm;
   std::vector<identify::Sample> all;
-  for (const auto& sweep : sweeps_of(robot, regime, 1))
+  for (const auto& sweep : sweeps_of(robot, accuracy::tracker(noise_mm), 1))
     all.insert(all.end(), sweep.samples->begin(), sweep.samples->end());
   return identify::positions(all);
 }

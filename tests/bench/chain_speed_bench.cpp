@@ -308,17 +308,10 @@ Case case_of(Angles angles, int samples) {
   robot.targets_mm = {{200, 0, 215}};
   robot.ranges = {{-45, 45}, {-60, -130}, {120, 30}, {90, 0}, {90, 0}, {0, 90}};
   robot.samples = samples;
-  accuracy::Regime regime;
-  if (free) {
-    regime.position_mm = 0.02;
-    regime.angles = false;
-  } else {
-    regime.wobble_deg = 0.0005;
-    regime.step = 1e-4;
-  }
-  auto campaign = campaign_of(robot, regime);
+  const simulation::World world = free ? accuracy::tracker() : accuracy::controller();
+  auto campaign = campaign_of(robot, world);
   if (free) campaign.order = {{0, 1}, {1, -1}, {2, -1}, {3, -1}, {4, -1}, {5, 1}};
-  const auto circles = identify_by_circles(sweeps_of(robot, regime, 1), campaign);
+  const auto circles = identify_by_circles(sweeps_of(robot, world, 1), campaign);
   Case made;
   made.name = !free ? "angles believed" : angles == Angles::free ? "angles free" : "circles";
   made.angles = angles;
@@ -327,8 +320,8 @@ Case case_of(Angles angles, int samples) {
   for (const auto& axis : axes) made.start.axes.push_back(axis.value());
   made.start.targets_mm = starting_targets(made.start, made.samples, 1, !free);
   const double step = 1 / std::sqrt(12.0);
-  made.noise.position_mm = free ? regime.position_mm : step * regime.step;
-  const double angle = step * regime.step * identify::kDegree;
+  made.noise.position_mm = free ? world.noise.across_mm : step * campaign.resolution.position_mm;
+  const double angle = step * campaign.resolution.angle_rad;
   made.noise.locked_rad = angle;
   made.noise.swept_rad.assign(kJoints, free ? std::numeric_limits<double>::infinity() : angle);
   if (!free)

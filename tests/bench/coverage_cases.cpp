@@ -30,6 +30,7 @@ World with_angles() {
 World telegrams(int decimals, bool wobble) {
   World world;
   world.controller = true;
+  world.orientations = true;
   world.angles = true;
   world.decimals = decimals;
   if (wobble) world.wobble_deg = 0.0005;
@@ -58,7 +59,7 @@ World everything() {
   world.noise.outlier_share = 0.05;
   world.drift.walk_mm = 0.05;
   world.home.sigma_deg = 0.002;
-  world.gears = {20, 10, 30};
+  world.gears = {20, 10, 30, {}};
   world.delay.late_s = 0.1;
   return world;
 }

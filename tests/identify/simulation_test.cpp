@@ -150,6 +150,7 @@ TEST_CASE("Telegrams are rounded, and locked joints that do not wobble print one
   for (const int decimals : {4, 1}) {
     World world = exact_angles();
     world.controller = true;
+    world.orientations = true;
     world.decimals = decimals;
     const double step = std::pow(10.0, -decimals);
     const Robot arm = robot(6);
@@ -180,6 +181,7 @@ TEST_CASE("Telegrams are rounded, and locked joints that do not wobble print one
 TEST_CASE("Orientations of a controller are those of its tool") {
   World world = exact_angles();
   world.controller = true;
+  world.orientations = true;
   const Robot arm = robot(7);
   for (const Sweep& sweep : Simulation(arm, strokes(5), world, 7).sweeps())
     for (const Sample& sample : *sweep.samples) {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "identify/angle.hpp"
+#include "tests/simulation/printed.hpp"
 #include "tests/simulation/stream.hpp"
 
 namespace simulation {
@@ -38,7 +39,9 @@ Vector3d Device::measured(const Vector3d& point, double time_s) {
     wandered_mm_ += sigma * std::sqrt((time_s - time_s_) / seconds_) * normal3(wandering_);
     time_s_ = time_s;
   }
-  return seen + wandered_mm_ + drift_.linear_mm * (time_s / seconds_) * way_;
+  seen += wandered_mm_ + drift_.linear_mm * (time_s / seconds_) * way_;
+  for (double& value : seen) value = printed(value, noise_.decimals);
+  return seen;
 }
 
 Vector3d Device::normal3(std::mt19937_64& random) {

@@ -19,8 +19,9 @@ Sag::Sag(const Robot& robot, double worst_rad) : home_(chain_of(robot)) {
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
   for (std::size_t j = 0; j < robot.arm.joints(); ++j) {
     frame = frame * identify::transform(robot.arm.rows[j]);
-    weights_n_.push_back(kGravity * robot.links[j].mass_kg);
-    centers_mm_.push_back(frame * robot.links[j].center_mm);
+    const Link link = robot.links.empty() ? Link{} : robot.links[j];
+    weights_n_.push_back(kGravity * link.mass_kg);
+    centers_mm_.push_back(frame * link.center_mm);
   }
   if (worst_rad == 0) return;
   constexpr int kPoses = 400;

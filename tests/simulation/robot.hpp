@@ -22,7 +22,7 @@ struct Robot {
   identify::Arm specified;
   identify::Arm arm;                        ///< the truth
   std::vector<Eigen::Vector3d> targets_mm;  ///< in the frame behind the last row
-  std::vector<Link> links;                  ///< one a joint
+  std::vector<Link> links;                  ///< one a joint; empty: weightless
   std::vector<std::size_t> elastic;         ///< the joints that bend under load, counted from 0
 };
 

@@ -9,6 +9,7 @@
 #include "identify/angle.hpp"
 #include "tests/simulation/arc_shape.hpp"
 #include "tests/simulation/device.hpp"
+#include "tests/simulation/printed.hpp"
 #include "tests/simulation/stream.hpp"
 
 namespace simulation {
@@ -19,14 +20,6 @@ using Eigen::Vector3d;
 using identify::kArcsec;
 using identify::kDegree;
 using identify::kPi;
-
-double printed(double value, double step) {
-  return step > 0 ? step * std::round(value / step) : value;
-}
-
-double step_of(const World& world) {
-  return world.decimals ? std::pow(10.0, -*world.decimals) : 0;
-}
 
 /// A, B, C of R = Rz(A) Ry(B) Rx(C).
 std::array<double, 3> abc_of(const Eigen::Matrix3d& r) {
@@ -73,7 +66,7 @@ identify::Turns Simulation::turns_at(const std::vector<double>& angles, std::siz
   const Gears& gears = world_.gears;
   for (std::size_t k = 0; k < angles.size(); ++k) {
     turns[k] = angles[k] - robot_.arm.home_rad[k];
-    if (world_.controller) continue;
+    if (world_.controller || k != gears.joint.value_or(k)) continue;
     const double play = k == moving ? direction : 1;
     turns[k] += kArcsec * (gears.first_arcsec * std::sin(angles[k] + phases_[k][0]) +
                            gears.second_arcsec * std::sin(2 * angles[k] + phases_[k][1]) -
@@ -107,7 +100,6 @@ std::vector<identify::Sweep> Simulation::sweeps() const {
   std::normal_distribution<> normal;
   std::map<std::pair<std::size_t, std::size_t>, ArcCurve> curves;  // joint and home
   std::vector<double> stray(joints, 0.0);
-  const double step = step_of(world_);
   std::vector<identify::Sweep> sweeps;
   for (const Stroke& stroke : strokes) {
     const std::size_t j = stroke.joint;
@@ -142,23 +134,22 @@ std::vector<identify::Sweep> Simulation::sweeps() const {
         angles[j] += stroke.turn_at(time - late, how_.ramp) - stroke.turn_at(time, how_.ramp);
         sample.joints = static_cast<std::uint8_t>(joints);
         for (std::size_t k = 0; k < joints; ++k)
-          sample.angles_rad[k] = printed(angles[k] / kDegree, step) * kDegree;
+          sample.angles_rad[k] = printed(angles[k] / kDegree, world_.decimals) * kDegree;
       }
-      if (world_.controller) {
+      if (world_.orientations) {
         sample.has_orientation = true;
         sample.abc_rad = abc_of(base_.linear() * moved.linear() * chain_.tool);
-        for (double& angle : sample.abc_rad) angle = printed(angle / kDegree, step) * kDegree;
+        for (double& angle : sample.abc_rad)
+          angle = printed(angle / kDegree, world_.decimals) * kDegree;
       }
       for (std::size_t n = 0; n < stroke.targets.size(); ++n) {
         Vector3d point = moved * chain_.targets_mm[stroke.targets[n]];
         if (world_.shape.rms_mm > 0)
           point +=
               along_arc(chain_, turns, j, point) * curve.at(angles[j] - homes_[stroke.home][j]);
-        sample.position_mm = base_ * point;
-        if (!world_.controller)
-          sample.position_mm = device.measured(sample.position_mm, sample.time_s);
-        else
-          for (double& value : sample.position_mm) value = printed(value, step);
+        sample.position_mm = device.measured(base_ * point, sample.time_s);
+        if (world_.controller)
+          for (double& value : sample.position_mm) value = printed(value, world_.decimals);
         seen[n].push_back(sample);
       }
     }
@@ -181,7 +172,9 @@ identify::Campaign Simulation::campaign() const {
   identify::Campaign campaign;
   campaign.joints = robot_.arm.joints();
   campaign.specified = robot_.specified;
-  campaign.resolution = {world_.controller ? step_of(world_) : 0, step_of(world_) * kDegree};
+  campaign.resolution.position_mm =
+      print_step(world_.controller ? world_.decimals : world_.noise.decimals);
+  campaign.resolution.angle_rad = world_.angles ? print_step(world_.decimals) * kDegree : 0;
   campaign.declared_home_rad = robot_.arm.home_rad;
   campaign.device_frame = world_.placed;
   return campaign;

@@ -1,16 +1,18 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 
 namespace simulation {
 
-/// Errors of the device that measures positions. Standard deviations; each of three directions.
+/// Errors of the positions: of the device that measures them. Standard deviations; each of three directions.
 struct Noise {
   double range_mm = 0;     ///< along the line from the device, which is its frame's origin
   double across_mm = 0;    ///< in the two directions across it
   double correlation = 0;  ///< of a sample's error with that of the one before: AR(1)
   double outlier_share = 0;
-  double outlier_mm = 5;  ///< how far off, in any direction
+  double outlier_mm = 5;        ///< how far off, in any direction
+  std::optional<int> decimals;  ///< of the mm that it prints; nothing: all
 };
 
 /// How the device wanders from the first sample to the last.
@@ -33,6 +35,7 @@ struct Gears {
   double second_arcsec = 0;  ///< of sin(2 q + phase)
   /// Play: the arm is behind its motor by half of it. Locked joints came home rising.
   double backlash_arcsec = 0;
+  std::optional<std::size_t> joint;  ///< only this one's; nothing: all joints'
 };
 
 /// When angles were read: `late_s` before the position of the same sample, and later by the
@@ -53,9 +56,9 @@ struct ArcShape {
 /// Everything that may go wrong in a simulated campaign. All zero: exact data. Every source of
 /// errors draws its numbers by itself: a knob turned leaves the others' errors as they are.
 struct World {
-  /// Positions and orientations are the controller's, computed from its encoders: no device and no
-  /// error of the gears is in them.
+  /// Positions are the controller's, computed from its encoders: no error of the gears is in them.
   bool controller = false;
+  bool orientations = false;    ///< are known, the controller's
   bool angles = false;          ///< are known, the controller's
   bool placed = false;          ///< the device stands some metres away, and its frame is its own
   std::optional<int> decimals;  ///< of what a controller prints, mm and degrees; nothing: all
