@@ -5,7 +5,8 @@
 
 namespace simulation {
 
-/// Errors of the positions: of the device that measures them. Standard deviations; each of three directions.
+/// Errors of the positions: of the device that measures them. Standard deviations; each of three
+/// directions.
 struct Noise {
   double range_mm = 0;     ///< along the line from the device, which is its frame's origin
   double across_mm = 0;    ///< in the two directions across it
