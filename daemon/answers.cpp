@@ -12,8 +12,8 @@ namespace {
 
 using Elements = std::vector<rsi::EthernetConfig::Element>;
 
-constexpr std::size_t kMostBytes = 65'507;  // of a UDP datagram over IPv4
-constexpr std::size_t kOneFrame = 1'472;    // of one that fits into an Ethernet frame of 1,500
+constexpr std::size_t kMostDatagramBytes = 65'507;  // of a UDP datagram over IPv4
+constexpr std::size_t kOneFrame = 1'472;  // of one that fits into an Ethernet frame of 1,500
 
 std::string place(const rsi::EthernetConfig& config, int line) {
   return config.name + ":" + std::to_string(line) + ": RECEIVE: ";
@@ -81,7 +81,7 @@ std::vector<std::string> objections_to_answers(const RobotSettings& robot,
     return std::count(allowed.begin(), allowed.end(), element.tag) > 0;
   });
   if (!tags.empty()) objections.push_back(refusal(config, tags));
-  if (const auto text = oversize(config, kMostBytes); !text.empty())
+  if (const auto text = oversize(config, kMostDatagramBytes); !text.empty())
     objections.push_back(text + "no datagram holds more, so none would arrive; take tags out");
   return objections;
 }
@@ -89,7 +89,7 @@ std::vector<std::string> objections_to_answers(const RobotSettings& robot,
 std::vector<std::string> warnings_of_answers(const rsi::EthernetConfig& config) {
   std::vector<std::string> warnings;
   const bool tcp = config.protocol == rsi::EthernetConfig::Protocol::TCP;
-  if (const auto text = oversize(config, tcp ? kMostBytes : kOneFrame); !text.empty())
+  if (const auto text = oversize(config, tcp ? kMostDatagramBytes : kOneFrame); !text.empty())
     warnings.push_back(text +
                        "larger ones travel in pieces, and one lost piece loses the reply; "
                        "take tags out, or shorten their names");

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "daemon/json_numbers.hpp"
 #include "daemon/numbers.hpp"
 #include "daemon/outcome.hpp"
 #include "daemon/units.hpp"
@@ -14,12 +15,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using identify::AngleEvidence;
 
-Json length(double mm) {
-  return rounded(mm, kLengthDecimals);
-}
-Json angle(double radians) {
-  return rounded(degrees(radians), kAngleDecimals);
-}
 Json small_angle(double radians) {
   return rounded(arcsec(radians), kArcsecDecimals);
 }
@@ -27,12 +22,12 @@ Json small_angle(double radians) {
 Json noise(const identify::ChainEstimate& estimate) {
   Json swept = Json::array();
   for (const double sigma : estimate.noise.swept_rad)
-    swept.push_back(std::isfinite(sigma) ? angle(sigma) : Json());
-  return {{"position_mm", length(estimate.noise.position_mm)},
-          {"locked_deg", angle(estimate.noise.locked_rad)},
+    swept.push_back(std::isfinite(sigma) ? json_angle(sigma) : Json());
+  return {{"position_mm", json_length(estimate.noise.position_mm)},
+          {"locked_deg", json_angle(estimate.noise.locked_rad)},
           {"swept_deg", std::move(swept)},
           {"orientation_deg",
-           estimate.with_orientation ? angle(estimate.noise.orientation_rad) : Json()}};
+           estimate.with_orientation ? json_angle(estimate.noise.orientation_rad) : Json()}};
 }
 
 Json angles(std::size_t index, const AngleEvidence& seen) {

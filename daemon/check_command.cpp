@@ -6,6 +6,7 @@
 
 #include "daemon/answers.hpp"
 #include "daemon/config_error.hpp"
+#include "daemon/exit_codes.hpp"
 #include "daemon/findings.hpp"
 #include "daemon/machine.hpp"
 #include "daemon/plan_outlook.hpp"
@@ -20,9 +21,6 @@
 
 namespace sweepd {
 namespace {
-
-constexpr int kFailed = 1;
-constexpr int kConfigError = 78;  // EX_CONFIG of sysexits.h
 
 class Check {
  public:

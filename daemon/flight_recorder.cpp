@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "daemon/numbers.hpp"
+#include "daemon/units.hpp"
 #include "rsi/counted.hpp"
 #include "rsi/ipoc.hpp"
 
@@ -12,7 +13,7 @@ namespace {
 using std::chrono::nanoseconds;
 
 /// Exact, as a double is not: 1735689600.004000120.
-std::string seconds(nanoseconds time) {
+std::string exact_seconds(nanoseconds time) {
   constexpr std::int64_t kSecond = 1'000'000'000;
   const std::string rest = std::to_string(kSecond + time.count() % kSecond).substr(1);
   return std::to_string(time.count() / kSecond) + "." + rest;
@@ -20,10 +21,6 @@ std::string seconds(nanoseconds time) {
 
 std::string optional_number(const std::optional<std::uint64_t>& value) {
   return value ? std::to_string(*value) : std::string();
-}
-
-double us(nanoseconds time) {
-  return static_cast<double>(time.count()) / 1e3;
 }
 
 }  // namespace
@@ -126,8 +123,8 @@ std::string FlightRecorder::csv() const {
       "received_s,replied_s,ipoc,latency_us,delay_packets,lost_before_packets,event\n";
   for (std::size_t i = 0; i < size_; ++i) {
     const Cycle& row = cycle(i);
-    text += seconds(row.received) + ",";
-    if (row.replied) text += seconds(*row.replied);
+    text += exact_seconds(row.received) + ",";
+    if (row.replied) text += exact_seconds(*row.replied);
     text += "," + optional_number(row.ipoc) + ",";
     if (row.replied) text += fixed(us(*row.replied - row.received), 3);
     text += "," + optional_number(row.delay) + "," + std::to_string(lost_before(row)) + ",";

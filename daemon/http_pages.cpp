@@ -16,7 +16,7 @@ using namespace std::chrono_literals;
 /// The status is published once a second.
 constexpr auto kStale = 10s;
 
-constexpr std::string_view kHttp = "http://";
+constexpr std::string_view kScheme = "http://";
 constexpr std::string_view kJson = "application/json";
 constexpr std::string_view kPrometheus = "text/plain; version=0.0.4; charset=utf-8";
 constexpr std::string_view kIndex =
@@ -88,7 +88,7 @@ HttpResponse HttpPages::answer(const HttpRequest& request) const {
   if (request.hosts.size() != 1) return text(400, "one Host header is expected");
   std::string_view target = request.target;
   std::string_view host = request.hosts.front();
-  if (take(target, kHttp)) {  // as for a proxy: this host counts
+  if (take(target, kScheme)) {  // as for a proxy: this host counts
     host = target.substr(0, target.find('/'));
     target.remove_prefix(host.size());
     if (target.empty()) target = "/";
@@ -96,7 +96,7 @@ HttpResponse HttpPages::answer(const HttpRequest& request) const {
   if (!is_ours(host))
     return text(421, "not a name of this machine: add it to `hosts` of [http] in sweepd.toml");
   for (std::string_view origin : request.origins) {
-    const bool is_web = take(origin, kHttp) || take(origin, "https://");
+    const bool is_web = take(origin, kScheme) || take(origin, "https://");
     if (!is_web || !rsi::equal_ignoring_case(origin, host))
       return text(403, "scripts of other pages are not answered");
   }

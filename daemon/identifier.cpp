@@ -15,7 +15,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kFirstRetry = 1s;
-constexpr auto kLongestRetry = 60s;
+constexpr auto kLongestResultRetry = 60s;
 
 /// Half of the processors for each share, so that what is waited for does not wait for the other.
 class Turn {
@@ -176,7 +176,7 @@ void Identifier::write(std::unique_ptr<SessionEnd> end) {
       return other->started > end->started;
     });
     unwritten_.insert(place, std::move(end));
-    retry_after_ = std::clamp<Steady::duration>(2 * retry_after_, kFirstRetry, kLongestRetry);
+    retry_after_ = std::clamp<Steady::duration>(2 * retry_after_, kFirstRetry, kLongestResultRetry);
     retry_at_ = Steady::now() + retry_after_;
     limit_waiting();
   }

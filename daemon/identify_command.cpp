@@ -17,6 +17,7 @@
 #include "daemon/report.hpp"
 #include "daemon/result_files.hpp"
 #include "daemon/robot_setup.hpp"
+#include "daemon/run_json.hpp"
 #include "daemon/session.hpp"
 #include "rsi/counted.hpp"
 
@@ -191,18 +192,15 @@ void check_output(const IdentifyOptions& options) {
 }
 
 void write_run_file(const IdentifyOptions& options) {
-  nlohmann::ordered_json json = {
-      {"schema", "sweepd.run/1"}, {"sweepd", SWEEPD_VERSION}, {"command", "identify"}};
-  for (const auto& file : options.points) json["points"].push_back(file.string());
-  if (options.axes) json["axes"] = options.axes->string();
-  if (!options.columns.empty()) json["columns"] = options.columns;
-  if (options.per_joint) json["per_joint"] = true;
-  json["frame"] = options.device_frame ? "device" : "robot";
-  if (options.robot) json["description"] = options.robot->string();
-  if (options.plan) json["plan"] = options.plan->string();
-  write_atomically(
-      *options.output / "run.json",
-      json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  auto given = nlohmann::ordered_json::object();
+  for (const auto& file : options.points) given["points"].push_back(file.string());
+  if (options.axes) given["axes"] = options.axes->string();
+  if (!options.columns.empty()) given["columns"] = options.columns;
+  if (options.per_joint) given["per_joint"] = true;
+  given["frame"] = options.device_frame ? "device" : "robot";
+  if (options.robot) given["description"] = options.robot->string();
+  if (options.plan) given["plan"] = options.plan->string();
+  write_atomically(*options.output / "run.json", run_json("identify", given));
 }
 
 }  // namespace

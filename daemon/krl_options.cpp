@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "daemon/ascii.hpp"
 #include "daemon/toml_table.hpp"
 #include "rsi/ascii.hpp"
 
@@ -13,7 +14,7 @@ namespace {
 constexpr std::size_t kMostJoints = 6;
 constexpr std::size_t kLongestName = 24;
 constexpr int kMostTools = 128;
-constexpr double kMostAngle_deg = 10'000;
+constexpr double kMostInKrl_deg = 10'000;
 
 /// Words that cannot be the program's name: of KRL, and those that the program declares.
 constexpr std::array kTaken = {
@@ -26,13 +27,6 @@ constexpr std::array kTaken = {
     "pulse",        "real",       "repeat", "rest_s",    "resume", "return",  "swd_context",
     "swd_ethernet", "swd_result", "signal", "struc",     "switch", "then",    "to",
     "trigger",      "true",       "until",  "wait",      "when",   "while",   "xor"};
-
-bool is_letter(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-}
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
-}
 
 void check_name(const std::string& name, std::vector<std::string>& findings) {
   const bool valid = !name.empty() && name.size() <= kLongestName && is_letter(name.front()) &&
@@ -60,7 +54,7 @@ void check_speed(const std::string& key, std::size_t joint, double speed_deg_s,
 }
 
 void check_angle(const std::string& key, double angle_deg, std::vector<std::string>& findings) {
-  if (!(std::abs(angle_deg) <= kMostAngle_deg))
+  if (!(std::abs(angle_deg) <= kMostInKrl_deg))
     findings.push_back(key + ": expected an angle from -10000 to 10000 degrees: correct it");
 }
 

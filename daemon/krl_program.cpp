@@ -15,7 +15,7 @@ constexpr int kUnknownSpeed_percent = 5;
 constexpr int kAcceleration_percent = 30;
 
 /// As few decimals as say the same number, one at least: KRL takes 90.0 for REAL.
-std::string number(double value) {
+std::string krl_number(double value) {
   std::array<char, 400> text{};  // the longest that fixed notation can need
   const auto end = std::to_chars(text.data(), text.data() + text.size(), value == 0 ? 0.0 : value,
                                  std::chars_format::fixed)
@@ -26,7 +26,7 @@ std::string number(double value) {
 }
 
 /// What may stand in a comment: one line of ASCII.
-std::string plain(std::string_view text) {
+std::string krl_text(std::string_view text) {
   std::string result(text.substr(0, 80));
   for (char& c : result)
     if (c < ' ' || c > '~') c = '?';
@@ -55,15 +55,16 @@ void header(Lines& line) {
   line(R"(&PARAM TEMPLATE = C:\KRC\Roboter\Template\vorgabe)")("&PARAM EDITMASK = *");
 }
 
-class Writer {
+class ProgramWriter {
  public:
-  Writer(const SweepPlan& plan, const KrlOptions& options)
+  ProgramWriter(const SweepPlan& plan, const KrlOptions& options)
       : plan_(plan), options_(options), file_(krl_rsi_file(options)) {}
 
   [[nodiscard]] std::string src() && {
     header(line_);
     line_("DEF " + options_.name + "( )");
-    line_("; Written by sweepd from the sweep plan " + plain(plan_.file.filename().string()) + ".");
+    line_("; Written by sweepd from the sweep plan " + krl_text(plan_.file.filename().string()) +
+          ".");
     line_("; First run: T1, override 10 %, hand on the enabling switch, sweepd listening already.");
     line_("; Look through all poses first: nothing here knows what stands in the cell.");
     line_("; Deselect or reset the program after a HALT; do not start it again from there.");
@@ -85,7 +86,7 @@ class Writer {
     line_("EXT BAS (BAS_COMMAND :IN,REAL :IN )");
     line_(";ENDFOLD (BASISTECH EXT)")(";ENDFOLD (EXTERNAL DECLARATIONS)");
     line_("; The rest at both ends of a sweep, in seconds");
-    line_("DECL REAL REST_S=" + number(std::chrono::duration<double>(plan_.dwell).count()));
+    line_("DECL REAL REST_S=" + krl_number(std::chrono::duration<double>(plan_.dwell).count()));
     line_(options_.dialect == KrlDialect::krc2 ? "DECL RSIERR SWD_RESULT" : "DECL INT SWD_RESULT");
     if (options_.dialect == KrlDialect::krc2) line_("DECL INT SWD_ETHERNET");
     if (options_.dialect == KrlDialect::krc4) line_("DECL INT SWD_CONTEXT");
@@ -110,7 +111,7 @@ class Writer {
   static std::string pose(const std::vector<double>& angles_deg) {
     std::string text = "{";
     for (std::size_t i = 0; i < angles_deg.size(); ++i)
-      text += (i == 0 ? "A" : ",A") + std::to_string(i + 1) + " " + number(angles_deg[i]);
+      text += (i == 0 ? "A" : ",A") + std::to_string(i + 1) + " " + krl_number(angles_deg[i]);
     return text + "}";
   }
 
@@ -150,7 +151,7 @@ class Writer {
     line_("; Positions are those of the tool point in the robot's own frame.");
     line_("BAS (#TOOL," + std::to_string(options_.tool) + " )");
     line_("BAS (#BASE,0 )")("$BASE = $NULLFRAME");
-    const std::string least = number(kLeastToolRadius_mm);
+    const std::string least = krl_number(kLeastToolRadius_mm);
     halt_unless("(($TOOL.X*$TOOL.X+$TOOL.Y*$TOOL.Y) < " + least + "*" + least + ")",
                 "the tool point lies on axis 6: choose a tool " + least + " mm or more off it");
     line_();
@@ -162,12 +163,12 @@ class Writer {
     const std::string axis = "$VEL_AXIS[" + std::to_string(joint) + "] = ";
     if (!max) {
       line_(axis + std::to_string(kUnknownSpeed_percent) + " ; CHECK: the plan asks for " +
-            number(speed_deg_s) + " deg/s; what 100 % are was not known");
+            krl_number(speed_deg_s) + " deg/s; what 100 % are was not known");
       return;
     }
     const auto percent = static_cast<int>(std::min(std::floor(speed_deg_s / *max * 100), 100.0));
-    line_(axis + std::to_string(percent) + " ; per cent of " + number(*max) +
-          " deg/s; the plan asks for " + number(speed_deg_s) + " deg/s");
+    line_(axis + std::to_string(percent) + " ; per cent of " + krl_number(*max) +
+          " deg/s; the plan asks for " + krl_number(speed_deg_s) + " deg/s");
   }
 
   void go_home() {
@@ -210,7 +211,7 @@ class Writer {
   void sweep(std::size_t index) {
     const PlannedSweep& sweep = plan_.sweeps[index];
     line_(";FOLD sweep " + std::to_string(index + 1) + ": A" + std::to_string(sweep.joint) +
-          " from " + number(sweep.start_deg) + " to " + number(sweep.end_deg));
+          " from " + krl_number(sweep.start_deg) + " to " + krl_number(sweep.end_deg));
     line_.in();
     speed(sweep.joint, plan_.positioning_speed_deg_s);
     line_("PTP " + name(index, "START"))("WAIT SEC REST_S");
@@ -249,7 +250,7 @@ class Writer {
 KrlProgram krl_program(const SweepPlan& plan, const KrlOptions& options) {
   if (const auto findings = krl_findings(plan, options); !findings.empty())
     throw std::invalid_argument(findings.front());
-  return {Writer(plan, options).src(), Writer(plan, options).dat()};
+  return {ProgramWriter(plan, options).src(), ProgramWriter(plan, options).dat()};
 }
 
 }  // namespace sweepd

@@ -6,6 +6,7 @@
 
 #include "daemon/link_bins.hpp"
 #include "daemon/numbers.hpp"
+#include "daemon/units.hpp"
 #include "daemon/utc.hpp"
 #include "rsi/link_verdict.hpp"
 
@@ -16,12 +17,6 @@ using Json = nlohmann::ordered_json;
 using rsi::LinkReport;
 using std::chrono::nanoseconds;
 
-double us(nanoseconds time) {
-  return static_cast<double>(time.count()) / 1e3;
-}
-double ms(nanoseconds time) {
-  return static_cast<double>(time.count()) / 1e6;
-}
 double s(nanoseconds time) {
   return rounded(static_cast<double>(time.count()) / 1e9, 6);
 }
@@ -60,7 +55,7 @@ Json verdict_reasons(const rsi::Verdict& verdict) {
   return json;
 }
 
-Json telegrams(const LinkReport& report) {
+Json telegrams_json(const LinkReport& report) {
   const rsi::LinkCounts& link = report.link;
   Json json = {{"received", link.telegrams},
                {"lost", link.lost},
@@ -86,7 +81,7 @@ Json telegrams(const LinkReport& report) {
   return json;
 }
 
-Json replies(const LinkReport& report) {
+Json replies_json(const LinkReport& report) {
   const rsi::ReplyCounts& replies = report.replies;
   return {{"sent", replies.sent},
           {"in_time", replies.in_time},
@@ -116,13 +111,14 @@ std::string link_json(const rsi::Conversation& conversation, const LinkReport& r
     json["ipoc_step"] = *report.step;
     json["ipoc_counts_ms"] = report.ipoc_counts_ms;
   }
-  json["telegrams"] = telegrams(report);
+  json["telegrams"] = telegrams_json(report);
   if (report.jitter.count() > 0) {
     json["jitter"] = histogram(report.jitter);
     json["jitter"]["earliest_us"] = us(report.earliest);
     json["jitter"]["latest_us"] = us(report.latest);
   }
-  if (report.replies.sent > 0 || report.replies.withheld > 0) json["replies"] = replies(report);
+  if (report.replies.sent > 0 || report.replies.withheld > 0)
+    json["replies"] = replies_json(report);
   if (report.replies.sent > 0) {
     json["latency"] = histogram(report.latency);
     json["latency"]["slowest"] = places(

@@ -7,6 +7,7 @@
 #include "daemon/link_bins.hpp"
 #include "daemon/numbers.hpp"
 #include "daemon/text_layout.hpp"
+#include "daemon/units.hpp"
 #include "daemon/utc.hpp"
 #include "rsi/counted.hpp"
 #include "rsi/link_verdict.hpp"
@@ -23,10 +24,7 @@ constexpr std::size_t kLabel = 24;
 constexpr std::size_t kCount = 10;
 constexpr std::size_t kIpoc = 22;  // as many digits as 64 bits can have, and two blanks
 
-double us(nanoseconds time) {
-  return static_cast<double>(time.count()) / 1e3;
-}
-std::string seconds(nanoseconds time) {
+std::string rounded_seconds(nanoseconds time) {
   return fixed(static_cast<double>(time.count()) / 1e9, 3);
 }
 
@@ -154,7 +152,7 @@ std::string places(const char* title, const char* what, const WorstPlaces& worst
   std::string text =
       std::string(title) + "\n" + right(what, 12) + right("at s", 14) + right("IPOC", kIpoc) + "\n";
   for (const rsi::Place& place : worst.places())
-    text += amount(place.amount) + right(seconds(place.at), 14) +
+    text += amount(place.amount) + right(rounded_seconds(place.at), 14) +
             right(std::to_string(place.ipoc), kIpoc) + "\n";
   return text;
 }
@@ -175,8 +173,8 @@ std::string reasons(const rsi::Verdict& verdict) {
 
 std::string link_text(const rsi::Conversation& conversation, const LinkReport& report) {
   const rsi::Verdict verdict = rsi::verdict(report);
-  std::string text = "Link of " + rsi::text(conversation) + "\n" + seconds(report.duration) +
-                     " s from " + utc_text(report.start) +
+  std::string text = "Link of " + rsi::text(conversation) + "\n" +
+                     rounded_seconds(report.duration) + " s from " + utc_text(report.start) +
                      "\n\nVerdict: " + std::string(rsi::text(verdict.grade)) + "\n" +
                      reasons(verdict) + "\n" + telegrams(report) + "\n" + replies(report);
   if (report.jitter.count() > 0) text += "\n" + quantiles(report);

@@ -17,7 +17,7 @@ namespace sweepd {
 namespace {
 
 /// Of lines: a reader that stands still for a while has the newest.
-constexpr std::size_t kMostWaiting = 2048;
+constexpr std::size_t kMostWaitingLines = 2048;
 
 /// Null while lines are written at once. Never destroyed: its thread may stand in a write for ever.
 std::atomic<LogQueue*> background{nullptr};
@@ -39,7 +39,7 @@ std::string payload(const LogLine& line) {
   return fields;
 }
 
-void write(const LogLine& line) {
+void pass_on(const LogLine& line) {
   const auto level = line.importance == Importance::note      ? spdlog::level::info
                      : line.importance == Importance::warning ? spdlog::level::warn
                                                               : spdlog::level::err;
@@ -91,7 +91,7 @@ std::vector<std::string> journal_fields(const LogLine& line) {
 
 void log(const LogLine& line) {
   const std::lock_guard lock(lately().mutex);
-  if (lately().repeats.is_new(line, std::chrono::steady_clock::now())) write(line);
+  if (lately().repeats.is_new(line, std::chrono::steady_clock::now())) pass_on(line);
 }
 
 void log_at_once() {
@@ -99,7 +99,7 @@ void log_at_once() {
 }
 
 void log_in_background() {
-  background = new LogQueue(make_sink(), kMostWaiting);
+  background = new LogQueue(make_sink(), kMostWaitingLines);
 }
 
 bool finish_log(std::chrono::milliseconds patience) {
@@ -114,22 +114,23 @@ std::uint64_t log_lines_lost() {
 
 void log_repeats() {
   const std::lock_guard lock(lately().mutex);
-  for (const auto& line : lately().repeats.due(std::chrono::steady_clock::now())) write(line);
+  for (const auto& line : lately().repeats.due(std::chrono::steady_clock::now())) pass_on(line);
   const LogQueue* const queue = background;
   if (queue == nullptr || !queue->is_read()) return;
   const auto all = queue->lost();
   const auto lost = all - std::exchange(lately().losses_told, all);
   if (lost == 0) return;
-  write({Importance::warning,
-         {},
-         fmt::format("{} of the log nobody got: whoever reads it stood still, or had no room: see "
-                     "what held it up",
-                     lost == 1 ? "1 line" : fmt::format("{} lines", lost))});
+  pass_on(
+      {Importance::warning,
+       {},
+       fmt::format("{} of the log nobody got: whoever reads it stood still, or had no room: see "
+                   "what held it up",
+                   lost == 1 ? "1 line" : fmt::format("{} lines", lost))});
 }
 
 void log_all_repeats() {
   const std::lock_guard lock(lately().mutex);
-  for (const auto& line : lately().repeats.all()) write(line);
+  for (const auto& line : lately().repeats.all()) pass_on(line);
 }
 
 }  // namespace sweepd

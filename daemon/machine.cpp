@@ -70,7 +70,7 @@ fs::path nearest(fs::path folder) {
   return folder;
 }
 
-std::string days(double value) {
+std::string days_text(double value) {
   return value < 2 ? fixed(24 * value, 0) + " hours" : fixed(value, 0) + " days";
 }
 
@@ -146,8 +146,8 @@ void judge_disk(const Machine& machine, const RobotSettings& robot, Findings& fi
   constexpr double kADay = 0.2e6 * 86'400;
   const double left = (free - kept) / kADay;
   const bool deletes = recording.keep_bytes > 0 || recording.keep.count() > 0;
-  const auto text =
-      folder + ": " + gigabytes(free) + " free, enough for " + days(left) + " of streaming at 4 ms";
+  const auto text = folder + ": " + gigabytes(free) + " free, enough for " + days_text(left) +
+                    " of streaming at 4 ms";
   if (deletes)
     findings.ok(text + "; the oldest recordings are deleted by keep_bytes and keep_days");
   else if (left < 1)

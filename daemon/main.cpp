@@ -9,14 +9,15 @@
 
 #include "daemon/command_line.hpp"
 #include "daemon/config_error.hpp"
+#include "daemon/exit_codes.hpp"
 #include "daemon/log.hpp"
 #include "rsi/ethernet_config.hpp"
 
-namespace {
+using sweepd::kConfigError;
+using sweepd::kFailed;
+using sweepd::kUsage;
 
-constexpr int kFailed = 1;
-constexpr int kUsage = 2;
-constexpr int kConfigError = 78;  // EX_CONFIG of sysexits.h
+namespace {
 
 /// Whether standard error takes a line: `run` must not wait for one who does not read it.
 bool is_read() {

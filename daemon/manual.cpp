@@ -6,13 +6,11 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "daemon/ascii.hpp"
+
 namespace sweepd {
 
 namespace {
-
-bool is_letter(char c) {
-  return std::isalpha(static_cast<unsigned char>(c)) != 0;
-}
 
 /// Text as roff. What stands in backticks becomes bold. The dash of an option or a file's name is
 /// one that a reader can copy; in a word as "re-read" it is a hyphen.

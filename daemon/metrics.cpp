@@ -32,7 +32,7 @@ std::string escaped(std::string_view value) {
 }
 
 /// Writes family after family, and the values of each behind it.
-class Writer {
+class MetricsWriter {
  public:
   void counter(std::string_view name, std::string_view help) { family(name, "counter", help); }
   void gauge(std::string_view name, std::string_view help) { family(name, "gauge", help); }
@@ -117,7 +117,7 @@ constexpr ServerRow kDropped[] = {{"foreign", &Server::foreign},
                                   {"receive_buffer_full", &Server::dropped},
                                   {"queue_full", &Server::overflows}};
 
-void write_link(Writer& to, const std::vector<RobotMetrics>& robots) {
+void write_link(MetricsWriter& to, const std::vector<RobotMetrics>& robots) {
   for (const auto& [name, help, count] : kLink) {
     to.counter(name, help);
     for (const auto& [state, result] : robots)
@@ -156,7 +156,7 @@ void write_link(Writer& to, const std::vector<RobotMetrics>& robots) {
       to.value({{"robot", state->name}, {"reason", std::string(label)}}, state->server.*count);
 }
 
-void write_stream(Writer& to, const std::vector<RobotMetrics>& robots) {
+void write_stream(MetricsWriter& to, const std::vector<RobotMetrics>& robots) {
   to.gauge("sweepd_robot_info", "A robot that is served, and how.");
   for (const auto& [state, result] : robots)
     to.value({{"robot", state->name},
@@ -178,7 +178,7 @@ void write_stream(Writer& to, const std::vector<RobotMetrics>& robots) {
   for (const auto& [state, result] : robots) to.value({{"robot", state->name}}, state->sessions);
 }
 
-void write_recording(Writer& to, const std::vector<RobotMetrics>& robots) {
+void write_recording(MetricsWriter& to, const std::vector<RobotMetrics>& robots) {
   const auto missed = [&](const RobotState& state, const char* reason, std::uint64_t count) {
     to.value({{"robot", state.name}, {"reason", reason}}, count);
   };
@@ -218,7 +218,7 @@ void write_recording(Writer& to, const std::vector<RobotMetrics>& robots) {
   }
 }
 
-void write_results(Writer& to, const std::vector<RobotMetrics>& robots) {
+void write_results(MetricsWriter& to, const std::vector<RobotMetrics>& robots) {
   to.counter("sweepd_sweeps_total", "Sweeps seen, by joint; joint 0: no angles tell which.");
   for (const auto& [state, result] : robots)
     for (const auto& [joint, counts] : state->sweeps) {
@@ -261,7 +261,7 @@ void write_results(Writer& to, const std::vector<RobotMetrics>& robots) {
 
 std::string metrics(const ServiceStatus& status, const std::vector<RobotMetrics>& robots,
                     const ProcessState& process) {
-  Writer to;
+  MetricsWriter to;
   to.gauge("sweepd_build_info", "Which sweepd this is.");
   to.value({{"version", SWEEPD_VERSION}}, 1);
   to.gauge("sweepd_ready", "1 while all robots are served, else 0.");

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kRecording = "run";  // the command
+constexpr const char* kRunCommand = "run";
 constexpr const char* kOfRecording = "it belongs to a recording";
 constexpr const char* kAnotherFile = "name another file, or add --force";
 constexpr const char* kAnotherFolder = "give --output a folder of its own, or add --force";
@@ -68,7 +68,7 @@ void Outputs::check(const fs::path& file, std::string_view ours) const {
   if (!in_the_way(file)) return;
   if (beginning(file, ours.size()) != ours)
     refuse(file, "it is there already, and not of this command", kAnotherFile);
-  if (command_of(file.parent_path()) == kRecording) refuse(file, kOfRecording, kAnotherFile);
+  if (command_of(file.parent_path()) == kRunCommand) refuse(file, kOfRecording, kAnotherFile);
 }
 
 void Outputs::check_same(const fs::path& file, std::string_view content) const {
@@ -82,7 +82,7 @@ void Outputs::check_results(const fs::path& folder, const std::vector<std::strin
     if (in_the_way(folder / name) && first.empty()) first = folder / name;
   if (first.empty()) return;
   const auto command = command_of(folder);
-  if (command == kRecording) refuse(first, kOfRecording, kAnotherFolder);
+  if (command == kRunCommand) refuse(first, kOfRecording, kAnotherFolder);
   if (command.empty())
     refuse(first, "it is there already, and by run.json of that folder not sweepd's",
            kAnotherFolder);

@@ -19,9 +19,9 @@ using identify::DhNumber;
 using identify::Knowledge;
 
 constexpr double kSigmasOf95 = 1.959963985;
-constexpr std::size_t kName = 18;
-constexpr std::size_t kValue = 14;
-constexpr std::size_t kSigma = 13;
+constexpr std::size_t kJointColumn = 18;
+constexpr std::size_t kValueColumn = 14;
+constexpr std::size_t kSigmaColumn = 13;
 
 struct Number {
   const char* name;
@@ -92,7 +92,7 @@ std::string sigma_text(const DhNumber& found, const Number& one, int decimals, s
 
 std::string line_start(std::size_t row, const Number& number) {
   return right(number.number == &DhEstimate::b_mm ? std::to_string(row + 1) : "", 5) + "   " +
-         left(number.name, kName - 8);
+         left(number.name, kJointColumn - 8);
 }
 
 std::string sweeps_text(const PlanOutlook& outlook) {
@@ -156,8 +156,8 @@ std::string axes_text(const PlanOutlook& outlook) {
 
 std::string dh_text(const PlanOutlook& outlook) {
   std::string text = "DH parameters and the uncertainties to be expected\n\n" +
-                     left("joint", kName) + right("specified", kValue) + right("std unc", kSigma) +
-                     right("95 % +-", kSigma) + "\n";
+                     left("joint", kJointColumn) + right("specified", kValueColumn) +
+                     right("std unc", kSigmaColumn) + right("95 % +-", kSigmaColumn) + "\n";
   const auto& specified = outlook.rehearsal.identification.specified;
   bool conventions = false;
   Decimals decimals;
@@ -169,9 +169,10 @@ std::string dh_text(const PlanOutlook& outlook) {
       const DhNumber& found = row.*one.number;
       conventions = conventions || found.knowledge == Knowledge::by_convention;
       const bool known = found.knowledge == Knowledge::identified;
-      text += line_start(j, one) + number(specified_value(specified[j], one), 4, kValue) +
-              sigma_text(found, one, decimals.count(), kSigma) +
-              (known ? sigma_text(found, one, decimals.count(), kSigma, kSigmasOf95) : "") + "\n";
+      text += line_start(j, one) + number(specified_value(specified[j], one), 4, kValueColumn) +
+              sigma_text(found, one, decimals.count(), kSigmaColumn) +
+              (known ? sigma_text(found, one, decimals.count(), kSigmaColumn, kSigmasOf95) : "") +
+              "\n";
     }
     if (j + 1 < outlook.prediction.dh.size())
       text += "        to the next axis: " + std::string(identify::text(row.relation)) + "\n";
@@ -234,8 +235,8 @@ std::string proposal_text(const PlanOutlook& before, const Proposal& proposal, d
   const double duration_s =
       std::chrono::duration<double>(proposal.outlook.rehearsal.duration).count();
   const double now_s = std::chrono::duration<double>(before.rehearsal.duration).count();
-  text += "\n" + left("joint", kName) + right("std unc now", kValue) + right("proposed", kSigma) +
-          right("times smaller", 15) + "\n";
+  text += "\n" + left("joint", kJointColumn) + right("std unc now", kValueColumn) +
+          right("proposed", kSigmaColumn) + right("times smaller", 15) + "\n";
   Decimals decimals;
   decimals.see(before.prediction.dh);
   decimals.see(proposal.outlook.prediction.dh);
@@ -245,8 +246,8 @@ std::string proposal_text(const PlanOutlook& before, const Proposal& proposal, d
       const DhNumber& then = proposal.outlook.prediction.dh[j].*one.number;
       if (!shown(one, before.prediction.dh[j]) && !shown(one, proposal.outlook.prediction.dh[j]))
         continue;
-      text += line_start(j, one) + sigma_text(now, one, decimals.count(), kValue) +
-              sigma_text(then, one, decimals.count(), kSigma);
+      text += line_start(j, one) + sigma_text(now, one, decimals.count(), kValueColumn) +
+              sigma_text(then, one, decimals.count(), kSigmaColumn);
       if (now.sigma > 0 && then.sigma > 0) text += number(now.sigma / then.sigma, 2, 15);
       text += "\n";
     }

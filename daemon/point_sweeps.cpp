@@ -25,7 +25,7 @@ constexpr std::size_t kFewestPoints = 4;
 const double kStill_rad = radians(0.03);
 
 /// Points of one target that belong together.
-struct Group {
+struct PointGroup {
   std::size_t joint = 0;  // from 1; 0: unknown
   std::size_t sweep = 0;
   std::size_t target = 0;
@@ -33,8 +33,8 @@ struct Group {
 };
 
 /// Consecutive points of each target with the same joint and sweep.
-std::vector<Group> grouped(const PointsFile& file) {
-  std::vector<Group> groups;
+std::vector<PointGroup> grouped(const PointsFile& file) {
+  std::vector<PointGroup> groups;
   std::map<std::size_t, std::size_t> open;  // by target
   for (const Point& point : file.points) {
     const auto last = open.find(point.target);
@@ -68,7 +68,7 @@ void judge_by_angles(Sweep& sweep, const identify::Resolution& resolution) {
 }
 
 /// Nothing where no point of the group can be used.
-std::optional<Sweep> sweep_of(Group group, std::size_t joint,
+std::optional<Sweep> sweep_of(PointGroup group, std::size_t joint,
                               const identify::Resolution& resolution) {
   auto& samples = group.samples;
   std::erase_if(samples, [](const Sample& sample) { return !sample.has_position; });
@@ -119,7 +119,7 @@ std::vector<Sweep> streamed_sweeps(const PointsFile& file, std::size_t joints,
 
 std::vector<Sweep> listed_sweeps(const PointsFile& file, const identify::Resolution& resolution) {
   std::vector<Sweep> sweeps;
-  for (Group& group : grouped(file)) {
+  for (PointGroup& group : grouped(file)) {
     const std::size_t joint = group.joint - 1;
     if (auto sweep = sweep_of(std::move(group), joint, resolution))
       sweeps.push_back(std::move(*sweep));
@@ -131,7 +131,7 @@ std::vector<Sweep> sweeps_of_joint(const PointsFile& file, std::size_t joint, st
                                    const identify::Resolution& resolution) {
   std::vector<Sweep> sweeps;
   if (!file.with_times) {
-    for (Group& group : grouped(file))
+    for (PointGroup& group : grouped(file))
       if (auto sweep = sweep_of(std::move(group), joint, resolution))
         sweeps.push_back(std::move(*sweep));
     return sweeps;

@@ -9,6 +9,7 @@
 #include "daemon/report.hpp"
 #include "daemon/result_files.hpp"
 #include "daemon/robot_setup.hpp"
+#include "daemon/run_json.hpp"
 #include "daemon/session.hpp"
 #include "daemon/traces.hpp"
 #include "rsi/capture_order.hpp"
@@ -58,16 +59,13 @@ void check_output(const ReplayOptions& options) {
 }
 
 void write_run_file(const ReplayOptions& options, const rsi::ConversationSearch& search) {
-  nlohmann::ordered_json json = {
-      {"schema", "sweepd.run/1"}, {"sweepd", SWEEPD_VERSION}, {"command", "replay"}};
-  for (const auto& trace : options.traces) json["traces"].push_back(trace.string());
-  if (options.config) json["settings"] = options.config->string();
-  if (options.robot) json["description"] = options.robot->string();
-  if (options.plan) json["plan"] = options.plan->string();
-  if (search.chosen) json["conversation"] = text(*search.chosen);
-  write_atomically(
-      *options.output / "run.json",
-      json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  auto given = nlohmann::ordered_json::object();
+  for (const auto& trace : options.traces) given["traces"].push_back(trace.string());
+  if (options.config) given["settings"] = options.config->string();
+  if (options.robot) given["description"] = options.robot->string();
+  if (options.plan) given["plan"] = options.plan->string();
+  if (search.chosen) given["conversation"] = text(*search.chosen);
+  write_atomically(*options.output / "run.json", run_json("replay", given));
 }
 
 }  // namespace

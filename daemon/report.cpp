@@ -119,7 +119,7 @@ std::string boxes(const Identification& found) {
   return text;
 }
 
-std::string vector(const Eigen::Vector3d& v, int decimals) {
+std::string vector_text(const Eigen::Vector3d& v, int decimals) {
   return fixed(v.x(), decimals) + ", " + fixed(v.y(), decimals) + ", " + fixed(v.z(), decimals);
 }
 
@@ -127,14 +127,14 @@ std::string vector(const Eigen::Vector3d& v, int decimals) {
 std::string places(const Identification& found) {
   std::string text;
   if (found.tool)
-    text += paragraph("tool        ", vector(found.tool->translation(), 4) +
+    text += paragraph("tool        ", vector_text(found.tool->translation(), 4) +
                                           " mm in the frame behind the last row" +
                                           (found.specified.empty() ? "" : " as specified"));
   if (found.robot_pose)
-    text +=
-        paragraph("robot       ", "base at " + vector(found.robot_pose->pose.translation(), 4) +
-                                      " mm (+- " + vector(found.robot_pose->position_sigma_mm, 4) +
-                                      ") in the device's frame");
+    text += paragraph("robot       ",
+                      "base at " + vector_text(found.robot_pose->pose.translation(), 4) +
+                          " mm (+- " + vector_text(found.robot_pose->position_sigma_mm, 4) +
+                          ") in the device's frame");
   return text;
 }
 

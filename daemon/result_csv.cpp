@@ -17,10 +17,10 @@ namespace {
 using identify::DhNumber;
 using identify::Knowledge;
 
-std::string length(double mm) {
+std::string length_text(double mm) {
   return fixed(mm, kLengthDecimals);
 }
-std::string angle(double radians) {
+std::string angle_text(double radians) {
   return fixed(degrees(radians), kAngleDecimals);
 }
 
@@ -89,28 +89,28 @@ std::string dh_csv(const Outcome& outcome) {
     const identify::DhRow expected = specified != nullptr ? *specified : identify::DhRow{};
     const identify::DhDifference difference =
         specified != nullptr ? differences[i] : identify::DhDifference{};
-    add("b_mm", row.b_mm, expected.b_mm, difference.b_mm, length);
-    add("theta_deg", row.theta_rad, expected.theta_rad, difference.theta_rad, angle);
-    add("a_mm", row.a_mm, expected.a_mm, difference.a_mm, length);
-    add("alpha_deg", row.alpha_rad, expected.alpha_rad, difference.alpha_rad, angle);
+    add("b_mm", row.b_mm, expected.b_mm, difference.b_mm, length_text);
+    add("theta_deg", row.theta_rad, expected.theta_rad, difference.theta_rad, angle_text);
+    add("a_mm", row.a_mm, expected.a_mm, difference.a_mm, length_text);
+    add("alpha_deg", row.alpha_rad, expected.alpha_rad, difference.alpha_rad, angle_text);
     if (has_beta(row) && row.beta_rad.knowledge == Knowledge::by_convention)
       by_convention += " beta_deg";
     csv += "," + std::string(identify::text(row.relation)) + "," + by_convention + ",";
-    if (has_beta(row)) csv += angle(row.beta_rad.value);
+    if (has_beta(row)) csv += angle_text(row.beta_rad.value);
     csv += ",";
     const bool beta_identified = has_beta(row) && row.beta_rad.knowledge == Knowledge::identified;
-    if (beta_identified) csv += angle(row.beta_rad.sigma);
+    if (beta_identified) csv += angle_text(row.beta_rad.sigma);
     const auto interval = [&](const DhNumber& number, auto unit) {
       const double half = identify::kSigmasOf95Percent * number.sigma;
       csv += number.knowledge == Knowledge::identified
                  ? "," + unit(number.value - half) + "," + unit(number.value + half)
                  : ",,";
     };
-    interval(row.b_mm, length);
-    interval(row.theta_rad, angle);
-    interval(row.a_mm, length);
-    interval(row.alpha_rad, angle);
-    interval(beta_identified ? row.beta_rad : DhNumber{}, angle);
+    interval(row.b_mm, length_text);
+    interval(row.theta_rad, angle_text);
+    interval(row.a_mm, length_text);
+    interval(row.alpha_rad, angle_text);
+    interval(beta_identified ? row.beta_rad : DhNumber{}, angle_text);
     csv += "\n";
   }
   return csv;

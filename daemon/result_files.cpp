@@ -50,7 +50,7 @@ const std::array<ResultFile, 7> kFiles{{
     {"sweeps.csv", always<sweeps_csv>},
 }};
 
-void write(const std::filesystem::path& file, const Content& content) {
+void write_or_remove(const std::filesystem::path& file, const Content& content) {
   std::error_code ignored;
   if (content)
     write_atomically(file, *content);
@@ -80,7 +80,7 @@ void write_result(const std::filesystem::path& folder, const Outcome& outcome,
   for (const auto& [name, content] : kFiles) {
     if (written.contains(name)) continue;
     try {
-      write(folder / name, content(outcome));
+      write_or_remove(folder / name, content(outcome));
       written.insert(name);
     } catch (const std::exception&) {
       if (!failure) failure = std::current_exception();

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/chain_json.hpp"
+#include "daemon/json_numbers.hpp"
 #include "daemon/models.hpp"
 #include "daemon/models_json.hpp"
 #include "daemon/numbers.hpp"
@@ -26,13 +27,6 @@ using identify::DhRow;
 using identify::Identification;
 using identify::JointResult;
 using identify::Knowledge;
-
-Json length(double mm) {
-  return rounded(mm, kLengthDecimals);
-}
-Json angle(double radians) {
-  return rounded(degrees(radians), kAngleDecimals);
-}
 
 Json vector(const Eigen::Vector3d& v, int decimals) {
   return {rounded(v.x(), decimals), rounded(v.y(), decimals), rounded(v.z(), decimals)};
@@ -100,7 +94,7 @@ Json joint(std::size_t index, const JointResult& result) {
     Json json = {{"samples", sweep.samples->size()},
                  {"start_s", rounded(sweep.first().time_s, 6)},
                  {"end_s", rounded(sweep.last().time_s, 6)},
-                 {"range_deg", angle(sweep.range_rad)},
+                 {"range_deg", json_angle(sweep.range_rad)},
                  {"direction", sweep.direction}};
     if (sweep.positioning) json["positioning"] = true;
     json["used"] = static_cast<bool>(result.used[s]);
@@ -110,15 +104,15 @@ Json joint(std::size_t index, const JointResult& result) {
   if (result.axis)
     json["axis"] = {{"direction", direction(result.axis->direction)},
                     {"point", point(result.axis->point_mm)},
-                    {"direction_sigma_deg", angle(result.axis->direction_sigma_rad())},
-                    {"point_sigma_mm", length(result.axis->point_sigma_mm())}};
+                    {"direction_sigma_deg", json_angle(result.axis->direction_sigma_rad())},
+                    {"point_sigma_mm", json_length(result.axis->point_sigma_mm())}};
   if (result.circle)
     json["circle"] = {{"center", point(result.circle->center_mm)},
                       {"normal", direction(result.circle->normal)},
-                      {"radius_mm", length(result.circle->radius_mm)},
-                      {"arc_deg", angle(result.circle->arc_rad)},
-                      {"plane_rms_mm", length(result.circle->plane_rms_mm)},
-                      {"radial_rms_mm", length(result.circle->radial_rms_mm)}};
+                      {"radius_mm", json_length(result.circle->radius_mm)},
+                      {"arc_deg", json_angle(result.circle->arc_rad)},
+                      {"plane_rms_mm", json_length(result.circle->plane_rms_mm)},
+                      {"radial_rms_mm", json_length(result.circle->radial_rms_mm)}};
   if (result.box) json["bounding_box"] = box(*result.box);
   return json;
 }
@@ -137,11 +131,11 @@ Json dh_row(std::size_t index, const DhEstimate& row) {
     json[name + "_high" + unit] = identified ? in_unit(number.value + half) : Json();
     if (number.knowledge == Knowledge::by_convention) by_convention.push_back(name + unit);
   };
-  add("b", "_mm", row.b_mm, length);
-  add("theta", "_deg", row.theta_rad, angle);
-  add("a", "_mm", row.a_mm, length);
-  add("alpha", "_deg", row.alpha_rad, angle);
-  if (has_beta(row)) add("beta", "_deg", row.beta_rad, angle);
+  add("b", "_mm", row.b_mm, json_length);
+  add("theta", "_deg", row.theta_rad, json_angle);
+  add("a", "_mm", row.a_mm, json_length);
+  add("alpha", "_deg", row.alpha_rad, json_angle);
+  if (has_beta(row)) add("beta", "_deg", row.beta_rad, json_angle);
   json["relation"] = identify::text(row.relation);
   if (!by_convention.empty()) json["by_convention"] = std::move(by_convention);
   return json;
@@ -166,10 +160,10 @@ Json specified(const std::vector<DhRow>& rows) {
   Json json = Json::array();
   for (std::size_t i = 0; i < rows.size(); ++i)
     json.push_back({{"joint", i + 1},
-                    {"b_mm", length(rows[i].b_mm)},
-                    {"theta_deg", angle(rows[i].theta_rad)},
-                    {"a_mm", length(rows[i].a_mm)},
-                    {"alpha_deg", angle(rows[i].alpha_rad)}});
+                    {"b_mm", json_length(rows[i].b_mm)},
+                    {"theta_deg", json_angle(rows[i].theta_rad)},
+                    {"a_mm", json_length(rows[i].a_mm)},
+                    {"alpha_deg", json_angle(rows[i].alpha_rad)}});
   return json;
 }
 
@@ -180,10 +174,10 @@ Json differences(const std::vector<DhDifference>& rows) {
   Json json = Json::array();
   for (std::size_t i = 0; i < rows.size(); ++i)
     json.push_back({{"joint", i + 1},
-                    {"b_mm", optional(rows[i].b_mm, length)},
-                    {"theta_deg", optional(rows[i].theta_rad, angle)},
-                    {"a_mm", optional(rows[i].a_mm, length)},
-                    {"alpha_deg", optional(rows[i].alpha_rad, angle)}});
+                    {"b_mm", optional(rows[i].b_mm, json_length)},
+                    {"theta_deg", optional(rows[i].theta_rad, json_angle)},
+                    {"a_mm", optional(rows[i].a_mm, json_length)},
+                    {"alpha_deg", optional(rows[i].alpha_rad, json_angle)}});
   return json;
 }
 
@@ -236,7 +230,8 @@ std::string result_json(const Outcome& outcome) {
                {"status", identify::text(found.status)}};
   if (!found.reason.empty()) json["reason"] = found.reason;
   Json home = Json::array();
-  for (const auto& home_rad : found.home_rad) home.push_back(home_rad ? angle(*home_rad) : Json());
+  for (const auto& home_rad : found.home_rad)
+    home.push_back(home_rad ? json_angle(*home_rad) : Json());
   const auto known = [](const Json& angle_deg) { return !angle_deg.is_null(); };
   if (std::any_of(home.begin(), home.end(), known)) json["home_deg"] = std::move(home);
   json["source"] = source(outcome);

@@ -18,6 +18,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "daemon/ascii.hpp"
 #include "daemon/recording_files.hpp"
 #include "daemon/session_folder.hpp"
 
@@ -50,14 +51,9 @@ class Folder {
   DIR* entries_;
 };
 
-bool digits(std::string_view text) {
-  return !text.empty() &&
-         std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
-}
-
 std::optional<unsigned> number(std::string_view text) {
   unsigned value = 0;
-  if (!digits(text)) return std::nullopt;
+  if (!all_digits(text)) return std::nullopt;
   const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
   return end.ec == std::errc{} ? std::optional(value) : std::nullopt;
 }

@@ -2,20 +2,19 @@
 
 #include <algorithm>
 #include <array>
-#include <numbers>
 #include <string_view>
 
 #include "daemon/toml_table.hpp"
+#include "daemon/units.hpp"
 
 namespace sweepd {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kLongest_mm = 1e5;
 constexpr double kTurn_deg = 360;
 constexpr double kMostTurns_deg = 1e5;  // endless joints exist
-constexpr double kLeastSpeed_deg_s = 0.1;
-constexpr double kMostSpeed_deg_s = 1e4;
+constexpr double kSlowestJoint_deg_s = 0.1;
+constexpr double kFastestJoint_deg_s = 1e4;
 
 constexpr std::array<std::string_view, 5> kRowKeys{"b_mm", "theta_deg", "a_mm", "alpha_deg",
                                                    "positive"};
@@ -27,7 +26,8 @@ bool has_row(const TomlTable& joint) {
 JointLimits read_limits(const TomlTable& joint) {
   JointLimits limits;
   if (joint.has("max_speed_deg_s"))
-    limits.max_speed_deg_s = joint.number("max_speed_deg_s", kLeastSpeed_deg_s, kMostSpeed_deg_s);
+    limits.max_speed_deg_s =
+        joint.number("max_speed_deg_s", kSlowestJoint_deg_s, kFastestJoint_deg_s);
   if (!joint.has("min_deg") && !joint.has("max_deg")) return limits;
   limits.min_deg = joint.number("min_deg", -kMostTurns_deg, kMostTurns_deg);
   limits.max_deg = joint.number("max_deg", -kMostTurns_deg, kMostTurns_deg);

@@ -31,7 +31,7 @@ constexpr auto kLongestResult = 10min;
 
 /// So many datagrams of others than the session's controller wait for the answer to whose stream it
 /// is: a server needs a few telegrams to tell.
-constexpr std::size_t kMostWaiting = 64;
+constexpr std::size_t kMostWaitingDatagrams = 64;
 
 Say say_for(const std::string& name) {
   return [log = Log(name)](Importance importance, const std::string& text) {
@@ -217,7 +217,7 @@ void RobotService::take(const rsi::Datagram& datagram, rsi::Handling handling) {
 
 void RobotService::take_from_other(const rsi::Datagram& datagram, rsi::Handling handling,
                                    std::uint32_t peer) {
-  if (waiting_.size() == kMostWaiting) waiting_.pop_front();
+  if (waiting_.size() == kMostWaitingDatagrams) waiting_.pop_front();
   waiting_.push_back({datagram, std::string(datagram.payload), handling, peer});
   if (!handling.streams) return;
   session_log_.note("{} streams: it is the controller, and what came before was none",

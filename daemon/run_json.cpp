@@ -32,14 +32,16 @@ std::string text(const Json& run) {
   return run.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+Json begun(std::string_view command) {
+  return {{"schema", "sweepd.run/1"}, {"sweepd", SWEEPD_VERSION}, {"command", command}};
+}
+
 }  // namespace
 
 std::string run_json(const RunFacts& facts) {
-  Json run = {{"schema", "sweepd.run/1"},
-              {"sweepd", SWEEPD_VERSION},
-              {"command", "run"},
-              {"robot", facts.robot},
-              {"started", facts.started}};
+  Json run = begun("run");
+  run["robot"] = facts.robot;
+  run["started"] = facts.started;
   if (!facts.ended.empty()) run["ended"] = facts.ended;
   run["folder"] = facts.folder.string();
   run["description"] = facts.description.string();
@@ -60,12 +62,17 @@ std::string run_json(const RunFacts& facts) {
   return text(run);
 }
 
+std::string run_json(std::string_view command, const Json& given) {
+  Json run = begun(command);
+  run.update(given);
+  return text(run);
+}
+
 std::string run_json_of_cut_session(const std::filesystem::path& folder, const std::string& ended,
                                     bool from_recording) {
   std::ifstream stream(folder / "run.json", std::ios::binary);
   Json run = Json::parse(stream, nullptr, false);
-  if (!run.is_object())
-    run = {{"schema", "sweepd.run/1"}, {"sweepd", SWEEPD_VERSION}, {"command", "run"}};
+  if (!run.is_object()) run = begun("run");
   run["ended"] = ended;
   if (from_recording) run["from_recording"] = true;
   return text(run);

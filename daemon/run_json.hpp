@@ -3,6 +3,9 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
+
+#include <nlohmann/json_fwd.hpp>
 
 #include "daemon/recording.hpp"
 #include "rsi/server.hpp"
@@ -23,6 +26,9 @@ struct RunFacts {
 };
 
 [[nodiscard]] std::string run_json(const RunFacts& facts);
+
+/// The same of a command that ends with its result: what it was given.
+[[nodiscard]] std::string run_json(std::string_view command, const nlohmann::ordered_json& given);
 
 /// What run.json of `folder` becomes once the files of a session that was cut are final: as it is,
 /// with "ended" and, where the result was made from the recording, "from_recording". Made anew

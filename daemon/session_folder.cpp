@@ -14,15 +14,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "daemon/ascii.hpp"
+
 namespace sweepd {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool digits(std::string_view text) {
-  return !text.empty() &&
-         std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
-}
 
 bool is_unfinished(const fs::path& folder) {
   std::error_code error;
@@ -39,15 +36,15 @@ bool is_unfinished(const fs::path& folder) {
 
 std::optional<SessionName> session_name(std::string_view name) {
   constexpr std::size_t kLength = 16;
-  if (name.size() < kLength || name[8] != 'T' || name[15] != 'Z' || !digits(name.substr(0, 8)) ||
-      !digits(name.substr(9, 6)))
+  if (name.size() < kLength || name[8] != 'T' || name[15] != 'Z' ||
+      !all_digits(name.substr(0, 8)) || !all_digits(name.substr(9, 6)))
     return std::nullopt;
   const auto start = std::string(name.substr(0, kLength));
   if (name.size() == kLength) return SessionName{start, 1};
   const auto number = name.substr(std::min(kLength + 1, name.size()));
   unsigned again = 0;
   const auto end = std::from_chars(number.data(), number.data() + number.size(), again);
-  if (!digits(number) || end.ec != std::errc{} || again < 2 ||
+  if (!all_digits(number) || end.ec != std::errc{} || again < 2 ||
       name != start + '-' + std::to_string(again))
     return std::nullopt;
   return SessionName{start, again};

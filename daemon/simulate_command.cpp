@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/exit_codes.hpp"
 #include "daemon/outputs.hpp"
 #include "daemon/progress.hpp"
 #include "daemon/simulated_robot.hpp"
@@ -47,9 +48,6 @@ class Interrupt {
   struct sigaction old_int_ {};
   struct sigaction old_term_ {};
 };
-
-constexpr int kFailed = 1;
-constexpr int kLate = 3;  // every reply was right: a busy machine, perhaps, and not a wrong server
 
 /// config/controller/krc4/sweepd_ethernet.xml
 EthernetConfig built_in_ethernet_config() {

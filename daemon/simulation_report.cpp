@@ -14,7 +14,7 @@ using rsi::counted;
 using rsi::ReplyFault;
 using End = rsi::ControllerLink::End;
 
-std::string row(std::string_view label, std::string_view value, std::string_view unit = {}) {
+std::string report_row(std::string_view label, std::string_view value, std::string_view unit = {}) {
   constexpr std::size_t label_width = 24;
   constexpr std::size_t value_width = 10;
   std::string line(label);
@@ -24,11 +24,11 @@ std::string row(std::string_view label, std::string_view value, std::string_view
   return line + '\n';
 }
 
-std::string row(std::string_view label, std::uint64_t count, std::string_view unit = {}) {
-  return row(label, std::to_string(count), unit);
+std::string report_row(std::string_view label, std::uint64_t count, std::string_view unit = {}) {
+  return report_row(label, std::to_string(count), unit);
 }
 
-std::string seconds(std::chrono::milliseconds time) {
+std::string duration_text(std::chrono::milliseconds time) {
   return fixed(std::chrono::duration<double>(time).count(), 1) + " s";
 }
 
@@ -50,17 +50,17 @@ std::string reply_rows(const SimulationReport& report) {
   const auto& counts = report.link.controller;
   std::string rows;
   if (report.only_send) {
-    rows += row("replies", counts.replies, "none expected: ONLYSEND");
+    rows += report_row("replies", counts.replies, "none expected: ONLYSEND");
   } else {
-    rows += row("replies accepted", counts.accepted);
+    rows += report_row("replies accepted", counts.accepted);
     if (const auto count = counts.remarks_of(ReplyFault::missing_tag); count != 0)
-      rows += row("  with tags left out", count, "which controllers accept");
+      rows += report_row("  with tags left out", count, "which controllers accept");
     if (const auto count = counts.remarks_of(ReplyFault::not_zero); count != 0)
-      rows += row("  with values not zero", count, "which controllers obey");
+      rows += report_row("  with values not zero", count, "which controllers obey");
     for (const auto& remark : report.link.first_remarks) rows += "  first " + remark + '\n';
-    rows += row("cycles unanswered", counts.unanswered,
-                "at most " + std::to_string(counts.longest_unanswered) + " in a row");
-    rows += row("replies late", counts.of(ReplyFault::late));
+    rows += report_row("cycles unanswered", counts.unanswered,
+                       "at most " + std::to_string(counts.longest_unanswered) + " in a row");
+    rows += report_row("replies late", counts.of(ReplyFault::late));
   }
   bool refused = false;
   for (std::size_t i = 0; i < rsi::kReplyFaults; ++i) {
@@ -68,11 +68,11 @@ std::string reply_rows(const SimulationReport& report) {
     if (kind == ReplyFault::late || counts.of(kind) == 0) continue;
     // A controller obeys these: they are accepted all the same.
     const bool obeyed = kind == ReplyFault::not_zero;
-    rows += row(obeyed ? "replies not zero" : "replies refused", counts.of(kind),
-                obeyed ? "sweepd promises zeros" : rsi::text(kind));
+    rows += report_row(obeyed ? "replies not zero" : "replies refused", counts.of(kind),
+                       obeyed ? "sweepd promises zeros" : rsi::text(kind));
     refused = refused || !obeyed;
   }
-  if (!refused) rows += row("replies refused", 0);
+  if (!refused) rows += report_row("replies refused", 0);
   if (!report.link.first_fault.empty()) rows += "  first " + report.link.first_fault + '\n';
   return rows;
 }
@@ -80,7 +80,7 @@ std::string reply_rows(const SimulationReport& report) {
 std::string latency_rows(const rsi::LatencyHistogram& latency) {
   if (latency.count() == 0) return {};
   const auto microseconds = [](std::string_view label, std::chrono::nanoseconds time) {
-    return row(label, fixed(static_cast<double>(time.count()) / 1e3, 1), "µs");
+    return report_row(label, fixed(static_cast<double>(time.count()) / 1e3, 1), "µs");
   };
   return microseconds("latency p50", latency.quantile(0.5)) +
          microseconds("latency p99", latency.quantile(0.99)) +
@@ -136,19 +136,22 @@ std::string text(const SimulationReport& report) {
   const auto& link = report.link;
   const auto telegrams = link.controller.telegrams;
   std::string text = (report.live ? "Simulated to " : "Simulated into ") + report.target + ", " +
-                     seconds(cycles(report) * report.cycle) + " of " +
-                     seconds(report.planned * report.cycle) + ": ";
+                     duration_text(cycles(report) * report.cycle) + " of " +
+                     duration_text(report.planned * report.cycle) + ": ";
   text.append(ending(report)).append(".\n");
-  text += row("telegrams", telegrams, "one each " + std::to_string(report.cycle.count()) + " ms");
-  text += row("  lost on purpose", link.wire.lost);
-  text += row("  duplicated on purpose", link.wire.duplicated);
-  text += row("  swapped on purpose", link.wire.swapped, "pairs");
+  text += report_row("telegrams", telegrams,
+                     "one each " + std::to_string(report.cycle.count()) + " ms");
+  text += report_row("  lost on purpose", link.wire.lost);
+  text += report_row("  duplicated on purpose", link.wire.duplicated);
+  text += report_row("  swapped on purpose", link.wire.swapped, "pairs");
   if (!report.live) return text;
   if (link.skipped != 0)
-    text += row("cycles overslept", link.skipped, "by this machine: no telegrams, IPOC went on");
+    text +=
+        report_row("cycles overslept", link.skipped, "by this machine: no telegrams, IPOC went on");
   if (link.send_failures != 0)
-    text += row("not sent", link.send_failures,
-                (link.send_failures == 1 ? "datagram: " : "datagrams: ") + link.first_send_failure);
+    text += report_row(
+        "not sent", link.send_failures,
+        (link.send_failures == 1 ? "datagram: " : "datagrams: ") + link.first_send_failure);
   return text + reply_rows(report) + latency_rows(link.latency);
 }
 

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/numbers.hpp"
+#include "daemon/units.hpp"
 #include "daemon/utc.hpp"
 
 namespace sweepd {
@@ -10,13 +11,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using std::chrono::nanoseconds;
-
-double us(nanoseconds time) {
-  return static_cast<double>(time.count()) / 1e3;
-}
-double ms(nanoseconds time) {
-  return static_cast<double>(time.count()) / 1e6;
-}
 
 const char* text(ServiceStatus::Phase phase) {
   switch (phase) {

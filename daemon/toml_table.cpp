@@ -20,7 +20,7 @@ namespace sweepd {
 namespace {
 
 /// More than any file of ours; keeps a mistaken path (a capture, /dev/zero) from filling memory.
-constexpr std::size_t kMostBytes = 1 << 20;
+constexpr std::size_t kMostFileBytes = 1 << 20;
 /// Our files have a table in a table.
 constexpr std::size_t kDeepest = 32;
 
@@ -50,7 +50,7 @@ std::string in_quotes(std::string_view text) {
 }
 
 /// A key or message that stands without quotes.
-std::string plain(std::string_view text) {
+std::string unquoted(std::string_view text) {
   const std::string shown = in_quotes(text);
   return shown.substr(1, shown.size() - 2);
 }
@@ -93,7 +93,7 @@ struct TomlTable::Node {
 
   [[noreturn]] void fail(std::string_view key, const toml::source_position& where,
                          const std::string& problem) const {
-    throw ConfigError(place(file, where) + prefix + plain(key) + ": " + rsi::printable(problem));
+    throw ConfigError(place(file, where) + prefix + unquoted(key) + ": " + rsi::printable(problem));
   }
 
   [[noreturn]] void fail(std::string_view key, const toml::node& node,
@@ -137,7 +137,7 @@ TomlTable TomlTable::load(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   std::string text;
   std::array<char, 4096> part{};
-  while (in && text.size() <= kMostBytes) {
+  while (in && text.size() <= kMostFileBytes) {
     in.read(part.data(), part.size());
     text.append(part.data(), static_cast<std::size_t>(in.gcount()));
   }
@@ -145,7 +145,7 @@ TomlTable TomlTable::load(const std::filesystem::path& file) {
     throw ConfigError(file.string() + ": cannot be read: " +
                       std::error_code(errno, std::generic_category()).message() +
                       ": check the path and the permissions");
-  if (text.size() > kMostBytes)
+  if (text.size() > kMostFileBytes)
     throw ConfigError(file.string() +
                       ": expected a TOML file of at most 1 MiB, found more: " + "check the path");
   return parse(text, file);

@@ -20,7 +20,7 @@ namespace rsi {
 namespace {
 
 constexpr int kLeastPrecision = 4;
-constexpr std::size_t kMostBytes = 16 << 20;  // .rsix files with all blueprints have 0.1 MB
+constexpr std::size_t kMostContextBytes = 16 << 20;  // .rsix files with all blueprints have 0.1 MB
 constexpr std::size_t kMostObjects = 10'000;
 
 std::optional<int> whole_number(std::string_view text) {
@@ -45,9 +45,10 @@ pugi::xml_node child(const pugi::xml_node& node, std::string_view name) {
   return node.find_child([&](const pugi::xml_node& each) { return is_named(each, name); });
 }
 
-class Reader {
+class ContextReader {
  public:
-  Reader(std::string_view xml, RsiContext& context) : xml_(xml), text_(xml), context_(context) {}
+  ContextReader(std::string_view xml, RsiContext& context)
+      : xml_(xml), text_(xml), context_(context) {}
 
   void read() {
     if (xml_.find('\0') != std::string_view::npos)
@@ -224,10 +225,10 @@ class Reader {
 RsiContext RsiContext::parse(std::string_view xml, std::string name) {
   RsiContext context;
   context.name = std::move(name);
-  if (xml.size() > kMostBytes)
+  if (xml.size() > kMostContextBytes)
     throw RsiContextError(context.name + ": expected an RSI context, found " +
                           std::to_string(xml.size()) + " bytes: give the .rsi.xml or .rsix");
-  Reader(xml, context).read();
+  ContextReader(xml, context).read();
   return context;
 }
 

@@ -10,6 +10,9 @@
 
 namespace rsi {
 
+/// Half a minute of telegrams at a cycle of 4 ms, should this machine stop that long.
+inline constexpr int kReceiveBuffer = 8 << 20;
+
 /// A socket of the system, closed at its end of life. No socket: -1.
 class Socket {
  public:

@@ -26,8 +26,6 @@ constexpr auto kLongestWait = 10s;
 constexpr int kBacklog = 16;
 /// Of a flood of connections so many are looked at before telegrams again.
 constexpr int kMostAccepted = 16;
-/// As much as a UdpServer asks for.
-constexpr int kReceiveBuffer = 8 << 20;
 /// Replies that wait here are late: a controller that does not read them is soon noticed.
 constexpr int kSendBuffer = 16 << 10;
 

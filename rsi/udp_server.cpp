@@ -17,8 +17,6 @@ namespace rsi {
 namespace {
 
 constexpr std::size_t kLargestDatagram = 65536;
-/// Half a minute of telegrams at a cycle of 4 ms, should this machine stop that long.
-constexpr int kReceiveBuffer = 8 << 20;
 
 /// No datagram takes more of the receive buffer, in the system's counting.
 constexpr std::size_t kMostMemory = 128 << 10;

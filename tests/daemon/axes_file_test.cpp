@@ -13,9 +13,9 @@ using sweepd::test::TemporaryFolder;
 
 namespace {
 
-const std::string kHeader = "joint,x_mm,y_mm,z_mm,dx,dy,dz\n";
+const std::string kAxesHeader = "joint,x_mm,y_mm,z_mm,dx,dy,dz\n";
 
-void check_error(const std::string& text, const std::string& said) {
+void check_axes_error(const std::string& text, const std::string& said) {
   const TemporaryFolder folder;
   INFO(text);
   const auto path = folder.write("axes.csv", text);
@@ -59,22 +59,23 @@ TEST_CASE("axes without a header are named from outside") {
 }
 
 TEST_CASE("axes that are wrong are told with line and column") {
-  check_error(kHeader + "1,0,0,0,0,0,0\n",
-              "line 2, column 5 (dx): expected a direction, found zero");
-  check_error(kHeader + "1,0,0,0,0,0,1\n2,0,0,0,1,0,0\n1,0,0,0,0,0,1\n",
-              "line 4, column 1 (joint): expected each joint once, found joint 1 in line 2 too");
-  check_error(kHeader + "1,0,0,0,0,0,1\n3,0,0,0,1,0,0\n",
-              "line 3: expected the axes of all joints up to joint 3, found none of joint 2");
-  check_error(kHeader + "7,0,0,0,0,0,1\n",
-              "line 2, column 1 (joint): expected a whole number from 1 to 6, found \"7\"");
-  check_error(kHeader + "1,0,0,,0,0,1\n",
-              "line 2, column 4 (z_mm): expected a number, found nothing");
-  check_error(kHeader + "1,0,0,0,0,0,up\n",
-              "line 2, column 7 (dz): expected a number, found \"up\"");
-  check_error(kHeader, "expected axes, found no line but the header");
-  check_error("joint,x_mm,y_mm,z_mm,dx,dy\n", "line 1: expected a column dz, found none");
-  check_error("joint,x_mm,y_mm,z_mm,dx,dy,dz,name\n",
-              "line 1, column 8 (name): expected a known column");
-  check_error("joint,x_mm,y_mm,z_mm,dx,dy,dz,point_sigma_mm\n1,0,0,0,0,0,1,-1\n",
-              "line 2, column 8 (point_sigma_mm): expected a standard uncertainty");
+  check_axes_error(kAxesHeader + "1,0,0,0,0,0,0\n",
+                   "line 2, column 5 (dx): expected a direction, found zero");
+  check_axes_error(
+      kAxesHeader + "1,0,0,0,0,0,1\n2,0,0,0,1,0,0\n1,0,0,0,0,0,1\n",
+      "line 4, column 1 (joint): expected each joint once, found joint 1 in line 2 too");
+  check_axes_error(kAxesHeader + "1,0,0,0,0,0,1\n3,0,0,0,1,0,0\n",
+                   "line 3: expected the axes of all joints up to joint 3, found none of joint 2");
+  check_axes_error(kAxesHeader + "7,0,0,0,0,0,1\n",
+                   "line 2, column 1 (joint): expected a whole number from 1 to 6, found \"7\"");
+  check_axes_error(kAxesHeader + "1,0,0,,0,0,1\n",
+                   "line 2, column 4 (z_mm): expected a number, found nothing");
+  check_axes_error(kAxesHeader + "1,0,0,0,0,0,up\n",
+                   "line 2, column 7 (dz): expected a number, found \"up\"");
+  check_axes_error(kAxesHeader, "expected axes, found no line but the header");
+  check_axes_error("joint,x_mm,y_mm,z_mm,dx,dy\n", "line 1: expected a column dz, found none");
+  check_axes_error("joint,x_mm,y_mm,z_mm,dx,dy,dz,name\n",
+                   "line 1, column 8 (name): expected a known column");
+  check_axes_error("joint,x_mm,y_mm,z_mm,dx,dy,dz,point_sigma_mm\n1,0,0,0,0,0,1,-1\n",
+                   "line 2, column 8 (point_sigma_mm): expected a standard uncertainty");
 }

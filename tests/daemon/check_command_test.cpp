@@ -5,16 +5,16 @@
 #include "rsi/asio.hpp"
 
 #include "tests/catch.hpp"
+#include "tests/config_folder.hpp"
 #include "tests/daemon/temporary_folder.hpp"
 
 using Catch::Matchers::ContainsSubstring;
 using sweepd::check;
+using sweepd::test::kConfig;
 using sweepd::test::TemporaryFolder;
 namespace fs = std::filesystem;
 
 namespace {
-
-const fs::path kConfig = fs::path(SWEEPD_SOURCE_DIR) / "config";
 
 struct Checked {
   int code = 0;
@@ -30,12 +30,12 @@ Checked checked(sweepd::CheckOptions options) {
 }
 
 /// An Ethernet file on lines of its own, so that a test knows their numbers.
-std::string ethernet(const std::string& ip = "192.168.1.10", const std::string& port = "49152",
-                     const std::string& more = "",
-                     const std::string& send =
-                         "<ELEMENT TAG=\"DEF_RIst\" TYPE=\"DOUBLE\" "
-                         "INDX=\"INTERNAL\"/><ELEMENT TAG=\"DEF_AIPos\" "
-                         "TYPE=\"DOUBLE\" INDX=\"INTERNAL\"/>") {
+std::string ethernet_text(const std::string& ip = "192.168.1.10", const std::string& port = "49152",
+                          const std::string& more = "",
+                          const std::string& send =
+                              "<ELEMENT TAG=\"DEF_RIst\" TYPE=\"DOUBLE\" "
+                              "INDX=\"INTERNAL\"/><ELEMENT TAG=\"DEF_AIPos\" "
+                              "TYPE=\"DOUBLE\" INDX=\"INTERNAL\"/>") {
   return "<ROOT>\n<CONFIG>\n<IP_NUMBER>" + ip + "</IP_NUMBER>\n<PORT>" + port +
          "</PORT>\n<SENTYPE>ImFree</SENTYPE><ONLYSEND>FALSE</ONLYSEND>" + more +
          "</CONFIG>\n<SEND><ELEMENTS>" + send +
@@ -47,8 +47,8 @@ std::string ethernet(const std::string& ip = "192.168.1.10", const std::string& 
 }
 
 /// Settings beside which robot and Ethernet file lie.
-std::string settings(const std::string& more = "", const std::string& listen = "0.0.0.0:49152",
-                     const std::string& zeros = "\"RKorr.X\", \"DiO\"") {
+std::string settings_text(const std::string& more = "", const std::string& listen = "0.0.0.0:49152",
+                          const std::string& zeros = "\"RKorr.X\", \"DiO\"") {
   return "[[robot]]\nname = \"kr5-arc\"\ndescription = \"robot.toml\"\nlisten = \"" + listen +
          "\"\noutput = \"out\"\nethernet_config = \"ethernet.xml\"\nanswers_with_zeros = [" +
          zeros + "]\n" + more;
@@ -58,8 +58,8 @@ std::string settings(const std::string& more = "", const std::string& listen = "
 struct Sound : TemporaryFolder {
   Sound() {
     fs::copy_file(kConfig / "robots/kr5_arc.toml", path() / "robot.toml");
-    static_cast<void>(write("ethernet.xml", ethernet()));
-    static_cast<void>(write("sweepd.toml", settings()));
+    static_cast<void>(write("ethernet.xml", ethernet_text()));
+    static_cast<void>(write("sweepd.toml", settings_text()));
   }
   [[nodiscard]] Checked check() const { return checked({path() / "sweepd.toml", {}}); }
 };
@@ -87,7 +87,7 @@ TEST_CASE("tags that can move the robot by zeros are refused unless the settings
           "[issue11][point_1]") {
   const Sound folder;
   const auto refused = [&](const std::string& zeros) {
-    static_cast<void>(folder.write("sweepd.toml", settings("", "0.0.0.0:49152", zeros)));
+    static_cast<void>(folder.write("sweepd.toml", settings_text("", "0.0.0.0:49152", zeros)));
     const auto result = folder.check();
     CHECK(result.code == 78);
     return result.text;
@@ -104,10 +104,10 @@ TEST_CASE("tags that can move the robot by zeros are refused unless the settings
              ContainsSubstring("it has RKorr.X, DiO"));
 
   SECTION("ONLYSEND answers nothing") {
-    auto text = ethernet();
+    auto text = ethernet_text();
     text.replace(text.find("FALSE"), 5, "TRUE");
     static_cast<void>(folder.write("ethernet.xml", text));
-    static_cast<void>(folder.write("sweepd.toml", settings("", "0.0.0.0:49152", "")));
+    static_cast<void>(folder.write("sweepd.toml", settings_text("", "0.0.0.0:49152", "")));
     CHECK(folder.check().code == 0);
   }
   SECTION("without settings that could allow it, a file is warned of") {
@@ -121,7 +121,7 @@ TEST_CASE("replies that no datagram holds are refused, those in pieces are warne
           "[issue11][point_2]") {
   const TemporaryFolder folder;
   const auto with_string_of = [&](std::size_t bytes) {
-    auto text = ethernet();
+    auto text = ethernet_text();
     const auto begin = text.find("<ELEMENT TAG=\"RKorr");
     text.replace(
         begin, text.find("</ELEMENTS></RECEIVE>") - begin,
@@ -129,7 +129,7 @@ TEST_CASE("replies that no datagram holds are refused, those in pieces are warne
     return folder.write("ethernet.xml", text);
   };
   fs::copy_file(kConfig / "robots/kr5_arc.toml", folder / "robot.toml");
-  static_cast<void>(folder.write("sweepd.toml", settings("", "0.0.0.0:49152", "")));
+  static_cast<void>(folder.write("sweepd.toml", settings_text("", "0.0.0.0:49152", "")));
   static_cast<void>(with_string_of(700));
   CHECK_THAT(checked({folder / "sweepd.toml", {}}).text, !ContainsSubstring("bytes"));
   static_cast<void>(with_string_of(800));  // stands in the reply twice
@@ -149,7 +149,7 @@ TEST_CASE("wrong settings are 78, with file and line") {
     CHECK_THAT(folder.check().text, ContainsSubstring((folder / "sweepd.toml").string() + ":2"));
   }
   SECTION("an unknown key") {
-    static_cast<void>(folder.write("sweepd.toml", settings("recrod = false\n")));
+    static_cast<void>(folder.write("sweepd.toml", settings_text("recrod = false\n")));
     CHECK_THAT(folder.check().text, ContainsSubstring((folder / "sweepd.toml").string() + ":8") &&
                                         ContainsSubstring("recrod") && ContainsSubstring("record"));
   }
@@ -171,7 +171,7 @@ TEST_CASE("a wrong robot file is 78, with file and line; the Ethernet file is lo
 
 TEST_CASE("a wrong Ethernet file is 78, with file and line") {
   const Sound folder;
-  static_cast<void>(folder.write("ethernet.xml", ethernet("192.168.1.10", "70000")));
+  static_cast<void>(folder.write("ethernet.xml", ethernet_text("192.168.1.10", "70000")));
   const auto result = folder.check();
   CHECK(result.code == 78);
   CHECK_THAT(result.text, ContainsSubstring((folder / "ethernet.xml").string() + ":4") &&
@@ -180,7 +180,7 @@ TEST_CASE("a wrong Ethernet file is 78, with file and line") {
 
 TEST_CASE("a placeholder for the address is a warning, not an error") {
   const Sound folder;
-  static_cast<void>(folder.write("ethernet.xml", ethernet("ip.address.of.rospc")));
+  static_cast<void>(folder.write("ethernet.xml", ethernet_text("ip.address.of.rospc")));
   const auto result = folder.check();
   CHECK(result.code == 0);
   CHECK_THAT(result.text, ContainsSubstring("warning") &&
@@ -191,16 +191,16 @@ TEST_CASE("a placeholder for the address is a warning, not an error") {
 TEST_CASE("what does not fit together is 78: port, address, plan") {
   const Sound folder;
   SECTION("port") {
-    static_cast<void>(folder.write("sweepd.toml", settings("", "0.0.0.0:59152")));
+    static_cast<void>(folder.write("sweepd.toml", settings_text("", "0.0.0.0:59152")));
     CHECK_THAT(folder.check().text, ContainsSubstring("59152") && ContainsSubstring("49152"));
   }
   SECTION("address") {
-    static_cast<void>(folder.write("sweepd.toml", settings("", "192.168.1.11:49152")));
+    static_cast<void>(folder.write("sweepd.toml", settings_text("", "192.168.1.11:49152")));
     CHECK_THAT(folder.check().text,
                ContainsSubstring("192.168.1.11") && ContainsSubstring("IP_NUMBER"));
   }
   SECTION("plan") {
-    static_cast<void>(folder.write("sweepd.toml", settings("plan = \"plan.toml\"\n")));
+    static_cast<void>(folder.write("sweepd.toml", settings_text("plan = \"plan.toml\"\n")));
     static_cast<void>(folder.write(
         "plan.toml",
         "home_deg = [90, -90, 90, 0, 90, 0]\npositioning_speed_deg_s = 60\n"
@@ -213,8 +213,8 @@ TEST_CASE("what does not fit together is 78: port, address, plan") {
 
 TEST_CASE("a controller that speaks TCP is fine") {
   const Sound folder;
-  static_cast<void>(
-      folder.write("ethernet.xml", ethernet("192.168.1.10", "49152", "<PROTOCOL>TCP</PROTOCOL>")));
+  static_cast<void>(folder.write(
+      "ethernet.xml", ethernet_text("192.168.1.10", "49152", "<PROTOCOL>TCP</PROTOCOL>")));
   const auto result = folder.check();
   CHECK(result.code == 0);
   CHECK_THAT(result.text, ContainsSubstring("port 49152, TCP"));
@@ -222,9 +222,9 @@ TEST_CASE("a controller that speaks TCP is fine") {
 
 TEST_CASE("signals that the controller does not send are warned about, once for each triple") {
   const Sound folder;
-  static_cast<void>(folder.write(
-      "ethernet.xml",
-      ethernet("192.168.1.10", "49152", "", "<ELEMENT TAG=\"DiL\" TYPE=\"LONG\" INDX=\"1\"/>")));
+  static_cast<void>(folder.write("ethernet.xml",
+                                 ethernet_text("192.168.1.10", "49152", "",
+                                               "<ELEMENT TAG=\"DiL\" TYPE=\"LONG\" INDX=\"1\"/>")));
   const auto result = folder.check();
   CHECK(result.code == 0);
   CHECK_THAT(result.text, ContainsSubstring("RIst.X") && !ContainsSubstring("RIst.Y") &&
@@ -233,7 +233,7 @@ TEST_CASE("signals that the controller does not send are warned about, once for 
 
 TEST_CASE("settings without an Ethernet file are fine, with a warning of what that means") {
   const Sound folder;
-  auto text = settings();
+  auto text = settings_text();
   text.erase(text.find("ethernet_config"));
   static_cast<void>(folder.write("sweepd.toml", text));
   const auto result = folder.check();
@@ -243,10 +243,10 @@ TEST_CASE("settings without an Ethernet file are fine, with a warning of what th
 
 TEST_CASE("Ethernet files can be looked at by themselves, all of them") {
   const TemporaryFolder folder;
-  const auto good = folder.write("good.xml", ethernet());
+  const auto good = folder.write("good.xml", ethernet_text());
   const auto bad = folder.write("bad.xml", "<ROOT>\n<CONFIG>");
   const auto silent = folder.write("silent.xml", [] {
-    auto text = ethernet();
+    auto text = ethernet_text();
     text.replace(text.find("FALSE"), 5, "TRUE");
     return text;
   }());
@@ -263,7 +263,7 @@ TEST_CASE("Ethernet files can be looked at by themselves, all of them") {
 TEST_CASE("a plan is looked at beforehand: targets on an axis, ranges that are too short",
           "[long]") {
   const Sound folder;
-  static_cast<void>(folder.write("sweepd.toml", settings("plan = \"plan.toml\"\n")));
+  static_cast<void>(folder.write("sweepd.toml", settings_text("plan = \"plan.toml\"\n")));
   const auto plan = [&](const std::string& end_deg) {
     return "home_deg = [90, -90, 90, 0, 90, 0]\npositioning_speed_deg_s = 60\n"
            "acceleration_deg_s2 = 200\ndwell_ms = 300\n[[sweep]]\njoint = 1\nstart_deg = -45\n"
@@ -306,8 +306,8 @@ TEST_CASE("a port of the pages that another program has is a warning") {
   const asio::ip::tcp::acceptor other(context, {asio::ip::address_v4::loopback(), 0});
   const auto port = std::to_string(other.local_endpoint().port());
   const Sound folder;
-  static_cast<void>(
-      folder.write("sweepd.toml", settings() + "[http]\nlisten = \"127.0.0.1:" + port + "\"\n"));
+  static_cast<void>(folder.write(
+      "sweepd.toml", settings_text() + "[http]\nlisten = \"127.0.0.1:" + port + "\"\n"));
   std::ostringstream out;
   static_cast<void>(check({folder.path() / "sweepd.toml"}, out));
   CHECK_THAT(out.str(), ContainsSubstring("warning  pages on http://127.0.0.1:" + port +

@@ -13,7 +13,9 @@
 
 #include "daemon/config_error.hpp"
 #include "tests/catch.hpp"
+#include "tests/config_folder.hpp"
 #include "tests/daemon/temporary_folder.hpp"
+#include "tests/eventually.hpp"
 
 using boost::asio::ip::udp;
 using Catch::Matchers::ContainsSubstring;
@@ -26,8 +28,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const fs::path kConfig = fs::path(SWEEPD_SOURCE_DIR) / "config";
-
 RobotSettings settings(const std::string& name, const TemporaryFolder& folder) {
   spdlog::set_level(spdlog::level::off);
   RobotSettings robot;
@@ -37,15 +37,6 @@ RobotSettings settings(const std::string& name, const TemporaryFolder& folder) {
   robot.output = folder / "out";
   robot.real_time.wish = sweepd::RealTime::off;
   return robot;
-}
-
-bool eventually(const std::function<bool()>& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + 20s;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(1ms);
-  }
-  return true;
 }
 
 std::vector<std::string> served(const Fleet& fleet) {

@@ -11,7 +11,7 @@ using namespace rsi::test;
 
 namespace {
 
-constexpr const char* kHeader =
+constexpr const char* kFlightHeader =
     "received_s,replied_s,ipoc,latency_us,delay_packets,lost_before_packets,event\n";
 
 struct Flight {
@@ -32,7 +32,7 @@ long rows(const FlightRecorder& recorder, const std::string& event) {
 }  // namespace
 
 TEST_CASE("nothing recorded is a header, and ended well") {
-  CHECK(FlightRecorder(true).csv() == kHeader);
+  CHECK(FlightRecorder(true).csv() == kFlightHeader);
   CHECK_FALSE(FlightRecorder(true).ended_badly());
 }
 
@@ -43,7 +43,7 @@ TEST_CASE("each cycle is a row with times to the nanosecond") {
   flight.stream.telegram(4'000'007ns, 1004, {});
   flight.stream.reply(4'031'007ns, 1004);
   CHECK(flight.recorder.csv() ==
-        std::string(kHeader) +
+        std::string(kFlightHeader) +
             "1735689600.000000000,1735689600.000050120,1000,50.120,0,0,answered\n"
             "1735689600.004000007,1735689600.004031007,1004,31.000,,0,answered\n");
   CHECK_FALSE(flight.recorder.ended_badly());

@@ -9,7 +9,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-const Heartbeat::Time kStart{1h};
+const Heartbeat::Time kFirstBeat{1h};
 
 }  // namespace
 
@@ -18,7 +18,7 @@ TEST_CASE("as long as every thread moves, nothing stands still") {
   for (std::uint64_t second = 0; second < 100; ++second)
     CHECK(heartbeat
               .look({{"a", 10 * second, second}, {"b", second, 10 * second}},
-                    kStart + std::chrono::seconds(second))
+                    kFirstBeat + std::chrono::seconds(second))
               .empty());
 }
 
@@ -29,30 +29,30 @@ TEST_CASE("a thread that does not move for longer than the patience is named, an
     const auto still = heartbeat.look(
         {{"a", second, second},
          {"b", std::min<std::uint64_t>(second, 4), std::min<std::uint64_t>(second, 2)}},
-        kStart + std::chrono::seconds(second));
+        kFirstBeat + std::chrono::seconds(second));
     INFO(second);
     REQUIRE(still.size() == (second <= 5 ? 0 : second <= 7 ? 1 : 2));
     if (still.empty()) continue;
     CHECK(still.back().robot == "b");
     CHECK(still.back().thread == "acquisition");
-    CHECK(still.back().since == kStart + 2s);
+    CHECK(still.back().since == kFirstBeat + 2s);
     if (still.size() == 1) continue;
     CHECK(still.front().thread == "reply");
-    CHECK(sweepd::text(still.front(), kStart + 8500ms) ==
+    CHECK(sweepd::text(still.front(), kFirstBeat + 8500ms) ==
           "b: the reply thread has stood still for 4 s");
   }
   SECTION("until it moves again") {
-    CHECK(heartbeat.look({{"a", 9, 9}, {"b", 5, 3}}, kStart + 9s).empty());
+    CHECK(heartbeat.look({{"a", 9, 9}, {"b", 5, 3}}, kFirstBeat + 9s).empty());
   }
 }
 
 TEST_CASE("a robot that is new gets its time to start, one that went is forgotten") {
   Heartbeat heartbeat(3s);
-  CHECK(heartbeat.look({{"a", 0, 0}}, kStart).empty());
-  CHECK(heartbeat.look({{"a", 1, 1}}, kStart + 2s).empty());
-  CHECK(heartbeat.look({{"b", 0, 0}}, kStart + 4s).empty());
-  CHECK(heartbeat.look({{"a", 1, 1}, {"b", 0, 0}}, kStart + 6s).empty());
-  const auto still = heartbeat.look({{"a", 1, 1}, {"b", 1, 0}}, kStart + 8s);
+  CHECK(heartbeat.look({{"a", 0, 0}}, kFirstBeat).empty());
+  CHECK(heartbeat.look({{"a", 1, 1}}, kFirstBeat + 2s).empty());
+  CHECK(heartbeat.look({{"b", 0, 0}}, kFirstBeat + 4s).empty());
+  CHECK(heartbeat.look({{"a", 1, 1}, {"b", 0, 0}}, kFirstBeat + 6s).empty());
+  const auto still = heartbeat.look({{"a", 1, 1}, {"b", 1, 0}}, kFirstBeat + 8s);
   REQUIRE(still.size() == 1);
   CHECK(still[0].robot == "b");
   CHECK(still[0].thread == "acquisition");
@@ -60,8 +60,8 @@ TEST_CASE("a robot that is new gets its time to start, one that went is forgotte
 
 TEST_CASE("after a pause in which nobody looked, the machine's own for one, patience begins anew") {
   Heartbeat heartbeat(3s);
-  CHECK(heartbeat.look({{"a", 1, 1}}, kStart).empty());
-  CHECK(heartbeat.look({{"a", 1, 1}}, kStart + 60s).empty());
-  CHECK(heartbeat.look({{"a", 1, 1}}, kStart + 62s).empty());
-  CHECK(heartbeat.look({{"a", 1, 1}}, kStart + 64s).size() == 2);
+  CHECK(heartbeat.look({{"a", 1, 1}}, kFirstBeat).empty());
+  CHECK(heartbeat.look({{"a", 1, 1}}, kFirstBeat + 60s).empty());
+  CHECK(heartbeat.look({{"a", 1, 1}}, kFirstBeat + 62s).empty());
+  CHECK(heartbeat.look({{"a", 1, 1}}, kFirstBeat + 64s).size() == 2);
 }

@@ -9,23 +9,25 @@
 
 #include "tests/catch.hpp"
 #include "tests/daemon/http_client.hpp"
+#include "tests/eventually.hpp"
 
 using Catch::Matchers::ContainsSubstring;
 using sweepd::HttpServer;
 using sweepd::test::HttpClient;
 using namespace std::chrono_literals;
+using sweepd::test::eventually;
 
 namespace {
 
 constexpr rsi::Endpoint kAnyPort{0x7f000001, 0};
 
 /// The real pages of a service without a robot, and two of this test's own.
-struct Server {
+struct PagesServer {
   sweepd::Published<sweepd::ServiceStatus> status;
   sweepd::HttpPages pages{status, {}};
   HttpServer server;
 
-  explicit Server(const HttpServer::Limits& limits = {})
+  explicit PagesServer(const HttpServer::Limits& limits = {})
       : server(
             kAnyPort, [this](const auto& request) { return answer(request); }, limits) {}
   sweepd::HttpResponse answer(const sweepd::HttpRequest& request) const {
@@ -49,19 +51,10 @@ auto open_files() {
   return std::distance(begin(files), end(files));
 }
 
-bool eventually(const std::function<bool()>& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + 20s;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(1ms);
-  }
-  return true;
-}
-
 }  // namespace
 
 TEST_CASE("one connection takes many requests, also ahead of the answers") {
-  const Server server;
+  const PagesServer server;
   HttpClient client(server.port());
   const auto first = client.get("/healthz");
   CHECK(first.status == 200);
@@ -84,7 +77,7 @@ TEST_CASE("one connection takes many requests, also ahead of the answers") {
 TEST_CASE("a connection ends where the client asks for it, or after its last request") {
   HttpServer::Limits limits;
   limits.requests = 3;
-  const Server server(limits);
+  const PagesServer server(limits);
   HttpClient client(server.port());
   CHECK_THAT(client.get("/").head, !ContainsSubstring("Connection: close"));
   CHECK(client.get("/").status == 200);
@@ -100,7 +93,7 @@ TEST_CASE("a connection ends where the client asks for it, or after its last req
 }
 
 TEST_CASE("wrong hosts and origins, methods and bodies are refused") {
-  const Server server;
+  const PagesServer server;
   HttpClient client(server.port());
   CHECK(client.get("/", "Host: evil.example\r\n").status == 421);
   CHECK(client.get("/", "").status == 400);
@@ -125,7 +118,7 @@ TEST_CASE("wrong hosts and origins, methods and bodies are refused") {
 }
 
 TEST_CASE("what is too large or no HTTP gets an answer that says so, and the connection ends") {
-  const Server server;
+  const PagesServer server;
   const std::string large(9000, 'x');
   for (const auto& [request, status] : std::vector<std::pair<std::string, int>>{
            {"GET /" + large + " HTTP/1.1\r\nHost: localhost\r\n\r\n", 431},
@@ -145,7 +138,7 @@ TEST_CASE("what is too large or no HTTP gets an answer that says so, and the con
 }
 
 TEST_CASE("a client that is too slow is let go, whichever way it is slow") {
-  const Server server(impatient());
+  const PagesServer server(impatient());
   SECTION("it says nothing") {
     CHECK(HttpClient(server.port()).closed());
   }
@@ -176,7 +169,7 @@ TEST_CASE(
     "of a thousand connections that hang, few are kept, and the page is served all the time") {
   constexpr std::size_t kMany = 1000;
   sweepd::test::allow_many_files();
-  const Server server;
+  const PagesServer server;
   std::vector<std::unique_ptr<HttpClient>> clients;
   for (std::size_t i = 0; i < kMany; ++i) {
     clients.push_back(std::make_unique<HttpClient>(server.port()));
@@ -192,14 +185,14 @@ TEST_CASE(
 }
 
 TEST_CASE("a page that cannot be made is an answer too") {
-  const Server server;
+  const PagesServer server;
   HttpClient client(server.port());
   CHECK(client.get("/broken").status == 500);
   CHECK(client.get("/").status == 200);
 }
 
 TEST_CASE("a port that is taken is named, with what to do") {
-  const Server server;
+  const PagesServer server;
   CHECK_THROWS_WITH(
       HttpServer(server.server.local(), [](const auto&) { return sweepd::HttpResponse{}; }),
       ContainsSubstring("cannot serve pages on 127.0.0.1:") &&
@@ -207,7 +200,7 @@ TEST_CASE("a port that is taken is named, with what to do") {
 }
 
 TEST_CASE("when the server ends, so do its connections, and its port is free again") {
-  auto server = std::make_unique<Server>();
+  auto server = std::make_unique<PagesServer>();
   HttpClient client(server->port());
   CHECK(client.get("/").status == 200);
   const auto local = server->server.local();

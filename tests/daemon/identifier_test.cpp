@@ -8,6 +8,7 @@
 
 #include "tests/catch.hpp"
 #include "tests/daemon/temporary_folder.hpp"
+#include "tests/eventually.hpp"
 
 using namespace sweepd;
 using namespace sweepd::test;
@@ -16,21 +17,12 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool eventually(const std::function<bool()>& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + 20s;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(1ms);
-  }
-  return true;
-}
-
-struct Bench {
+struct IdentifierBench {
   TemporaryFolder folder;
   std::shared_ptr<RobotStatus> status = std::make_shared<RobotStatus>();
   Identifier identifier{status};
 
-  Bench() { spdlog::set_level(spdlog::level::off); }
+  IdentifierBench() { spdlog::set_level(spdlog::level::off); }
   /// The end of a session without sweeps.
   SessionEnd end(const std::string& name, std::shared_ptr<const Recording> recording) const {
     SessionEnd end{folder.path(), name, std::move(recording), {}, {},
@@ -47,7 +39,7 @@ struct Bench {
 
 TEST_CASE("a result that the disk refuses is pending, and tried again until it is written",
           "[issue11][point_10]") {
-  Bench bench;
+  IdentifierBench bench;
   const auto session = bench.folder / "20250101T000000Z";
   fs::create_directories(session / "result.json.tmp");  // in the way of the file
   const auto recording = std::make_shared<Recording>();
@@ -71,7 +63,7 @@ TEST_CASE("a result that the disk refuses is pending, and tried again until it i
 
 TEST_CASE("a folder that is deleted while its result is pending is made anew, with all files",
           "[issue11][point_10][point_12]") {
-  Bench bench;
+  IdentifierBench bench;
   const auto session = bench.folder / "20250101T000000Z";
   fs::create_directories(session / "run.json.tmp");  // in the way of the last file
   const auto recording = std::make_shared<Recording>();
@@ -89,7 +81,7 @@ TEST_CASE("a folder that is deleted while its result is pending is made anew, wi
 
 TEST_CASE("a session for which the disk had no folder gets one with its result",
           "[issue11][point_10]") {
-  Bench bench;
+  IdentifierBench bench;
   const auto recording = std::make_shared<Recording>();
   recording->finish();
   bench.identifier.last(bench.end("20250101T000000Z", recording));
@@ -100,7 +92,7 @@ TEST_CASE("a session for which the disk had no folder gets one with its result",
 TEST_CASE("of sessions that wait for a disk that hangs the oldest are given up",
           "[issue11][point_12]") {
   constexpr std::size_t kSessions = Identifier::kMostWaiting + 10;
-  Bench bench;
+  IdentifierBench bench;
   std::vector<std::shared_ptr<Recording>> recordings;
   for (std::size_t k = 0; k < kSessions; ++k) {
     recordings.push_back(std::make_shared<Recording>());
@@ -120,7 +112,7 @@ TEST_CASE("of sessions that wait for a disk that hangs the oldest are given up",
 }
 
 TEST_CASE("a session without a usable sweep leaves one small folder", "[issue11][point_12]") {
-  Bench bench;
+  IdentifierBench bench;
   const auto session = bench.folder / "20250101T000000Z";
   fs::create_directory(session);
   const auto recording = std::make_shared<Recording>();

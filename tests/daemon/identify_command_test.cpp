@@ -9,6 +9,7 @@
 #include "daemon/replay_command.hpp"
 #include "daemon/simulate_command.hpp"
 #include "tests/catch.hpp"
+#include "tests/config_folder.hpp"
 #include "tests/daemon/arm_axes.hpp"
 #include "tests/daemon/point_files.hpp"
 #include "tests/daemon/temporary_folder.hpp"
@@ -22,13 +23,12 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const fs::path kConfig = fs::path(SWEEPD_SOURCE_DIR) / "config";
 /// That of a controller: positions follow from the angles.
 constexpr identify::test::Noise kWobble{.wobble_deg = 1e-4};
 /// That of a tracker.
 constexpr identify::test::Noise kTracker{.position_mm = 0.02, .seed = 5};
 
-IdentifyOptions options(std::vector<fs::path> points, const fs::path& output) {
+IdentifyOptions points_options(std::vector<fs::path> points, const fs::path& output) {
   IdentifyOptions result;
   result.points = std::move(points);
   result.robot = kConfig / "robots/kr5_arc.toml";
@@ -96,14 +96,14 @@ TEST_CASE("a stream of points gives the specified table", "[long]") {
   IdentifyOptions wanted;
   SECTION("with angles") {
     const auto measured = measured_kr5(kWobble);
-    wanted = options(
+    wanted = points_options(
         {folder.write("points.csv", points_header(layout) + points_lines(measured.stream, layout))},
         folder / "out");
   }
   SECTION("without, knowing the plan") {
     layout.angles = false;
     const auto measured = measured_kr5(kTracker);
-    wanted = options(
+    wanted = points_options(
         {folder.write("points.csv", points_header(layout) + points_lines(measured.stream, layout))},
         folder / "out");
     wanted.plan = kConfig / "plans/kr5_arc_90deg.toml";
@@ -122,19 +122,19 @@ TEST_CASE("points that name their joint give the specified table") {
   SECTION("with times and angles") {
     layout.times = layout.angles = true;
     const auto measured = measured_kr5(kWobble);
-    check_specified(identified(
-        options({folder.write("points.csv", listed_points(measured, layout))}, folder / "out")));
+    check_specified(identified(points_options(
+        {folder.write("points.csv", listed_points(measured, layout))}, folder / "out")));
   }
   SECTION("with angles alone") {
     layout.angles = true;
     const auto measured = measured_kr5(kTracker);
-    check_specified(identified(
-        options({folder.write("points.csv", listed_points(measured, layout))}, folder / "out")));
+    check_specified(identified(points_options(
+        {folder.write("points.csv", listed_points(measured, layout))}, folder / "out")));
   }
   SECTION("with nothing but a plan for the directions") {
     const auto measured = measured_kr5(kTracker);
-    auto wanted =
-        options({folder.write("points.csv", listed_points(measured, layout))}, folder / "out");
+    auto wanted = points_options({folder.write("points.csv", listed_points(measured, layout))},
+                                 folder / "out");
     wanted.plan = kConfig / "plans/kr5_arc_90deg.toml";
     const auto result = identified(wanted);
     check_specified(result);
@@ -149,12 +149,14 @@ TEST_CASE("one file a joint gives the specified table", "[long]") {
   Layout layout;
   SECTION("with times and angles") {
     layout.times = layout.angles = true;
-    auto wanted = options(files_per_joint(folder, measured_kr5(kWobble), layout), folder / "out");
+    auto wanted =
+        points_options(files_per_joint(folder, measured_kr5(kWobble), layout), folder / "out");
     wanted.per_joint = true;
     check_specified(identified(wanted));
   }
   SECTION("with nothing but a plan for the directions") {
-    auto wanted = options(files_per_joint(folder, measured_kr5(kTracker), layout), folder / "out");
+    auto wanted =
+        points_options(files_per_joint(folder, measured_kr5(kTracker), layout), folder / "out");
     wanted.per_joint = true;
     wanted.plan = kConfig / "plans/kr5_arc_90deg.toml";
     const auto result = identified(wanted);
@@ -180,13 +182,14 @@ TEST_CASE("samples.csv of a replay gives the table of the replay, digit by digit
   replayed.output = folder / "replayed";
   REQUIRE(sweepd::replay(replayed, ignored, ignored) == 0);
 
-  const auto result = identified(options({folder / "replayed/samples.csv"}, folder / "samples"));
+  const auto result =
+      identified(points_options({folder / "replayed/samples.csv"}, folder / "samples"));
   CHECK(content(folder / "samples/dh.csv") == content(folder / "replayed/dh.csv"));
   CHECK(content(folder / "samples/sweeps.csv") == content(folder / "replayed/sweeps.csv"));
   CHECK(result["joints"] == Json::parse(content(folder / "replayed/result.json"))["joints"]);
 
   // sweeps.csv has no samples of positioning moves, and six decimals of everything.
-  check_specified(identified(options({folder / "replayed/sweeps.csv"}, folder / "sweeps")));
+  check_specified(identified(points_options({folder / "replayed/sweeps.csv"}, folder / "sweeps")));
 }
 
 TEST_CASE("the number of joints comes from the points where nothing else tells it") {
@@ -195,7 +198,7 @@ TEST_CASE("the number of joints comes from the points where nothing else tells i
   for (int k = 0; k <= 60; ++k)
     text += "7," + sweepd::fixed(100 * std::cos(sweepd::radians(k)), 6) + "," +
             sweepd::fixed(100 * std::sin(sweepd::radians(k)), 6) + ",5\n";
-  auto wanted = options({folder.write("points.csv", text)}, folder / "out");
+  auto wanted = points_options({folder.write("points.csv", text)}, folder / "out");
   wanted.robot.reset();
   CHECK(identified(wanted)["joints"].size() == 7);
   wanted.joints = 9;
@@ -212,8 +215,8 @@ TEST_CASE("the number of joints comes from the points where nothing else tells i
 TEST_CASE("points in which nothing is swept are exit 1 with the reason") {
   const TemporaryFolder folder;
   std::ostringstream report;
-  auto wanted = options({folder.write("points.csv", "t_s,x_mm,y_mm,z_mm\n0,1,2,3\n1,1,2,3\n")},
-                        folder / "out");
+  auto wanted = points_options(
+      {folder.write("points.csv", "t_s,x_mm,y_mm,z_mm\n0,1,2,3\n1,1,2,3\n")}, folder / "out");
   CHECK(identify_points(wanted, report) == 1);
   CHECK_THAT(report.str(), ContainsSubstring("failed: no sweep of a single joint was seen"));
   CHECK(Json::parse(content(folder / "out/result.json"))["status"] == "failed");
@@ -233,7 +236,7 @@ TEST_CASE("the axes of a KR 5 as lines give its table") {
     for (const double value : axis.direction) text += "," + sweepd::fixed(value, 12);
     text += "\n";
   }
-  auto wanted = options({}, folder / "out");
+  auto wanted = points_options({}, folder / "out");
   wanted.axes = folder.write("axes.csv", text);
   const auto result = identified(wanted);
   CHECK(result["status"] == "complete");
@@ -258,29 +261,30 @@ TEST_CASE("options that contradict each other or the files are told") {
   const auto listed = folder.write("listed.csv", "joint,x_mm,y_mm,z_mm\n1,0,0,0\n");
   const auto bare = folder.write("bare.csv", "x_mm,y_mm,z_mm\n0,0,0\n");
   const auto angles = folder.write("angles.csv", "t_s,x_mm,y_mm,z_mm,a1_deg,a2_deg\n0,0,0,0,1,2\n");
-  check_usage(options({}, folder / "out"), "FILE is required");
-  auto wanted = options({listed}, folder / "out");
+  check_usage(points_options({}, folder / "out"), "FILE is required");
+  auto wanted = points_options({listed}, folder / "out");
   wanted.axes = listed;
   check_usage(wanted, "--axes takes the place");
-  wanted = options({listed}, folder / "out");
+  wanted = points_options({listed}, folder / "out");
   wanted.joints = 7;
   check_usage(wanted, "--joints 7: " + wanted.robot->string() + " has 6 joints");
-  wanted = options({listed}, folder / "out");
+  wanted = points_options({listed}, folder / "out");
   wanted.columns = "joint,x_mm,y_mm";
   check_usage(wanted, "--columns: expected a column for each of 3 values");
   wanted.columns = "joint,x_mm,y_mm,speed";
   check_usage(wanted, "--columns, column 4 (speed): expected a known column");
-  wanted = options(std::vector<fs::path>(7, bare), folder / "out");
+  wanted = points_options(std::vector<fs::path>(7, bare), folder / "out");
   wanted.per_joint = true;
   check_usage(wanted, "7 files for 6 joints");
   wanted.points = {listed};
   check_csv_error(wanted, "listed.csv: expected no column joint");
-  check_csv_error(options({bare}, folder / "out"),
+  check_csv_error(points_options({bare}, folder / "out"),
                   "bare.csv: expected a column t_s or joint, found neither");
-  check_csv_error(options({angles}, folder / "out"),
+  check_csv_error(points_options({angles}, folder / "out"),
                   "angles.csv: expected angles of all 6 joints, found those of 2");
-  check_csv_error(options({folder / "missing.csv"}, folder / "out"), "missing.csv: cannot be read");
-  wanted = options({listed}, folder / "out");
+  check_csv_error(points_options({folder / "missing.csv"}, folder / "out"),
+                  "missing.csv: cannot be read");
+  wanted = points_options({listed}, folder / "out");
   wanted.robot = folder / "missing.toml";
   std::ostringstream ignored;
   CHECK_THROWS_AS(identify_points(wanted, ignored), sweepd::ConfigError);

@@ -10,12 +10,13 @@
 #include <string>
 
 #include "daemon/robot_description.hpp"
+#include "identify/angle.hpp"
 #include "identify/identification.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/simulated_campaign.hpp"
 
+using identify::kDegree;
 using identify::Sweep;
-using identify::test::kDegree;
 
 namespace {
 

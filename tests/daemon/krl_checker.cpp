@@ -30,7 +30,7 @@ std::string capitals(std::string_view text) {
   return result;
 }
 
-std::optional<double> number(const std::string& text) {
+std::optional<double> krl_number(const std::string& text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
@@ -236,8 +236,8 @@ class Checker {
       return;
     }
     if (words.size() == 6 && words[0] == "$VEL_AXIS" && words[4] == "=") {
-      const auto axis = number(words[2]);
-      const auto percent = number(words[5]);
+      const auto axis = krl_number(words[2]);
+      const auto percent = krl_number(words[5]);
       if (!axis || !percent || *percent < 1 || *percent > 100)
         return mistake("expected a speed of 1 to 100 per cent");
       speeds_[static_cast<int>(*axis)] = static_cast<int>(*percent);
@@ -280,11 +280,11 @@ class Checker {
   /// A number, or a variable that was declared with one.
   [[nodiscard]] std::optional<double> scalar(const Words& words) const {
     if (words.size() == 2 && words[0] == "-") {
-      const auto value = number(words[1]);
+      const auto value = krl_number(words[1]);
       return value ? std::optional(-*value) : std::nullopt;
     }
     if (words.size() != 1) return std::nullopt;
-    if (is_number(words[0])) return number(words[0]);
+    if (is_number(words[0])) return krl_number(words[0]);
     const auto variable = variables_.find(words[0]);
     return variable == variables_.end() ? std::nullopt : variable->second.value;
   }
@@ -300,7 +300,7 @@ class Checker {
       if (name.size() != 2 || name[0] != 'A' || name[1] < '1' || name[1] > '6') return std::nullopt;
       const double sign = words[i] == "-" ? -1 : 1;
       if (sign < 0) ++i;
-      const auto value = i < words.size() ? number(words[i]) : std::nullopt;
+      const auto value = i < words.size() ? krl_number(words[i]) : std::nullopt;
       if (!value) return std::nullopt;
       axes[static_cast<std::size_t>(name[1] - '1')] = sign * *value;
       if (words[++i] == ",") ++i;

@@ -6,7 +6,9 @@
 #include "daemon/krl_program.hpp"
 #include "rsi/ascii.hpp"
 #include "tests/catch.hpp"
+#include "tests/config_folder.hpp"
 #include "tests/daemon/temporary_folder.hpp"
+#include "tests/daemon/texts.hpp"
 
 using namespace sweepd;
 using namespace sweepd::test;
@@ -14,21 +16,7 @@ using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
-const std::filesystem::path kConfig = std::filesystem::path(SWEEPD_SOURCE_DIR) / "config";
-
-std::string joined(const std::vector<std::string>& lines) {
-  std::string text;
-  for (const auto& line : lines) text += line + '\n';
-  return text;
-}
-
 /// The first of `text` becomes `other`.
-std::string with(std::string program, const std::string& text, const std::string& other) {
-  const auto at = program.find(text);
-  if (at == std::string::npos) throw std::logic_error("no '" + text + "' to replace");
-  return program.replace(at, text.size(), other);
-}
-
 }  // namespace
 
 TEST_CASE("the checker finds mistakes that were planted") {
@@ -38,59 +26,59 @@ TEST_CASE("the checker finds mistakes that were planted") {
   REQUIRE(joined(check_krl(program.src, program.dat, robot.limits).mistakes) == "");
   std::string text;
   SECTION("an IF that does not end") {
-    program.src = with(program.src, "ENDIF\r\n", "");
+    program.src = replaced(program.src, "ENDIF\r\n", "");
     text = "expected ENDIF for IF";
   }
   SECTION("a fold that does not end") {
-    program.src = with(program.src, ";ENDFOLD (INI)\r\n", "");
+    program.src = replaced(program.src, ";ENDFOLD (INI)\r\n", "");
     text = "has no ENDFOLD";
   }
   SECTION("an END that lacks") {
-    program.src = with(program.src, "\r\nEND\r\n", "\r\n");
+    program.src = replaced(program.src, "\r\nEND\r\n", "\r\n");
     text = "DEF of line 5 has no END";
   }
   SECTION("an undeclared variable") {
-    program.dat = with(program.dat, "DECL INT SWD_RESULT\r\n", "");
+    program.dat = replaced(program.dat, "DECL INT SWD_RESULT\r\n", "");
     text = "SWD_RESULT is not declared";
   }
   SECTION("a variable that nothing uses") {
-    program.dat = with(program.dat, "ENDDAT", "DECL INT SPARE\r\nENDDAT");
+    program.dat = replaced(program.dat, "ENDDAT", "DECL INT SPARE\r\nENDDAT");
     text = "SPARE is never used";
   }
   SECTION("a declaration too late") {
-    program.src = with(program.src, "\r\nEND\r\n", "\r\nDECL INT LATE\r\nEND\r\n");
+    program.src = replaced(program.src, "\r\nEND\r\n", "\r\nDECL INT LATE\r\nEND\r\n");
     text = "a declaration after the first statement";
   }
   SECTION("an axis beyond its limit") {
-    program.dat = with(program.dat, "A2 -130.0", "A2 -190.0");
+    program.dat = replaced(program.dat, "A2 -130.0", "A2 -190.0");
     text = "A2 beyond its limit";
   }
   SECTION("an unknown function") {
-    program.src = with(program.src, "RSI_ON(", "RSI_START(");
+    program.src = replaced(program.src, "RSI_ON(", "RSI_START(");
     text = "RSI_START is not declared";
   }
   SECTION("approximation") {
-    program.src = with(program.src, "PTP HOME_POSE", "PTP HOME_POSE C_PTP");
+    program.src = replaced(program.src, "PTP HOME_POSE", "PTP HOME_POSE C_PTP");
     text = "approximation";
   }
   SECTION("a data list of another program") {
-    program.dat = with(program.dat, "DEFDAT kr5_arc", "DEFDAT kr6");
+    program.dat = replaced(program.dat, "DEFDAT kr5_arc", "DEFDAT kr6");
     text = "expected the name KR6, found KR5_ARC";
   }
   SECTION("a target that is no pose") {
-    program.src = with(program.src, "PTP HOME_POSE", "PTP REST_S");
+    program.src = replaced(program.src, "PTP HOME_POSE", "PTP REST_S");
     text = "expected axis angles for PTP";
   }
   SECTION("a line end of another system") {
-    program.src = with(program.src, "\r\n", "\n");
+    program.src = replaced(program.src, "\r\n", "\n");
     text = "expected CR LF";
   }
   SECTION("a parenthesis too few") {
-    program.src = with(program.src, "RSI_OFF()", "RSI_OFF(");
+    program.src = replaced(program.src, "RSI_OFF()", "RSI_OFF(");
     text = "parentheses do not match";
   }
   SECTION("a speed of more than everything") {
-    program.src = with(program.src, "$VEL_AXIS[1] = ", "$VEL_AXIS[1] = 99");
+    program.src = replaced(program.src, "$VEL_AXIS[1] = ", "$VEL_AXIS[1] = 99");
     text = "expected a speed of 1 to 100 per cent";
   }
   CHECK_THAT(joined(check_krl(program.src, program.dat, robot.limits).mistakes),

@@ -5,7 +5,9 @@
 #include <stdexcept>
 
 #include "tests/catch.hpp"
+#include "tests/config_folder.hpp"
 #include "tests/daemon/krl_checker.hpp"
+#include "tests/daemon/texts.hpp"
 
 using namespace sweepd;
 using namespace sweepd::test;
@@ -13,24 +15,16 @@ using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
-const std::filesystem::path kConfig = std::filesystem::path(SWEEPD_SOURCE_DIR) / "config";
-
 SweepPlan plan_90() {
   return load_plan(kConfig / "plans/kr5_arc_90deg.toml");
 }
 
-KrlOptions options(KrlDialect dialect) {
+KrlOptions krl_options(KrlDialect dialect) {
   KrlOptions options;
   options.dialect = dialect;
   options.name = "kr5_arc";
   options.max_speed_deg_s = {154, 154, 228, 343, std::nullopt, 721};
   return options;
-}
-
-std::string joined(const std::vector<std::string>& lines) {
-  std::string text;
-  for (const auto& line : lines) text += line + '\n';
-  return text;
 }
 
 std::array<std::optional<double>, 6> pose(const std::vector<double>& angles_deg) {
@@ -66,7 +60,7 @@ TEST_CASE("a program runs the sweeps of its plan, each between rests and from ho
   const auto* const file = GENERATE("plans/kr5_arc_90deg.toml", "plans/kr5_arc_30deg.toml");
   const SweepPlan plan = load_plan(kConfig / file);
   const RobotDescription robot = load_robot(kConfig / "robots/kr5_arc.toml");
-  const KrlProgram program = krl_program(plan, options(dialect));
+  const KrlProgram program = krl_program(plan, krl_options(dialect));
   const KrlReport report = check_krl(program.src, program.dat, robot.limits);
   INFO(program.src << program.dat);
   CHECK(joined(report.mistakes) == "");
@@ -107,7 +101,7 @@ TEST_CASE("a program runs the sweeps of its plan, each between rests and from ho
 
 TEST_CASE("RSI is on before the first sweep and off after the last") {
   const auto dialect = GENERATE(KrlDialect::krc2, KrlDialect::krc4, KrlDialect::iiqka);
-  const KrlProgram program = krl_program(plan_90(), options(dialect));
+  const KrlProgram program = krl_program(plan_90(), krl_options(dialect));
   const KrlReport report = check_krl(program.src, program.dat);
   const auto place = [&](const std::string& function) {
     return std::find_if(report.events.begin(), report.events.end(),
@@ -130,7 +124,7 @@ TEST_CASE("RSI is on before the first sweep and off after the last") {
 
 TEST_CASE("each call of RSI is followed by a halt and a return, should it fail") {
   const auto dialect = GENERATE(KrlDialect::krc2, KrlDialect::krc4, KrlDialect::iiqka);
-  const std::string src = krl_program(plan_90(), options(dialect)).src;
+  const std::string src = krl_program(plan_90(), krl_options(dialect)).src;
   const std::string ok = dialect == KrlDialect::krc2 ? "#RSIOK" : "RSIOK";
   std::size_t results = 0;
   for (auto at = src.find("SWD_RESULT = "); at != std::string::npos;
@@ -145,7 +139,7 @@ TEST_CASE("each call of RSI is followed by a halt and a return, should it fail")
 
 TEST_CASE("speeds are whole per cent of what an axis can do, never more than the plan asks for") {
   const SweepPlan plan = plan_90();
-  const KrlOptions known = options(KrlDialect::krc4);
+  const KrlOptions known = krl_options(KrlDialect::krc4);
   const KrlProgram program = krl_program(plan, known);
   const KrlReport report = check_krl(program.src, program.dat);
   std::size_t sweep = 0;
@@ -169,19 +163,19 @@ TEST_CASE("speeds are whole per cent of what an axis can do, never more than the
 }
 
 TEST_CASE("a speed beyond what an axis can do becomes all that it can") {
-  KrlOptions slow = options(KrlDialect::krc4);
+  KrlOptions slow = krl_options(KrlDialect::krc4);
   slow.max_speed_deg_s[0] = 15;
   CHECK_THAT(krl_program(plan_90(), slow).src, ContainsSubstring("$VEL_AXIS[1] = 100 "));
 }
 
 TEST_CASE("tool, base and RSI file are those that were asked for") {
-  KrlOptions other = options(KrlDialect::krc4);
+  KrlOptions other = krl_options(KrlDialect::krc4);
   other.tool = 7;
   other.rsi_file = "sweepd_onlysend";
   const std::string src = krl_program(plan_90(), other).src;
   CHECK_THAT(src, ContainsSubstring("BAS (#TOOL,7 )") && ContainsSubstring("$BASE = $NULLFRAME") &&
                       ContainsSubstring("RSI_CREATE(\"sweepd_onlysend\",SWD_CONTEXT,TRUE)"));
-  CHECK_THAT(krl_program(plan_90(), options(KrlDialect::krc2)).src,
+  CHECK_THAT(krl_program(plan_90(), krl_options(KrlDialect::krc2)).src,
              ContainsSubstring("ST_ETHERNET(SWD_ETHERNET,0,\"sweepd_udp.xml\")") &&
                  ContainsSubstring("eERXprecision,4)"));
 }
@@ -190,7 +184,7 @@ TEST_CASE("angles of more than half a turn stay as they are") {
   SweepPlan plan = plan_90();
   plan.sweeps[3].start_deg = -350;
   plan.sweeps[3].end_deg = 349.123456789;
-  const KrlProgram program = krl_program(plan, options(KrlDialect::krc4));
+  const KrlProgram program = krl_program(plan, krl_options(KrlDialect::krc4));
   CHECK_THAT(program.dat,
              ContainsSubstring("A4 -350.0,") && ContainsSubstring("A4 349.123456789,"));
   CHECK(joined(check_krl(program.src, program.dat).mistakes) == "");
@@ -200,7 +194,7 @@ TEST_CASE("a robot of fewer joints gets targets of as many axes") {
   SweepPlan plan = plan_90();
   plan.home_deg.resize(4);
   plan.sweeps.resize(4);
-  const KrlProgram program = krl_program(plan, options(KrlDialect::krc2));
+  const KrlProgram program = krl_program(plan, krl_options(KrlDialect::krc2));
   const KrlReport report = check_krl(program.src, program.dat);
   CHECK(joined(report.mistakes) == "");
   CHECK_THAT(program.dat, ContainsSubstring("HOME_POSE={A1 90.0,A2 -90.0,A3 90.0,A4 0.0}"));
@@ -209,14 +203,14 @@ TEST_CASE("a robot of fewer joints gets targets of as many axes") {
 TEST_CASE("the name of a plan's file cannot add lines to the program") {
   SweepPlan plan = plan_90();
   plan.file = "a\r\nPTP {A1 0}\xc3\xbc.toml";
-  const KrlProgram program = krl_program(plan, options(KrlDialect::krc4));
+  const KrlProgram program = krl_program(plan, krl_options(KrlDialect::krc4));
   CHECK(joined(check_krl(program.src, program.dat).mistakes) == "");
   CHECK_THAT(program.src, !ContainsSubstring("\nPTP {A1 0}"));
 }
 
 TEST_CASE("what KRL cannot express is said, and nothing is written") {
   SweepPlan plan = plan_90();
-  KrlOptions given = options(KrlDialect::krc4);
+  KrlOptions given = krl_options(KrlDialect::krc4);
   std::string text;
   SECTION("more than six joints") {
     plan.home_deg.resize(7);

@@ -10,7 +10,7 @@ using sweepd::LogRepeats;
 
 namespace {
 
-const LogRepeats::Time kStart{};
+const LogRepeats::Time kFirstLine{};
 
 LogLine line(const std::string& text, const std::string& robot = "arc") {
   return {Importance::warning, {robot}, text};
@@ -37,19 +37,19 @@ TEST_CASE("a line has priority, robot, session and IPOC as fields of the journal
 
 TEST_CASE("a line is said once a minute, and then how often it came meanwhile") {
   LogRepeats repeats;
-  CHECK(repeats.is_new(line("RSI from 10.0.0.2"), kStart));
+  CHECK(repeats.is_new(line("RSI from 10.0.0.2"), kFirstLine));
   for (int i = 0; i < 18; ++i)
-    CHECK_FALSE(repeats.is_new(line("RSI from 10.0.0.2"), kStart + i * 1s));
-  CHECK(repeats.due(kStart + 59s).empty());
-  CHECK(texts(repeats.due(kStart + 60s)) ==
+    CHECK_FALSE(repeats.is_new(line("RSI from 10.0.0.2"), kFirstLine + i * 1s));
+  CHECK(repeats.due(kFirstLine + 59s).empty());
+  CHECK(texts(repeats.due(kFirstLine + 60s)) ==
         std::vector<std::string>{"arc: RSI from 10.0.0.2 (18 times more within a minute)"});
 
   // The count has begun anew, and what stays away is forgotten.
-  CHECK_FALSE(repeats.is_new(line("RSI from 10.0.0.2"), kStart + 61s));
-  CHECK(texts(repeats.due(kStart + 120s)) ==
+  CHECK_FALSE(repeats.is_new(line("RSI from 10.0.0.2"), kFirstLine + 61s));
+  CHECK(texts(repeats.due(kFirstLine + 120s)) ==
         std::vector<std::string>{"arc: RSI from 10.0.0.2 (once more within a minute)"});
-  CHECK(repeats.due(kStart + 180s).empty());
-  CHECK(repeats.is_new(line("RSI from 10.0.0.2"), kStart + 181s));
+  CHECK(repeats.due(kFirstLine + 180s).empty());
+  CHECK(repeats.is_new(line("RSI from 10.0.0.2"), kFirstLine + 181s));
 }
 
 TEST_CASE("a note tells of an event: one like another is said when it happens",
@@ -57,24 +57,24 @@ TEST_CASE("a note tells of an event: one like another is said when it happens",
   LogRepeats repeats;
   LogLine sweep = line("joint 1: sweep of +90.0 deg in 4.50 s, 1125 samples");
   sweep.importance = Importance::note;
-  for (int i = 0; i < 3; ++i) CHECK(repeats.is_new(sweep, kStart + i * 1s));
+  for (int i = 0; i < 3; ++i) CHECK(repeats.is_new(sweep, kFirstLine + i * 1s));
   CHECK(repeats.all().empty());
 }
 
 TEST_CASE("other lines, and those of other robots, are no repeats") {
   LogRepeats repeats;
-  CHECK(repeats.is_new(line("result complete"), kStart));
-  CHECK(repeats.is_new(line("result partial"), kStart));
-  CHECK(repeats.is_new(line("result complete", "other"), kStart));
+  CHECK(repeats.is_new(line("result complete"), kFirstLine));
+  CHECK(repeats.is_new(line("result partial"), kFirstLine));
+  CHECK(repeats.is_new(line("result complete", "other"), kFirstLine));
   CHECK(repeats.all().empty());
 }
 
 TEST_CASE("what was held back is said at the end, with what the newest was about") {
   LogRepeats repeats;
-  CHECK(repeats.is_new(line("late"), kStart));
+  CHECK(repeats.is_new(line("late"), kFirstLine));
   LogLine newest = line("late");
   newest.subject.ipoc = "42";
-  CHECK_FALSE(repeats.is_new(newest, kStart + 1s));
+  CHECK_FALSE(repeats.is_new(newest, kFirstLine + 1s));
   const auto all = repeats.all();
   REQUIRE(all.size() == 1);
   CHECK(all[0].subject.ipoc == "42");
@@ -84,7 +84,7 @@ TEST_CASE("what was held back is said at the end, with what the newest was about
 
 TEST_CASE("a flood of different lines is said and not remembered") {
   LogRepeats repeats;
-  for (int i = 0; i < 5000; ++i) CHECK(repeats.is_new(line(std::to_string(i)), kStart));
-  CHECK(repeats.is_new(line("4999"), kStart));  // beyond what is remembered
-  CHECK_FALSE(repeats.is_new(line("0"), kStart));
+  for (int i = 0; i < 5000; ++i) CHECK(repeats.is_new(line(std::to_string(i)), kFirstLine));
+  CHECK(repeats.is_new(line("4999"), kFirstLine));  // beyond what is remembered
+  CHECK_FALSE(repeats.is_new(line("0"), kFirstLine));
 }

@@ -19,7 +19,7 @@ using sweepd::test::one_result;
 
 namespace {
 
-std::string text(const std::vector<sweepd::RobotMetrics>& robots) {
+std::string metrics_text(const std::vector<sweepd::RobotMetrics>& robots) {
   sweepd::ServiceStatus status;
   status.phase = sweepd::ServiceStatus::Phase::serving;
   return sweepd::metrics(status, robots,
@@ -27,7 +27,7 @@ std::string text(const std::vector<sweepd::RobotMetrics>& robots) {
 }
 
 std::string busy_text() {
-  return text({metrics_of(busy_robot(), one_result()), metrics_of(busy_robot("b"))});
+  return metrics_text({metrics_of(busy_robot(), one_result()), metrics_of(busy_robot("b"))});
 }
 
 /// What a scraper reads: families with their types, and values by name and labels.
@@ -107,7 +107,8 @@ TEST_CASE("metrics keep to the text format: a family at a time, each value once"
   CHECK(all.values.at("sweepd_ready") == 1);
   SECTION("of what is not there nothing is said") {
     CHECK_FALSE(all.values.contains("sweepd_result_duration_seconds{robot=\"b\"}"));
-    CHECK_FALSE(scrape(text({metrics_of({})})).values.contains("sweepd_cycle_seconds{robot=\"\"}"));
+    CHECK_FALSE(
+        scrape(metrics_text({metrics_of({})})).values.contains("sweepd_cycle_seconds{robot=\"\"}"));
   }
 }
 
@@ -115,7 +116,7 @@ TEST_CASE("replies that a controller missed have no value where its telegrams ca
           "[issue11][point_15]") {
   auto tells = busy_robot("b");
   tells.link.missed_by_controller = 3;
-  const auto all = scrape(text({metrics_of(busy_robot()), metrics_of(tells)}));
+  const auto all = scrape(metrics_text({metrics_of(busy_robot()), metrics_of(tells)}));
   CHECK(all.values.at("sweepd_controller_missed_replies_total{robot=\"b\"}") == 3);
   CHECK_FALSE(all.values.contains("sweepd_controller_missed_replies_total{robot=\"kr5-arc\"}"));
 }
@@ -138,12 +139,13 @@ TEST_CASE("the buckets of a histogram add up, and the last one holds all") {
 }
 
 TEST_CASE("labels are escaped") {
-  const auto all = text({metrics_of(busy_robot("a\"b\\c\nd"))});
+  const auto all = metrics_text({metrics_of(busy_robot("a\"b\\c\nd"))});
   CHECK_THAT(all, ContainsSubstring("sweepd_telegrams_total{robot=\"a\\\"b\\\\c\\nd\"} 1010\n"));
 }
 
 TEST_CASE("without a robot there are still metrics of the program") {
-  CHECK(scrape(text({})).values.contains("sweepd_build_info{version=\"" SWEEPD_VERSION "\"}"));
+  CHECK(scrape(metrics_text({}))
+            .values.contains("sweepd_build_info{version=\"" SWEEPD_VERSION "\"}"));
 }
 
 // Prometheus's own checker, from Debian's package `prometheus`.
@@ -163,7 +165,7 @@ TEST_CASE("promtool has nothing to say about the metrics", "[promtool]") {
     return std::pair(code, sweepd::test::content(folder / "said"));
   };
   CHECK(check(busy_text()) == std::pair(0, std::string()));
-  CHECK(check(text({metrics_of({})})) == std::pair(0, std::string()));
+  CHECK(check(metrics_text({metrics_of({})})) == std::pair(0, std::string()));
   CHECK(check("# TYPE wrong counter\nwrong 1\n").first != 0);
 }
 

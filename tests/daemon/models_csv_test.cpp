@@ -8,6 +8,7 @@
 #include "daemon/models.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/chain_outcomes.hpp"
+#include "tests/daemon/texts.hpp"
 
 using namespace sweepd;
 using namespace sweepd::test;
@@ -39,15 +40,6 @@ std::vector<std::string> fields(const std::string& line) {
   return all;
 }
 
-double number(const std::string& text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  INFO(text);
-  REQUIRE(error == std::errc());
-  REQUIRE(end == text.data() + text.size());
-  return value;
-}
-
 std::map<std::string, Read> read(const std::string& csv) {
   std::map<std::string, Read> models;
   std::istringstream stream(csv);
@@ -58,12 +50,12 @@ std::map<std::string, Read> read(const std::string& csv) {
     const auto row = fields(line);
     REQUIRE(row.size() == 9);
     const double unit = row[4] == "deg" ? kPi / 180 : 1;
-    models[row[0]].joints[std::stoi(row[1])][row[2]] = unit * number(row[3]);
+    models[row[0]].joints[std::stoi(row[1])][row[2]] = unit * number_in(row[3]);
   }
   return models;
 }
 
-Isometry3d about(double angle, int axis) {
+Isometry3d turn_about(double angle, int axis) {
   return Isometry3d(AngleAxisd(angle, Vector3d::Unit(axis)));
 }
 Isometry3d along(double x, double y, double z) {
@@ -84,8 +76,8 @@ Isometry3d matrix(const Read& model, int joint) {
 
 Isometry3d urdf_origin(const Read& model, int joint) {
   return along(model(joint, "x"), model(joint, "y"), model(joint, "z")) *
-         about(model(joint, "yaw"), 2) * about(model(joint, "pitch"), 1) *
-         about(model(joint, "roll"), 0);
+         turn_about(model(joint, "yaw"), 2) * turn_about(model(joint, "pitch"), 1) *
+         turn_about(model(joint, "roll"), 0);
 }
 
 /// Formulas as in the documentation of the file, written apart from those of the program.
@@ -96,28 +88,31 @@ Isometry3d kinematics(const std::string& form, const Read& m, const identify::Tu
     const double turn = turns[static_cast<std::size_t>(i - 1)];
     const double q = m(i, "positive") * turn;
     if (form == "dh" || form == "hayati")
-      pose = pose * along(0, 0, m(i, "b")) * about(m(i, "theta") + q, 2) * along(m(i, "a"), 0, 0) *
-             about(m(i, "alpha"), 0) * about(m(i, "beta"), 1);
+      pose = pose * along(0, 0, m(i, "b")) * turn_about(m(i, "theta") + q, 2) *
+             along(m(i, "a"), 0, 0) * turn_about(m(i, "alpha"), 0) * turn_about(m(i, "beta"), 1);
     if (form == "modified_dh")
-      pose = pose * about(m(i, "alpha"), 0) * along(m(i, "a"), 0, 0) * about(m(i, "beta"), 1) *
-             about(m(i, "theta") + q, 2) * along(0, 0, m(i, "b"));
+      pose = pose * turn_about(m(i, "alpha"), 0) * along(m(i, "a"), 0, 0) *
+             turn_about(m(i, "beta"), 1) * turn_about(m(i, "theta") + q, 2) *
+             along(0, 0, m(i, "b"));
     if (form == "s_model")
-      pose = pose * about(q, 2) * about(m(i, "beta"), 2) * along(0, 0, m(i, "d")) *
-             along(m(i, "a"), 0, 0) * about(m(i, "alpha"), 0) * about(m(i, "hayati_beta"), 1) *
-             about(m(i, "gamma"), 2) * along(0, 0, m(i, "b"));
+      pose = pose * turn_about(q, 2) * turn_about(m(i, "beta"), 2) * along(0, 0, m(i, "d")) *
+             along(m(i, "a"), 0, 0) * turn_about(m(i, "alpha"), 0) *
+             turn_about(m(i, "hayati_beta"), 1) * turn_about(m(i, "gamma"), 2) *
+             along(0, 0, m(i, "b"));
     if (form == "exponentials") {
       // exp of the twist by the series' closed form (Modern Robotics, eq. 3.88).
       const Vector3d w(m(i, "wx"), m(i, "wy"), m(i, "wz"));
       const Vector3d v(m(i, "vx"), m(i, "vy"), m(i, "vz"));
       Eigen::Matrix3d cross;
       cross << 0, -w.z(), w.y(), w.z(), 0, -w.x(), -w.y(), w.x(), 0;
-      Isometry3d screw = about(0, 0);
+      Isometry3d screw = turn_about(0, 0);
       screw.linear() += std::sin(turn) * cross + (1 - std::cos(turn)) * cross * cross;
       screw.translation() =
           turn * v + (1 - std::cos(turn)) * cross * v + (turn - std::sin(turn)) * cross * cross * v;
       pose = pose * screw;
     }
-    if (urdf) pose = pose * urdf_origin(m, i) * about(m(i, "axis_z") * (m(i, "home") + turn), 2);
+    if (urdf)
+      pose = pose * urdf_origin(m, i) * turn_about(m(i, "axis_z") * (m(i, "home") + turn), 2);
   }
   return pose * (urdf ? urdf_origin(m, 7) : matrix(m, 7));
 }
@@ -166,11 +161,11 @@ TEST_CASE("models.csv has an interval for what is identified, and none for conve
       CHECK(line == "urdf,1,yaw,90,deg,,,,identified");
       continue;
     }
-    const double value = number(row[3]);
-    const double sigma = number(row[5]);
+    const double value = number_in(row[3]);
+    const double sigma = number_in(row[5]);
     CHECK(sigma > 0);
-    CHECK(number(row[6]) == Approx(value - 1.96 * sigma).margin(1e-9));
-    CHECK(number(row[7]) == Approx(value + 1.96 * sigma).margin(1e-9));
+    CHECK(number_in(row[6]) == Approx(value - 1.96 * sigma).margin(1e-9));
+    CHECK(number_in(row[7]) == Approx(value + 1.96 * sigma).margin(1e-9));
   }
   CHECK(identified > 100);
   CHECK_THAT(csv, Catch::Matchers::ContainsSubstring("\ndh,2,b,0,mm,,,,by_convention\n"));

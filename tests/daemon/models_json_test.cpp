@@ -9,13 +9,13 @@
 #include "tests/daemon/chain_outcomes.hpp"
 #include "tests/daemon/temporary_folder.hpp"
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 using namespace sweepd;
 using namespace sweepd::test;
 
 TEST_CASE("the models of result.json have every form, in full precision") {
   const Outcome outcome = chain_outcome();
-  const auto json = Json::parse(result_json(outcome)).at("models");
+  const auto json = OrderedJson::parse(result_json(outcome)).at("models");
   REQUIRE(json.size() == 6);
   for (const char* form : {"dh", "modified_dh", "hayati", "s_model", "exponentials", "urdf"}) {
     INFO(form);
@@ -30,7 +30,7 @@ TEST_CASE("the models of result.json have every form, in full precision") {
   CHECK(joint.at("a_mm").get<double>() == row.a_mm.value);
   CHECK(joint.at("theta_deg").get<double>() == degrees(row.theta_rad.value));
   CHECK(joint.at("a_sigma_mm").get<double>() == row.a_mm.sigma);
-  CHECK(joint.at("by_convention") == Json{"beta_deg", "positive"});
+  CHECK(joint.at("by_convention") == OrderedJson{"beta_deg", "positive"});
   CHECK_FALSE(joint.contains("beta_sigma_deg"));
 }
 
@@ -43,5 +43,5 @@ TEST_CASE("a complete chain leaves robot.urdf, dh.tex and models.csv; another ta
   outcome.identification.estimator = identify::Estimator::circle;
   write_result(folder.path(), outcome);
   for (const char* name : {"robot.urdf", "dh.tex", "models.csv"}) CHECK_FALSE(there(name));
-  CHECK_FALSE(Json::parse(result_json(outcome)).contains("models"));
+  CHECK_FALSE(OrderedJson::parse(result_json(outcome)).contains("models"));
 }

@@ -9,6 +9,7 @@
 #include "daemon/replay_command.hpp"
 #include "daemon/simulate_command.hpp"
 #include "tests/catch.hpp"
+#include "tests/config_folder.hpp"
 #include "tests/daemon/telegrams.hpp"
 #include "tests/daemon/temporary_folder.hpp"
 
@@ -19,16 +20,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const fs::path kConfig = fs::path(SWEEPD_SOURCE_DIR) / "config";
-
 /// A folder with a capture, and what commands say of writing there.
-struct Bench {
+struct OutputsBench {
   TemporaryFolder folder;
   fs::path trace = folder / "t.pcap";
   std::string bytes;
   std::ostringstream ignored;
 
-  Bench() {
+  OutputsBench() {
     std::uint64_t ipoc = 4000;
     Capture(trace).add_stroke(ipoc, 0, 60);
     bytes = content(trace);
@@ -72,7 +71,7 @@ struct Bench {
 
 TEST_CASE("no command overwrites what it reads, by whatever name, even if it is forced",
           "[issue11][point_11]") {
-  Bench bench;
+  OutputsBench bench;
   fs::create_symlink(bench.trace, bench.folder / "symbolic");
   fs::create_hard_link(bench.trace, bench.folder / "hard");
   for (const bool force : {false, true})
@@ -93,7 +92,7 @@ TEST_CASE("no command overwrites what it reads, by whatever name, even if it is 
 }
 
 TEST_CASE("what is there and not of sweepd is overwritten only by force", "[issue11][point_11]") {
-  Bench bench;
+  OutputsBench bench;
   const auto other = bench.folder.write("other", "precious\n");
   CHECK_THROWS_WITH(bench.exported(other), ContainsSubstring("--force"));
   CHECK_THROWS_WITH(bench.inspected(other), ContainsSubstring("--force"));
@@ -128,7 +127,7 @@ TEST_CASE("what is there and not of sweepd is overwritten only by force", "[issu
 
 TEST_CASE("what sweepd wrote may be written again, and links and devices are what they were",
           "[issue11][point_11]") {
-  Bench bench;
+  OutputsBench bench;
   const auto to = [&](const char* name) { return bench.folder / name; };
   fs::create_symlink(to("t.csv"), to("link"));
   static_cast<void>(bench.folder.write("empty", ""));

@@ -9,25 +9,30 @@
 #include "daemon/plan_proposal.hpp"
 #include "daemon/units.hpp"
 #include "tests/catch.hpp"
+#include "tests/config_folder.hpp"
 #include "tests/daemon/temporary_folder.hpp"
 
 using namespace sweepd;
 using Catch::Matchers::ContainsSubstring;
 using sweepd::test::content;
+using sweepd::test::kConfig;
 using sweepd::test::TemporaryFolder;
 namespace fs = std::filesystem;
 
 namespace {
 
-const fs::path kConfig = fs::path(SWEEPD_SOURCE_DIR) / "config";
 /// Coarse enough to be quick, fine enough for sweeps of a second.
 constexpr int kCycle_ms = 16;
 
-PlanOptions options_of(const fs::path& plan = kConfig / "plans/kr5_arc_90deg.toml") {
+/// Of a proposal, which rehearses many plans.
+constexpr int kProposal_ms = 32;
+
+PlanOptions options_of(const fs::path& plan = kConfig / "plans/kr5_arc_90deg.toml",
+                       int cycle_ms = kCycle_ms) {
   PlanOptions options;
   options.robot = kConfig / "robots/kr5_arc.toml";
   options.plan = plan;
-  options.cycle_ms = kCycle_ms;
+  options.cycle_ms = cycle_ms;
   return options;
 }
 
@@ -67,9 +72,9 @@ PlanOptions writing(PlanOptions options, const TemporaryFolder& folder) {
   return options;
 }
 
-Measurement coarse() {
+Measurement coarse(int cycle_ms = kCycle_ms) {
   Measurement measurement;
-  measurement.cycle = std::chrono::milliseconds(kCycle_ms);
+  measurement.cycle = std::chrono::milliseconds(cycle_ms);
   return measurement;
 }
 
@@ -83,7 +88,8 @@ std::string words(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("plan says what the program will do, and how certain each number will be", "[long]") {
+TEST_CASE("plan says what the program will do, and how certain each number will be",
+          "[plan][long]") {
   const auto planned = run(options_of());
   CHECK(planned.code == 0);
   CHECK(planned.errors.empty());
@@ -103,7 +109,7 @@ TEST_CASE("plan says what the program will do, and how certain each number will 
   CHECK_THAT(measured.text, ContainsSubstring("    1   b      mm       400.0000        (set)"));
 }
 
-TEST_CASE("a plan beyond the limits of the robot is refused with all reasons") {
+TEST_CASE("a plan beyond the limits of the robot is refused with all reasons", "[plan]") {
   const TemporaryFolder folder;
   std::string text = changed("start_deg = -45.0", "start_deg = -160.0");
   text.replace(text.find("end_deg = 30.0"), 14, "end_deg = -20.0");
@@ -123,7 +129,8 @@ TEST_CASE("a plan beyond the limits of the robot is refused with all reasons") {
   CHECK_FALSE(fs::exists(folder / "krl"));
 }
 
-TEST_CASE("a target on an axis is refused with the reason, and nothing is written", "[long]") {
+TEST_CASE("a target on an axis is refused with the reason, and nothing is written",
+          "[plan][long]") {
   const auto robot = load_robot(kConfig / "robots/kr5_arc.toml");
   // Points of the axes of joints 1 to 6, seen from the frame after the last row.
   std::vector<double> home;
@@ -151,7 +158,7 @@ TEST_CASE("a target on an axis is refused with the reason, and nothing is writte
   }
 }
 
-TEST_CASE("a target near an axis: what covariance says of it decides", "[long]") {
+TEST_CASE("a target near an axis: what covariance says of it decides", "[plan][long]") {
   auto options = options_of();
   options.tool_mm = {1.7, 0, 215};
   options.position_sigma_mm = 0.02;
@@ -166,7 +173,7 @@ TEST_CASE("a target near an axis: what covariance says of it decides", "[long]")
              ContainsSubstring("target close to it") && ContainsSubstring("[target_near_axis]"));
 }
 
-TEST_CASE("a sweep that would not be used is refused", "[long]") {
+TEST_CASE("a sweep that would not be used is refused", "[plan][long]") {
   const TemporaryFolder folder;
   const auto file = folder.write(
       "plan.toml", changed("start_deg = 0.0\nend_deg = 90.0", "start_deg = 0.0\nend_deg = 4.0"));
@@ -177,7 +184,7 @@ TEST_CASE("a sweep that would not be used is refused", "[long]") {
   CHECK_FALSE(fs::exists(folder / "krl"));
 }
 
-TEST_CASE("the program is written for each controller", "[long]") {
+TEST_CASE("the program is written for each controller", "[plan][long]") {
   for (const auto dialect : {KrlDialect::krc2, KrlDialect::krc4}) {
     const TemporaryFolder folder;
     auto options = writing(options_of(), folder);
@@ -196,7 +203,8 @@ TEST_CASE("the program is written for each controller", "[long]") {
   }
 }
 
-TEST_CASE("what KRL cannot express, and options that contradict each other, are told first") {
+TEST_CASE("what KRL cannot express, and options that contradict each other, are told first",
+          "[plan]") {
   const TemporaryFolder folder;
   auto options = writing(options_of(), folder);
   options.name = "1st try";
@@ -211,7 +219,8 @@ TEST_CASE("what KRL cannot express, and options that contradict each other, are 
   CHECK_THROWS_AS(run(no_proposal), std::invalid_argument);
 }
 
-TEST_CASE("widened ranges keep to the limits, to 340 degrees, and to what was swept before") {
+TEST_CASE("widened ranges keep to the limits, to 340 degrees, and to what was swept before",
+          "[plan]") {
   auto robot = load_robot(kConfig / "robots/kr5_arc.toml");
   const auto plan = load_plan(kConfig / "plans/kr5_arc_90deg.toml");
   const auto range = [&](std::size_t joint, double margin_deg) {
@@ -228,10 +237,11 @@ TEST_CASE("widened ranges keep to the limits, to 340 degrees, and to what was sw
   CHECK(range(4, 5) == std::pair(90.0, 0.0));
 }
 
-TEST_CASE("a proposal gains, keeps to the limits, and is the plan that is written", "[long]") {
+TEST_CASE("a proposal gains, keeps to the limits, and is the plan that is written",
+          "[plan][long]") {
   const TemporaryFolder folder;
   const auto robot = load_robot(kConfig / "robots/kr5_arc.toml");
-  auto options = options_of(kConfig / "plans/kr5_arc_30deg.toml");
+  auto options = options_of(kConfig / "plans/kr5_arc_30deg.toml", kProposal_ms);
   options.propose = true;
   options.write_plan = folder / "wider.toml";
   const auto planned = run(options);
@@ -239,8 +249,8 @@ TEST_CASE("a proposal gains, keeps to the limits, and is the plan that is writte
   CHECK_THAT(planned.text, ContainsSubstring("Proposal") && ContainsSubstring("times smaller") &&
                                ContainsSubstring("neither the cell") && ContainsSubstring("T1"));
 
-  const auto before = look_ahead(robot, load_plan(options.plan), coarse());
-  const auto proposal = propose(robot, before, coarse(), 5);
+  const auto before = look_ahead(robot, load_plan(options.plan), coarse(kProposal_ms));
+  const auto proposal = propose(robot, before, coarse(kProposal_ms), 5);
   REQUIRE_FALSE(proposal.steps.empty());
   for (const auto& step : proposal.steps) CHECK(step.gain >= 1.1);
   CHECK(gain(before.prediction, proposal.outlook.prediction) > 2);
@@ -260,11 +270,11 @@ TEST_CASE("a proposal gains, keeps to the limits, and is the plan that is writte
   }
 }
 
-TEST_CASE("a plan that is too short is refused, its proposal is written", "[long]") {
+TEST_CASE("a plan that is too short is refused, its proposal is written", "[plan][long]") {
   const TemporaryFolder folder;
   const auto file = folder.write(
       "plan.toml", changed("start_deg = 0.0\nend_deg = 90.0", "start_deg = 0.0\nend_deg = 4.0"));
-  auto options = options_of(file);
+  auto options = options_of(file, kProposal_ms);
   options.propose = true;
   options.write_plan = folder / "wider.toml";
   CHECK(run(options).code == 0);
@@ -276,7 +286,7 @@ TEST_CASE("a plan that is too short is refused, its proposal is written", "[long
   CHECK_FALSE(fs::exists(folder / "krl"));
 }
 
-TEST_CASE("the plan simulated gives the sweeps that it asks for", "[long]") {
+TEST_CASE("the plan simulated gives the sweeps that it asks for", "[plan][long]") {
   const auto robot = load_robot(kConfig / "robots/kr5_arc.toml");
   for (const char* name : {"kr5_arc_90deg.toml", "kr5_arc_30deg.toml"}) {
     const auto plan = load_plan(kConfig / "plans" / name);
@@ -300,7 +310,7 @@ TEST_CASE("the plan simulated gives the sweeps that it asks for", "[long]") {
   }
 }
 
-TEST_CASE("predicted uncertainties are those of simulated campaigns", "[long]") {
+TEST_CASE("predicted uncertainties are those of simulated campaigns", "[plan][long]") {
   const auto robot = load_robot(kConfig / "robots/kr5_arc.toml");
   const auto plan = load_plan(kConfig / "plans/kr5_arc_90deg.toml");
   constexpr int kRuns = 40;

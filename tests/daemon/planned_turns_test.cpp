@@ -5,15 +5,13 @@
 #include "daemon/report.hpp"
 #include "daemon/robot_setup.hpp"
 #include "tests/catch.hpp"
+#include "tests/config_folder.hpp"
 #include "tests/identify/simulated_campaign.hpp"
 
 using sweepd::PlannedTurns;
+using sweepd::test::kConfig;
 
-namespace {
-
-const std::filesystem::path kConfig = std::filesystem::path(SWEEPD_SOURCE_DIR) / "config";
-
-}  // namespace
+namespace {}  // namespace
 
 TEST_CASE("the plan names the joint of a sweep without angles as it happens",
           "[planned_turns][issue11][point_20]") {

@@ -21,7 +21,7 @@ PointsFile read(const TemporaryFolder& folder, const std::string& text,
   return PointsReader(std::move(columns), 12).read(folder.write("points.csv", text), {});
 }
 
-void check_error(const std::string& text, const std::string& said) {
+void check_points_error(const std::string& text, const std::string& said) {
   const TemporaryFolder folder;
   INFO(text);
   CHECK_THROWS_AS(read(folder, text), CsvError);
@@ -189,25 +189,28 @@ TEST_CASE("angles of more joints than the robot has are passed over") {
 }
 
 TEST_CASE("a header that is wrong is told with its column") {
-  check_error("x_mm,y_mm,z_mm,speed\n", "line 1, column 4 (speed): expected a known column");
-  check_error("# points\nX_mm,y_mm,z_mm\n", "line 2, column 1 (X_mm): expected a known column");
-  check_error("x,y_mm,z_mm\n", "line 1, column 1 (x): expected a known column");
-  check_error("x_mm,y_mm,z_mm,a13_deg\n", "line 1, column 4 (a13_deg): expected a known column");
-  check_error("x_mm,y_mm,z_mm,a_mm\n", "line 1, column 4 (a_mm): expected a known column");
-  check_error("x_mm,y_mm,z_mm,x_m\n",
-              "line 1, column 4 (x_m): expected each value once, found x a second time");
-  check_error("x_mm,z_mm\n",
-              "line 1: expected a column for each of 3 values that belong together, "
-              "found none for y");
-  check_error("t_s,a1_deg\n", "line 1: expected columns with positions");
-  check_error("x_mm,y_mm,z_mm,qx,qy\n",
-              "line 1: expected a column for each of 4 values that "
-              "belong together, found none for qz, qw");
-  check_error("x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,qx,qy,qz,qw\n", "line 1: expected one orientation");
-  check_error("x_mm,y_mm,z_mm,a1_deg,a3_deg\n",
-              "line 1: expected angles of all joints from a1 on, found a3 but no a2");
-  check_error("1,2,3\n", "line 1: expected a header");
-  check_error("x_mm,y_mm,z_mm\n", "expected points, found no line but the header");
+  check_points_error("x_mm,y_mm,z_mm,speed\n", "line 1, column 4 (speed): expected a known column");
+  check_points_error("# points\nX_mm,y_mm,z_mm\n",
+                     "line 2, column 1 (X_mm): expected a known column");
+  check_points_error("x,y_mm,z_mm\n", "line 1, column 1 (x): expected a known column");
+  check_points_error("x_mm,y_mm,z_mm,a13_deg\n",
+                     "line 1, column 4 (a13_deg): expected a known column");
+  check_points_error("x_mm,y_mm,z_mm,a_mm\n", "line 1, column 4 (a_mm): expected a known column");
+  check_points_error("x_mm,y_mm,z_mm,x_m\n",
+                     "line 1, column 4 (x_m): expected each value once, found x a second time");
+  check_points_error("x_mm,z_mm\n",
+                     "line 1: expected a column for each of 3 values that belong together, "
+                     "found none for y");
+  check_points_error("t_s,a1_deg\n", "line 1: expected columns with positions");
+  check_points_error("x_mm,y_mm,z_mm,qx,qy\n",
+                     "line 1: expected a column for each of 4 values that "
+                     "belong together, found none for qz, qw");
+  check_points_error("x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,qx,qy,qz,qw\n",
+                     "line 1: expected one orientation");
+  check_points_error("x_mm,y_mm,z_mm,a1_deg,a3_deg\n",
+                     "line 1: expected angles of all joints from a1 on, found a3 but no a2");
+  check_points_error("1,2,3\n", "line 1: expected a header");
+  check_points_error("x_mm,y_mm,z_mm\n", "expected points, found no line but the header");
   const TemporaryFolder folder;
   CHECK_THROWS_AS(read(folder, "1,2,3\n", {"x_mm", "y_mm", "speed"}), std::invalid_argument);
   CHECK_THROWS_WITH(read(folder, "1,2,3\n", {"x_mm", "y_mm", "speed"}),
@@ -217,7 +220,7 @@ TEST_CASE("a header that is wrong is told with its column") {
 TEST_CASE("a value that is wrong is told with line and column") {
   const std::string header = "joint,t_s,x_mm,y_mm,z_mm,target,qx,qy,qz,qw\n1,0,1,2,3,a,0,0,0,1\n";
   const auto check_line = [&](const std::string& line, const std::string& said) {
-    check_error(header + line + "\n", "line 3, column " + said);
+    check_points_error(header + line + "\n", "line 3, column " + said);
   };
   check_line("1,0,1,abc,3,a,0,0,0,1", "4 (y_mm): expected a number, found \"abc\"");
   check_line("1,0,nan,2,3,a,0,0,0,1", "3 (x_mm): expected a number, found \"nan\"");
@@ -229,7 +232,7 @@ TEST_CASE("a value that is wrong is told with line and column") {
   check_line("1,0,1,2,3,,0,0,0,1", "6 (target): expected a name or number, found nothing");
   check_line("1,0,1,2,3,a,0,0,0,0", "7 (qx): expected a quaternion, found zero");
   check_line("1,-1,1,2,3,a,0,0,0,1", "2 (t_s): expected a time no earlier than the line before");
-  check_error(header + "1,0,1,2,3\n", "line 3: expected 10 columns, as in line 1, found 5");
+  check_points_error(header + "1,0,1,2,3\n", "line 3: expected 10 columns, as in line 1, found 5");
 }
 
 TEST_CASE("time begins anew with another joint, sweep or target") {

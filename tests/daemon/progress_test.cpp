@@ -17,7 +17,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-const Progress::Clock::time_point kStart{1h};
+const Progress::Clock::time_point kFirstShown{1h};
 const std::string kWipe = "\r\x1b[K";
 
 /// A terminal that keeps what is written to it.
@@ -48,8 +48,8 @@ class StandardError {
 
 TEST_CASE("the line tells work, detail, share and the time left") {
   Screen screen;
-  Progress progress("simulate", screen.terminal(), kStart);
-  progress.update(1, 4, "joint 3", kStart + 10s);
+  Progress progress("simulate", screen.terminal(), kFirstShown);
+  progress.update(1, 4, "joint 3", kFirstShown + 10s);
   REQUIRE(screen.written.size() == 1);
   CHECK(screen.written[0] ==
         kWipe + "simulate  joint 3   25 %  [######..................]  30 s left");
@@ -57,18 +57,18 @@ TEST_CASE("the line tells work, detail, share and the time left") {
 
 TEST_CASE("without a detail or before the first step the line is shorter") {
   Screen screen;
-  Progress progress("replay", screen.terminal(), kStart);
-  progress.update(0, 100, {}, kStart);
+  Progress progress("replay", screen.terminal(), kFirstShown);
+  progress.update(0, 100, {}, kFirstShown);
   REQUIRE(screen.written.size() == 1);
   CHECK(screen.written[0] == kWipe + "replay    0 %  [........................]");
 }
 
 TEST_CASE("long times are told in minutes, and no share is beyond its ends") {
   Screen screen;
-  Progress progress("replay", screen.terminal(), kStart);
-  progress.update(1, 100, {}, kStart + 10s);
-  progress.update(120, 100, {}, kStart + 20s);
-  progress.update(5, 0, {}, kStart + 30s);
+  Progress progress("replay", screen.terminal(), kFirstShown);
+  progress.update(1, 100, {}, kFirstShown + 10s);
+  progress.update(120, 100, {}, kFirstShown + 20s);
+  progress.update(5, 0, {}, kFirstShown + 30s);
   REQUIRE(screen.written.size() == 3);
   CHECK_THAT(screen.written[0], EndsWith("17 min left"));
   CHECK_THAT(screen.written[1], ContainsSubstring("100 %  [########################]  0 s left"));
@@ -77,20 +77,20 @@ TEST_CASE("long times are told in minutes, and no share is beyond its ends") {
 
 TEST_CASE("the line is drawn at most ten times a second") {
   Screen screen;
-  Progress progress("replay", screen.terminal(), kStart);
-  for (int ms = 0; ms < 1000; ++ms) progress.update(ms, 1000, {}, kStart + ms * 1ms);
+  Progress progress("replay", screen.terminal(), kFirstShown);
+  for (int ms = 0; ms < 1000; ++ms) progress.update(ms, 1000, {}, kFirstShown + ms * 1ms);
   CHECK(screen.written.size() == 10);
 }
 
 TEST_CASE("the line is wiped once, at the end or before") {
   Screen screen;
   {
-    Progress progress("replay", screen.terminal(), kStart);
-    progress.update(1, 2, {}, kStart);
+    Progress progress("replay", screen.terminal(), kFirstShown);
+    progress.update(1, 2, {}, kFirstShown);
     progress.clear();
     progress.clear();
     CHECK(screen.written.size() == 2);
-    progress.update(1, 2, {}, kStart);
+    progress.update(1, 2, {}, kFirstShown);
     CHECK(screen.written.size() == 3);
   }
   REQUIRE(screen.written.size() == 4);
@@ -100,14 +100,14 @@ TEST_CASE("the line is wiped once, at the end or before") {
 
 TEST_CASE("what was never drawn is not wiped") {
   Screen screen;
-  { const Progress progress("replay", screen.terminal(), kStart); }
+  { const Progress progress("replay", screen.terminal(), kFirstShown); }
   CHECK(screen.written.empty());
 }
 
 TEST_CASE("without a terminal nothing is drawn") {
-  Progress progress("replay", Progress::Terminal{}, kStart);
+  Progress progress("replay", Progress::Terminal{}, kFirstShown);
   // An empty function that is called throws.
-  CHECK_NOTHROW(progress.update(1, 2, {}, kStart));
+  CHECK_NOTHROW(progress.update(1, 2, {}, kFirstShown));
   CHECK_NOTHROW(progress.clear());
 }
 
@@ -132,8 +132,8 @@ TEST_CASE("stderr is drawn on if it is a terminal, and left alone if it is a pip
   REQUIRE(user_side >= 0);
   {
     const StandardError redirected(user_side);
-    Progress progress("replay", Progress::standard_error(), kStart);
-    progress.update(1, 2, {}, kStart);
+    Progress progress("replay", Progress::standard_error(), kFirstShown);
+    progress.update(1, 2, {}, kFirstShown);
   }
   char read_back[256];
   const auto size = read(terminal, read_back, sizeof read_back);

@@ -12,6 +12,7 @@
 #include "tests/daemon/small_disk.hpp"
 #include "tests/daemon/telegrams.hpp"
 #include "tests/daemon/temporary_folder.hpp"
+#include "tests/eventually.hpp"
 
 using Catch::Matchers::ContainsSubstring;
 using sweepd::DiskRoom;
@@ -29,15 +30,6 @@ using Steady = std::chrono::steady_clock;
 constexpr std::uint64_t kMebibyte = 1 << 20;
 
 /// Waits for the work of another thread; false if it takes unreasonably long.
-bool eventually(const std::function<bool()>& condition) {
-  const auto deadline = Steady::now() + 20s;
-  while (!condition()) {
-    if (Steady::now() > deadline) return false;
-    std::this_thread::sleep_for(1ms);
-  }
-  return true;
-}
-
 /// What the recorder said.
 class Log {
  public:
@@ -61,9 +53,9 @@ class Log {
 };
 
 /// A recorder on a disk and a clock that the test holds.
-class Bench {
+class RecorderBench {
  public:
-  explicit Bench(const std::function<void(sweepd::RecordingSettings&)>& change = {}) {
+  explicit RecorderBench(const std::function<void(sweepd::RecordingSettings&)>& change = {}) {
     settings.keep_free_bytes = 0;
     if (change) change(settings);
     sweepd::RecorderOptions options;
@@ -174,7 +166,7 @@ class StoppedDisk {
 }  // namespace
 
 TEST_CASE("what was handed over is in the files when the recording has ended") {
-  Bench bench;
+  RecorderBench bench;
   const auto recording = bench.begin();
   for (int k = 0; k < 1000; ++k) CHECK(bench.send() == 2);
   bench.recorder->end();
@@ -194,7 +186,7 @@ TEST_CASE("what was handed over is in the files when the recording has ended") {
 }
 
 TEST_CASE("what was handed over is in the files soon, while the session goes on") {
-  Bench bench;
+  RecorderBench bench;
   const auto recording = bench.begin();
   bench.send(10);
   CHECK(eventually([&] { return recording->counts().recorded == RecordCount{10, 10}; }));
@@ -203,7 +195,7 @@ TEST_CASE("what was handed over is in the files soon, while the session goes on"
 }
 
 TEST_CASE("sessions follow each other, in the order in which they came") {
-  Bench bench;
+  RecorderBench bench;
   std::vector<std::shared_ptr<const Recording>> recordings;
   StoppedDisk disk;
   recordings.push_back(bench.begin("20250101T000000Z", disk.here()));
@@ -227,7 +219,7 @@ TEST_CASE("sessions follow each other, in the order in which they came") {
 }
 
 TEST_CASE("without a trace the samples are recorded all the same") {
-  Bench bench;
+  RecorderBench bench;
   const auto recording =
       bench.recorder->begin({bench.folder / "robot", "20250101T000000Z", false, "t_s,ipoc", {}});
   bench.send(5);
@@ -239,7 +231,7 @@ TEST_CASE("without a trace the samples are recorded all the same") {
 }
 
 TEST_CASE("a payload larger than UDP can carry is recorded as far as it can be") {
-  Bench bench;
+  RecorderBench bench;
   const auto recording = bench.begin();
   CHECK(bench.recorder->datagram(from_controller(std::string(70'000, 'x'), 1h)));
   bench.recorder->end();
@@ -251,7 +243,7 @@ TEST_CASE("a payload larger than UDP can carry is recorded as far as it can be")
 }
 
 TEST_CASE("a recording goes on in new files by size, in both at the same moment") {
-  Bench bench([](auto& settings) { settings.rotate_bytes = 200'000; });
+  RecorderBench bench([](auto& settings) { settings.rotate_bytes = 200'000; });
   StoppedDisk disk;  // so that all is written at once, in the same portions each time
   const auto recording = bench.begin("20250101T000000Z", disk.here());
   disk.wait();
@@ -283,7 +275,7 @@ TEST_CASE("a recording goes on in new files by size, in both at the same moment"
 }
 
 TEST_CASE("a recording goes on in new files by age, but never in empty ones") {
-  Bench bench([](auto& settings) { settings.rotate = 100s; });
+  RecorderBench bench([](auto& settings) { settings.rotate = 100s; });
   const auto recording = bench.begin();
   const auto written = [&](std::uint64_t count) {
     return eventually([&] { return recording->counts().recorded == RecordCount{count, count}; });
@@ -305,7 +297,7 @@ TEST_CASE("a recording goes on in new files by age, but never in empty ones") {
 }
 
 TEST_CASE("a disk that stands still costs nothing as long as memory suffices") {
-  Bench bench;
+  RecorderBench bench;
   StoppedDisk disk;
   const auto recording = bench.begin("20250101T000000Z", disk.here());
   disk.wait();
@@ -320,7 +312,7 @@ TEST_CASE("a disk that stands still costs nothing as long as memory suffices") {
 }
 
 TEST_CASE("beyond its memory whole records are left out, counted, and said once") {
-  Bench bench([](auto& settings) { settings.memory_bytes = kMebibyte; });
+  RecorderBench bench([](auto& settings) { settings.memory_bytes = kMebibyte; });
   StoppedDisk disk;
   const auto recording = bench.begin("20250101T000000Z", disk.here());
   disk.wait();
@@ -359,7 +351,7 @@ TEST_CASE("beyond its memory whole records are left out, counted, and said once"
 }
 
 TEST_CASE("a session for which memory has no room is counted, not recorded") {
-  Bench bench([](auto& settings) { settings.memory_bytes = kMebibyte; });
+  RecorderBench bench([](auto& settings) { settings.memory_bytes = kMebibyte; });
   StoppedDisk disk;
   const auto first = bench.begin("20250101T000000Z", disk.here());
   disk.wait();
@@ -377,7 +369,7 @@ TEST_CASE("a session for which memory has no room is counted, not recorded") {
 }
 
 TEST_CASE("below the floor of free disk recording pauses, and memory bridges it") {
-  Bench bench([](auto& settings) { settings.keep_free_bytes = 160 * kMebibyte; });
+  RecorderBench bench([](auto& settings) { settings.keep_free_bytes = 160 * kMebibyte; });
   bench.free = 160 * kMebibyte - 1;
   const auto recording = bench.begin();
   bench.send(10);
@@ -409,7 +401,7 @@ TEST_CASE("below the floor of free disk recording pauses, and memory bridges it"
 }
 
 TEST_CASE("what a pause left out is counted by the disk, and said when it is over") {
-  Bench bench([](auto& settings) {
+  RecorderBench bench([](auto& settings) {
     settings.keep_free_bytes = 1;
     settings.memory_bytes = kMebibyte;
   });
@@ -444,7 +436,7 @@ TEST_CASE("what a pause left out is counted by the disk, and said when it is ove
 }
 
 TEST_CASE("a session that ends while recording is paused is over at once") {
-  Bench bench([](auto& settings) { settings.keep_free_bytes = 1; });
+  RecorderBench bench([](auto& settings) { settings.keep_free_bytes = 1; });
   bench.free = 0;
   const auto first = bench.begin();
   bench.send(10);
@@ -466,7 +458,7 @@ TEST_CASE("a session that ends while recording is paused is over at once") {
 }
 
 TEST_CASE("a disk that refuses in the middle of a record leaves whole ones, and goes on") {
-  Bench bench;
+  RecorderBench bench;
   const auto recording = bench.begin();
   {
     SmallDisk disk(100'000);  // in the middle of a packet
@@ -489,7 +481,7 @@ TEST_CASE("a disk that refuses in the middle of a record leaves whole ones, and 
 }
 
 TEST_CASE("a disk that has room for moments only is asked, and spoken of, less and less often") {
-  Bench bench([](auto& settings) { settings.keep_free_bytes = kMebibyte; });
+  RecorderBench bench([](auto& settings) { settings.keep_free_bytes = kMebibyte; });
   const auto recording = bench.begin();
   // Each second the room that a margin needs, then none again.
   for (int second = 0; second < 240; ++second) {
@@ -511,7 +503,7 @@ TEST_CASE("a disk that has room for moments only is asked, and spoken of, less a
 }
 
 TEST_CASE("a folder that cannot be made is tried again, and said once") {
-  Bench bench;
+  RecorderBench bench;
   const auto in_the_way = bench.folder.write("robot", "a file");
   const auto recording = bench.begin();
   bench.send(10);
@@ -530,7 +522,7 @@ TEST_CASE("a folder that cannot be made is tried again, and said once") {
 
 TEST_CASE("a folder that is deleted while it is written is said, counted, and made anew",
           "[issue11][point_12]") {
-  Bench bench;
+  RecorderBench bench;
   std::atomic<int> folders = 0;
   const auto recording = bench.begin("20250101T000000Z", [&](const fs::path&) { ++folders; });
   bench.send(10);
@@ -554,7 +546,7 @@ TEST_CASE("a folder that is deleted while it is written is said, counted, and ma
 }
 
 TEST_CASE("old recordings go at the start of a session and when files change, said in one line") {
-  Bench bench([](auto& settings) {
+  RecorderBench bench([](auto& settings) {
     settings.keep_bytes = 300'000;
     settings.rotate_bytes = 100'000;
   });
@@ -580,7 +572,7 @@ TEST_CASE("old recordings go at the start of a session and when files change, sa
 }
 
 TEST_CASE("other settings hold at once") {
-  Bench bench;
+  RecorderBench bench;
   fs::create_directories(bench.session("20240101T000000Z"));
   const auto old = bench.session("20240101T000000Z") / "trace.pcap";
   std::ofstream(old) << std::string(1000, 'x');
@@ -596,7 +588,7 @@ TEST_CASE("other settings hold at once") {
 }
 
 TEST_CASE("a stop ends the session under way, with everything on the disk") {
-  Bench bench;
+  RecorderBench bench;
   const auto recording = bench.begin();
   bench.send(100);
   CHECK(bench.recorder->stop(Steady::now() + 20s));
@@ -606,7 +598,7 @@ TEST_CASE("a stop ends the session under way, with everything on the disk") {
 }
 
 TEST_CASE("a stop gives up a disk that stands still, and says what was lost") {
-  Bench bench;
+  RecorderBench bench;
   StoppedDisk disk;
   const auto recording = bench.begin("20250101T000000Z", disk.here());
   disk.wait();

@@ -8,6 +8,7 @@
 #include "daemon/simulate_command.hpp"
 #include "rsi/capture_reader.hpp"
 #include "tests/catch.hpp"
+#include "tests/config_folder.hpp"
 #include "tests/daemon/telegrams.hpp"
 #include "tests/daemon/temporary_folder.hpp"
 
@@ -19,8 +20,6 @@ using namespace sweepd::test;
 namespace fs = std::filesystem;
 
 namespace {
-
-const fs::path kConfig = fs::path(SWEEPD_SOURCE_DIR) / "config";
 
 struct Replayed {
   int code = 0;
@@ -35,7 +34,7 @@ Replayed replayed(const ReplayOptions& options) {
   return {code, report.str(), errors.str()};
 }
 
-ReplayOptions options(const fs::path& trace, const fs::path& output) {
+ReplayOptions trace_options(const fs::path& trace, const fs::path& output) {
   ReplayOptions result;
   result.traces = {trace};
   result.config = kConfig / "sweepd.toml";
@@ -69,8 +68,8 @@ TEST_CASE("two replays leave the same files, byte for byte", "[long]") {
   const TemporaryFolder folder;
   const auto trace = folder / "trace.pcap";
   simulate(trace);
-  const auto first = replayed(options(trace, folder / "first"));
-  const auto second = replayed(options(trace, folder / "second/deeper"));
+  const auto first = replayed(trace_options(trace, folder / "first"));
+  const auto second = replayed(trace_options(trace, folder / "second/deeper"));
   CHECK(first.code == 0);
   CHECK(first.errors.empty());
   CHECK(first.report == second.report);
@@ -94,7 +93,7 @@ TEST_CASE("a replay without an output folder leaves no files; a quiet one says n
   const TemporaryFolder folder;
   const auto trace = folder / "trace.pcap";
   simulate(trace);
-  auto wanted = options(trace, {});
+  auto wanted = trace_options(trace, {});
   wanted.output.reset();
   CHECK_THAT(replayed(wanted).report, ContainsSubstring("complete"));
   wanted.quiet = true;
@@ -116,9 +115,9 @@ TEST_CASE("a capture in two pieces gives what the whole one gives") {
     for (int k = 0; const auto datagram = whole.next(); ++k)
       (k < 200 ? first : second).write(*datagram);
   }
-  CHECK(replayed(options(folder / "whole.pcap", folder / "whole")).code == 0);
+  CHECK(replayed(trace_options(folder / "whole.pcap", folder / "whole")).code == 0);
   // As a shell puts "trace*.pcap".
-  auto pieces = options(folder / "trace-0002.pcap", folder / "pieces");
+  auto pieces = trace_options(folder / "trace-0002.pcap", folder / "pieces");
   pieces.traces.push_back(folder / "trace.pcap");
   CHECK(replayed(pieces).code == 0);
   for (const char* name : {"result.json", "samples.csv", "sweeps.csv"})
@@ -129,7 +128,7 @@ TEST_CASE(
     "a capture without RSI leaves a failed result with the reason, one sentence, and exit 1") {
   const TemporaryFolder folder;
   Capture(folder / "x.pcap").add("something else");
-  const auto result = replayed(options(folder / "x.pcap", folder / "out"));
+  const auto result = replayed(trace_options(folder / "x.pcap", folder / "out"));
   CHECK(result.code == 1);
   CHECK_THAT(result.errors, Catch::Matchers::StartsWith("sweepd: no RSI among "));
   CHECK(std::count(result.errors.begin(), result.errors.end(), '\n') == 1);
@@ -141,7 +140,7 @@ TEST_CASE(
 TEST_CASE("a capture without RSI is no matter of the settings, however many robots they have") {
   const TemporaryFolder folder;
   Capture(folder / "x.pcap").add("something else");
-  auto wanted = options(folder / "x.pcap", folder / "out");
+  auto wanted = trace_options(folder / "x.pcap", folder / "out");
   wanted.config = folder.write("two.toml", robot_table("a", "1000") + robot_table("b", "2000"));
   CHECK(replayed(wanted).code == 1);
   CHECK(result_in(folder / "out")["status"] == "failed");
@@ -150,7 +149,7 @@ TEST_CASE("a capture without RSI is no matter of the settings, however many robo
 TEST_CASE("a capture in which no joint is swept is exit 1 with the reason") {
   const TemporaryFolder folder;
   Capture(folder / "x.pcap").add(telegram(4000, joint_1_at(0))).add(telegram(4004, joint_1_at(0)));
-  const auto result = replayed(options(folder / "x.pcap", folder / "out"));
+  const auto result = replayed(trace_options(folder / "x.pcap", folder / "out"));
   CHECK(result.code == 1);
   CHECK(result_in(folder / "out")["status"] == "failed");
   CHECK(result_in(folder / "out")["reason"] == "no sweep of a single joint was seen");
@@ -161,7 +160,7 @@ TEST_CASE("one joint of six is a partial result and exit 0") {
   const TemporaryFolder folder;
   std::uint64_t ipoc = 4000;
   Capture(folder / "x.pcap").add_stroke(ipoc, 0, 60);
-  const auto result = replayed(options(folder / "x.pcap", folder / "out"));
+  const auto result = replayed(trace_options(folder / "x.pcap", folder / "out"));
   CHECK(result.code == 0);
   CHECK(result_in(folder / "out")["status"] == "partial");
   CHECK_FALSE(result_in(folder / "out")["reason"].get<std::string>().empty());
@@ -172,7 +171,7 @@ TEST_CASE("of a capture that is cut off, what was read is used, and it is said")
   std::uint64_t ipoc = 4000;
   Capture(folder / "x.pcap").add_stroke(ipoc, 0, 60).add(telegram(ipoc, joint_1_at(60)));
   fs::resize_file(folder / "x.pcap", fs::file_size(folder / "x.pcap") - 7);
-  const auto result = replayed(options(folder / "x.pcap", folder / "out"));
+  const auto result = replayed(trace_options(folder / "x.pcap", folder / "out"));
   CHECK(result.code == 0);
   CHECK_THAT(result.errors,
              Catch::Matchers::StartsWith("sweepd: ") && ContainsSubstring("cut off"));
@@ -182,8 +181,9 @@ TEST_CASE("of a capture that is cut off, what was read is used, and it is said")
 
 TEST_CASE("a capture that cannot be opened is said, and leaves no files") {
   const TemporaryFolder folder;
-  CHECK_THROWS_AS(replayed(options(folder / "missing.pcap", folder / "out")), rsi::CaptureError);
-  CHECK_THROWS_WITH(replayed(options(folder / "missing.pcap", folder / "out")),
+  CHECK_THROWS_AS(replayed(trace_options(folder / "missing.pcap", folder / "out")),
+                  rsi::CaptureError);
+  CHECK_THROWS_WITH(replayed(trace_options(folder / "missing.pcap", folder / "out")),
                     ContainsSubstring("missing.pcap: No such file"));
   CHECK_FALSE(fs::exists(folder / "out"));
 }
@@ -192,7 +192,7 @@ TEST_CASE("an output folder that cannot be made is said with what to do") {
   const TemporaryFolder folder;
   Capture(folder / "x.pcap").add(telegram(4000, ""));
   CHECK_THROWS_WITH(
-      replayed(options(folder / "x.pcap", folder / "x.pcap/out")),
+      replayed(trace_options(folder / "x.pcap", folder / "x.pcap/out")),
       ContainsSubstring((folder / "x.pcap/out").string()) && ContainsSubstring("--output"));
 }
 
@@ -200,7 +200,7 @@ TEST_CASE("with several robots in the settings the port says whose capture it is
   const TemporaryFolder folder;
   std::uint64_t ipoc = 4000;
   Capture(folder / "x.pcap").add_stroke(ipoc, 0, 60);  // to port 49152
-  auto wanted = options(folder / "x.pcap", folder / "out");
+  auto wanted = trace_options(folder / "x.pcap", folder / "out");
   SECTION("one of them listens there") {
     wanted.config = folder.write("two.toml", robot_table("a", "1000") + robot_table("b", "49152"));
     CHECK(replayed(wanted).code == 0);
@@ -242,7 +242,7 @@ TEST_CASE("a plan tells the joints where telegrams carry no angles") {
       ipoc += 4;
     }
   }
-  auto wanted = options(folder / "x.pcap", folder / "out");
+  auto wanted = trace_options(folder / "x.pcap", folder / "out");
   wanted.plan = folder.write(
       "plan.toml",
       "home_deg = [0, -90, 90, 0, 90, 0]\npositioning_speed_deg_s = 60\n"
@@ -261,7 +261,7 @@ TEST_CASE("a disk without room is an error of the replay") {
   Capture(folder / "x.pcap").add_stroke(ipoc, 0, 60);
   fs::create_directory(folder / "out");
   fs::create_symlink("/dev/full", folder / "out/samples.csv");
-  const auto result = replayed(options(folder / "x.pcap", folder / "out"));
+  const auto result = replayed(trace_options(folder / "x.pcap", folder / "out"));
   CHECK_THAT(result.errors,
              ContainsSubstring("sweepd: cannot write") && ContainsSubstring("samples.csv"));
   CHECK(result.code == 1);

@@ -6,6 +6,7 @@
 
 #include "tests/catch.hpp"
 #include "tests/daemon/outcomes.hpp"
+#include "tests/daemon/texts.hpp"
 
 using namespace sweepd::test;
 using sweepd::dh_csv;
@@ -28,15 +29,6 @@ std::vector<Row> table(const std::string& csv) {
     rows.push_back(row);
   }
   return rows;
-}
-
-double number(const std::string& text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  INFO(text);
-  REQUIRE(error == std::errc());
-  REQUIRE(end == text.data() + text.size());
-  return value;
 }
 
 std::size_t column(const std::vector<Row>& rows, const std::string& name) {
@@ -86,20 +78,20 @@ TEST_CASE("dh.csv has a row a joint: identified, uncertainty, specified, differe
     REQUIRE(rows[i].size() == rows[0].size());
     CHECK(rows[i][0] == std::to_string(i));
   }
-  CHECK(number(rows[1][1]) == Approx(400).margin(0.02));
-  CHECK(number(rows[1][3]) == 400);
-  CHECK(number(rows[1][4]) == Approx(number(rows[1][1]) - 400).margin(1e-6));
+  CHECK(number_in(rows[1][1]) == Approx(400).margin(0.02));
+  CHECK(number_in(rows[1][3]) == 400);
+  CHECK(number_in(rows[1][4]) == Approx(number_in(rows[1][1]) - 400).margin(1e-6));
   CHECK(rows[1][17] == "skew");
   CHECK(rows[1][18].empty());
   CHECK(rows[1][column(rows, "beta_deg")].empty());
-  CHECK(std::abs(number(rows[2][column(rows, "beta_deg")])) < 1e-3);
-  CHECK(number(rows[1][column(rows, "b_high_mm")]) - number(rows[1][1]) ==
-        Approx(1.96 * number(rows[1][2])).margin(3e-6));  // each is rounded to 1e-6
+  CHECK(std::abs(number_in(rows[2][column(rows, "beta_deg")])) < 1e-3);
+  CHECK(number_in(rows[1][column(rows, "b_high_mm")]) - number_in(rows[1][1]) ==
+        Approx(1.96 * number_in(rows[1][2])).margin(3e-6));  // each is rounded to 1e-6
 }
 
 TEST_CASE("dh.csv leaves empty what convention sets and what nobody knows") {
   const auto complete = table(dh_csv(complete_outcome()));
-  CHECK(number(complete.at(2)[1]) == 0);  // b of parallel axes
+  CHECK(number_in(complete.at(2)[1]) == 0);  // b of parallel axes
   CHECK(complete[2][2].empty());
   CHECK(complete[2][4].empty());
   CHECK(complete[2][18] == "b_mm");
@@ -109,7 +101,7 @@ TEST_CASE("dh.csv leaves empty what convention sets and what nobody knows") {
   const auto a = column(partial, "a_mm");
   CHECK(partial.at(2)[a].empty());
   CHECK(partial[2][a + 1].empty());
-  CHECK(number(partial[2][a + 2]) == 600);
+  CHECK(number_in(partial[2][a + 2]) == 600);
   CHECK(partial[2][a + 3].empty());
 
   const auto unspecified = table(dh_csv(unspecified_outcome()));
@@ -138,7 +130,7 @@ TEST_CASE("sweeps.csv has each sample that was used, and its distance from plane
     REQUIRE(rows[i].size() == rows[0].size());
     if (rows[i][0] != "1") continue;
     CHECK(rows[i][1] == "2");  // the first is the way from home to the sweep's start
-    const double residual = number(rows[i][12]);
+    const double residual = number_in(rows[i][12]);
     squares += residual * residual;
     ++of_joint_1;
   }
@@ -163,9 +155,9 @@ TEST_CASE("sweeps.csv has where each sample lies to the chain, and the error of 
   for (std::size_t i = 1; i < rows.size(); ++i) {
     // At most half a step of six angles, with levers of 2 m in all, and of a position: 1.8e-3 mm,
     // and that at 200 mm from the axis.
-    CHECK(std::abs(number(rows[i][axial])) < 2e-3);
-    CHECK(std::abs(number(rows[i][radial])) < 2e-3);
-    CHECK(std::abs(number(rows[i][error])) < 2);
+    CHECK(std::abs(number_in(rows[i][axial])) < 2e-3);
+    CHECK(std::abs(number_in(rows[i][radial])) < 2e-3);
+    CHECK(std::abs(number_in(rows[i][error])) < 2);
   }
   outcome.identification.chain.reset();
   const auto without = table(sweeps_csv(outcome));

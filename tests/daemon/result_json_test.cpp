@@ -10,7 +10,7 @@
 #include "tests/catch.hpp"
 #include "tests/daemon/outcomes.hpp"
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 using identify::Knowledge;
 using sweepd::Outcome;
 using sweepd::result_json;
@@ -19,13 +19,13 @@ using namespace std::chrono_literals;
 
 namespace {
 
-Json parsed(const Outcome& outcome) {
-  return Json::parse(result_json(outcome));
+OrderedJson parsed(const Outcome& outcome) {
+  return OrderedJson::parse(result_json(outcome));
 }
 
 /// Calls `visit` with each number of the document and the name that it stands under.
-void for_each_number(const Json& json, const std::string& name,
-                     const std::function<void(const std::string&, const Json&)>& visit) {
+void for_each_number(const OrderedJson& json, const std::string& name,
+                     const std::function<void(const std::string&, const OrderedJson&)>& visit) {
   if (json.is_number()) visit(name, json);
   if (json.is_array())
     for (const auto& item : json) for_each_number(item, name, visit);
@@ -198,13 +198,13 @@ TEST_CASE("what convention sets is named, has no uncertainty and no difference")
   CHECK(parallel.at("relation") == "parallel");
   CHECK(parallel.at("b_mm") == 0.0);
   CHECK(parallel.at("b_sigma_mm").is_null());
-  CHECK(parallel.at("by_convention") == Json({"b_mm"}));
+  CHECK(parallel.at("by_convention") == OrderedJson({"b_mm"}));
   CHECK(json.at("difference")[1].at("b_mm").is_null());
   CHECK(json.at("difference")[1].at("a_mm").is_number());
 
   const auto& last = json.at("dh")[5];  // needs a frame on the end-effector
   CHECK(last.at("relation") == "last");
-  CHECK(last.at("by_convention") == Json({"b_mm", "theta_deg", "a_mm", "alpha_deg"}));
+  CHECK(last.at("by_convention") == OrderedJson({"b_mm", "theta_deg", "a_mm", "alpha_deg"}));
   for (const auto& sigma : kSigmas) CHECK(last.at(sigma).is_null());
   for (const auto& name : kNumbers) CHECK(json.at("difference")[5].at(name).is_null());
 
@@ -308,7 +308,7 @@ TEST_CASE("malformed datagrams are told by kind where there are any") {
   outcome.counts.malformed[static_cast<std::size_t>(rsi::Defect::empty)] = 2;
   const auto source = parsed(outcome).at("source");
   CHECK(source.at("malformed") == 5);
-  CHECK(source.at("malformed_by_kind") == Json({{"empty", 2}, {"truncated", 3}}));
+  CHECK(source.at("malformed_by_kind") == OrderedJson({{"empty", 2}, {"truncated", 3}}));
 }
 
 TEST_CASE("positioning strokes are marked, and what was used is told") {
@@ -324,7 +324,7 @@ TEST_CASE("positioning strokes are marked, and what was used is told") {
 TEST_CASE("numbers are rounded, but in models: a nanometre, and as little of an angle") {
   auto json = parsed(complete_outcome());
   json.erase("models");
-  for_each_number(json, "", [](const std::string& name, const Json& number) {
+  for_each_number(json, "", [](const std::string& name, const OrderedJson& number) {
     const double value = number.get<double>();
     const double unit = name.ends_with("_mm")    ? 1e-6
                         : name.ends_with("_deg") ? 1e-7
@@ -347,7 +347,7 @@ TEST_CASE("a number that is not finite is null, never NaN") {
   found.dh[0].a_mm.sigma = std::numeric_limits<double>::infinity();
   found.joints[0].axis->covariance.setConstant(std::numeric_limits<double>::quiet_NaN());
   const auto text = result_json(outcome);
-  const auto json = Json::parse(text);
+  const auto json = OrderedJson::parse(text);
   CHECK(json["dh"][0]["b_mm"].is_null());
   CHECK(json["dh"][0]["a_sigma_mm"].is_null());
   CHECK(text.find("nan") == std::string::npos);

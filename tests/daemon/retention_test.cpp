@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 namespace {
 
 const auto kNow = std::chrono::system_clock::from_time_t(1'735'689'600);
-using Names = std::set<std::string>;
+using NameSet = std::set<std::string>;
 
 /// A robot's folder in which every file was written so long before now.
 class Recordings {
@@ -32,8 +32,8 @@ class Recordings {
     const timespec times[] = {time, time};
     REQUIRE(utimensat(AT_FDCWD, file.c_str(), times, AT_SYMLINK_NOFOLLOW) == 0);
   }
-  [[nodiscard]] Names names() const {
-    Names names;
+  [[nodiscard]] NameSet names() const {
+    NameSet names;
     for (const auto& entry : fs::recursive_directory_iterator(folder_.path()))
       if (!entry.is_directory() || entry.is_symlink())
         names.insert(fs::relative(entry.path(), folder_.path()).string());
@@ -75,9 +75,10 @@ TEST_CASE("recordings older than the days to keep go, results stay", "[issue11][
   CHECK(deleted.files == 5);
   CHECK(deleted.bytes == 5000);
   CHECK(deleted.trouble.empty());
-  CHECK(recordings.names() == Names{old + "result.json", old + "run.json", old + "dh.csv",
-                                    old + "report.txt", "20241230T120000Z/trace.pcap",
-                                    "20241229T000000Z/trace.pcap", "20241229T000000Z/samples.csv"});
+  CHECK(recordings.names() == NameSet{old + "result.json", old + "run.json", old + "dh.csv",
+                                      old + "report.txt", "20241230T120000Z/trace.pcap",
+                                      "20241229T000000Z/trace.pcap",
+                                      "20241229T000000Z/samples.csv"});
 }
 
 TEST_CASE("the oldest recordings go until all fit, in the order in which they were made") {
@@ -90,7 +91,7 @@ TEST_CASE("the oldest recordings go until all fit, in the order in which they we
   recordings.add("20241202T000000Z/trace.pcap", 8h);
   recordings.add("20241202T000000Z/trace-0002.pcap", 7h);
   recordings.add("20241202T000000Z/trace-10000.pcap", 6h);
-  const Names all = recordings.names();
+  const NameSet all = recordings.names();
   CHECK(recordings.clean(std::chrono::days(0), 7000).files == 0);
   CHECK(recordings.names() == all);
 
@@ -99,7 +100,7 @@ TEST_CASE("the oldest recordings go until all fit, in the order in which they we
   CHECK(recordings.clean(std::chrono::days(0), 4500).files == 1);
   CHECK_FALSE(recordings.names().contains("20241201T000000Z-2/trace.pcap"));
   CHECK(recordings.clean(std::chrono::days(0), 1000).files == 3);
-  CHECK(recordings.names() == Names{"20241202T000000Z/trace-10000.pcap"});
+  CHECK(recordings.names() == NameSet{"20241202T000000Z/trace-10000.pcap"});
 }
 
 TEST_CASE("files that are being written stay, earlier ones of the same session may go") {
@@ -109,12 +110,12 @@ TEST_CASE("files that are being written stay, earlier ones of the same session m
                            "samples-0002.csv", "samples-0003.csv"})
     recordings.add(session + name, 1000h);
   CHECK(recordings.clean(std::chrono::days(1), 1, {"20241201T000000Z", 3}).files == 4);
-  CHECK(recordings.names() == Names{session + "trace-0003.pcap", session + "samples-0003.csv"});
+  CHECK(recordings.names() == NameSet{session + "trace-0003.pcap", session + "samples-0003.csv"});
 }
 
 TEST_CASE("what is not exactly named as a recording is never touched") {
   const Recordings recordings;
-  const Names names{
+  const NameSet names{
       "trace.pcap",
       "20241201T000000Z/trace.pcapng",
       "20241201T000000Z/my-trace.pcap",
@@ -163,9 +164,9 @@ TEST_CASE("everything but results counts, and a session without a result goes wi
   CHECK_FALSE(recordings.names().contains(with_table + "trace.pcap"));
   CHECK(recordings.names().contains(with_table + "sweeps.csv"));
   CHECK(recordings.clean(std::chrono::days(0), 1000).files == 8);
-  CHECK(recordings.names() == Names{with_table + "result.json", with_table + "run.json",
-                                    with_table + "dh.csv", with_table + "report.txt",
-                                    "20241203T000000Z/trace.pcap", "20241203T000000Z/notes.txt"});
+  CHECK(recordings.names() == NameSet{with_table + "result.json", with_table + "run.json",
+                                      with_table + "dh.csv", with_table + "report.txt",
+                                      "20241203T000000Z/trace.pcap", "20241203T000000Z/notes.txt"});
   CHECK_FALSE(fs::exists(recordings / without));
 }
 

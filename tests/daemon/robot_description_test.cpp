@@ -8,18 +8,19 @@
 #include <unistd.h>
 
 #include "daemon/config_error.hpp"
+#include "identify/angle.hpp"
 #include "tests/catch.hpp"
 
 using Eigen::AngleAxisd;
 using Eigen::Isometry3d;
 using Eigen::Translation3d;
 using Eigen::Vector3d;
+using identify::kDegree;
 using sweepd::load_robot;
 namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 const fs::path kRobots = fs::path(SWEEPD_SOURCE_DIR) / "config" / "robots";
 
 /// What the makers' drawings say, in mm: see the public models of ros-industrial/kuka_experimental.
@@ -79,7 +80,7 @@ struct RobotFile {
 };
 
 /// The error without the file's name; "no error" if the description is fine.
-std::string error_of(const std::string& text) {
+std::string robot_error(const std::string& text) {
   const RobotFile file(text);
   try {
     (void)load_robot(file.path);
@@ -95,10 +96,10 @@ const std::string kRow = "b_mm = 1\ntheta_deg = 90\na_mm = 2\nalpha_deg = -90\np
 
 TEST_CASE("a home or tool beyond any robot is told where it stands", "[issue11][point_14]") {
   const std::string joint = "[[joint]]\n" + kRow;
-  CHECK(error_of("name = \"x\"\nhome_deg = [1e300]\n" + joint) ==
+  CHECK(robot_error("name = \"x\"\nhome_deg = [1e300]\n" + joint) ==
         "2:13: home_deg: expected a number of degrees from -1e+05 to 1e+05, found the number "
         "1e+300: choose one in between");
-  CHECK_THAT(error_of("name = \"x\"\nhome_deg = [0]\ntool_mm = [0, -1e6, 0]\n" + joint),
+  CHECK_THAT(robot_error("name = \"x\"\nhome_deg = [0]\ntool_mm = [0, -1e6, 0]\n" + joint),
              Catch::Matchers::StartsWith("3:15: tool_mm: expected a number of millimetres from"));
 }
 
@@ -191,25 +192,25 @@ TEST_CASE("an arm of one joint or of twelve is read, and one of thirteen is refu
     for (int i = 0; i < joints; ++i) text += "[[joint]]\n" + kRow;
     return text;
   };
-  CHECK(error_of(arm(1)) == "no error");
-  CHECK(error_of(arm(12)) == "no error");
-  CHECK_THAT(error_of(arm(13)),
+  CHECK(robot_error(arm(1)) == "no error");
+  CHECK(robot_error(arm(12)) == "no error");
+  CHECK_THAT(robot_error(arm(13)),
              Catch::Matchers::ContainsSubstring("expected 1 to 12 joints, found 13"));
-  CHECK_THAT(error_of("name = \"x\"\n"),
+  CHECK_THAT(robot_error("name = \"x\"\n"),
              Catch::Matchers::ContainsSubstring("at least one table [[joint]]"));
 }
 
 TEST_CASE("a table is given for all joints or for none") {
   const std::string head = "name = \"x\"\nhome_deg = [0, 0]\n";
-  CHECK_THAT(error_of(head + "[[joint]]\n" + kRow + "[[joint]]\nmin_deg = 0\nmax_deg = 1\n"),
+  CHECK_THAT(robot_error(head + "[[joint]]\n" + kRow + "[[joint]]\nmin_deg = 0\nmax_deg = 1\n"),
              Catch::Matchers::StartsWith(
                  "9:1: joint.b_mm: missing: expected b_mm, theta_deg, a_mm, alpha_deg "
                  "and positive in every [[joint]], or in none"));
-  CHECK_THAT(error_of(head + "[[joint]]\na_mm = 5\n[[joint]]\n"),
+  CHECK_THAT(robot_error(head + "[[joint]]\na_mm = 5\n[[joint]]\n"),
              Catch::Matchers::StartsWith("3:1: joint.b_mm: missing"));
-  CHECK_THAT(error_of(head + "tool_mm = [1, 2, 3]\n[[joint]]\n[[joint]]\n"),
+  CHECK_THAT(robot_error(head + "tool_mm = [1, 2, 3]\n[[joint]]\n[[joint]]\n"),
              Catch::Matchers::StartsWith("3:11: tool_mm: expected no tool point"));
-  CHECK_THAT(error_of("name = \"x\"\n[[joint]]\n" + kRow),
+  CHECK_THAT(robot_error("name = \"x\"\n[[joint]]\n" + kRow),
              Catch::Matchers::ContainsSubstring(
                  "home_deg: missing: expected an array of numbers of degrees"));
 }
@@ -217,24 +218,24 @@ TEST_CASE("a table is given for all joints or for none") {
 TEST_CASE("a wrong figure of a robot is found in its line") {
   const std::string head = "name = \"x\"\nhome_deg = [5]\n";
   const std::string robot = head + "[[joint]]\n" + kRow;
-  CHECK(error_of(robot + "max_dge = 1\n") ==
+  CHECK(robot_error(robot + "max_dge = 1\n") ==
         "9:1: joint.max_dge: unknown key: did you mean \"max_deg\"?");
-  CHECK(error_of(robot + "min_deg = 1\n") ==
+  CHECK(robot_error(robot + "min_deg = 1\n") ==
         "3:1: joint.max_deg: missing: expected a number of degrees: add it to this table");
-  CHECK_THAT(error_of(robot + "min_deg = 7\nmax_deg = 7\n"),
+  CHECK_THAT(robot_error(robot + "min_deg = 7\nmax_deg = 7\n"),
              Catch::Matchers::StartsWith("10:11: joint.max_deg: expected more than min_deg = 7"));
-  CHECK_THAT(error_of(robot + "max_speed_deg_s = 0\n"),
+  CHECK_THAT(robot_error(robot + "max_speed_deg_s = 0\n"),
              Catch::Matchers::StartsWith("9:19: joint.max_speed_deg_s: expected a number of "
                                          "degrees per second from 0.1 to 10000"));
-  CHECK_THAT(error_of(robot + "min_deg = 6\nmax_deg = 7\n"),
+  CHECK_THAT(robot_error(robot + "min_deg = 6\nmax_deg = 7\n"),
              Catch::Matchers::StartsWith("2:12: home_deg: expected joint 1 from 6 to 7, found 5"));
   CHECK_THAT(
-      error_of("tool_mm = [1, 2]\n" + robot),
+      robot_error("tool_mm = [1, 2]\n" + robot),
       Catch::Matchers::StartsWith("1:11: tool_mm: expected [x, y, z], found an array of 2 values"));
-  CHECK_THAT(error_of("name = \"x\"\nhome_deg = [5, 6]\n[[joint]]\n" + kRow),
+  CHECK_THAT(robot_error("name = \"x\"\nhome_deg = [5, 6]\n[[joint]]\n" + kRow),
              Catch::Matchers::ContainsSubstring(
                  "expected 1 angles, one a [[joint]], found an array of 2 values"));
-  CHECK_THAT(error_of(head + "[[joint]]\nb_mm = 0\ntheta_deg = 0\na_mm = 0\nalpha_deg = 0\n"
-                             "positive = 0\n"),
+  CHECK_THAT(robot_error(head + "[[joint]]\nb_mm = 0\ntheta_deg = 0\na_mm = 0\nalpha_deg = 0\n"
+                                "positive = 0\n"),
              Catch::Matchers::ContainsSubstring("joint.positive: expected 1 or -1"));
 }

@@ -14,8 +14,10 @@
 #include "rsi/capture_reader.hpp"
 #include "rsi/controller_link.hpp"
 #include "tests/catch.hpp"
+#include "tests/config_folder.hpp"
 #include "tests/daemon/telegrams.hpp"
 #include "tests/daemon/temporary_folder.hpp"
+#include "tests/eventually.hpp"
 
 using Catch::Matchers::ContainsSubstring;
 using Json = nlohmann::json;
@@ -25,9 +27,6 @@ using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
 namespace {
-
-const fs::path kConfig = fs::path(SWEEPD_SOURCE_DIR) / "config";
-const fs::path kEthernet = kConfig / "controller/krc4/sweepd_ethernet.xml";
 
 sweepd::RobotSettings settings(const fs::path& output) {
   spdlog::set_level(spdlog::level::off);
@@ -70,15 +69,6 @@ rsi::ControllerLink::Report stream(const rsi::Endpoint& server, std::uint64_t cy
 }
 
 /// Waits for the work of other threads; false if it takes unreasonably long.
-bool eventually(const std::function<bool()>& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + 20s;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(1ms);
-  }
-  return true;
-}
-
 std::set<fs::path> sessions(const fs::path& output) {
   std::set<fs::path> folders;
   for (const auto& entry : fs::directory_iterator(output / "kr5-arc")) folders.insert(entry.path());

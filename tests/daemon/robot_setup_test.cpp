@@ -3,20 +3,20 @@
 #include "daemon/config_error.hpp"
 #include "daemon/units.hpp"
 #include "tests/catch.hpp"
+#include "tests/config_folder.hpp"
 #include "tests/daemon/temporary_folder.hpp"
 
 using Catch::Matchers::ContainsSubstring;
 using sweepd::ConfigError;
 using sweepd::load_setup;
 using sweepd::radians;
+using sweepd::test::kConfig;
 using sweepd::test::TemporaryFolder;
 namespace fs = std::filesystem;
 
 namespace {
 
-const fs::path kConfig = fs::path(SWEEPD_SOURCE_DIR) / "config";
-
-sweepd::RobotSettings settings() {
+sweepd::RobotSettings robot_settings() {
   sweepd::RobotSettings robot;
   robot.name = "cell-7";
   robot.description = kConfig / "robots/kr5_arc.toml";
@@ -28,7 +28,7 @@ sweepd::RobotSettings settings() {
 }  // namespace
 
 TEST_CASE("a setup has the name and signals of the settings, and what their files hold") {
-  const auto setup = load_setup(settings());
+  const auto setup = load_setup(robot_settings());
   CHECK(setup.name == "cell-7");
   CHECK(setup.joints == 6);
   CHECK(setup.signals.position[0] == "Act_X");
@@ -67,11 +67,11 @@ TEST_CASE("a description gives its name and joints, a plan alone its joints") {
 }
 
 TEST_CASE("files that are missing or wrong are configuration errors with their path") {
-  auto robot = settings();
+  auto robot = robot_settings();
   robot.description = "/nowhere/robot.toml";
   CHECK_THROWS_AS(load_setup(robot), ConfigError);
   CHECK_THROWS_WITH(load_setup(robot), ContainsSubstring("/nowhere/robot.toml"));
-  robot = settings();
+  robot = robot_settings();
   robot.plan = "/nowhere/plan.toml";
   CHECK_THROWS_AS(load_setup(robot), ConfigError);
   CHECK_THROWS_WITH(load_setup(robot), ContainsSubstring("/nowhere/plan.toml"));
@@ -79,7 +79,7 @@ TEST_CASE("files that are missing or wrong are configuration errors with their p
 
 TEST_CASE("a campaign is the plan in radians, with joints from 0 and their first directions") {
   const identify::Resolution resolution{1e-4, 1e-6};
-  const auto campaign = sweepd::campaign(load_setup(settings()), resolution);
+  const auto campaign = sweepd::campaign(load_setup(robot_settings()), resolution);
   CHECK(campaign.resolution.position_mm == resolution.position_mm);
   CHECK(campaign.resolution.angle_rad == resolution.angle_rad);
   REQUIRE(campaign.specified);

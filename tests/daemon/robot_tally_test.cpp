@@ -23,7 +23,7 @@ identify::Sweep sweep(std::optional<std::size_t> joint, identify::SweepDefect de
   return sweep;
 }
 
-sweepd::RobotState robot() {
+sweepd::RobotState robot_state() {
   sweepd::RobotState robot;
   robot.name = "a";
   return robot;
@@ -36,7 +36,7 @@ sweepd::StreamState stream() {
 }  // namespace
 
 TEST_CASE("totals are those of all sessions, the one under way included") {
-  sweepd::RobotTally tally(robot());
+  sweepd::RobotTally tally(robot_state());
   CHECK(tally.state({}, false, nullptr).link.telegrams == 0);
   CHECK_FALSE(tally.state({}, false, nullptr).stream);
 
@@ -67,7 +67,7 @@ TEST_CASE("totals are those of all sessions, the one under way included") {
 }
 
 TEST_CASE("a count does not fall when a telegram that was taken for lost comes after all") {
-  sweepd::RobotTally tally(robot());
+  sweepd::RobotTally tally(robot_state());
   tally.begin_session(stream(), std::make_shared<sweepd::Recording>());
   auto now = report(10, 3, 5);
   CHECK(tally.state({}, false, &now).link.lost == 3);
@@ -81,7 +81,7 @@ TEST_CASE("a count does not fall when a telegram that was taken for lost comes a
 }
 
 TEST_CASE("recordings count until they are complete, also after their session") {
-  sweepd::RobotTally tally(robot());
+  sweepd::RobotTally tally(robot_state());
   const auto first = std::make_shared<sweepd::Recording>();
   tally.begin_session(stream(), first);
   first->written({10, 5}, 1, 1000);
@@ -106,7 +106,7 @@ TEST_CASE("recordings count until they are complete, also after their session") 
 
 TEST_CASE("sweeps are counted by joint, from 1, and by what they are good for") {
   using identify::SweepDefect;
-  sweepd::RobotTally tally(robot());
+  sweepd::RobotTally tally(robot_state());
   tally.sweep(sweep(0, SweepDefect::none), "words");
   tally.sweep(sweep(0, SweepDefect::none), "words");
   tally.sweep(sweep(0, SweepDefect::too_short), "words");

@@ -3,13 +3,14 @@
 #include <chrono>
 
 #include "tests/catch.hpp"
+#include "tests/rsi/link_stream.hpp"
 
+using rsi::test::kStart;
 using sweepd::SampleClock;
 using namespace std::chrono_literals;
 
 namespace {
 
-constexpr rsi::Timestamp kStart = 1'735'689'600s;
 // The time of reception is a difference of nanoseconds, the rest whole milliseconds.
 const auto about = [](double seconds) { return Approx(seconds).margin(1e-9); };
 

@@ -7,8 +7,10 @@
 
 #include "daemon/config_error.hpp"
 #include "tests/catch.hpp"
+#include "tests/daemon/texts.hpp"
 
 using sweepd::load_settings;
+using sweepd::test::replaced;
 namespace fs = std::filesystem;
 
 namespace {
@@ -28,12 +30,12 @@ struct SettingsFile {
 };
 
 /// The four keys that every robot must have, each in a line of its own after [[robot]].
-const std::string kRobot =
+const std::string kRobotText =
     "[[robot]]\nname = \"a\"\ndescription = \"a.toml\"\nlisten = \"0.0.0.0:49152\"\n"
     "output = \"out\"\n";
 
 /// The error without the file's name; "no error" if the settings are fine.
-std::string error_of(const std::string& text) {
+std::string settings_error(const std::string& text) {
   const SettingsFile file(text);
   try {
     (void)load_settings(file.path);
@@ -46,16 +48,10 @@ std::string error_of(const std::string& text) {
   return "no error";
 }
 
-std::string with(std::string text, const std::string& from, const std::string& to) {
-  const auto at = text.find(from);
-  REQUIRE(at != text.npos);
-  return text.replace(at, from.size(), to);
-}
-
 }  // namespace
 
 TEST_CASE("a robot needs four keys, and the rest has defaults") {
-  const SettingsFile file(kRobot);
+  const SettingsFile file(kRobotText);
   const auto settings = load_settings(file.path);
   CHECK(settings.file == file.path);
   REQUIRE(settings.robots.size() == 1);
@@ -75,7 +71,7 @@ TEST_CASE("a robot needs four keys, and the rest has defaults") {
 
 TEST_CASE("every option of a robot can be set") {
   const SettingsFile file(
-      kRobot +
+      kRobotText +
       "controller = \"192.168.1.20\"\nethernet_config = \"e.xml\"\nplan = \"p.toml\"\n"
       "record = false\nsilence_ms = 500\nqueue_bytes = 65536\nanswers_with_zeros = [\"DiO\"]\n"
       "[robot.signals]\nposition = [\"Act_X\", \"Act_Y\", \"Pos.Z\"]\n"
@@ -94,8 +90,8 @@ TEST_CASE("every option of a robot can be set") {
 }
 
 TEST_CASE("a relative path starts at the folder of the settings, an absolute one stays") {
-  const SettingsFile file(
-      with(with(kRobot, "\"a.toml\"", "\"../x/./a.toml\""), "\"out\"", "\"/var/lib/sweepd\""));
+  const SettingsFile file(replaced(replaced(kRobotText, "\"a.toml\"", "\"../x/./a.toml\""),
+                                   "\"out\"", "\"/var/lib/sweepd\""));
   const auto robot = load_settings(file.path).robots.at(0);
   CHECK(robot.description == file.folder.parent_path() / "x" / "a.toml");
   CHECK(robot.output == "/var/lib/sweepd");
@@ -103,24 +99,24 @@ TEST_CASE("a relative path starts at the folder of the settings, an absolute one
 
 TEST_CASE("a required option that is missing is named with what it is for") {
   for (const std::string key : {"name", "description", "listen", "output"}) {
-    std::string text = kRobot;
+    std::string text = kRobotText;
     const auto begin = text.find(key + " =");
     text.erase(begin, text.find('\n', begin) + 1 - begin);
-    CHECK_THAT(error_of(text),
+    CHECK_THAT(settings_error(text),
                Catch::Matchers::StartsWith("1:1: robot." + key + ": missing: add it ("));
   }
 }
 
 TEST_CASE("a misspelt option is found in the robot, its signals and the file") {
-  CHECK(error_of(kRobot + "recrod = true\n") ==
+  CHECK(settings_error(kRobotText + "recrod = true\n") ==
         "6:1: robot.recrod: unknown key: did you mean \"record\"?");
-  CHECK(error_of(kRobot + "[robot.signal]\n") ==
+  CHECK(settings_error(kRobotText + "[robot.signal]\n") ==
         "6:8: robot.signal: unknown key: did you mean \"signals\"?");
-  CHECK(error_of(kRobot + "[robot.signals]\nangels = [\"a\"]\n") ==
+  CHECK(settings_error(kRobotText + "[robot.signals]\nangels = [\"a\"]\n") ==
         "7:1: robot.signals.angels: unknown key: did you mean \"angles\"?");
-  CHECK(error_of("[[robots]]\n") == "1:3: robots: unknown key: did you mean \"robot\"?");
+  CHECK(settings_error("[[robots]]\n") == "1:3: robots: unknown key: did you mean \"robot\"?");
   SECTION("a misspelt required option is reported as misspelt rather than missing") {
-    CHECK(error_of(with(kRobot, "listen", "lisen")) ==
+    CHECK(settings_error(replaced(kRobotText, "listen", "lisen")) ==
           "4:1: robot.lisen: unknown key: did you mean \"listen\"?");
   }
 }
@@ -129,35 +125,35 @@ TEST_CASE("a name that could not name a folder is refused") {
   const std::vector<std::string> wrong{"a/b", "..",   ".hidden", "-x",
                                        "a b", "a\\b", "ä",       std::string(65, 'x')};
   for (const auto& name : wrong)
-    CHECK_THAT(error_of(with(kRobot, "\"a\"", '"' + name + '"')),
+    CHECK_THAT(settings_error(replaced(kRobotText, "\"a\"", '"' + name + '"')),
                Catch::Matchers::StartsWith("2:8: robot.name: expected a name"));
-  CHECK(error_of(with(kRobot, "\"a\"", "\"KR5_arc-2.b\"")) == "no error");
+  CHECK(settings_error(replaced(kRobotText, "\"a\"", "\"KR5_arc-2.b\"")) == "no error");
 }
 
 TEST_CASE("addresses are checked") {
-  CHECK(error_of(with(kRobot, "0.0.0.0:49152", "localhost:49152")) ==
+  CHECK(settings_error(replaced(kRobotText, "0.0.0.0:49152", "localhost:49152")) ==
         "4:10: robot.listen: expected an IPv4 address and a port (1 to 65535), found the string "
         "\"localhost:49152\": write it like \"0.0.0.0:49152\"");
   for (const auto* wrong : {"192.168.1.20:1", "0.0.0.0", "robot"})
-    CHECK_THAT(error_of(kRobot + "controller = \"" + wrong + "\"\n"),
+    CHECK_THAT(settings_error(kRobotText + "controller = \"" + wrong + "\"\n"),
                Catch::Matchers::StartsWith(
                    "6:14: robot.controller: expected the controller's IPv4 address"));
 }
 
 TEST_CASE("times and sizes are whole numbers within their ranges") {
-  CHECK(error_of(kRobot + "silence_ms = \"abc\"\n") ==
+  CHECK(settings_error(kRobotText + "silence_ms = \"abc\"\n") ==
         "6:14: robot.silence_ms: expected a whole number of milliseconds, found the string "
         "\"abc\": write it without quotes");
   for (const auto* text : {"queue_bytes = 65535", "queue_bytes = 1073741825", "queue_bytes = -1",
                            "silence_ms = 99", "silence_ms = 0"})
-    CHECK_THAT(error_of(kRobot + text + "\n"),
+    CHECK_THAT(settings_error(kRobotText + text + "\n"),
                Catch::Matchers::ContainsSubstring("choose one in between"));
-  CHECK(error_of(kRobot + "queue_bytes = 1073741824\nsilence_ms = 100\n") == "no error");
+  CHECK(settings_error(kRobotText + "queue_bytes = 1073741824\nsilence_ms = 100\n") == "no error");
 }
 
 TEST_CASE("signals are an element, or an element and an attribute") {
   const auto position = [](const std::string& signals) {
-    return error_of(kRobot + "[robot.signals]\nposition = " + signals + "\n");
+    return settings_error(kRobotText + "[robot.signals]\nposition = " + signals + "\n");
   };
   CHECK_THAT(position("[\"X\", \"Y\"]"),
              Catch::Matchers::ContainsSubstring("expected three signals, found an array of 2"));
@@ -165,31 +161,31 @@ TEST_CASE("signals are an element, or an element and an attribute") {
   for (const std::string wrong : {"", ".", "a.", ".a", "a.b.c", "a b", "<a>"})
     CHECK_THAT(position("[\"X\", \"Y\", \"" + wrong + "\"]"),
                Catch::Matchers::ContainsSubstring("found \"" + wrong + "\": write the element"));
-  CHECK_THAT(error_of(kRobot + "[robot.signals]\nangles = []\n"),
+  CHECK_THAT(settings_error(kRobotText + "[robot.signals]\nangles = []\n"),
              Catch::Matchers::ContainsSubstring("expected 1 to 12 signals"));
 }
 
 TEST_CASE("two robots share neither a name nor a port on one address") {
-  std::string second = with(with(kRobot, "\"a\"", "\"b\""), "49152", "49153");
-  CHECK(error_of(kRobot + second) == "no error");
-  CHECK(error_of(kRobot + with(second, "\"b\"", "\"a\"")) ==
+  std::string second = replaced(replaced(kRobotText, "\"a\"", "\"b\""), "49152", "49153");
+  CHECK(settings_error(kRobotText + second) == "no error");
+  CHECK(settings_error(kRobotText + replaced(second, "\"b\"", "\"a\"")) ==
         "7:8: robot.name: expected a name of its own, found the name of the robot in line 1: "
         "change one");
-  CHECK(error_of(kRobot + with(second, "49153", "49152")) ==
+  CHECK(settings_error(kRobotText + replaced(second, "49153", "49152")) ==
         "9:10: robot.listen: expected an address and port of its own, found 0.0.0.0:49152, which "
         "collides with 0.0.0.0:49152 of the robot in line 1: choose another port");
   SECTION("0.0.0.0 takes a port on every address") {
-    CHECK_THAT(error_of(kRobot + with(second, "0.0.0.0:49153", "10.0.0.1:49152")),
+    CHECK_THAT(settings_error(kRobotText + replaced(second, "0.0.0.0:49153", "10.0.0.1:49152")),
                Catch::Matchers::ContainsSubstring("collides with"));
   }
   SECTION("one port on two addresses is fine") {
-    CHECK(error_of(with(kRobot, "0.0.0.0", "10.0.0.1") +
-                   with(second, "0.0.0.0:49153", "10.0.0.2:49152")) == "no error");
+    CHECK(settings_error(replaced(kRobotText, "0.0.0.0", "10.0.0.1") +
+                         replaced(second, "0.0.0.0:49153", "10.0.0.2:49152")) == "no error");
   }
 }
 
 TEST_CASE("settings without a robot are refused") {
-  CHECK_THAT(error_of(""),
+  CHECK_THAT(settings_error(""),
              Catch::Matchers::ContainsSubstring("missing: expected at least one table [[robot]]"));
 }
 
@@ -225,7 +221,7 @@ TEST_CASE("the manual lists every option with its default and range") {
 
 TEST_CASE("the pages are served on the loopback interface unless [http] says otherwise") {
   const auto http = [](const std::string& text) {
-    const SettingsFile file(kRobot + text);
+    const SettingsFile file(kRobotText + text);
     return load_settings(file.path).http;
   };
   CHECK(http("").listen == rsi::parse_endpoint("127.0.0.1:19152"));
@@ -241,15 +237,15 @@ TEST_CASE("the pages are served on the loopback interface unless [http] says oth
 }
 
 TEST_CASE("mistakes in [http] are found") {
-  CHECK(error_of("[htp]\n" + kRobot) == "1:2: htp: unknown key: did you mean \"http\"?");
-  CHECK(error_of(kRobot + "[http]\nlissen = \"off\"\n") ==
+  CHECK(settings_error("[htp]\n" + kRobotText) == "1:2: htp: unknown key: did you mean \"http\"?");
+  CHECK(settings_error(kRobotText + "[http]\nlissen = \"off\"\n") ==
         "7:1: http.lissen: unknown key: did you mean \"listen\"?");
-  CHECK(error_of(kRobot + "[http]\nlisten = \"localhost:80\"\n") ==
+  CHECK(settings_error(kRobotText + "[http]\nlisten = \"localhost:80\"\n") ==
         "7:10: http.listen: expected an IPv4 address and a port (1 to 65535), or \"off\", found "
         "the string \"localhost:80\": write it like \"127.0.0.1:19152\"");
   for (const auto& wrong :
        std::vector<std::string>{"a b", "http://a", "a:80", "[::1]", std::string(254, 'a')})
-    CHECK_THAT(error_of(kRobot + "[http]\nhosts = [\"" + wrong + "\"]\n"),
+    CHECK_THAT(settings_error(kRobotText + "[http]\nhosts = [\"" + wrong + "\"]\n"),
                Catch::Matchers::ContainsSubstring("write them without scheme and port"));
 }
 
@@ -296,14 +292,14 @@ TEST_CASE("the shipped settings show every option, and the true default of each"
 
 TEST_CASE("tags to be answered with zeros need the Ethernet file that has them",
           "[issue11][point_1]") {
-  CHECK_THAT(error_of(kRobot + "answers_with_zeros = [\"RKorr.X\"]\n"),
+  CHECK_THAT(settings_error(kRobotText + "answers_with_zeros = [\"RKorr.X\"]\n"),
              Catch::Matchers::StartsWith("6:") &&
                  Catch::Matchers::ContainsSubstring("expected `ethernet_config` beside it"));
-  CHECK(error_of(kRobot + "answers_with_zeros = []\n") == "no error");
+  CHECK(settings_error(kRobotText + "answers_with_zeros = []\n") == "no error");
 }
 
 TEST_CASE("real time and recording have keys of their own") {
-  const SettingsFile file(kRobot +
+  const SettingsFile file(kRobotText +
                           "realtime = \"require\"\nrealtime_priority = 42\ncpus = [2, 3]\n"
                           "[robot.recording]\nrotate_bytes = 1048576\nrotate_s = 60\n"
                           "keep_free_bytes = 0\nkeep_bytes = 5\nkeep_days = 30\n"
@@ -319,11 +315,11 @@ TEST_CASE("real time and recording have keys of their own") {
   CHECK(robot.recording.keep == std::chrono::days(30));
   CHECK(robot.recording.memory_bytes == 2 << 20);
 
-  CHECK_THAT(error_of(kRobot + "realtime = \"yes\"\n"),
+  CHECK_THAT(settings_error(kRobotText + "realtime = \"yes\"\n"),
              Catch::Matchers::ContainsSubstring("expected \"require\", \"try\" or \"off\""));
-  CHECK_THAT(error_of(kRobot + "cpus = [1.5]\n"),
+  CHECK_THAT(settings_error(kRobotText + "cpus = [1.5]\n"),
              Catch::Matchers::ContainsSubstring("expected whole numbers from 0 to 1023"));
-  CHECK_THAT(error_of(kRobot + "[robot.recording]\nkeep_dayz = 1\n"),
+  CHECK_THAT(settings_error(kRobotText + "[robot.recording]\nkeep_dayz = 1\n"),
              Catch::Matchers::ContainsSubstring("keep_days"));
 }
 

@@ -18,23 +18,23 @@ using namespace sweepd::test;
 namespace {
 
 /// Answers telegrams on a thread as long as it lives.
-class Server {
+class ScriptedServer {
  public:
   /// What to answer to the telegram of this number, from 0; empty: nothing.
   using Answer = std::function<std::string_view(std::uint64_t number, std::string_view telegram)>;
 
-  explicit Server(Answer answer)
+  explicit ScriptedServer(Answer answer)
       : answer_(std::move(answer)), socket_(context_, udp::endpoint(kLoopback, 0)) {
     address_ = socket_.local_endpoint();
     thread_ = std::thread([this] { serve(); });
   }
-  ~Server() {
+  ~ScriptedServer() {
     udp::socket socket(context_, udp::v4());
     socket.send_to(boost::asio::buffer("quit", 4), address_);
     thread_.join();
   }
-  Server(const Server&) = delete;
-  Server& operator=(const Server&) = delete;
+  ScriptedServer(const ScriptedServer&) = delete;
+  ScriptedServer& operator=(const ScriptedServer&) = delete;
 
   rsi::Endpoint endpoint() const { return {kLoopback.to_uint(), address_.port()}; }
 
@@ -88,7 +88,7 @@ sweepd::SimulateOptions live(const TemporaryFolder& folder, const rsi::Endpoint&
 TEST_CASE("a plan is played to its end against a server that answers", "[realtime]") {
   const TemporaryFolder folder;
   RightReply right;
-  Server server([&](std::uint64_t, std::string_view telegram) { return right(telegram); });
+  ScriptedServer server([&](std::uint64_t, std::string_view telegram) { return right(telegram); });
   const auto outcome = run(live(folder, server.endpoint()));
   CHECK(outcome.errors == "");
   CHECK(outcome.code == 0);
@@ -101,7 +101,7 @@ TEST_CASE("what was spoilt on purpose does not fail a server that answers everyt
           "[realtime]") {
   const TemporaryFolder folder;
   RightReply right;
-  Server server([&](std::uint64_t, std::string_view telegram) { return right(telegram); });
+  ScriptedServer server([&](std::uint64_t, std::string_view telegram) { return right(telegram); });
   auto simulation = live(folder, server.endpoint(), "3");
   simulation.lose_percent = simulation.duplicate_percent = simulation.swap_percent = 20;
   simulation.seed = 3;
@@ -116,7 +116,7 @@ TEST_CASE("what was spoilt on purpose does not fail a server that answers everyt
 
 TEST_CASE("where nobody answers the controller stops, and says what to do") {
   const TemporaryFolder folder;
-  Server server([](auto&&...) { return std::string_view(); });
+  ScriptedServer server([](auto&&...) { return std::string_view(); });
   auto simulation = live(folder, server.endpoint());
   simulation.timeout_cycles = 5;
   simulation.cycle_ms = 1;
@@ -131,7 +131,7 @@ TEST_CASE("where nobody answers the controller stops, and says what to do") {
 TEST_CASE("a server that answers wrongly fails, and the first fault is said", "[realtime]") {
   const TemporaryFolder folder;
   RightReply right;
-  Server server([&](std::uint64_t number, std::string_view telegram) {
+  ScriptedServer server([&](std::uint64_t number, std::string_view telegram) {
     return number == 2 ? "<Sen Type=\"Other\"><EStr></EStr><IPOC>1</IPOC></Sen>" : right(telegram);
   });
   const auto outcome = run(live(folder, server.endpoint()));
@@ -146,7 +146,7 @@ TEST_CASE("replies with tags left out are right by a controller's check, and wro
           "[realtime][issue11][point_18]") {
   const TemporaryFolder folder;
   std::string reply;
-  Server server([&](std::uint64_t, std::string_view telegram) {
+  ScriptedServer server([&](std::uint64_t, std::string_view telegram) {
     reply = "<Sen Type=\"ImFree\"><Tech T21=\"1.09\"/><IPOC>" +
             std::string(rsi::find_ipoc(telegram)) + "</IPOC></Sen>";
     return std::string_view(reply);
@@ -170,7 +170,7 @@ TEST_CASE("SIGINT and SIGTERM end a simulation in order, with its report", "[rea
   const TemporaryFolder folder;
   const int signal = GENERATE(SIGINT, SIGTERM);
   RightReply right;
-  Server server([&](std::uint64_t number, std::string_view telegram) {
+  ScriptedServer server([&](std::uint64_t number, std::string_view telegram) {
     if (number == 3) kill(getpid(), signal);
     return right(telegram);
   });

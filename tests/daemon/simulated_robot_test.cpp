@@ -5,19 +5,20 @@
 #include <numbers>
 
 #include "daemon/config_error.hpp"
+#include "identify/angle.hpp"
 #include "tests/catch.hpp"
+#include "tests/config_folder.hpp"
 
 using Catch::Matchers::ContainsSubstring;
+using identify::kDegree;
 using sweepd::ConfigError;
 using sweepd::SimulatedRobot;
 using sweepd::SweepPlan;
 using namespace std::chrono_literals;
+using sweepd::test::kConfig;
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
-const fs::path kConfig = fs::path(SWEEPD_SOURCE_DIR) / "config";
 
 sweepd::RobotDescription kr5() {
   return sweepd::load_robot(kConfig / "robots/kr5_arc.toml");
@@ -58,7 +59,7 @@ SweepPlan planar_plan(double start_deg, double end_deg, double speed_deg_s) {
   return plan;
 }
 
-SimulatedRobot::Options options(double wobble_deg = 1e-4, std::uint64_t seed = 1) {
+SimulatedRobot::Options simulation_options(double wobble_deg = 1e-4, std::uint64_t seed = 1) {
   return {.cycle = 4ms, .wobble_deg = wobble_deg, .seed = seed, .tool_mm = {}};
 }
 
@@ -102,7 +103,7 @@ std::vector<Stroke> strokes(const std::vector<rsi::SignalValues>& cycles, double
 TEST_CASE("the sets of Table 2 are played from home to home, each sweep from start to end") {
   const auto* file = GENERATE("kr5_arc_90deg.toml", "kr5_arc_30deg.toml");
   const auto plan = table_2(file);
-  const auto cycles = run({kr5(), plan, options()});
+  const auto cycles = run({kr5(), plan, simulation_options()});
   const auto found = strokes(cycles, 0.004);
 
   std::size_t next = 0;
@@ -133,7 +134,7 @@ TEST_CASE("the sets of Table 2 are played from home to home, each sweep from sta
 }
 
 TEST_CASE("no move ever exceeds the plan's acceleration") {
-  const auto cycles = run({kr5(), table_2(), options()});
+  const auto cycles = run({kr5(), table_2(), simulation_options()});
   double most = 0;
   for (std::size_t k = 2; k < cycles.size(); ++k)
     for (std::size_t j = 0; j < 6; ++j)
@@ -185,7 +186,7 @@ TEST_CASE("the run ends with the first cycle that is at rest") {
 }
 
 TEST_CASE("the robot says which joint is at work") {
-  SimulatedRobot robot(kr5(), table_2(), options());
+  SimulatedRobot robot(kr5(), table_2(), simulation_options());
   std::vector<std::size_t> joints;
   for (rsi::SignalValues values; robot.next(values);)
     if (joints.empty() || joints.back() != robot.joint()) joints.push_back(robot.joint());
@@ -210,7 +211,7 @@ TEST_CASE("poses are the forward kinematics of the angles beside them") {
                                          .toRotationMatrix();
     CHECK((rotation - expected.linear()).cwiseAbs().maxCoeff() < 1e-12);
   };
-  const auto cycles = run({robot, table_2(), options()});
+  const auto cycles = run({robot, table_2(), simulation_options()});
   for (std::size_t k = 0; k < cycles.size(); k += 97) {
     CAPTURE(k);
     check(cycles[k].RIst, pose(cycles[k].AIPos));
@@ -219,7 +220,7 @@ TEST_CASE("poses are the forward kinematics of the angles beside them") {
 }
 
 TEST_CASE("a tool point given takes the place of the description's") {
-  auto with_tool = options(0);
+  auto with_tool = simulation_options(0);
   with_tool.tool_mm = Eigen::Vector3d(1, 2, 3);
   const auto cycles = run({planar_arm(), planar_plan(0, 10, 10), with_tool});
   CHECK(cycles.front().RIst[0] == Approx(151));
@@ -228,13 +229,13 @@ TEST_CASE("a tool point given takes the place of the description's") {
 }
 
 TEST_CASE("joints that the robot does not have are zero") {
-  for (const auto& cycle : run({planar_arm(), planar_plan(0, 10, 10), options()}))
+  for (const auto& cycle : run({planar_arm(), planar_plan(0, 10, 10), simulation_options()}))
     for (std::size_t j = 2; j < 6; ++j) REQUIRE((cycle.AIPos[j] == 0 && cycle.ASPos[j] == 0));
 }
 
 TEST_CASE("servos wobble with the given deviation, each for itself and anew in each cycle") {
   constexpr double sigma_deg = 0.01;
-  const auto cycles = run({kr5(), table_2(), options(sigma_deg, 5)});
+  const auto cycles = run({kr5(), table_2(), simulation_options(sigma_deg, 5)});
   const auto n = static_cast<double>(cycles.size());
   REQUIRE(n > 10'000);
   Eigen::MatrixXd wobble(cycles.size(), 6);
@@ -260,13 +261,14 @@ TEST_CASE("servos wobble with the given deviation, each for itself and anew in e
 TEST_CASE("a seed tells the wobble, and a wobble of zero is none") {
   const auto angles = [](double wobble_deg, std::uint64_t seed) {
     std::vector<std::array<double, 6>> result;
-    for (const auto& cycle : run({planar_arm(), planar_plan(0, 10, 10), options(wobble_deg, seed)}))
+    for (const auto& cycle :
+         run({planar_arm(), planar_plan(0, 10, 10), simulation_options(wobble_deg, seed)}))
       result.push_back(cycle.AIPos);
     return result;
   };
   CHECK(angles(1e-4, 3) == angles(1e-4, 3));
   CHECK(angles(1e-4, 3) != angles(1e-4, 4));
-  for (const auto& cycle : run({kr5(), table_2(), options(0)})) {
+  for (const auto& cycle : run({kr5(), table_2(), simulation_options(0)})) {
     REQUIRE(cycle.AIPos == cycle.ASPos);
     REQUIRE(cycle.RIst == cycle.RSol);
   }
@@ -303,19 +305,20 @@ TEST_CASE("a robot that cannot be simulated, or not with this plan, is told what
   const auto plan = planar_plan(0, 10, 10);
   auto unknown = planar_arm();
   unknown.arm.reset();
-  CHECK_THROWS_AS(SimulatedRobot(unknown, plan, options()), ConfigError);
-  CHECK_THROWS_WITH(SimulatedRobot(unknown, plan, options()),
+  CHECK_THROWS_AS(SimulatedRobot(unknown, plan, simulation_options()), ConfigError);
+  CHECK_THROWS_WITH(SimulatedRobot(unknown, plan, simulation_options()),
                     ContainsSubstring("planar") && ContainsSubstring("found none: add b_mm"));
 
   auto seven = planar_arm();
   seven.limits.resize(7);
-  CHECK_THROWS_AS(SimulatedRobot(seven, plan, options()), ConfigError);
-  CHECK_THROWS_WITH(SimulatedRobot(seven, plan, options()), ContainsSubstring("at most 6 joints"));
+  CHECK_THROWS_AS(SimulatedRobot(seven, plan, simulation_options()), ConfigError);
+  CHECK_THROWS_WITH(SimulatedRobot(seven, plan, simulation_options()),
+                    ContainsSubstring("at most 6 joints"));
 
   auto narrow = planar_arm();
   narrow.limits[1] = {1, 5};
-  CHECK_THROWS_AS(SimulatedRobot(narrow, plan, options()), ConfigError);
-  CHECK_THROWS_WITH(SimulatedRobot(narrow, plan, options()),
+  CHECK_THROWS_AS(SimulatedRobot(narrow, plan, simulation_options()), ConfigError);
+  CHECK_THROWS_WITH(SimulatedRobot(narrow, plan, simulation_options()),
                     ContainsSubstring("home_deg: expected joint 2 from 1 to 5") &&
                         ContainsSubstring("\nplan.toml:7: sweep.end_deg"));
 }
@@ -327,8 +330,9 @@ TEST_CASE("options that no robot can have are refused") {
     CHECK_THROWS_AS(SimulatedRobot(robot, plan, {.cycle = cycle, .tool_mm = {}}),
                     std::invalid_argument);
   for (const double wobble_deg : {-1e-4, std::nan(""), HUGE_VAL})
-    CHECK_THROWS_AS(SimulatedRobot(robot, plan, options(wobble_deg)), std::invalid_argument);
-  auto nowhere = options();
+    CHECK_THROWS_AS(SimulatedRobot(robot, plan, simulation_options(wobble_deg)),
+                    std::invalid_argument);
+  auto nowhere = simulation_options();
   nowhere.tool_mm = Eigen::Vector3d(0, std::nan(""), 0);
   CHECK_THROWS_AS(SimulatedRobot(robot, plan, nowhere), std::invalid_argument);
 }

@@ -5,11 +5,10 @@
 #include <string>
 
 #include "daemon/simulate_command.hpp"
+#include "tests/config_folder.hpp"
 #include "tests/daemon/temporary_folder.hpp"
 
 namespace sweepd::test {
-
-inline const std::filesystem::path kConfig = std::filesystem::path(SWEEPD_SOURCE_DIR) / "config";
 
 /// A plan in which one joint turns through five degrees and jumps back; all else takes 0.1 s.
 inline std::filesystem::path write_plan(const TemporaryFolder& folder,

@@ -6,14 +6,14 @@
 
 #include "daemon/config_error.hpp"
 #include "tests/catch.hpp"
+#include "tests/config_folder.hpp"
 
 using sweepd::check_plan;
 using sweepd::load_plan;
+using sweepd::test::kConfig;
 namespace fs = std::filesystem;
 
 namespace {
-
-const fs::path kConfig = fs::path(SWEEPD_SOURCE_DIR) / "config";
 
 struct PlanFile {
   fs::path path = fs::temp_directory_path() / ("sweepd-plan-" + std::to_string(getpid()) + ".toml");
@@ -25,7 +25,7 @@ struct PlanFile {
 };
 
 /// The error without the file's name; "no error" if the plan is fine.
-std::string error_of(const std::string& text) {
+std::string plan_error(const std::string& text) {
   const PlanFile file(text);
   try {
     (void)load_plan(file.path);
@@ -89,9 +89,9 @@ TEST_CASE("a wrong figure of a plan is found in its line") {
   const auto sweep = [](const std::string& from, const std::string& to) {
     std::string text = kSweep;
     text.replace(text.find(from), from.size(), to);
-    return error_of(kHead + text);
+    return plan_error(kHead + text);
   };
-  CHECK(error_of(kHead + kSweep) == "no error");
+  CHECK(plan_error(kHead + kSweep) == "no error");
   CHECK_THAT(sweep("joint = 2", "joint = 3"),
              Catch::Matchers::StartsWith(
                  "6:9: sweep.joint: expected a whole number from 1 to 2, found the "
@@ -105,11 +105,11 @@ TEST_CASE("a wrong figure of a plan is found in its line") {
                  "expected a number of degrees per second from 0.01 to 1000"));
   CHECK(sweep("speed_deg_s", "speed") ==
         "9:1: sweep.speed: unknown key: did you mean \"speed_deg_s\"?");
-  CHECK_THAT(error_of(kHead),
+  CHECK_THAT(plan_error(kHead),
              Catch::Matchers::ContainsSubstring("missing: expected at least one table [[sweep]]"));
-  CHECK_THAT(error_of("home_deg = []\n" + kHead.substr(kHead.find('\n') + 1) + kSweep),
+  CHECK_THAT(plan_error("home_deg = []\n" + kHead.substr(kHead.find('\n') + 1) + kSweep),
              Catch::Matchers::StartsWith("1:12: home_deg: expected 1 to 12 angles"));
-  CHECK_THAT(error_of("home_deg = [0, 1e300]\n" + kHead.substr(kHead.find('\n') + 1) + kSweep),
+  CHECK_THAT(plan_error("home_deg = [0, 1e300]\n" + kHead.substr(kHead.find('\n') + 1) + kSweep),
              Catch::Matchers::StartsWith("1:16: home_deg: expected a number of degrees from"));
 }
 

@@ -15,11 +15,12 @@
 #include "daemon/numbers.hpp"
 #include "rsi/capture_writer.hpp"
 #include "rsi/datagram.hpp"
+#include "tests/rsi/addresses.hpp"
 
 namespace sweepd::test {
 
-inline const rsi::Endpoint kController = *rsi::parse_endpoint("192.168.1.20:49153");
-inline const rsi::Endpoint kServer = *rsi::parse_endpoint("192.168.1.10:49152");
+using rsi::test::kController;
+using rsi::test::kServer;
 
 inline std::string telegram(std::uint64_t ipoc, std::string_view elements) {
   return "<Rob Type=\"KUKA\">" + std::string(elements) + "<IPOC>" + std::to_string(ipoc) +

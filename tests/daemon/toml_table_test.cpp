@@ -11,13 +11,13 @@ using sweepd::TomlTable;
 
 namespace {
 
-TomlTable table(std::string_view text) {
+TomlTable toml(std::string_view text) {
   return TomlTable::parse(text, "some/file.toml");
 }
 
 /// The text of the ConfigError that `read` throws; "no error" if it does not.
 template <typename Read>
-std::string error_of(Read read) {
+std::string table_error(Read read) {
   try {
     (void)read();
   } catch (const ConfigError& error) {
@@ -27,8 +27,8 @@ std::string error_of(Read read) {
 }
 
 std::string unknown_key(std::string_view text, const std::vector<std::string_view>& known) {
-  return error_of([&] {
-    table(text).allow_only(known);
+  return table_error([&] {
+    toml(text).allow_only(known);
     return 0;
   });
 }
@@ -36,7 +36,7 @@ std::string unknown_key(std::string_view text, const std::vector<std::string_vie
 }  // namespace
 
 TEST_CASE("values are read as they are written") {
-  const auto t = table(
+  const auto t = toml(
       "word = \"KR 5\"\nyes = true\nwhole = 7\nbroken = -2.5e1\n"
       "numbers = [1, 2.5]\nwords = [\"a\", \"b\"]\n[sub]\nx = 1\n[[many]]\nx = 1\n[[many]]\nx = "
       "2\n");
@@ -58,7 +58,7 @@ TEST_CASE("values are read as they are written") {
 }
 
 TEST_CASE("a table outlives the object that it was read from") {
-  const auto inner = table("[a.b]\nc = \"kept\"\n").table("a")->table("b");
+  const auto inner = toml("[a.b]\nc = \"kept\"\n").table("a")->table("b");
   CHECK(inner->text("c") == "kept");
 }
 
@@ -96,57 +96,58 @@ TEST_CASE("an unknown key is named with its place and the key that was probably 
 }
 
 TEST_CASE("a value of a wrong type is described beside what was expected, with its unit") {
-  const auto t = table(
+  const auto t = toml(
       "silence_ms = \"abc\"\nspeed_deg_s = true\nname = 5\nrecord = 1.5\nhome_deg = [1, \"x\"]\n"
       "broken_ms = 1.5\ndate = 2020-01-01\nlist = [1]\nempty = \"\"\n");
-  CHECK(error_of([&] { return t.whole_number("silence_ms", 0, 1); }) ==
+  CHECK(table_error([&] { return t.whole_number("silence_ms", 0, 1); }) ==
         "some/file.toml:1:14: silence_ms: expected a whole number of milliseconds, found the "
         "string \"abc\": write it without quotes");
-  CHECK(error_of([&] { return t.number("speed_deg_s", 0, 1); }) ==
+  CHECK(table_error([&] { return t.number("speed_deg_s", 0, 1); }) ==
         "some/file.toml:2:15: speed_deg_s: expected a number of degrees per second, found true: "
         "correct it");
-  CHECK(error_of([&] { return t.text("name"); }) ==
+  CHECK(table_error([&] { return t.text("name"); }) ==
         "some/file.toml:3:8: name: expected a string, found the number 5: put it in quotes");
-  CHECK_THAT(error_of([&] { return t.flag("record"); }),
+  CHECK_THAT(table_error([&] { return t.flag("record"); }),
              Catch::Matchers::ContainsSubstring("expected true or false, found the number 1.5"));
-  CHECK_THAT(error_of([&] { return t.numbers("home_deg", 0, 1); }),
+  CHECK_THAT(table_error([&] { return t.numbers("home_deg", 0, 1); }),
              Catch::Matchers::StartsWith(
                  "some/file.toml:5:16: home_deg: expected a number of degrees, found "
                  "the string \"x\""));
-  CHECK_THAT(error_of([&] { return t.whole_number("broken_ms", 0, 9); }),
+  CHECK_THAT(table_error([&] { return t.whole_number("broken_ms", 0, 9); }),
              Catch::Matchers::ContainsSubstring(
                  "expected a whole number of milliseconds, found the number 1.5"));
-  CHECK_THAT(error_of([&] { return t.numbers("date", 0, 1); }),
+  CHECK_THAT(table_error([&] { return t.numbers("date", 0, 1); }),
              Catch::Matchers::ContainsSubstring("a date or a time"));
   CHECK_THAT(
-      error_of([&] { return t.table("list"); }),
+      table_error([&] { return t.table("list"); }),
       Catch::Matchers::ContainsSubstring("expected a table [list], found an array of 1 value"));
-  CHECK_THAT(error_of([&] { return t.texts("list"); }),
+  CHECK_THAT(table_error([&] { return t.texts("list"); }),
              Catch::Matchers::ContainsSubstring("found the number 1"));
-  CHECK_THAT(error_of([&] { return t.text("empty"); }),
+  CHECK_THAT(table_error([&] { return t.text("empty"); }),
              Catch::Matchers::ContainsSubstring("found an empty one"));
 }
 
 TEST_CASE("a number outside its range is told the range") {
-  const auto t = table("dwell_ms = 5\na_mm = -1e9\nnan = nan\nendless = inf\n");
-  CHECK(error_of([&] { return t.whole_number("dwell_ms", 10, 600); }) ==
+  const auto t = toml("dwell_ms = 5\na_mm = -1e9\nnan = nan\nendless = inf\n");
+  CHECK(table_error([&] { return t.whole_number("dwell_ms", 10, 600); }) ==
         "some/file.toml:1:12: dwell_ms: expected a whole number of milliseconds from 10 to 600, "
         "found the number 5: choose one in between");
-  CHECK_THAT(error_of([&] { return t.number("a_mm", -0.5, 1e5); }),
+  CHECK_THAT(table_error([&] { return t.number("a_mm", -0.5, 1e5); }),
              Catch::Matchers::ContainsSubstring(
                  "expected a number of millimetres from -0.5 to 1e+05, found the "
                  "number -1e+09"));
-  CHECK_THAT(error_of([&] { return t.number("nan", 0, 1); }),
+  CHECK_THAT(table_error([&] { return t.number("nan", 0, 1); }),
              Catch::Matchers::ContainsSubstring("found the number"));
-  CHECK_THAT(error_of([&] { return t.number("endless", 0, 1); }),
+  CHECK_THAT(table_error([&] { return t.number("endless", 0, 1); }),
              Catch::Matchers::ContainsSubstring("found the number inf"));
 }
 
 TEST_CASE("a mistake in TOML is one line, whatever the file holds") {
   for (const std::string text : {"name = 1\x01", "\x7f", "a = \"\x1f\""})
-    CHECK(error_of([&] { return table(text); }).find_first_of("\x01\x1f\x7f") == std::string::npos);
-  const auto t = table("name = \"a\\nb\"\n");
-  CHECK_THAT(error_of([&] { t.fail("name", "found " + t.text("name") + "\x1b\x7f"); }),
+    CHECK(table_error([&] { return toml(text); }).find_first_of("\x01\x1f\x7f") ==
+          std::string::npos);
+  const auto t = toml("name = \"a\\nb\"\n");
+  CHECK_THAT(table_error([&] { t.fail("name", "found " + t.text("name") + "\x1b\x7f"); }),
              Catch::Matchers::ContainsSubstring("name: found a?b??"));
 }
 
@@ -166,57 +167,57 @@ TEST_CASE("a text that nests too deep for any stack is a mistake with its place"
         "x = " + times(kMany, "{a.b = "), "x = [\"\"\"a\"\"\"\"\", {" + key + "}]",
         "x = ['''a''''', {" + key + "}]", "x = [\"\", {" + key + "}]", "x = \"a\n" + key}) {
     INFO(text.substr(0, 40));
-    CHECK_THAT(error_of([&] { return table("first = 1\n" + text); }),
+    CHECK_THAT(table_error([&] { return toml("first = 1\n" + text); }),
                Catch::Matchers::StartsWith("some/file.toml:2:") ||
                    Catch::Matchers::StartsWith("some/file.toml:3:"));
   }
-  CHECK(error_of([&] { return table("x = 1\n  [" + times(40, "a.") + "a]"); }) ==
+  CHECK(table_error([&] { return toml("x = 1\n  [" + times(40, "a.") + "a]"); }) ==
         "some/file.toml:2:67: keys, tables or arrays are nested more than 32 deep: correct the "
         "file");
 
   // Dots that nest nothing.
-  const auto sound = table("# " + times(100, "a.") + "\nx = '" + times(100, "../") +
-                           "'\ny = \"\\\"" + times(100, "..") + "\"\nz = [" + times(100, "1.5, ") +
-                           "]\nw = \"\"\"\n" + times(100, "..\n") + "\"\"\"\n[a]\nb.c = 1\n");
+  const auto sound = toml("# " + times(100, "a.") + "\nx = '" + times(100, "../") +
+                          "'\ny = \"\\\"" + times(100, "..") + "\"\nz = [" + times(100, "1.5, ") +
+                          "]\nw = \"\"\"\n" + times(100, "..\n") + "\"\"\"\n[a]\nb.c = 1\n");
   CHECK(sound.numbers("z", 0, 2).size() == 100);
   CHECK(sound.text("x").size() == 300);
   CHECK(sound.text("y").size() == 201);
 }
 
 TEST_CASE("a missing key is reported at the table that lacks it") {
-  const auto t = table("# nothing\n[[robot]]\nname = \"a\"\n").tables("robot")[0];
-  CHECK(error_of([&] { return t.text("listen"); }) ==
+  const auto t = toml("# nothing\n[[robot]]\nname = \"a\"\n").tables("robot")[0];
+  CHECK(table_error([&] { return t.text("listen"); }) ==
         "some/file.toml:2:1: robot.listen: missing: expected a string: add it to this table");
 }
 
 TEST_CASE("an array of tables is not mistaken for a table") {
-  CHECK_THAT(error_of([] { return table("[robot]\nx = 1\n").tables("robot"); }),
+  CHECK_THAT(table_error([] { return toml("[robot]\nx = 1\n").tables("robot"); }),
              Catch::Matchers::ContainsSubstring("expected [[robot]], found a single table"));
-  CHECK_THAT(error_of([] { return table("robot = [1]\n").tables("robot"); }),
+  CHECK_THAT(table_error([] { return toml("robot = [1]\n").tables("robot"); }),
              Catch::Matchers::ContainsSubstring("expected a table [[robot]], found the number 1"));
-  CHECK_THAT(error_of([] { return table("robot = []\n").tables("robot"); }),
+  CHECK_THAT(table_error([] { return toml("robot = []\n").tables("robot"); }),
              Catch::Matchers::ContainsSubstring(
                  "at least one table [[robot]], found an array of 0 values"));
-  CHECK_THAT(error_of([] { return table("\n").tables("robot"); }),
+  CHECK_THAT(table_error([] { return toml("\n").tables("robot"); }),
              Catch::Matchers::ContainsSubstring("missing: expected at least one table [[robot]]"));
   CHECK_THAT(
-      error_of([] { return table("[[robot]]\n").table("robot"); }),
+      table_error([] { return toml("[[robot]]\n").table("robot"); }),
       Catch::Matchers::ContainsSubstring("expected a table [robot], found an array of 1 value"));
 }
 
 TEST_CASE("a mistake of syntax has its place too") {
-  CHECK_THAT(error_of([] { return table("a = 1\nb = \n"); }),
+  CHECK_THAT(table_error([] { return toml("a = 1\nb = \n"); }),
              Catch::Matchers::StartsWith("some/file.toml:2:") &&
                  Catch::Matchers::ContainsSubstring("not valid TOML"));
-  CHECK_THAT(error_of([] { return table("a = 1\na = 2\n"); }),
+  CHECK_THAT(table_error([] { return toml("a = 1\na = 2\n"); }),
              Catch::Matchers::StartsWith("some/file.toml:2:"));
-  CHECK_THAT(error_of([] { return table("a = \"\xff\"\n"); }),
+  CHECK_THAT(table_error([] { return toml("a = \"\xff\"\n"); }),
              Catch::Matchers::StartsWith("some/file.toml:1:"));
 }
 
 TEST_CASE("text from a file cannot break a message apart") {
-  const auto t = table("a = \"line\\nbreak\\u001b[31m" + std::string(500, 'x') + "\"\n");
-  const std::string error = error_of([&] { return t.number("a", 0, 1); });
+  const auto t = toml("a = \"line\\nbreak\\u001b[31m" + std::string(500, 'x') + "\"\n");
+  const std::string error = table_error([&] { return t.number("a", 0, 1); });
   CHECK(error.find('\n') == std::string::npos);
   CHECK(error.find('\x1b') == std::string::npos);
   CHECK(error.size() < 200);
@@ -226,11 +227,11 @@ TEST_CASE("text from a file cannot break a message apart") {
 
 TEST_CASE("a file that cannot be read is named with the reason") {
   const auto folder = std::filesystem::temp_directory_path();
-  CHECK_THAT(error_of([] { return TomlTable::load("/nowhere/sweepd.toml"); }),
+  CHECK_THAT(table_error([] { return TomlTable::load("/nowhere/sweepd.toml"); }),
              Catch::Matchers::StartsWith(
                  "/nowhere/sweepd.toml: cannot be read: No such file or directory"));
-  CHECK_THAT(error_of([&] { return TomlTable::load(folder); }),
+  CHECK_THAT(table_error([&] { return TomlTable::load(folder); }),
              Catch::Matchers::ContainsSubstring("cannot be read: Is a directory"));
-  CHECK_THAT(error_of([] { return TomlTable::load("/dev/zero"); }),
+  CHECK_THAT(table_error([] { return TomlTable::load("/dev/zero"); }),
              Catch::Matchers::ContainsSubstring("expected a TOML file of at most 1 MiB"));
 }

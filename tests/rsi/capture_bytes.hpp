@@ -46,14 +46,16 @@ inline std::string ipv4(std::uint32_t source, std::uint32_t destination, std::st
          fields.options + std::string(content);
 }
 
-inline std::string udp(std::uint16_t source, std::uint16_t destination, std::string_view payload) {
+inline std::string udp_bytes(std::uint16_t source, std::uint16_t destination,
+                             std::string_view payload) {
   return number(source, 2) + number(destination, 2) + number(8 + payload.size(), 2) + number(0, 2) +
          std::string(payload);
 }
 
 inline std::string ipv4_udp(const Endpoint& source, const Endpoint& destination,
                             std::string_view payload) {
-  return ipv4(source.address, destination.address, udp(source.port, destination.port, payload));
+  return ipv4(source.address, destination.address,
+              udp_bytes(source.port, destination.port, payload));
 }
 
 inline constexpr std::uint16_t type_ipv4 = 0x0800;

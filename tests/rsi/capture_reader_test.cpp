@@ -4,6 +4,7 @@
 
 #include "rsi/counted.hpp"
 #include "tests/catch.hpp"
+#include "tests/rsi/addresses.hpp"
 #include "tests/rsi/capture_bytes.hpp"
 
 using namespace rsi::test;
@@ -16,16 +17,12 @@ using rsi::Timestamp;
 
 namespace {
 
-const Endpoint controller{0xc0a80114, 1027};
-const Endpoint sweepd{0xc0a8010a, 49152};
-constexpr Timestamp start = 1'700'000'000s + 123'456'789ns;
-
-std::string telegram(int number) {
+std::string numbered_telegram(int number) {
   return "<Rob Type=\"KUKA\"><IPOC>" + std::to_string(4 * number) + "</IPOC></Rob>\n";
 }
 
 std::string ip_packet(int number) {
-  return ipv4_udp(controller, sweepd, telegram(number));
+  return ipv4_udp(kController, kServer, numbered_telegram(number));
 }
 
 std::vector<std::string> payloads(CaptureReader& reader) {
@@ -37,18 +34,18 @@ std::vector<std::string> payloads(CaptureReader& reader) {
 /// Two packets around those of `frame`; both must come back, with times of this resolution.
 template <typename Bytes>
 void check_reads_two(Bytes bytes, std::string (*frame)(std::string_view), Timestamp resolution) {
-  bytes.add(start, frame(ip_packet(1)));
-  bytes.add(start + 4ms, frame(ip_packet(2)));
+  bytes.add(kCaptured, frame(ip_packet(1)));
+  bytes.add(kCaptured + 4ms, frame(ip_packet(2)));
   const TemporaryFile file(bytes.bytes());
   CaptureReader reader(file.path());
   for (int i = 1; i <= 2; ++i) {
     const auto datagram = reader.next();
     REQUIRE(datagram);
-    const auto time = start + 4ms * (i - 1);
+    const auto time = kCaptured + 4ms * (i - 1);
     CHECK(datagram->time == time / resolution * resolution);
-    CHECK(datagram->source == controller);
-    CHECK(datagram->destination == sweepd);
-    CHECK(datagram->payload == telegram(i));
+    CHECK(datagram->source == kController);
+    CHECK(datagram->destination == kServer);
+    CHECK(datagram->payload == numbered_telegram(i));
     CHECK_FALSE(datagram->cut);
   }
   CHECK_FALSE(reader.next());
@@ -105,7 +102,7 @@ TEST_CASE("a capture cut at any byte gives the whole packets before the cut and 
     auto bytes = empty;
     std::vector<std::size_t> ends = {bytes.bytes().size()};
     for (std::size_t i = 0; i < packets; ++i) {
-      bytes.add(start, ethernet(ip_packet(static_cast<int>(i))));
+      bytes.add(kCaptured, ethernet(ip_packet(static_cast<int>(i))));
       ends.push_back(bytes.bytes().size());
     }
     for (std::size_t size = 0; size <= ends.back(); ++size) {
@@ -120,7 +117,8 @@ TEST_CASE("a capture cut at any byte gives the whole packets before the cut and 
       std::size_t whole = 0;
       while (whole < packets && ends[whole + 1] <= size) ++whole;
       REQUIRE(read.size() == whole);
-      for (std::size_t i = 0; i < whole; ++i) CHECK(read[i] == telegram(static_cast<int>(i)));
+      for (std::size_t i = 0; i < whole; ++i)
+        CHECK(read[i] == numbered_telegram(static_cast<int>(i)));
       if (ends[whole] == size) {
         CHECK(reader.notes().empty());
       } else {
@@ -140,8 +138,8 @@ TEST_CASE("damaged and random bytes are read without harm") {
   PcapngBytes pcapng(Order::big_endian);
   pcapng.add_interface(link_ethernet);
   for (int i = 0; i < 5; ++i) {
-    pcap.add(start, ethernet(ip_packet(i)));
-    pcapng.add(start, ethernet(ip_packet(i)));
+    pcap.add(kCaptured, ethernet(ip_packet(i)));
+    pcapng.add(kCaptured, ethernet(ip_packet(i)));
   }
   int opened = 0;
   for (int i = 0; i < 3000; ++i) {
@@ -170,19 +168,19 @@ TEST_CASE("a snapped datagram is handed out as cut, and the notes say so") {
   PcapBytes bytes;
   const auto frame = ethernet(ip_packet(1));
   const std::size_t headers = 14 + 28;
-  bytes.add(start, frame, headers + 10);
-  bytes.add(start, frame, headers - 1);  // nothing of it can be handed out
-  bytes.add(start, frame);
+  bytes.add(kCaptured, frame, headers + 10);
+  bytes.add(kCaptured, frame, headers - 1);  // nothing of it can be handed out
+  bytes.add(kCaptured, frame);
   const TemporaryFile file(bytes.bytes());
   CaptureReader reader(file.path());
   const auto cut = reader.next();
   REQUIRE(cut);
   CHECK(cut->cut);
-  CHECK(cut->payload == telegram(1).substr(0, 10));
+  CHECK(cut->payload == numbered_telegram(1).substr(0, 10));
   const auto whole = reader.next();
   REQUIRE(whole);
   CHECK_FALSE(whole->cut);
-  CHECK(whole->payload == telegram(1));
+  CHECK(whole->payload == numbered_telegram(1));
   CHECK_FALSE(reader.next());
   CHECK(reader.counters().udp == 2);
   CHECK(reader.counters().snapped == 2);
@@ -196,30 +194,30 @@ TEST_CASE("a snapped datagram is handed out as cut, and the notes say so") {
 TEST_CASE("a packet that was snapped in its padding only is whole") {
   PcapBytes bytes;
   const auto frame = ethernet(ip_packet(1));
-  bytes.add(start, frame + std::string(20, '\0'), frame.size());
+  bytes.add(kCaptured, frame + std::string(20, '\0'), frame.size());
   const TemporaryFile file(bytes.bytes());
   CaptureReader reader(file.path());
   const auto datagram = reader.next();
   REQUIRE(datagram);
-  CHECK(datagram->payload == telegram(1));
+  CHECK(datagram->payload == numbered_telegram(1));
   CHECK_FALSE(datagram->cut);
   CHECK(reader.counters().snapped == 0);
 }
 
 TEST_CASE("fragments and foreign packets are passed over and counted") {
-  const auto payload = udp(controller.port, sweepd.port, telegram(1));
+  const auto payload = udp_bytes(kController.port, kServer.port, numbered_telegram(1));
   PcapBytes bytes;
-  bytes.add(start, ethernet(ipv4(1, 2, payload, {.flags_and_offset = 0x2000})));
-  bytes.add(start, ethernet(ipv4(1, 2, payload, {.flags_and_offset = 0x0010})));
-  bytes.add(start, ethernet(ipv4(1, 2, std::string(20, 't'), {.protocol = 6})));
-  bytes.add(start, ethernet(std::string(28, 'a'), {}, 0x0806));
-  bytes.add(start, ethernet(std::string(1, '\x60') + std::string(60, '\0'), {}, 0x86dd));
-  bytes.add(start, "short");
-  bytes.add(start, "");
-  bytes.add(start, ethernet(ip_packet(7)));
+  bytes.add(kCaptured, ethernet(ipv4(1, 2, payload, {.flags_and_offset = 0x2000})));
+  bytes.add(kCaptured, ethernet(ipv4(1, 2, payload, {.flags_and_offset = 0x0010})));
+  bytes.add(kCaptured, ethernet(ipv4(1, 2, std::string(20, 't'), {.protocol = 6})));
+  bytes.add(kCaptured, ethernet(std::string(28, 'a'), {}, 0x0806));
+  bytes.add(kCaptured, ethernet(std::string(1, '\x60') + std::string(60, '\0'), {}, 0x86dd));
+  bytes.add(kCaptured, "short");
+  bytes.add(kCaptured, "");
+  bytes.add(kCaptured, ethernet(ip_packet(7)));
   const TemporaryFile file(bytes.bytes());
   CaptureReader reader(file.path());
-  CHECK(payloads(reader) == std::vector{telegram(7)});
+  CHECK(payloads(reader) == std::vector{numbered_telegram(7)});
   CHECK(reader.counters().packets == 8);
   CHECK(reader.counters().udp == 1);
   CHECK(reader.counters().fragments == 2);
@@ -231,28 +229,28 @@ TEST_CASE("fragments and foreign packets are passed over and counted") {
 TEST_CASE("pcapng interfaces of one link type are read as one capture") {
   PcapngBytes bytes;
   bytes.add_interface(link_ethernet, true).add_interface(link_ethernet, false);
-  bytes.add(start, ethernet(ip_packet(1)), SIZE_MAX, 0);
-  bytes.add(start, ethernet(ip_packet(2)), SIZE_MAX, 1);
+  bytes.add(kCaptured, ethernet(ip_packet(1)), SIZE_MAX, 0);
+  bytes.add(kCaptured, ethernet(ip_packet(2)), SIZE_MAX, 1);
   bytes.add_block(5, std::string(12, '\0'));  // interface statistics
   const TemporaryFile file(bytes.bytes());
   CaptureReader reader(file.path());
   const auto first = reader.next();
   REQUIRE(first);
-  CHECK(first->time == start);
+  CHECK(first->time == kCaptured);
   const auto second = reader.next();
   REQUIRE(second);
-  CHECK(second->time == start - 789ns);
+  CHECK(second->time == kCaptured - 789ns);
   CHECK_FALSE(reader.next());
   CHECK(reader.notes().empty());
 }
 
 TEST_CASE("pcapng interfaces of unlike link types end the reading with a remedy") {
   PcapngBytes bytes;
-  bytes.add_interface(link_ethernet).add(start, ethernet(ip_packet(1)));
-  bytes.add_interface(link_null).add(start, ethernet(ip_packet(2)));
+  bytes.add_interface(link_ethernet).add(kCaptured, ethernet(ip_packet(1)));
+  bytes.add_interface(link_null).add(kCaptured, ethernet(ip_packet(2)));
   const TemporaryFile file(bytes.bytes());
   CaptureReader reader(file.path());
-  CHECK(payloads(reader) == std::vector{telegram(1)});
+  CHECK(payloads(reader) == std::vector{numbered_telegram(1)});
   REQUIRE(reader.notes().size() == 1);
   CHECK_THAT(reader.notes()[0], ContainsSubstring(file.path().string()) &&
                                     ContainsSubstring("unlike interfaces") &&
@@ -262,24 +260,24 @@ TEST_CASE("pcapng interfaces of unlike link types end the reading with a remedy"
 TEST_CASE("all sections of a pcapng file are read, each as it was captured",
           "[issue11][point_14]") {
   PcapngBytes bytes;
-  bytes.add_interface(link_ethernet).add(start, ethernet(ip_packet(1)));
+  bytes.add_interface(link_ethernet).add(kCaptured, ethernet(ip_packet(1)));
   bytes.add_section(Order::little_endian).add_interface(link_ethernet);
-  bytes.add(start + 4ms, ethernet(ip_packet(2)));
+  bytes.add(kCaptured + 4ms, ethernet(ip_packet(2)));
   bytes.add_section(Order::little_endian).add_interface(link_ethernet, true, 65535);
-  bytes.add(start + 8ms, ethernet(ip_packet(3)));
+  bytes.add(kCaptured + 8ms, ethernet(ip_packet(3)));
   bytes.add_section(Order::big_endian).add_interface(link_ethernet, false);
-  bytes.add(start + 12ms, ethernet(ip_packet(4)));
+  bytes.add(kCaptured + 12ms, ethernet(ip_packet(4)));
   bytes.add_section(Order::big_endian);  // nothing was captured
   bytes.add_section(Order::little_endian).add_interface(link_sll);
-  bytes.add(start + 16ms, linux_sll(ip_packet(5)));
+  bytes.add(kCaptured + 16ms, linux_sll(ip_packet(5)));
   const TemporaryFile file(bytes.bytes());
   CaptureReader reader(file.path());
   for (int i = 1; i <= 5; ++i) {
     CAPTURE(i);
     const auto datagram = reader.next();
     REQUIRE(datagram);
-    CHECK(datagram->payload == telegram(i));
-    CHECK(datagram->time == start + 4ms * (i - 1) - (i == 4 ? 789ns : 0ns));
+    CHECK(datagram->payload == numbered_telegram(i));
+    CHECK(datagram->time == kCaptured + 4ms * (i - 1) - (i == 4 ? 789ns : 0ns));
   }
   CHECK_FALSE(reader.next());
   CHECK(reader.counters().packets == 5);
@@ -290,16 +288,16 @@ TEST_CASE("all sections of a pcapng file are read, each as it was captured",
 TEST_CASE("a pcapng section that cannot be read does not hide the next one",
           "[issue11][point_14]") {
   PcapngBytes bytes;
-  bytes.add_interface(link_ethernet).add(start, ethernet(ip_packet(1)));
-  bytes.add_interface(link_null).add(start, ethernet(ip_packet(2)), SIZE_MAX, 1);
-  bytes.add_section(Order::big_endian).add_interface(105).add(start, "wireless");
+  bytes.add_interface(link_ethernet).add(kCaptured, ethernet(ip_packet(1)));
+  bytes.add_interface(link_null).add(kCaptured, ethernet(ip_packet(2)), SIZE_MAX, 1);
+  bytes.add_section(Order::big_endian).add_interface(105).add(kCaptured, "wireless");
   bytes.add_section(Order::little_endian).add_interface(link_ethernet);
-  bytes.add(start, ethernet(ip_packet(3)));
+  bytes.add(kCaptured, ethernet(ip_packet(3)));
   const auto whole = bytes.bytes();
   const TemporaryFile file(
       bytes.add_section(Order::big_endian).bytes().substr(0, whole.size() + 9));
   CaptureReader reader(file.path());
-  CHECK(payloads(reader) == std::vector{telegram(1), telegram(3)});
+  CHECK(payloads(reader) == std::vector{numbered_telegram(1), numbered_telegram(3)});
   REQUIRE(reader.notes().size() == 3);
   CHECK_THAT(reader.notes()[0], ContainsSubstring("unlike interfaces"));
   CHECK_THAT(reader.notes()[1],

@@ -10,6 +10,7 @@
 #include "rsi/capture_reader.hpp"
 #include "rsi/packet.hpp"
 #include "tests/catch.hpp"
+#include "tests/rsi/addresses.hpp"
 #include "tests/rsi/capture_bytes.hpp"
 
 using namespace rsi::test;
@@ -23,12 +24,8 @@ using rsi::Timestamp;
 
 namespace {
 
-const Endpoint controller{0xc0a80114, 1027};
-const Endpoint sweepd{0xc0a8010a, 49152};
-constexpr Timestamp start = 1'700'000'000s + 123'456'789ns;
-
-Datagram datagram(std::string_view payload, Timestamp time = start) {
-  return {time, controller, sweepd, payload, false};
+Datagram datagram(std::string_view payload, Timestamp time = kCaptured) {
+  return {time, kController, kServer, payload, false};
 }
 
 /// Files grow no further than this while it lives, as on a full disk.
@@ -78,12 +75,13 @@ TEST_CASE("what was written is read back exactly") {
     std::string payload;
     for (std::size_t i = 0; i < size; ++i) payload += static_cast<char>(random());
     const auto back = records.size() % 2 == 1;
-    records.push_back({start + Timestamp(random() % 1'000'000'000), back ? sweepd : controller,
-                       back ? controller : sweepd, payload, size == 1472});
+    records.push_back({kCaptured + Timestamp(random() % 1'000'000'000),
+                       back ? kServer : kController, back ? kController : kServer, payload,
+                       size == 1472});
   }
-  records.push_back({0ns, controller, sweepd, "at the epoch", false});
-  records.push_back({4'000'000'000s, controller, sweepd, "after 2038", false});
-  records.push_back({999'999'999ns, controller, sweepd, "just before a second", false});
+  records.push_back({0ns, kController, kServer, "at the epoch", false});
+  records.push_back({4'000'000'000s, kController, kServer, "after 2038", false});
+  records.push_back({999'999'999ns, kController, kServer, "just before a second", false});
 
   const TemporaryFile file;
   {
@@ -155,7 +153,7 @@ TEST_CASE("tcpdump finds nothing wrong with a written capture") {
   const auto output = output_of("tcpdump -nn -vvv -tt --nano -r " + file.path().string());
   CHECK_THAT(output,
              ContainsSubstring("link-type RAW") && ContainsSubstring("1700000000.123456789") &&
-                 ContainsSubstring("192.168.1.20.1027 > 192.168.1.10.49152: [udp sum ok] UDP, "
+                 ContainsSubstring("192.168.1.20.49153 > 192.168.1.10.49152: [udp sum ok] UDP, "
                                    "length 365") &&
                  ContainsSubstring("length 65507"));
   CHECK_THAT(output, !ContainsSubstring("bad") && !ContainsSubstring("incorrect") &&
@@ -188,7 +186,7 @@ TEST_CASE("a full disk loses only what finds no room, and leaves no damage once 
   std::uint64_t dropped = 0;
   const auto write_some = [&](int count) {
     for (int i = 0; i < count; ++i) {
-      const auto time = start + 4ms * (kept.size() + dropped);
+      const auto time = kCaptured + 4ms * (kept.size() + dropped);
       if (writer.write(datagram(payload, time)))
         kept.push_back(time);
       else

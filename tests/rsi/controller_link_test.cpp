@@ -8,6 +8,7 @@
 
 #include "rsi/ipoc.hpp"
 #include "tests/catch.hpp"
+#include "tests/rsi/link_program.hpp"
 
 using namespace std::chrono_literals;
 using boost::asio::ip::udp;
@@ -15,13 +16,15 @@ using End = rsi::ControllerLink::End;
 using Catch::Matchers::ContainsSubstring;
 using rsi::EthernetConfig;
 using rsi::ReplyFault;
+using rsi::test::cycles;
+using rsi::test::link_options;
 using Type = EthernetConfig::Element::Type;
 
 namespace {
 
-const auto kLoopback = boost::asio::ip::address_v4::loopback();
+const auto kLoopbackAddress = boost::asio::ip::address_v4::loopback();
 
-EthernetConfig config(bool only_send = false) {
+EthernetConfig udp_config(bool only_send = false) {
   EthernetConfig ethernet;
   ethernet.sentype = "ImFree";
   ethernet.only_send = only_send;
@@ -42,7 +45,7 @@ class Peer {
     if (thread_.joinable()) join();
   }
 
-  rsi::Endpoint endpoint() const { return {kLoopback.to_uint(), address_.port()}; }
+  rsi::Endpoint endpoint() const { return {kLoopbackAddress.to_uint(), address_.port()}; }
 
   void join() {
     // Comes after everything that was sent before: loopback keeps the order.
@@ -70,7 +73,7 @@ class Peer {
 
   Answer answer_;
   boost::asio::io_context context_;
-  udp::socket socket_{context_, udp::endpoint(kLoopback, 0)};
+  udp::socket socket_{context_, udp::endpoint(kLoopbackAddress, 0)};
   udp::endpoint address_ = socket_.local_endpoint();
   std::thread thread_;
 };
@@ -78,20 +81,6 @@ class Peer {
 void send(udp::socket& socket, std::string_view text, const udp::endpoint& to) {
   boost::system::error_code ignored;
   socket.send_to(boost::asio::buffer(text.data(), text.size()), to, 0, ignored);
-}
-
-rsi::ControllerLink::Options options(const rsi::Endpoint& server, std::chrono::milliseconds cycle,
-                                     std::uint64_t timeout = 100) {
-  rsi::ControllerLink::Options result;
-  result.controller = {.server = server, .cycle = cycle, .first_ipoc = 7000, .timeout = timeout};
-  return result;
-}
-
-rsi::ControllerLink::Program cycles(std::uint64_t count) {
-  return [count](std::uint64_t cycle, rsi::SignalValues& values) {
-    values.RIst[0] = static_cast<double>(cycle);
-    return cycle < count;
-  };
 }
 
 /// Which cycle of cycles() this telegram is.
@@ -103,18 +92,18 @@ std::uint64_t cycle_of(const std::string& telegram) {
 /// Nobody listens here: the port was free a moment ago.
 rsi::Endpoint closed_port() {
   boost::asio::io_context context;
-  const udp::socket socket(context, udp::endpoint(kLoopback, 0));
-  return {kLoopback.to_uint(), socket.local_endpoint().port()};
+  const udp::socket socket(context, udp::endpoint(kLoopbackAddress, 0));
+  return {kLoopbackAddress.to_uint(), socket.local_endpoint().port()};
 }
 
 }  // namespace
 
 TEST_CASE("a link streams a program in real time and takes the replies") {
-  rsi::Reply reply(config());
+  rsi::Reply reply(udp_config());
   Peer peer([&](udp::socket& socket, const std::string& telegram, const udp::endpoint& source) {
     send(socket, reply.with_ipoc(rsi::find_ipoc(telegram)), source);
   });
-  rsi::ControllerLink link(config(), options(peer.endpoint(), 10ms));
+  rsi::ControllerLink link(udp_config(), link_options(peer.endpoint(), 10ms));
   std::uint64_t progress_calls = 0;
   const auto start = std::chrono::steady_clock::now();
   const auto report =
@@ -146,7 +135,7 @@ TEST_CASE("a link streams a program in real time and takes the replies") {
 TEST_CASE("while a machine oversleeps no telegram leaves, and robot and IPOC go on with time",
           "[issue11][point_16]") {
   Peer peer;
-  rsi::ControllerLink link(config(true), options(peer.endpoint(), 5ms));
+  rsi::ControllerLink link(udp_config(true), link_options(peer.endpoint(), 5ms));
   // The program holds everything up until five cycles are over.
   std::vector<std::chrono::steady_clock::time_point> called;
   const auto program = cycles(20);
@@ -171,7 +160,7 @@ TEST_CASE("while a machine oversleeps no telegram leaves, and robot and IPOC go 
 }
 
 TEST_CASE("a closed port is no error: the cycles go unanswered until the controller stops") {
-  rsi::ControllerLink link(config(), options(closed_port(), 1ms, 10));
+  rsi::ControllerLink link(udp_config(), link_options(closed_port(), 1ms, 10));
   const auto report = link.run(cycles(1000));
   CHECK(report.end == End::timed_out);
   CHECK(report.controller.telegrams == 10);
@@ -180,14 +169,14 @@ TEST_CASE("a closed port is no error: the cycles go unanswered until the control
 }
 
 TEST_CASE("a link that only sends needs nobody at the other end") {
-  rsi::ControllerLink link(config(true), options(closed_port(), 1ms, 3));
+  rsi::ControllerLink link(udp_config(true), link_options(closed_port(), 1ms, 3));
   const auto report = link.run(cycles(50));
   CHECK(report.end == End::done);
   CHECK(report.controller.telegrams + report.skipped == 50);
 }
 
 TEST_CASE("another thread stops a link") {
-  rsi::ControllerLink link(config(true), options(closed_port(), 1ms));
+  rsi::ControllerLink link(udp_config(true), link_options(closed_port(), 1ms));
   std::promise<void> running;
   std::thread stopper([&] {
     running.get_future().wait();
@@ -203,19 +192,19 @@ TEST_CASE("another thread stops a link") {
 }
 
 TEST_CASE("a stop before the run prevents it") {
-  rsi::ControllerLink link(config(true), options(closed_port(), 1ms));
+  rsi::ControllerLink link(udp_config(true), link_options(closed_port(), 1ms));
   link.stop();
   CHECK(link.run(cycles(5)).controller.telegrams == 0);
 }
 
 TEST_CASE("replies from another socket are not the server's") {
-  rsi::Reply reply(config());
+  rsi::Reply reply(udp_config());
   boost::asio::io_context context;
-  udp::socket elsewhere(context, udp::endpoint(kLoopback, 0));
+  udp::socket elsewhere(context, udp::endpoint(kLoopbackAddress, 0));
   Peer peer([&](udp::socket&, const std::string& telegram, const udp::endpoint& source) {
     send(elsewhere, reply.with_ipoc(rsi::find_ipoc(telegram)), source);
   });
-  rsi::ControllerLink link(config(), options(peer.endpoint(), 10ms, 5));
+  rsi::ControllerLink link(udp_config(), link_options(peer.endpoint(), 10ms, 5));
   const auto report = link.run(cycles(1000));
   peer.join();
   CHECK(report.end == End::timed_out);
@@ -227,10 +216,10 @@ TEST_CASE("replies from another socket are not the server's") {
 
 TEST_CASE("the faults of the wire are on the wire as they are counted") {
   Peer peer;
-  auto faulty = options(peer.endpoint(), 1ms);
+  auto faulty = link_options(peer.endpoint(), 1ms);
   faulty.faults = {.lose = 0.1, .duplicate = 0.1, .swap = 0.1};
   faulty.seed = 4;
-  rsi::ControllerLink link(config(true), faulty);
+  rsi::ControllerLink link(udp_config(true), faulty);
   const auto report = link.run(cycles(200));
   peer.join();
   CHECK(report.wire.lost > 0);
@@ -242,7 +231,7 @@ TEST_CASE("the faults of the wire are on the wire as they are counted") {
 }
 
 TEST_CASE("what a program throws comes out of the run") {
-  rsi::ControllerLink link(config(true), options(closed_port(), 1ms));
+  rsi::ControllerLink link(udp_config(true), link_options(closed_port(), 1ms));
   CHECK_THROWS_WITH(link.run([](std::uint64_t, rsi::SignalValues&) -> bool {
     throw std::runtime_error("the robot is elsewhere");
   }),
@@ -250,11 +239,12 @@ TEST_CASE("what a program throws comes out of the run") {
 }
 
 TEST_CASE("a link that cannot be says so before it runs") {
-  CHECK_THROWS_WITH(rsi::ControllerLink(config(), options({kLoopback.to_uint(), 0}, 4ms)),
-                    ContainsSubstring("127.0.0.1:0") && ContainsSubstring("give address and port"));
+  CHECK_THROWS_WITH(
+      rsi::ControllerLink(udp_config(), link_options({kLoopbackAddress.to_uint(), 0}, 4ms)),
+      ContainsSubstring("127.0.0.1:0") && ContainsSubstring("give address and port"));
   Peer peer;
-  auto taken = options(peer.endpoint(), 4ms);
+  auto taken = link_options(peer.endpoint(), 4ms);
   taken.local = peer.endpoint();
-  CHECK_THROWS_WITH(rsi::ControllerLink(config(), taken),
+  CHECK_THROWS_WITH(rsi::ControllerLink(udp_config(), taken),
                     ContainsSubstring("cannot send from " + rsi::text(peer.endpoint())));
 }

@@ -2,6 +2,7 @@
 
 #include "rsi/capture_reader.hpp"
 #include "tests/catch.hpp"
+#include "tests/rsi/addresses.hpp"
 #include "tests/rsi/capture_bytes.hpp"
 
 using namespace rsi::test;
@@ -15,14 +16,12 @@ using rsi::looks_like_telegram;
 
 namespace {
 
-const Endpoint controller{0xc0a80114, 1027};
-const Endpoint sweepd{0xc0a8010a, 49152};
 const Endpoint other_controller{0xc0a80115, 1027};
 const Endpoint other_sweepd{0xc0a8010a, 59152};
 const Endpoint stranger{0xc0a80163, 5353};
 
-const std::string telegram = "<Rob Type=\"KUKA\"><RIst X=\"1.0\"/><IPOC>123</IPOC></Rob>\n";
-const std::string reply = "<Sen Type=\"ImFree\"><IPOC>123</IPOC></Sen>";
+const std::string kTelegram = "<Rob Type=\"KUKA\"><RIst X=\"1.0\"/><IPOC>123</IPOC></Rob>\n";
+const std::string kReply = "<Sen Type=\"ImFree\"><IPOC>123</IPOC></Sen>";
 
 class Traffic {
  public:
@@ -32,7 +31,7 @@ class Traffic {
   }
   /// A telegram and its reply, `count` times.
   Traffic& talk(int count, const Endpoint& from, const Endpoint& to) {
-    for (int i = 0; i < count; ++i) add(1, from, to, telegram).add(1, to, from, reply);
+    for (int i = 0; i < count; ++i) add(1, from, to, kTelegram).add(1, to, from, kReply);
     return *this;
   }
   [[nodiscard]] const std::string& bytes() const { return bytes_.bytes(); }
@@ -69,20 +68,21 @@ TEST_CASE("replies and other traffic do not look like telegrams") {
        {"", "<", "<Rob", "Rob ", "<Robot>", "<Sen Type=\"ImFree\"><IPOC>1</IPOC></Sen>",
         "<sen><ipoc>1</ipoc></sen>", "M-SEARCH * HTTP/1.1\r\n", "\xff\xfe<R\0o\0b"})
     CHECK_FALSE(looks_like_telegram(payload));
-  CHECK_FALSE(looks_like_telegram(std::string(300, ' ') + telegram));
+  CHECK_FALSE(looks_like_telegram(std::string(300, ' ') + kTelegram));
   CHECK_FALSE(looks_like_telegram("<IPOC>1</IPOC>" + std::string(100, ' ')));
 }
 
 TEST_CASE("the direction follows from addresses, whatever the controller's port and the payload") {
-  const Conversation conversation{controller.address, sweepd};
-  CHECK(direction(conversation, controller, sweepd) == Direction::from_controller);
-  CHECK(direction(conversation, {controller.address, 2000}, sweepd) == Direction::from_controller);
-  CHECK(direction(conversation, sweepd, controller) == Direction::to_controller);
-  CHECK(direction(conversation, sweepd, {controller.address, 2000}) == Direction::to_controller);
-  CHECK(direction(conversation, stranger, sweepd) == Direction::other);
-  CHECK(direction(conversation, sweepd, stranger) == Direction::other);
-  CHECK(direction(conversation, controller, other_sweepd) == Direction::other);
-  CHECK(direction(conversation, controller, {stranger.address, sweepd.port}) == Direction::other);
+  const Conversation conversation{kController.address, kServer};
+  CHECK(direction(conversation, kController, kServer) == Direction::from_controller);
+  CHECK(direction(conversation, {kController.address, 2000}, kServer) ==
+        Direction::from_controller);
+  CHECK(direction(conversation, kServer, kController) == Direction::to_controller);
+  CHECK(direction(conversation, kServer, {kController.address, 2000}) == Direction::to_controller);
+  CHECK(direction(conversation, stranger, kServer) == Direction::other);
+  CHECK(direction(conversation, kServer, stranger) == Direction::other);
+  CHECK(direction(conversation, kController, other_sweepd) == Direction::other);
+  CHECK(direction(conversation, kController, {stranger.address, kServer.port}) == Direction::other);
 }
 
 TEST_CASE("on loopback the direction follows from the port") {
@@ -98,11 +98,11 @@ TEST_CASE("on loopback the direction follows from the port") {
 
 TEST_CASE("the RSI conversation is found among other traffic") {
   Traffic traffic;
-  traffic.add(100, stranger, sweepd, "something else").talk(5, controller, sweepd);
-  traffic.add(100, controller, stranger, "<Robots are not telegrams/>");
+  traffic.add(100, stranger, kServer, "something else").talk(5, kController, kServer);
+  traffic.add(100, kController, stranger, "<Robots are not telegrams/>");
   const auto found = search(traffic);
   REQUIRE(found.chosen);
-  CHECK(*found.chosen == Conversation{controller.address, sweepd});
+  CHECK(*found.chosen == Conversation{kController.address, kServer});
   REQUIRE(found.found.size() == 1);
   CHECK(found.found[0].telegrams == 5);
   CHECK(found.note.empty());
@@ -110,7 +110,7 @@ TEST_CASE("the RSI conversation is found among other traffic") {
 
 TEST_CASE("a controller that comes back with another port goes on in the same conversation") {
   Traffic traffic;
-  traffic.talk(3, controller, sweepd).talk(4, {controller.address, 1028}, sweepd);
+  traffic.talk(3, kController, kServer).talk(4, {kController.address, 1028}, kServer);
   const auto found = search(traffic);
   REQUIRE(found.found.size() == 1);
   CHECK(found.found[0].telegrams == 7);
@@ -118,12 +118,12 @@ TEST_CASE("a controller that comes back with another port goes on in the same co
 
 TEST_CASE("of two conversations the busier is taken, and the user is told of both") {
   Traffic traffic;
-  traffic.talk(3, controller, sweepd).talk(4, other_controller, other_sweepd);
+  traffic.talk(3, kController, kServer).talk(4, other_controller, other_sweepd);
   const auto found = search(traffic);
   REQUIRE(found.chosen);
   CHECK(*found.chosen == Conversation{other_controller.address, other_sweepd});
   REQUIRE(found.found.size() == 2);
-  CHECK(found.found[0].conversation == Conversation{controller.address, sweepd});
+  CHECK(found.found[0].conversation == Conversation{kController.address, kServer});
   CHECK(found.found[0].telegrams == 3);
   CHECK(
       found.note ==
@@ -134,7 +134,8 @@ TEST_CASE("of two conversations the busier is taken, and the user is told of bot
 
 TEST_CASE("of two equally busy conversations the first is taken") {
   Traffic traffic;
-  for (int i = 0; i < 3; ++i) traffic.talk(1, other_controller, sweepd).talk(1, controller, sweepd);
+  for (int i = 0; i < 3; ++i)
+    traffic.talk(1, other_controller, kServer).talk(1, kController, kServer);
   const auto found = search(traffic);
   REQUIRE(found.chosen);
   CHECK(found.chosen->controller == other_controller.address);
@@ -143,7 +144,7 @@ TEST_CASE("of two equally busy conversations the first is taken") {
 TEST_CASE("of many conversations a few are listed") {
   Traffic traffic;
   for (std::uint16_t port = 1; port <= 20; ++port)
-    traffic.talk(1, controller, {sweepd.address, port});
+    traffic.talk(1, kController, {kServer.address, port});
   const auto found = search(traffic);
   CHECK(found.found.size() == 20);
   CHECK_THAT(found.note, ContainsSubstring("20 RSI conversations") &&
@@ -152,25 +153,25 @@ TEST_CASE("of many conversations a few are listed") {
 
 TEST_CASE("the user chooses by port, by controller or by both") {
   Traffic traffic;
-  traffic.talk(3, controller, sweepd).talk(4, other_controller, other_sweepd);
-  traffic.talk(2, other_controller, sweepd);
+  traffic.talk(3, kController, kServer).talk(4, other_controller, other_sweepd);
+  traffic.talk(2, other_controller, kServer);
   const auto by_port = search(traffic, {.port = 49152});
   REQUIRE(by_port.chosen);
-  CHECK(*by_port.chosen == Conversation{controller.address, sweepd});
+  CHECK(*by_port.chosen == Conversation{kController.address, kServer});
   CHECK_THAT(by_port.note, ContainsSubstring("2 RSI conversations") && !ContainsSubstring("59152"));
 
-  const auto by_controller = search(traffic, {.controller = controller.address});
+  const auto by_controller = search(traffic, {.controller = kController.address});
   REQUIRE(by_controller.chosen);
-  CHECK(*by_controller.chosen == Conversation{controller.address, sweepd});
+  CHECK(*by_controller.chosen == Conversation{kController.address, kServer});
   CHECK(by_controller.note.empty());
 
   const auto by_both = search(traffic, {.port = 49152, .controller = other_controller.address});
   REQUIRE(by_both.chosen);
-  CHECK(*by_both.chosen == Conversation{other_controller.address, sweepd});
+  CHECK(*by_both.chosen == Conversation{other_controller.address, kServer});
 }
 
 TEST_CASE("a choice that is not there is answered with what is there") {
-  const auto found = search(Traffic().talk(3, controller, sweepd), {.port = 6008});
+  const auto found = search(Traffic().talk(3, kController, kServer), {.port = 6008});
   CHECK_FALSE(found.chosen);
   REQUIRE(found.found.size() == 1);
   CHECK_FALSE(found.found[0].admitted);
@@ -180,13 +181,13 @@ TEST_CASE("a choice that is not there is answered with what is there") {
 }
 
 TEST_CASE("captures without RSI are said to be so") {
-  const auto found = search(Traffic().add(7, stranger, sweepd, "something else"));
+  const auto found = search(Traffic().add(7, stranger, kServer, "something else"));
   CHECK_FALSE(found.chosen);
   CHECK(found.found.empty());
   CHECK_THAT(found.note,
              ContainsSubstring("no RSI among 7 UDP datagrams") && ContainsSubstring("capture on"));
 
-  auto cut = Traffic().talk(1, controller, sweepd).bytes();
+  auto cut = Traffic().talk(1, kController, kServer).bytes();
   cut.resize(50);
   const TemporaryFile file(cut);
   const std::filesystem::path paths[] = {file.path()};
@@ -196,10 +197,10 @@ TEST_CASE("captures without RSI are said to be so") {
 
 TEST_CASE("the search ends once enough telegrams were seen, counting only those that are wanted") {
   Traffic traffic;
-  traffic.talk(10, controller, sweepd).talk(50, other_controller, sweepd);
+  traffic.talk(10, kController, kServer).talk(50, other_controller, kServer);
   const auto ended = search(traffic, {}, 10);
   REQUIRE(ended.chosen);
-  CHECK(ended.chosen->controller == controller.address);
+  CHECK(ended.chosen->controller == kController.address);
   CHECK(ended.found.size() == 1);
 
   const auto wanted = search(traffic, {.controller = other_controller.address}, 10);
@@ -210,8 +211,8 @@ TEST_CASE("the search ends once enough telegrams were seen, counting only those 
 
 TEST_CASE("captures given together are searched together") {
   const TemporaryFile first(
-      Traffic().talk(3, controller, sweepd).talk(2, other_controller, sweepd).bytes());
-  const TemporaryFile second(Traffic().talk(2, other_controller, sweepd).bytes());
+      Traffic().talk(3, kController, kServer).talk(2, other_controller, kServer).bytes());
+  const TemporaryFile second(Traffic().talk(2, other_controller, kServer).bytes());
   const std::filesystem::path paths[] = {first.path(), second.path()};
   const auto found = find_conversation(paths);
   REQUIRE(found.chosen);
@@ -220,7 +221,7 @@ TEST_CASE("captures given together are searched together") {
 }
 
 TEST_CASE("a capture that cannot be opened is an exception, also behind one that can") {
-  const TemporaryFile first(Traffic().talk(3, controller, sweepd).bytes());
+  const TemporaryFile first(Traffic().talk(3, kController, kServer).bytes());
   const std::filesystem::path paths[] = {first.path(), "/nowhere/trace.pcap"};
   CHECK_THROWS_AS(find_conversation(paths), rsi::CaptureError);
   CHECK_THROWS_AS(find_conversation(paths, {}, 1), rsi::CaptureError);

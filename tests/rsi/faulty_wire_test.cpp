@@ -15,7 +15,7 @@ using What = rsi::Sent::What;
 
 namespace {
 
-std::string telegram(int number) {
+std::string bare_telegram(int number) {
   return "<Rob><IPOC>" + std::to_string(number) + "</IPOC></Rob>\n";
 }
 
@@ -45,7 +45,7 @@ Receipts sent_over(FaultyWire& wire, int count) {
     for (auto& one : receipts(sent)) received.push_back(std::move(one));
   };
   for (int i = 0; i < count; ++i) {
-    const auto text = telegram(i);
+    const auto text = bare_telegram(i);
     take(wire.pass(text));
   }
   take(wire.flush());
@@ -62,7 +62,7 @@ TEST_CASE("a wire without faults passes everything in order") {
   const auto received = sent_over(wire, 1000);
   REQUIRE(received.size() == 1000);
   for (int i = 0; i < 1000; ++i)
-    CHECK(received[static_cast<std::size_t>(i)] == Received{What::telegram, telegram(i)});
+    CHECK(received[static_cast<std::size_t>(i)] == Received{What::telegram, bare_telegram(i)});
 }
 
 TEST_CASE("a receiver finds exactly the faults that the wire counts") {
@@ -84,7 +84,7 @@ TEST_CASE("a receiver finds exactly the faults that the wire counts") {
       ++foreign;
     } else {
       const int number = number_in(payload);
-      CHECK(payload == telegram(number));
+      CHECK(payload == bare_telegram(number));
       if (!seen.insert(number).second)
         ++duplicated;
       else if (number < newest)

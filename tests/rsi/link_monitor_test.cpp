@@ -13,7 +13,7 @@ using std::chrono::nanoseconds;
 
 namespace {
 
-struct Link {
+struct MonitoredLink {
   rsi::LinkMonitor monitor;
   LinkStream<rsi::LinkMonitor> stream{monitor};
   [[nodiscard]] LinkReport report() const { return monitor.report(); }
@@ -41,7 +41,7 @@ TEST_CASE("nothing seen is an empty report") {
 }
 
 TEST_CASE("a flawless link has a cycle, no jitter, and the latency of its replies") {
-  Link link;
+  MonitoredLink link;
   // More than the monitor keeps, so that most is settled on the way.
   link.stream.cycles(0, 5000, 70us);
   const auto report = link.report();
@@ -64,8 +64,8 @@ TEST_CASE("a flawless link has a cycle, no jitter, and the latency of its replie
 }
 
 TEST_CASE("a report on the way changes nothing") {
-  Link link;
-  Link undisturbed;
+  MonitoredLink link;
+  MonitoredLink undisturbed;
   for (std::uint64_t k = 0; k < 3000; ++k) {
     for (auto* one : {&link, &undisturbed}) one->stream.cycles(k, k + 1, k % 7 * 1us);
     if (k % 100 == 99) CHECK(link.report().replies.in_time == k + 1);
@@ -85,7 +85,7 @@ TEST_CASE("the cycle is 4 or 12 ms by the IPOC, and by the clock where IPOC rise
   for (const auto& kind : {Kind{4, 4ms, true}, Kind{12, 12ms, true}, Kind{1, 4ms, false},
                            Kind{4, 40ms, false}, Kind{1, 1ms, true}}) {
     CAPTURE(kind.step, kind.cycle.count());
-    Link link;
+    MonitoredLink link;
     for (std::uint64_t k = 0; k < 2000; ++k) {
       const auto at = static_cast<std::int64_t>(k) * kind.cycle +
                       nanoseconds(static_cast<std::int64_t>(1e3 * jitter_us(random)));
@@ -106,7 +106,7 @@ TEST_CASE("the cycle is 4 or 12 ms by the IPOC, and by the clock where IPOC rise
 }
 
 TEST_CASE("jitter is the time between telegrams minus the IPOC's rise, early and late") {
-  Link link;
+  MonitoredLink link;
   link.stream.cycles(0, 100);
   link.stream.telegram(LinkStream<rsi::LinkMonitor>::at(100) + 1500us, 1'000'400);
   link.stream.reply(402ms, 1'000'400);
@@ -120,7 +120,7 @@ TEST_CASE("jitter is the time between telegrams minus the IPOC's rise, early and
 }
 
 TEST_CASE("quantiles of the latency are those put in, and the ten slowest are named") {
-  Link link;
+  MonitoredLink link;
   // 1000 latencies of 1 to 1000 us, in a mixed order.
   for (std::uint64_t k = 0; k < 1000; ++k)
     link.stream.cycles(k, k + 1,
@@ -142,7 +142,7 @@ TEST_CASE("quantiles of the latency are those put in, and the ten slowest are na
 }
 
 TEST_CASE("a reply later than a cycle is late, and counts in the run of those not in time") {
-  Link link;
+  MonitoredLink link;
   link.stream.cycles(0, 50);
   link.stream.cycles(50, 53, 4001us);
   link.stream.cycles(53, 100, 4000us);
@@ -154,7 +154,7 @@ TEST_CASE("a reply later than a cycle is late, and counts in the run of those no
 }
 
 TEST_CASE("after a stall the newest is answered: the last before it are superseded") {
-  Link link;
+  MonitoredLink link;
   link.stream.cycles(0, 20);
   for (std::uint64_t k = 20; k < 25; ++k)
     link.stream.telegram(link.stream.at(k), link.stream.ipoc(k));
@@ -170,7 +170,7 @@ TEST_CASE("after a stall the newest is answered: the last before it are supersed
 }
 
 TEST_CASE("telegrams that come in a bunch are superseded by the newest of it") {
-  Link link;
+  MonitoredLink link;
   link.stream.cycles(0, 20);
   for (const std::uint64_t k : {20u, 21u, 22u})
     link.stream.telegram(88ms + nanoseconds(k), link.stream.ipoc(k));
@@ -184,7 +184,7 @@ TEST_CASE("telegrams that come in a bunch are superseded by the newest of it") {
 }
 
 TEST_CASE("the last telegram before the end is not missing its reply yet, the ones before it are") {
-  Link link;
+  MonitoredLink link;
   link.stream.cycles(0, 20);
   for (std::uint64_t k = 20; k < 24; ++k)
     link.stream.telegram(link.stream.at(k), link.stream.ipoc(k));
@@ -194,7 +194,7 @@ TEST_CASE("the last telegram before the end is not missing its reply yet, the on
 }
 
 TEST_CASE("a controller with ONLYSEND misses nothing") {
-  Link link;
+  MonitoredLink link;
   for (std::uint64_t k = 0; k < 3000; ++k)
     link.stream.telegram(link.stream.at(k), link.stream.ipoc(k), {});
   const auto report = link.report();
@@ -207,7 +207,7 @@ TEST_CASE("a controller with ONLYSEND misses nothing") {
 }
 
 TEST_CASE("replies that the capture begins or ends with, repeated and wrong ones are told apart") {
-  Link link;
+  MonitoredLink link;
   link.stream.reply(0ms, 999'996);  // its telegram came before the capture
   link.stream.cycles(1, 10);
   link.stream.reply(37ms, link.stream.ipoc(9));
@@ -222,7 +222,7 @@ TEST_CASE("replies that the capture begins or ends with, repeated and wrong ones
 }
 
 TEST_CASE("duplicates and latecomers are counted, and have one fate each") {
-  Link link;
+  MonitoredLink link;
   link.stream.cycles(0, 10);
   link.stream.telegram(40ms, link.stream.ipoc(10));
   link.stream.telegram(40ms + 10us, link.stream.ipoc(10));  // both waited: one reply
@@ -242,7 +242,7 @@ TEST_CASE("duplicates and latecomers are counted, and have one fate each") {
 }
 
 TEST_CASE("a gap is lost telegrams and no jitter, and its place is named") {
-  Link link;
+  MonitoredLink link;
   link.stream.cycles(0, 10);
   link.stream.cycles(12, 600);
   link.stream.cycles(2000, 2100);  // the machine slept for more than five seconds
@@ -258,7 +258,7 @@ TEST_CASE("a gap is lost telegrams and no jitter, and its place is named") {
 TEST_CASE("the clock set forwards is neither jitter nor latency, wherever in the cycle it is set") {
   for (const bool before_reply : {false, true}) {
     CAPTURE(before_reply);
-    Link link;
+    MonitoredLink link;
     link.stream.cycles(0, 100);
     link.stream.telegram(400ms, link.stream.ipoc(100));
     if (before_reply) link.stream.clock_off = 1h;
@@ -280,7 +280,7 @@ TEST_CASE(
     "the clock set backwards is neither jitter nor latency, wherever in the cycle it is set") {
   for (const bool before_reply : {false, true}) {
     CAPTURE(before_reply);
-    Link link;
+    MonitoredLink link;
     link.stream.cycles(0, 100);
     link.stream.telegram(400ms, link.stream.ipoc(100));
     if (before_reply) link.stream.clock_off = -10s;
@@ -299,7 +299,7 @@ TEST_CASE(
 }
 
 TEST_CASE("telegrams held up by the network are jitter, not a clock that was set") {
-  Link link;
+  MonitoredLink link;
   link.stream.cycles(0, 100);
   // Numbers 100 to 119 were held up until number 120 was due.
   for (std::uint64_t k = 100; k < 120; ++k) {
@@ -314,7 +314,7 @@ TEST_CASE("telegrams held up by the network are jitter, not a clock that was set
 }
 
 TEST_CASE("RSI that begins anew on another port is a restart; so is an IPOC that wraps") {
-  Link link;
+  MonitoredLink link;
   constexpr std::uint64_t kWrap = std::uint64_t{1} << 32;
   for (std::uint64_t k = 0; k < 100; ++k) {
     const auto ipoc = (kWrap - 200 + 4 * k) % kWrap;
@@ -337,7 +337,7 @@ TEST_CASE("RSI that begins anew on another port is a restart; so is an IPOC that
 }
 
 TEST_CASE("what is no telegram is malformed; with an IPOC it came all the same") {
-  Link link;
+  MonitoredLink link;
   link.stream.cycles(0, 10);
   link.stream.datagram(40ms, "<Rob><A>1</A><IPOC>1000040</IPOC>");  // ends too early
   link.stream.reply(40ms + 50us, 1'000'040);
@@ -354,7 +354,7 @@ TEST_CASE("what is no telegram is malformed; with an IPOC it came all the same")
 }
 
 TEST_CASE("runs of late replies by the controller's Delay have their places, the longest first") {
-  Link link;
+  MonitoredLink link;
   const std::vector<std::uint64_t> delays{0, 1, 2, 0, 0, 1, 0, 1, 2, 3, 1, 0, 2};
   for (std::uint64_t k = 0; k < delays.size(); ++k)
     link.stream.telegram(link.stream.at(k), link.stream.ipoc(k), delays[k]);
@@ -374,7 +374,7 @@ TEST_CASE("faults at random are counted exactly over a long stream") {
   std::mt19937 random(11);
   std::uniform_real_distribution<> chance;
   constexpr std::uint64_t kCycles = 100'000;
-  Link link;
+  MonitoredLink link;
   rsi::LinkCounts put{};
   rsi::ReplyCounts replies;
   for (std::uint64_t k = 0; k < kCycles; ++k) {
@@ -417,7 +417,7 @@ TEST_CASE("faults at random are counted exactly over a long stream") {
 
 TEST_CASE("time stamps of any value are taken") {
   std::mt19937_64 random(13);
-  Link link;
+  MonitoredLink link;
   // From 1970 to 2262, as captures can have them.
   const auto stamp = [&] { return nanoseconds(static_cast<std::int64_t>(random() >> 1)) - kStart; };
   for (std::uint64_t k = 0; k < 5000; ++k) {

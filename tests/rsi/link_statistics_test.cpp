@@ -6,18 +6,18 @@
 #include <vector>
 
 #include "tests/catch.hpp"
+#include "tests/rsi/addresses.hpp"
 
 using rsi::Arrival;
 using rsi::LinkStatistics;
 using namespace std::chrono_literals;
+using rsi::test::kController;
+using rsi::test::kRestarted;
 
 namespace {
 
-constexpr rsi::Endpoint kController{0xc0a80114, 50000};
-constexpr rsi::Endpoint kRestarted{0xc0a80114, 50001};
-
-/// Link statistics fed with telegrams of which only some things matter: a resting robot's.
-struct Link : LinkStatistics {
+/// RestingLink statistics fed with telegrams of which only some things matter: a resting robot's.
+struct RestingLink : LinkStatistics {
   Arrival add(std::uint64_t ipoc, const rsi::Endpoint& source, std::optional<std::uint64_t> delay) {
     return add(ipoc, "at rest", 0ms, source, delay);
   }
@@ -33,7 +33,7 @@ struct Link : LinkStatistics {
 
 TEST_CASE("the step of the IPOC is learned, for 4 and 12 ms and for simulators that count by one") {
   for (const std::uint64_t step : {1u, 4u, 12u}) {
-    Link link;
+    RestingLink link;
     CHECK_FALSE(link.step());
     for (std::uint64_t k = 0; k < 100; ++k)
       if (k != 1 && k != 50) link.add(237433 + k * step, kController, {});
@@ -46,7 +46,7 @@ TEST_CASE("the step of the IPOC is learned, for 4 and 12 ms and for simulators t
 TEST_CASE("the cycle is that of the stream, also where telegrams come in bursts",
           "[issue11][point_15]") {
   for (const int burst : {1, 2, 8}) {
-    Link link;
+    RestingLink link;
     for (int k = 0; k < 400; ++k) {
       const auto sent = 4ms * (k - k % burst + burst - 1);
       link.add(1000 + 4 * static_cast<std::uint64_t>(k), "", sent + 10us * (k % burst));
@@ -58,7 +58,7 @@ TEST_CASE("the cycle is that of the stream, also where telegrams come in bursts"
 }
 
 TEST_CASE("a telegram that came late is reordered, not lost; one that came again is a duplicate") {
-  Link link;
+  RestingLink link;
   const auto add = [&](std::uint64_t ipoc) { return link.add(ipoc, kController, {}); };
   CHECK(add(1000) == Arrival::in_order);
   CHECK(add(1004) == Arrival::in_order);
@@ -75,7 +75,7 @@ TEST_CASE("a telegram that came late is reordered, not lost; one that came again
 }
 
 TEST_CASE("an IPOC that jumps, or a new port, is a restart and not a loss") {
-  Link link;
+  RestingLink link;
   for (std::uint64_t k = 0; k < 10; ++k) link.add(5'000'000 + 4 * k, kController, {});
   SECTION("back") {
     CHECK(link.add(100, kController, {}) == Arrival::restart);
@@ -93,7 +93,7 @@ TEST_CASE("an IPOC that jumps, or a new port, is a restart and not a loss") {
 TEST_CASE("an IPOC that passes 2^64 is neither a restart nor a loss, whatever its step") {
   for (const std::uint64_t step : {1u, 4u, 12u, 15u}) {
     INFO("step " << step);
-    Link link;
+    RestingLink link;
     // Before it and after it telegrams are lost, and over it two are swapped.
     const auto add = [&](std::uint64_t k) { return link.add((k - 500) * step, kController, {}); };
     for (std::uint64_t k = 0; k < 499; ++k)
@@ -113,7 +113,7 @@ TEST_CASE("an IPOC that passes 2^64 is neither a restart nor a loss, whatever it
 }
 
 TEST_CASE("the greatest IPOC of all is one like any other") {
-  Link link;
+  RestingLink link;
   constexpr auto kGreatest = ~std::uint64_t{0};
   CHECK(link.add(kGreatest - 1, kController, {}) == Arrival::in_order);
   CHECK(link.add(kGreatest, kController, {}) == Arrival::in_order);
@@ -121,7 +121,7 @@ TEST_CASE("the greatest IPOC of all is one like any other") {
 }
 
 TEST_CASE("a gap within a run is counted telegram by telegram, also over several restarts") {
-  Link link;
+  RestingLink link;
   for (const std::uint64_t start : {1'000'000u, 100u, 700'000u})
     for (std::uint64_t k = 0; k < 1000; ++k)
       if (k % 100 != 50) link.add(start + 12 * k, kController, {});
@@ -132,7 +132,8 @@ TEST_CASE("a gap within a run is counted telegram by telegram, also over several
 TEST_CASE("RSI that begins anew from an IPOC it had a moment ago is one restart and no duplicate",
           "[issue11][point_13]") {
   // 750 telegrams each time, which is less than 4,096 ms.
-  const auto run = [](Link& link, std::uint64_t first, const char* content, rsi::Timestamp from) {
+  const auto run = [](RestingLink& link, std::uint64_t first, const char* content,
+                      rsi::Timestamp from) {
     std::vector<Arrival> arrivals;
     for (std::uint64_t k = 0; k < 750; ++k)
       arrivals.push_back(link.add(first + 4 * k, content, from + k * 4ms));
@@ -141,7 +142,7 @@ TEST_CASE("RSI that begins anew from an IPOC it had a moment ago is one restart 
   for (const std::uint64_t fall : {3000u, 2998u, 400u, 64u})
     for (const char* content : {"moved", "at rest"}) {
       CAPTURE(fall, content);
-      Link link;
+      RestingLink link;
       run(link, 100'000, "at rest", 0s);
       auto arrivals = run(link, 100'000 + 3000 - fall, content, 10s);
       CHECK(arrivals[0] == Arrival::restart);
@@ -157,7 +158,7 @@ TEST_CASE("RSI that begins anew from an IPOC it had a moment ago is one restart 
 TEST_CASE(
     "a telegram that was overtaken is no restart, though the cycle is not known yet, or another",
     "[issue11][point_13]") {
-  Link link;
+  RestingLink link;
   CHECK(link.add(100, "a", 0ms) == Arrival::in_order);
   CHECK(link.add(108, "c", 8ms) == Arrival::in_order);
   CHECK(link.add(104, "b", 9ms) == Arrival::reordered);
@@ -169,7 +170,7 @@ TEST_CASE(
 }
 
 TEST_CASE("without times the content tells a restart from a copy", "[issue11][point_13]") {
-  Link link;
+  RestingLink link;
   for (std::uint64_t k = 0; k < 100; ++k) link.add(1000 + 4 * k, "before", {});
   CHECK(link.add(1200, "before", {}) == Arrival::duplicate);
   CHECK(link.add(1200, "after", {}) == Arrival::restart);
@@ -178,7 +179,7 @@ TEST_CASE("without times the content tells a restart from a copy", "[issue11][po
 
 TEST_CASE("copies that come late or damaged, and an IPOC that stands still, are no restart",
           "[issue11][point_13]") {
-  Link link;
+  RestingLink link;
   for (std::uint64_t k = 0; k < 100; ++k) link.add(1000 + 4 * k, "moves", k * 4ms);
   CHECK(link.add(1200, "moves", 396ms + 800ms) == Arrival::duplicate);
   link.cut = true;
@@ -191,7 +192,7 @@ TEST_CASE("copies that come late or damaged, and an IPOC that stands still, are 
 }
 
 TEST_CASE("the controller's Delay counts runs of late replies") {
-  Link link;
+  RestingLink link;
   std::uint64_t ipoc = 0;
   for (const std::uint64_t delay : {0u, 1u, 2u, 0u, 1u, 0u, 0u, 1u, 2u, 3u, 4u, 0u})
     link.add(ipoc += 4, kController, delay);
@@ -201,7 +202,7 @@ TEST_CASE("the controller's Delay counts runs of late replies") {
 }
 
 TEST_CASE("runs of late replies are told apart even if what came between them was lost") {
-  Link link;
+  RestingLink link;
   const auto add = [&](std::uint64_t cycle, std::uint64_t delay) {
     link.add(1000 + 4 * cycle, kController, delay);
   };
@@ -229,7 +230,7 @@ TEST_CASE("loss, duplication and exchange at random are counted exactly") {
     else
       kept.push_back(1'525'084 + 4 * k);
   }
-  Link link;
+  RestingLink link;
   const auto send = [&](std::uint64_t ipoc) {
     link.add(ipoc, kController, {});
     if (chance(random) < 0.005) {

@@ -9,13 +9,12 @@
 #include <string>
 
 #include "rsi/datagram.hpp"
+#include "tests/rsi/addresses.hpp"
 
 namespace rsi::test {
 
 using namespace std::chrono_literals;
 
-inline constexpr Endpoint kController{0xc0a80114, 49153};
-inline constexpr Endpoint kServer{0xc0a8010a, 49152};
 inline constexpr Timestamp kStart = 1'735'689'600s;  // 2025-01-01T00:00:00Z
 
 inline std::string telegram_text(std::uint64_t ipoc, std::optional<std::uint64_t> delay = 0) {

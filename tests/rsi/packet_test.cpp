@@ -3,6 +3,7 @@
 #include <random>
 
 #include "tests/catch.hpp"
+#include "tests/rsi/addresses.hpp"
 #include "tests/rsi/capture_bytes.hpp"
 
 using namespace rsi::test;
@@ -14,16 +15,14 @@ using rsi::PacketKind;
 
 namespace {
 
-const Endpoint controller{0xc0a80114, 1027};
-const Endpoint sweepd{0xc0a8010a, 49152};
-const std::string telegram = "<Rob Type=\"KUKA\"><IPOC>123</IPOC></Rob>\n";
+const std::string kShortTelegram = "<Rob Type=\"KUKA\"><IPOC>123</IPOC></Rob>\n";
 
 void check_decodes(LinkLayer layer, std::string_view packet) {
   Datagram datagram;
   REQUIRE(decode_packet(layer, packet, datagram) == PacketKind::udp);
-  CHECK(datagram.source == controller);
-  CHECK(datagram.destination == sweepd);
-  CHECK(datagram.payload == telegram);
+  CHECK(datagram.source == kController);
+  CHECK(datagram.destination == kServer);
+  CHECK(datagram.payload == kShortTelegram);
   CHECK_FALSE(datagram.cut);
 }
 
@@ -35,7 +34,7 @@ PacketKind kind_of(LinkLayer layer, std::string_view packet) {
 }  // namespace
 
 TEST_CASE("a datagram is found behind every known link header") {
-  const auto ip = ipv4_udp(controller, sweepd, telegram);
+  const auto ip = ipv4_udp(kController, kServer, kShortTelegram);
   check_decodes(LinkLayer::ethernet, ethernet(ip));
   check_decodes(LinkLayer::raw_ip, ip);
   check_decodes(LinkLayer::loopback, loopback(ip, Order::little_endian));
@@ -45,18 +44,18 @@ TEST_CASE("a datagram is found behind every known link header") {
 }
 
 TEST_CASE("VLAN tags are skipped, however many are stacked") {
-  const auto ip = ipv4_udp(controller, sweepd, telegram);
+  const auto ip = ipv4_udp(kController, kServer, kShortTelegram);
   check_decodes(LinkLayer::ethernet, ethernet(ip, {0x8100}));
   check_decodes(LinkLayer::ethernet, ethernet(ip, {0x88a8, 0x8100}));
   check_decodes(LinkLayer::ethernet, ethernet(ip, {0x9100, 0x88a8, 0x8100, 0x8100}));
 }
 
 TEST_CASE("IP options and padding behind the datagram do not belong to the payload") {
-  const auto with_options =
-      ipv4(controller.address, sweepd.address, udp(controller.port, sweepd.port, telegram),
-           {.options = std::string(8, '\x01')});
+  const auto with_options = ipv4(kController.address, kServer.address,
+                                 udp_bytes(kController.port, kServer.port, kShortTelegram),
+                                 {.options = std::string(8, '\x01')});
   check_decodes(LinkLayer::raw_ip, with_options);
-  const auto padded = ethernet(ipv4_udp(controller, sweepd, "x")) + std::string(17, '\0');
+  const auto padded = ethernet(ipv4_udp(kController, kServer, "x")) + std::string(17, '\0');
   Datagram datagram;
   REQUIRE(decode_packet(LinkLayer::ethernet, padded, datagram) == PacketKind::udp);
   CHECK(datagram.payload == "x");
@@ -64,14 +63,14 @@ TEST_CASE("IP options and padding behind the datagram do not belong to the paylo
 
 TEST_CASE("an empty datagram is a datagram") {
   Datagram datagram;
-  REQUIRE(decode_packet(LinkLayer::raw_ip, ipv4_udp(controller, sweepd, ""), datagram) ==
+  REQUIRE(decode_packet(LinkLayer::raw_ip, ipv4_udp(kController, kServer, ""), datagram) ==
           PacketKind::udp);
   CHECK(datagram.payload.empty());
   CHECK_FALSE(datagram.cut);
 }
 
 TEST_CASE("a packet that ends early is cut in the payload and incomplete in the headers") {
-  const auto packet = ethernet(ipv4_udp(controller, sweepd, telegram), {0x8100});
+  const auto packet = ethernet(ipv4_udp(kController, kServer, kShortTelegram), {0x8100});
   const std::size_t headers = 14 + 4 + 20 + 8;
   for (std::size_t size = 0; size < packet.size(); ++size) {
     CAPTURE(size);
@@ -83,15 +82,16 @@ TEST_CASE("a packet that ends early is cut in the payload and incomplete in the 
     } else {
       REQUIRE(kind == PacketKind::udp);
       CHECK(datagram.cut);
-      CHECK(datagram.payload == telegram.substr(0, size - headers));
+      CHECK(datagram.payload == kShortTelegram.substr(0, size - headers));
     }
   }
 }
 
 TEST_CASE("fragments are told from whole datagrams") {
-  const auto first = udp(controller.port, sweepd.port, telegram);
+  const auto first = udp_bytes(kController.port, kServer.port, kShortTelegram);
   const auto fragment = [&](std::uint16_t flags_and_offset) {
-    return ipv4(controller.address, sweepd.address, first, {.flags_and_offset = flags_and_offset});
+    return ipv4(kController.address, kServer.address, first,
+                {.flags_and_offset = flags_and_offset});
   };
   CHECK(kind_of(LinkLayer::raw_ip, fragment(0x2000)) == PacketKind::fragment);  // the first
   CHECK(kind_of(LinkLayer::raw_ip, fragment(0x20b9)) == PacketKind::fragment);
@@ -100,9 +100,9 @@ TEST_CASE("fragments are told from whole datagrams") {
 }
 
 TEST_CASE("other protocols are foreign") {
-  const auto ip = ipv4_udp(controller, sweepd, telegram);
+  const auto ip = ipv4_udp(kController, kServer, kShortTelegram);
   const auto tcp =
-      ipv4(controller.address, sweepd.address, std::string(20, '\x01'), {.protocol = 6});
+      ipv4(kController.address, kServer.address, std::string(20, '\x01'), {.protocol = 6});
   CHECK(kind_of(LinkLayer::ethernet, ethernet(tcp)) == PacketKind::foreign);
   CHECK(kind_of(LinkLayer::ethernet, ethernet(std::string(28, '\x01'), {}, 0x0806)) ==
         PacketKind::foreign);  // ARP
@@ -114,7 +114,7 @@ TEST_CASE("other protocols are foreign") {
 }
 
 TEST_CASE("headers that contradict themselves are foreign") {
-  const auto good = ipv4_udp(controller, sweepd, telegram);
+  const auto good = ipv4_udp(kController, kServer, kShortTelegram);
   const auto with = [&](std::size_t at, std::string_view bytes) {
     return std::string(good).replace(at, bytes.size(), bytes);
   };
@@ -125,18 +125,18 @@ TEST_CASE("headers that contradict themselves are foreign") {
 }
 
 TEST_CASE("a UDP header that announces more than the IP packet holds marks the datagram as cut") {
-  auto packet = ipv4_udp(controller, sweepd, telegram);
-  packet.replace(24, 2, number(8 + telegram.size() + 1, 2));
+  auto packet = ipv4_udp(kController, kServer, kShortTelegram);
+  packet.replace(24, 2, number(8 + kShortTelegram.size() + 1, 2));
   Datagram datagram;
   packet += "beyond";
   REQUIRE(decode_packet(LinkLayer::raw_ip, packet, datagram) == PacketKind::udp);
-  CHECK(datagram.payload == telegram);
+  CHECK(datagram.payload == kShortTelegram);
   CHECK(datagram.cut);
 }
 
 TEST_CASE("any bytes are decoded without reading beyond them") {
   std::mt19937 random(2718);
-  const auto good = ethernet(ipv4_udp(controller, sweepd, telegram), {0x8100});
+  const auto good = ethernet(ipv4_udp(kController, kServer, kShortTelegram), {0x8100});
   std::uint64_t datagrams = 0;
   for (int i = 0; i < 100'000; ++i) {
     std::string packet = good.substr(i % 2 == 0 ? 0 : 18);
@@ -163,11 +163,11 @@ TEST_CASE("an encoded datagram is decoded to itself, whatever its length") {
     CAPTURE(size);
     const std::string payload(size, 'x');
     std::string packet;
-    CHECK(rsi::append_packet({{}, controller, sweepd, payload, false}, packet) == 28 + size);
+    CHECK(rsi::append_packet({{}, kController, kServer, payload, false}, packet) == 28 + size);
     Datagram datagram;
     REQUIRE(decode_packet(LinkLayer::raw_ip, packet, datagram) == PacketKind::udp);
-    CHECK(datagram.source == controller);
-    CHECK(datagram.destination == sweepd);
+    CHECK(datagram.source == kController);
+    CHECK(datagram.destination == kServer);
     CHECK(datagram.payload == payload);
     CHECK_FALSE(datagram.cut);
   }
@@ -175,11 +175,12 @@ TEST_CASE("an encoded datagram is decoded to itself, whatever its length") {
 
 TEST_CASE("an encoded datagram that was cut stays cut") {
   std::string packet;
-  const auto wire_length = rsi::append_packet({{}, controller, sweepd, telegram, true}, packet);
+  const auto wire_length =
+      rsi::append_packet({{}, kController, kServer, kShortTelegram, true}, packet);
   CHECK(wire_length == packet.size() + 1);
   Datagram datagram;
   REQUIRE(decode_packet(LinkLayer::raw_ip, packet, datagram) == PacketKind::udp);
-  CHECK(datagram.payload == telegram);
+  CHECK(datagram.payload == kShortTelegram);
   CHECK(datagram.cut);
 }
 

@@ -7,14 +7,14 @@
 #include "rsi/asio.hpp"
 
 #include "tests/catch.hpp"
+#include "tests/rsi/addresses.hpp"
 
 using Catch::Matchers::ContainsSubstring;
 using rsi::Transport;
+using rsi::test::kLoopback;
 namespace ip = boost::asio::ip;
 
 namespace {
-
-constexpr std::uint32_t kLoopback = 0x7f000001;
 
 std::string this_program() {
   return "rsi_tests (process " + std::to_string(getpid()) + ")";

@@ -57,21 +57,21 @@ std::string object(const std::string& type, const std::vector<std::string>& sour
   return text + "</Inputs>\n</RSIObject>\n";
 }
 
-RsiContext parse(const std::string& xml) {
+RsiContext parsed_context(const std::string& xml) {
   return RsiContext::parse(xml, "a.rsi.xml");
 }
 
-std::string error_of(const std::string& xml) {
+std::string context_error(const std::string& xml) {
   try {
-    static_cast<void>(parse(xml));
+    static_cast<void>(parsed_context(xml));
     return "no error";
   } catch (const rsi::RsiContextError& error) {
     return error.what();
   }
 }
 
-EthernetConfig ethernet(const std::string& sent, const std::string& received,
-                        const std::string& name = "/somewhere/eth.xml") {
+EthernetConfig ethernet_with(const std::string& sent, const std::string& received,
+                             const std::string& name = "/somewhere/eth.xml") {
   return EthernetConfig::parse(
       "<ROOT><CONFIG><IP_NUMBER>10.0.0.5</IP_NUMBER><PORT>49152</PORT><SENTYPE>ImFree</SENTYPE>"
       "<ONLYSEND>FALSE</ONLYSEND></CONFIG><SEND><ELEMENTS>" +
@@ -85,14 +85,14 @@ EthernetConfig ethernet(const std::string& sent, const std::string& received,
 TEST_CASE("a context of RSI 3 and one of RSI 4 say the same of the link") {
   const auto [xml, form] = GENERATE(table<std::string, RsiContext::Form>(
       {{rsi3(kGood), RsiContext::Form::xml}, {rsi4(kGood), RsiContext::Form::rsix}}));
-  const auto context = parse(xml);
+  const auto context = parsed_context(xml);
   CHECK(context.form == form);
   CHECK(context.config_file == "eth.xml");
   CHECK(context.precision == 4);
   CHECK(context.timeout == 100);
   CHECK(context.receivers.empty());
   CHECK(joined(context.warnings) == "");
-  CHECK(joined(context.compare(ethernet("", ""))) == "");
+  CHECK(joined(context.compare(ethernet_with("", ""))) == "");
 }
 
 TEST_CASE("the shipped contexts name the shipped Ethernet files and cannot move the robot") {
@@ -117,7 +117,7 @@ TEST_CASE("too few decimals are warned about, and none said is one") {
        {"<Parameter Name=\"Precision\" ParamValue=\"3\"/>", "found 3:"},
        {"", "found nothing, which is 1:"}}));
   const auto context =
-      parse(rsi3("<Parameter Name=\"ConfigFile\" ParamValue=\"e.xml\"/>" + precision));
+      parsed_context(rsi3("<Parameter Name=\"ConfigFile\" ParamValue=\"e.xml\"/>" + precision));
   CHECK_THAT(joined(context.warnings),
              Catch::Matchers::StartsWith("a.rsi.xml:3:1: Precision: expected 4 or more, " + found));
 }
@@ -134,7 +134,7 @@ TEST_CASE("an object that can act is warned about, once, with what it can do",
        {"Map2AnOut", "sets an output"},
        {"Map2Sen_PRea", "writes a variable that the robot's program may act on"},
        {"WIDGET", "is an object that sweepd does not know"}}));
-  const auto context = parse(rsi3(kGood, taken(type, 1)));
+  const auto context = parsed_context(rsi3(kGood, taken(type, 1)));
   REQUIRE(context.receivers.size() == 1);
   CHECK(context.receivers[0].channel == 1);
   REQUIRE(context.actors.size() == 1);
@@ -165,18 +165,18 @@ TEST_CASE("an object that can act is found whatever lies before it", "[issue11][
            object("TAN", {"COS1"}) + object("I", {"TAN1"}) + object("POSCORR", {"I1"}),
        "ETHERNET1 -> ... -> EXP1 -> FLOOR1 -> SIN1 -> COS1 -> TAN1 -> I1 -> POSCORR1"},
   }));
-  const auto context = parse(rsi3(kGood, others));
+  const auto context = parsed_context(rsi3(kGood, others));
   REQUIRE(context.actors.size() == 1);
   CHECK(context.actors[0].path == path);
   CHECK(context.warnings.size() == 1);
-  CHECK(parse(rsi4(kGood, object("LIMIT", {"Ethernet_1"}) + object("PosCorr", {"LIMIT1"})))
+  CHECK(parsed_context(rsi4(kGood, object("LIMIT", {"Ethernet_1"}) + object("PosCorr", {"LIMIT1"})))
             .actors.at(0)
             .path == "Ethernet_1 -> LIMIT1 -> PosCorr1");
 }
 
 TEST_CASE("an object is what the controller takes it for, by the number of its type",
           "[issue11][point_2]") {
-  const auto context = parse(rsi3(
+  const auto context = parsed_context(rsi3(
       kGood, "<RSIObject ObjType=\"LIMIT\" ObjTypeID=\"27\" ObjID=\"HARMLESS\"></RSIObject>\n"));
   REQUIRE(context.actors.size() == 1);
   CHECK(context.actors[0].effect == rsi::RsiEffect::moves);
@@ -184,9 +184,9 @@ TEST_CASE("an object is what the controller takes it for, by the number of its t
 
 TEST_CASE("objects that are grouped are found, and links that lead nowhere are warned about",
           "[issue11][point_2]") {
-  const auto context =
-      parse(rsi3(kGood, "<Group>" + object("POSCORR", {"GONE1"}) + object("LIMIT", {"ETHERNET1"}) +
-                            object("LIMIT", {}) + "</Group>"));
+  const auto context = parsed_context(rsi3(kGood, "<Group>" + object("POSCORR", {"GONE1"}) +
+                                                      object("LIMIT", {"ETHERNET1"}) +
+                                                      object("LIMIT", {}) + "</Group>"));
   CHECK(context.actors.size() == 1);
   CHECK_THAT(joined(context.warnings),
              ContainsSubstring("POSCORR1 takes a signal of \"GONE1\", which is no object here") &&
@@ -194,7 +194,7 @@ TEST_CASE("objects that are grouped are found, and links that lead nowhere are w
 }
 
 TEST_CASE("an object without a name is named as that", "[issue11][point_2]") {
-  const auto context = parse(rsi3(kGood, "<RSIObject ObjType=\"POSCORR\"/>\n"));
+  const auto context = parsed_context(rsi3(kGood, "<RSIObject ObjType=\"POSCORR\"/>\n"));
   REQUIRE(context.actors.size() == 1);
   CHECK(context.actors[0].path == "(no name)");
   CHECK_THAT(joined(context.warnings),
@@ -207,28 +207,29 @@ TEST_CASE("a context of nothing but objects that act is read in time", "[issue11
     chain += "<RSIObject ObjType=\"POSCORR\" ObjID=\"P" + std::to_string(i) +
              "\"><Inputs><Input InIdx=\"1\" OutObjID=\"P" + std::to_string(i - 1) +
              "\" OutIdx=\"1\"/></Inputs></RSIObject>\n";
-  CHECK(parse(rsi3(kGood, chain)).actors.size() == 4998);
+  CHECK(parsed_context(rsi3(kGood, chain)).actors.size() == 4998);
   std::string many;
   for (int i = 0; i < 10'000; ++i) many += "<RSIObject ObjType=\"SUM\"/>";
-  CHECK_THAT(error_of(rsi3(kGood, many)), ContainsSubstring("expected at most 10000 objects"));
+  CHECK_THAT(context_error(rsi3(kGood, many)), ContainsSubstring("expected at most 10000 objects"));
 }
 
 TEST_CASE("an object that can only stop, show or limit is nothing to warn about") {
   const auto type = GENERATE(as<std::string>(), "STOP", "MONITOR", "POSCORRMON", "LIMIT");
-  const auto context = parse(rsi3(kGood, taken(type, 2)));
+  const auto context = parsed_context(rsi3(kGood, taken(type, 2)));
   CHECK(context.receivers.size() == 1);
   CHECK(context.actors.empty());
   CHECK(joined(context.warnings) == "");
 }
 
 TEST_CASE("channels count from 1 in both forms") {
-  const auto four = parse(rsi4(kGood,
-                               "<RsiObject ObjType=\"Stop\" ObjId=\"S\"><Inputs><Input InIdx=\"0\" "
-                               "OutObjId=\"Ethernet_1\" OutIdx=\"0\"/></Inputs></RsiObject>"));
+  const auto four =
+      parsed_context(rsi4(kGood,
+                          "<RsiObject ObjType=\"Stop\" ObjId=\"S\"><Inputs><Input InIdx=\"0\" "
+                          "OutObjId=\"Ethernet_1\" OutIdx=\"0\"/></Inputs></RsiObject>"));
   REQUIRE(four.receivers.size() == 1);
   CHECK(four.receivers[0].channel == 1);
   const auto three =
-      parse(rsi3(kGood, "", "<Input InIdx=\"5\" OutObjID=\"SOURCE1\" OutIdx=\"1\"/>"));
+      parsed_context(rsi3(kGood, "", "<Input InIdx=\"5\" OutObjID=\"SOURCE1\" OutIdx=\"1\"/>"));
   CHECK(three.fed == std::vector<int>{5});
 }
 
@@ -236,38 +237,41 @@ TEST_CASE("context and Ethernet file are held against each other") {
   const std::string sent = "<ELEMENT TAG=\"Source\" TYPE=\"DOUBLE\" INDX=\"5\"/>";
   const std::string received = "<ELEMENT TAG=\"Out\" TYPE=\"BOOL\" INDX=\"2\"/>";
   const std::string input = "<Input InIdx=\"5\" OutObjID=\"SOURCE1\" OutIdx=\"1\"/>";
-  const auto context = parse(rsi3(kGood, taken("DIGOUT", 2), input));
-  CHECK(joined(context.compare(ethernet(sent, received))) == "");
+  const auto context = parsed_context(rsi3(kGood, taken("DIGOUT", 2), input));
+  CHECK(joined(context.compare(ethernet_with(sent, received))) == "");
   CHECK_THAT(
-      joined(context.compare(ethernet(sent, received, "other.xml"))),
+      joined(context.compare(ethernet_with(sent, received, "other.xml"))),
       ContainsSubstring("ConfigFile: expected other.xml") && ContainsSubstring("found eth.xml"));
-  CHECK_THAT(joined(context.compare(ethernet(sent, ""))),
+  CHECK_THAT(joined(context.compare(ethernet_with(sent, ""))),
              ContainsSubstring("DIGOUT1 takes channel 2, which no tag in RECEIVE"));
-  CHECK_THAT(joined(parse(rsi3(kGood)).compare(ethernet(sent, received))),
+  CHECK_THAT(joined(parsed_context(rsi3(kGood)).compare(ethernet_with(sent, received))),
              ContainsSubstring("Source: nothing feeds input 5"));
 }
 
 TEST_CASE("what is no context is refused with its place and a remedy") {
-  CHECK_THAT(error_of(""), ContainsSubstring("a.rsi.xml:1:1: expected an RSI context in XML"));
-  CHECK_THAT(error_of("<ROOT/>"), ContainsSubstring("found <ROOT>: give the .rsi.xml"));
-  CHECK_THAT(error_of("<rSIModel><rSIObjects/></rSIModel>"),
+  CHECK_THAT(context_error(""), ContainsSubstring("a.rsi.xml:1:1: expected an RSI context in XML"));
+  CHECK_THAT(context_error("<ROOT/>"), ContainsSubstring("found <ROOT>: give the .rsi.xml"));
+  CHECK_THAT(context_error("<rSIModel><rSIObjects/></rSIModel>"),
              ContainsSubstring("found the editor's model: give the .rsi.xml beside it"));
-  CHECK_THAT(error_of("<RSIObjects/>"), ContainsSubstring("expected an object of type ETHERNET"));
-  CHECK_THAT(error_of("<RSIObjects>\n<RSIObject"), ContainsSubstring("a.rsi.xml:2:"));
-  CHECK_THAT(error_of(rsi3("<Parameter Name=\"Precision\" ParamValue=\"four\"/>")),
+  CHECK_THAT(context_error("<RSIObjects/>"),
+             ContainsSubstring("expected an object of type ETHERNET"));
+  CHECK_THAT(context_error("<RSIObjects>\n<RSIObject"), ContainsSubstring("a.rsi.xml:2:"));
+  CHECK_THAT(context_error(rsi3("<Parameter Name=\"Precision\" ParamValue=\"four\"/>")),
              ContainsSubstring("Precision: expected a whole number, found \"four\""));
-  CHECK_THAT(error_of(rsi3(kGood, taken("STOP", 65))),
+  CHECK_THAT(context_error(rsi3(kGood, taken("STOP", 65))),
              ContainsSubstring("OutIdx: expected a channel from 1 to 64, found \"65\""));
-  CHECK_THAT(error_of(std::string("<RSIObjects>\0</RSIObjects>", 26)),
+  CHECK_THAT(context_error(std::string("<RSIObjects>\0</RSIObjects>", 26)),
              ContainsSubstring("zero bytes"));
   CHECK_THROWS_WITH(RsiContext::load("/nowhere/a.rsix"), ContainsSubstring("cannot be read"));
 }
 
 TEST_CASE("a context without the name of its Ethernet file, or with two, is warned about") {
-  CHECK_THAT(joined(parse(rsi3("<Parameter Name=\"Precision\" ParamValue=\"4\"/>")).warnings),
-             ContainsSubstring("ConfigFile: not set"));
-  CHECK_THAT(joined(parse(rsi3(kGood, "<RSIObject ObjType=\"ETHERNET\" ObjID=\"E2\"><Parameters>" +
-                                          kGood + "</Parameters></RSIObject>"))
+  CHECK_THAT(
+      joined(parsed_context(rsi3("<Parameter Name=\"Precision\" ParamValue=\"4\"/>")).warnings),
+      ContainsSubstring("ConfigFile: not set"));
+  CHECK_THAT(joined(parsed_context(
+                        rsi3(kGood, "<RSIObject ObjType=\"ETHERNET\" ObjID=\"E2\"><Parameters>" +
+                                        kGood + "</Parameters></RSIObject>"))
                         .warnings),
              ContainsSubstring("a second Ethernet object"));
 }

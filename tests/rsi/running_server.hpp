@@ -9,11 +9,14 @@
 #include <thread>
 #include <utility>
 
+#include <sys/socket.h>
+#include <sys/time.h>
+
 #include "rsi/server.hpp"
+#include "tests/catch.hpp"
+#include "tests/rsi/addresses.hpp"
 
 namespace rsi::test {
-
-inline constexpr std::uint32_t kLoopback = 0x7f000001;
 
 inline Server::Options on_loopback() {
   Server::Options options;
@@ -75,5 +78,37 @@ struct RunningServer {
   AServer server;
   std::thread thread;
 };
+
+/// Of the next telegram of `controller` and its reply.
+template <typename AServer>
+void check_handed_over(RunningServer<AServer>& running, std::uint64_t ipoc,
+                       const Endpoint& controller) {
+  const Datagram received = running.next();
+  CHECK(received.payload == telegram(ipoc));
+  CHECK(received.source == controller);
+  CHECK(received.destination == running.server.local());
+  const auto received_at = received.time;
+  const Datagram sent = running.next();
+  CHECK(sent.payload == reply(ipoc));
+  CHECK(sent.source == running.server.local());
+  CHECK(sent.destination == controller);
+  CHECK(sent.time >= received_at);
+}
+
+/// Its recv() waits no longer: Asio's own call would, past this time-out.
+template <typename Socket>
+void wait_ten_seconds(Socket& socket) {
+  const timeval ten_seconds{10, 0};
+  setsockopt(socket.native_handle(), SOL_SOCKET, SO_RCVTIMEO, &ten_seconds, sizeof ten_seconds);
+}
+
+/// At most so many bytes; none if nothing comes for ten seconds.
+template <typename Socket>
+std::string received_by(Socket& socket, std::size_t bytes, int flags = 0) {
+  std::string text(bytes, '\0');
+  const auto size = ::recv(socket.native_handle(), text.data(), text.size(), flags);
+  text.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
+  return text;
+}
 
 }  // namespace rsi::test

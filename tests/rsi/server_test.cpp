@@ -15,14 +15,12 @@ using rsi::Endpoint;
 
 namespace {
 
-constexpr Endpoint kController{0x0a000001, 6000};
-constexpr Endpoint kRestarted{0x0a000001, 6001};
 constexpr Endpoint kStray{0x0a000002, 7000};
 
 /// A server without a network: what it is given has come together.
-class Bench : public rsi::Server {
+class BareServer : public rsi::Server {
  public:
-  explicit Bench(Options options = on_loopback()) : Server(with_clock(std::move(options))) {
+  explicit BareServer(Options options = on_loopback()) : Server(with_clock(std::move(options))) {
     HandClock::time = 1h;
     set_local({kLoopback, 49152});
   }
@@ -68,7 +66,7 @@ using Replies = std::vector<std::pair<Endpoint, std::string>>;
 
 TEST_CASE("of telegrams that wait together the newest is answered, in whatever order they came",
           "[server][issue11][point_9]") {
-  Bench bench;
+  BareServer bench;
   const auto newest = [&](const std::vector<std::uint64_t>& ipocs) {
     Replies telegrams;
     for (const auto ipoc : ipocs) telegrams.emplace_back(kController, telegram(ipoc));
@@ -92,7 +90,7 @@ TEST_CASE("of telegrams that wait together the newest is answered, in whatever o
 
 TEST_CASE("RSI that began anew from another port is answered before a straggler of the old one",
           "[server][issue11][point_9]") {
-  Bench bench;
+  BareServer bench;
   CHECK(bench.answers(kController, 5000));
   const auto replies = bench.give({{kController, telegram(5004)},
                                    {kRestarted, telegram(4)},
@@ -104,14 +102,14 @@ TEST_CASE("RSI that began anew from another port is answered before a straggler 
 
 TEST_CASE("a telegram that was overtaken and comes alone is answered: RSI may have begun anew",
           "[server][issue11][point_9]") {
-  Bench bench;
+  BareServer bench;
   CHECK(bench.answers(kController, 1000));
   CHECK(bench.answers(kController, 996));
 }
 
 TEST_CASE("a stray datagram with an IPOC a second does not keep out the controller",
           "[server][issue11][point_8]") {
-  Bench bench;
+  BareServer bench;
   for (std::uint64_t second = 1; second < 10; ++second) {
     CHECK(bench.answers(kStray, second));
     bench.pass(950ms);
@@ -130,7 +128,7 @@ TEST_CASE("a stray datagram with an IPOC a second does not keep out the controll
 
 TEST_CASE("a controller that no longer streams gives way to the next",
           "[server][issue11][point_8]") {
-  Bench bench;
+  BareServer bench;
   std::uint64_t ipoc = 1000;
   const auto stream = [&](const Endpoint& source) {
     for (int k = 0; k < 10; ++k, ipoc += 4) {
@@ -159,7 +157,7 @@ TEST_CASE("a controller that no longer streams gives way to the next",
 
 TEST_CASE("a standstill of this program does not make the controller give way",
           "[server][issue11][point_8]") {
-  Bench bench;
+  BareServer bench;
   for (std::uint64_t ipoc = 1000; ipoc < 1040; ipoc += 4) CHECK(bench.answers(kController, ipoc));
   HandClock::time = HandClock::time.load() + 5s;  // nobody looked
   const auto replies = bench.give({{kStray, telegram(7)},
@@ -171,7 +169,7 @@ TEST_CASE("a standstill of this program does not make the controller give way",
 
 TEST_CASE("damaged telegrams between good ones do not make a controller give way",
           "[server][issue11][point_8]") {
-  Bench bench;
+  BareServer bench;
   for (std::uint64_t ipoc = 2000; ipoc < 6000; ipoc += 4) {
     bench.pass(4ms);
     if (!bench.answers(kController, ipoc) || !bench.answers(kController, 77)) FAIL(ipoc);
@@ -185,7 +183,7 @@ TEST_CASE("damaged telegrams between good ones do not make a controller give way
 
 TEST_CASE("what is handed over says whether its source streams, and which of it are replies",
           "[server][issue11][point_8]") {
-  Bench bench;
+  BareServer bench;
   for (std::uint64_t ipoc = 1000; ipoc < 1020; ipoc += 4) {
     bench.give({{kController, telegram(ipoc)}});
     Datagram datagram;
@@ -200,7 +198,7 @@ TEST_CASE("what is handed over says whether its source streams, and which of it 
 }
 
 TEST_CASE("a reply is wrapped if its telegram was", "[server][issue11][point_20]") {
-  Bench bench;
+  BareServer bench;
   const std::string wrapped =
       "<?xml version=\"1.0\"?>\r\n<Rob Type=\"KUKA\" "
       "xmlns:xsi=\"http://www.w3.org/2001/XMLSchema\">"
@@ -213,7 +211,7 @@ TEST_CASE("a reply is wrapped if its telegram was", "[server][issue11][point_20]
 }
 
 TEST_CASE("junk of one that never sent an IPOC is a stranger's", "[server][issue11][point_8]") {
-  Bench bench;
+  BareServer bench;
   bench.give({{kStray, "junk"}, {kController, telegram(4)}, {kController, "junk"}});
   CHECK(bench.counts().foreign == 1);
   CHECK(bench.counts().unanswerable == 1);

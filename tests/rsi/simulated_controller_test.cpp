@@ -14,7 +14,7 @@ using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
-const rsi::Endpoint kServer{0x0a000005, 49152};
+const rsi::Endpoint kExpected{0x0a000005, 49152};
 const rsi::Endpoint kStranger{0x0a000006, 49152};
 
 EthernetConfig config_with_corrections() {
@@ -26,17 +26,17 @@ EthernetConfig config_with_corrections() {
 }
 
 /// A controller at 4 ms with its time, cycle by cycle.
-struct Bench {
+struct ControllerBench {
   EthernetConfig config = config_with_corrections();
   rsi::SimulatedController controller;
   rsi::Reply reply{config};
   std::chrono::nanoseconds now = 1000s;
   std::string telegram;
 
-  explicit Bench(EthernetConfig ethernet = config_with_corrections(), std::uint64_t timeout = 100,
-                 ReplyRule rule = ReplyRule::sweepd)
+  explicit ControllerBench(EthernetConfig ethernet = config_with_corrections(),
+                           std::uint64_t timeout = 100, ReplyRule rule = ReplyRule::sweepd)
       : config(std::move(ethernet)),
-        controller(config, {.server = kServer,
+        controller(config, {.server = kExpected,
                             .cycle = 4ms,
                             .first_ipoc = 500,
                             .timeout = timeout,
@@ -50,10 +50,10 @@ struct Bench {
     return runs;
   }
   void answer(std::uint64_t ipoc, std::chrono::nanoseconds after = 100us) {
-    controller.on_reply(reply.with_ipoc(std::to_string(ipoc)), kServer, now + after);
+    controller.on_reply(reply.with_ipoc(std::to_string(ipoc)), kExpected, now + after);
   }
   void answer() { answer(controller.ipoc()); }
-  void answer(const std::string& text) { controller.on_reply(text, kServer, now + 1ms); }
+  void answer(const std::string& text) { controller.on_reply(text, kExpected, now + 1ms); }
 
   std::string delay() const {
     const auto at = telegram.find("D=\"") + 3;
@@ -70,14 +70,14 @@ struct Bench {
 }  // namespace
 
 TEST_CASE("IPOC rises by the milliseconds of a cycle, whatever happens to replies") {
-  Bench bench;
+  ControllerBench bench;
   for (std::uint64_t k = 0; k < 20; ++k) {
     REQUIRE(bench.cycle());
     CHECK(rsi::find_ipoc(bench.telegram) == std::to_string(500 + 4 * k));
     if (k % 3 == 0) bench.answer();
   }
   rsi::SimulatedController slow(config_with_corrections(),
-                                {.server = kServer, .cycle = 12ms, .first_ipoc = 500});
+                                {.server = kExpected, .cycle = 12ms, .first_ipoc = 500});
   std::string telegrams;
   REQUIRE(slow.next_telegram({}, telegrams));
   REQUIRE(slow.next_telegram({}, telegrams));
@@ -85,7 +85,7 @@ TEST_CASE("IPOC rises by the milliseconds of a cycle, whatever happens to replie
 }
 
 TEST_CASE("a reply in time is accepted and its latency counted") {
-  Bench bench;
+  ControllerBench bench;
   for (int k = 0; k < 10; ++k) {
     bench.cycle();
     CHECK(bench.controller.expects_reply());
@@ -105,7 +105,7 @@ TEST_CASE("a reply in time is accepted and its latency counted") {
 
 TEST_CASE("Delay is the run of late packets and 0 again after one in time") {
   // As it was recorded on a controller: 0 0 1 0 1 2 0 for replies yes no yes no no yes.
-  Bench bench;
+  ControllerBench bench;
   std::string delays;
   for (const bool answered : {true, false, true, false, false, true, true}) {
     bench.cycle();
@@ -118,7 +118,7 @@ TEST_CASE("Delay is the run of late packets and 0 again after one in time") {
 }
 
 TEST_CASE("a late reply counts for no cycle, neither before nor after the next telegram") {
-  Bench bench;
+  ControllerBench bench;
   bench.cycle();
   bench.answer(500, 4ms);  // the cycle is over, even if the next telegram is not out yet
   CHECK(bench.count(ReplyFault::late) == 1);
@@ -135,7 +135,7 @@ TEST_CASE("a late reply counts for no cycle, neither before nor after the next t
 }
 
 TEST_CASE("the controller stops after as many unanswered cycles in a row as Timeout says") {
-  Bench bench(config_with_corrections(), 10);
+  ControllerBench bench(config_with_corrections(), 10);
   for (int k = 0; k < 9; ++k) REQUIRE(bench.cycle());
   bench.answer();
   for (int k = 0; k < 10; ++k) REQUIRE(bench.cycle());
@@ -153,7 +153,7 @@ TEST_CASE("the controller stops after as many unanswered cycles in a row as Time
 TEST_CASE("with ONLYSEND the controller expects nothing and never stops") {
   auto config = config_with_corrections();
   config.only_send = true;
-  Bench bench(config, 3);
+  ControllerBench bench(config, 3);
   for (int k = 0; k < 1000; ++k) REQUIRE(bench.cycle());
   CHECK(bench.delay() == "0");
   CHECK_FALSE(bench.controller.expects_reply());
@@ -163,7 +163,7 @@ TEST_CASE("with ONLYSEND the controller expects nothing and never stops") {
 }
 
 TEST_CASE("each kind of wrong reply is dropped, counted and put into words") {
-  Bench bench;
+  ControllerBench bench;
   bench.cycle();
   const std::string good =
       "<Sen Type=\"ImFree\"><AK A1=\"0.0\"/><GPIO 01=\"0\"/><IPOC>500</IPOC></Sen>";
@@ -209,7 +209,7 @@ TEST_CASE("each kind of wrong reply is dropped, counted and put into words") {
 
 TEST_CASE("a controller accepts what is left out, what it does not know, and any value",
           "[issue11][point_18]") {
-  Bench bench(config_with_corrections(), 100, ReplyRule::controller);
+  ControllerBench bench(config_with_corrections(), 100, ReplyRule::controller);
   const auto answered = [&](const std::string& tags) {
     bench.cycle();
     bench.answer("<Sen Type=\"ImFree\">" + tags + "<IPOC>" +
@@ -235,7 +235,7 @@ TEST_CASE("a controller accepts what is left out, what it does not know, and any
 }
 
 TEST_CASE("a value is obeyed as a controller would, but counted with its tag") {
-  Bench bench;
+  ControllerBench bench;
   bench.cycle();
   bench.answer("<Sen Type=\"ImFree\"><AK A1=\"0.1\"/><GPIO 01=\"0\"/><IPOC>500</IPOC></Sen>");
   CHECK(bench.count(ReplyFault::not_zero) == 1);
@@ -249,7 +249,7 @@ TEST_CASE("a value is obeyed as a controller would, but counted with its tag") {
 }
 
 TEST_CASE("a second reply to one telegram is counted once") {
-  Bench bench;
+  ControllerBench bench;
   bench.cycle();
   bench.answer();
   bench.answer();
@@ -258,7 +258,7 @@ TEST_CASE("a second reply to one telegram is counted once") {
 }
 
 TEST_CASE("a reply before the first telegram, or with an IPOC of none, answers nothing") {
-  Bench bench;
+  ControllerBench bench;
   bench.answer(0);
   CHECK(bench.count(ReplyFault::wrong_ipoc) == 1);
   bench.cycle();
@@ -269,7 +269,7 @@ TEST_CASE("a reply before the first telegram, or with an IPOC of none, answers n
 }
 
 TEST_CASE("after a restart of RSI the IPOC starts again and old replies are of no telegram") {
-  Bench bench(config_with_corrections(), 2);
+  ControllerBench bench(config_with_corrections(), 2);
   while (bench.cycle()) {
   }
   CHECK(bench.controller.stopped());
@@ -287,7 +287,7 @@ TEST_CASE("after a restart of RSI the IPOC starts again and old replies are of n
 }
 
 TEST_CASE("an IPOC that passes 2^64 is none but the next one") {
-  Bench bench;
+  ControllerBench bench;
   bench.controller.restart(0 - std::uint64_t{8});
   for (int k = 0; k < 4; ++k) {
     REQUIRE(bench.cycle());

@@ -7,10 +7,12 @@
 #include <vector>
 
 #include "tests/catch.hpp"
+#include "tests/rsi/with_length.hpp"
 
 using namespace std::string_literals;
 using rsi::LengthPrefix;
 using rsi::TcpFramer;
+using rsi::test::with_length;
 
 namespace {
 
@@ -18,13 +20,8 @@ constexpr std::array kForms{LengthPrefix::none,        LengthPrefix::decimal,
                             LengthPrefix::binary16_be, LengthPrefix::binary16_le,
                             LengthPrefix::binary32_be, LengthPrefix::binary32_le};
 
-std::string telegram(int ipoc) {
+std::string moving_telegram(int ipoc) {
   return "<Rob Type=\"KUKA\"><RIst X=\"1.5\"/><IPOC>" + std::to_string(ipoc) + "</IPOC></Rob>";
-}
-
-std::string with_length(LengthPrefix form, const std::string& xml, std::size_t counted_in = 0) {
-  const auto length = static_cast<std::uint32_t>(xml.size() + counted_in);
-  return std::string(rsi::length_bytes(form, length).view()) + xml;
 }
 
 /// What came out of a stream.
@@ -72,13 +69,14 @@ std::vector<std::string_view> bytewise(std::string_view stream) {
 }  // namespace
 
 TEST_CASE("a stream gives the same telegrams wherever it is cut") {
-  const std::string stream = telegram(4) + "\n" + telegram(8) + "\r\n\0"s +
+  const std::string stream = moving_telegram(4) + "\n" + moving_telegram(8) + "\r\n\0"s +
                              "<ROB TYPE=\"KUKA\">\n\t<Dat>\n<IPOC>12</IPOC></Dat></rob \t>" +
-                             telegram(16);
+                             moving_telegram(16);
   const Framed whole = framed(stream);
   CHECK(whole.telegrams ==
-        std::vector{telegram(4), telegram(8),
-                    "<ROB TYPE=\"KUKA\">\n\t<Dat>\n<IPOC>12</IPOC></Dat></rob \t>"s, telegram(16)});
+        std::vector{moving_telegram(4), moving_telegram(8),
+                    "<ROB TYPE=\"KUKA\">\n\t<Dat>\n<IPOC>12</IPOC></Dat></rob \t>"s,
+                    moving_telegram(16)});
   CHECK(whole.skipped == 0);
   for (std::size_t cut = 0; cut <= stream.size(); ++cut) {
     const std::string_view all = stream;
@@ -90,7 +88,7 @@ TEST_CASE("a stream gives the same telegrams wherever it is cut") {
 TEST_CASE("a telegram is there with its last byte, not with what follows") {
   TcpFramer framer;
   Framed got;
-  const auto text = telegram(4);
+  const auto text = moving_telegram(4);
   feed(framer, std::string_view(text).substr(0, text.size() - 1), got);
   CHECK(got.telegrams.empty());
   feed(framer, ">", got);
@@ -101,9 +99,9 @@ TEST_CASE("a length before the XML is known in every form, and is no part of the
   for (const auto form : kForms) {
     INFO(rsi::text(form));
     const std::string stream =
-        with_length(form, telegram(4)) + "\n" + with_length(form, telegram(1000));
+        with_length(form, moving_telegram(4)) + "\n" + with_length(form, moving_telegram(1000));
     const Framed result = framed(stream);
-    CHECK(result.telegrams == std::vector{telegram(4), telegram(1000)});
+    CHECK(result.telegrams == std::vector{moving_telegram(4), moving_telegram(1000)});
     CHECK(result.prefixes == std::vector{form, form});
     CHECK(result.skipped == 0);
     CHECK(framed(bytewise(stream)) == result);
@@ -113,8 +111,8 @@ TEST_CASE("a length before the XML is known in every form, and is no part of the
 TEST_CASE("a length may count what ends the line behind the XML") {
   for (const auto form : kForms) {
     if (form == LengthPrefix::none) continue;
-    const Framed result = framed(with_length(form, telegram(4), 1) + "\n" +
-                                 with_length(form, telegram(8), 2) + "\r\n");
+    const Framed result = framed(with_length(form, moving_telegram(4), 1) + "\n" +
+                                 with_length(form, moving_telegram(8), 2) + "\r\n");
     CHECK(result.prefixes == std::vector{form, form});
     CHECK(result.skipped == 0);
   }
@@ -136,20 +134,20 @@ TEST_CASE("a binary length whose bytes look like markup or digits misleads nobod
 }
 
 TEST_CASE("digits that are not the length are garbage") {
-  const Framed result =
-      framed("77" + telegram(4) + "1" + with_length(LengthPrefix::decimal, telegram(8)));
-  CHECK(result.telegrams == std::vector{telegram(4), telegram(8)});
+  const Framed result = framed("77" + moving_telegram(4) + "1" +
+                               with_length(LengthPrefix::decimal, moving_telegram(8)));
+  CHECK(result.telegrams == std::vector{moving_telegram(4), moving_telegram(8)});
   CHECK(result.prefixes == std::vector{LengthPrefix::none, LengthPrefix::none});
-  CHECK(framed("000" + with_length(LengthPrefix::decimal, telegram(4))).prefixes ==
+  CHECK(framed("000" + with_length(LengthPrefix::decimal, moving_telegram(4))).prefixes ==
         std::vector{LengthPrefix::decimal});
 }
 
 TEST_CASE("the first packet of old controllers, an IPOC alone, is a telegram by itself") {
   const auto first = GENERATE("<IPOC>123</IPOC>"s, "<ipoc> 123\n</Ipoc >"s);
   for (const auto form : kForms) {
-    const std::string stream = with_length(form, first) + with_length(form, telegram(4));
+    const std::string stream = with_length(form, first) + with_length(form, moving_telegram(4));
     const Framed result = framed(stream);
-    CHECK(result.telegrams == std::vector{first, telegram(4)});
+    CHECK(result.telegrams == std::vector{first, moving_telegram(4)});
     CHECK(result.prefixes == std::vector{form, form});
     CHECK(framed(bytewise(stream)) == result);
   }
@@ -168,15 +166,16 @@ TEST_CASE("garbage is skipped and counted, and the next telegram is found") {
        {std::string(300'000, 'x'), 300'000},
        {std::string(300'000, '<'), 300'000}}));
   INFO(garbage.substr(0, 40));
-  const Framed result = framed(garbage + telegram(4) + garbage + telegram(8));
-  CHECK(result.telegrams == std::vector{telegram(4), telegram(8)});
+  const Framed result = framed(garbage + moving_telegram(4) + garbage + moving_telegram(8));
+  CHECK(result.telegrams == std::vector{moving_telegram(4), moving_telegram(8)});
   CHECK(result.skipped == 2 * counted);
 }
 
 TEST_CASE("blanks without end, between telegrams or in an end tag, jam nothing") {
   const std::string blanks(300'000, ' ');
-  const Framed result = framed(telegram(4) + blanks + "<Rob></Rob" + blanks + ">" + telegram(8));
-  CHECK(result.telegrams == std::vector{telegram(4), telegram(8)});
+  const Framed result =
+      framed(moving_telegram(4) + blanks + "<Rob></Rob" + blanks + ">" + moving_telegram(8));
+  CHECK(result.telegrams == std::vector{moving_telegram(4), moving_telegram(8)});
 }
 
 TEST_CASE("the largest telegram passes, of a larger one only the IPOC is left") {
@@ -187,10 +186,11 @@ TEST_CASE("the largest telegram passes, of a larger one only the IPOC is left") 
   const auto largest = sized(TcpFramer::kLargestTelegram);
   const auto larger = sized(TcpFramer::kLargestTelegram + 1);
   const auto huge = sized(500'000);
-  CHECK(framed(largest + telegram(4)).telegrams == std::vector{largest, telegram(4)});
+  CHECK(framed(largest + moving_telegram(4)).telegrams == std::vector{largest, moving_telegram(4)});
   // Its first 65507 bytes hold no end, but the IPOC: nothing is left.
-  CHECK(framed(larger + telegram(4)).telegrams == std::vector{telegram(4)});
-  CHECK(framed(huge + telegram(4)).telegrams == std::vector{"<IPOC>5</IPOC>"s, telegram(4)});
+  CHECK(framed(larger + moving_telegram(4)).telegrams == std::vector{moving_telegram(4)});
+  CHECK(framed(huge + moving_telegram(4)).telegrams ==
+        std::vector{"<IPOC>5</IPOC>"s, moving_telegram(4)});
   CHECK(framed(bytewise(larger)) == framed(larger));
 }
 
@@ -207,8 +207,8 @@ TEST_CASE("after a reset nothing of the old stream is left but the count") {
   feed(framer, "<Rob><IPOC>1", got);
   framer.reset();
   CHECK(framer.skipped() == 12);
-  feed(framer, "</IPOC></Rob>" + telegram(4), got);
-  CHECK(got.telegrams == std::vector{telegram(4)});
+  feed(framer, "</IPOC></Rob>" + moving_telegram(4), got);
+  CHECK(got.telegrams == std::vector{moving_telegram(4)});
 }
 
 TEST_CASE("however a stream of anything is cut, the result is the same") {
@@ -234,10 +234,10 @@ TEST_CASE("however a stream of anything is cut, the result is the same") {
                                        "<IPOC",
                                        "x",
                                        std::string(30'000, 'y'),
-                                       telegram(4),
-                                       with_length(LengthPrefix::decimal, telegram(8)),
-                                       with_length(LengthPrefix::binary32_be, telegram(12)),
-                                       with_length(LengthPrefix::binary16_le, telegram(16))};
+                                       moving_telegram(4),
+                                       with_length(LengthPrefix::decimal, moving_telegram(8)),
+                                       with_length(LengthPrefix::binary32_be, moving_telegram(12)),
+                                       with_length(LengthPrefix::binary16_le, moving_telegram(16))};
   const auto pick = [&](std::size_t below) { return random() % below; };
   for (int round = 0; round < 3000; ++round) {
     std::string stream;

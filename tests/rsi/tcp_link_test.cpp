@@ -9,6 +9,8 @@
 #include "rsi/controller_link.hpp"
 #include "rsi/tcp_server.hpp"
 #include "tests/catch.hpp"
+#include "tests/rsi/link_program.hpp"
+#include "tests/rsi/running_server.hpp"
 
 using namespace std::chrono_literals;
 using boost::asio::ip::tcp;
@@ -17,13 +19,16 @@ using End = rsi::ControllerLink::End;
 using rsi::EthernetConfig;
 using rsi::LengthPrefix;
 using rsi::ReplyFault;
+using rsi::TcpServer;
+using rsi::test::cycles;
+using rsi::test::kLoopback;
+using rsi::test::link_options;
+using rsi::test::RunningServer;
 using Type = EthernetConfig::Element::Type;
 
 namespace {
 
-constexpr std::uint32_t kLoopback = 0x7f000001;
-
-EthernetConfig config(bool length_first = false, bool only_send = false) {
+EthernetConfig tcp_config(bool length_first = false, bool only_send = false) {
   EthernetConfig ethernet;
   ethernet.sentype = "KMC";
   ethernet.only_send = only_send;
@@ -34,34 +39,11 @@ EthernetConfig config(bool length_first = false, bool only_send = false) {
   return ethernet;
 }
 
-struct Running {
-  explicit Running(const EthernetConfig& ethernet, std::uint16_t port = 0)
-      : server(options(ethernet, port)), thread([this] { server.run(); }) {}
-  ~Running() { stop(); }
-  void stop() {
-    if (!thread.joinable()) return;
-    server.stop();
-    thread.join();
-  }
-  static rsi::Server::Options options(const EthernetConfig& ethernet, std::uint16_t port) {
-    rsi::Server::Options options;
-    options.listen = {kLoopback, port};
-    if (!ethernet.only_send) options.reply.emplace(ethernet);
-    return options;
-  }
-  rsi::TcpServer server;
-  std::thread thread;
-};
-
-rsi::ControllerLink::Options options(const rsi::Endpoint& server,
-                                     std::chrono::milliseconds cycle = 2ms) {
-  rsi::ControllerLink::Options result;
-  result.controller = {.server = server, .cycle = cycle, .first_ipoc = 7000};
-  return result;
-}
-
-rsi::ControllerLink::Program cycles(std::uint64_t count) {
-  return [count](std::uint64_t cycle, rsi::SignalValues&) { return cycle < count; };
+rsi::Server::Options serving(const EthernetConfig& ethernet, std::uint16_t port = 0) {
+  rsi::Server::Options options;
+  options.listen = {kLoopback, port};
+  if (!ethernet.only_send) options.reply.emplace(ethernet);
+  return options;
 }
 
 /// Takes one connection, and sends `answer` as soon as something comes.
@@ -94,9 +76,9 @@ TEST_CASE("a link over TCP streams a program and takes the replies, with lengths
       GENERATE(LengthPrefix::none, LengthPrefix::decimal, LengthPrefix::binary16_be,
                LengthPrefix::binary16_le, LengthPrefix::binary32_be, LengthPrefix::binary32_le);
   INFO(rsi::text(form));
-  const auto ethernet = config(form != LengthPrefix::none);
-  Running running(ethernet);
-  auto with_form = options(running.server.local());
+  const auto ethernet = tcp_config(form != LengthPrefix::none);
+  RunningServer<TcpServer> running(serving(ethernet));
+  auto with_form = link_options(running.server.local());
   with_form.length = form;
   rsi::ControllerLink link(ethernet, with_form);
   const auto local = link.local();
@@ -122,9 +104,9 @@ TEST_CASE("a link over TCP streams a program and takes the replies, with lengths
 }
 
 TEST_CASE("a link over TCP that only sends gets nothing and ends as planned") {
-  const auto ethernet = config(false, true);
-  Running running(ethernet);
-  rsi::ControllerLink link(ethernet, options(running.server.local()));
+  const auto ethernet = tcp_config(false, true);
+  RunningServer<TcpServer> running(serving(ethernet));
+  rsi::ControllerLink link(ethernet, link_options(running.server.local()));
   const auto report = link.run(cycles(50));
   CHECK(report.end == End::done);
   CHECK(report.controller.replies == 0);
@@ -137,19 +119,19 @@ TEST_CASE("a link over TCP that only sends gets nothing and ends as planned") {
 }
 
 TEST_CASE("over TCP somebody must listen") {
-  std::optional<Running> running(config());
+  std::optional<RunningServer<TcpServer>> running(serving(tcp_config()));
   const auto address = running->server.local();
   running.reset();
-  CHECK_THROWS_WITH(rsi::ControllerLink(config(), options(address)),
+  CHECK_THROWS_WITH(rsi::ControllerLink(tcp_config(), link_options(address)),
                     ContainsSubstring("cannot connect to " + rsi::text(address)) &&
                         ContainsSubstring("start `sweepd run` there first"));
 }
 
 TEST_CASE("a connection that breaks ends the link, and a new link goes on with a new server") {
-  const auto ethernet = config();
-  std::optional<Running> running(ethernet);
+  const auto ethernet = tcp_config();
+  std::optional<RunningServer<TcpServer>> running(serving(ethernet));
   const auto address = running->server.local();
-  rsi::ControllerLink link(ethernet, options(address));
+  rsi::ControllerLink link(ethernet, link_options(address));
   const auto report = link.run([&](std::uint64_t cycle, rsi::SignalValues&) {
     if (cycle == 10) running.reset();
     return cycle < 10'000;
@@ -160,8 +142,8 @@ TEST_CASE("a connection that breaks ends the link, and a new link goes on with a
   CHECK(report.controller.telegrams < 10'000);
   CHECK(report.send_failures == 0);
 
-  running.emplace(ethernet, address.port);
-  rsi::ControllerLink again(ethernet, options(address));
+  running.emplace(serving(ethernet, address.port));
+  rsi::ControllerLink again(ethernet, link_options(address));
   CHECK(again.run(cycles(10)).end == End::done);
 }
 
@@ -171,9 +153,9 @@ TEST_CASE("what cannot be told apart as replies ends a link over TCP, with the r
       {{true, reply, "expected decimal digits, found none"},
        {false, std::to_string(reply.size()) + reply, "expected none, found decimal digits"},
        {false, std::string(50, '?'), "what is no reply"}}));
-  const auto ethernet = config(length_first);
+  const auto ethernet = tcp_config(length_first);
   Misbehaving server(answer);
-  rsi::ControllerLink link(ethernet, options(server.endpoint()));
+  rsi::ControllerLink link(ethernet, link_options(server.endpoint()));
   const auto report = link.run(cycles(10'000));
   CHECK(report.end == End::disconnected);
   CHECK_THAT(report.disconnection, ContainsSubstring(reason));

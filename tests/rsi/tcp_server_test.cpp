@@ -10,6 +10,7 @@
 #include "rsi/udp_server.hpp"
 #include "tests/catch.hpp"
 #include "tests/rsi/running_server.hpp"
+#include "tests/rsi/with_length.hpp"
 
 using namespace std::chrono_literals;
 using namespace rsi::test;
@@ -20,34 +21,23 @@ using rsi::TcpServer;
 
 namespace {
 
-using Running = RunningServer<TcpServer>;
-
-std::string with_length(LengthPrefix form, const std::string& xml) {
-  return std::string(rsi::length_bytes(form, static_cast<std::uint32_t>(xml.size())).view()) + xml;
-}
+using TcpRunning = RunningServer<TcpServer>;
 
 /// A controller's end of a connection.
-struct Controller {
-  explicit Controller(const TcpServer& server, std::uint32_t address = kLoopback,
-                      int receive_buffer = 65536)
+struct TcpController {
+  explicit TcpController(const TcpServer& server, std::uint32_t address = kLoopback,
+                         int receive_buffer = 65536)
       : socket(context) {
     socket.open(tcp::v4());
     socket.set_option(tcp::socket::receive_buffer_size(receive_buffer));
     socket.bind({boost::asio::ip::address_v4(address), 0});
     socket.connect({boost::asio::ip::address_v4(server.local().address), server.local().port});
     socket.set_option(tcp::no_delay(true));
-    const timeval ten_seconds{10, 0};
-    setsockopt(socket.native_handle(), SOL_SOCKET, SO_RCVTIMEO, &ten_seconds, sizeof ten_seconds);
+    wait_ten_seconds(socket);
   }
   void send(const std::string& bytes) { socket.send(boost::asio::buffer(bytes)); }
   /// So many bytes; fewer if the connection is closed or nothing comes for ten seconds.
-  std::string receive(std::size_t bytes) {
-    std::string text(bytes, '\0');
-    // recv() by itself: Asio's own call would wait past the time-out.
-    const auto size = ::recv(socket.native_handle(), text.data(), text.size(), MSG_WAITALL);
-    text.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
-    return text;
-  }
+  std::string receive(std::size_t bytes) { return received_by(socket, bytes, MSG_WAITALL); }
   /// Sends a telegram and takes the reply; whether it is the right one.
   bool answered(std::uint64_t ipoc) {
     send(telegram(ipoc));
@@ -66,21 +56,12 @@ struct Controller {
 }  // namespace
 
 TEST_CASE("over TCP each telegram is answered with its IPOC, and both are handed over") {
-  Running running(on_loopback());
-  Controller controller(running.server);
+  TcpRunning running(on_loopback());
+  TcpController controller(running.server);
   const auto port = controller.socket.local_endpoint().port();
   for (std::uint64_t ipoc = 1000; ipoc < 1040; ipoc += 4) {
     CHECK(controller.answered(ipoc));
-    const Datagram received = running.next();
-    CHECK(received.payload == telegram(ipoc));
-    CHECK(received.source == rsi::Endpoint{kLoopback, port});
-    CHECK(received.destination == running.server.local());
-    const auto received_at = received.time;
-    const Datagram sent = running.next();
-    CHECK(sent.payload == reply(ipoc));
-    CHECK(sent.source == running.server.local());
-    CHECK(sent.destination == rsi::Endpoint{kLoopback, port});
-    CHECK(sent.time >= received_at);
+    check_handed_over(running, ipoc, {kLoopback, port});
   }
   running.stop();
   CHECK(running.server.counts().answered == 10);
@@ -88,8 +69,8 @@ TEST_CASE("over TCP each telegram is answered with its IPOC, and both are handed
 }
 
 TEST_CASE("of two telegrams in one segment both are handed over and the newer is answered") {
-  Running running(on_loopback());
-  Controller controller(running.server);
+  TcpRunning running(on_loopback());
+  TcpController controller(running.server);
   controller.send(telegram(4) + "\n" + telegram(8) + "\n");
   CHECK(controller.receive(reply(8).size()) == reply(8));
   CHECK(running.next().payload == telegram(4));
@@ -102,8 +83,8 @@ TEST_CASE("of two telegrams in one segment both are handed over and the newer is
 }
 
 TEST_CASE("a telegram in many segments is answered when it is whole") {
-  Running running(on_loopback());
-  Controller controller(running.server);
+  TcpRunning running(on_loopback());
+  TcpController controller(running.server);
   for (const char byte : telegram(4)) controller.send(std::string(1, byte));
   CHECK(controller.receive(reply(4).size()) == reply(4));
   CHECK(running.next().payload == telegram(4));
@@ -111,7 +92,7 @@ TEST_CASE("a telegram in many segments is answered when it is whole") {
 
 TEST_CASE("what waits when the server starts is all handed over, more than fits one batch too") {
   TcpServer server(on_loopback());
-  Controller controller(server);
+  TcpController controller(server);
   constexpr std::uint64_t kTelegrams = 300;
   std::string all;
   for (std::uint64_t k = 1; k <= kTelegrams; ++k) all += telegram(1000 + k);
@@ -134,8 +115,8 @@ TEST_CASE("what waits when the server starts is all handed over, more than fits 
 }
 
 TEST_CASE("a reply has a length before it if the telegram had one, in the same form") {
-  Running running(on_loopback());
-  Controller controller(running.server);
+  TcpRunning running(on_loopback());
+  TcpController controller(running.server);
   for (const auto form : {LengthPrefix::decimal, LengthPrefix::binary32_le,
                           LengthPrefix::binary16_be, LengthPrefix::none}) {
     const auto expected = with_length(form, reply(4));
@@ -147,8 +128,8 @@ TEST_CASE("a reply has a length before it if the telegram had one, in the same f
 }
 
 TEST_CASE("garbage on a connection costs nothing but its count") {
-  Running running(on_loopback());
-  Controller controller(running.server);
+  TcpRunning running(on_loopback());
+  TcpController controller(running.server);
   controller.send("<IPOC>77</IPOC>");
   CHECK(controller.receive(reply(77).size()) == reply(77));
   controller.send("GET / HTTP/1.1\r\n\r\n" + telegram(4));
@@ -163,10 +144,10 @@ TEST_CASE("garbage on a connection costs nothing but its count") {
 TEST_CASE("connections of others than the configured controller are closed and counted") {
   auto options = on_loopback();
   options.controller = 0x7f000002;  // 127.0.0.2 is this machine too
-  Running running(std::move(options));
-  Controller controller(running.server, 0x7f000002);
+  TcpRunning running(std::move(options));
+  TcpController controller(running.server, 0x7f000002);
   CHECK(controller.answered(4));
-  Controller stranger(running.server);
+  TcpController stranger(running.server);
   CHECK(stranger.closed_by_server());
   CHECK(controller.answered(8));
   running.stop();
@@ -174,16 +155,16 @@ TEST_CASE("connections of others than the configured controller are closed and c
 }
 
 TEST_CASE("without a configured controller one that says nothing does not keep out the first") {
-  Running running(on_loopback());
-  Controller silent(running.server, 0x7f000003);
-  Controller first(running.server, 0x7f000002);
+  TcpRunning running(on_loopback());
+  TcpController silent(running.server, 0x7f000003);
+  TcpController first(running.server, 0x7f000002);
   for (std::uint64_t ipoc : {4U, 8U, 12U, 16U}) CHECK(first.answered(ipoc));
   CHECK(silent.closed_by_server());
-  Controller stranger(running.server);
+  TcpController stranger(running.server);
   CHECK(stranger.closed_by_server());
   CHECK(first.answered(20));
   running.server.forget_controller();
-  Controller next(running.server);
+  TcpController next(running.server);
   CHECK(next.answered(4));
   CHECK(first.closed_by_server());
   running.stop();
@@ -191,11 +172,11 @@ TEST_CASE("without a configured controller one that says nothing does not keep o
 }
 
 TEST_CASE("a new connection of the controller takes the place of the one left behind") {
-  Running running(on_loopback());
-  Controller old(running.server);
+  TcpRunning running(on_loopback());
+  TcpController old(running.server);
   CHECK(old.answered(4));
   old.send("<Rob><IPOC>9");  // cut off: must not become part of the new stream
-  Controller restarted(running.server);
+  TcpController restarted(running.server);
   CHECK(restarted.answered(1000));
   CHECK(old.closed_by_server());
   CHECK(restarted.answered(1004));
@@ -208,10 +189,10 @@ TEST_CASE("a second connection takes the place of the one that is served with it
   auto options = on_loopback();
   HandClock::time = 1h;
   options.clock = HandClock::now;
-  Running running(std::move(options));
-  Controller controller(running.server);
+  TcpRunning running(std::move(options));
+  TcpController controller(running.server);
   CHECK(controller.answered(4));
-  Controller silent(running.server);
+  TcpController silent(running.server);
   for (std::uint64_t ipoc = 8; ipoc < 100; ipoc += 4) REQUIRE(controller.answered(ipoc));
   SECTION("a part of one does not do") {
     silent.send("<Rob><IPOC>9</IPOC><A></Rob");
@@ -229,7 +210,7 @@ TEST_CASE("a second connection takes the place of the one that is served with it
     CHECK(controller.answered(104));
   }
   SECTION("one more takes the place of the one that waits") {
-    Controller third(running.server);
+    TcpController third(running.server);
     CHECK(silent.closed_by_server());
     CHECK(controller.answered(100));
     CHECK(third.answered(4));
@@ -243,7 +224,7 @@ TEST_CASE("over TCP, too, the recording has the addresses that were used",
           "[tcp_server][issue11][point_3]") {
   auto options = on_loopback();
   options.listen.address = 0;
-  Running running(std::move(options));
+  TcpRunning running(std::move(options));
   boost::asio::io_context context;
   tcp::socket socket(context);
   socket.connect({boost::asio::ip::make_address_v4("127.0.0.3"), running.server.local().port});
@@ -254,9 +235,9 @@ TEST_CASE("over TCP, too, the recording has the addresses that were used",
 }
 
 TEST_CASE("a controller that closes its end is answered to the last telegram, and may come again") {
-  Running running(on_loopback());
+  TcpRunning running(on_loopback());
   for (std::uint64_t ipoc : {4U, 8U}) {
-    Controller controller(running.server);
+    TcpController controller(running.server);
     controller.send(telegram(ipoc));
     controller.socket.shutdown(tcp::socket::shutdown_send);
     CHECK(controller.receive(reply(ipoc).size()) == reply(ipoc));
@@ -270,8 +251,8 @@ TEST_CASE("over TCP, too, a stream whose beginning was not heard is not answered
   options.only_from_the_beginning = true;
   HandClock::time = 1h;
   options.clock = HandClock::now;
-  Running running(std::move(options));
-  Controller controller(running.server);
+  TcpRunning running(std::move(options));
+  TcpController controller(running.server);
   for (std::uint64_t ipoc : {4U, 8U}) {
     controller.send(telegram(ipoc));
     CHECK(running.next().payload == telegram(ipoc));
@@ -284,7 +265,7 @@ TEST_CASE("over TCP, too, a stream whose beginning was not heard is not answered
   CHECK(running.server.counts().answered == 0);
   running.look_at(1h + 2s);
   CHECK(controller.answered(16));
-  Controller restarted(running.server);  // from another port, within the second
+  TcpController restarted(running.server);  // from another port, within the second
   CHECK(restarted.answered(4));
   running.stop();
   CHECK(running.server.counts().answered == 2);
@@ -294,8 +275,8 @@ TEST_CASE("over TCP, too, a stream whose beginning was not heard is not answered
 TEST_CASE("over TCP a controller that only sends gets no reply") {
   auto options = on_loopback();
   options.reply.reset();
-  Running running(std::move(options));
-  Controller controller(running.server);
+  TcpRunning running(std::move(options));
+  TcpController controller(running.server);
   controller.send(telegram(4));
   CHECK(running.next().payload == telegram(4));
   controller.send(telegram(8));
@@ -306,8 +287,8 @@ TEST_CASE("over TCP a controller that only sends gets no reply") {
 }
 
 TEST_CASE("a controller that does not read its replies is disconnected, and nothing waits for it") {
-  Running running(on_loopback());
-  Controller controller(running.server, kLoopback, 4096);
+  TcpRunning running(on_loopback());
+  TcpController controller(running.server, kLoopback, 4096);
   boost::system::error_code error;
   std::uint64_t sent = 0;
   const auto taken = [&] {
@@ -321,14 +302,14 @@ TEST_CASE("a controller that does not read its replies is disconnected, and noth
   CHECK_FALSE(error);
   CHECK(running.server.counts().send_failures == 1);
   CHECK(running.server.counts().answered == sent - 1);
-  Controller again(running.server);
+  TcpController again(running.server);
   CHECK(again.answered(4));
 }
 
 TEST_CASE("a server stops at once, with or without a connection") {
   const bool connected = GENERATE(false, true);
-  auto running = std::make_unique<Running>(on_loopback());
-  std::optional<Controller> controller;
+  auto running = std::make_unique<TcpRunning>(on_loopback());
+  std::optional<TcpController> controller;
   if (connected) {
     controller.emplace(running->server);
     CHECK(controller->answered(4));
@@ -346,7 +327,7 @@ TEST_CASE("a server stops at once, with or without a connection") {
 TEST_CASE("a TCP port belongs to one server alone, and is free again after it") {
   auto options = on_loopback();
   {
-    Running first(on_loopback());
+    TcpRunning first(on_loopback());
     options.listen = first.server.local();
     CHECK_THROWS_WITH(
         TcpServer(options),
@@ -358,7 +339,7 @@ TEST_CASE("a TCP port belongs to one server alone, and is free again after it") 
     CHECK_THROWS_WITH(TcpServer(everywhere),
                       Catch::Matchers::ContainsSubstring("is in use by another program"));
     // The server ends this connection, so its side of it lingers.
-    Controller controller(first.server);
+    TcpController controller(first.server);
     CHECK(controller.answered(4));
   }
   TcpServer second(options);

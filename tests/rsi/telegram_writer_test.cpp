@@ -10,7 +10,7 @@ using Type = EthernetConfig::Element::Type;
 
 namespace {
 
-EthernetConfig config_with(const std::vector<std::pair<std::string, Type>>& send) {
+EthernetConfig sending(const std::vector<std::pair<std::string, Type>>& send) {
   EthernetConfig config;
   for (const auto& [tag, type] : send) config.send.push_back({tag, type, 1, false, 0});
   return config;
@@ -19,7 +19,7 @@ EthernetConfig config_with(const std::vector<std::pair<std::string, Type>>& send
 std::string written(const std::vector<std::pair<std::string, Type>>& send,
                     const rsi::SignalValues& values, int precision, std::uint64_t ipoc = 1) {
   std::string text;
-  rsi::TelegramWriter(config_with(send), precision).append(text, values, ipoc);
+  rsi::TelegramWriter(sending(send), precision).append(text, values, ipoc);
   return text;
 }
 
@@ -106,7 +106,7 @@ TEST_CASE("tags that the robot has no value for are zero, strings empty") {
 }
 
 TEST_CASE("a telegram is appended without further allocation once there is room") {
-  const rsi::TelegramWriter writer(config_with({{"DEF_RIst", Type::DOUBLE}}), 4);
+  const rsi::TelegramWriter writer(sending({{"DEF_RIst", Type::DOUBLE}}), 4);
   std::string text;
   writer.append(text, {}, 1000);
   const auto first = text;

@@ -18,24 +18,17 @@ using rsi::UdpServer;
 
 namespace {
 
-using Running = RunningServer<UdpServer>;
+using UdpRunning = RunningServer<UdpServer>;
 
 /// A controller's socket that waits at most ten seconds for a reply.
-struct Controller {
-  explicit Controller(const UdpServer& server, std::uint32_t address = kLoopback)
+struct UdpController {
+  explicit UdpController(const UdpServer& server, std::uint32_t address = kLoopback)
       : socket(context, udp::endpoint(boost::asio::ip::address_v4(address), 0)),
         to(boost::asio::ip::address_v4(server.local().address), server.local().port) {
-    const timeval ten_seconds{10, 0};
-    setsockopt(socket.native_handle(), SOL_SOCKET, SO_RCVTIMEO, &ten_seconds, sizeof ten_seconds);
+    wait_ten_seconds(socket);
   }
   void send(const std::string& text) { socket.send_to(boost::asio::buffer(text), to); }
-  std::string receive() {
-    std::string text(2000, '\0');
-    // recv() by itself: Asio's own call would wait past the time-out.
-    const auto size = ::recv(socket.native_handle(), text.data(), text.size(), 0);
-    text.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
-    return text;
-  }
+  std::string receive() { return received_by(socket, 2000); }
   boost::asio::io_context context;
   udp::socket socket;
   udp::endpoint to;
@@ -44,35 +37,28 @@ struct Controller {
 }  // namespace
 
 TEST_CASE("each telegram is answered with its IPOC, and both are handed over afterwards") {
-  Running running(on_loopback());
-  Controller controller(running.server);
+  UdpRunning running(on_loopback());
+  UdpController controller(running.server);
+  const auto port = controller.socket.local_endpoint().port();
   for (std::uint64_t ipoc = 1000; ipoc < 1040; ipoc += 4) {
     controller.send(telegram(ipoc));
-    CHECK(controller.receive() == "<Sen Type=\"ImFree\">" + ipoc_element(ipoc) + "</Sen>");
-    const Datagram received = running.next();
-    CHECK(received.payload == telegram(ipoc));
-    CHECK(received.source.port == controller.socket.local_endpoint().port());
-    CHECK(received.destination == running.server.local());
-    const auto received_at = received.time;
-    const Datagram sent = running.next();
-    CHECK(sent.payload.starts_with("<Sen"));
-    CHECK(sent.source == running.server.local());
-    CHECK(sent.time >= received_at);
+    CHECK(controller.receive() == reply(ipoc));
+    check_handed_over(running, ipoc, {kLoopback, port});
   }
   running.stop();
   CHECK(running.server.counts().answered == 10);
 }
 
 TEST_CASE("a telegram that cannot be parsed is answered if its IPOC can be found") {
-  Running running(on_loopback());
-  Controller controller(running.server);
+  UdpRunning running(on_loopback());
+  UdpController controller(running.server);
   controller.send("<Rob <<< GPIO 01=\"1 \xff<IPOC>77</IPOC>");
   CHECK(controller.receive() == "<Sen Type=\"ImFree\"><IPOC>77</IPOC></Sen>");
 }
 
 TEST_CASE("what has no IPOC is handed over unanswered, and what follows is answered") {
-  Running running(on_loopback());
-  Controller controller(running.server);
+  UdpRunning running(on_loopback());
+  UdpController controller(running.server);
   controller.send(telegram(4));
   controller.receive();
   for (const std::string& junk : {std::string(), std::string("junk"), std::string(60'000, 'x'),
@@ -91,7 +77,7 @@ TEST_CASE("what has no IPOC is handed over unanswered, and what follows is answe
 
 TEST_CASE("what waits together is handed over in its order, the reply behind its telegram") {
   UdpServer server(on_loopback());
-  Controller controller(server);
+  UdpController controller(server);
   for (const std::string& datagram : {telegram(4), std::string("junk"), telegram(8),
                                       std::string("more junk"), std::string("<Rob></Rob>")})
     controller.send(datagram);
@@ -108,7 +94,7 @@ TEST_CASE("what waits together is handed over in its order, the reply behind its
 
 TEST_CASE("a telegram has the time at which the kernel received it, not that of its processing") {
   UdpServer server(on_loopback());
-  Controller controller(server);
+  UdpController controller(server);
   const auto before = rsi::now();
   controller.send(telegram(4));
   const auto sent = rsi::now();
@@ -128,7 +114,7 @@ TEST_CASE("a telegram has the time at which the kernel received it, not that of 
 TEST_CASE("what the system drops for want of room is counted, and nothing else is lost") {
   UdpServer server(on_loopback());
   CHECK(server.receive_buffer() > 0);
-  Controller controller(server);
+  UdpController controller(server);
   // Each takes its page or more of the receive buffer, whatever its size.
   const std::size_t sent = server.receive_buffer() / 4096 + 2000;
   for (std::size_t k = 0; k < sent; ++k) controller.send(std::string(4000, 'x'));
@@ -153,7 +139,7 @@ TEST_CASE("what the system drops for want of room is counted, and nothing else i
 
 TEST_CASE("of several telegrams that wait all are handed over and the newest is answered") {
   UdpServer server(on_loopback());
-  Controller controller(server);
+  UdpController controller(server);
   for (std::uint64_t ipoc = 4; ipoc <= 40; ipoc += 4) controller.send(telegram(ipoc));
   std::thread thread([&] { server.run(); });
   CHECK(controller.receive() == "<Sen Type=\"ImFree\"><IPOC>40</IPOC></Sen>");
@@ -170,9 +156,9 @@ TEST_CASE("of several telegrams that wait all are handed over and the newest is 
 TEST_CASE("only the configured controller is answered, others are counted") {
   auto options = on_loopback();
   options.controller = 0x7f000002;  // 127.0.0.2 is this machine too
-  Running running(std::move(options));
-  Controller stranger(running.server);
-  Controller controller(running.server, 0x7f000002);
+  UdpRunning running(std::move(options));
+  UdpController stranger(running.server);
+  UdpController controller(running.server, 0x7f000002);
   stranger.send(telegram(4));
   controller.send(telegram(8));
   CHECK(controller.receive().find(">8<") != std::string::npos);
@@ -182,9 +168,9 @@ TEST_CASE("only the configured controller is answered, others are counted") {
 }
 
 TEST_CASE("without a configured controller the first that streams is served until forgotten") {
-  Running running(on_loopback());
-  Controller stranger(running.server);
-  Controller first(running.server, 0x7f000002);
+  UdpRunning running(on_loopback());
+  UdpController stranger(running.server);
+  UdpController first(running.server, 0x7f000002);
   stranger.send("no telegram");
   for (std::uint64_t ipoc : {4U, 8U, 12U, 16U}) {
     first.send(telegram(ipoc));
@@ -204,8 +190,8 @@ TEST_CASE("what strangers send does not get into the receive buffer of a configu
   auto options = on_loopback();
   options.controller = 0x7f000002;
   UdpServer server(std::move(options));
-  Controller stranger(server);
-  Controller controller(server, 0x7f000002);
+  UdpController stranger(server);
+  UdpController controller(server, 0x7f000002);
   controller.send(telegram(4));
   // More than would fit: each takes its page or more.
   const std::size_t sent = server.receive_buffer() / 4096 + 2000;
@@ -224,9 +210,9 @@ TEST_CASE("a reply leaves from the address that the telegram came to",
           "[udp_server][issue11][point_3]") {
   auto options = on_loopback();
   options.listen.address = 0;
-  Running running(std::move(options));
+  UdpRunning running(std::move(options));
   for (const std::uint32_t address : {0x7f000003U, 0x7f000004U, kLoopback}) {
-    Controller controller(running.server, 0x7f000002);
+    UdpController controller(running.server, 0x7f000002);
     // A connected socket, as controllers have: it takes nothing from another address.
     controller.socket.connect({boost::asio::ip::address_v4(address), running.server.local().port});
     controller.socket.send(boost::asio::buffer(telegram(4)));
@@ -248,8 +234,8 @@ TEST_CASE("a stream whose beginning was not heard is handed over unanswered, if 
   options.only_from_the_beginning = true;
   HandClock::time = 1h;
   options.clock = HandClock::now;
-  Running running(std::move(options));
-  Controller controller(running.server);
+  UdpRunning running(std::move(options));
+  UdpController controller(running.server);
   for (std::uint64_t ipoc : {4U, 8U}) {
     controller.send(telegram(ipoc));
     CHECK(running.next().payload == telegram(ipoc));
@@ -263,7 +249,7 @@ TEST_CASE("a stream whose beginning was not heard is handed over unanswered, if 
   running.look_at(1h + 2s);
   controller.send(telegram(16));
   CHECK(controller.receive() == reply(16));
-  Controller restarted(running.server);  // from another port, within the second
+  UdpController restarted(running.server);  // from another port, within the second
   restarted.send(telegram(4));
   CHECK(restarted.receive() == reply(4));
   running.stop();
@@ -274,8 +260,8 @@ TEST_CASE("a stream whose beginning was not heard is handed over unanswered, if 
 TEST_CASE("a controller that only sends gets no reply") {
   auto options = on_loopback();
   options.reply.reset();
-  Running running(std::move(options));
-  Controller controller(running.server);
+  UdpRunning running(std::move(options));
+  UdpController controller(running.server);
   controller.send(telegram(4));
   CHECK(running.next().payload == telegram(4));
   controller.send(telegram(8));
@@ -288,8 +274,8 @@ TEST_CASE("a controller that only sends gets no reply") {
 TEST_CASE("a full queue does not keep a telegram from being answered") {
   auto options = on_loopback();
   options.queue_bytes = 400;
-  Running running(std::move(options));
-  Controller controller(running.server);
+  UdpRunning running(std::move(options));
+  UdpController controller(running.server);
   for (std::uint64_t ipoc = 4; ipoc <= 80; ipoc += 4) {
     controller.send(telegram(ipoc));
     CHECK(controller.receive().find(ipoc_element(ipoc)) != std::string::npos);

@@ -9,6 +9,7 @@
 
 #include "rsi/ethernet_config.hpp"
 #include "tests/catch.hpp"
+#include "tests/config_folder.hpp"
 #include "tests/scenarios/sweepd_process.hpp"
 
 using namespace sweepd::test;
@@ -46,7 +47,7 @@ class Campaign {
                              "PORT", port));
     const auto settings = folder_.write(
         "sweepd.toml", "[http]\nlisten = \"off\"\n[[robot]]\nname = \"kr5-arc\"\ndescription = \"" +
-                           kRobot + "\"\nlisten = \"" + address +
+                           kRobot.string() + "\"\nlisten = \"" + address +
                            "\"\noutput = \"output\"\nethernet_config = \"ethernet.xml\"\n" +
                            shipped.settings);
     const auto checked = run_sweepd({"check", "--files-only", "--config", settings.string()});
@@ -100,8 +101,6 @@ class Campaign {
   }
 
  private:
-  inline static const std::string kRobot = (kConfig / "robots/kr5_arc.toml").string();
-
   ShippedFile shipped_;
   bool only_send_ = false;
   TemporaryFolder folder_;

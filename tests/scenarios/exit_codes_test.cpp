@@ -1,6 +1,7 @@
 #include <csignal>
 
 #include "tests/catch.hpp"
+#include "tests/config_folder.hpp"
 #include "tests/scenarios/sweepd_process.hpp"
 
 using namespace sweepd::test;
@@ -8,9 +9,6 @@ using Catch::Matchers::ContainsSubstring;
 using Words = std::vector<std::string>;
 
 namespace {
-
-const std::string kRobot = (kConfig / "robots/kr5_arc.toml").string();
-const std::string kPlan = (kConfig / "plans/kr5_arc_90deg.toml").string();
 
 /// One line on stderr, `sweepd: what went wrong: what to do`, and nothing else.
 void check_message(const Run& run) {

@@ -29,13 +29,11 @@
 #include "rsi/ipoc.hpp"
 #include "rsi/simulated_controller.hpp"
 #include "tests/catch.hpp"
+#include "tests/config_folder.hpp"
 #include "tests/scenarios/sweepd_process.hpp"
 
 namespace sweepd::test {
 
-inline const auto kRobot = kConfig / "robots/kr5_arc.toml";
-inline const auto kPlan = kConfig / "plans/kr5_arc_90deg.toml";
-inline const auto kEthernet = kConfig / "controller/krc4/sweepd_ethernet.xml";
 inline constexpr std::chrono::milliseconds kCycle{4};
 
 /// A controller whose robot repeats the plan, and whose RSI is now and then restarted while the

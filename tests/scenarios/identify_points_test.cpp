@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/catch.hpp"
+#include "tests/config_folder.hpp"
 #include "tests/scenarios/sweepd_process.hpp"
 
 using namespace sweepd::test;
@@ -8,8 +9,6 @@ using Catch::Matchers::ContainsSubstring;
 using Catch::Matchers::StartsWith;
 
 namespace {
-
-const std::string kRobot = (kConfig / "robots/kr5_arc.toml").string();
 
 /// Points on a quarter of a circle as a device lists them: joint, x, y, z, remark.
 std::string quarter_circle(std::string_view separator) {

@@ -13,6 +13,7 @@
 #include "rsi/controller_link.hpp"
 #include "rsi/ipoc.hpp"
 #include "tests/catch.hpp"
+#include "tests/config_folder.hpp"
 #include "tests/scenarios/streamer.hpp"
 #include "tests/scenarios/sweepd_process.hpp"
 
@@ -21,8 +22,6 @@ using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
 namespace {
-
-const auto kEthernet = kConfig / "controller/krc4/sweepd_ethernet.xml";
 
 /// A robot at rest, on a thread of its own, until it is stopped.
 class Controller {

@@ -133,15 +133,6 @@ std::uint64_t figure(const std::string& report, const std::string& label) {
   return at == std::string::npos ? 0 : std::stoull(report.substr(at + label.size()));
 }
 
-bool eventually(const std::function<bool()>& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + 30s;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(2ms);
-  }
-  return true;
-}
-
 std::uint16_t free_tcp_port() {
   using boost::asio::ip::tcp;
   boost::asio::io_context context;

@@ -10,11 +10,11 @@
 
 #include <sys/types.h>
 
+#include "tests/config_folder.hpp"
 #include "tests/daemon/temporary_folder.hpp"
+#include "tests/eventually.hpp"
 
 namespace sweepd::test {
-
-inline const std::filesystem::path kConfig = std::filesystem::path(SWEEPD_SOURCE_DIR) / "config";
 
 /// The real sweepd as a process of its own, with its output in files.
 class SweepdProcess {
@@ -92,9 +92,6 @@ class Daemon {
 /// The number that follows `label` in a report; 0 if it is not there. "\ncycles overslept " of a
 /// simulation: telegrams that did not leave, which the other side finds lost.
 std::uint64_t figure(const std::string& report, const std::string& label);
-
-/// Waits for what another process does; false if it takes unreasonably long.
-bool eventually(const std::function<bool()>& condition);
 
 /// A UDP port of 127.0.0.1 that nobody uses.
 std::uint16_t free_port();
