@@ -13,17 +13,17 @@ using identify::test::sweeps_of;
 
 namespace {
 
-constexpr double kStep = 1e-4;  // mm and degrees
-const double kQuantum_rad = kStep * kDegree / std::sqrt(12.0);
+constexpr double kLastDigit = 1e-4;  // mm and degrees
+const double kQuantum_rad = kLastDigit * kDegree / std::sqrt(12.0);
 
 ChainNoise quantum(std::size_t joints) {
-  return {kStep / std::sqrt(12.0), kQuantum_rad, kQuantum_rad,
+  return {kLastDigit / std::sqrt(12.0), kQuantum_rad, kQuantum_rad,
           std::vector<double>(joints, kQuantum_rad)};
 }
 
 Measured as_controller() {
   Measured how;
-  how.position_mm = kStep / std::sqrt(12.0);
+  how.position_mm = kLastDigit / std::sqrt(12.0);
   how.locked_rad = how.swept_rad = kQuantum_rad;
   how.samples = 400;
   return how;

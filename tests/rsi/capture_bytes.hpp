@@ -95,10 +95,10 @@ inline constexpr std::uint32_t link_sll2 = 276;
 /// (https://www.tcpdump.org/manpages/pcap-savefile.5.txt).
 class PcapBytes {
  public:
-  explicit PcapBytes(std::uint32_t link_type = link_ethernet, bool nanoseconds = true,
+  explicit PcapBytes(std::uint32_t link_type = link_ethernet, bool with_nanoseconds = true,
                      Order order = Order::little_endian)
-      : order_(order), nanoseconds_(nanoseconds) {
-    bytes_ = n(nanoseconds ? 0xa1b23c4d : 0xa1b2c3d4, 4) + n(2, 2) + n(4, 2) + n(0, 8) +
+      : order_(order), nanoseconds_(with_nanoseconds) {
+    bytes_ = n(with_nanoseconds ? 0xa1b23c4d : 0xa1b2c3d4, 4) + n(2, 2) + n(4, 2) + n(0, 8) +
              n(262144, 4) + n(link_type, 4);
   }
 
@@ -136,12 +136,12 @@ class PcapngBytes {
     return add_block(0x0a0d0d0a, n(0x1a2b3c4d, 4) + n(1, 2) + n(0, 2) + n(UINT64_MAX, 8));
   }
 
-  PcapngBytes& add_interface(std::uint32_t link_type, bool nanoseconds = true,
+  PcapngBytes& add_interface(std::uint32_t link_type, bool with_nanoseconds = true,
                              std::uint32_t snapshot = 262144) {
     const auto resolution = n(9, 2) + n(1, 2) + n(9, 1) + std::string(3, '\0') + n(0, 4);
-    nanoseconds_.push_back(nanoseconds);
-    return add_block(1,
-                     n(link_type, 2) + n(0, 2) + n(snapshot, 4) + (nanoseconds ? resolution : ""));
+    nanoseconds_.push_back(with_nanoseconds);
+    return add_block(
+        1, n(link_type, 2) + n(0, 2) + n(snapshot, 4) + (with_nanoseconds ? resolution : ""));
   }
 
   PcapngBytes& add(Timestamp time, std::string_view packet, std::size_t captured = SIZE_MAX,
