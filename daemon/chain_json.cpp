@@ -30,6 +30,13 @@ Json noise(const identify::ChainEstimate& estimate) {
            estimate.with_orientation ? json_angle(estimate.noise.orientation_rad) : Json()}};
 }
 
+Json effects(const identify::ChainEffects& seen) {
+  return {{"home_deg", json_angle(seen.home_rad)},
+          {"drift_mm", json_length(seen.drift_mm)},
+          {"figure_mm", json_length(seen.figure_mm)},
+          {"offset_deg", json_angle(seen.offset_rad)}};
+}
+
 Json angles(std::size_t index, const AngleEvidence& seen) {
   Json json = {{"joint", index + 1},
                {"trust", identify::text(seen.trust)},
@@ -71,7 +78,9 @@ Json chain_json(const identify::ChainEstimate& estimate) {
           {"samples", estimate.samples},
           {"outliers", estimate.outliers},
           {"samples_per_independent", rounded(estimate.samples_per_independent, 3)},
-          {"shared_home", estimate.shared_home},
+          {"shared_home", estimate.home_scatter_mm <= identify::kHomeScatter_mm},
+          {"home_scatter_mm", json_length(estimate.home_scatter_mm)},
+          {"effects", effects(estimate.effects)},
           {"with_orientation", estimate.with_orientation},
           {"noise", noise(estimate)},
           {"angles", std::move(evidence)}};

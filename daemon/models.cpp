@@ -10,7 +10,7 @@ std::vector<identify::KinematicModel> models_of(const Outcome& outcome) {
   if (!found.chain || found.estimator != identify::Estimator::chain) return {};
   const identify::ChainEstimate& estimate = *found.chain;
   return identify::kinematic_models({estimate.chain, outcome.positive, estimate.dh,
-                                     estimate.covariance, found.home_rad, estimate.shared_home,
+                                     estimate.covariance, found.home_rad, true,
                                      estimate.with_orientation});
 }
 

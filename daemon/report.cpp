@@ -5,6 +5,7 @@
 #include <optional>
 #include <string_view>
 
+#include "daemon/budget_text.hpp"
 #include "daemon/chain_text.hpp"
 #include "daemon/dh_text.hpp"
 #include "daemon/numbers.hpp"
@@ -149,6 +150,8 @@ std::string report(const Outcome& outcome) {
   if (!is_given(outcome)) text += circles(found) + "\n";
   const bool any_axis = found.status != identify::Status::failed && found.bounding_box;
   if (any_axis || is_given(outcome)) text += dh_text(found);
+  if (const std::string budget = budget_text(found); any_axis && !budget.empty())
+    text += "\n" + budget;
   if (any_axis && found.chain) text += "\n" + places(found) + chain_text(*found.chain);
   if (any_axis) text += "\n" + boxes(found);
   if (!found.warnings.empty()) {

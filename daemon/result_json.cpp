@@ -1,6 +1,7 @@
 #include "daemon/result_json.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <optional>
@@ -147,6 +148,64 @@ Json dh_table(const std::vector<DhEstimate>& rows) {
   return json;
 }
 
+/// Six significant digits.
+Json significant(double value) {
+  if (value == 0 || !std::isfinite(value)) return value;
+  return rounded(value, 5 - static_cast<int>(std::floor(std::log10(std::abs(value)))));
+}
+
+constexpr std::array<std::string_view, 5> kNumberNames = {"b", "theta", "a", "alpha", "beta"};
+
+/// A number of the table, as "a3_mm".
+struct NumberPlace {
+  Eigen::Index row = 0;  ///< of `dh_covariance`
+  std::string name;
+  double unit = 1;  ///< of the file, in mm or rad
+};
+
+std::vector<NumberPlace> identified_numbers(const Identification& found) {
+  std::vector<NumberPlace> places;
+  for (std::size_t i = 0; i < found.dh.size(); ++i) {
+    const auto numbers = numbers_of(found.dh[i]);
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+      if (numbers[k]->knowledge != Knowledge::identified) continue;
+      const bool length = k == 0 || k == 2;
+      places.push_back({static_cast<Eigen::Index>(numbers.size() * i + k),
+                        std::string(kNumberNames[k]) + std::to_string(i + 1) +
+                            (length ? "_mm" : "_deg"),
+                        length ? 1 : degrees(1)});
+    }
+  }
+  return places;
+}
+
+Json covariance(const Identification& found) {
+  const auto places = identified_numbers(found);
+  Json names = Json::array(), rows = Json::array();
+  for (const NumberPlace& r : places) {
+    names.push_back(r.name);
+    Json row = Json::array();
+    for (const NumberPlace& c : places)
+      row.push_back(significant(found.dh_covariance(r.row, c.row) * r.unit * c.unit));
+    rows.push_back(std::move(row));
+  }
+  return {{"names", std::move(names)}, {"rows", std::move(rows)}};
+}
+
+/// Shares in each number's variance.
+Json budget(const Identification& found) {
+  Json rows = Json::array();
+  for (const NumberPlace& place : identified_numbers(found)) {
+    const double variance = found.dh_covariance(place.row, place.row);
+    Json row = {{"number", place.name}};
+    for (const auto& share : found.dh_budget)
+      row[std::string(identify::text(share.cause))] =
+          variance > 0 ? rounded(share.variances(place.row) / variance, 4) : 0.0;
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
 Json estimates(const Identification& found) {
   Json json = {{"circle", {{"dh", dh_table(found.circle_dh)}}}};
   if (found.chain) {
@@ -203,7 +262,9 @@ void print(const Json& json, const std::string& indent, std::string& out) {
     return;
   }
   constexpr std::size_t kShort = 8;
-  const bool one_line = json.size() <= kShort && (json.is_array() || !indent.empty()) &&
+  const auto is_number = [](const Json& item) { return item.is_number(); };
+  const bool numbers = json.is_array() && std::all_of(json.begin(), json.end(), is_number);
+  const bool one_line = (json.size() <= kShort || numbers) && (json.is_array() || !indent.empty()) &&
                         std::none_of(json.begin(), json.end(), [](const Json& item) {
                           return item.is_structured() && !item.empty();
                         });
@@ -240,6 +301,10 @@ std::string result_json(const Outcome& outcome) {
   for (std::size_t j = 0; j < found.joints.size(); ++j)
     json["joints"].push_back(joint(j, found.joints[j]));
   json["dh"] = dh_table(found.dh);
+  if (found.dh_covariance.size() > 0) {
+    json["covariance"] = covariance(found);
+    json["uncertainty_budget"] = budget(found);
+  }
   if (found.estimator != identify::Estimator::axes) json["estimates"] = estimates(found);
   if (!found.specified.empty()) {
     json["specified"] = specified(found.specified);

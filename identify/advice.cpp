@@ -290,11 +290,12 @@ class Adviser {
            "errors of successive samples are alike: " + fixed(chain.samples_per_independent, 0) +
                " samples tell as much as one; uncertainties allow for it; more sweeps help, "
                "denser samples do not");
-    if (!chain.shared_home)
+    if (chain.home_scatter_mm > kHomeScatter_mm)
       warn("home_not_shared", {},
-           "the sweeps do not pass through one common home point, so that each circle stands by "
-           "itself: keep the target where it is on the tool, and lock the other joints at the "
-           "same home for all sweeps");
+           "from sweep to sweep the target stood off home by " + brief(chain.home_scatter_mm) +
+               " mm (1 sigma): keep the target where it is on the tool, lock the other joints at "
+               "the same home for all sweeps, and do not touch the device; uncertainties allow for "
+               "it");
     judge_orientation(chain);
   }
 

@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 
 #include "identify/angle.hpp"
+#include "identify/node_scatter.hpp"
 
 namespace identify {
 namespace {
@@ -39,11 +40,12 @@ Row regressors(double turn, bool falling) {
 /// Errors over the turn, and how well smooth curves describe them.
 class Curve {
  public:
-  void add(double turn, bool falling, double error, double weight) {
+  /// `within`: what the errors of these samples scatter by, beside their mean; sum of squares.
+  void add(double turn, bool falling, double error, double weight, double within) {
     const Row row = regressors(turn, falling);
     normal_.noalias() += weight * row * row.transpose();
     right_ += weight * error * row;
-    squares_ += weight * error * error;
+    squares_ += weight * error * error + within;
     weights_ += weight;
     (falling ? falls_ : rises_) = true;
   }
@@ -128,17 +130,32 @@ double rms(double squares, double weights) {
   return weights > 0 ? std::sqrt(std::max(0.0, squares) / weights) : 0;
 }
 
+/// Of the samples of a node: how far their mean angle, as told, is from where the target was seen,
+/// and the sum of squares about that.
+struct AngleError {
+  double mean = 0;
+  double within = 0;
+  double sigma = 0;  ///< that the noise alone gives one sample
+};
+
+/// Calls `see` with the nodes of strokes whose angles follow the arc.
 template <class See>
-void visit(const Chain& chain, const std::vector<ChainObservation>& samples,
-           const ChainNoise& noise, const See& see) {
+void visit(const Chain& chain, const ChainNodes& nodes, const ChainNoise& noise, const See& see) {
   ChainPose pose(chain);
-  ChainResidual<3> residual;
-  for (const ChainObservation& sample : samples) {
-    if (sample.weight == 0) continue;
-    pose.set(sample.target, sample.turns, false);
-    residual.set(chain, sample, pose, noise);
-    see(sample, residual);
-  }
+  visit_nodes<3>(chain, nodes, noise, [&](std::size_t s, const auto& scatter) {
+    if (!nodes.strokes[s].told) return;
+    for (std::size_t n = 0; n < scatter.size(); ++n) {
+      const ChainObservation& seen = nodes.observations[nodes.first[s] + n];
+      pose.set(seen.target, turns_of(chain, seen, noise), false);
+      const auto& at = scatter[n].residual;
+      const Eigen::Vector3d along =
+          ChainResidual<3>::base_weight(chain, seen, noise, pose) * at.by_swept;
+      const double information = along.dot(at.by_swept);
+      if (!(information > 0)) continue;
+      see(seen, AngleError{at.toward, along.dot(scatter[n].within * along) / information / information,
+                           at.toward_sigma});
+    }
+  });
 }
 
 }  // namespace
@@ -150,25 +167,30 @@ double AngleEvidence::curve_at(double turn) const {
   return sum;
 }
 
-std::vector<AngleEvidence> seen_angle_errors(const Chain& chain,
-                                             const std::vector<ChainObservation>& samples,
+std::vector<AngleEvidence> seen_angle_errors(const Chain& chain, const ChainNodes& nodes,
                                              const ChainNoise& noise, const ChainNoise& quantum) {
   std::vector<AngleEvidence> evidence(chain.axes.size());
   std::vector<Curve> curves(chain.axes.size());
   std::vector<double> expected(chain.axes.size(), 0.0);
-  visit(chain, samples, noise, [&](const ChainObservation& sample, const ChainResidual<3>& at) {
-    const double error = std::remainder(sample.measured_turn - sample.turns[sample.joint], 2 * kPi);
-    ++evidence[sample.joint].samples;
-    curves[sample.joint].add(sample.turns[sample.joint], sample.falling, error, sample.weight);
-    expected[sample.joint] +=
-        sample.weight * (at.toward_sigma * at.toward_sigma +
-                         quantum.swept_rad[sample.joint] * quantum.swept_rad[sample.joint]);
+  std::vector<bool> astray(chain.axes.size(), false);
+  for (const StrokeMoments& stroke : nodes.strokes) {
+    if (stroke.told)
+      evidence[stroke.content.joint].samples += stroke.samples;
+    else
+      astray[stroke.content.joint] = stroke.content.joints > 0;
+  }
+  visit(chain, nodes, noise, [&](const ChainObservation& seen, const AngleError& at) {
+    const double error = std::remainder(seen.measured_turn - seen.turns[seen.joint] - at.mean,
+                                        2 * kPi);
+    curves[seen.joint].add(seen.turns[seen.joint], seen.falling, error, seen.weight, at.within);
+    expected[seen.joint] += seen.weight * (at.sigma * at.sigma + quantum.swept_rad[seen.joint] *
+                                                                     quantum.swept_rad[seen.joint]);
   });
   for (std::size_t j = 0; j < evidence.size(); ++j) {
     AngleEvidence& found = evidence[j];
     const Curve& errors = curves[j];
     if (found.samples == 0) {
-      found.reason = "no angles";
+      found.reason = astray[j] ? "the angles do not follow the arc" : "no angles";
       continue;
     }
     const auto smooth = errors.fit(kCurve);
@@ -197,18 +219,17 @@ std::vector<AngleEvidence> seen_angle_errors(const Chain& chain,
   return evidence;
 }
 
-void test_believed_angles(const Chain& chain, const std::vector<ChainObservation>& samples,
-                          const ChainNoise& noise, const ChainNoise& quantum,
-                          std::vector<AngleEvidence>& evidence) {
+void test_believed_angles(const Chain& chain, const ChainNodes& nodes, const ChainNoise& noise,
+                          const ChainNoise& quantum, std::vector<AngleEvidence>& evidence) {
   std::vector<Curve> curves(chain.axes.size());
   // How far each residual is off in what the print quanta would make it scatter.
   ChainNoise printed = quantum;
   for (std::size_t j = 0; j < evidence.size(); ++j)
     if (std::isinf(noise.swept_rad[j])) printed.swept_rad[j] = noise.swept_rad[j];
-  visit(chain, samples, printed, [&](const ChainObservation& sample, const ChainResidual<3>& at) {
-    if (std::isfinite(noise.swept_rad[sample.joint]))
-      curves[sample.joint].add(sample.turns[sample.joint], sample.falling,
-                               at.toward / at.toward_sigma, sample.weight);
+  visit(chain, nodes, printed, [&](const ChainObservation& seen, const AngleError& at) {
+    if (std::isfinite(noise.swept_rad[seen.joint]))
+      curves[seen.joint].add(seen.turns[seen.joint], seen.falling, at.mean / at.sigma, seen.weight,
+                             at.within / (at.sigma * at.sigma));
   });
   for (std::size_t j = 0; j < evidence.size(); ++j) {
     if (std::isinf(noise.swept_rad[j])) continue;

@@ -25,6 +25,9 @@ struct Chain {
   std::vector<ChainAxis> axes;                         ///< joint 1 first
   std::vector<Eigen::Vector3d> targets_mm;             ///< the target points at home
   Eigen::Matrix3d tool = Eigen::Matrix3d::Identity();  ///< orientation of the tool at home
+  /// How far each joint has turned from where it was locked when its angle says that it is there:
+  /// less than what is printed can show. One a joint, or none: not at all.
+  std::vector<double> zero_rad;
 
   /// Where joints that turned so far carry what moves with the last of them.
   [[nodiscard]] Eigen::Isometry3d displacement(const Turns& turns) const;

@@ -22,6 +22,33 @@ struct ChainNoise {
   std::vector<double> swept_rad;  ///< of a sweeping joint's angle, one a joint
 };
 
+/// How far what was measured departs from the chain beyond the samples' noise: standard deviations
+/// of random effects. Zero: there is none.
+struct ChainEffects {
+  /// Of each locked joint's place in a stroke from its home: a rotation about its axis.
+  double home_rad = 0;
+  /// Of the measuring device's place in a stroke, each coordinate.
+  double drift_mm = 0;
+  /// Of the figure that a stroke describes, radial and axial, from a circle: the standard deviation
+  /// of the coefficient of its first Chebyshev polynomial; it falls with the square of the order.
+  /// At home, which is one pose of the arm however it was reached, there is no such departure.
+  /// Strokes of one joint and target from one home share their figure.
+  double figure_mm = 0;
+  /// Of each joint's place at another home from where its angle says: what its gear and the load
+  /// are off by there and were not at the first home. Strokes from one home share it.
+  double offset_rad = 0;
+
+  /// How far each joint may stand from where its printed angle says, one a joint: `zero_rad` of the
+  /// chain is estimated where its angle is believed. None: it is not.
+  std::vector<double> zero_rad;
+  /// Whether positions are shifted by what printing takes away of coordinates that hardly change.
+  double print_mm = 0;
+};
+
+/// What makes an estimate uncertain: the samples' noise, and the effects.
+enum class Cause { noise, home, drift, figure, offset, print };
+[[nodiscard]] std::string_view text(Cause cause) noexcept;
+
 /// As the noise of a sweeping joint: its angle is not used.
 inline constexpr double kFreeAngle = std::numeric_limits<double>::infinity();
 
@@ -54,6 +81,9 @@ struct AngleEvidence {
   [[nodiscard]] double curve_at(double turn_rad) const;
 };
 
+/// Robots come home, and devices stay, by better than this.
+inline constexpr double kHomeScatter_mm = 0.2;
+
 /// How the least-squares problem ended.
 struct Summary {
   bool converged = false;
@@ -74,11 +104,19 @@ struct ChainEstimate {
   /// Of all axes' (direction, point), six rows a joint, then three a target, then,
   /// with orientation, three of the tool's rotation in the measurement frame.
   Eigen::MatrixXd covariance;
+  /// What each cause has of it; together they are it.
+  struct Part {
+    Cause cause = Cause::noise;
+    Eigen::MatrixXd covariance;
+  };
+  std::vector<Part> parts;
   std::vector<DhEstimate> dh;
   ChainNoise noise;
+  ChainEffects effects;
   std::vector<AngleEvidence> angles;  ///< one a joint
   bool with_orientation = false;      ///< A, B, C were present, consistent, and used
-  bool shared_home = true;  ///< false: each joint's sweeps passed elsewhere, or none tells
+  /// How far the target stood off from home in each stroke, by the effects of home and drift.
+  double home_scatter_mm = 0;
   std::size_t samples = 0;
   std::size_t outliers = 0;            ///< of them: given less than half their weight
   double samples_per_independent = 1;  ///< how many correlated samples are worth one

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <utility>
 
+#include "identify/angle.hpp"
 #include "identify/angle_trust.hpp"
 #include "identify/chain_fit.hpp"
 #include "identify/chain_noise.hpp"
-#include "identify/chain_samples.hpp"
+#include "identify/chain_start.hpp"
+#include "identify/effect_sizes.hpp"
 #include "identify/fitted_axes.hpp"
 
 namespace identify {
@@ -32,24 +34,25 @@ class Estimation {
 
   std::optional<ChainEstimate> run() {
     axes_ = starting_axes(circles_);
-    ChainSamples found = chain_samples(circles_, axes_);
-    samples_ = std::move(found.observations);
-    if (samples_.empty()) return std::nullopt;
-    targets_ = found.targets;
+    nodes_ = chain_nodes(circles_, axes_);
+    if (nodes_.strokes.empty()) return std::nullopt;
+    set_correlation(nodes_.strokes);
     Chain start;
     for (const auto& axis : axes_) start.axes.push_back(axis.value_or(ChainAxis{}));
-    start.targets_mm = starting_targets(start, samples_, targets_, found.with_angles);
-    set_quanta(found.with_angles);
+    start.targets_mm =
+        starting_targets(start, nodes_.observations, nodes_.targets, nodes_.with_angles);
+    set_quanta(nodes_.with_angles);
 
-    Fitted best = without_angles(start, found.with_angles);
+    Fitted best = without_angles(start);
     ChainEstimate estimate;
     estimate.angles.assign(joints_, AngleEvidence{});
     for (AngleEvidence& evidence : estimate.angles) evidence.reason = "no angles";
-    if (found.with_angles) {
-      estimate.angles = seen_angle_errors(best.fit.chain, samples_, best.noise, quantum_);
-      if (shared_home_ && explained_by_print(best, false)) believe_angles(best, estimate.angles);
+    if (nodes_.with_angles) {
+      estimate.angles = seen_angle_errors(best.fit.chain, nodes_, best.noise, quantum_);
+      if (explained_by_print(best, false)) believe_angles(best, estimate.angles);
     }
-    if (found.with_orientation) estimate.with_orientation = add_orientation(best);
+    if (!explained_by_print(best, false)) find_effects(best);
+    if (nodes_.with_orientation) estimate.with_orientation = add_orientation(best);
     finish(best, estimate);
     return estimate;
   }
@@ -67,31 +70,23 @@ class Estimation {
     floor_.locked_rad = 0;
   }
 
-  /// Fits, estimates the noise, weighs the samples, until neither changes the other.
+  /// Fits and estimates the noise until neither changes the other.
   Fitted settled(Chain chain, ChainNoise noise, bool with_orientation) {
     constexpr int kMostRounds = 8;
     Fitted result;
     int iterations = 0;
     for (int round = 0; round < kMostRounds; ++round) {
-      result.fit = fit_chain(chain, samples_, noise, with_orientation);
+      result.fit = fit_chain(chain, nodes_, noise, effects_, with_orientation);
       iterations += result.fit.summary.iterations;
       chain = result.fit.chain;
       const ChainNoise before =
-          std::exchange(noise, estimate_noise(chain, samples_, noise, floor_, with_orientation));
-      const double weights = total_weight();
-      reweight(chain, samples_, noise, with_orientation);
-      if (same(noise, before) && std::abs(total_weight() - weights) < 0.5) break;
+          std::exchange(noise, estimate_noise(chain, nodes_, noise, floor_, with_orientation));
+      if (same(noise, before)) break;
     }
-    result.fit = fit_chain(chain, samples_, noise, with_orientation);
+    result.fit = fit_chain(chain, nodes_, noise, effects_, with_orientation);
     result.fit.summary.iterations += iterations;
     result.noise = noise;
     return result;
-  }
-
-  [[nodiscard]] double total_weight() const {
-    double sum = 0;
-    for (const ChainObservation& sample : samples_) sum += sample.weight;
-    return sum;
   }
 
   static bool same(const ChainNoise& a, const ChainNoise& b) {
@@ -106,74 +101,41 @@ class Estimation {
     return all;
   }
 
-  /// Circles about one chain. Where they do not pass one common home point, each by itself.
-  Fitted without_angles(const Chain& start, bool with_angles) {
-    Fitted shared = robustly_started(start);
-    if (axes() < 2) return shared;
-    const auto kept = samples_;
-    Chain apart = shared.fit.chain;
-    for (std::size_t t = 0; t < targets_; ++t)
-      for (std::size_t j = 1; j < joints_; ++j) apart.targets_mm.push_back(apart.targets_mm[t]);
-    for (ChainObservation& sample : samples_)
-      if (sample.joint > 0)
-        sample.target = targets_ + sample.target * (joints_ - 1) + sample.joint - 1;
-    // What home points of their own would gain, to first order: the score test (Rao 1948). A step
-    // squared, in standard uncertainties, is the chi squared that it takes away. Chi squared passes
-    // its mean by eight of its standard deviations never.
-    const double step = fit_chain(apart, samples_, shared.noise, false, 0).summary.last_step;
-    const double freedom = 2 * static_cast<double>(targets_) * static_cast<double>(axes());
-    const double bound = freedom + 8 * std::sqrt(2 * freedom);
-    if (step * step > bound || shared.noise.position_mm > 2 * circle_scatter()) {
-      // In earnest: by the noise that is left without a common home, and its correlation.
-      apart.axes = start.axes;
-      apart.targets_mm = starting_targets(apart, samples_, apart.targets_mm.size(), with_angles);
-      Fitted separate = robustly_started(std::move(apart));
-      std::vector<ChainObservation> pooled = kept;
-      for (std::size_t i = 0; i < pooled.size(); ++i) pooled[i].weight = samples_[i].weight;
-      const double cost = fit_chain(shared.fit.chain, pooled, separate.noise, false).summary.cost;
-      if (2 * (cost - separate.fit.summary.cost) > bound * correlated(separate, false)) {
-        shared_home_ = false;
-        return separate;
-      }
-    }
-    samples_ = kept;
-    return shared;
-  }
-
-  [[nodiscard]] double correlated(const Fitted& fitted, bool with_orientation) const {
-    return samples_per_independent(fitted.fit.chain, samples_, fitted.noise, with_orientation);
-  }
-
-  /// How far samples are off the circles that they were found on, in the worst joint.
-  [[nodiscard]] double circle_scatter() const {
-    double scatter = 0;
-    for (const JointResult& joint : circles_.joints)
-      if (joint.circle)
-        scatter = std::max({scatter, joint.circle->plane_rms_mm, joint.circle->radial_rms_mm});
-    return scatter;
-  }
-
-  [[nodiscard]] std::size_t axes() const {
-    return static_cast<std::size_t>(std::count_if(
-        axes_.begin(), axes_.end(), [](const auto& axis) { return axis.has_value(); }));
-  }
-
-  /// The first fit: the noise is not known yet, and some points may be far off.
-  Fitted robustly_started(Chain chain) {
+  /// The first fit: the noise is not known yet.
+  Fitted without_angles(const Chain& start) {
     ChainNoise noise = floor_;
     noise.swept_rad.assign(joints_, kFreeAngle);
     noise.position_mm = 1;
-    constexpr int kRounds = 3;
+    const Chain chain = fit_chain(start, nodes_, noise, effects_, false).chain;
+    return settled(chain, estimate_noise(chain, nodes_, noise, floor_, false), false);
+  }
+
+  /// What is left beyond the samples' noise, and the fit that knows of it.
+  void find_effects(Fitted& best) {
+    double weight = 0;
+    for (const StrokeMoments& stroke : nodes_.strokes)
+      weight += stroke.weight / stroke.correlation / static_cast<double>(nodes_.strokes.size());
+    const double reach = reach_mm(best.fit.chain);
+    const double smallest = best.noise.position_mm / std::sqrt(weight);
+    ChainEffects shape;
+    shape.home_rad = shape.drift_mm = shape.figure_mm = 1;
+    shape.offset_rad = nodes_.homes.size() > 1 ? 1 : 0;
+    constexpr int kRounds = 2;
     for (int round = 0; round < kRounds; ++round) {
-      const double sigma =
-          std::max(floor_.position_mm, robust_position_sigma(chain, samples_, noise));
-      noise.position_mm = sigma;
-      reweight(chain, samples_, noise, false);
-      chain = fit_chain(chain, samples_, noise, false).chain;
+      const LinearisedChain linearised(best.fit.chain, nodes_, best.noise, shape, false);
+      effects_ = effect_sizes(linearised, shape, smallest, reach);
+      best.fit = fit_chain(best.fit.chain, nodes_, best.noise, effects_, false);
     }
-    noise.position_mm = std::max(floor_.position_mm, robust_position_sigma(chain, samples_, noise));
-    reweight(chain, samples_, noise, false);
-    return settled(std::move(chain), noise, false);
+  }
+
+  /// How far the targets are from the axes at most.
+  [[nodiscard]] double reach_mm(const Chain& chain) const {
+    double reach = 1;
+    for (const auto& axis : axes_)
+      if (axis)
+        for (const Vector3d& target : chain.targets_mm)
+          reach = std::max(reach, (target - axis->point_mm).cross(axis->direction).norm());
+    return reach;
   }
 
   /// Root mean square of what is left, in what printed numbers alone would leave.
@@ -181,7 +143,7 @@ class Estimation {
     ChainNoise printed = quantum_;
     for (std::size_t j = 0; j < joints_; ++j)
       if (std::isinf(fitted.noise.swept_rad[j])) printed.swept_rad[j] = kFreeAngle;
-    return misfit(fitted.fit.chain, samples_, printed, with_orientation);
+    return misfit(fitted.fit.chain, nodes_, printed, with_orientation);
   }
 
   [[nodiscard]] bool explained_by_print(const Fitted& fitted, bool with_orientation) const {
@@ -194,17 +156,20 @@ class Estimation {
     ChainNoise noise = best.noise;
     noise.locked_rad = std::max(noise.locked_rad, floor_.locked_rad);
     std::vector<bool> swept(joints_, false);
-    for (const ChainObservation& sample : samples_) swept[sample.joint] = true;
+    for (const StrokeMoments& stroke : nodes_.strokes)
+      if (stroke.told) swept[stroke.content.joint] = true;
     for (std::size_t j = 0; j < joints_; ++j)
       if (swept[j]) noise.swept_rad[j] = quantum_.swept_rad[j];
-    const auto free_samples = samples_;
+    effects_.zero_rad = unseen_zeros();
+    effects_.print_mm = campaign_.resolution.position_mm;
+    const auto free_nodes = nodes_.observations;
     for (std::size_t tried = 0; tried <= joints_; ++tried) {
-      samples_ = free_samples;
-      for (ChainObservation& sample : samples_)
+      nodes_.observations = free_nodes;
+      for (ChainObservation& sample : nodes_.observations)
         if (std::isfinite(noise.swept_rad[sample.joint]))
           sample.turns[sample.joint] = sample.measured_turn;
       Fitted believed = settled(best.fit.chain, noise, false);
-      test_believed_angles(believed.fit.chain, samples_, believed.noise, quantum_, evidence);
+      test_believed_angles(believed.fit.chain, nodes_, believed.noise, quantum_, evidence);
       std::optional<std::size_t> worst;
       bool any = false;
       for (std::size_t j = 0; j < joints_; ++j) {
@@ -228,7 +193,34 @@ class Estimation {
                                     : "a pattern in the residuals along the motion";
       noise.swept_rad[*worst] = kFreeAngle;
     }
-    samples_ = free_samples;
+    nodes_.observations = free_nodes;
+    effects_ = {};
+  }
+
+  /// How far each joint may have stood from the home that was printed: where its angle hardly
+  /// changed while it was locked, up to half a step of the last decimal; where it wobbled through
+  /// the steps, their mean tells.
+  [[nodiscard]] std::vector<double> unseen_zeros() const {
+    const double step = campaign_.resolution.angle_rad;
+    std::vector<double> zeros;
+    for (std::size_t j = 0; j < joints_; ++j) {
+      double squares = 0, samples = 0;
+      for (const StrokeMoments& stroke : nodes_.strokes) {
+        if (stroke.content.joint == j) continue;
+        const auto at = static_cast<Eigen::Index>(
+            (stroke.content.orientation ? 7 : 4) + j);
+        for (const StrokeMoments::Node& node : stroke.nodes) {
+          squares += node.sums(at, at);
+          samples += node.sums(0, 0);
+        }
+      }
+      const double variance = samples > 0 ? squares / samples : 0;
+      // The mean of rounded numbers is off by what is left of the saw tooth's first wave.
+      const double wave = 2 * kPi * kPi * variance / (step * step);
+      const double left = step > 0 ? std::max(std::exp(-wave), 1 / std::sqrt(std::max(1.0, samples))) : 0;
+      zeros.push_back(std::max(kLeastAngle_rad, step / std::sqrt(12.0) * left));
+    }
+    return zeros;
   }
 
   /// Whether the tool's orientations agree with what the positions found; then they are used.
@@ -236,7 +228,7 @@ class Estimation {
     Chain chain = best.fit.chain;
     // The tool at home, as the mean over all samples: the rotation closest to it.
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-    for (const ChainObservation& sample : samples_)
+    for (const ChainObservation& sample : nodes_.observations)
       sum += sample.weight * chain.displacement(sample.turns).linear().transpose() *
              sample.orientation;
     const Eigen::Quaterniond mean = closest_rotation(sum);
@@ -244,7 +236,7 @@ class Estimation {
     // They share their encoders with the positions, or they are left alone.
     best.fit.chain.tool = chain.tool;
     if (!explained_by_print(best, false) || misprint(best, true) > 2 * kMostQuanta) return false;
-    const auto kept = samples_;
+    const auto kept = nodes_.observations;
     ChainNoise noise = best.noise;
     noise.orientation_rad = quantum_.orientation_rad;
     Fitted oriented = settled(chain, noise, true);
@@ -252,7 +244,7 @@ class Estimation {
     if (consistent) {
       best = std::move(oriented);
     } else {
-      samples_ = kept;
+      nodes_.observations = kept;
     }
     return consistent;
   }
@@ -266,29 +258,35 @@ class Estimation {
     return Eigen::Quaterniond(rotation).normalized();
   }
 
-  void finish(const Fitted& best, ChainEstimate& estimate) const {
+  void finish(Fitted& best, ChainEstimate& estimate) {
     estimate.noise = best.noise;
     estimate.summary = best.fit.summary;
-    estimate.shared_home = shared_home_;
-    estimate.samples = samples_.size();
-    estimate.samples_per_independent = correlated(best, estimate.with_orientation);
-    for (const ChainObservation& sample : samples_)
-      if (sample.weight < 0.5) ++estimate.outliers;
+    estimate.samples = nodes_.samples();
+    estimate.outliers = nodes_.outliers();
+    double sum = 0, weight = 0;
+    for (const StrokeMoments& stroke : nodes_.strokes) {
+      sum += stroke.weight / stroke.correlation;
+      weight += stroke.weight;
+    }
+    estimate.samples_per_independent = weight / sum;
 
-    std::vector<bool> known;
-    for (const auto& axis : axes_) known.push_back(axis.has_value());
-    set_fitted_axes(estimate, best.fit, known, targets_);
+    estimate.effects = effects_;
+    estimate.home_scatter_mm =
+        std::hypot(effects_.home_rad * reach_mm(best.fit.chain), effects_.drift_mm);
+    const LinearisedChain linearised(best.fit.chain, nodes_, best.noise, effects_,
+                                     estimate.with_orientation);
+    best.fit.parts = linearised.parts();
+    set_fitted_axes(estimate, best.fit, nodes_.known, nodes_.targets);
   }
 
   const Identification& circles_;
   const Campaign& campaign_;
   std::size_t joints_;
-  std::size_t targets_ = 1;
   std::vector<std::optional<ChainAxis>> axes_;  ///< to start from
-  std::vector<ChainObservation> samples_;
+  ChainNodes nodes_;
+  ChainEffects effects_;
   ChainNoise quantum_;  ///< what printed numbers alone would scatter
   ChainNoise floor_;    ///< what estimates of the noise do not go below
-  bool shared_home_ = true;
 };
 
 }  // namespace

@@ -23,151 +23,231 @@ constexpr double kNoInformation = 1e-9;
 
 /// The normal equations N x = g of one linearisation.
 struct NormalEquations {
-  explicit NormalEquations(Index count)
-      : normal(MatrixXd::Zero(count, count)), gradient(VectorXd::Zero(count)) {}
-  MatrixXd normal;  // lower half
+  MatrixXd normal;
   VectorXd gradient;
   double cost = 0;
 };
 
-/// Gathers rows of J and J W of samples with the same active parameters, so that the products run
-/// over long rows.
-template <int Size>
-class Rows {
- public:
-  /// The parameters to come: `active` rises, the others' columns of the Jacobian are zero.
-  void activate(std::vector<Index> active, NormalEquations& equations) {
-    flush(equations);
-    active_ = std::move(active);
-    rows_.resize(count(), kMost);
-    weighted_.resize(count(), kMost);
-  }
-
-  void add(const Eigen::Matrix<double, 6, Eigen::Dynamic>& columns,
-           const Eigen::Matrix<double, Size, Size>& weight,
-           const Eigen::Matrix<double, Size, 1>& error, NormalEquations& equations) {
-    if (filled_ == kMost) flush(equations);
-    for (Index a = 0; a < count(); ++a) {
-      const auto column = columns.col(active_[static_cast<std::size_t>(a)]).template head<Size>();
-      rows_.row(a).template segment<Size>(filled_) = column.transpose();
-      weighted_.row(a).template segment<Size>(filled_) = (weight * column).transpose();
-    }
-    errors_.template segment<Size>(filled_) = error;
-    filled_ += Size;
-  }
-
-  void flush(NormalEquations& equations) {
-    if (filled_ == 0) return;
-    const auto weighted = weighted_.leftCols(filled_);
-    MatrixXd normal = MatrixXd::Zero(count(), count());
-    normal.triangularView<Eigen::Lower>() = weighted * rows_.leftCols(filled_).transpose();
-    const VectorXd gradient = weighted * errors_.head(filled_);
-    for (Index a = 0; a < count(); ++a) {
-      const Index at = active_[static_cast<std::size_t>(a)];
-      equations.gradient(at) += gradient(a);
-      for (Index b = 0; b <= a; ++b)
-        equations.normal(at, active_[static_cast<std::size_t>(b)]) += normal(a, b);
-    }
-    filled_ = 0;
-  }
-
- private:
-  static constexpr Index kMost = 64 * Size;
-  [[nodiscard]] Index count() const { return static_cast<Index>(active_.size()); }
-
-  std::vector<Index> active_;
-  MatrixXd rows_;
-  MatrixXd weighted_;
-  Eigen::Matrix<double, kMost, 1> errors_;
-  Index filled_ = 0;
-};
+/// The variances of the columns that a problem of this shape has.
+EffectVariances columns_of(const ChainEffects& effects, const ChainEffects& shape,
+                           const ChainNodes& nodes) {
+  EffectVariances variances = variances_of(effects, nodes);
+  const auto keep = [](bool any, std::vector<VectorXd>& columns) {
+    if (!any)
+      for (VectorXd& one : columns) one.resize(0);
+  };
+  keep(shape.home_rad > 0 || shape.drift_mm > 0 || shape.print_mm > 0, variances.own);
+  keep(shape.figure_mm > 0, variances.shared);
+  keep(shape.offset_rad > 0, variances.home);
+  return variances;
+}
 
 template <int Size>
 class Problem {
  public:
-  /// The weights are those of `chain`, and stay: what is minimised must not move.
-  Problem(const Chain& chain, std::vector<ChainObservation>& samples, const ChainNoise& noise)
-      : samples_(samples), noise_(noise), weights_(samples.size()), swept_(samples.size()) {
+  /// The weights are those of `chain`, and stay: what is minimised must not move. `shape`: effects
+  /// that are zero there get no columns.
+  Problem(const Chain& chain, ChainNodes& nodes, const ChainNoise& noise,
+          const ChainEffects& shape)
+      : nodes_(nodes),
+        noise_(noise),
+        shape_(shape),
+        variances_(columns_of(shape, shape, nodes)),
+        weights_(nodes.observations.size()),
+        swept_(nodes.observations.size()),
+        figures_(nodes.home_of.size()) {
     ChainPose pose(chain);
-    for (std::size_t i = 0; i < samples_.size(); ++i) {
-      pose.set(samples_[i].target, samples_[i].turns, false);
-      weights_[i] = ChainResidual<Size>::base_weight(chain, samples_[i], noise, pose);
-      swept_[i] = samples_[i].turns[samples_[i].joint];
+    for (std::size_t i = 0; i < nodes_.observations.size(); ++i) {
+      const ChainObservation& seen = nodes_.observations[i];
+      pose.set(seen.target, turns_of(chain, seen, noise), false);
+      weights_[i] = ChainResidual<Size>::base_weight(chain, seen, noise, pose);
+      swept_[i] = seen.turns[seen.joint];
+      Range& figure = figures_[nodes.group[seen.sweep]];
+      figure.from = std::min(figure.from, swept_[i]);
+      figure.to = std::max(figure.to, swept_[i]);
     }
+  }
+
+  /// Of the chain's parameters; behind them one a joint for where its angle is zero.
+  [[nodiscard]] static Index count(const Chain& chain) {
+    return ChainParameters{chain.axes.size(), chain.targets_mm.size()}.count(Size == 6);
+  }
+  [[nodiscard]] static Index with_zeros(const Chain& chain) {
+    return count(chain) + static_cast<Index>(chain.axes.size());
   }
 
   /// The free angles go along to where the last linearisation put them.
   void follow() {
-    for (std::size_t i = 0; i < samples_.size(); ++i)
-      samples_[i].turns[samples_[i].joint] = swept_[i];
+    for (std::size_t i = 0; i < swept_.size(); ++i)
+      nodes_.observations[i].turns[nodes_.observations[i].joint] = swept_[i];
   }
 
   NormalEquations linearised(const Chain& chain) {
-    const ChainParameters parameters{chain.axes.size(), chain.targets_mm.size()};
-    NormalEquations equations(parameters.count(Size == 6));
-    ChainPose pose(chain);
-    std::optional<Active> active;
-    for (std::size_t i = 0; i < samples_.size(); ++i) {
-      const ChainObservation& sample = samples_[i];
-      if (sample.weight == 0 && !free(sample)) continue;
-      pose.set(sample.target, sample.turns, true);
-      residual_.set(chain, sample, pose, weights_[i], free(sample));
-      if (free(sample)) {
-        swept_[i] = sample.turns[sample.joint] + residual_.toward;
-        // Along the tangent is along the circle, unless it is far.
-        constexpr double kBend = 1e-10;  // standard deviations
-        if (residual_.toward * residual_.toward > kBend * residual_.toward_sigma) {
-          Turns turns = sample.turns;
-          turns[sample.joint] = swept_[i];
-          pose.set(sample.target, turns, true);
-          residual_.set(chain, sample, pose, weights_[i], true);
-        }
-      }
-      equations.cost += sample.weight * residual_.squared() / 2;
-      if (const Active now{turned(sample), sample.target}; active != now) {
-        active = now;
-        rows_.activate(columns(parameters, now), equations);
-      }
-      rows_.add(pose.by_parameter, sample.weight * residual_.weight, residual_.error, equations);
+    const auto all = eliminate(products(chain), nodes_.home_of, variances_, with_zeros(chain));
+    NormalEquations equations{all.normal, all.gradient, all.squares / 2};
+    const VectorXd known = prior(chain);
+    equations.normal.diagonal() += known;
+    for (std::size_t j = 0; j < chain.zero_rad.size(); ++j) {
+      const Index at = count(chain) + static_cast<Index>(j);
+      const double zero = chain.zero_rad[j];
+      equations.gradient(at) -= known(at) * zero;
+      equations.cost += known(at) * zero * zero / 2;
     }
-    rows_.flush(equations);
     return equations;
   }
 
- private:
-  /// What a sample depends on: joints that did not turn change nothing.
-  struct Active {
-    unsigned joints;  ///< a bit each
-    std::size_t target;
-    bool operator==(const Active&) const = default;
-  };
-  static unsigned turned(const ChainObservation& sample) {
-    unsigned joints = 1u << sample.joint;
-    for (std::size_t j = 0; j < kMostJoints; ++j)
-      if (sample.turns[j] != 0) joints |= 1u << j;
-    return joints;
+  /// What is known of each parameter beforehand: one over its variance.
+  [[nodiscard]] VectorXd prior(const Chain& chain) const {
+    VectorXd known = VectorXd::Zero(with_zeros(chain));
+    for (std::size_t j = 0; j < shape_.zero_rad.size(); ++j)
+      if (shape_.zero_rad[j] > 0 && !std::isinf(noise_.swept_rad[j]))
+        known(count(chain) + static_cast<Index>(j)) =
+            1 / (shape_.zero_rad[j] * shape_.zero_rad[j]);
+    return known;
   }
-  static std::vector<Index> columns(const ChainParameters& parameters, const Active& active) {
+
+  std::vector<StrokeProducts> products(const Chain& chain) {
+    std::vector<StrokeProducts> found;
+    ChainPose pose(chain);
+    for (std::size_t s = 0; s < nodes_.strokes.size(); ++s) found.push_back(stroke(chain, s, pose));
+    return found;
+  }
+
+ private:
+  struct Range {
+    double from = std::numeric_limits<double>::infinity();
+    double to = -std::numeric_limits<double>::infinity();
+  };
+
+  StrokeProducts stroke(const Chain& chain, std::size_t s, ChainPose& pose) {
+    const StrokeMoments& moments = nodes_.strokes[s];
+    const std::size_t begin = nodes_.first[s];
+    const auto nodes = static_cast<Index>(moments.nodes.size());
+    StrokeProducts result;
+    result.group = nodes_.group[s];
+    result.parameters = active(chain, begin, begin + moments.nodes.size());
+    const std::size_t home = nodes_.home_of[result.group];
+    const Index own = variances_.own[s].size();
+    const Index shared = variances_.shared[result.group].size();
+    const Index at_home = variances_.home[home].size();
+    const auto parameters = static_cast<Index>(result.parameters.size());
+    const Index columns = own + shared + at_home + parameters + 1;
+    rows_.setZero(columns, Size * nodes);
+    weighted_.resize(columns, Size * nodes);
+    for (Index n = 0; n < nodes; ++n) {
+      const std::size_t i = begin + static_cast<std::size_t>(n);
+      const ChainObservation& seen = nodes_.observations[i];
+      settle(chain, i, pose);
+      auto block = rows_.template middleCols<Size>(Size * n);
+      for (std::size_t k = 0; k < chain.axes.size(); ++k) {
+        if (k == seen.joint || !nodes_.known[k]) continue;
+        const auto row = static_cast<Index>(k);
+        const auto turned = pose.by_turn[k].template head<Size>().transpose();
+        if (own > 0) block.row(row) = turned;
+        if (at_home > 0) block.row(own + shared + row) = turned;
+      }
+      if (own > 0) block.template middleRows<3>(own - 3).template leftCols<3>().setIdentity();
+      if (shared > 0)
+        add_figure(block.middleRows(own, shared), moments, seen, figures_[result.group],
+                   nodes_.homes[home][seen.joint]);
+      for (Index a = 0; a < parameters; ++a) {
+        const Index at = result.parameters[static_cast<std::size_t>(a)];
+        auto row = block.row(own + shared + at_home + a);
+        if (at < count(chain))
+          row = pose.by_parameter.col(at).template head<Size>().transpose();
+        else
+          row = residual_.by_swept.transpose();
+      }
+      block.row(columns - 1) = residual_.error.transpose();
+      weighted_.template middleCols<Size>(Size * n).noalias() =
+          block * (seen.weight / moments.correlation * residual_.weight);
+    }
+    result.products.noalias() = weighted_ * rows_.transpose();
+    return result;
+  }
+
+  /// The residual at a node, a free angle where it fits best.
+  void settle(const Chain& chain, std::size_t i, ChainPose& pose) {
+    const ChainObservation& seen = nodes_.observations[i];
+    pose.set(seen.target, turns_of(chain, seen, noise_), true);
+    residual_.set(chain, seen, pose, weights_[i], free(seen));
+    if (!free(seen)) return;
+    swept_[i] = seen.turns[seen.joint] + residual_.toward;
+    // Along the tangent is along the circle, unless it is far.
+    constexpr double kBend = 1e-10;  // standard deviations
+    if (residual_.toward * residual_.toward <= kBend * residual_.toward_sigma) return;
+    Turns turns = seen.turns;
+    turns[seen.joint] = swept_[i];
+    pose.set(seen.target, turns, true);
+    residual_.set(chain, seen, pose, weights_[i], true);
+  }
+
+  /// Radial and axial, nothing where the joint stands at its home's turn.
+  template <class Block>
+  static void add_figure(Block block, const StrokeMoments& moments, const ChainObservation& seen,
+                         const Range& range, double home_turn) {
+    const Eigen::Vector3d from = seen.position_mm - moments.circle.center_mm;
+    const Eigen::Vector3d& axial = moments.circle.normal;
+    const Eigen::Vector3d radial = (from - axial.dot(from) * axial).normalized();
+    const double width = range.to - range.from;
+    const auto place = [&](double turn) {
+      return width > 0 ? std::clamp((2 * turn - range.from - range.to) / width, -1.0, 1.0) : 0;
+    };
+    const auto here = polynomials(place(seen.turns[seen.joint]));
+    const auto home = polynomials(place(home_turn));
+    for (Index m = 0; m < kFigureOrders; ++m) {
+      const double value = here(m) - home(m);
+      block.row(m).template head<3>() = value * radial.transpose();
+      block.row(kFigureOrders + m).template head<3>() = value * axial.transpose();
+    }
+  }
+
+  using Orders = Eigen::Matrix<double, kFigureOrders, 1>;
+  /// Chebyshev polynomials of the orders from 1 on.
+  static Orders polynomials(double x) {
+    Orders values;
+    double before = 1, value = x;
+    for (double& order : values) {
+      order = value;
+      before = std::exchange(value, 2 * x * value - before);
+    }
+    return values;
+  }
+
+  /// What a stroke depends on: joints that did not turn change nothing.
+  std::vector<Index> active(const Chain& chain, std::size_t begin, std::size_t end) const {
+    const ChainParameters parameters{chain.axes.size(), chain.targets_mm.size()};
+    const ChainObservation& first = nodes_.observations[begin];
     std::vector<Index> found;
     const auto add = [&](Index from, Index count) {
       for (Index k = 0; k < count; ++k) found.push_back(from + k);
     };
-    for (std::size_t j = 0; j < parameters.joints; ++j)
-      if ((active.joints >> j & 1u) != 0) add(parameters.axis(j), 4);
-    add(parameters.target(active.target), 3);
+    for (std::size_t j = 0; j < parameters.joints; ++j) {
+      bool turned = j == first.joint;
+      for (std::size_t i = begin; i < end && !turned; ++i)
+        turned = nodes_.observations[i].turns[j] != 0;
+      if (turned) add(parameters.axis(j), 4);
+    }
+    add(parameters.target(first.target), 3);
     if constexpr (Size == 6) add(parameters.tool(), 3);
+    if (!shape_.zero_rad.empty() && shape_.zero_rad[first.joint] > 0 && !free(first))
+      found.push_back(count(chain) + static_cast<Index>(first.joint));
     return found;
   }
 
-  [[nodiscard]] bool free(const ChainObservation& sample) const {
-    return std::isinf(noise_.swept_rad[sample.joint]);
+  [[nodiscard]] bool free(const ChainObservation& seen) const {
+    return std::isinf(noise_.swept_rad[seen.joint]);
   }
 
-  std::vector<ChainObservation>& samples_;
+  ChainNodes& nodes_;
   const ChainNoise& noise_;
+  const ChainEffects& shape_;
+  EffectVariances variances_;
   std::vector<typename ChainResidual<Size>::Square> weights_;
   std::vector<double> swept_;  ///< turns of the sweeping joints
-  Rows<Size> rows_;
+  std::vector<Range> figures_;
+  MatrixXd rows_;      ///< transposed: one column a row of the model
+  MatrixXd weighted_;
   ChainResidual<Size> residual_;
 };
 
@@ -202,6 +282,16 @@ class Information {
     return whole.selfadjointView<Eigen::Lower>();
   }
 
+  /// Of the scaled-back matrix, over what has information.
+  [[nodiscard]] double log_determinant() const {
+    double sum = 0;
+    for (Index i = 0; i < values_.size(); ++i) {
+      if (informed(i)) sum += std::log(values_(i));
+      if (scale_(i) > 0) sum -= 2 * std::log(scale_(i));
+    }
+    return sum;
+  }
+
   [[nodiscard]] double condition() const {
     double smallest = values_(values_.size() - 1);
     for (Index i = values_.size() - 1; i >= 0 && informed(i); --i) smallest = values_(i);
@@ -225,11 +315,12 @@ class Information {
 };
 
 template <int Size>
-ChainFit fit(const Chain& start, std::vector<ChainObservation>& samples, const ChainNoise& noise,
-             int most_iterations) {
-  Problem<Size> problem(start, samples, noise);
+ChainFit fit(const Chain& start, ChainNodes& nodes, const ChainNoise& noise,
+             const ChainEffects& effects, int most_iterations) {
+  Problem<Size> problem(start, nodes, noise, effects);
   ChainFit result;
   result.chain = start;
+  if (!effects.zero_rad.empty()) result.chain.zero_rad.resize(start.axes.size());
   Summary& summary = result.summary;
   summary.ending = "no convergence";
   double previous = std::numeric_limits<double>::infinity();
@@ -268,11 +359,17 @@ ChainFit fit(const Chain& start, std::vector<ChainObservation>& samples, const C
     const auto better = [&](const NormalEquations& there) {
       return there.cost <= equations.cost || (close && std::isfinite(there.cost));
     };
-    Chain next = moved(result.chain, information.step(equations.gradient, damping));
+    const auto after = [&](const VectorXd& change) {
+      Chain there = moved(result.chain, change.head(Problem<Size>::count(result.chain)));
+      for (std::size_t j = 0; j < there.zero_rad.size(); ++j)
+        there.zero_rad[j] += change(Problem<Size>::count(result.chain) + static_cast<Index>(j));
+      return there;
+    };
+    Chain next = after(information.step(equations.gradient, damping));
     NormalEquations there = problem.linearised(next);
     while (!better(there) && damping < kMostDamping) {
       damping = std::max(kFirstDamping, 10 * damping);
-      next = moved(result.chain, information.step(equations.gradient, damping));
+      next = after(information.step(equations.gradient, damping));
       there = problem.linearised(next);
     }
     if (damping >= kMostDamping) {
@@ -288,10 +385,75 @@ ChainFit fit(const Chain& start, std::vector<ChainObservation>& samples, const C
 
 }  // namespace
 
-ChainFit fit_chain(const Chain& start, std::vector<ChainObservation>& samples,
-                   const ChainNoise& noise, bool with_orientation, int most_iterations) {
-  return with_orientation ? fit<6>(start, samples, noise, most_iterations)
-                          : fit<3>(start, samples, noise, most_iterations);
+ChainFit fit_chain(const Chain& start, ChainNodes& nodes, const ChainNoise& noise,
+                   const ChainEffects& effects, bool with_orientation, int most_iterations) {
+  return with_orientation ? fit<6>(start, nodes, noise, effects, most_iterations)
+                          : fit<3>(start, nodes, noise, effects, most_iterations);
+}
+
+LinearisedChain::LinearisedChain(const Chain& chain, ChainNodes& nodes, const ChainNoise& noise,
+                                 const ChainEffects& shape, bool with_orientation)
+    : nodes_(nodes), shape_(shape) {
+  const auto set = [&](auto&& problem) {
+    strokes_ = problem.products(chain);
+    prior_ = problem.prior(chain);
+  };
+  if (with_orientation)
+    set(Problem<6>(chain, nodes, noise, shape));
+  else
+    set(Problem<3>(chain, nodes, noise, shape));
+}
+
+double LinearisedChain::deviance(const ChainEffects& effects) const {
+  const auto all = eliminate(strokes_, nodes_.home_of, columns_of(effects, shape_, nodes_),
+                             prior_.size());
+  const Information information(all.normal);
+  const VectorXd step = information.step(all.gradient, 0);
+  return all.log_determinant + information.log_determinant() + all.squares - step.dot(all.gradient);
+}
+
+std::vector<ChainEstimate::Part> LinearisedChain::parts() const {
+  const EffectVariances all = columns_of(shape_, shape_, nodes_);
+  const auto normal_at = [&](const EffectVariances& variances) -> MatrixXd {
+    return eliminate(strokes_, nodes_.home_of, variances, prior_.size()).normal;
+  };
+  MatrixXd normal = normal_at(all);
+  normal.diagonal() += prior_;
+  const MatrixXd covariance = Information(normal).covariance();
+  std::vector<ChainEstimate::Part> found;
+  MatrixXd left = covariance;
+  const auto add = [&](Cause cause, const MatrixXd& information) {
+    found.push_back({cause, covariance * information * covariance});
+    left -= found.back().covariance;
+  };
+  ChainEffects home, drift, figure, offset;
+  home.home_rad = shape_.home_rad;
+  drift.drift_mm = shape_.drift_mm;
+  figure.figure_mm = shape_.figure_mm;
+  offset.offset_rad = shape_.offset_rad;
+  ChainEffects print;
+  print.print_mm = shape_.print_mm;
+  for (const auto& [cause, effect] :
+       {std::pair<Cause, const ChainEffects&>(Cause::home, home), {Cause::drift, drift},
+        {Cause::figure, figure}, {Cause::offset, offset}, {Cause::print, print}}) {
+    // The effect's variances V add K V K^T to the covariance, K = N^-1 X^T V^-1: which is
+    // -N^-1 dN/ds N^-1 where V grows by s.
+    constexpr double kStep = 1e-3;
+    const EffectVariances own = columns_of(effect, shape_, nodes_);
+    const auto changed = [&](double by) {
+      EffectVariances variances = all;
+      for (std::size_t s = 0; s < all.own.size(); ++s) variances.own[s] += by * own.own[s];
+      for (std::size_t g = 0; g < all.shared.size(); ++g)
+        variances.shared[g] += by * own.shared[g];
+      for (std::size_t h = 0; h < all.home.size(); ++h) variances.home[h] += by * own.home[h];
+      return normal_at(variances);
+    };
+    MatrixXd information = (changed(-kStep) - changed(kStep)) / (2 * kStep);
+    if (cause == Cause::print) information.diagonal() += prior_;
+    if (!information.isZero(0)) add(cause, information);
+  }
+  found.insert(found.begin(), {Cause::noise, left});
+  return found;
 }
 
 }  // namespace identify

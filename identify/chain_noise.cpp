@@ -1,15 +1,22 @@
 #include "identify/chain_noise.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Cholesky>
+
+#include "identify/angle.hpp"
+#include "identify/node_scatter.hpp"
 
 namespace identify {
 namespace {
 
 using Eigen::Index;
 using Eigen::Vector3d;
+
+
 
 /// Position, orientation, locked angles, and the angle of each joint.
 constexpr int kMostComponents = 3 + static_cast<int>(kMostJoints);
@@ -18,32 +25,39 @@ using Products =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostComponents, kMostComponents>;
 enum : Index { kPosition, kOrientation, kLocked, kSwept };
 
-/// Calls `see` with each sample's index, residual and pose.
-template <int Size, class See>
-void visit(const Chain& chain, const std::vector<ChainObservation>& samples,
-           const ChainNoise& noise, const See& see) {
-  ChainPose pose(chain);
-  ChainResidual<Size> residual;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    pose.set(samples[i].target, samples[i].turns, false);
-    residual.set(chain, samples[i], pose, noise);
-    see(i, residual, pose);
+/// What the stroke's own smooth curve leaves of the nodes' residuals.
+template <int Size>
+std::vector<typename NodeScatter<Size>::Vector> without_curve(
+    const StrokeMoments& stroke, const std::vector<NodeScatter<Size>>& scatter) {
+  const auto orders = static_cast<Index>(stroke.blocks.curve_orders);
+  const auto count = static_cast<Index>(scatter.size());
+  Eigen::MatrixXd basis(orders, count);
+  Eigen::MatrixXd errors(count, Size);
+  Eigen::VectorXd samples(count);
+  std::vector<Eigen::Matrix<double, Size, Size>> turned;
+  for (Index n = 0; n < count; ++n) {
+    const auto at = static_cast<std::size_t>(n);
+    const double turn = stroke.nodes[at].turn_rad;
+    const double width = stroke.to_rad - stroke.from_rad;
+    const double x = width > 0 ? (2 * turn - stroke.from_rad - stroke.to_rad) / width : 0;
+    double before = 1, value = x;
+    for (Index m = 0; m < orders; ++m) {
+      basis(m, n) = m == 0 ? 1 : value;
+      if (m > 0) before = std::exchange(value, 2 * x * value - before);
+    }
+    turned.push_back(turned_to<Size>(stroke.directions(turn)));
+    errors.row(n) = (turned.back() * scatter[at].residual.error).transpose();
+    samples(n) = scatter[at].samples;
   }
-}
-
-/// Of the samples, by their weights.
-template <int Size>
-double row_count(const std::vector<ChainObservation>& samples, const ChainNoise& noise) {
-  double rows = 0;
-  for (const ChainObservation& sample : samples)
-    rows += sample.weight * (std::isfinite(noise.swept_rad[sample.joint]) ? Size : Size - 1);
-  return rows;
-}
-
-template <int Size>
-double parameter_count(const Chain& chain) {
-  return static_cast<double>(
-      ChainParameters{chain.axes.size(), chain.targets_mm.size()}.count(Size == 6));
+  const Eigen::MatrixXd weighted = basis * samples.asDiagonal();
+  Eigen::MatrixXd normal = weighted * basis.transpose();
+  normal.diagonal() *= 1 + 1e-12;
+  const Eigen::MatrixXd found = normal.ldlt().solve(weighted * errors);
+  errors -= basis.transpose() * found;
+  std::vector<typename NodeScatter<Size>::Vector> left;
+  for (Index n = 0; n < count; ++n)
+    left.push_back(turned[static_cast<std::size_t>(n)].transpose() * errors.row(n).transpose());
+  return left;
 }
 
 /// Variances beside that of the position have to pass their floor by so many standard deviations:
@@ -100,53 +114,52 @@ Components bounded_solution(Products m, Components u, const Components& floor) {
 }
 
 template <int Size>
-ChainNoise estimate(const Chain& chain, const std::vector<ChainObservation>& samples,
-                    const ChainNoise& noise, const ChainNoise& lowest) {
+ChainNoise estimate(const Chain& chain, const ChainNodes& nodes, const ChainNoise& noise,
+                    const ChainNoise& lowest) {
   using Square = typename ChainResidual<Size>::Square;
   const auto count = kSwept + static_cast<Index>(chain.axes.size());
   Products m = Products::Zero(count, count);
   Components u = Components::Zero(count);
-  visit<Size>(chain, samples, noise,
-              [&](std::size_t i, const ChainResidual<Size>& at, const ChainPose& pose) {
-                const ChainObservation& sample = samples[i];
-                if (sample.weight == 0) return;
-                const bool angle_used = std::isfinite(noise.swept_rad[sample.joint]);
-                // W B of each component that this sample speaks of.
-                std::array<std::pair<Index, Square>, 4> parts;
-                for (auto& part : parts) part.second.setZero();
-                std::size_t used = 0;
-                const auto part = [&](Index component) -> Square& {
-                  parts[used].first = component;
-                  return parts[used++].second;
-                };
-                part(kPosition).template leftCols<3>() = at.weight.template leftCols<3>();
-                if constexpr (Size == 6) {
-                  part(kOrientation).template rightCols<3>() = at.weight.template rightCols<3>();
-                }
-                Square by_locked = Square::Zero();
-                for (std::size_t k = 0; k < chain.axes.size(); ++k)
-                  if (k != sample.joint)
-                    by_locked.noalias() += pose.by_turn[k].template head<Size>() *
-                                           pose.by_turn[k].template head<Size>().transpose();
-                part(kLocked).noalias() = at.weight * by_locked;
-                if (angle_used)
-                  part(kSwept + static_cast<Index>(sample.joint)).noalias() =
-                      (at.weight * at.by_swept) * at.by_swept.transpose();
-                const auto weighted = (at.weight * at.error).eval();
-                for (std::size_t a = 0; a < used; ++a) {
-                  // r^T W B W r = (r^T) (W B) (W r).
-                  u(parts[a].first) += sample.weight * at.error.dot(parts[a].second * weighted);
-                  for (std::size_t b = 0; b <= a; ++b) {
-                    const double product =
-                        parts[a].second.cwiseProduct(parts[b].second.transpose()).sum();
-                    m(parts[a].first, parts[b].first) += sample.weight * product;
-                    if (a != b) m(parts[b].first, parts[a].first) += sample.weight * product;
-                  }
-                }
-              });
-  // The fit has taken up part of the scatter: as many rows as it has parameters.
-  const double rows = row_count<Size>(samples, noise);
-  u *= rows / std::max(1.0, rows - parameter_count<Size>(chain));
+  visit_nodes<Size>(chain, nodes, noise, [&](std::size_t s, const std::vector<NodeScatter<Size>>& scatter) {
+    const StrokeMoments& stroke = nodes.strokes[s];
+    const auto left = without_curve<Size>(stroke, scatter);
+    // The curve has taken up part of the scatter: as many samples as it has orders.
+    const auto orders = static_cast<double>(stroke.blocks.curve_orders);
+    const double part_left = std::max(1.0, stroke.weight - orders) / stroke.weight;
+    const std::size_t joint = stroke.content.joint;
+    const bool angle_used = std::isfinite(noise.swept_rad[joint]);
+    for (std::size_t n = 0; n < scatter.size(); ++n) {
+      const NodeScatter<Size>& at = scatter[n];
+      const Square squares = at.within + at.samples * left[n] * left[n].transpose();
+      // W B of each component that these samples speak of.
+      const Square& weight = at.residual.weight;
+      std::array<std::pair<Index, Square>, 4> parts;
+      for (auto& part : parts) part.second.setZero();
+      std::size_t used = 0;
+      const auto part = [&](Index component) -> Square& {
+        parts[used].first = component;
+        return parts[used++].second;
+      };
+      part(kPosition).template leftCols<3>() = weight.template leftCols<3>();
+      if constexpr (Size == 6)
+        part(kOrientation).template rightCols<3>() = weight.template rightCols<3>();
+      part(kLocked).noalias() = weight * at.by_locked;
+      if (angle_used)
+        part(kSwept + static_cast<Index>(joint)).noalias() =
+            (weight * at.residual.by_swept) * at.residual.by_swept.transpose();
+      const Square weighted = weight * squares;
+      for (std::size_t a = 0; a < used; ++a) {
+        // sum r^T W B W r = tr(W B W sum r r^T).
+        u(parts[a].first) += (parts[a].second * weighted).trace() / part_left;
+        for (std::size_t b = 0; b <= a; ++b) {
+          const double product =
+              at.samples * parts[a].second.cwiseProduct(parts[b].second.transpose()).sum();
+          m(parts[a].first, parts[b].first) += product;
+          if (a != b) m(parts[b].first, parts[a].first) += product;
+        }
+      }
+    }
+  });
 
   Components floor = Components::Zero(count);
   const auto square = [](double value) { return value * value; };
@@ -166,138 +179,135 @@ ChainNoise estimate(const Chain& chain, const std::vector<ChainObservation>& sam
   return found;
 }
 
-/// Of each stroke, the median squared distance in that of good samples.
 template <int Size>
-std::vector<double> median_squares(const Chain& chain, const std::vector<ChainObservation>& samples,
-                                   const ChainNoise& noise) {
-  std::vector<double> medians;
-  std::vector<double> squares;
-  const auto close = [&](std::size_t joint) {
-    const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
-    std::nth_element(squares.begin(), middle, squares.end());
-    // The median of chi squared is close to k (1 - 2 / 9k)^3.
-    const double k = std::isfinite(noise.swept_rad[joint]) ? Size : Size - 1;
-    medians.push_back(*middle / (k * std::pow(1 - 2 / (9 * k), 3)));
-    squares.clear();
+double root_mean_square(const Chain& chain, const ChainNodes& nodes, const ChainNoise& noise) {
+  double sum = 0;
+  double freedom = -static_cast<double>(
+      ChainParameters{chain.axes.size(), chain.targets_mm.size()}.count(Size == 6));
+  visit_nodes<Size>(chain, nodes, noise, [&](std::size_t s, const std::vector<NodeScatter<Size>>& scatter) {
+    for (const NodeScatter<Size>& at : scatter)
+      sum += at.residual.weight.cwiseProduct(at.within).sum() +
+             at.samples * at.residual.squared();
+    const bool angle_used = std::isfinite(noise.swept_rad[nodes.strokes[s].content.joint]);
+    freedom += nodes.strokes[s].weight * (angle_used ? Size : Size - 1);
+  });
+  return std::sqrt(std::max(0.0, sum) / std::max(1.0, freedom));
+}
+
+/// The mean squares of sums over 1, 2, 4, … successive errors, divided by their number, of a process
+/// of unit variance whose correlation falls by the factor `falls` a sample, when polynomials of the
+/// lowest `orders` were fitted to so many samples and taken out.
+Eigen::VectorXd block_variances(double falls, Index levels, Index orders, Index samples) {
+  Eigen::MatrixXd curves(samples, orders);
+  for (Index i = 0; i < samples; ++i) {
+    const double x = 2 * static_cast<double>(i) / static_cast<double>(samples - 1) - 1;
+    double before = 1, value = x;
+    for (Index m = 0; m < orders; ++m) {
+      curves(i, m) = m == 0 ? 1 : value;
+      if (m > 0) before = std::exchange(value, 2 * x * value - before);
+    }
+  }
+  const Eigen::MatrixXd inner = curves.transpose() * curves;
+  curves = inner.llt().matrixL().solve(curves.transpose()).transpose();  // orthonormal
+  // Times the covariance: sums over what went before and what comes, each falling.
+  Eigen::MatrixXd carried = -curves;
+  Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(orders);
+  for (Index i = 0; i < samples; ++i) carried.row(i) += sum = falls * sum + curves.row(i);
+  sum.setZero();
+  for (Index i = samples - 1; i >= 0; --i) carried.row(i) += sum = falls * sum + curves.row(i);
+  const Eigen::MatrixXd between = curves.transpose() * carried;
+  Eigen::VectorXd found(levels);
+  for (Index level = 0; level < levels; ++level) {
+    const Index block = Index{1} << level;
+    const auto size = static_cast<double>(block);
+    const double whole =
+        falls == 0 ? 1
+                   : (1 + falls) / (1 - falls) - 2 * falls * (1 - std::pow(falls, size)) /
+                                                     (size * (1 - falls) * (1 - falls));
+    double taken = 0;
+    const Index blocks = samples / block;
+    for (Index b = 0; b < blocks; ++b) {
+      const Eigen::VectorXd part = curves.middleRows(b * block, block).colwise().sum();
+      const Eigen::VectorXd crossed = carried.middleRows(b * block, block).colwise().sum();
+      taken += 2 * part.dot(crossed) - part.dot(between * part);
+    }
+    found(level) = std::max(1e-6, whole - taken / static_cast<double>(blocks * block));
+  }
+  return found;
+}
+
+/// How many successive samples of these strokes are worth one independent one.
+double correlation_of(const std::vector<const StrokeMoments*>& strokes) {
+  std::size_t levels = strokes.front()->blocks.variance_mm2.size();
+  for (const auto* stroke : strokes) levels = std::min(levels, stroke->blocks.variance_mm2.size());
+  if (levels < 3) return 1;
+  Eigen::VectorXd seen = Eigen::VectorXd::Zero(static_cast<Index>(levels));
+  double weight = 0, freedom = 0, samples = 0;
+  std::size_t orders = 0;
+  for (const auto* stroke : strokes) {
+    for (std::size_t b = 0; b < levels; ++b)
+      seen(static_cast<Index>(b)) += stroke->weight * stroke->blocks.variance_mm2[b];
+    weight += stroke->weight;
+    freedom += stroke->weight * static_cast<double>(stroke->blocks.directions);
+    samples += static_cast<double>(stroke->samples) / static_cast<double>(strokes.size());
+    orders = std::max(orders, stroke->blocks.curve_orders);
+  }
+  seen /= weight;
+  if (!(seen(0) > 0)) return 1;
+  seen /= seen(0);
+  const auto model = [&](double falls) {
+    return block_variances(falls, static_cast<Index>(levels), static_cast<Index>(orders),
+                           static_cast<Index>(samples));
   };
-  visit<Size>(chain, samples, noise,
-              [&](std::size_t i, const ChainResidual<Size>& at, const ChainPose&) {
-                if (i > 0 && samples[i].sweep != samples[i - 1].sweep) close(samples[i - 1].joint);
-                squares.push_back(at.squared());
-              });
-  if (!squares.empty()) close(samples.back().joint);
-  return medians;
-}
-
-template <int Size>
-void set_weights(const Chain& chain, std::vector<ChainObservation>& samples,
-                 const ChainNoise& noise) {
-  // Half of a stroke's samples are good, whatever the noise is said to be: else weights and noise
-  // would make each other ever smaller.
-  const auto medians = median_squares<Size>(chain, samples, noise);
-  std::size_t stroke = 0;
-  visit<Size>(chain, samples, noise,
-              [&](std::size_t i, const ChainResidual<Size>& at, const ChainPose&) {
-                // The distance that a good sample hardly passes, for its number of free directions.
-                const double plateau = std::sqrt(static_cast<double>(Size)) + 2.5;
-                if (i > 0 && samples[i].sweep != samples[i - 1].sweep) ++stroke;
-                const double unit = std::sqrt(std::max(1.0, medians[stroke]));
-                const double distance = std::sqrt(at.squared()) / (unit * plateau);
-                const double left = std::clamp(2 - distance, 0.0, 1.0);
-                samples[i].weight = left * left;
-              });
-}
-
-template <int Size>
-double correlated(const Chain& chain, const std::vector<ChainObservation>& samples,
-                  const ChainNoise& noise) {
-  using Vector = typename ChainResidual<Size>::Vector;
-  std::vector<Vector> errors(samples.size());
-  std::vector<Vector> weighted(samples.size());
-  visit<Size>(chain, samples, noise,
-              [&](std::size_t i, const ChainResidual<Size>& at, const ChainPose&) {
-                errors[i] = at.error;
-                // What an unused angle could explain is no residual.
-                if (std::isinf(noise.swept_rad[samples[i].joint]))
-                  errors[i] -= at.by_swept * at.toward;
-                errors[i] *= std::sqrt(samples[i].weight);
-                weighted[i] = at.weight * errors[i];
-              });
-  const auto covariance = [&](std::size_t lag) {
+  const Eigen::VectorXd white = model(0);
+  // A mean of f squares scatters by its sqrt(2 / f); there are f / 2^b of them.
+  const auto distance = [&](const Eigen::VectorXd& expected) {
     double sum = 0;
-    for (std::size_t i = 0; i + lag < samples.size(); ++i)
-      if (samples[i].sweep == samples[i + lag].sweep) sum += weighted[i].dot(errors[i + lag]);
+    for (std::size_t b = 0; b < levels; ++b) {
+      const auto at = static_cast<Index>(b);
+      const double off = std::log(std::max(1e-6, seen(at)) / expected(at));
+      sum += off * off * freedom / (2 * static_cast<double>(std::size_t{1} << b));
+    }
     return sum;
   };
-  const double variance = covariance(0);
-  if (!(variance > 0)) return 1;
-  // Each parameter takes up one direction; the correlations of what is left sum to zero over all
-  // lags along it.
-  constexpr double kMostTakenUp = 0.6;
-  constexpr double kSigmas = 3;
-  constexpr double kLeastWindow = 200;
-  constexpr double kWindow = 20;
-  const double rows = std::max(1.0, row_count<Size>(samples, noise));
-  const double share = parameter_count<Size>(chain) / rows;
-  double sum = 1;
-  double longest = 1;
-  std::size_t window = 1;
-  for (std::size_t lag = 1; lag < samples.size() / 4; ++lag) {
-    const double lags = 2 * static_cast<double>(lag) + 1;
-    if (lags * share > kMostTakenUp) break;
-    sum += 2 * covariance(lag) / variance;
-    if (lag < window) continue;
-    window *= 2;
-    const double time = sum / (1 - lags * share);
-    // Of white noise the sum scatters by sqrt(2 lags / rows).
-    if (time > longest && time - 1 > kSigmas * std::sqrt(2 * lags / rows)) longest = time;
-    if (static_cast<double>(lag) > std::max(kLeastWindow, kWindow * longest)) break;
+  const double as_white = distance(white / white(0));
+  double best = as_white, correlation = 1;
+  for (const double falls : {0.2, 0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.93, 0.95, 0.97, 0.98, 0.99}) {
+    // What is slower than the curve's own waves is the figure's, and no noise.
+    if (1 / (1 - falls) > samples / (2 * static_cast<double>(orders))) break;
+    const Eigen::VectorXd slow = model(falls);
+    for (int part = 1; part <= 20; ++part) {
+      const double share = part / 20.0;
+      const Eigen::VectorXd mixed = (1 - share) * white + share * slow;
+      const double here = distance(mixed / mixed(0));
+      if (here >= best) continue;
+      best = here;
+      correlation = ((1 - share) + share * (1 + falls) / (1 - falls)) / mixed(0);
+    }
   }
-  return longest;
-}
-
-template <int Size>
-double root_mean_square(const Chain& chain, const std::vector<ChainObservation>& samples,
-                        const ChainNoise& noise) {
-  double sum = 0;
-  visit<Size>(chain, samples, noise,
-              [&](std::size_t i, const ChainResidual<Size>& at, const ChainPose&) {
-                sum += samples[i].weight * at.squared();
-              });
-  const double freedom = row_count<Size>(samples, noise) - parameter_count<Size>(chain);
-  return std::sqrt(sum / std::max(1.0, freedom));
+  constexpr double kChanceOfWhite = 9;
+  return as_white - best > kChanceOfWhite ? std::max(1.0, correlation) : 1;
 }
 
 }  // namespace
 
-ChainNoise estimate_noise(const Chain& chain, const std::vector<ChainObservation>& samples,
-                          const ChainNoise& noise, const ChainNoise& floor, bool with_orientation) {
-  return with_orientation ? estimate<6>(chain, samples, noise, floor)
-                          : estimate<3>(chain, samples, noise, floor);
+ChainNoise estimate_noise(const Chain& chain, const ChainNodes& nodes, const ChainNoise& noise,
+                          const ChainNoise& floor, bool with_orientation) {
+  return with_orientation ? estimate<6>(chain, nodes, noise, floor)
+                          : estimate<3>(chain, nodes, noise, floor);
 }
 
-double robust_position_sigma(const Chain& chain, const std::vector<ChainObservation>& samples,
-                             const ChainNoise& noise) {
-  const auto medians = median_squares<3>(chain, samples, noise);
-  if (medians.empty()) return noise.position_mm;
-  return noise.position_mm * std::sqrt(*std::max_element(medians.begin(), medians.end()));
-}
-
-void reweight(const Chain& chain, std::vector<ChainObservation>& samples, const ChainNoise& noise,
+double misfit(const Chain& chain, const ChainNodes& nodes, const ChainNoise& noise,
               bool with_orientation) {
-  with_orientation ? set_weights<6>(chain, samples, noise) : set_weights<3>(chain, samples, noise);
+  return with_orientation ? root_mean_square<6>(chain, nodes, noise)
+                          : root_mean_square<3>(chain, nodes, noise);
 }
 
-double misfit(const Chain& chain, const std::vector<ChainObservation>& samples,
-              const ChainNoise& noise, bool with_orientation) {
-  return with_orientation ? root_mean_square<6>(chain, samples, noise)
-                          : root_mean_square<3>(chain, samples, noise);
-}
-
-double samples_per_independent(const Chain& chain, const std::vector<ChainObservation>& samples,
-                               const ChainNoise& noise, bool with_orientation) {
-  return with_orientation ? correlated<6>(chain, samples, noise)
-                          : correlated<3>(chain, samples, noise);
+void set_correlation(std::vector<StrokeMoments>& strokes) {
+  std::vector<const StrokeMoments*> all;
+  for (const StrokeMoments& stroke : strokes) all.push_back(&stroke);
+  const double correlation = all.empty() ? 1 : correlation_of(all);
+  for (StrokeMoments& stroke : strokes) stroke.correlation = correlation;
 }
 
 }  // namespace identify

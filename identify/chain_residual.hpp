@@ -24,6 +24,15 @@ struct ChainObservation {
   double weight = 1;      ///< 0 to 1: how far the sample is believed
 };
 
+/// The turns of a sample: where its joint's angle is believed, by where that is zero.
+[[nodiscard]] inline Turns turns_of(const Chain& chain, const ChainObservation& seen,
+                                    const ChainNoise& noise) {
+  Turns turns = seen.turns;
+  if (!chain.zero_rad.empty() && std::isfinite(noise.swept_rad[seen.joint]))
+    turns[seen.joint] += chain.zero_rad[seen.joint];
+  return turns;
+}
+
 /// Measured minus predicted, at one sample: `Size` 3 for the position (mm), 6 with the orientation
 /// (rotation vector in the measurement frame, rad).
 ///

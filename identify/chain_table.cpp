@@ -62,6 +62,7 @@ TableAxes table_axes(const ChainEstimate& chain, const Campaign& campaign) {
     map.block<3, 3>(targets + 3, targets).setIdentity();
     axes.z.push_back(Axis{z, chain.chain.targets_mm.front()});
   }
+  axes.by_estimate = map;
   axes.covariance = map.lazyProduct(MatrixXd(chain.covariance.lazyProduct(map.transpose())));
   if (chain.with_orientation) axes.z.back()->covariance = axes.covariance.bottomRightCorner<6, 6>();
   return axes;

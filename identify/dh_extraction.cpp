@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -138,9 +139,8 @@ Steps steps_of(const Run& run) {
   return steps;
 }
 
-/// `covariance` is that of the run's axes, six rows an axis.
-std::vector<Vector5d> variances_of(const Run& run, const MatrixXd& covariance) {
-  if (covariance.isZero(0)) return std::vector<Vector5d>(run.choices.size(), Vector5d::Zero());
+/// Of all numbers of the run's rows by its axes: five rows a row, six columns an axis.
+MatrixXd jacobian_of(const Run& run) {
   const Steps steps = steps_of(run);
   const auto columns = static_cast<Eigen::Index>(6 * run.axes.size());
   const auto rows = static_cast<Eigen::Index>(5 * run.choices.size());
@@ -163,6 +163,13 @@ std::vector<Vector5d> variances_of(const Run& run, const MatrixXd& covariance) {
     }
     moved.axes[k] = run.axes[k];
   }
+  return jacobian;
+}
+
+/// `covariance` is that of the run's axes, six rows an axis.
+std::vector<Vector5d> variances_of(const Run& run, const MatrixXd& covariance) {
+  if (covariance.isZero(0)) return std::vector<Vector5d>(run.choices.size(), Vector5d::Zero());
+  const MatrixXd jacobian = jacobian_of(run);
   const MatrixXd spread = jacobian.lazyProduct(covariance);
   std::vector<Vector5d> variances(run.choices.size());
   for (std::size_t i = 0; i < variances.size(); ++i)
@@ -172,6 +179,29 @@ std::vector<Vector5d> variances_of(const Run& run, const MatrixXd& covariance) {
       variances[i](k) = variance < 0 ? 0 : variance;  // not a number remains that
     }
   return variances;
+}
+
+std::vector<Run> runs_of(const std::vector<std::optional<Axis>>& axes, double size,
+                         const std::vector<DhRow>& specified) {
+  std::vector<Run> runs;
+  for (std::size_t i = 0; i < axes.size();) {
+    if (!axes[i] || !is_finite(*axes[i])) {
+      ++i;
+      continue;
+    }
+    Run run{i, {}, {}};
+    for (; i < axes.size() && axes[i] && is_finite(*axes[i]); ++i) {
+      if (!run.axes.empty()) {
+        const Choice choice = choose(run.axes.back(), *axes[i], size,
+                                     specified.empty() ? nullptr : &specified[i - 1]);
+        if (choice.relation == Relation::unknown) break;
+        run.choices.push_back(choice);
+      }
+      run.axes.push_back(*axes[i]);
+    }
+    runs.push_back(std::move(run));
+  }
+  return runs;
 }
 
 DhNumber conventional() {
@@ -242,21 +272,7 @@ std::vector<DhEstimate> extract_dh(const std::vector<std::optional<Axis>>& axes,
                                    const std::vector<DhRow>& specified,
                                    const MatrixXd& covariance) {
   std::vector<DhEstimate> table(axes.size());
-  for (std::size_t i = 0; i < axes.size();) {
-    if (!axes[i] || !is_finite(*axes[i])) {
-      ++i;
-      continue;
-    }
-    Run run{i, {}, {}};
-    for (; i < axes.size() && axes[i] && is_finite(*axes[i]); ++i) {
-      if (!run.axes.empty()) {
-        const Choice choice = choose(run.axes.back(), *axes[i], size,
-                                     specified.empty() ? nullptr : &specified[i - 1]);
-        if (choice.relation == Relation::unknown) break;
-        run.choices.push_back(choice);
-      }
-      run.axes.push_back(*axes[i]);
-    }
+  for (const Run& run : runs_of(axes, size, specified)) {
     const auto from = static_cast<Eigen::Index>(6 * run.start);
     const auto count = static_cast<Eigen::Index>(6 * run.axes.size());
     MatrixXd own = MatrixXd::Zero(count, count);
@@ -271,6 +287,18 @@ std::vector<DhEstimate> extract_dh(const std::vector<std::optional<Axis>>& axes,
     table.back() = {conventional(), conventional(), conventional(),
                     conventional(), conventional(), Relation::last};
   return table;
+}
+
+MatrixXd dh_jacobian(const std::vector<std::optional<Axis>>& axes, double size,
+                     const std::vector<DhRow>& specified) {
+  const auto count = static_cast<Eigen::Index>(axes.size());
+  MatrixXd whole = MatrixXd::Zero(5 * count, 6 * count);
+  for (const Run& run : runs_of(axes, size, specified)) {
+    const MatrixXd part = jacobian_of(run);
+    const auto start = static_cast<Eigen::Index>(run.start);
+    whole.block(5 * start, 6 * start, part.rows(), part.cols()) = part;
+  }
+  return whole;
 }
 
 std::vector<DhRow> values(const std::vector<DhEstimate>& table) {

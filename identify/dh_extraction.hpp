@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -28,6 +29,11 @@ struct DhEstimate {
   Relation relation = Relation::unknown;
 };
 
+/// b, theta, a, alpha, beta of a row.
+[[nodiscard]] inline std::array<const DhNumber*, 5> numbers_of(const DhEstimate& row) {
+  return {&row.b_mm, &row.theta_rad, &row.a_mm, &row.alpha_rad, &row.beta_rad};
+}
+
 /// Where a table starts: Z along the first axis, origin at its point closest to that of the
 /// measurement frame, X as close to that frame's X (or, where that is along the axis, its Y) as it
 /// can be.
@@ -52,6 +58,11 @@ struct DhEstimate {
                                                  double size_mm,
                                                  const std::vector<DhRow>& specified = {},
                                                  const Eigen::MatrixXd& covariance = {});
+
+/// How the numbers of the table of `extract_dh` change with the axes: b, theta, a, alpha, beta (mm,
+/// rad) of each row, by each axis' (direction, point); zero where an axis is missing.
+[[nodiscard]] Eigen::MatrixXd dh_jacobian(const std::vector<std::optional<Axis>>& axes,
+                                          double size_mm, const std::vector<DhRow>& specified = {});
 
 /// The values of a table as rows; undetermined ones as zero.
 [[nodiscard]] std::vector<DhRow> values(const std::vector<DhEstimate>& table);

@@ -1,5 +1,7 @@
 #include "identify/fitted_axes.hpp"
 
+#include <algorithm>
+
 namespace identify {
 namespace {
 
@@ -12,6 +14,20 @@ void set_fitted_axes(ChainEstimate& estimate, const ChainFit& fit, const std::ve
                      std::size_t targets) {
   const std::size_t joints = known.size();
   estimate.chain = fit.chain;
+  // The pose at which each angle as told is home's: the joints turned by what they stand off it.
+  Turns zero{};
+  std::copy(fit.chain.zero_rad.begin(), fit.chain.zero_rad.end(), zero.begin());
+  for (std::size_t j = 0; j < joints; ++j) {
+    Turns before{};
+    std::copy_n(zero.begin(), j, before.begin());
+    const Eigen::Isometry3d moved = fit.chain.displacement(before);
+    estimate.chain.axes[j].direction = moved.linear() * fit.chain.axes[j].direction;
+    estimate.chain.axes[j].point_mm = moved * fit.chain.axes[j].point_mm;
+  }
+  const Eigen::Isometry3d at_home = fit.chain.displacement(zero);
+  for (Eigen::Vector3d& target : estimate.chain.targets_mm) target = at_home * target;
+  estimate.chain.tool = at_home.linear() * fit.chain.tool;
+  estimate.chain.zero_rad.clear();
   const ChainParameters parameters{joints, fit.chain.targets_mm.size()};
   const auto tool = static_cast<Index>(6 * joints + 3 * targets);
   const auto rows = tool + (estimate.with_orientation ? 3 : 0);
@@ -28,14 +44,36 @@ void set_fitted_axes(ChainEstimate& estimate, const ChainFit& fit, const std::ve
     by_parameter.block<3, 2>(row + 3, parameters.axis(j) + 2) = basis;
     axis.point_mm += along * axis.direction;
   }
+  const Index zeros = parameters.count(estimate.with_orientation);
+  for (std::size_t k = 0; k < joints; ++k) {
+    const ChainAxis& turning = fit.chain.axes[k];
+    const auto column = zeros + static_cast<Index>(k);
+    const auto moves = [&](const Eigen::Vector3d& point) {
+      return turning.direction.cross(point - turning.point_mm);
+    };
+    for (std::size_t j = k + 1; j < joints; ++j) {
+      const auto row = static_cast<Index>(6 * j);
+      const ChainAxis& axis = estimate.chain.axes[j];
+      by_parameter.block<3, 1>(row, column) = turning.direction.cross(axis.direction);
+      by_parameter.block<3, 1>(row + 3, column) = moves(axis.point_mm);
+    }
+    for (std::size_t t = 0; t < targets; ++t)
+      by_parameter.block<3, 1>(static_cast<Index>(6 * joints + 3 * t), column) =
+          moves(estimate.chain.targets_mm[t]);
+    if (estimate.with_orientation) by_parameter.block<3, 1>(tool, column) = turning.direction;
+  }
   for (std::size_t t = 0; t < targets; ++t)
     by_parameter.block<3, 3>(static_cast<Index>(6 * joints + 3 * t), parameters.target(t)) =
         Eigen::Matrix3d::Identity();
   if (estimate.with_orientation)
     by_parameter.block<3, 3>(tool, parameters.tool()) = Eigen::Matrix3d::Identity();
-  estimate.covariance =
-      estimate.samples_per_independent *
-      by_parameter.lazyProduct(MatrixXd(fit.covariance.lazyProduct(by_parameter.transpose())));
+  const auto of_axes = [&](const MatrixXd& covariance) -> MatrixXd {
+    return by_parameter.lazyProduct(MatrixXd(covariance.lazyProduct(by_parameter.transpose())));
+  };
+  estimate.covariance = of_axes(fit.covariance);
+  estimate.parts.clear();
+  for (const ChainEstimate::Part& part : fit.parts)
+    estimate.parts.push_back({part.cause, of_axes(part.covariance)});
   estimate.chain.targets_mm.resize(targets);
   for (std::size_t j = 0; j < joints; ++j) {
     if (!known[j]) continue;

@@ -7,6 +7,7 @@
 #include "identify/chain_estimator.hpp"
 #include "identify/chain_table.hpp"
 #include "identify/circle_estimator.hpp"
+#include "identify/dh_budget.hpp"
 #include "identify/undetermined.hpp"
 
 namespace identify {
@@ -28,8 +29,8 @@ Identification estimate(std::vector<Sweep> sweeps, const Campaign& campaign) {
     found.robot_pose = robot_pose(axes, found.specified);
     leave_first_to_frame(found.dh, found.specified);
   }
-  if (found.chain->shared_home)
-    found.tool = tool_pose(*found.chain, axes, found.chain->dh, found.specified);
+  set_budget(found, axes);
+  found.tool = tool_pose(*found.chain, axes, found.chain->dh, found.specified);
   std::string missing;
   for (std::size_t j = 0; j < joints; ++j) {
     found.joints[j].axis = found.chain->axes[j];
@@ -86,6 +87,24 @@ std::string_view text(AngleTrust trust) noexcept {
       return "smooth";
     case AngleTrust::free:
       return "free";
+  }
+  return "";
+}
+
+std::string_view text(Cause cause) noexcept {
+  switch (cause) {
+    case Cause::noise:
+      return "noise";
+    case Cause::home:
+      return "home";
+    case Cause::drift:
+      return "drift";
+    case Cause::figure:
+      return "figure";
+    case Cause::offset:
+      return "offset";
+    case Cause::print:
+      return "print";
   }
   return "";
 }

@@ -67,7 +67,16 @@ struct Identification {
   std::vector<JointResult> joints;
   Estimator estimator = Estimator::circle;  ///< where `dh` and the joints' axes come from
   std::vector<DhEstimate> dh;               ///< one row a joint
-  std::vector<DhEstimate> circle_dh;        ///< the paper's, beside it
+  /// Of the numbers of `dh`, where they are the chain's: five rows a row (b, theta, a, alpha, beta,
+  /// mm and rad), zero for what is not identified. Empty: not known.
+  Eigen::MatrixXd dh_covariance;
+  /// What each cause has of their variances.
+  struct Share {
+    Cause cause = Cause::noise;
+    Eigen::VectorXd variances;
+  };
+  std::vector<Share> dh_budget;
+  std::vector<DhEstimate> circle_dh;  ///< the paper's, beside it
   std::optional<ChainEstimate> chain;       ///< nothing where no axis was found to start from
   std::vector<DhRow> specified;             ///< at home_rad; empty without a specified table
   /// The target in the frame behind the last row, that row taken as specified (zero without a

@@ -5,7 +5,7 @@
 
 #include "identify/angle.hpp"
 #include "identify/chain_fit.hpp"
-#include "identify/chain_samples.hpp"
+#include "identify/chain_start.hpp"
 #include "identify/chain_table.hpp"
 #include "identify/fitted_axes.hpp"
 
@@ -54,7 +54,10 @@ Eigen::MatrixXd covariance_by_errors(const ChainFit& fit,
                                      const ChainNoise& noise) {
   ChainPose pose(fit.chain);
   ChainResidual<Size> residual;
-  Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(fit.covariance.rows(), fit.covariance.cols());
+  const Eigen::Index count =
+      ChainParameters{fit.chain.axes.size(), fit.chain.targets_mm.size()}.count(Size == 6);
+  const Eigen::MatrixXd covariance = fit.covariance.topLeftCorner(count, count);
+  Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(count, count);
   for (const ChainObservation& sample : samples) {
     pose.set(sample.target, sample.turns, true);
     residual.set(fit.chain, sample, pose, noise);
@@ -62,25 +65,27 @@ Eigen::MatrixXd covariance_by_errors(const ChainFit& fit,
                                  (residual.weight * residual.error);
     spread.noalias() += pull * pull.transpose();
   }
-  return fit.covariance * spread * fit.covariance;
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(fit.covariance.rows(), fit.covariance.cols());
+  all.topLeftCorner(count, count) = covariance * spread * covariance;
+  return all;
 }
 
-void predict_from(ChainSamples& samples, const Identification& rehearsed, const Campaign& campaign,
-                  const Chain& chain, ChainNoise& noise, Prediction& prediction) {
+void predict_from(ChainNodes& nodes, const ChainSamples& samples, const Identification& rehearsed,
+                  const Campaign& campaign, const Chain& chain, ChainNoise& noise,
+                  Prediction& prediction) {
   const std::size_t joints = campaign.joints;
   std::vector<bool> swept(joints, false);
-  for (const ChainObservation& sample : samples.observations) swept[sample.joint] = true;
+  for (const StrokeMoments& stroke : nodes.strokes) swept[stroke.content.joint] = true;
   for (std::size_t j = 0; j < joints; ++j)
     if (rehearsed.chain->angles[j].trust != AngleTrust::trusted) noise.swept_rad[j] = kFreeAngle;
   // Only the turns matter, and those to what the wobble is beside a sweep.
-  if (!samples.with_angles)
-    static_cast<void>(
-        starting_targets(chain, samples.observations, samples.targets, samples.with_angles));
+  if (!nodes.with_angles)
+    static_cast<void>(starting_targets(chain, nodes.observations, nodes.targets, false));
 
   ChainEstimate expected;
   expected.with_orientation = rehearsed.chain->with_orientation;
-  ChainFit fit = fit_chain(chain, samples.observations, noise, expected.with_orientation, 0);
-  if (samples.with_angles)
+  ChainFit fit = fit_chain(chain, nodes, noise, {}, expected.with_orientation, 0);
+  if (nodes.with_angles)
     fit.covariance = expected.with_orientation
                          ? covariance_by_errors<6>(fit, samples.observations, noise)
                          : covariance_by_errors<3>(fit, samples.observations, noise);
@@ -125,9 +130,10 @@ Prediction predict(const Identification& rehearsed, const Campaign& campaign, Ch
   auto axes = starting_axes(rehearsed);
   for (std::size_t j = 0; j < joints; ++j)
     if (axes[j]) axes[j] = chain.axes[j];
-  ChainSamples samples = chain_samples(rehearsed, axes);
-  if (!samples.observations.empty())
-    predict_from(samples, rehearsed, campaign, chain, noise, prediction);
+  ChainNodes nodes = chain_nodes(rehearsed, axes);
+  const ChainSamples samples = chain_samples(rehearsed, axes);
+  if (!nodes.strokes.empty())
+    predict_from(nodes, samples, rehearsed, campaign, chain, noise, prediction);
   return prediction;
 }
 

@@ -18,8 +18,7 @@ std::optional<SeenTurn> seen_turn(const Identification& found, std::size_t joint
                                   std::size_t target, const Sample& sample) {
   if (!found.chain) return std::nullopt;
   const ChainEstimate& estimate = *found.chain;
-  if (!estimate.axes[joint] || !estimate.shared_home ||
-      target >= estimate.chain.targets_mm.size() || !sample.has_position)
+  if (!estimate.axes[joint] || target >= estimate.chain.targets_mm.size() || !sample.has_position)
     return std::nullopt;
   Turns turns{};
   for (std::size_t k = 0; k < found.joints.size(); ++k)

@@ -18,7 +18,7 @@ struct SeenTurn {
 };
 
 /// For a sample with a position, of a sweep of `joint` at `target`. Nothing without the joint's
-/// axis, or where the sweeps share no home: then the chain has no one place for the target.
+/// axis.
 [[nodiscard]] std::optional<SeenTurn> seen_turn(const Identification& found, std::size_t joint,
                                                 std::size_t target, const Sample& sample);
 

@@ -7,6 +7,7 @@
 
 using namespace identify;
 using identify::test::Measured;
+using identify::test::nodes_of;
 using identify::test::Random;
 using identify::test::random_chain;
 using identify::test::sweeps_of;
@@ -41,19 +42,22 @@ Measured tracked() {
 }
 
 /// As after a fit with free angles, which leaves the turns where the positions are.
-std::vector<AngleEvidence> seen_errors(const Chain& chain, std::vector<ChainObservation> samples) {
+std::vector<AngleEvidence> seen_errors(const Chain& chain,
+                                       const std::vector<ChainObservation>& samples) {
   ChainNoise noise;
   noise.position_mm = 0.02;
   noise.swept_rad.assign(chain.axes.size(), kFreeAngle);
+  auto nodes = nodes_of(samples, chain.axes.size());
   // At the true chain: the fit's own errors are not what is tested.
   ChainPose pose(chain);
   ChainResidual<3> residual;
-  for (ChainObservation& sample : samples) {
-    pose.set(sample.target, sample.turns, false);
-    residual.set(chain, sample, pose, noise);
-    sample.turns[sample.joint] += residual.toward;
-  }
-  return seen_angle_errors(chain, samples, noise, quantum(chain.axes.size()));
+  for (ChainObservation& node : nodes.observations)
+    for (int k = 0; k < 3; ++k) {
+      pose.set(node.target, node.turns, false);
+      residual.set(chain, node, pose, noise);
+      node.turns[node.joint] += residual.toward;
+    }
+  return seen_angle_errors(chain, nodes, noise, quantum(chain.axes.size()));
 }
 
 }  // namespace
@@ -62,11 +66,11 @@ TEST_CASE("Angles that are off by white print quanta stand the test") {
   for (const std::uint32_t seed : {31u, 32u, 33u, 34u, 35u}) {
     Random random(seed);
     const Chain chain = random_chain(4, 1, random);
-    auto samples = sweeps_of(chain, as_controller(), random);
+    auto nodes = nodes_of(sweeps_of(chain, as_controller(), random), 4);
     const ChainNoise noise = quantum(4);
-    const auto fit = fit_chain(chain, samples, noise, false);
+    const auto fit = fit_chain(chain, nodes, noise, {}, false);
     std::vector<AngleEvidence> evidence(4);
-    test_believed_angles(fit.chain, samples, noise, noise, evidence);
+    test_believed_angles(fit.chain, nodes, noise, noise, evidence);
     for (const AngleEvidence& joint : evidence) {
       CHECK(stands_test(joint));
       // 400 samples: 1 / sqrt(2 * 400) = 3.5 %.
@@ -85,20 +89,21 @@ TEST_CASE("An angle that is off by a sine of two seconds of arc does not stand t
       sample.measured_turn = sample.turns[1];
     }
   const ChainNoise noise = quantum(4);
-  const auto fit = fit_chain(chain, samples, noise, false);
+  auto nodes = nodes_of(samples, 4);
+  const auto fit = fit_chain(chain, nodes, noise, {}, false);
   std::vector<AngleEvidence> evidence(4);
-  test_believed_angles(fit.chain, samples, noise, noise, evidence);
+  test_believed_angles(fit.chain, nodes, noise, noise, evidence);
   CHECK_FALSE(stands_test(evidence[1]));
 }
 
 TEST_CASE("Joints whose angles are not used are not tested") {
   Random random(37);
   const Chain chain = random_chain(2, 1, random);
-  const auto samples = sweeps_of(chain, as_controller(), random);
+  const auto nodes = nodes_of(sweeps_of(chain, as_controller(), random), 2);
   ChainNoise noise = quantum(2);
   noise.swept_rad[0] = kFreeAngle;
   std::vector<AngleEvidence> evidence(2);
-  test_believed_angles(chain, samples, noise, quantum(2), evidence);
+  test_believed_angles(chain, nodes, noise, quantum(2), evidence);
   CHECK(evidence[0].size == 0);
   CHECK(evidence[1].size > 0);
 }

@@ -221,7 +221,7 @@ TEST_CASE("a second target without angles makes the table more certain") {
   check_table(with_both, 4.5);
 }
 
-TEST_CASE("joints that did not come home are told, and each circle stands for itself", "[long]") {
+TEST_CASE("joints that did not come home are told, and the noise is that of the samples", "[long]") {
   test::Campaign campaign(test::kr5_arc(), {0, 0.005, 5});
   campaign.sweep_all_90();
   auto sweeps = segment(campaign.samples());
@@ -236,7 +236,9 @@ TEST_CASE("joints that did not come home are told, and each circle stands for it
   }
   const auto found = identify::identify(sweeps, for_kr5());
   REQUIRE(found.chain);
-  CHECK_FALSE(found.chain->shared_home);
+  // One of six strokes is off by 0.5 mm: 0.2 mm each, or what turns of that size do.
+  CHECK(found.chain->home_scatter_mm > 0.1);
+  CHECK(found.chain->home_scatter_mm < 1);
   CHECK(found.chain->noise.position_mm == Approx(0.005).epsilon(0.1));
   check_finite(found);
 }
@@ -336,7 +338,7 @@ TEST_CASE("absurd data end in a result that says so") {
         found({sweep_of(noisy_arc(Vector3d::UnitY(), x, 200, 0.01), 0), sweep_of(far, 1)}, 2);
     check_finite(result);
     REQUIRE(result.chain);
-    CHECK_FALSE(result.chain->shared_home);
+    CHECK(result.chain->home_scatter_mm > 100);
   }
   SECTION("angles that have nothing to do with the points") {
     auto samples = noisy_arc(z, x, 400, 0.01);

@@ -8,6 +8,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 using identify::test::difference;
 using identify::test::Measured;
+using identify::test::nodes_of;
 using identify::test::noise_of;
 using identify::test::Random;
 using identify::test::random_chain;
@@ -57,9 +58,9 @@ TEST_CASE("The exact chain comes back from a start that is off") {
   CAPTURE(with_orientation, free, targets);
   Random random(3);
   const Chain chain = random_chain(6, targets, random);
-  auto samples = exact(chain, random);
-  const auto fit = fit_chain(perturbed(chain, with_orientation, random), samples,
-                             noise_of(chain, stated(), free), with_orientation);
+  auto nodes = nodes_of(exact(chain, random), 6);
+  const auto fit = fit_chain(perturbed(chain, with_orientation, random), nodes,
+                             noise_of(chain, stated(), free), {}, with_orientation);
   CHECK(fit.summary.converged);
   CHECK(fit.summary.undetermined == 0);
   VectorXd left = difference(chain, fit.chain);
@@ -71,9 +72,9 @@ TEST_CASE("The exact chain comes back from a start that is off") {
 TEST_CASE("With one joint whose angles are free, the target along the circle is not determined") {
   Random random(4);
   const Chain chain = random_chain(1, 1, random);
-  auto samples = exact(chain, random);
-  const auto fit =
-      fit_chain(perturbed(chain, false, random), samples, noise_of(chain, stated(), true), false);
+  auto nodes = nodes_of(exact(chain, random), 1);
+  const auto fit = fit_chain(perturbed(chain, false, random), nodes,
+                             noise_of(chain, stated(), true), {}, false);
   CHECK(fit.summary.converged);
   CHECK(fit.summary.undetermined == 1);
   const VectorXd left = difference(chain, fit.chain);
@@ -95,8 +96,8 @@ TEST_CASE("The stated covariance is the scatter of fits over many campaigns") {
   VectorXd squares = VectorXd::Zero(count);
   double distance = 0;
   for (int run = 0; run < kRuns; ++run) {
-    auto samples = sweeps_of(chain, how, random);
-    const auto fit = fit_chain(chain, samples, noise, with_orientation);
+    auto nodes = nodes_of(sweeps_of(chain, how, random), 3);
+    const auto fit = fit_chain(chain, nodes, noise, {}, with_orientation);
     REQUIRE(fit.summary.converged);
     const VectorXd error = difference(chain, fit.chain).head(count);
     squares += error.cwiseAbs2().cwiseQuotient(fit.covariance.diagonal());
@@ -113,11 +114,11 @@ TEST_CASE("The stated covariance is the scatter of fits over many campaigns") {
 TEST_CASE("Without iterations the step that would be made is stated at the start") {
   Random random(6);
   const Chain chain = random_chain(4, 1, random);
-  auto samples = exact(chain, random);
+  auto nodes = nodes_of(exact(chain, random), 4);
   Chain start = chain;
   start.targets_mm[0].x() += 0.001;
   const auto noise = noise_of(chain, stated(), false);
-  const auto fit = fit_chain(start, samples, noise, false, 0);
+  const auto fit = fit_chain(start, nodes, noise, {}, false, 0);
   CHECK_FALSE(fit.summary.converged);
   CHECK(fit.summary.iterations == 0);
   CHECK(fit.chain.targets_mm[0] == start.targets_mm[0]);
@@ -126,16 +127,55 @@ TEST_CASE("Without iterations the step that would be made is stated at the start
         Approx(std::sqrt(error.dot(fit.covariance.llt().solve(error)))).epsilon(1e-3));
 }
 
-TEST_CASE("Samples without weight don't count, and numbers beyond all bounds end the fit") {
+TEST_CASE("Numbers beyond all bounds end the fit") {
   Random random(7);
   const Chain chain = random_chain(3, 1, random);
-  auto samples = exact(chain, random);
-  samples[20].position_mm.setConstant(1000);
-  samples[20].weight = 0;
-  const auto noise = noise_of(chain, stated(), true);
-  const auto fit = fit_chain(perturbed(chain, false, random), samples, noise, false);
-  CHECK(fit.summary.converged);
-  CHECK(difference(chain, fit.chain).head(15).cwiseAbs().maxCoeff() < 1e-9);
-  samples[21].position_mm.setConstant(1e300);
-  CHECK_FALSE(fit_chain(chain, samples, noise, false).summary.converged);
+  auto nodes = nodes_of(exact(chain, random), 3);
+  nodes.observations[21].position_mm.setConstant(1e300);
+  CHECK_FALSE(
+      fit_chain(chain, nodes, noise_of(chain, stated(), true), {}, false).summary.converged);
+}
+
+TEST_CASE("With random effects the stated covariance is the scatter, and the samples' is too small") {
+  Random random(8);
+  const Chain chain = random_chain(3, 1, random);
+  Measured how = stated();
+  how.samples = 60;
+  how.orientation_rad = how.locked_rad = how.swept_rad = 0;
+  const ChainNoise noise = noise_of(chain, how, true);
+  ChainEffects effects;
+  effects.home_rad = 1e-4;
+  effects.drift_mm = 0.03;
+  const ChainParameters parameters{3, 1};
+  VectorXd with = VectorXd::Zero(parameters.count(false)), without = with;
+  constexpr int kRuns = 200;
+  for (int run = 0; run < kRuns; ++run) {
+    auto samples = sweeps_of(chain, how, random);
+    std::vector<Turns> off(3);
+    std::vector<Eigen::Vector3d> drift;
+    for (Turns& turns : off) {
+      for (std::size_t k = 0; k < 3; ++k) turns[k] = random.normal(effects.home_rad);
+      drift.push_back(random.vector(effects.drift_mm));
+    }
+    for (ChainObservation& seen : samples) {
+      Turns there = seen.turns;
+      for (std::size_t k = 0; k < 3; ++k)
+        if (k != seen.joint) there[k] += off[seen.sweep][k];
+      seen.position_mm += chain.target_mm(0, there) - chain.target_mm(0, seen.turns) +
+                          drift[seen.sweep];
+    }
+    auto nodes = nodes_of(samples, 3);
+    const auto scatter = [&](const ChainEffects& known) -> VectorXd {
+      const auto fit = fit_chain(chain, nodes, noise, known, false);
+      REQUIRE(fit.summary.converged);
+      const VectorXd error = difference(chain, fit.chain).head(with.size());
+      return error.cwiseAbs2().cwiseQuotient(fit.covariance.diagonal().head(with.size()));
+    };
+    with += scatter(effects) / kRuns;
+    without += scatter({}) / kRuns;
+  }
+  // Each scatters by sqrt(2 / 200) = 0.1 about 1.
+  CHECK(with.minCoeff() > 1 - 0.4);
+  CHECK(with.maxCoeff() < 1 + 0.4);
+  CHECK(without.maxCoeff() > 10);
 }

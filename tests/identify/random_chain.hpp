@@ -4,13 +4,17 @@
 
 #include <cmath>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 #include "identify/angle.hpp"
 #include "identify/chain.hpp"
+#include "identify/chain_nodes.hpp"
 #include "identify/chain_residual.hpp"
 
 namespace identify::test {
@@ -85,6 +89,49 @@ inline std::vector<ChainObservation> sweeps_of(const Chain& chain, const Measure
 inline ChainNoise noise_of(const Chain& chain, const Measured& how, bool free) {
   return {how.position_mm, how.orientation_rad, how.locked_rad,
           std::vector<double>(chain.axes.size(), free ? kFreeAngle : how.swept_rad)};
+}
+
+/// As the samples of a controller or, where their angles are not `told`, of a device alone.
+inline std::vector<Sweep> as_sweeps(const std::vector<ChainObservation>& all, std::size_t joints,
+                                    bool told = true) {
+  std::vector<Sweep> sweeps;
+  for (std::size_t i = 0; i < all.size();) {
+    const ChainObservation& first = all[i];
+    std::vector<Sample> samples;
+    for (; i < all.size() && all[i].sweep == first.sweep; ++i) {
+      Sample sample;
+      sample.time_s = 0.012 * static_cast<double>(samples.size());
+      sample.position_mm = all[i].position_mm;
+      sample.has_position = sample.has_orientation = true;
+      const Eigen::Matrix3d& r = all[i].orientation;
+      sample.abc_rad = {std::atan2(r(1, 0), r(0, 0)),
+                        std::atan2(-r(2, 0), std::hypot(r(0, 0), r(1, 0))),
+                        std::atan2(r(2, 1), r(2, 2))};
+      if (told) {
+        sample.joints = static_cast<std::uint8_t>(joints);
+        sample.angles_rad = all[i].turns;
+        sample.angles_rad[first.joint] = all[i].measured_turn;
+      }
+      samples.push_back(sample);
+    }
+    Sweep sweep;
+    sweep.samples = std::make_shared<const std::vector<Sample>>(std::move(samples));
+    sweep.joint = first.joint;
+    sweep.target = first.target;
+    sweep.direction = first.falling ? -1 : 1;
+    sweeps.push_back(std::move(sweep));
+  }
+  return sweeps;
+}
+
+/// As the estimator works on them; every joint's home is at zero.
+inline ChainNodes nodes_of(const std::vector<ChainObservation>& all, std::size_t joints,
+                           bool told = true) {
+  std::vector<StrokeMoments> strokes;
+  for (const Sweep& sweep : as_sweeps(all, joints, told))
+    strokes.push_back(moments_of(sweep, {*sweep.joint, told ? joints : 0, true}).value());
+  return identify::nodes_of(std::move(strokes), std::vector<std::optional<double>>(joints, 0.0),
+                            std::vector<bool>(joints, true));
 }
 
 /// Errors of a fit's axes and targets in the parameters of the true chain.

@@ -1,4 +1,4 @@
-#include "identify/chain_samples.hpp"
+#include "identify/chain_start.hpp"
 
 #include <algorithm>
 #include <array>
@@ -131,64 +131,21 @@ std::vector<std::optional<ChainAxis>> starting_axes(const Identification& circle
   return axes;
 }
 
-ChainSamples chain_samples(const Identification& circles,
-                           const std::vector<std::optional<ChainAxis>>& axes) {
-  ChainSamples found;
+std::vector<ChainSweep> chain_sweeps(const Identification& circles,
+                                     const std::vector<std::optional<ChainAxis>>& axes) {
+  std::vector<ChainSweep> found;
   const std::size_t joints = circles.joints.size();
-  std::size_t all = 0;
-  found.with_angles = found.with_orientation = true;
-  const auto each_sweep = [&](const auto& see) {
-    for (std::size_t j = 0; j < joints; ++j) {
-      const JointResult& joint = circles.joints[j];
-      if (!axes[j]) continue;
-      for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
-        const Sweep& sweep = joint.sweeps[s];
-        const bool elsewhere = !joint.used[s] && !sweep.positioning;
-        if (joint.used[s] && hardly_moves(sweep, *axes[j])) continue;
-        if (joint.used[s] || (elsewhere && sweep.first().joints >= joints)) see(j, sweep);
-      }
+  for (std::size_t j = 0; j < joints; ++j) {
+    const JointResult& joint = circles.joints[j];
+    if (!axes[j]) continue;
+    for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
+      const Sweep& sweep = joint.sweeps[s];
+      const bool elsewhere = !joint.used[s] && !sweep.positioning;
+      if (joint.used[s] && hardly_moves(sweep, *axes[j])) continue;
+      if (joint.used[s] || (elsewhere && sweep.first().joints >= joints))
+        found.push_back({j, &sweep});
     }
-  };
-  each_sweep([&](std::size_t, const Sweep& sweep) {
-    all += sweep.samples->size();
-    found.targets = std::max(found.targets, sweep.target + 1);
-    for (const Sample& sample : *sweep.samples) {
-      if (sample.joints < joints) found.with_angles = false;
-      if (!sample.has_orientation) found.with_orientation = false;
-    }
-  });
-  const std::size_t step = 1 + all / kMostObservations;
-  found.observations.reserve(all / step + joints);
-  std::vector<std::optional<double>> home = circles.home_rad;
-  home.resize(joints);
-  std::size_t count = 0;
-  each_sweep([&](std::size_t j, const Sweep& sweep) {
-    // A joint that was never seen locked is at home where its first sweep begins.
-    if (found.with_angles && !home[j]) home[j] = sweep.first().angles_rad[j];
-    for (std::size_t i = 0; i < sweep.samples->size(); i += step) {
-      const Sample& sample = (*sweep.samples)[i];
-      if (!sample.has_position || !sample.position_mm.allFinite()) continue;
-      ChainObservation seen;
-      seen.position_mm = sample.position_mm;
-      seen.joint = j;
-      seen.target = sweep.target;
-      seen.sweep = count;
-      seen.falling = sweep.direction < 0;
-      if (found.with_orientation) {
-        const auto [a, b, c] = sample.abc_rad;
-        seen.orientation =
-            (Eigen::AngleAxisd(a, Vector3d::UnitZ()) * Eigen::AngleAxisd(b, Vector3d::UnitY()) *
-             Eigen::AngleAxisd(c, Vector3d::UnitX()))
-                .toRotationMatrix();
-      }
-      if (found.with_angles)
-        for (std::size_t k = 0; k < joints; ++k)
-          if (axes[k] && home[k]) seen.turns[k] = sample.angles_rad[k] - *home[k];
-      seen.measured_turn = seen.turns[j];
-      found.observations.push_back(seen);
-    }
-    ++count;
-  });
+  }
   return found;
 }
 
