@@ -31,8 +31,8 @@ CommandLine::CommandLine()
   app.set_version_flag("--version", "sweepd " SWEEPD_VERSION);
   app.require_subcommand(1);
   app.footer(
-      "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 replies were right but late (simulate), "
-      "78 wrong configuration.\n"
+      "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 the result is doubtful (identify, replay) or "
+      "replies were right but late (simulate), 78 wrong configuration.\n"
       "`sweepd COMMAND --help` tells the options of a command.");
 
   const auto on = [this](CLI::App* command, const std::function<int()>& work) {

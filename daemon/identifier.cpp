@@ -39,9 +39,14 @@ class Turn {
 
 void say(const Log& log, const char* which, const identify::Identification& result,
          const std::filesystem::path& see) {
-  log.note("{}result {}{}{}{}", which, identify::text(result.status),
-           result.reason.empty() ? "" : ": ", result.reason,
-           see.empty() ? "" : "; see " + see.string());
+  const std::string text = std::string(which) + "result " +
+                           std::string(identify::text(result.status)) +
+                           (result.reason.empty() ? "" : ": ") + result.reason +
+                           (see.empty() ? "" : "; see " + see.string());
+  if (result.status == identify::Status::doubtful)
+    log.warning("{}", text);
+  else
+    log.note("{}", text);
 }
 
 /// What a job does, with its exceptions logged.

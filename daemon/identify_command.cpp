@@ -217,7 +217,7 @@ int identify_points(const IdentifyOptions& options, std::ostream& out) {
     write_result(*options.output, outcome);
   }
   if (!options.quiet) out << report(outcome);
-  return outcome.identification.status != identify::Status::failed ? 0 : 1;
+  return exit_code(outcome);
 }
 
 }  // namespace sweepd

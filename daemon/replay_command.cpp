@@ -103,7 +103,7 @@ int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) 
   if (!search.chosen) outcome.identification.reason = "no RSI telegrams in the capture";
   if (options.output) write_result(*options.output, outcome);
   if (!options.quiet) out << report(outcome);
-  return all_written && outcome.identification.status != identify::Status::failed ? 0 : 1;
+  return all_written ? exit_code(outcome) : 1;
 }
 
 }  // namespace sweepd

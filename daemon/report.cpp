@@ -145,8 +145,10 @@ std::string report(const Outcome& outcome) {
   const Identification& found = outcome.identification;
   std::string status(identify::text(found.status));
   if (!found.reason.empty()) status += ": " + found.reason;
-  std::string text = paragraph("robot       ", outcome.robot) + paragraph("status      ", status) +
-                     source_text(outcome) + home_text(found) + "\n";
+  std::string text = paragraph("robot       ", outcome.robot) + paragraph("status      ", status);
+  for (std::size_t i = 1; i < found.doubts.size(); ++i)
+    text += paragraph("            ", "and " + found.doubts[i].message);
+  text += source_text(outcome) + home_text(found) + "\n";
   if (!is_given(outcome)) text += circles(found) + "\n";
   const bool any_axis = found.status != identify::Status::failed && found.bounding_box;
   if (any_axis || is_given(outcome)) text += dh_text(found);

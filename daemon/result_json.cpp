@@ -240,6 +240,17 @@ Json differences(const std::vector<DhDifference>& rows) {
   return json;
 }
 
+Json messages(const std::vector<identify::Warning>& all) {
+  Json json = Json::array();
+  for (const auto& one : all) {
+    Json item = {{"code", one.code}};
+    if (one.joint) item["joint"] = *one.joint + 1;
+    item["message"] = one.message;
+    json.push_back(std::move(item));
+  }
+  return json;
+}
+
 /// JSON has no word for what is not finite: it becomes null, and its place is named.
 void leave_out_not_finite(Json& json, const std::string& place, Json& places) {
   if (json.is_structured())
@@ -327,13 +338,8 @@ std::string result_json(const Outcome& outcome) {
   }
   if (const auto models = models_of(outcome); !models.empty()) json["models"] = models_json(models);
   if (found.bounding_box) json["bounding_box"] = box(*found.bounding_box);
-  json["warnings"] = Json::array();
-  for (const auto& warning : found.warnings) {
-    Json item = {{"code", warning.code}};
-    if (warning.joint) item["joint"] = *warning.joint + 1;
-    item["message"] = warning.message;
-    json["warnings"].push_back(std::move(item));
-  }
+  if (!found.doubts.empty()) json["doubts"] = messages(found.doubts);
+  json["warnings"] = messages(found.warnings);
   Json not_finite = Json::array();
   leave_out_not_finite(json, "", not_finite);
   if (!not_finite.empty()) json["not_finite"] = std::move(not_finite);

@@ -64,7 +64,7 @@ struct RobotState {
 /// What was identified, since sweepd started.
 struct ResultState {
   /// Identifications by identify::Status, interim ones included.
-  std::array<std::uint64_t, 3> count{};
+  std::array<std::uint64_t, 4> count{};
 
   struct Newest {
     identify::Status status{};

@@ -15,6 +15,11 @@ SampleReader::SampleReader(const SignalNames& names, std::size_t joints) {
   for (const auto& name : names.orientation) pose_.push_back(source(name));
   for (std::size_t j = 0; j < std::min(joints, names.angles.size()); ++j)
     angles_.push_back(source(names.angles[j]));
+  // The seventh joint of an arm may come as an external axis.
+  for (const char* axis : {"E1", "E2", "E3", "E4", "E5", "E6"})
+    if (std::find(names.angles.begin(), names.angles.end(), std::string("EIPos.") + axis) ==
+        names.angles.end())
+      external_.push_back({{"EIPos", axis}});
 }
 
 SampleReader::Source SampleReader::source(const std::string& name) {
@@ -63,6 +68,8 @@ identify::Sample SampleReader::read(const rsi::Telegram& telegram) {
     ++found;
   }
   if (found == angles_.size()) sample.joints = static_cast<std::uint8_t>(found);
+  follow_external_axes(telegram);
+  sample.external_place = external_place_;
 
   if (position_decimals != position_decimals_ || angle_decimals != angle_decimals_) {
     position_decimals_ = position_decimals;
@@ -71,6 +78,21 @@ identify::Sample SampleReader::read(const rsi::Telegram& telegram) {
     if (angle_decimals_ >= 0) resolution_.angle_rad = radians(std::pow(10.0, -angle_decimals_));
   }
   return sample;
+}
+
+void SampleReader::follow_external_axes(const rsi::Telegram& telegram) {
+  // In mm, or degrees where the axis turns. One that is locked shows two steps of what a controller
+  // prints at most, 0.1 by default.
+  constexpr double kMoved = 0.25;
+  for (auto& [source, known] : external_) {
+    const auto at = telegram.find(source.element, source.attribute, source.hint);
+    if (!at) return;  // all six are sent, or none
+    source.hint = *at;
+    const auto place = rsi::number(telegram.signals()[*at].text);
+    if (!place || (known && std::abs(*place - *known) <= kMoved)) continue;
+    if (known) ++external_place_;
+    known = place;
+  }
 }
 
 std::optional<std::uint64_t> SampleReader::delay(const rsi::Telegram& telegram) {

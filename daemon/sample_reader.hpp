@@ -46,10 +46,18 @@ class SampleReader {
 
   static Source source(const std::string& name);
   std::optional<double> value(const rsi::Telegram& telegram, Source& source, int& decimals);
+  void follow_external_axes(const rsi::Telegram& telegram);
 
   std::vector<Source> pose_;  // X Y Z A B C
   std::vector<Source> angles_;
   Source delay_{"Delay", "D"};
+  /// The controller's external axes, and how often one was seen to move.
+  struct ExternalAxis {
+    Source source;
+    std::optional<double> at = {};
+  };
+  std::vector<ExternalAxis> external_;
+  std::uint16_t external_place_ = 0;
   identify::Resolution resolution_;
   int position_decimals_ = -1;
   int angle_decimals_ = -1;

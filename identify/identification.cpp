@@ -8,6 +8,7 @@
 #include "identify/chain_table.hpp"
 #include "identify/circle_estimator.hpp"
 #include "identify/dh_budget.hpp"
+#include "identify/plausibility.hpp"
 #include "identify/undetermined.hpp"
 
 namespace identify {
@@ -51,14 +52,24 @@ Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign) {
     found.status = Status::partial;
     found.reason = found.doubt;
   }
+  judge_plausibility(found, campaign);
+  apply_doubts(found);
   add_advice(found, campaign);
   return found;
+}
+
+void apply_doubts(Identification& found) {
+  if (found.doubts.empty() || found.status == Status::failed) return;
+  found.status = Status::doubtful;
+  found.reason = found.doubts.front().message + (found.reason.empty() ? "" : "; " + found.reason);
 }
 
 std::string_view text(Status status) noexcept {
   switch (status) {
     case Status::complete:
       return "complete";
+    case Status::doubtful:
+      return "doubtful";
     case Status::partial:
       return "partial";
     case Status::failed:

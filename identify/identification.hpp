@@ -31,6 +31,7 @@ struct Campaign {
 
 enum class Status {
   complete,  ///< every joint has an axis, every number of the table is known, nothing is in doubt
+  doubtful,  ///< the data contradict themselves, or what a built robot can be: see `doubts`
   partial,
   failed,  ///< no joint has one
 };
@@ -87,8 +88,13 @@ struct Identification {
   /// Where the measurement frame is a device's: b and theta of row 1 are by convention then.
   std::optional<RobotPose> robot_pose;
   std::optional<BoundingBox> bounding_box;  ///< of the samples that were used
+  /// What contradicts itself or what a built robot can be; the heaviest first.
+  std::vector<Warning> doubts;
   std::vector<Warning> warnings;
 };
+
+/// Complete and partial become doubtful where there are doubts; the first leads the reason.
+void apply_doubts(Identification& found);
 
 /// The engine: circles first, then the chain, which starts from them; `dh` and the joints' axes are
 /// the chain's where it converged. Sweeps in the order of time. Never throws for what the data

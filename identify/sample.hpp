@@ -18,6 +18,8 @@ struct Sample {
   std::array<double, 3> abc_rad{};
   std::array<double, kMostJoints> angles_rad{};  ///< the controller's actual angles
   std::uint8_t joints = 0;                       ///< how many of the angles are known; 0: none
+  /// Another number once an external axis stands elsewhere.
+  std::uint16_t external_place = 0;
   bool has_position = false;
   bool has_orientation = false;
 };

@@ -199,6 +199,7 @@ TEST_CASE("the state of each robot is told in JSON") {
   CHECK(robot["recording"]["missed"]["disk"]["datagrams"] == 4);
   CHECK(robot["sweeps"][0] == Json{{"joint", 1}, {"usable", 2}, {"not_usable", 1}});
   CHECK(robot["identifications"]["partial"] == 2);
+  CHECK(robot["identifications"]["doubtful"] == 3);
   CHECK(robot["result"]["status"] == "complete");
   CHECK(robot["result"]["took_ms"] == 250);
   SECTION("null where there is neither a stream nor a result") {

@@ -100,6 +100,7 @@ TEST_CASE("metrics keep to the text format: a family at a time, each value once"
   CHECK(all.values.at("sweepd_recording_missed_samples_total{robot=\"b\",reason=\"disk\"}") == 2);
   CHECK(all.values.at("sweepd_sweeps_total{robot=\"b\",joint=\"1\",usable=\"false\"}") == 1);
   CHECK(all.values.at("sweepd_identifications_total{robot=\"kr5-arc\",status=\"partial\"}") == 2);
+  CHECK(all.values.at("sweepd_identifications_total{robot=\"kr5-arc\",status=\"doubtful\"}") == 3);
   CHECK(all.values.at("sweepd_result_duration_seconds{robot=\"kr5-arc\"}") == 0.25);
   CHECK(all.values.at("sweepd_result_timestamp_seconds{robot=\"kr5-arc\"}") == 1'735'689'700);
   CHECK(all.values.at("process_start_time_seconds") == 1000);

@@ -104,6 +104,17 @@ TEST_CASE("axes that were given have their table and no word of circles or fits"
                                   !ContainsSubstring("circle") && !ContainsSubstring("fit  "));
 }
 
+TEST_CASE("a doubtful report says every doubt before anything else") {
+  auto outcome = partial_outcome();
+  const std::string missing = outcome.identification.reason;
+  outcome.identification.doubts = {{"frame_mirrored", {}, "the frame is mirrored"},
+                                   {"circle_misfit", 2, "joint 3: no circle"}};
+  identify::apply_doubts(outcome.identification);
+  const auto text = flowing(report(outcome));
+  CHECK_THAT(text, ContainsSubstring("doubtful: the frame is mirrored; " + missing +
+                                     " and joint 3: no circle telegrams"));
+}
+
 TEST_CASE("a partial report names the reason and every warning, whole") {
   const auto outcome = partial_outcome();
   const auto text = flowing(report(outcome));

@@ -225,6 +225,23 @@ TEST_CASE("a difference is identified minus specified") {
     }
 }
 
+TEST_CASE("a doubtful result has all its numbers and says every doubt") {
+  auto outcome = complete_outcome();
+  CHECK_FALSE(parsed(outcome).contains("doubts"));
+  outcome.identification.doubts = {{"frame_mirrored", {}, "the frame is mirrored"},
+                                   {"circle_misfit", 2, "joint 3: no circle"}};
+  identify::apply_doubts(outcome.identification);
+  const auto json = parsed(outcome);
+  CHECK(json.at("status") == "doubtful");
+  CHECK(json.at("reason") == "the frame is mirrored");
+  REQUIRE(json.at("doubts").size() == 2);
+  CHECK(json["doubts"][0]["code"] == "frame_mirrored");
+  CHECK_FALSE(json["doubts"][0].contains("joint"));
+  CHECK(json["doubts"][1]["joint"] == 3);
+  CHECK(json.at("dh") == parsed(complete_outcome()).at("dh"));
+  CHECK(exit_code(outcome) == 3);
+}
+
 TEST_CASE("a partial result says why, and null for what the data cannot determine") {
   const auto json = parsed(partial_outcome());
   CHECK(json.at("status") == "partial");

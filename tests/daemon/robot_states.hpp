@@ -34,7 +34,7 @@ inline RobotState busy_robot(const std::string& name = "kr5-arc") {
 
 inline ResultState one_result() {
   ResultState result;
-  result.count = {1, 2, 0};
+  result.count = {1, 3, 2, 0};
   result.newest = {identify::Status::complete,
                    true,
                    "20250101T000000Z",

@@ -49,6 +49,27 @@ TEST_CASE("position, orientation and angles are taken from where RSI puts them")
   CHECK(reader.unusable() == 0);
 }
 
+TEST_CASE("a sample tells whether an external axis stands elsewhere, not that it trembles") {
+  const auto place = [](SampleReader& reader, const std::string& e1) {
+    return reader.read(Parsed("<EIPos E1=\"" + e1 + R"(" E2="5.0" E3="0" E4="0" E5="0" E6="0"/>)"))
+        .external_place;
+  };
+  SampleReader reader(SignalNames{}, 6);
+  const auto before = place(reader, "100.0");
+  CHECK(place(reader, "100.1") == before);
+  CHECK(place(reader, "99.9") == before);
+  const auto after = place(reader, "101.0");
+  CHECK(after != before);
+  CHECK(place(reader, "101.1") == after);
+  CHECK(reader.read(Parsed(kPosition)).external_place == after);  // not told
+  SECTION("one that is a joint of the arm is none") {
+    SignalNames names;
+    names.angles.push_back("EIPos.E1");
+    SampleReader seven(names, 7);
+    CHECK(place(seven, "1.0") == place(seven, "50.0"));
+  }
+}
+
 TEST_CASE("commanded values are never taken for measured ones") {
   SampleReader reader(SignalNames{}, 6);
   const auto sample = reader.read(

@@ -1,0 +1,289 @@
+#include "identify/plausibility.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "identify/angle.hpp"
+#include "identify/points.hpp"
+#include "identify/robust_circle.hpp"
+#include "identify/specified_fit.hpp"
+
+namespace identify {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Circles of one joint, seen twice from one home, differ by what the robot's repeatability allows:
+/// hundredths of a millimetre. Uncertainties count ten times, as for errors that are correlated.
+constexpr double kApart_mm = 5;
+constexpr double kApart_rad = 1 * kDegree;
+constexpr double kApartSigmas = 10;
+/// A device is off by a millimetre at most, and on all circles alike.
+constexpr double kMisfit_mm = 1;
+constexpr double kMisfitToPeers = 20;
+/// Beyond any device, whatever the other circles are like; and a share of the radius.
+constexpr double kNoCircle_mm = 10;
+constexpr double kNoCircleShare = 0.02;
+/// Gears err by minutes of arc. Angles that come late look wrong by what the joint turns meanwhile.
+constexpr double kWrongTurn_rad = 5 * kDegree;
+constexpr double kWrongTurnShare = 0.3;
+constexpr double kLate_s = 0.75;
+/// Closer to the axis, in distances of the points from the circle, angles about it are noise.
+constexpr double kLeastRadius = 20;
+/// Below it residuals are those of computing.
+constexpr double kRounding_mm = 1e-5;
+
+std::string fixed(double value, int decimals) {
+  std::array<char, 400> text;
+  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value,
+                                          std::chars_format::fixed, decimals);
+  return error == std::errc() ? std::string(text.data(), end) : std::string("?");
+}
+
+std::string joint_name(std::size_t joint) {
+  return "joint " + std::to_string(joint + 1);
+}
+
+double median_of(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+Eigen::Matrix3Xd points_of(const JointResult& joint) {
+  std::vector<Vector3d> points;
+  for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
+    if (!joint.used[s] || joint.sweeps[s].target != joint.circle_target) continue;
+    for (const Sample& sample : *joint.sweeps[s].samples)
+      if (sample.has_position) points.push_back(sample.position_mm);
+  }
+  Eigen::Matrix3Xd columns(3, static_cast<Eigen::Index>(points.size()));
+  Eigen::Index at = 0;
+  for (const Vector3d& point : points) columns.col(at++) = point;
+  return columns;
+}
+
+/// How far the middle one of the points is from a circle.
+double usual_distance_mm(const CircleFit& circle, const Eigen::Matrix3Xd& points) {
+  std::vector<double> distances;
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    const CircleResidual off = residual(circle, points.col(i));
+    distances.push_back(std::hypot(off.plane_mm, off.radial_mm));
+  }
+  return median_of(std::move(distances));
+}
+
+/// A joint's circle that outliers have not spoiled.
+struct SeenCircle {
+  CircleFit circle;
+  double usual_mm = 0;  ///< distance of the middle one of its points
+};
+
+std::optional<SeenCircle> seen_circle(const JointResult& joint) {
+  if (!joint.circle) return std::nullopt;
+  const auto points = points_of(joint);
+  SeenCircle seen{*joint.circle, usual_distance_mm(*joint.circle, points)};
+  // Most of the time the plain fit will do.
+  if (std::max(seen.circle.plane_rms_mm, seen.circle.radial_rms_mm) <= kMisfit_mm) return seen;
+  const auto robust = fit_robust_circle(points);
+  if (!robust) return seen;
+  // Outliers may have turned the plain one over.
+  const Vector3d positive = joint.axis ? joint.axis->direction : joint.circle->normal;
+  const double sense = robust->normal.dot(positive) < 0 ? -1 : 1;
+  seen.circle = *robust;
+  seen.circle.normal *= sense;
+  seen.usual_mm = usual_distance_mm(seen.circle, points);
+  return seen;
+}
+
+bool same_positions(const Sweep& a, const Sweep& b) {
+  return std::equal(a.samples->begin(), a.samples->end(), b.samples->begin(), b.samples->end(),
+                    [](const Sample& p, const Sample& q) {
+                      return p.has_position && q.has_position && p.position_mm == q.position_mm;
+                    });
+}
+
+class Judge {
+ public:
+  explicit Judge(Identification& found) : found_(found) {}
+
+  void judge_strokes(const Resolution& resolution) {
+    judge_external_axes();
+    judge_copies(resolution);
+    for (const JointResult& joint : found_.joints) circles_.push_back(seen_circle(joint));
+    for (std::size_t j = 0; j < found_.joints.size(); ++j)
+      if (circles_[j] && !strokes_disagree(j) && !is_no_circle(j)) judge_angles(j);
+  }
+
+ private:
+  void doubt(std::string_view code, std::optional<std::size_t> joint, std::string message) {
+    found_.doubts.push_back({std::string(code), joint, std::move(message)});
+  }
+
+  void judge_external_axes() {
+    for (std::size_t j = 0; j < found_.joints.size(); ++j) {
+      const JointResult& joint = found_.joints[j];
+      for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
+        if (!joint.used[s] ||
+            joint.sweeps[s].first().external_place == joint.sweeps[s].last().external_place)
+          continue;
+        doubt("external_axis_moved", j,
+              joint_name(j) +
+                  ": an external axis moved while it was swept (EIPos): lock the "
+                  "external axes and sweep it again");
+        break;
+      }
+    }
+  }
+
+  /// Noise never comes twice. Where there is none that is larger than the last printed decimal, the
+  /// same motion may well give the same numbers.
+  void judge_copies(const Resolution& resolution) {
+    struct Place {
+      std::size_t joint;
+      const Sweep* sweep;
+    };
+    std::vector<Place> noisy;
+    for (std::size_t j = 0; j < found_.joints.size(); ++j) {
+      const JointResult& joint = found_.joints[j];
+      if (!joint.circle || std::max(joint.circle->plane_rms_mm, joint.circle->radial_rms_mm) <=
+                               std::max(kRounding_mm, resolution.position_mm))
+        continue;
+      for (const Sweep& sweep : joint.sweeps) noisy.push_back({j, &sweep});
+    }
+    for (std::size_t b = 0; b < noisy.size(); ++b)
+      for (std::size_t a = 0; a < b; ++a) {
+        if (!same_positions(*noisy[a].sweep, *noisy[b].sweep)) continue;
+        std::string message = joint_name(noisy[b].joint) + ": two sweeps hold the same positions, ";
+        message += "noise and all";
+        if (noisy[a].joint != noisy[b].joint)
+          message += ", the other one as " + joint_name(noisy[a].joint) + "'s";
+        message += ": one is a copy; give every measurement once";
+        doubt("duplicate_sweep", noisy[b].joint, std::move(message));
+        return;
+      }
+  }
+
+  bool strokes_disagree(std::size_t j) {
+    const JointResult& joint = found_.joints[j];
+    struct Seen {
+      CircleFit circle;
+      Axis axis;
+    };
+    std::optional<Seen> first;
+    for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
+      if (!joint.used[s] || joint.sweeps[s].target != joint.circle_target) continue;
+      const auto points = positions(*joint.sweeps[s].samples);
+      auto circle = fit_circle(points);
+      if (circle && std::max(circle->plane_rms_mm, circle->radial_rms_mm) > kMisfit_mm)
+        circle = fit_robust_circle(points);
+      if (!circle) continue;
+      const Axis axis{
+          circle->normal, circle->center_mm,
+          axis_covariance(*circle, points, circle->plane_rms_mm, circle->radial_rms_mm)};
+      if (!first) {
+        first = Seen{*circle, axis};
+        continue;
+      }
+      const double apart_mm = (circle->center_mm - first->circle.center_mm).norm();
+      const double apart_rad =
+          std::asin(std::min(1.0, circle->normal.cross(first->circle.normal).norm()));
+      const double sure_mm =
+          kApartSigmas * std::hypot(axis.point_sigma_mm(), first->axis.point_sigma_mm());
+      const double sure_rad =
+          kApartSigmas * std::hypot(axis.direction_sigma_rad(), first->axis.direction_sigma_rad());
+      if (!(apart_mm > kApart_mm + sure_mm) && !(apart_rad > kApart_rad + sure_rad)) continue;
+      doubt("strokes_disagree", j,
+            joint_name(j) + ": its sweeps do not turn about one axis: their circles' centres are " +
+                fixed(apart_mm, 1) + " mm apart, their normals " + fixed(apart_rad / kDegree, 1) +
+                "°: something else moved between them, or one is another joint's");
+      return true;
+    }
+    return false;
+  }
+
+  bool is_no_circle(std::size_t j) {
+    std::vector<double> peers;
+    for (std::size_t k = 0; k < circles_.size(); ++k)
+      if (k != j && circles_[k]) peers.push_back(circles_[k]->usual_mm);
+    const double peer = median_of(peers);
+    const double usual = circles_[j]->usual_mm;
+    const bool above_peers =
+        peers.size() >= 2 && usual > kMisfit_mm && usual > kMisfitToPeers * peer;
+    const double no_circle = std::max(kNoCircle_mm, kNoCircleShare * circles_[j]->circle.radius_mm);
+    if (!above_peers && !(usual > no_circle)) return false;
+    std::string message = joint_name(j) + ": its points lie on no circle: they are ";
+    message += fixed(usual, 1) + " mm off";
+    if (!peers.empty()) message += ", the other joints' " + fixed(peer, 3) + " mm";
+    message += ": another joint moved along, or points of other places are among them";
+    doubt("circle_misfit", j, std::move(message));
+    return true;
+  }
+
+  /// Against each other, the lower and the upper third of the angles that were told: a delay, or a
+  /// stroke there and back, shifts both.
+  void judge_angles(std::size_t j) {
+    const JointResult& joint = found_.joints[j];
+    const CircleFit& circle = circles_[j]->circle;
+    if (circle.radius_mm < kLeastRadius * circles_[j]->usual_mm) return;
+    const Vector3d x = circle.normal.unitOrthogonal();
+    const Vector3d y = circle.normal.cross(x);
+    for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
+      if (!joint.used[s] || joint.sweeps[s].target != joint.circle_target) continue;
+      struct Turn {
+        double told;
+        double error;
+      };
+      std::vector<Turn> turns;
+      for (const Sample& sample : *joint.sweeps[s].samples) {
+        if (!sample.has_position || sample.joints <= j) continue;
+        const Vector3d arm = sample.position_mm - circle.center_mm;
+        turns.push_back(
+            {sample.angles_rad[j], sample.angles_rad[j] - std::atan2(arm.dot(y), arm.dot(x))});
+      }
+      const std::size_t third = turns.size() / 3;
+      if (third < 2) continue;
+      std::sort(turns.begin(), turns.end(),
+                [](const Turn& a, const Turn& b) { return a.told < b.told; });
+      const double start = turns[third / 2].error;
+      const auto middle = [&](std::size_t from, double Turn::*of) {
+        std::vector<double> values;
+        for (std::size_t i = from; i < from + third; ++i)
+          values.push_back(of == &Turn::error ? wrapped(turns[i].error - start) : turns[i].told);
+        return median_of(std::move(values));
+      };
+      const std::size_t upper = turns.size() - third;
+      const double told = middle(upper, &Turn::told) - middle(0, &Turn::told);
+      const double off = middle(upper, &Turn::error) - middle(0, &Turn::error);
+      const Sweep& sweep = joint.sweeps[s];
+      const double seconds = sweep.last().time_s - sweep.first().time_s;
+      const double late =
+          seconds > 0 ? kLate_s / seconds * (turns.back().told - turns.front().told) : 0;
+      if (!(std::abs(off) > kWrongTurn_rad + late) || !(std::abs(off) > kWrongTurnShare * told))
+        continue;
+      doubt("angle_arc_mismatch", j,
+            joint_name(j) + ": while its angle turned by " + fixed(told / kDegree, 1) +
+                "°, the target was seen to turn by " + fixed((told - off) / kDegree, 1) +
+                "°: the angles are not this joint's, or not of these positions");
+      return;
+    }
+  }
+
+  Identification& found_;
+  std::vector<std::optional<SeenCircle>> circles_;  // one a joint
+};
+
+}  // namespace
+
+void judge_plausibility(Identification& found, const Campaign& campaign) {
+  if (auto contradiction = contradiction_of_specified(found, campaign))
+    found.doubts.push_back(std::move(*contradiction));
+  Judge(found).judge_strokes(campaign.resolution);
+}
+
+}  // namespace identify

@@ -1,0 +1,242 @@
+#include "identify/specified_fit.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace identify {
+namespace {
+
+using Axes = std::vector<std::optional<Axis>>;
+
+constexpr double kSigmas = 4;
+/// Rows whose axes are specified as parallel: where the common normal lies is chance.
+constexpr double kParallel_rad = 5 * kDegree;
+/// Found lengths of so few in all, and specified ones so short, tell no unit.
+constexpr double kTelling_mm = 20;
+constexpr double kThousand = 1000;
+constexpr double kAboutThousand = 1.3;
+/// All senses of rotation are tried for so many joints: 256 tables.
+constexpr std::size_t kMostSenses = 8;
+
+std::string fixed(double value, int decimals) {
+  std::array<char, 400> text;
+  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value,
+                                          std::chars_format::fixed, decimals);
+  return error == std::errc() ? std::string(text.data(), end) : std::string("?");
+}
+
+/// The number that is furthest off, in units of what a built robot can be off.
+struct Worst {
+  double excess = 0;  ///< more than 1: no robot is like that
+  std::size_t row = 0;
+  std::string text;  ///< as in "a is -120.0 mm, specified is 120.0"
+};
+
+double arm_mm(const std::vector<DhRow>& rows) {
+  double sum = 0;
+  for (const DhRow& row : rows) sum += std::abs(row.a_mm) + std::abs(row.b_mm);
+  return sum;
+}
+
+bool parallel(const DhRow& row) {
+  return std::abs(std::sin(row.alpha_rad)) < std::sin(kParallel_rad);
+}
+
+Worst worst_of(const std::vector<DhEstimate>& dh, const std::vector<DhRow>& specified,
+               const std::vector<std::optional<double>>& home_rad) {
+  const double length = std::max(kMostOff_mm, kMostOffShare * arm_mm(specified));
+  Worst worst;
+  const auto judge = [&](std::size_t row, const char* name, const DhNumber& number, double expected,
+                         bool is_angle) {
+    if (number.knowledge != Knowledge::identified) return;
+    const double off = is_angle ? wrapped(number.value - expected) : number.value - expected;
+    const double excess =
+        (std::abs(off) - kSigmas * number.sigma) / (is_angle ? kMostOff_rad : length);
+    if (!(excess > worst.excess)) return;
+    const auto shown = [&](double value) {
+      return is_angle ? fixed(value / kDegree, 1) + "°" : fixed(value, 1) + " mm";
+    };
+    worst = {
+        excess, row,
+        std::string(name) + " is " + shown(number.value) + ", specified is " + shown(expected)};
+  };
+  // The last row leads to the tool: it is by convention.
+  for (std::size_t i = 0; i + 1 < dh.size(); ++i) {
+    // Axes that are parallel by specification and a little askew have normals anywhere.
+    const auto askew = [&](std::size_t row) {
+      return parallel(specified[row]) && dh[row].relation != Relation::parallel;
+    };
+    const bool loose = askew(i) || (i > 0 && askew(i - 1));
+    judge(i, "alpha", dh[i].alpha_rad, specified[i].alpha_rad, true);
+    if (loose) continue;
+    judge(i, "a", dh[i].a_mm, specified[i].a_mm, false);
+    if (i == 0) continue;  // where the base stands
+    judge(i, "b", dh[i].b_mm, specified[i].b_mm, false);
+    if (home_rad[i]) judge(i, "theta", dh[i].theta_rad, specified[i].theta_rad, true);
+  }
+  return worst;
+}
+
+/// The found lengths' sum as a multiple of the specified ones'; nothing where that tells nothing.
+std::optional<double> size_ratio(const std::vector<DhEstimate>& dh,
+                                 const std::vector<DhRow>& specified) {
+  double found = 0;
+  double expected = 0;
+  for (std::size_t i = 0; i + 1 < dh.size(); ++i) {
+    const auto add = [&](const DhNumber& number, double length) {
+      if (number.knowledge != Knowledge::identified || std::abs(length) < kTelling_mm) return;
+      found += std::abs(number.value);
+      expected += std::abs(length);
+    };
+    add(dh[i].a_mm, specified[i].a_mm);
+    if (i > 0) add(dh[i].b_mm, specified[i].b_mm);
+  }
+  if (!(expected > 0) || !(found > 0)) return std::nullopt;
+  return found / expected;
+}
+
+/// Tries what may explain a table that cannot be.
+class Explanation {
+ public:
+  Explanation(const Identification& found, const Campaign& campaign)
+      : campaign_(campaign), home_rad_(found.home_rad), specified_(found.specified) {
+    for (const JointResult& joint : found.joints) {
+      axes_.push_back(joint.axis);
+      for (const Sweep& sweep : joint.sweeps) told_ = told_ || sweep.first().joints > 0;
+    }
+  }
+
+  [[nodiscard]] bool told() const { return told_; }
+
+  [[nodiscard]] bool fits_scaled(double factor) const {
+    Axes scaled = axes_;
+    for (auto& axis : scaled) {
+      if (!axis) continue;
+      axis->point_mm *= factor;
+      axis->covariance.bottomRows<3>() *= factor;
+      axis->covariance.rightCols<3>() *= factor;
+    }
+    return fits(scaled, specified_, home_rad_);
+  }
+
+  /// In a mirror right-hand rotations are left-hand ones.
+  [[nodiscard]] bool fits_mirrored() const {
+    Eigen::Vector3d mirror(1, 1, -1);
+    Axes mirrored = axes_;
+    for (auto& axis : mirrored) {
+      if (!axis) continue;
+      axis->point_mm = mirror.asDiagonal() * axis->point_mm;
+      axis->direction = -(mirror.asDiagonal() * axis->direction);
+      Eigen::Matrix<double, 6, 1> both;
+      both << -mirror, mirror;
+      axis->covariance = both.asDiagonal() * axis->covariance * both.asDiagonal();
+    }
+    return fits(mirrored, specified_, home_rad_);
+  }
+
+  [[nodiscard]] bool fits_with_other_senses() const {
+    return !told_ && fits(axes_, specified_, home_rad_);
+  }
+
+  /// A joint's angles are exchanged with it.
+  [[nodiscard]] bool fits_exchanged(std::size_t i, std::size_t j) const {
+    Axes axes = axes_;
+    auto home = home_rad_;
+    auto specified = specified_;
+    std::swap(axes[i], axes[j]);
+    if (told_) {
+      std::swap(home[i], home[j]);
+      for (const std::size_t k : {i, j})
+        if (home[k])
+          specified[k].theta_rad = wrapped(campaign_.specified->rows[k].theta_rad +
+                                           campaign_.specified->positive[k] *
+                                               (*home[k] - campaign_.specified->home_rad[k]));
+    }
+    return fits(axes, specified, home);
+  }
+
+ private:
+  [[nodiscard]] bool fits(const Axes& positive, const std::vector<DhRow>& specified,
+                          const std::vector<std::optional<double>>& home_rad) const {
+    Axes z = positive;
+    for (std::size_t k = 0; k < z.size(); ++k)
+      if (z[k] && campaign_.specified->positive[k] < 0) z[k] = z[k]->reversed();
+    const double size = arm_mm(specified);
+    // Without angles nothing tells the senses: any will do.
+    const std::size_t senses = !told_ && z.size() <= kMostSenses ? std::size_t{1} << z.size() : 1;
+    for (std::size_t flips = 0; flips < senses; ++flips) {
+      Axes tried = z;
+      for (std::size_t k = 0; k < z.size(); ++k)
+        if (tried[k] && (flips >> k & 1) != 0) tried[k] = tried[k]->reversed();
+      if (worst_of(extract_dh(tried, size, specified), specified, home_rad).excess <= 1)
+        return true;
+    }
+    return false;
+  }
+
+  const Campaign& campaign_;
+  Axes axes_;
+  std::vector<std::optional<double>> home_rad_;
+  std::vector<DhRow> specified_;
+  bool told_ = false;  // the angles
+};
+
+std::optional<Warning> explained(const Explanation& explanation, const std::optional<double>& ratio,
+                                 std::size_t joints) {
+  for (const bool small : {true, false}) {
+    const double factor = small ? kThousand : 1 / kThousand;
+    if (!ratio || std::abs(std::log(*ratio * factor)) > std::log(kAboutThousand)) continue;
+    if (!explanation.fits_scaled(factor)) continue;
+    return Warning{"unit_factor",
+                   {},
+                   std::string("all lengths are 1000 times ") +
+                       (small ? "smaller than specified: are the positions in metres?"
+                              : "larger than specified: are the positions in micrometres?")};
+  }
+  if (explanation.fits_with_other_senses()) return std::nullopt;
+  if (explanation.fits_mirrored())
+    return Warning{"frame_mirrored",
+                   {},
+                   "the measurement frame is mirrored (left-handed): with one coordinate negated "
+                   "the positions fit the specified table"};
+  std::string pairs;
+  std::optional<std::size_t> first;
+  for (std::size_t i = 0; i < joints; ++i)
+    for (std::size_t j = i + 1; j < joints; ++j) {
+      if (!explanation.fits_exchanged(i, j)) continue;
+      if (!first) first = i;
+      pairs +=
+          (pairs.empty() ? "" : ", or ") + std::to_string(i + 1) + " and " + std::to_string(j + 1);
+    }
+  if (!first) return std::nullopt;
+  return Warning{"joints_exchanged", first,
+                 "the sweeps of two joints are exchanged: those of joints " + pairs +
+                     " the other way round fit the specified table"};
+}
+
+}  // namespace
+
+std::optional<Warning> contradiction_of_specified(const Identification& found,
+                                                  const Campaign& campaign) {
+  if (!campaign.specified || found.specified.empty() || found.dh.size() != found.specified.size())
+    return std::nullopt;
+  const Worst worst = worst_of(found.dh, found.specified, found.home_rad);
+  if (worst.excess <= 1) return std::nullopt;
+  const Explanation explanation(found, campaign);
+  if (auto cause =
+          explained(explanation, size_ratio(found.dh, found.specified), found.joints.size()))
+    return cause;
+  std::string message = "joint " + std::to_string(worst.row + 1) + ": " + worst.text +
+                        ": no built robot is so far off its specified table. Is it this robot, "
+                        "and are home and the joints' order right?";
+  if (explanation.fits_with_other_senses())
+    message += " With other senses of rotation the table fits";
+  return Warning{"specified_contradicted", worst.row, std::move(message)};
+}
+
+}  // namespace identify

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+
+#include "identify/angle.hpp"
+#include "identify/identification.hpp"
+
+namespace identify {
+
+/// A built robot is never so far off what its maker specifies. Lengths, in mm or as a share of the
+/// arm's (the sum of all its lengths), whichever is more; and angles. Castings and machining miss
+/// by a millimetre, mastering by a degree.
+inline constexpr double kMostOff_mm = 20;
+inline constexpr double kMostOffShare = 0.02;
+inline constexpr double kMostOff_rad = 5 * kDegree;
+
+/// What `found.dh` says against the specified table, beyond what a built robot can be off, and if
+/// one is found, the mistake that explains it: positions in another unit, a mirrored frame, two
+/// joints exchanged. Where the robot's base stands is not judged. Nothing without a specified
+/// table, or where nothing is wrong.
+[[nodiscard]] std::optional<Warning> contradiction_of_specified(const Identification& found,
+                                                                const Campaign& campaign);
+
+}  // namespace identify

@@ -1,0 +1,238 @@
+#include "identify/plausibility.hpp"
+
+#include <functional>
+
+#include "tests/catch.hpp"
+#include "tests/identify/simulated_campaign.hpp"
+#include "tests/simulation/simulation.hpp"
+
+using namespace identify;
+using identify::test::find_warning;
+using simulation::Simulation;
+using simulation::Strokes;
+using simulation::World;
+
+namespace {
+
+/// A device of 0.02 mm some metres away; the controller's angles beside it where wanted.
+World tracker(bool angles) {
+  World world;
+  world.angles = angles;
+  world.placed = true;
+  world.noise.range_mm = world.noise.across_mm = 0.02;
+  return world;
+}
+
+World telegrams(int decimals) {
+  World world;
+  world.controller = world.angles = true;
+  world.decimals = decimals;
+  world.wobble_deg = 0.0005;
+  return world;
+}
+
+simulation::Robot some_kr5(std::uint32_t seed, std::size_t targets = 1) {
+  return simulation::at_random_home(simulation::built(simulation::kr5(targets), seed), seed);
+}
+
+simulation::Robot some_iiwa(std::uint32_t seed) {
+  return simulation::at_random_home(simulation::built(simulation::iiwa(), seed), seed);
+}
+
+using Change = std::function<void(Sweep&, std::vector<Sample>&)>;
+
+std::vector<Sweep> changed(std::vector<Sweep> sweeps, const Change& change) {
+  for (Sweep& sweep : sweeps) {
+    auto samples = *sweep.samples;
+    change(sweep, samples);
+    sweep.samples = std::make_shared<const std::vector<Sample>>(std::move(samples));
+  }
+  return sweeps;
+}
+
+/// Every position goes through it.
+Change of_positions(const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& map) {
+  return [map](Sweep&, std::vector<Sample>& samples) {
+    for (Sample& sample : samples) sample.position_mm = map(sample.position_mm);
+  };
+}
+
+/// Points alone know whose sweep they are, not which way it went.
+void forget_directions(std::vector<Sweep>& sweeps) {
+  for (Sweep& sweep : sweeps) sweep.direction = 0;
+}
+
+void check_doubt(const Identification& found, std::string_view code,
+                 std::optional<std::size_t> joint = {}) {
+  INFO(found.reason);
+  CHECK(found.status == Status::doubtful);
+  REQUIRE_FALSE(found.doubts.empty());
+  CHECK(found.doubts.front().code == code);
+  if (joint) CHECK(found.doubts.front().joint == joint);
+  CHECK(found.reason.starts_with(found.doubts.front().message));
+}
+
+}  // namespace
+
+TEST_CASE("clean campaigns are never in doubt, however inaccurate") {
+  const auto seed = GENERATE(1U, 2U);
+  CAPTURE(seed);
+  World world = tracker(false);
+  Strokes strokes;
+  SECTION("a device") {}
+  SECTION("a short arc with outliers") {
+    strokes.arc_deg = 30;
+    world.noise.outlier_share = 0.15;
+  }
+  SECTION("sag, arcs that are no circles") {
+    world.sag_arcsec = 100;
+    world.shape.rms_mm = 0.02;
+  }
+  SECTION("a controller that prints one decimal, sweeps repeated") {
+    world = telegrams(1);
+    strokes.repeats = 3;
+    strokes.arc_deg = 30;
+  }
+  SECTION("a controller without any noise, sweeps repeated") {
+    world = telegrams(3);
+    world.wobble_deg = 0;
+    strokes.repeats = 3;
+  }
+  SECTION("gears and angles that come late, there and back") {
+    world = tracker(true);
+    world.gears = {60, 30, 30, {}};
+    world.delay.late_s = 0.5;
+    strokes.there_and_back = true;
+    strokes.ramp = 0.1;
+    strokes.arc_deg = 30;
+  }
+  for (const auto& robot : {some_kr5(seed), some_iiwa(seed)}) {
+    const Simulation simulation(robot, strokes, world, seed);
+    auto sweeps = simulation.sweeps();
+    const auto found = identify::identify(sweeps, simulation.campaign());
+    INFO(found.reason);
+    CHECK(found.doubts.empty());
+    CHECK(found.status != Status::doubtful);
+    auto unspecified = simulation.campaign();
+    unspecified.specified.reset();
+    CHECK(identify::identify(sweeps, unspecified).doubts.empty());
+  }
+}
+
+TEST_CASE("metres in a column for millimetres are named") {
+  const auto seed = GENERATE(1U, 2U, 3U);
+  const bool angles = GENERATE(false, true);
+  for (const auto& robot : {some_kr5(seed), some_iiwa(seed)}) {
+    const Simulation simulation(robot, {}, tracker(angles), seed);
+    const auto found = identify::identify(
+        changed(simulation.sweeps(),
+                of_positions([](const auto& p) { return Eigen::Vector3d(p / 1000); })),
+        simulation.campaign());
+    check_doubt(found, "unit_factor");
+    CHECK_THAT(found.reason, Catch::Matchers::ContainsSubstring("in metres"));
+  }
+}
+
+TEST_CASE("a mirrored frame is told from angles, whichever coordinate is negated") {
+  const auto seed = GENERATE(1U, 2U, 3U);
+  const auto axis = GENERATE(0, 1, 2);
+  for (const auto& robot : {some_kr5(seed), some_iiwa(seed)}) {
+    const Simulation simulation(robot, {}, tracker(true), seed);
+    const auto found =
+        identify::identify(changed(simulation.sweeps(), of_positions([&](Eigen::Vector3d p) {
+                                     p(axis) = -p(axis);
+                                     return p;
+                                   })),
+                           simulation.campaign());
+    check_doubt(found, "frame_mirrored");
+  }
+}
+
+TEST_CASE("exchanged joints are both named, with angles or without") {
+  const auto seed = GENERATE(1U, 2U, 3U);
+  const bool angles = GENERATE(false, true);
+  CAPTURE(seed, angles);
+  const Simulation simulation(some_kr5(seed), {}, tracker(angles), seed);
+  auto sweeps = changed(simulation.sweeps(), [](Sweep& sweep, std::vector<Sample>& samples) {
+    if (sweep.joint == 1U || sweep.joint == 3U) sweep.joint = 4 - *sweep.joint;
+    for (Sample& sample : samples) std::swap(sample.angles_rad[1], sample.angles_rad[3]);
+  });
+  if (!angles) forget_directions(sweeps);
+  const auto found = identify::identify(sweeps, simulation.campaign());
+  check_doubt(found, "joints_exchanged", 1);
+  CHECK_THAT(found.reason, Catch::Matchers::ContainsSubstring("joints 2 and 4"));
+}
+
+TEST_CASE("another robot than the specified one is a doubt that names the number") {
+  const Simulation simulation(some_kr5(4), {}, tracker(true), 4);
+  auto campaign = simulation.campaign();
+  campaign.specified->rows[1].a_mm += 200;
+  check_doubt(identify::identify(simulation.sweeps(), campaign), "specified_contradicted", 1);
+}
+
+TEST_CASE("points that lie on no circle are a doubt") {
+  const Simulation simulation(some_kr5(5), {}, tracker(false), 5);
+  auto campaign = simulation.campaign();
+  campaign.specified.reset();
+  const auto sweeps =
+      changed(simulation.sweeps(), [](const Sweep& sweep, std::vector<Sample>& samples) {
+        if (sweep.joint != 2U) return;
+        double way = 0;
+        for (Sample& sample : samples) {
+          way += 0.7;
+          sample.position_mm += Eigen::Vector3d(std::sin(way), std::cos(3 * way), 0) * 250;
+        }
+      });
+  check_doubt(identify::identify(sweeps, campaign), "circle_misfit", 2);
+}
+
+TEST_CASE("sweeps of one joint about different axes are a doubt") {
+  Strokes strokes;
+  strokes.repeats = 2;
+  const Simulation simulation(some_kr5(6), strokes, tracker(false), 6);
+  auto campaign = simulation.campaign();
+  campaign.specified.reset();
+  std::size_t seen = 0;
+  const auto sweeps =
+      changed(simulation.sweeps(), [&](const Sweep& sweep, std::vector<Sample>& samples) {
+        if (sweep.joint != 3U || ++seen != 2) return;
+        for (Sample& sample : samples) sample.position_mm += Eigen::Vector3d(0, 20, 0);
+      });
+  check_doubt(identify::identify(sweeps, campaign), "strokes_disagree", 3);
+}
+
+TEST_CASE("angles that do not belong to the arc are a doubt") {
+  const Simulation simulation(some_kr5(7), {}, tracker(true), 7);
+  auto campaign = simulation.campaign();
+  campaign.specified.reset();
+  const auto sweeps =
+      changed(simulation.sweeps(), [](const Sweep& sweep, std::vector<Sample>& samples) {
+        if (sweep.joint != 1U) return;
+        for (Sample& sample : samples)
+          sample.angles_rad[1] = samples.front().angles_rad[1] +
+                                 0.5 * (sample.angles_rad[1] - samples.front().angles_rad[1]);
+      });
+  check_doubt(identify::identify(sweeps, campaign), "angle_arc_mismatch", 1);
+}
+
+TEST_CASE("a copy of a sweep is no second sweep") {
+  const Simulation simulation(some_kr5(8), {}, tracker(false), 8);
+  auto sweeps = simulation.sweeps();
+  sweeps.push_back(sweeps[2]);
+  check_doubt(identify::identify(sweeps, simulation.campaign()), "duplicate_sweep", 2);
+}
+
+TEST_CASE("an external axis that moves during a sweep is a doubt, between sweeps it is none") {
+  const Simulation simulation(some_kr5(9), {}, tracker(true), 9);
+  const bool during = GENERATE(false, true);
+  const auto sweeps =
+      changed(simulation.sweeps(), [&](const Sweep& sweep, std::vector<Sample>& samples) {
+        for (Sample& sample : samples) sample.external_place = *sweep.joint > 3 ? 7 : 2;
+        if (during && sweep.joint == 3U) samples.back().external_place = 3;
+      });
+  const auto found = identify::identify(sweeps, simulation.campaign());
+  if (during)
+    check_doubt(found, "external_axis_moved", 3);
+  else
+    CHECK(found.status == Status::complete);
+}
