@@ -23,7 +23,7 @@ std::string_view name(Cause cause) {
     case Cause::home:
       return "locked joints off home";
     case Cause::drift:
-      return "device's drift from sweep to sweep";
+      return "drift of the measuring device";
     case Cause::figure:
       return "arcs that are not quite circles";
     case Cause::offset:
@@ -87,11 +87,11 @@ Shares shares_of(const Eigen::VectorXd& part, const Eigen::MatrixXd& covariance)
 std::string budget_text(const Identification& found) {
   if (!found.chain || found.dh_budget.empty()) return "";
   std::string text =
-      "Uncertainty: what it comes from, and its share in the variances above, in percent\n\n" +
-      left("cause", 36) + right("size", 14) + right("usual", 10) + right("largest", 10) + "\n";
+      "Uncertainty: what it comes from, and its percentage of the variances above\n\n" +
+      left("cause", 34) + right("size", 14) + right("usual", 10) + right("largest", 10) + "\n";
   for (const auto& share : found.dh_budget) {
     const Shares of = shares_of(share.variances, found.dh_covariance);
-    text += left(std::string(name(share.cause)), 36) + right(size(share.cause, *found.chain), 14) +
+    text += left(std::string(name(share.cause)), 34) + right(size(share.cause, *found.chain), 14) +
             number(100 * of.usual, 0, 10) + number(100 * of.largest, 0, 10) +
             (of.of.empty() ? "" : "  of " + of.of) + "\n";
   }

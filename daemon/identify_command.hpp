@@ -25,8 +25,9 @@ struct IdentifyOptions {
 
 /// Identifies from points that another device than the controller measured, or takes axes as lines,
 /// and writes what a replay writes. The report goes to `report`. Returns the exit code: 1 if not
-/// one axis was identified, 3 if the result is doubtful. Throws CsvError, ConfigError, std::invalid_argument for options that
-/// contradict each other and as Outputs where results may not be written, and std::runtime_error.
+/// one axis was identified, 3 if the result is doubtful. Throws CsvError, ConfigError,
+/// std::invalid_argument for options that contradict each other and as Outputs where results may
+/// not be written, and std::runtime_error.
 [[nodiscard]] int identify_points(const IdentifyOptions& options, std::ostream& report = std::cout);
 
 }  // namespace sweepd

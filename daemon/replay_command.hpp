@@ -22,9 +22,9 @@ struct ReplayOptions {
 
 /// The live path on captures, as fast as it goes: the same samples give the same result files. The
 /// report goes to `report`, what is wrong with the captures to `errors`, a sentence each. Returns
-/// the exit code: 3 if the result is doubtful, 1 if not one axis was identified for want of data, or samples.csv is not whole.
-/// Throws ConfigError, rsi::CaptureError, std::runtime_error, and as Outputs where results may not
-/// be written.
+/// the exit code: 3 if the result is doubtful, 1 if not one axis was identified for want of data,
+/// or samples.csv is not whole. Throws ConfigError, rsi::CaptureError, std::runtime_error, and as
+/// Outputs where results may not be written.
 [[nodiscard]] int replay(const ReplayOptions& options, std::ostream& report = std::cout,
                          std::ostream& errors = std::cerr);
 

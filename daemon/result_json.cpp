@@ -170,10 +170,10 @@ std::vector<NumberPlace> identified_numbers(const Identification& found) {
     for (std::size_t k = 0; k < numbers.size(); ++k) {
       if (numbers[k]->knowledge != Knowledge::identified) continue;
       const bool length = k == 0 || k == 2;
-      places.push_back({static_cast<Eigen::Index>(numbers.size() * i + k),
-                        std::string(kNumberNames[k]) + std::to_string(i + 1) +
-                            (length ? "_mm" : "_deg"),
-                        length ? 1 : degrees(1)});
+      places.push_back(
+          {static_cast<Eigen::Index>(numbers.size() * i + k),
+           std::string(kNumberNames[k]) + std::to_string(i + 1) + (length ? "_mm" : "_deg"),
+           length ? 1 : degrees(1)});
     }
   }
   return places;
@@ -275,10 +275,10 @@ void print(const Json& json, const std::string& indent, std::string& out) {
   constexpr std::size_t kShort = 8;
   const auto is_number = [](const Json& item) { return item.is_number(); };
   const bool numbers = json.is_array() && std::all_of(json.begin(), json.end(), is_number);
-  const bool one_line = (json.size() <= kShort || numbers) && (json.is_array() || !indent.empty()) &&
-                        std::none_of(json.begin(), json.end(), [](const Json& item) {
-                          return item.is_structured() && !item.empty();
-                        });
+  const bool one_line =
+      (json.size() <= kShort || numbers) && (json.is_array() || !indent.empty()) &&
+      std::none_of(json.begin(), json.end(),
+                   [](const Json& item) { return item.is_structured() && !item.empty(); });
   const std::string inner = indent + "  ";
   out += json.is_array() ? "[" : "{";
   std::string_view separator = "";

@@ -17,8 +17,9 @@ using Eigen::Index;
 /// The variance along smooth curves may be this many times that of white noise: by chance it is so
 /// once in 10^8 times (chi squared with six degrees of freedom, over six).
 constexpr double kMostCoherence = 8;
-/// A coherent part below this share of the noise does no harm.
-constexpr double kHarmless = 0.05;
+/// An even motion printed with few decimals is off by a saw tooth, which is smooth where its teeth
+/// are long: as large a pattern as all rounding, and a little for chance.
+constexpr double kPrinted = 1.2;
 
 constexpr Index kCurve = 6;   // offset, scale, two harmonics
 constexpr Index kHigher = 8;  // harmonics three to six
@@ -152,8 +153,9 @@ void visit(const Chain& chain, const ChainNodes& nodes, const ChainNoise& noise,
           ChainResidual<3>::base_weight(chain, seen, noise, pose) * at.by_swept;
       const double information = along.dot(at.by_swept);
       if (!(information > 0)) continue;
-      see(seen, AngleError{at.toward, along.dot(scatter[n].within * along) / information / information,
-                           at.toward_sigma});
+      see(seen,
+          AngleError{at.toward, along.dot(scatter[n].within * along) / information / information,
+                     at.toward_sigma});
     }
   });
 }
@@ -180,8 +182,8 @@ std::vector<AngleEvidence> seen_angle_errors(const Chain& chain, const ChainNode
       astray[stroke.content.joint] = stroke.content.joints > 0;
   }
   visit(chain, nodes, noise, [&](const ChainObservation& seen, const AngleError& at) {
-    const double error = std::remainder(seen.measured_turn - seen.turns[seen.joint] - at.mean,
-                                        2 * kPi);
+    const double error =
+        std::remainder(seen.measured_turn - seen.turns[seen.joint] - at.mean, 2 * kPi);
     curves[seen.joint].add(seen.turns[seen.joint], seen.falling, error, seen.weight, at.within);
     expected[seen.joint] += seen.weight * (at.sigma * at.sigma + quantum.swept_rad[seen.joint] *
                                                                      quantum.swept_rad[seen.joint]);
@@ -236,7 +238,7 @@ void test_believed_angles(const Chain& chain, const ChainNodes& nodes, const Cha
     const Curve& errors = curves[j];
     const auto smooth = errors.fit(kCurve);
     evidence[j].size = rms(errors.squares(), errors.weights());
-    evidence[j].coherence = rms(smooth.explained, errors.weights()) <= kHarmless
+    evidence[j].coherence = rms(smooth.explained, errors.weights()) <= kPrinted
                                 ? 0
                                 : coherence(smooth.explained, smooth.terms,
                                             errors.squares() - smooth.explained, errors.weights());

@@ -10,14 +10,14 @@ namespace identify {
 
 /// The error of a joint's angles as a fit with free angles shows it: one a joint, `trust` smooth or
 /// free. `quantum` is what the printed numbers alone would scatter.
-[[nodiscard]] std::vector<AngleEvidence> seen_angle_errors(
-    const Chain& chain, const ChainNodes& nodes, const ChainNoise& noise,
-    const ChainNoise& quantum);
+[[nodiscard]] std::vector<AngleEvidence> seen_angle_errors(const Chain& chain,
+                                                           const ChainNodes& nodes,
+                                                           const ChainNoise& noise,
+                                                           const ChainNoise& quantum);
 
 /// Sets `size` and `coherence` of every joint whose angles are believed in this fit.
 void test_believed_angles(const Chain& chain, const ChainNodes& nodes, const ChainNoise& noise,
-                          const ChainNoise& quantum,
-                          std::vector<AngleEvidence>& evidence);
+                          const ChainNoise& quantum, std::vector<AngleEvidence>& evidence);
 
 /// Whether angles that were believed stand the test: small, and without a pattern.
 [[nodiscard]] bool stands_test(const AngleEvidence& evidence);

@@ -8,11 +8,27 @@
 
 namespace identify {
 
-/// Orders of a figure, from the first on.
+/// Orders of a figure, from the first on, and of what angles are off by, from none on.
 inline constexpr Eigen::Index kFigureOrders = 8;
 
-/// The variances of the effects' columns: own ones are a turn of each joint and three shifts,
-/// shared ones the orders of the radial and then of the axial figure, a home's a turn of each joint.
-[[nodiscard]] EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& nodes);
+/// The columns that a problem has: of effects that are zero in `shape` none. A unit's own are a
+/// turn of each joint, three shifts, and three that grow from minus one at a stroke's least turn to
+/// one at its greatest. Those of a group are the orders of each target's radial and then axial
+/// figure, and behind them those of the joint's angle. A home's are a turn of each joint.
+struct EffectColumns {
+  EffectColumns(const ChainEffects& shape, const ChainNodes& nodes);
+  Eigen::Index own = 0;
+  Eigen::Index figure = 0;  ///< of one target
+  Eigen::Index told = 0;
+  Eigen::Index home = 0;
+  std::size_t targets = 0;
+  [[nodiscard]] Eigen::Index shared() const {
+    return figure * static_cast<Eigen::Index>(targets) + told;
+  }
+};
+
+/// The variances of these columns for `effects` at most those of the shape.
+[[nodiscard]] EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& nodes,
+                                           const EffectColumns& columns);
 
 }  // namespace identify

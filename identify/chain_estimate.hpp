@@ -27,7 +27,7 @@ struct ChainNoise {
 struct ChainEffects {
   /// Of each locked joint's place in a stroke from its home: a rotation about its axis.
   double home_rad = 0;
-  /// Of the measuring device's place in a stroke, each coordinate.
+  /// Of the measuring device's place in a stroke, each coordinate. It walks on during a stroke.
   double drift_mm = 0;
   /// Of the figure that a stroke describes, radial and axial, from a circle: the standard deviation
   /// of the coefficient of its first Chebyshev polynomial; it falls with the square of the order.
@@ -37,6 +37,10 @@ struct ChainEffects {
   /// Of each joint's place at another home from where its angle says: what its gear and the load
   /// are off by there and were not at the first home. Strokes from one home share it.
   double offset_rad = 0;
+  /// Of what a joint's angles are off by along its arc where they are believed: the standard
+  /// deviation of the coefficient of each Chebyshev polynomial. An even motion printed with few
+  /// decimals leaves such a pattern. Strokes of one joint from one home share it.
+  double told_rad = 0;
 
   /// How far each joint may stand from where its printed angle says, one a joint: `zero_rad` of the
   /// chain is estimated where its angle is believed. None: it is not.

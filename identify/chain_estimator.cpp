@@ -42,6 +42,7 @@ class Estimation {
     start.targets_mm =
         starting_targets(start, nodes_.observations, nodes_.targets, nodes_.with_angles);
     set_quanta(nodes_.with_angles);
+    if (nodes_.with_angles) effects_.zero_rad = unseen_zeros();
 
     Fitted best = without_angles(start);
     ChainEstimate estimate;
@@ -112,20 +113,23 @@ class Estimation {
 
   /// What is left beyond the samples' noise, and the fit that knows of it.
   void find_effects(Fitted& best) {
+    ChainEffects shape = effects_;
+    shape.figure_mm = 1;
+    shape.home_rad = shape.drift_mm = nodes_.units.size() > 1 ? 1 : 0;  // from stroke to stroke
+    shape.offset_rad = nodes_.homes.size() > 1 ? 1 : 0;
+    constexpr int kRounds = 2;
+    for (int round = 0; round < kRounds; ++round) size_effects(best, shape);
+  }
+
+  /// The effects that the shape has, and the fit that knows of them.
+  void size_effects(Fitted& best, const ChainEffects& shape) {
     double weight = 0;
     for (const StrokeMoments& stroke : nodes_.strokes)
       weight += stroke.weight / stroke.correlation / static_cast<double>(nodes_.strokes.size());
-    const double reach = reach_mm(best.fit.chain);
-    const double smallest = best.noise.position_mm / std::sqrt(weight);
-    ChainEffects shape;
-    shape.home_rad = shape.drift_mm = shape.figure_mm = 1;
-    shape.offset_rad = nodes_.homes.size() > 1 ? 1 : 0;
-    constexpr int kRounds = 2;
-    for (int round = 0; round < kRounds; ++round) {
-      const LinearisedChain linearised(best.fit.chain, nodes_, best.noise, shape, false);
-      effects_ = effect_sizes(linearised, shape, smallest, reach);
-      best.fit = fit_chain(best.fit.chain, nodes_, best.noise, effects_, false);
-    }
+    const LinearisedChain linearised(best.fit.chain, nodes_, best.noise, shape, false);
+    effects_ = effect_sizes(linearised, shape, best.noise.position_mm / std::sqrt(weight),
+                            reach_mm(best.fit.chain));
+    best.fit = fit_chain(best.fit.chain, nodes_, best.noise, effects_, false);
   }
 
   /// How far the targets are from the axes at most.
@@ -160,7 +164,6 @@ class Estimation {
       if (stroke.told) swept[stroke.content.joint] = true;
     for (std::size_t j = 0; j < joints_; ++j)
       if (swept[j]) noise.swept_rad[j] = quantum_.swept_rad[j];
-    effects_.zero_rad = unseen_zeros();
     effects_.print_mm = campaign_.resolution.position_mm;
     const auto free_nodes = nodes_.observations;
     for (std::size_t tried = 0; tried <= joints_; ++tried) {
@@ -168,7 +171,11 @@ class Estimation {
       for (ChainObservation& sample : nodes_.observations)
         if (std::isfinite(noise.swept_rad[sample.joint]))
           sample.turns[sample.joint] = sample.measured_turn;
+      effects_.told_rad = 0;
       Fitted believed = settled(best.fit.chain, noise, false);
+      ChainEffects shape = effects_;
+      shape.told_rad = 1;
+      size_effects(believed, shape);
       test_believed_angles(believed.fit.chain, nodes_, believed.noise, quantum_, evidence);
       std::optional<std::size_t> worst;
       bool any = false;
@@ -194,7 +201,7 @@ class Estimation {
       noise.swept_rad[*worst] = kFreeAngle;
     }
     nodes_.observations = free_nodes;
-    effects_ = {};
+    effects_.print_mm = effects_.told_rad = 0;
   }
 
   /// How far each joint may have stood from the home that was printed: where its angle hardly
@@ -207,8 +214,7 @@ class Estimation {
       double squares = 0, samples = 0;
       for (const StrokeMoments& stroke : nodes_.strokes) {
         if (stroke.content.joint == j) continue;
-        const auto at = static_cast<Eigen::Index>(
-            (stroke.content.orientation ? 7 : 4) + j);
+        const auto at = static_cast<Eigen::Index>((stroke.content.orientation ? 7 : 4) + j);
         for (const StrokeMoments::Node& node : stroke.nodes) {
           squares += node.sums(at, at);
           samples += node.sums(0, 0);
@@ -217,7 +223,8 @@ class Estimation {
       const double variance = samples > 0 ? squares / samples : 0;
       // The mean of rounded numbers is off by what is left of the saw tooth's first wave.
       const double wave = 2 * kPi * kPi * variance / (step * step);
-      const double left = step > 0 ? std::max(std::exp(-wave), 1 / std::sqrt(std::max(1.0, samples))) : 0;
+      const double left =
+          step > 0 ? std::max(std::exp(-wave), 1 / std::sqrt(std::max(1.0, samples))) : 0;
       zeros.push_back(std::max(kLeastAngle_rad, step / std::sqrt(12.0) * left));
     }
     return zeros;

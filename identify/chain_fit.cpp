@@ -4,8 +4,10 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <set>
 #include <utility>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 namespace identify {
@@ -13,6 +15,7 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 /// A step this small in standard uncertainties is none.
@@ -28,52 +31,43 @@ struct NormalEquations {
   double cost = 0;
 };
 
-/// The variances of the columns that a problem of this shape has.
-EffectVariances columns_of(const ChainEffects& effects, const ChainEffects& shape,
-                           const ChainNodes& nodes) {
-  EffectVariances variances = variances_of(effects, nodes);
-  const auto keep = [](bool any, std::vector<VectorXd>& columns) {
-    if (!any)
-      for (VectorXd& one : columns) one.resize(0);
-  };
-  keep(shape.home_rad > 0 || shape.drift_mm > 0 || shape.print_mm > 0, variances.own);
-  keep(shape.figure_mm > 0, variances.shared);
-  keep(shape.offset_rad > 0, variances.home);
-  return variances;
-}
-
 template <int Size>
 class Problem {
  public:
   /// The weights are those of `chain`, and stay: what is minimised must not move. `shape`: effects
   /// that are zero there get no columns.
-  Problem(const Chain& chain, ChainNodes& nodes, const ChainNoise& noise,
-          const ChainEffects& shape)
+  Problem(const Chain& chain, ChainNodes& nodes, const ChainNoise& noise, const ChainEffects& shape)
       : nodes_(nodes),
         noise_(noise),
         shape_(shape),
-        variances_(columns_of(shape, shape, nodes)),
+        columns_(shape, nodes),
+        variances_(variances_of(shape, nodes, columns_)),
         weights_(nodes.observations.size()),
         swept_(nodes.observations.size()),
-        figures_(nodes.home_of.size()) {
+        ranges_(nodes.home_of.size()) {
     ChainPose pose(chain);
     for (std::size_t i = 0; i < nodes_.observations.size(); ++i) {
       const ChainObservation& seen = nodes_.observations[i];
       pose.set(seen.target, turns_of(chain, seen, noise), false);
       weights_[i] = ChainResidual<Size>::base_weight(chain, seen, noise, pose);
       swept_[i] = seen.turns[seen.joint];
-      Range& figure = figures_[nodes.group[seen.sweep]];
-      figure.from = std::min(figure.from, swept_[i]);
-      figure.to = std::max(figure.to, swept_[i]);
     }
+    for (std::size_t u = 0; u < nodes.units.size(); ++u)
+      for (const std::size_t s : nodes.units[u])
+        for (std::size_t n = 0; n < nodes.strokes[s].nodes.size(); ++n) {
+          Range& range = ranges_[nodes.group[u]];
+          range.from = std::min(range.from, swept_[nodes.first[s] + n]);
+          range.to = std::max(range.to, swept_[nodes.first[s] + n]);
+        }
   }
 
-  /// Of the chain's parameters; behind them one a joint for where its angle is zero.
+  /// Of the chain's parameters; behind them, where they are estimated, one a joint for where its
+  /// angle is zero.
   [[nodiscard]] static Index count(const Chain& chain) {
     return ChainParameters{chain.axes.size(), chain.targets_mm.size()}.count(Size == 6);
   }
-  [[nodiscard]] static Index with_zeros(const Chain& chain) {
-    return count(chain) + static_cast<Index>(chain.axes.size());
+  [[nodiscard]] Index with_zeros(const Chain& chain) const {
+    return count(chain) + static_cast<Index>(shape_.zero_rad.size());
   }
 
   /// The free angles go along to where the last linearisation put them.
@@ -100,16 +94,15 @@ class Problem {
   [[nodiscard]] VectorXd prior(const Chain& chain) const {
     VectorXd known = VectorXd::Zero(with_zeros(chain));
     for (std::size_t j = 0; j < shape_.zero_rad.size(); ++j)
-      if (shape_.zero_rad[j] > 0 && !std::isinf(noise_.swept_rad[j]))
-        known(count(chain) + static_cast<Index>(j)) =
-            1 / (shape_.zero_rad[j] * shape_.zero_rad[j]);
+      if (shape_.zero_rad[j] > 0)
+        known(count(chain) + static_cast<Index>(j)) = 1 / (shape_.zero_rad[j] * shape_.zero_rad[j]);
     return known;
   }
 
   std::vector<StrokeProducts> products(const Chain& chain) {
     std::vector<StrokeProducts> found;
     ChainPose pose(chain);
-    for (std::size_t s = 0; s < nodes_.strokes.size(); ++s) found.push_back(stroke(chain, s, pose));
+    for (std::size_t u = 0; u < nodes_.units.size(); ++u) found.push_back(unit(chain, u, pose));
     return found;
   }
 
@@ -117,50 +110,81 @@ class Problem {
   struct Range {
     double from = std::numeric_limits<double>::infinity();
     double to = -std::numeric_limits<double>::infinity();
+    /// From -1 to 1.
+    [[nodiscard]] double place(double turn) const {
+      return to > from ? std::clamp((2 * turn - from - to) / (to - from), -1.0, 1.0) : 0;
+    }
   };
 
-  StrokeProducts stroke(const Chain& chain, std::size_t s, ChainPose& pose) {
-    const StrokeMoments& moments = nodes_.strokes[s];
-    const std::size_t begin = nodes_.first[s];
-    const auto nodes = static_cast<Index>(moments.nodes.size());
+  StrokeProducts unit(const Chain& chain, std::size_t u, ChainPose& pose) {
     StrokeProducts result;
-    result.group = nodes_.group[s];
-    result.parameters = active(chain, begin, begin + moments.nodes.size());
-    const std::size_t home = nodes_.home_of[result.group];
-    const Index own = variances_.own[s].size();
-    const Index shared = variances_.shared[result.group].size();
-    const Index at_home = variances_.home[home].size();
+    result.group = nodes_.group[u];
+    result.parameters = active(chain, nodes_.units[u]);
+    Index nodes = 0;
+    for (const std::size_t s : nodes_.units[u])
+      nodes += static_cast<Index>(nodes_.strokes[s].nodes.size());
     const auto parameters = static_cast<Index>(result.parameters.size());
-    const Index columns = own + shared + at_home + parameters + 1;
-    rows_.setZero(columns, Size * nodes);
-    weighted_.resize(columns, Size * nodes);
-    for (Index n = 0; n < nodes; ++n) {
-      const std::size_t i = begin + static_cast<std::size_t>(n);
-      const ChainObservation& seen = nodes_.observations[i];
-      settle(chain, i, pose);
-      auto block = rows_.template middleCols<Size>(Size * n);
-      for (std::size_t k = 0; k < chain.axes.size(); ++k) {
-        if (k == seen.joint || !nodes_.known[k]) continue;
-        const auto row = static_cast<Index>(k);
-        const auto turned = pose.by_turn[k].template head<Size>().transpose();
-        if (own > 0) block.row(row) = turned;
-        if (at_home > 0) block.row(own + shared + row) = turned;
+    const Index shared = columns_.own;
+    const Index at_home = shared + columns_.shared();
+    const Index first = at_home + columns_.home;
+    const Index last = first + parameters;
+    rows_.setZero(last + 1, Size * nodes);
+    weighted_.resize(last + 1, Size * nodes);
+    const Range& range = ranges_[result.group];
+    Index column = 0;
+    for (const std::size_t s : nodes_.units[u]) {
+      const StrokeMoments& stroke = nodes_.strokes[s];
+      for (std::size_t n = 0; n < stroke.nodes.size(); ++n, column += Size) {
+        const std::size_t i = nodes_.first[s] + n;
+        const ChainObservation& seen = nodes_.observations[i];
+        settle(chain, i, pose);
+        auto block = rows_.template middleCols<Size>(column);
+        for (std::size_t k = 0; k < chain.axes.size(); ++k) {
+          if (k == seen.joint || !nodes_.known[k]) continue;
+          const auto row = static_cast<Index>(k);
+          const auto turned = pose.by_turn[k].template head<Size>().transpose();
+          if (columns_.own > 0) block.row(row) = turned;
+          if (columns_.home > 0) block.row(at_home + row) = turned;
+        }
+        if (columns_.own > 0) {
+          block.template middleRows<3>(shared - 6).template leftCols<3>().setIdentity();
+          const Range own{stroke.from_rad, stroke.to_rad};
+          block.template middleRows<3>(shared - 3)
+              .template leftCols<3>()
+              .diagonal()
+              .setConstant(own.place(stroke.nodes[n].turn_rad));
+        }
+        const auto here = polynomials(range.place(seen.turns[seen.joint]));
+        if (columns_.figure > 0) {
+          // Radial and axial, nothing where the joint stands at its home's turn.
+          const auto home =
+              polynomials(range.place(nodes_.homes[nodes_.home_of[result.group]][seen.joint]));
+          const Vector3d from = seen.position_mm - stroke.circle.center_mm;
+          const Vector3d& axial = stroke.circle.normal;
+          const Vector3d radial = (from - axial.dot(from) * axial).normalized();
+          const Index at = shared + columns_.figure * static_cast<Index>(seen.target);
+          for (Index m = 0; m < kFigureOrders; ++m) {
+            const double value = here(m + 1) - home(m + 1);
+            block.row(at + m).template head<3>() = value * radial.transpose();
+            block.row(at + kFigureOrders + m).template head<3>() = value * axial.transpose();
+          }
+        }
+        if (columns_.told > 0 && !free(seen))
+          block.middleRows(at_home - columns_.told, columns_.told) =
+              here.template head<kFigureOrders>() * residual_.by_swept.transpose();
+        for (Index a = 0; a < parameters; ++a) {
+          const Index at = result.parameters[static_cast<std::size_t>(a)];
+          auto row = block.row(first + a);
+          if (of_another_target(chain, at, seen.target)) continue;
+          if (at < count(chain))
+            row = pose.by_parameter.col(at).template head<Size>().transpose();
+          else
+            row = residual_.by_swept.transpose();
+        }
+        block.row(last) = residual_.error.transpose();
+        weighted_.template middleCols<Size>(column).noalias() =
+            block * (seen.weight / stroke.correlation * residual_.weight);
       }
-      if (own > 0) block.template middleRows<3>(own - 3).template leftCols<3>().setIdentity();
-      if (shared > 0)
-        add_figure(block.middleRows(own, shared), moments, seen, figures_[result.group],
-                   nodes_.homes[home][seen.joint]);
-      for (Index a = 0; a < parameters; ++a) {
-        const Index at = result.parameters[static_cast<std::size_t>(a)];
-        auto row = block.row(own + shared + at_home + a);
-        if (at < count(chain))
-          row = pose.by_parameter.col(at).template head<Size>().transpose();
-        else
-          row = residual_.by_swept.transpose();
-      }
-      block.row(columns - 1) = residual_.error.transpose();
-      weighted_.template middleCols<Size>(Size * n).noalias() =
-          block * (seen.weight / moments.correlation * residual_.weight);
     }
     result.products.noalias() = weighted_ * rows_.transpose();
     return result;
@@ -182,31 +206,18 @@ class Problem {
     residual_.set(chain, seen, pose, weights_[i], true);
   }
 
-  /// Radial and axial, nothing where the joint stands at its home's turn.
-  template <class Block>
-  static void add_figure(Block block, const StrokeMoments& moments, const ChainObservation& seen,
-                         const Range& range, double home_turn) {
-    const Eigen::Vector3d from = seen.position_mm - moments.circle.center_mm;
-    const Eigen::Vector3d& axial = moments.circle.normal;
-    const Eigen::Vector3d radial = (from - axial.dot(from) * axial).normalized();
-    const double width = range.to - range.from;
-    const auto place = [&](double turn) {
-      return width > 0 ? std::clamp((2 * turn - range.from - range.to) / width, -1.0, 1.0) : 0;
-    };
-    const auto here = polynomials(place(seen.turns[seen.joint]));
-    const auto home = polynomials(place(home_turn));
-    for (Index m = 0; m < kFigureOrders; ++m) {
-      const double value = here(m) - home(m);
-      block.row(m).template head<3>() = value * radial.transpose();
-      block.row(kFigureOrders + m).template head<3>() = value * axial.transpose();
-    }
+  [[nodiscard]] static bool of_another_target(const Chain& chain, Index parameter,
+                                              std::size_t target) {
+    const ChainParameters parameters{chain.axes.size(), chain.targets_mm.size()};
+    return parameter >= parameters.target(0) && parameter < parameters.tool() &&
+           (parameter - parameters.target(0)) / 3 != static_cast<Index>(target);
   }
 
-  using Orders = Eigen::Matrix<double, kFigureOrders, 1>;
-  /// Chebyshev polynomials of the orders from 1 on.
+  using Orders = Eigen::Matrix<double, kFigureOrders + 1, 1>;
+  /// Chebyshev polynomials.
   static Orders polynomials(double x) {
     Orders values;
-    double before = 1, value = x;
+    double before = x, value = 1;
     for (double& order : values) {
       order = value;
       before = std::exchange(value, 2 * x * value - before);
@@ -214,25 +225,29 @@ class Problem {
     return values;
   }
 
-  /// What a stroke depends on: joints that did not turn change nothing.
-  std::vector<Index> active(const Chain& chain, std::size_t begin, std::size_t end) const {
+  /// What a unit depends on: joints that did not turn change nothing.
+  std::vector<Index> active(const Chain& chain, const std::vector<std::size_t>& strokes) const {
     const ChainParameters parameters{chain.axes.size(), chain.targets_mm.size()};
-    const ChainObservation& first = nodes_.observations[begin];
-    std::vector<Index> found;
+    std::set<Index> found;
     const auto add = [&](Index from, Index count) {
-      for (Index k = 0; k < count; ++k) found.push_back(from + k);
+      for (Index k = 0; k < count; ++k) found.insert(from + k);
     };
-    for (std::size_t j = 0; j < parameters.joints; ++j) {
-      bool turned = j == first.joint;
-      for (std::size_t i = begin; i < end && !turned; ++i)
-        turned = nodes_.observations[i].turns[j] != 0;
-      if (turned) add(parameters.axis(j), 4);
+    for (const std::size_t s : strokes) {
+      const std::size_t begin = nodes_.first[s];
+      const std::size_t end = begin + nodes_.strokes[s].nodes.size();
+      const ChainObservation& first = nodes_.observations[begin];
+      for (std::size_t j = 0; j < parameters.joints; ++j) {
+        bool turned = j == first.joint;
+        for (std::size_t i = begin; i < end && !turned; ++i)
+          turned = nodes_.observations[i].turns[j] != 0;
+        if (turned) add(parameters.axis(j), 4);
+      }
+      add(parameters.target(first.target), 3);
+      if constexpr (Size == 6) add(parameters.tool(), 3);
+      if (!shape_.zero_rad.empty() && shape_.zero_rad[first.joint] > 0 && !free(first))
+        add(count(chain) + static_cast<Index>(first.joint), 1);
     }
-    add(parameters.target(first.target), 3);
-    if constexpr (Size == 6) add(parameters.tool(), 3);
-    if (!shape_.zero_rad.empty() && shape_.zero_rad[first.joint] > 0 && !free(first))
-      found.push_back(count(chain) + static_cast<Index>(first.joint));
-    return found;
+    return {found.begin(), found.end()};
   }
 
   [[nodiscard]] bool free(const ChainObservation& seen) const {
@@ -242,11 +257,12 @@ class Problem {
   ChainNodes& nodes_;
   const ChainNoise& noise_;
   const ChainEffects& shape_;
+  EffectColumns columns_;
   EffectVariances variances_;
   std::vector<typename ChainResidual<Size>::Square> weights_;
   std::vector<double> swept_;  ///< turns of the sweeping joints
-  std::vector<Range> figures_;
-  MatrixXd rows_;      ///< transposed: one column a row of the model
+  std::vector<Range> ranges_;  // of each group's turns
+  MatrixXd rows_;              ///< transposed: one column a row of the model
   MatrixXd weighted_;
   ChainResidual<Size> residual_;
 };
@@ -320,7 +336,7 @@ ChainFit fit(const Chain& start, ChainNodes& nodes, const ChainNoise& noise,
   Problem<Size> problem(start, nodes, noise, effects);
   ChainFit result;
   result.chain = start;
-  if (!effects.zero_rad.empty()) result.chain.zero_rad.resize(start.axes.size());
+  result.chain.zero_rad.resize(effects.zero_rad.size());
   Summary& summary = result.summary;
   summary.ending = "no convergence";
   double previous = std::numeric_limits<double>::infinity();
@@ -393,7 +409,7 @@ ChainFit fit_chain(const Chain& start, ChainNodes& nodes, const ChainNoise& nois
 
 LinearisedChain::LinearisedChain(const Chain& chain, ChainNodes& nodes, const ChainNoise& noise,
                                  const ChainEffects& shape, bool with_orientation)
-    : nodes_(nodes), shape_(shape) {
+    : nodes_(nodes), shape_(shape), columns_(shape, nodes) {
   const auto set = [&](auto&& problem) {
     strokes_ = problem.products(chain);
     prior_ = problem.prior(chain);
@@ -405,15 +421,26 @@ LinearisedChain::LinearisedChain(const Chain& chain, ChainNodes& nodes, const Ch
 }
 
 double LinearisedChain::deviance(const ChainEffects& effects) const {
-  const auto all = eliminate(strokes_, nodes_.home_of, columns_of(effects, shape_, nodes_),
-                             prior_.size());
+  const auto all =
+      eliminate(strokes_, nodes_.home_of, variances_of(effects, nodes_, columns_), prior_.size());
+  // By Cholesky's factors where all is determined, which is many times faster.
+  const VectorXd scale = all.normal.diagonal().cwiseSqrt().cwiseInverse();
+  if (scale.allFinite()) {
+    const Eigen::LLT<MatrixXd> factors(scale.asDiagonal() * all.normal * scale.asDiagonal());
+    const VectorXd pivots = factors.matrixLLT().diagonal();
+    if (factors.info() == Eigen::Success && pivots.minCoeff() > std::sqrt(kNoInformation)) {
+      const VectorXd side = factors.matrixL().solve(scale.cwiseProduct(all.gradient));
+      return all.log_determinant + 2 * (pivots.array() / scale.array()).log().sum() + all.squares -
+             side.squaredNorm();
+    }
+  }
   const Information information(all.normal);
   const VectorXd step = information.step(all.gradient, 0);
   return all.log_determinant + information.log_determinant() + all.squares - step.dot(all.gradient);
 }
 
 std::vector<ChainEstimate::Part> LinearisedChain::parts() const {
-  const EffectVariances all = columns_of(shape_, shape_, nodes_);
+  const EffectVariances all = variances_of(shape_, nodes_, columns_);
   const auto normal_at = [&](const EffectVariances& variances) -> MatrixXd {
     return eliminate(strokes_, nodes_.home_of, variances, prior_.size()).normal;
   };
@@ -426,25 +453,26 @@ std::vector<ChainEstimate::Part> LinearisedChain::parts() const {
     found.push_back({cause, covariance * information * covariance});
     left -= found.back().covariance;
   };
-  ChainEffects home, drift, figure, offset;
+  ChainEffects home, drift, figure, offset, print;
   home.home_rad = shape_.home_rad;
   drift.drift_mm = shape_.drift_mm;
   figure.figure_mm = shape_.figure_mm;
   offset.offset_rad = shape_.offset_rad;
-  ChainEffects print;
   print.print_mm = shape_.print_mm;
-  for (const auto& [cause, effect] :
-       {std::pair<Cause, const ChainEffects&>(Cause::home, home), {Cause::drift, drift},
-        {Cause::figure, figure}, {Cause::offset, offset}, {Cause::print, print}}) {
+  print.told_rad = shape_.told_rad;
+  for (const auto& [cause, effect] : {std::pair<Cause, const ChainEffects&>(Cause::home, home),
+                                      {Cause::drift, drift},
+                                      {Cause::figure, figure},
+                                      {Cause::offset, offset},
+                                      {Cause::print, print}}) {
     // The effect's variances V add K V K^T to the covariance, K = N^-1 X^T V^-1: which is
     // -N^-1 dN/ds N^-1 where V grows by s.
     constexpr double kStep = 1e-3;
-    const EffectVariances own = columns_of(effect, shape_, nodes_);
+    const EffectVariances own = variances_of(effect, nodes_, columns_);
     const auto changed = [&](double by) {
       EffectVariances variances = all;
       for (std::size_t s = 0; s < all.own.size(); ++s) variances.own[s] += by * own.own[s];
-      for (std::size_t g = 0; g < all.shared.size(); ++g)
-        variances.shared[g] += by * own.shared[g];
+      for (std::size_t g = 0; g < all.shared.size(); ++g) variances.shared[g] += by * own.shared[g];
       for (std::size_t h = 0; h < all.home.size(); ++h) variances.home[h] += by * own.home[h];
       return normal_at(variances);
     };
@@ -452,7 +480,8 @@ std::vector<ChainEstimate::Part> LinearisedChain::parts() const {
     if (cause == Cause::print) information.diagonal() += prior_;
     if (!information.isZero(0)) add(cause, information);
   }
-  found.insert(found.begin(), {Cause::noise, left});
+  found.push_back({Cause::noise, left});
+  std::rotate(found.begin(), found.end() - 1, found.end());
   return found;
 }
 

@@ -12,8 +12,8 @@ namespace identify {
 /// A weighted least-squares fit of a chain to samples, for given noise.
 struct ChainFit {
   Chain chain;
-  /// Of the parameters (`ChainParameters`, at `chain`), for errors independent between samples;
-  /// zero for what has no information.
+  /// Of the parameters (`ChainParameters`, at `chain`, and behind them its `zero_rad`), for errors
+  /// independent between samples; zero for what has no information.
   Eigen::MatrixXd covariance;
   std::vector<ChainEstimate::Part> parts;  ///< of it; nobody has asked yet where it is empty
   Summary summary;
@@ -33,8 +33,8 @@ inline constexpr int kMostIterations = 50;
                                  const ChainEffects& effects, bool with_orientation,
                                  int most_iterations = kMostIterations);
 
-/// The model linearised at `chain`: other effects' restricted likelihood, and what each cause has of
-/// the covariance, need no other pass over the nodes.
+/// The model linearised at `chain`: other effects' restricted likelihood, and what each cause has
+/// of the covariance, need no other pass over the nodes.
 class LinearisedChain {
  public:
   LinearisedChain(const Chain& chain, ChainNodes& nodes, const ChainNoise& noise,
@@ -49,6 +49,7 @@ class LinearisedChain {
  private:
   const ChainNodes& nodes_;
   ChainEffects shape_;
+  EffectColumns columns_;
   std::vector<StrokeProducts> strokes_;
   Eigen::VectorXd prior_;  ///< of each parameter
 };

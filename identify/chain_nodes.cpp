@@ -32,15 +32,16 @@ ChainObservation mean_at(const StrokeMoments& stroke, const StrokeMoments::Node&
   if (seen.weight > 0) mean = node.sums.col(0) / seen.weight;
   const Matrix3d directions = stroke.directions(node.turn_rad);
   // Along the arc, not along its tangent.
-  const Vector3d outward =
-      Eigen::AngleAxisd(mean(3) / stroke.circle.radius_mm, stroke.circle.normal) *
-      Vector3d(directions.row(0));
+  const double ahead = mean(3) / stroke.circle.radius_mm;
+  const double told = node.turn_rad - (stroke.about ? stroke.sense * ahead : 0);
+  const Vector3d outward = Eigen::AngleAxisd(stroke.about ? 0 : ahead, stroke.circle.normal) *
+                           Vector3d(directions.row(0));
   seen.position_mm = stroke.circle.center_mm + (stroke.circle.radius_mm + mean(1)) * outward +
                      mean(2) * stroke.circle.normal;
   if (errors == 6) {
     const Vector3d off = directions.transpose() * mean.segment<3>(4);
     const Matrix3d reference =
-        Eigen::AngleAxisd(stroke.sense * (node.turn_rad - stroke.zero_rad), stroke.circle.normal) *
+        Eigen::AngleAxisd(stroke.sense * (told - stroke.zero_rad), stroke.circle.normal) *
         stroke.orientation;
     seen.orientation = Eigen::AngleAxisd(off.norm(), off.stableNormalized()) * reference;
   }
@@ -48,22 +49,39 @@ ChainObservation mean_at(const StrokeMoments& stroke, const StrokeMoments::Node&
     if (home_rad[k])
       seen.turns[k] =
           stroke.locked_rad[k] + mean(1 + errors + static_cast<Index>(k)) - *home_rad[k];
-  if (stroke.told && home_rad[seen.joint])
-    seen.turns[seen.joint] = node.turn_rad - *home_rad[seen.joint];
+  if (stroke.told && home_rad[seen.joint]) seen.turns[seen.joint] = told - *home_rad[seen.joint];
   seen.measured_turn = seen.turns[seen.joint];
   return seen;
 }
 
-/// Sorts the strokes by where their locked joints stood, and by joint and target.
+/// Whether the strokes were seen at once.
+bool together(const StrokeMoments& one, const StrokeMoments& other) {
+  const double both = std::min(one.end_s, other.end_s) - std::max(one.begin_s, other.begin_s);
+  const double shorter = std::min(one.end_s - one.begin_s, other.end_s - other.begin_s);
+  return one.content.joint == other.content.joint && one.target != other.target &&
+         both > shorter / 2;
+}
+
+/// Sorts the strokes by what was seen at once, and by where their locked joints stood.
 void set_groups(ChainNodes& nodes) {
   // What changes within this changes nothing that gears or loads do.
   constexpr double kSameHome_rad = 0.5 * kDegree;
   using Place = std::array<std::optional<double>, kMostJoints>;
   std::vector<Place> places(1);
   places.front().fill(0);
-  std::map<std::array<std::size_t, 3>, std::size_t> groups;
+  std::map<std::pair<std::size_t, std::size_t>, std::size_t> groups;
   for (std::size_t s = 0; s < nodes.strokes.size(); ++s) {
     const StrokeMoments& stroke = nodes.strokes[s];
+    const auto unit =
+        std::find_if(nodes.units.begin(), nodes.units.end(), [&](const auto& strokes) {
+          return std::all_of(strokes.begin(), strokes.end(), [&](std::size_t other) {
+            return together(stroke, nodes.strokes[other]);
+          });
+        });
+    if (unit != nodes.units.end()) {
+      unit->push_back(s);
+      continue;
+    }
     const Turns& turns = nodes.observations[nodes.first[s]].turns;
     const auto stood_at = [&](const Place& place) {
       for (std::size_t k = 0; k < stroke.content.joints; ++k)
@@ -76,8 +94,8 @@ void set_groups(ChainNodes& nodes) {
     for (std::size_t k = 0; k < stroke.content.joints; ++k)
       if (k != stroke.content.joint && !(*place)[k]) (*place)[k] = turns[k];
     const auto home = static_cast<std::size_t>(place - places.begin());
-    const auto [group, fresh] =
-        groups.try_emplace({home, stroke.content.joint, stroke.target}, groups.size());
+    const auto [group, fresh] = groups.try_emplace({home, stroke.content.joint}, groups.size());
+    nodes.units.push_back({s});
     nodes.group.push_back(group->second);
     if (fresh) nodes.home_of.push_back(home);
   }

@@ -21,9 +21,11 @@ struct ChainNodes {
   bool with_angles = false;       ///< of all joints, at every sample
   bool with_orientation = false;  ///< at every sample
 
-  /// Strokes of the same joint, target and home are a group.
-  std::vector<std::size_t> group;    ///< of each stroke
-  std::vector<std::size_t> home_of;  ///< of each group
+  /// Strokes of one joint that were seen at once, of one target each, are a unit; units of the same
+  /// joint and home are a group.
+  std::vector<std::vector<std::size_t>> units;  ///< of strokes
+  std::vector<std::size_t> group;               ///< of each unit
+  std::vector<std::size_t> home_of;             ///< of each group
   /// Where the joints stood at each home, from the first one; of a joint that was never seen locked
   /// there, zero. The first is the common one.
   std::vector<Turns> homes;

@@ -16,8 +16,6 @@ namespace {
 using Eigen::Index;
 using Eigen::Vector3d;
 
-
-
 /// Position, orientation, locked angles, and the angle of each joint.
 constexpr int kMostComponents = 3 + static_cast<int>(kMostJoints);
 using Components = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostComponents, 1>;
@@ -120,46 +118,47 @@ ChainNoise estimate(const Chain& chain, const ChainNodes& nodes, const ChainNois
   const auto count = kSwept + static_cast<Index>(chain.axes.size());
   Products m = Products::Zero(count, count);
   Components u = Components::Zero(count);
-  visit_nodes<Size>(chain, nodes, noise, [&](std::size_t s, const std::vector<NodeScatter<Size>>& scatter) {
-    const StrokeMoments& stroke = nodes.strokes[s];
-    const auto left = without_curve<Size>(stroke, scatter);
-    // The curve has taken up part of the scatter: as many samples as it has orders.
-    const auto orders = static_cast<double>(stroke.blocks.curve_orders);
-    const double part_left = std::max(1.0, stroke.weight - orders) / stroke.weight;
-    const std::size_t joint = stroke.content.joint;
-    const bool angle_used = std::isfinite(noise.swept_rad[joint]);
-    for (std::size_t n = 0; n < scatter.size(); ++n) {
-      const NodeScatter<Size>& at = scatter[n];
-      const Square squares = at.within + at.samples * left[n] * left[n].transpose();
-      // W B of each component that these samples speak of.
-      const Square& weight = at.residual.weight;
-      std::array<std::pair<Index, Square>, 4> parts;
-      for (auto& part : parts) part.second.setZero();
-      std::size_t used = 0;
-      const auto part = [&](Index component) -> Square& {
-        parts[used].first = component;
-        return parts[used++].second;
-      };
-      part(kPosition).template leftCols<3>() = weight.template leftCols<3>();
-      if constexpr (Size == 6)
-        part(kOrientation).template rightCols<3>() = weight.template rightCols<3>();
-      part(kLocked).noalias() = weight * at.by_locked;
-      if (angle_used)
-        part(kSwept + static_cast<Index>(joint)).noalias() =
-            (weight * at.residual.by_swept) * at.residual.by_swept.transpose();
-      const Square weighted = weight * squares;
-      for (std::size_t a = 0; a < used; ++a) {
-        // sum r^T W B W r = tr(W B W sum r r^T).
-        u(parts[a].first) += (parts[a].second * weighted).trace() / part_left;
-        for (std::size_t b = 0; b <= a; ++b) {
-          const double product =
-              at.samples * parts[a].second.cwiseProduct(parts[b].second.transpose()).sum();
-          m(parts[a].first, parts[b].first) += product;
-          if (a != b) m(parts[b].first, parts[a].first) += product;
+  visit_nodes<Size>(
+      chain, nodes, noise, [&](std::size_t s, const std::vector<NodeScatter<Size>>& scatter) {
+        const StrokeMoments& stroke = nodes.strokes[s];
+        const auto left = without_curve<Size>(stroke, scatter);
+        // The curve has taken up part of the scatter: as many samples as it has orders.
+        const auto orders = static_cast<double>(stroke.blocks.curve_orders);
+        const double part_left = std::max(1.0, stroke.weight - orders) / stroke.weight;
+        const std::size_t joint = stroke.content.joint;
+        const bool angle_used = std::isfinite(noise.swept_rad[joint]);
+        for (std::size_t n = 0; n < scatter.size(); ++n) {
+          const NodeScatter<Size>& at = scatter[n];
+          const Square squares = at.within + at.samples * left[n] * left[n].transpose();
+          // W B of each component that these samples speak of.
+          const Square& weight = at.residual.weight;
+          std::array<std::pair<Index, Square>, 4> parts;
+          for (auto& part : parts) part.second.setZero();
+          std::size_t used = 0;
+          const auto part = [&](Index component) -> Square& {
+            parts[used].first = component;
+            return parts[used++].second;
+          };
+          part(kPosition).template leftCols<3>() = weight.template leftCols<3>();
+          if constexpr (Size == 6)
+            part(kOrientation).template rightCols<3>() = weight.template rightCols<3>();
+          part(kLocked).noalias() = weight * at.by_locked;
+          if (angle_used)
+            part(kSwept + static_cast<Index>(joint)).noalias() =
+                (weight * at.residual.by_swept) * at.residual.by_swept.transpose();
+          const Square weighted = weight * squares;
+          for (std::size_t a = 0; a < used; ++a) {
+            // sum r^T W B W r = tr(W B W sum r r^T).
+            u(parts[a].first) += (parts[a].second * weighted).trace() / part_left;
+            for (std::size_t b = 0; b <= a; ++b) {
+              const double product =
+                  at.samples * parts[a].second.cwiseProduct(parts[b].second.transpose()).sum();
+              m(parts[a].first, parts[b].first) += product;
+              if (a != b) m(parts[b].first, parts[a].first) += product;
+            }
+          }
         }
-      }
-    }
-  });
+      });
 
   Components floor = Components::Zero(count);
   const auto square = [](double value) { return value * value; };
@@ -184,19 +183,20 @@ double root_mean_square(const Chain& chain, const ChainNodes& nodes, const Chain
   double sum = 0;
   double freedom = -static_cast<double>(
       ChainParameters{chain.axes.size(), chain.targets_mm.size()}.count(Size == 6));
-  visit_nodes<Size>(chain, nodes, noise, [&](std::size_t s, const std::vector<NodeScatter<Size>>& scatter) {
-    for (const NodeScatter<Size>& at : scatter)
-      sum += at.residual.weight.cwiseProduct(at.within).sum() +
-             at.samples * at.residual.squared();
-    const bool angle_used = std::isfinite(noise.swept_rad[nodes.strokes[s].content.joint]);
-    freedom += nodes.strokes[s].weight * (angle_used ? Size : Size - 1);
-  });
+  visit_nodes<Size>(
+      chain, nodes, noise, [&](std::size_t s, const std::vector<NodeScatter<Size>>& scatter) {
+        for (const NodeScatter<Size>& at : scatter)
+          sum +=
+              at.residual.weight.cwiseProduct(at.within).sum() + at.samples * at.residual.squared();
+        const bool angle_used = std::isfinite(noise.swept_rad[nodes.strokes[s].content.joint]);
+        freedom += nodes.strokes[s].weight * (angle_used ? Size : Size - 1);
+      });
   return std::sqrt(std::max(0.0, sum) / std::max(1.0, freedom));
 }
 
-/// The mean squares of sums over 1, 2, 4, … successive errors, divided by their number, of a process
-/// of unit variance whose correlation falls by the factor `falls` a sample, when polynomials of the
-/// lowest `orders` were fitted to so many samples and taken out.
+/// The mean squares of sums over 1, 2, 4, … successive errors, divided by their number, of a
+/// process of unit variance whose correlation falls by the factor `falls` a sample, when
+/// polynomials of the lowest `orders` were fitted to so many samples and taken out.
 Eigen::VectorXd block_variances(double falls, Index levels, Index orders, Index samples) {
   Eigen::MatrixXd curves(samples, orders);
   for (Index i = 0; i < samples; ++i) {
@@ -220,10 +220,10 @@ Eigen::VectorXd block_variances(double falls, Index levels, Index orders, Index 
   for (Index level = 0; level < levels; ++level) {
     const Index block = Index{1} << level;
     const auto size = static_cast<double>(block);
-    const double whole =
-        falls == 0 ? 1
-                   : (1 + falls) / (1 - falls) - 2 * falls * (1 - std::pow(falls, size)) /
-                                                     (size * (1 - falls) * (1 - falls));
+    const double whole = falls == 0
+                             ? 1
+                             : (1 + falls) / (1 - falls) - 2 * falls * (1 - std::pow(falls, size)) /
+                                                               (size * (1 - falls) * (1 - falls));
     double taken = 0;
     const Index blocks = samples / block;
     for (Index b = 0; b < blocks; ++b) {
@@ -248,7 +248,7 @@ double correlation_of(const std::vector<const StrokeMoments*>& strokes) {
     for (std::size_t b = 0; b < levels; ++b)
       seen(static_cast<Index>(b)) += stroke->weight * stroke->blocks.variance_mm2[b];
     weight += stroke->weight;
-    freedom += stroke->weight * static_cast<double>(stroke->blocks.directions);
+    freedom += stroke->weight * kBlockDirections;
     samples += static_cast<double>(stroke->samples) / static_cast<double>(strokes.size());
     orders = std::max(orders, stroke->blocks.curve_orders);
   }
@@ -272,7 +272,8 @@ double correlation_of(const std::vector<const StrokeMoments*>& strokes) {
   };
   const double as_white = distance(white / white(0));
   double best = as_white, correlation = 1;
-  for (const double falls : {0.2, 0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.93, 0.95, 0.97, 0.98, 0.99}) {
+  for (const double falls :
+       {0.2, 0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.93, 0.95, 0.97, 0.98, 0.99}) {
     // What is slower than the curve's own waves is the figure's, and no noise.
     if (1 / (1 - falls) > samples / (2 * static_cast<double>(orders))) break;
     const Eigen::VectorXd slow = model(falls);

@@ -149,6 +149,36 @@ std::vector<ChainSweep> chain_sweeps(const Identification& circles,
   return found;
 }
 
+std::vector<ChainObservation> chain_samples(const Identification& circles,
+                                            const std::vector<std::optional<ChainAxis>>& axes) {
+  std::vector<ChainObservation> found;
+  const std::size_t joints = circles.joints.size();
+  std::vector<std::optional<double>> home = circles.home_rad;
+  home.resize(joints);
+  std::size_t count = 0;
+  for (const ChainSweep& one : chain_sweeps(circles, axes)) {
+    const Sweep& sweep = *one.sweep;
+    const bool told = sweep.first().joints >= joints;
+    if (told && !home[one.joint]) home[one.joint] = sweep.first().angles_rad[one.joint];
+    for (const Sample& sample : *sweep.samples) {
+      if (!sample.has_position || !sample.position_mm.allFinite()) continue;
+      ChainObservation seen;
+      seen.position_mm = sample.position_mm;
+      seen.joint = one.joint;
+      seen.target = sweep.target;
+      seen.sweep = count;
+      seen.falling = sweep.direction < 0;
+      if (sample.has_orientation) seen.orientation = orientation(sample);
+      for (std::size_t k = 0; told && k < joints; ++k)
+        if (axes[k] && home[k]) seen.turns[k] = sample.angles_rad[k] - *home[k];
+      seen.measured_turn = seen.turns[one.joint];
+      found.push_back(seen);
+    }
+    ++count;
+  }
+  return found;
+}
+
 std::vector<Vector3d> starting_targets(const Chain& chain,
                                        std::vector<ChainObservation>& observations,
                                        std::size_t targets, bool with_angles) {

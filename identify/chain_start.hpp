@@ -24,6 +24,10 @@ struct ChainSweep {
 [[nodiscard]] std::vector<ChainSweep> chain_sweeps(
     const Identification& circles, const std::vector<std::optional<ChainAxis>>& axes);
 
+/// Their samples, one by one, with turns from home where all angles are known.
+[[nodiscard]] std::vector<ChainObservation> chain_samples(
+    const Identification& circles, const std::vector<std::optional<ChainAxis>>& axes);
+
 /// The targets at home, near enough to start from: where the circles of each target's sweeps come
 /// together. Sets the turns of the sweeping joints by where the samples lie on them.
 [[nodiscard]] std::vector<Eigen::Vector3d> starting_targets(

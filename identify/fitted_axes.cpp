@@ -3,12 +3,9 @@
 #include <algorithm>
 
 namespace identify {
-namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-
-}  // namespace
 
 void set_fitted_axes(ChainEstimate& estimate, const ChainFit& fit, const std::vector<bool>& known,
                      std::size_t targets) {
@@ -45,7 +42,7 @@ void set_fitted_axes(ChainEstimate& estimate, const ChainFit& fit, const std::ve
     axis.point_mm += along * axis.direction;
   }
   const Index zeros = parameters.count(estimate.with_orientation);
-  for (std::size_t k = 0; k < joints; ++k) {
+  for (std::size_t k = 0; k < fit.chain.zero_rad.size(); ++k) {
     const ChainAxis& turning = fit.chain.axes[k];
     const auto column = zeros + static_cast<Index>(k);
     const auto moves = [&](const Eigen::Vector3d& point) {

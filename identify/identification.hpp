@@ -77,9 +77,9 @@ struct Identification {
     Eigen::VectorXd variances;
   };
   std::vector<Share> dh_budget;
-  std::vector<DhEstimate> circle_dh;  ///< the paper's, beside it
-  std::optional<ChainEstimate> chain;       ///< nothing where no axis was found to start from
-  std::vector<DhRow> specified;             ///< at home_rad; empty without a specified table
+  std::vector<DhEstimate> circle_dh;   ///< the paper's, beside it
+  std::optional<ChainEstimate> chain;  ///< nothing where no axis was found to start from
+  std::vector<DhRow> specified;        ///< at home_rad; empty without a specified table
   /// The target in the frame behind the last row, that row taken as specified (zero without a
   /// specified table). Its rotation is known where the next is.
   std::optional<Eigen::Isometry3d> tool;

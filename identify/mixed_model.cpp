@@ -19,11 +19,12 @@ MatrixXd without_effects(const MatrixXd& products, const VectorXd& variances,
   const Index rest = products.rows() - effects;
   if (effects == 0) return products;
   const VectorXd sigma = variances.cwiseSqrt();
-  MatrixXd inner = sigma.asDiagonal() * products.topLeftCorner(effects, effects) * sigma.asDiagonal();
+  MatrixXd inner =
+      sigma.asDiagonal() * products.topLeftCorner(effects, effects) * sigma.asDiagonal();
   inner.diagonal().array() += 1;
   const Eigen::LLT<MatrixXd> solver(inner);
-  const MatrixXd side = solver.matrixL().solve(
-      MatrixXd(sigma.asDiagonal() * products.topRightCorner(effects, rest)));
+  const MatrixXd side =
+      solver.matrixL().solve(MatrixXd(sigma.asDiagonal() * products.topRightCorner(effects, rest)));
   log_determinant += 2 * solver.matrixLLT().diagonal().array().log().sum();
   MatrixXd left = products.bottomRightCorner(rest, rest);
   left.noalias() -= side.transpose() * side;

@@ -8,8 +8,8 @@
 namespace identify {
 
 /// One stroke's share in the normal equations: the weighted sums of products of all columns that it
-/// knows, C^T W C with C = (own, shared, home's, parameters, y). Random effects are nested: a stroke
-/// belongs to one group, whose strokes share effects, and a group to one home, likewise.
+/// knows, C^T W C with C = (own, shared, home's, parameters, y). Random effects are nested: a
+/// stroke belongs to one group, whose strokes share effects, and a group to one home, likewise.
 struct StrokeProducts {
   Eigen::MatrixXd products;              ///< square, symmetric
   std::size_t group = 0;                 ///< one stroke after the other, in any order

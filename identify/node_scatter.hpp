@@ -32,7 +32,8 @@ Eigen::Matrix<double, Size, Size> turned_to(const Eigen::Matrix3d& directions) {
 
 /// Calls `see` with each stroke and its nodes' scatter.
 template <int Size, class See>
-void visit_nodes(const Chain& chain, const ChainNodes& nodes, const ChainNoise& noise, const See& see) {
+void visit_nodes(const Chain& chain, const ChainNodes& nodes, const ChainNoise& noise,
+                 const See& see) {
   ChainPose pose(chain);
   std::vector<NodeScatter<Size>> scatter;
   for (std::size_t s = 0; s < nodes.strokes.size(); ++s) {
@@ -53,7 +54,9 @@ void visit_nodes(const Chain& chain, const ChainNodes& nodes, const ChainNoise& 
       // e - sum_k J_k v_k, all in the measurement frame.
       const auto back =
           turned_to<Size>(stroke.directions(stroke.nodes[n].turn_rad)).transpose().eval();
-      Eigen::MatrixXd combined = Eigen::MatrixXd::Zero(Size, errors + wobbles);
+      constexpr int kMost = 6 + static_cast<int>(kMostJoints);
+      Eigen::Matrix<double, Size, Eigen::Dynamic, 0, Size, kMost> combined =
+          decltype(combined)::Zero(Size, errors + wobbles);
       combined.template leftCols<Size>() = back;
       for (Eigen::Index k = 0; k < wobbles; ++k)
         if (static_cast<std::size_t>(k) != seen.joint && nodes.known[static_cast<std::size_t>(k)])
@@ -61,10 +64,11 @@ void visit_nodes(const Chain& chain, const ChainNodes& nodes, const ChainNoise& 
               -pose.by_turn[static_cast<std::size_t>(k)].template head<Size>();
       const auto& sums = stroke.nodes[n].sums;
       const Eigen::Index rest = sums.rows() - 1;
-      const Eigen::MatrixXd whole =
-          combined * sums.bottomRightCorner(rest, rest) * combined.transpose();
-      const typename NodeScatter<Size>::Vector sum = combined * sums.bottomLeftCorner(rest, 1);
-      at.within = whole;
+      decltype(combined) weighted(Size, rest);
+      weighted.noalias() = combined.lazyProduct(sums.bottomRightCorner(rest, rest));
+      const typename NodeScatter<Size>::Vector sum =
+          combined.lazyProduct(sums.bottomLeftCorner(rest, 1));
+      at.within.noalias() = weighted.lazyProduct(combined.transpose());
       if (at.samples != 0) at.within.noalias() -= sum * sum.transpose() / at.samples;
     }
     see(s, scatter);

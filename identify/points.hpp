@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "identify/sample.hpp"
 
@@ -18,6 +18,15 @@ namespace identify {
     if (sample.has_position) points.col(count++) = sample.position_mm;
   points.conservativeResize(3, count);
   return points;
+}
+
+/// Of the tool, R = Rz(a) Ry(b) Rx(c).
+[[nodiscard]] inline Eigen::Matrix3d orientation(const Sample& sample) {
+  const auto [a, b, c] = sample.abc_rad;
+  return (Eigen::AngleAxisd(a, Eigen::Vector3d::UnitZ()) *
+          Eigen::AngleAxisd(b, Eigen::Vector3d::UnitY()) *
+          Eigen::AngleAxisd(c, Eigen::Vector3d::UnitX()))
+      .toRotationMatrix();
 }
 
 /// Coordinate by coordinate, the median: a few points anywhere do not shift it far. Reorders

@@ -70,9 +70,9 @@ Eigen::MatrixXd covariance_by_errors(const ChainFit& fit,
   return all;
 }
 
-void predict_from(ChainNodes& nodes, const ChainSamples& samples, const Identification& rehearsed,
-                  const Campaign& campaign, const Chain& chain, ChainNoise& noise,
-                  Prediction& prediction) {
+void predict_from(ChainNodes& nodes, const std::vector<ChainObservation>& samples,
+                  const Identification& rehearsed, const Campaign& campaign, const Chain& chain,
+                  ChainNoise& noise, Prediction& prediction) {
   const std::size_t joints = campaign.joints;
   std::vector<bool> swept(joints, false);
   for (const StrokeMoments& stroke : nodes.strokes) swept[stroke.content.joint] = true;
@@ -86,9 +86,8 @@ void predict_from(ChainNodes& nodes, const ChainSamples& samples, const Identifi
   expected.with_orientation = rehearsed.chain->with_orientation;
   ChainFit fit = fit_chain(chain, nodes, noise, {}, expected.with_orientation, 0);
   if (nodes.with_angles)
-    fit.covariance = expected.with_orientation
-                         ? covariance_by_errors<6>(fit, samples.observations, noise)
-                         : covariance_by_errors<3>(fit, samples.observations, noise);
+    fit.covariance = expected.with_orientation ? covariance_by_errors<6>(fit, samples, noise)
+                                               : covariance_by_errors<3>(fit, samples, noise);
   set_fitted_axes(expected, fit, swept, 1);
   const TableAxes axes = table_axes(expected, campaign);
   prediction.axes = expected.axes;
@@ -131,9 +130,9 @@ Prediction predict(const Identification& rehearsed, const Campaign& campaign, Ch
   for (std::size_t j = 0; j < joints; ++j)
     if (axes[j]) axes[j] = chain.axes[j];
   ChainNodes nodes = chain_nodes(rehearsed, axes);
-  const ChainSamples samples = chain_samples(rehearsed, axes);
   if (!nodes.strokes.empty())
-    predict_from(nodes, samples, rehearsed, campaign, chain, noise, prediction);
+    predict_from(nodes, chain_samples(rehearsed, axes), rehearsed, campaign, chain, noise,
+                 prediction);
   return prediction;
 }
 

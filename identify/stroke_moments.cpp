@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -20,17 +21,8 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-
-
 double wrapped_angle(double angle) {
   return std::remainder(angle, 2 * kPi);
-}
-
-Matrix3d rotation_of(const Sample& sample) {
-  const auto [a, b, c] = sample.abc_rad;
-  return (Eigen::AngleAxisd(a, Vector3d::UnitZ()) * Eigen::AngleAxisd(b, Vector3d::UnitY()) *
-          Eigen::AngleAxisd(c, Vector3d::UnitX()))
-      .toRotationMatrix();
 }
 
 Vector3d rotation_vector(const Matrix3d& rotation) {
@@ -42,12 +34,13 @@ Vector3d rotation_vector(const Matrix3d& rotation) {
 /// second barycentric formula (Berrut & Trefethen 2004, eqs. 4.2 and 5.3).
 class Lagrange {
  public:
-  static constexpr std::size_t kNodes = 12;
-  using Values = std::array<double, kNodes>;
+  static constexpr std::size_t kMostNodes = 12;
+  using Values = std::array<double, kMostNodes>;
 
-  Lagrange(double from, double to) {
-    for (std::size_t k = 0; k < kNodes; ++k) {
-      const double angle = (2 * static_cast<double>(k) + 1) * kPi / (2 * kNodes);
+  Lagrange(double from, double to, std::size_t nodes) : count_(nodes) {
+    for (std::size_t k = 0; k < count_; ++k) {
+      const double angle =
+          (2 * static_cast<double>(k) + 1) * kPi / (2 * static_cast<double>(count_));
       nodes_[k] = (from + to) / 2 + (to - from) / 2 * std::cos(angle);
       factors_[k] = (k % 2 == 0 ? 1 : -1) * std::sin(angle);
     }
@@ -55,7 +48,7 @@ class Lagrange {
   [[nodiscard]] double node(std::size_t k) const { return nodes_[k]; }
   void at(double x, Values& values) const {
     double sum = 0;
-    for (std::size_t k = 0; k < kNodes; ++k) {
+    for (std::size_t k = 0; k < count_; ++k) {
       const double apart = x - nodes_[k];
       if (apart == 0) {
         values.fill(0);
@@ -65,21 +58,32 @@ class Lagrange {
       values[k] = factors_[k] / apart;
       sum += values[k];
     }
-    for (double& value : values) value /= sum;
+    for (std::size_t k = 0; k < count_; ++k) values[k] /= sum;
   }
 
  private:
+  std::size_t count_;
   Values nodes_{}, factors_{};
 };
 
 /// Longer strokes are cut: twelve nodes hold what a model says over so much.
 constexpr double kSection_rad = kPi / 4;
 
+/// Of so many samples. More nodes than this and some get weights near zero, and means far from all
+/// samples: equally spaced ones determine polynomials of twice their number's root (Rakhmanov 2007,
+/// Annals of Mathematics 165).
+std::size_t node_count(double samples) {
+  return static_cast<std::size_t>(
+      std::clamp(2 * std::sqrt(samples), 2.0, static_cast<double>(Lagrange::kMostNodes)));
+}
+
 /// The samples as they are worked on.
 struct Seen {
   std::vector<const Sample*> samples;
-  std::vector<double> turns;            // x
+  std::vector<double> turns;                        // x
+  std::vector<double> told;                         // where it follows the arc
   Eigen::Matrix<double, 6, Eigen::Dynamic> errors;  // e
+  std::vector<bool> beside;                         // far from the circle
   VectorXd weights;
 };
 
@@ -89,7 +93,8 @@ class Curve {
   Curve(const std::vector<double>& turns, double from, double to, Index orders)
       : basis_(orders, static_cast<Index>(turns.size())) {
     for (Index i = 0; i < basis_.cols(); ++i) {
-      const double x = to > from ? (2 * turns[static_cast<std::size_t>(i)] - from - to) / (to - from) : 0;
+      const double x =
+          to > from ? (2 * turns[static_cast<std::size_t>(i)] - from - to) / (to - from) : 0;
       double before = 1, value = x;
       for (Index m = 0; m < orders; ++m) {
         basis_(m, i) = m == 0 ? 1 : value;
@@ -119,21 +124,24 @@ double median_of(std::vector<double> values) {
 /// The distance that a good sample hardly passes.
 constexpr double kPlateau = 2.5;
 
-/// Redescending weights by the distance in standard deviations of the median sample.
-VectorXd weights_of(const MatrixXd& left) {
+/// Redescending weights by the distance in standard deviations of the median sample, `wide` times
+/// as far as good samples need.
+VectorXd weights_of(const MatrixXd& left, double wide = 1) {
   const auto directions = static_cast<double>(left.rows());
-  VectorXd squares = VectorXd::Zero(left.cols());
+  // The farthest direction counts: what a locked joint's wobble does is in more than one.
+  VectorXd farthest = VectorXd::Zero(left.cols());
   for (Index d = 0; d < left.rows(); ++d) {
     std::vector<double> sizes(static_cast<std::size_t>(left.cols()));
-    for (Index i = 0; i < left.cols(); ++i) sizes[static_cast<std::size_t>(i)] = std::abs(left(d, i));
+    for (Index i = 0; i < left.cols(); ++i)
+      sizes[static_cast<std::size_t>(i)] = std::abs(left(d, i));
     constexpr double kMedianOfNormal = 0.6745;
     const double sigma = std::max(1e-10, median_of(std::move(sizes)) / kMedianOfNormal);
-    squares += (left.row(d).transpose() / sigma).array().square().matrix();
+    farthest = farthest.cwiseMax(left.row(d).transpose().cwiseAbs() / sigma);
   }
   VectorXd weights(left.cols());
-  const double plateau = std::sqrt(directions) + kPlateau;
+  const double plateau = wide * (std::sqrt(directions) + kPlateau);
   for (Index i = 0; i < weights.size(); ++i) {
-    const double share = std::clamp(2 - std::sqrt(squares(i)) / plateau, 0.0, 1.0);
+    const double share = std::clamp(2 - farthest(i) / plateau, 0.0, 1.0);
     weights(i) = share * share;
   }
   return weights;
@@ -142,8 +150,7 @@ VectorXd weights_of(const MatrixXd& left) {
 }  // namespace
 
 Matrix3d StrokeMoments::directions(double turn_rad) const {
-  const Vector3d outward =
-      Eigen::AngleAxisd(sense * (turn_rad - zero_rad), circle.normal) * arm;
+  const Vector3d outward = Eigen::AngleAxisd(sense * (turn_rad - zero_rad), circle.normal) * arm;
   Matrix3d rows;
   rows.row(0) = outward.transpose();
   rows.row(1) = circle.normal.transpose();
@@ -164,13 +171,24 @@ Vector3d StrokeMoments::departure(const Vector3d& point_mm, double turn_rad) con
   return {off - circle.radius_mm, height, circle.radius_mm * along};
 }
 
-Vector3d StrokeMoments::departure(const Matrix3d& tool, double turn_rad) const {
+Vector3d StrokeMoments::departure(const Matrix3d& tool, double turn_rad, double told_rad) const {
   const Matrix3d there =
-      Eigen::AngleAxisd(sense * (turn_rad - zero_rad), circle.normal) * orientation;
+      Eigen::AngleAxisd(sense * (told_rad - zero_rad), circle.normal) * orientation;
   return directions(turn_rad) * rotation_vector(tool * there.transpose());
 }
 
 namespace {
+
+/// What is nowhere near the circle tells nothing of the turn.
+void set_aside(const StrokeMoments& stroke, Seen& seen) {
+  constexpr double kNear = 10;
+  MatrixXd off(2, static_cast<Index>(seen.samples.size()));
+  for (std::size_t i = 0; i < seen.samples.size(); ++i)
+    off.col(static_cast<Index>(i)) =
+        stroke.departure(seen.samples[i]->position_mm, stroke.zero_rad).head<2>();
+  const VectorXd near = weights_of(off, kNear);
+  for (const double weight : near) seen.beside.push_back(weight == 0);
+}
 
 /// Which way x goes about the circle, where it is zero, and whether what is told follows the arc.
 void set_turns(StrokeMoments& stroke, Seen& seen) {
@@ -180,7 +198,7 @@ void set_turns(StrokeMoments& stroke, Seen& seen) {
   double last = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const double angle = stroke.angle_about(seen.samples[i]->position_mm);
-    last += wrapped_angle(angle - last);
+    if (!seen.beside[i]) last += wrapped_angle(angle - last);
     about[i] = last;
   }
   if (stroke.content.joints > 0) {
@@ -207,11 +225,18 @@ void set_turns(StrokeMoments& stroke, Seen& seen) {
       stroke.zero_rad = mean_told;
       const double there = mean_about + middle;
       stroke.arm = Eigen::AngleAxisd(there, stroke.circle.normal) * stroke.arm;
-      seen.turns.resize(count);
-      for (std::size_t i = 0; i < count; ++i) seen.turns[i] = told(i);
-      return;
+      // A hundredth of a radian of noise in x moves what a model says by 1e-4 of its size.
+      constexpr double kSmallCircle = 0.01;
+      stroke.about = stroke.circle.radial_rms_mm < kSmallCircle * stroke.circle.radius_mm;
+      for (std::size_t i = 0; i < count; ++i) seen.told.push_back(told(i));
+      if (!stroke.about) {
+        seen.turns = seen.told;
+        return;
+      }
+      for (double& one : about) one = stroke.zero_rad + stroke.sense * (one - there);
+    } else {
+      stroke.sense = 1;
     }
-    stroke.sense = 1;
   }
   seen.turns = std::move(about);
 }
@@ -221,13 +246,15 @@ void set_errors(StrokeMoments& stroke, Seen& seen) {
   if (stroke.content.orientation) {
     // The reference orientation: the mean of what each sample says, from the middle one.
     const auto said = [&](std::size_t i) {
-      return Matrix3d(Eigen::AngleAxisd(-stroke.sense * (seen.turns[i] - stroke.zero_rad),
-                                        stroke.circle.normal) *
-                      rotation_of(*seen.samples[i]));
+      const double turn = stroke.told ? seen.told[i] : seen.turns[i];
+      return Matrix3d(
+          Eigen::AngleAxisd(-stroke.sense * (turn - stroke.zero_rad), stroke.circle.normal) *
+          orientation(*seen.samples[i]));
     };
     const Matrix3d start = said(seen.samples.size() / 2);
     std::vector<Vector3d> off(seen.samples.size());
-    for (std::size_t i = 0; i < off.size(); ++i) off[i] = rotation_vector(said(i) * start.transpose());
+    for (std::size_t i = 0; i < off.size(); ++i)
+      off[i] = rotation_vector(said(i) * start.transpose());
     const Vector3d middle = median(off);
     stroke.orientation = Eigen::AngleAxisd(middle.norm(), middle.stableNormalized()) * start;
   }
@@ -236,9 +263,13 @@ void set_errors(StrokeMoments& stroke, Seen& seen) {
     const Sample& sample = *seen.samples[static_cast<std::size_t>(i)];
     const double turn = seen.turns[static_cast<std::size_t>(i)];
     seen.errors.col(i).head<3>() = stroke.departure(sample.position_mm, turn);
-    if (!stroke.told) seen.errors(2, i) = 0;
+    if (stroke.about)
+      seen.errors(2, i) = stroke.told ? stroke.circle.radius_mm * stroke.sense *
+                                            (turn - seen.told[static_cast<std::size_t>(i)])
+                                      : 0;
     if (stroke.content.orientation)
-      seen.errors.col(i).tail<3>() = stroke.departure(rotation_of(sample), turn);
+      seen.errors.col(i).tail<3>() = stroke.departure(
+          orientation(sample), turn, stroke.told ? seen.told[static_cast<std::size_t>(i)] : turn);
   }
 }
 
@@ -252,23 +283,30 @@ void set_weights(StrokeMoments& stroke, Seen& seen) {
   const Index directions = stroke.told ? 3 : 2;
   const MatrixXd errors = seen.errors.topRows(directions);
   const Curve curve(seen.turns, stroke.from_rad, stroke.to_rad, curve_orders(count));
-  seen.weights = weights_of(errors.topRows(2));  // the circle is robust; what is told may be off
+  // The wobble of locked joints, which their angles tell, is in these errors, and not everywhere
+  // along the stroke as large.
+  const double wide = stroke.content.joints > 0 ? 2 : 1;
+  const auto weigh = [&](const MatrixXd& left) {
+    seen.weights = weights_of(left, wide);
+    for (Index i = 0; i < count; ++i)
+      if (seen.beside[static_cast<std::size_t>(i)]) seen.weights(i) = 0;
+  };
+  weigh(errors.topRows(2));  // the circle is robust; what is told may be off
   MatrixXd left;
   constexpr int kRounds = 4;
   for (int round = 0; round < kRounds; ++round) {
     left = curve.left(errors, seen.weights);
-    seen.weights = weights_of(left);
+    weigh(left);
   }
   stroke.blocks.curve_orders = static_cast<std::size_t>(curve_orders(count));
-  stroke.blocks.directions = static_cast<std::size_t>(directions);
-  const MatrixXd weighed = left * seen.weights.cwiseSqrt().asDiagonal();
+  const MatrixXd weighed = left.topRows(kBlockDirections) * seen.weights.cwiseSqrt().asDiagonal();
   for (Index block = 1; block * 8 <= count || block == 1; block *= 2) {
     double sum = 0;
     const Index blocks = count / block;
     for (Index b = 0; b < blocks; ++b)
       sum += weighed.middleCols(b * block, block).rowwise().sum().squaredNorm();
-    stroke.blocks.variance_mm2.push_back(
-        sum / static_cast<double>(blocks * block * directions));
+    stroke.blocks.variance_mm2.push_back(sum /
+                                         static_cast<double>(blocks * block * kBlockDirections));
   }
 }
 
@@ -278,13 +316,15 @@ void add_moments(StrokeMoments& stroke, const Seen& seen) {
   const Index size = 1 + with_errors + wobbles;
   const double range = stroke.to_rad - stroke.from_rad;
   const auto sections = static_cast<std::size_t>(std::max(1.0, std::ceil(range / kSection_rad)));
+  const std::size_t nodes =
+      node_count(static_cast<double>(seen.samples.size()) / static_cast<double>(sections));
   std::vector<Lagrange> lagrange;
   for (std::size_t s = 0; s < sections; ++s) {
     const auto at = [&](std::size_t k) {
       return stroke.from_rad + range * static_cast<double>(k) / static_cast<double>(sections);
     };
-    lagrange.emplace_back(at(s), at(s + 1));
-    for (std::size_t k = 0; k < Lagrange::kNodes; ++k)
+    lagrange.emplace_back(at(s), at(s + 1), nodes);
+    for (std::size_t k = 0; k < nodes; ++k)
       stroke.nodes.push_back({lagrange.back().node(k), MatrixXd::Zero(size, size)});
   }
   VectorXd z(size);
@@ -296,19 +336,18 @@ void add_moments(StrokeMoments& stroke, const Seen& seen) {
     z.segment(1, with_errors) = seen.errors.col(static_cast<Index>(i)).head(with_errors);
     for (Index k = 0; k < wobbles; ++k) {
       const auto joint = static_cast<std::size_t>(k);
-      z(1 + with_errors + k) =
-          joint == stroke.content.joint
-              ? 0
-              : seen.samples[i]->angles_rad[joint] - stroke.locked_rad[joint];
+      z(1 + with_errors + k) = joint == stroke.content.joint
+                                   ? 0
+                                   : seen.samples[i]->angles_rad[joint] - stroke.locked_rad[joint];
     }
     const double place = range > 0 ? (seen.turns[i] - stroke.from_rad) / range : 0;
-    const auto section = std::min(
-        sections - 1, static_cast<std::size_t>(std::max(0.0, place * static_cast<double>(sections))));
+    const auto section =
+        std::min(sections - 1,
+                 static_cast<std::size_t>(std::max(0.0, place * static_cast<double>(sections))));
     lagrange[section].at(seen.turns[i], values);
-    for (std::size_t k = 0; k < Lagrange::kNodes; ++k)
-      stroke.nodes[section * Lagrange::kNodes + k]
-          .sums.selfadjointView<Eigen::Lower>()
-          .rankUpdate(z, weight * values[k]);
+    for (std::size_t k = 0; k < nodes; ++k)
+      stroke.nodes[section * nodes + k].sums.selfadjointView<Eigen::Lower>().rankUpdate(
+          z, weight * values[k]);
   }
   for (StrokeMoments::Node& node : stroke.nodes)
     node.sums.triangularView<Eigen::StrictlyUpper>() = node.sums.transpose();
@@ -347,10 +386,16 @@ std::optional<StrokeMoments> moments_of(const Sweep& sweep, const StrokeContent&
     }
     stroke.locked_rad[k] = first + sum / static_cast<double>(stroke.samples);
   }
+  set_aside(stroke, seen);
   set_turns(stroke, seen);
-  const auto [least, greatest] = std::minmax_element(seen.turns.begin(), seen.turns.end());
-  stroke.from_rad = *least;
-  stroke.to_rad = *greatest;
+  stroke.from_rad = std::numeric_limits<double>::infinity();
+  stroke.to_rad = -stroke.from_rad;
+  for (std::size_t i = 0; i < seen.turns.size(); ++i) {
+    if (seen.beside[i]) continue;
+    stroke.from_rad = std::min(stroke.from_rad, seen.turns[i]);
+    stroke.to_rad = std::max(stroke.to_rad, seen.turns[i]);
+  }
+  for (double& turn : seen.turns) turn = std::clamp(turn, stroke.from_rad, stroke.to_rad);
   set_errors(stroke, seen);
   set_weights(stroke, seen);
   stroke.weight = seen.weights.sum();

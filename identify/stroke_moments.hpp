@@ -19,6 +19,9 @@ struct StrokeContent {
   bool orientation = false;
 };
 
+/// The errors that tell how the samples' noise is correlated: radial and axial.
+inline constexpr int kBlockDirections = 2;
+
 /// A stroke in so few numbers that no sample is needed again: sums over its samples, at nodes of
 /// the turn, from which the weighted sum of any smooth function of the turn follows.
 ///
@@ -27,14 +30,16 @@ struct StrokeContent {
 /// S_k = sum_i w_i L_k(x_i) z_i z_i^T, exactly for f up to the polynomials' degree (Berrut &
 /// Trefethen, SIAM Review 46, 2004, eq. 4.2, for the L_k). z is (1, e, v):
 ///  - e, the sample's departure from the stroke's own reference motion, a turn about the normal of
-///    a circle: radial, axial, tangential (mm, the last along the arc at the reference radius), and
-///    where measured the rotation vector (rad) in these three directions;
+///    a circle: radial, axial, tangential (mm; the last along the arc at the reference radius, from
+///    where the told angle says), and where measured the rotation vector (rad) in these three
+///    directions;
 ///  - v, where angles are known, each locked joint's angle minus its mean over the stroke (rad); 0
 ///    for the joint that turns.
 /// w is a robust weight: a sample far from the stroke's own smooth curve has none.
 ///
-/// x is the joint's angle as told (rad), where it follows the arc; else the angle about the
-/// reference circle. Lengths in mm in the measurement frame.
+/// x is the angle about the reference circle (rad), from the joint's zero where its angle as told
+/// follows the arc. Where the circle is too small to see the angle, x is what is told. Lengths in
+/// mm in the measurement frame.
 struct StrokeMoments {
   struct Node {
     double turn_rad = 0;  ///< x
@@ -43,7 +48,8 @@ struct StrokeMoments {
 
   StrokeContent content;
   std::size_t target = 0;
-  bool told = false;     ///< x is the angle as told
+  bool told = false;     ///< the angle as told follows the arc
+  bool about = true;     ///< x is the angle about the circle
   bool falling = false;  ///< the stroke's direction
   double begin_s = 0;
   double end_s = 0;
@@ -65,26 +71,26 @@ struct StrokeMoments {
   std::array<bool, kMostJoints> dithers{};       ///< whether the angle told changed at all
 
   Eigen::Vector3d extent_mm = Eigen::Vector3d::Zero();  ///< greatest minus least coordinate
-  double from_rad = 0;  ///< least x
-  double to_rad = 0;    ///< greatest x
+  double from_rad = 0;                                  ///< least x
+  double to_rad = 0;                                    ///< greatest x
   std::vector<Node> nodes;
 
-  /// Of the errors left by the stroke's own curve, radial and axial (and tangential where x is
-  /// told): the mean square of sums over 2^b successive samples, divided by 2^b. White noise gives
-  /// the same for all b.
+  /// Of the errors left by the stroke's own curve, radial and axial: the mean square of sums over
+  /// 2^b successive samples, divided by 2^b. White noise gives the same for all b.
   struct Blocks {
     std::vector<double> variance_mm2;
     std::size_t curve_orders = 0;  ///< how many orders were taken out of each direction
-    std::size_t directions = 0;
   };
   Blocks blocks;
 
   /// Rotates the measurement frame's vectors into (radial, axial, tangential) at x.
   [[nodiscard]] Eigen::Matrix3d directions(double turn_rad) const;
-  /// Of a point: its departure from the reference motion at x.
+  /// Of a point: its departure from the reference motion at x, the tangential from x itself.
   [[nodiscard]] Eigen::Vector3d departure(const Eigen::Vector3d& point_mm, double turn_rad) const;
-  /// Of the tool: the rotation vector of its departure.
-  [[nodiscard]] Eigen::Vector3d departure(const Eigen::Matrix3d& tool, double turn_rad) const;
+  /// Of the tool: the rotation vector of its departure from where the told angle says, in the
+  /// directions at x.
+  [[nodiscard]] Eigen::Vector3d departure(const Eigen::Matrix3d& tool, double turn_rad,
+                                          double told_rad) const;
   /// How far the arm to this point has turned about the normal, from where x is `zero_rad`.
   [[nodiscard]] double angle_about(const Eigen::Vector3d& point_mm) const;
 };

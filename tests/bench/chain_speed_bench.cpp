@@ -363,18 +363,9 @@ Case case_of(Angles angles, int samples) {
   const auto axes = starting_axes(circles);
   made.home_rad = circles.home_rad;
   made.home_rad.resize(kJoints);
-  for (const identify::ChainSweep& one : chain_sweeps(circles, axes)) {
+  for (const identify::ChainSweep& one : chain_sweeps(circles, axes))
     made.sweeps.push_back(*one.sweep);
-    for (const identify::Sample& sample : *one.sweep->samples) {
-      ChainObservation seen;
-      seen.position_mm = sample.position_mm;
-      seen.joint = one.joint;
-      for (std::size_t k = 0; !free && k < kJoints; ++k)
-        seen.turns[k] = sample.angles_rad[k] - made.home_rad[k].value();
-      seen.measured_turn = seen.turns[one.joint];
-      made.samples.push_back(seen);
-    }
-  }
+  made.samples = chain_samples(circles, axes);
   for (const auto& axis : axes) made.start.axes.push_back(axis.value());
   made.start.targets_mm = starting_targets(made.start, made.samples, 1, !free);
   const double step = 1 / std::sqrt(12.0);

@@ -351,6 +351,7 @@ TEST_CASE("numbers are rounded, but in models: a nanometre, and as little of an 
                                                  : 1e-9;
     INFO(name << " " << number.dump());
     CHECK(std::isfinite(value));
+    if (name == "rows") return;  // of the covariance: its numbers have no smallest unit
     // Of doubles near 1000 the last bit is 1e-13.
     CHECK(std::abs(value / unit - std::round(value / unit)) < 1e-2);
     CHECK_FALSE((value == 0 && std::signbit(value)));
@@ -378,7 +379,10 @@ TEST_CASE("the same outcome gives the same bytes, in lines that a person can rea
   std::size_t begin = 0;
   while (begin < text.size()) {
     const auto end = text.find('\n', begin);
-    CHECK(end - begin < 240);
+    // But for the rows of the covariance, which are as long as there are numbers.
+    const bool row =
+        text.find_first_not_of(" [", begin) == text.find_first_of("-0123456789", begin);
+    if (!row) CHECK(end - begin < 240);
     begin = end + 1;
   }
 }

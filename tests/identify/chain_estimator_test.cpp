@@ -221,7 +221,8 @@ TEST_CASE("a second target without angles makes the table more certain") {
   check_table(with_both, 4.5);
 }
 
-TEST_CASE("joints that did not come home are told, and the noise is that of the samples", "[long]") {
+TEST_CASE("joints that did not come home are told, and the noise is that of the samples",
+          "[long]") {
   test::Campaign campaign(test::kr5_arc(), {0, 0.005, 5});
   campaign.sweep_all_90();
   auto sweeps = segment(campaign.samples());

@@ -151,7 +151,6 @@ TEST_CASE("What a stroke as a whole is off by is no noise") {
     if (seen.joint == 1) seen.position_mm.array() += bend(seen.turns[1]);
   const auto nodes = nodes_of(samples, 3);
   ChainNoise noise = noise_of(chain, how, true);
-  for (int k = 0; k < 4; ++k)
-    noise = estimate_noise(chain, nodes, noise, floor_of(chain), false);
+  for (int k = 0; k < 4; ++k) noise = estimate_noise(chain, nodes, noise, floor_of(chain), false);
   CHECK(noise.position_mm == Approx(how.position_mm).epsilon(0.06));
 }

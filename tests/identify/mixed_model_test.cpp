@@ -24,11 +24,14 @@ struct Example {
   std::vector<std::size_t> home_of{0, 0, 1};
   EffectVariances variances;
   // All at once: y = X b + Z u + e.
-  MatrixXd x = MatrixXd::Zero(5 * kRows, kParameters), z = MatrixXd::Zero(5 * kRows, 5 * 2 + 3 * 3 + 2);
+  MatrixXd x = MatrixXd::Zero(5 * kRows, kParameters),
+           z = MatrixXd::Zero(5 * kRows, 5 * 2 + 3 * 3 + 2);
   VectorXd y{5 * kRows}, weights{5 * kRows}, effects{5 * 2 + 3 * 3 + 2};
 
   explicit Example(Random& random, bool zero) {
-    const auto size = [&] { return zero && random.uniform(0, 1) < 0.5 ? 0 : random.uniform(0.1, 3); };
+    const auto size = [&] {
+      return zero && random.uniform(0, 1) < 0.5 ? 0 : random.uniform(0.1, 3);
+    };
     const auto sizes = [&](std::size_t count, Index columns) {
       std::vector<VectorXd> all;
       for (std::size_t k = 0; k < count; ++k) {

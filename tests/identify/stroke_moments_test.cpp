@@ -37,7 +37,8 @@ TEST_CASE("Sums over nodes are sums over samples") {
   CAPTURE(told, turn_deg);
   Random random(51);
   const Chain chain = random_chain(3, 1, random);
-  const auto sweeps = as_sweeps(sweeps_of(chain, measured(turn_deg * kDegree, 400), random), 3, told);
+  const auto sweeps =
+      as_sweeps(sweeps_of(chain, measured(turn_deg * kDegree, 400), random), 3, told);
   const auto stroke = moments_of(sweeps[1], {1, told ? std::size_t{3} : 0, true});
   REQUIRE(stroke);
   CHECK(stroke->told == told);
@@ -48,15 +49,16 @@ TEST_CASE("Sums over nodes are sums over samples") {
   double weight = 0;
   Eigen::Matrix<double, 7, 7> from_samples = Eigen::Matrix<double, 7, 7>::Zero();
   for (const Sample& sample : *sweeps[1].samples) {
-    const double x = told ? sample.angles_rad[1] : stroke->angle_about(sample.position_mm);
+    const double x = stroke->zero_rad + stroke->sense * stroke->angle_about(sample.position_mm);
     const auto [a, b, c] = sample.abc_rad;
-    const Matrix3d tool = (Eigen::AngleAxisd(a, Vector3d::UnitZ()) *
-                           Eigen::AngleAxisd(b, Vector3d::UnitY()) *
-                           Eigen::AngleAxisd(c, Vector3d::UnitX()))
-                              .toRotationMatrix();
+    const Matrix3d tool =
+        (Eigen::AngleAxisd(a, Vector3d::UnitZ()) * Eigen::AngleAxisd(b, Vector3d::UnitY()) *
+         Eigen::AngleAxisd(c, Vector3d::UnitX()))
+            .toRotationMatrix();
     Eigen::Matrix<double, 7, 1> z;
-    z << 1, stroke->departure(sample.position_mm, x), stroke->departure(tool, x);
-    if (!told) z(3) = 0;
+    z << 1, stroke->departure(sample.position_mm, x),
+        stroke->departure(tool, x, told ? sample.angles_rad[1] : x);
+    z(3) = told ? stroke->circle.radius_mm * stroke->sense * (x - sample.angles_rad[1]) : 0;
     from_samples += model(x) * z * z.transpose();
     weight += 1;
   }

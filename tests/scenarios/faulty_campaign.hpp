@@ -48,7 +48,7 @@ class RestlessController {
   bool next() {
     const auto before = values_.ASPos;
     if (!robot_.next(values_)) {
-      robot_ = start();
+      robot_ = start(++runs_);
       static_cast<void>(robot_.next(values_));
     }
     const bool rests = values_.ASPos == before;
@@ -65,7 +65,12 @@ class RestlessController {
   rsi::SimulatedController& rsi() { return rsi_; }
 
  private:
-  static SimulatedRobot start() { return {load_robot(kRobot), load_plan(kPlan), {}}; }
+  /// Servos never wobble the same way again.
+  static SimulatedRobot start(std::uint64_t run) {
+    SimulatedRobot::Options options;
+    options.seed = run;
+    return {load_robot(kRobot), load_plan(kPlan), options};
+  }
 
   /// Of real controllers, and just below the powers of two at which counters pass over.
   std::uint64_t next_start() {
@@ -77,7 +82,8 @@ class RestlessController {
 
   std::mt19937_64 random_{3};
   std::size_t starts_ = 0;
-  SimulatedRobot robot_ = start();
+  std::uint64_t runs_ = 1;
+  SimulatedRobot robot_ = start(runs_);
   rsi::SignalValues values_;
   rsi::SimulatedController rsi_;
   std::string telegram_;
