@@ -56,6 +56,7 @@ bool SimulatedController::next_telegram(SignalValues values, std::string& telegr
   values.Delay = static_cast<std::int64_t>(unanswered_);
   writer_.append(telegram, values, ipoc_);
   awaiting_ = !only_send_;
+  answered_ = false;
   ++counts_.telegrams;
   return true;
 }
@@ -105,7 +106,8 @@ void SimulatedController::on_reply(std::string_view payload, const Endpoint& sou
                               : "the last telegram has " + std::to_string(ipoc_));
   if (content.ipoc != ipoc_)
     return count(ReplyFault::late, subject, "IPOC is at " + std::to_string(ipoc_) + " already");
-  if (!awaiting_) return count(ReplyFault::repeated, subject, "this telegram was answered already");
+  if (answered_) return count(ReplyFault::repeated, subject, "this telegram was answered already");
+  if (!awaiting_) return count(ReplyFault::late, subject, "its cycle is over");
   if (time - sent_ >= cycle_)
     return count(
         ReplyFault::late, subject,
@@ -116,6 +118,7 @@ void SimulatedController::on_reply(std::string_view payload, const Endpoint& sou
   }
 
   awaiting_ = false;
+  answered_ = true;
   unanswered_ = 0;
   ++counts_.accepted;
   latency_.add(time - sent_);

@@ -117,7 +117,8 @@ class SimulatedController {
   std::uint64_t next_ipoc_;
   std::uint64_t ipoc_ = 0;  // of the last telegram
   std::chrono::nanoseconds sent_{0};
-  bool awaiting_ = false;         // the last telegram has no reply yet
+  bool awaiting_ = false;         // the last telegram has no reply yet, and its cycle goes on
+  bool answered_ = false;         // the last telegram has its reply
   std::uint64_t unanswered_ = 0;  // cycles in a row
 
   Counts counts_;

@@ -134,6 +134,17 @@ TEST_CASE("a late reply counts for no cycle, neither before nor after the next t
   CHECK(bench.delay() == "0");
 }
 
+TEST_CASE("a reply that comes while the controller skips a cycle is late, and not a second one") {
+  ControllerBench bench;
+  bench.cycle();
+  bench.controller.skip_cycle();
+  bench.answer();
+  CHECK(bench.count(ReplyFault::late) == 1);
+  CHECK(bench.count(ReplyFault::repeated) == 0);
+  CHECK(bench.controller.counts().accepted == 0);
+  CHECK(bench.controller.counts().unanswered == 1);
+}
+
 TEST_CASE("the controller stops after as many unanswered cycles in a row as Timeout says") {
   ControllerBench bench(config_with_corrections(), 10);
   for (int k = 0; k < 9; ++k) REQUIRE(bench.cycle());
