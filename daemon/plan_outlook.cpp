@@ -19,7 +19,8 @@ constexpr std::array<std::string_view, 8> kOfPlan{
     "arc_short",       "range_unbalanced",  "speed_high",       "low_precision",
     "sweep_too_short", "joint_never_moved", "target_near_axis", "angles_not_used"};
 
-std::string_view remedy(SweepDefect defect) {
+/// What to change in the plan's sweep.
+std::string_view change(SweepDefect defect) {
   switch (defect) {
     case SweepDefect::too_short:
       return "it is shorter than 5 degrees: sweep the joint further";
@@ -54,7 +55,7 @@ class Judge {
                              std::to_string(sweep.joint) + ", " + number_text(sweep.start_deg) +
                              " to " + number_text(sweep.end_deg) + " deg)";
     if (!stroke || defect != SweepDefect::none) {
-      outlook_.refusals.push_back(what + " would not be used: " + std::string(remedy(defect)));
+      outlook_.refusals.push_back(what + " would not be used: " + std::string(change(defect)));
       return;
     }
     const auto& joint = rehearsal.identification.joints[sweep.joint - 1];

@@ -11,6 +11,7 @@
 #include "identify/circle_fit.hpp"
 #include "identify/points.hpp"
 #include "identify/segmentation.hpp"
+#include "identify/turning_points.hpp"
 
 namespace sweepd {
 namespace {
@@ -23,6 +24,9 @@ using identify::SweepDefect;
 constexpr std::size_t kFewestPoints = 4;
 /// As in a stream: a locked joint may move by so much.
 const double kStill_rad = radians(0.03);
+
+/// Squared departure from a declared stroke that no stroke of its has.
+constexpr double kNoMatch = 100;
 
 /// Points of one target that belong together.
 struct PointGroup {
@@ -48,6 +52,23 @@ std::vector<PointGroup> grouped(const PointsFile& file) {
   return groups;
 }
 
+/// One group a stroke, where a sweep goes there and back.
+std::vector<PointGroup> one_way(PointGroup group) {
+  std::erase_if(group.samples, [](const Sample& sample) { return !sample.has_position; });
+  std::vector<PointGroup> strokes;
+  std::size_t begin = 0;
+  auto ends = identify::turning_points(group.samples);
+  ends.push_back(group.samples.size());
+  for (const std::size_t end : ends) {
+    const auto at = [&](std::size_t i) {
+      return group.samples.begin() + static_cast<std::ptrdiff_t>(i);
+    };
+    strokes.push_back({group.joint, group.sweep, group.target, {at(begin), at(end)}});
+    begin = end;
+  }
+  return strokes;
+}
+
 double range_of(const std::vector<Sample>& samples, std::size_t joint) {
   const auto [least, most] = std::minmax_element(
       samples.begin(), samples.end(),
@@ -59,8 +80,9 @@ void judge_by_angles(Sweep& sweep, const identify::Resolution& resolution) {
   const auto& samples = *sweep.samples;
   const double turned =
       sweep.last().angles_rad[*sweep.joint] - sweep.first().angles_rad[*sweep.joint];
-  sweep.direction = turned > 0 ? 1 : turned < 0 ? -1 : 0;
   sweep.range_rad = range_of(samples, *sweep.joint);
+  // Points in no order have no direction.
+  if (std::abs(turned) > sweep.range_rad / 2) sweep.direction = turned > 0 ? 1 : -1;
   const double still = std::max(kStill_rad, 2.5 * resolution.angle_rad);
   for (std::size_t j = 0; j < sweep.first().joints; ++j)
     if (j != *sweep.joint && range_of(samples, j) > still)
@@ -119,11 +141,12 @@ std::vector<Sweep> streamed_sweeps(const PointsFile& file, std::size_t joints,
 
 std::vector<Sweep> listed_sweeps(const PointsFile& file, const identify::Resolution& resolution) {
   std::vector<Sweep> sweeps;
-  for (PointGroup& group : grouped(file)) {
-    const std::size_t joint = group.joint - 1;
-    if (auto sweep = sweep_of(std::move(group), joint, resolution))
-      sweeps.push_back(std::move(*sweep));
-  }
+  for (PointGroup& group : grouped(file))
+    for (PointGroup& stroke : one_way(std::move(group))) {
+      const std::size_t joint = stroke.joint - 1;
+      if (auto sweep = sweep_of(std::move(stroke), joint, resolution))
+        sweeps.push_back(std::move(*sweep));
+    }
   return sweeps;
 }
 
@@ -132,8 +155,9 @@ std::vector<Sweep> sweeps_of_joint(const PointsFile& file, std::size_t joint, st
   std::vector<Sweep> sweeps;
   if (!file.with_times) {
     for (PointGroup& group : grouped(file))
-      if (auto sweep = sweep_of(std::move(group), joint, resolution))
-        sweeps.push_back(std::move(*sweep));
+      for (PointGroup& stroke : one_way(std::move(group)))
+        if (auto sweep = sweep_of(std::move(stroke), joint, resolution))
+          sweeps.push_back(std::move(*sweep));
     return sweeps;
   }
   sweeps = streamed_sweeps(file, joints, resolution);
@@ -149,35 +173,62 @@ std::vector<Sweep> sweeps_of_joint(const PointsFile& file, std::size_t joint, st
   return sweeps;
 }
 
+namespace {
+
+/// How far strokes, turned by these angles one after the other, are from the declared ones, which
+/// may have been repeated: the mean square, in what planned arcs may be off by.
+double misfit(const std::vector<double>& seen_rad, double sense,
+              const std::vector<double>& declared_rad) {
+  if (declared_rad.empty()) return kNoMatch;
+  double sum = 0;
+  for (std::size_t i = 0; i < seen_rad.size(); ++i) {
+    const double declared = declared_rad[i % declared_rad.size()];
+    const double off = (sense * seen_rad[i] - declared) / (radians(1) + 0.05 * std::abs(declared));
+    sum += std::min(off * off, kNoMatch);
+  }
+  return sum / static_cast<double>(seen_rad.size());
+}
+
+/// Whether the joint's angle rises about the normal from which `seen_rad` are counted (+1), falls
+/// (-1), or nothing in the plan tells (0).
+int declared_sense(const std::vector<double>& seen_rad, const std::vector<double>& sweeps_rad,
+                   const std::vector<double>& strokes_rad) {
+  const auto as = [&](double sense) {
+    return std::min(misfit(seen_rad, sense, sweeps_rad), misfit(seen_rad, sense, strokes_rad));
+  };
+  const double rises = as(1), falls = as(-1);
+  if (std::min(rises, falls) > kNoMatch / 4 || std::abs(rises - falls) < 1) return 0;
+  return rises < falls ? 1 : -1;
+}
+
+}  // namespace
+
 void declare_directions(std::vector<Sweep>& sweeps, const SweepPlan& plan,
                         const std::vector<identify::DeclaredJoint>& order) {
-  std::map<std::size_t, std::vector<Sweep*>> joints;
+  std::map<std::pair<std::size_t, std::size_t>, std::vector<Sweep*>> turns;  // by joint and target
   for (Sweep& sweep : sweeps)
-    if (sweep.joint && sweep.direction == 0) joints[*sweep.joint].push_back(&sweep);
-  for (const auto& [joint, strokes] : joints) {
-    const auto is_its = [joint = joint](const PlannedSweep& sweep) {
-      return sweep.joint == joint + 1;
-    };
-    const auto planned = std::find_if(plan.sweeps.begin(), plan.sweeps.end(), is_its);
-    if (planned == plan.sweeps.end()) continue;
-    const auto of_first_target =
-        std::count_if(strokes.begin(), strokes.end(), [&strokes = strokes](const Sweep* stroke) {
-          return stroke->target == strokes.front()->target;
-        });
-    int first = planned->end_deg > planned->start_deg ? 1 : -1;
-    if (of_first_target > std::count_if(plan.sweeps.begin(), plan.sweeps.end(), is_its))
-      for (const auto& declared : order)
-        if (declared.joint == joint) {
-          first = declared.first_direction;
-          break;
-        }
+    if (sweep.joint && sweep.direction == 0 && sweep.defect == SweepDefect::none)
+      turns[{*sweep.joint, sweep.target}].push_back(&sweep);
+  for (const auto& [which, strokes] : turns) {
+    const std::size_t joint = which.first;
+    std::vector<double> planned, declared;
+    for (const PlannedSweep& sweep : plan.sweeps)
+      if (sweep.joint == joint + 1) planned.push_back(radians(sweep.end_deg - sweep.start_deg));
+    for (const auto& turn : order)
+      if (turn.joint == joint)
+        declared.insert(declared.end(), turn.strokes_rad.begin(), turn.strokes_rad.end());
+    std::vector<double> seen;
     std::optional<Eigen::Vector3d> normal;
-    for (Sweep* stroke : strokes) {
+    for (const Sweep* stroke : strokes) {
       const auto circle = identify::fit_circle(identify::positions(*stroke->samples));
       if (!circle) continue;
       if (!normal) normal = circle->normal;
-      stroke->direction = circle->normal.dot(*normal) > 0 ? first : -first;
+      seen.push_back(circle->normal.dot(*normal) > 0 ? circle->arc_rad : -circle->arc_rad);
     }
+    if (seen.size() != strokes.size()) continue;
+    const int sense = declared_sense(seen, planned, declared);
+    for (std::size_t i = 0; i < strokes.size(); ++i)
+      strokes[i]->direction = seen[i] > 0 ? sense : -sense;
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "daemon/budget_text.hpp"
 #include "daemon/chain_text.hpp"
+#include "daemon/described.hpp"
 #include "daemon/dh_text.hpp"
 #include "daemon/numbers.hpp"
 #include "daemon/text_layout.hpp"
@@ -145,7 +146,9 @@ std::string report(const Outcome& outcome) {
   const Identification& found = outcome.identification;
   std::string status(identify::text(found.status));
   if (!found.reason.empty()) status += ": " + found.reason;
-  std::string text = paragraph("robot       ", outcome.robot) + paragraph("status      ", status);
+  const Described what = described(outcome);
+  std::string text = paragraph("describes   ", explanation(what)) +
+                     paragraph("robot       ", outcome.robot) + paragraph("status      ", status);
   for (std::size_t i = 1; i < found.doubts.size(); ++i)
     text += paragraph("            ", "and " + found.doubts[i].message);
   text += source_text(outcome) + home_text(found) + "\n";

@@ -1,14 +1,14 @@
 #include "identify/advice.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <string_view>
 #include <utility>
 
 #include "identify/angle.hpp"
+#include "identify/median.hpp"
+#include "identify/number_text.hpp"
 
 namespace identify {
 namespace {
@@ -33,13 +33,6 @@ constexpr double kManyOutliers = 0.01;
 constexpr double kManySamples = 10;    // a single independent one
 constexpr double kRounding_mm = 1e-6;  // below it residuals are those of computing
 
-std::string fixed(double value, int decimals) {
-  std::array<char, 400> text;
-  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value,
-                                          std::chars_format::fixed, decimals);
-  return error == std::errc() ? std::string(text.data(), end) : std::string("?");
-}
-
 /// With two digits that tell something.
 std::string brief(double value) {
   const double size = std::abs(value);
@@ -55,12 +48,6 @@ std::string uncertain(double sigma_rad) {
 }
 std::string arcsec(double angle_rad) {
   return brief(angle_rad / kArcsec) + " arcsec";
-}
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// Direction's uncertainty of an evenly sampled arc, its noise and radius 1.

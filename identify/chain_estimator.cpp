@@ -11,6 +11,7 @@
 #include "identify/chain_start.hpp"
 #include "identify/effect_sizes.hpp"
 #include "identify/fitted_axes.hpp"
+#include "identify/linearised_chain.hpp"
 
 namespace identify {
 namespace {

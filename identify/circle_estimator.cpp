@@ -5,8 +5,10 @@
 
 #include <Eigen/Geometry>
 
-#include "identify/axis_directions.hpp"
+#include "identify/axis_senses.hpp"
+#include "identify/dh_comparison.hpp"
 #include "identify/home.hpp"
+#include "identify/number_text.hpp"
 #include "identify/points.hpp"
 
 namespace identify {
@@ -14,42 +16,6 @@ namespace {
 
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
-
-std::string joint_name(std::size_t joint) {
-  return "joint " + std::to_string(joint + 1);
-}
-
-std::string_view cause(SweepDefect defect) {
-  switch (defect) {
-    case SweepDefect::too_short:
-      return "its arcs are shorter than 5°: sweep it further";
-    case SweepDefect::too_few_samples:
-      return "its sweeps have too few samples: move it slower";
-    case SweepDefect::other_joint_moved:
-      return "another joint moved along by more than 0.03°: move one joint at a time";
-    case SweepDefect::not_an_arc:
-      return "its positions do not lie on a circle";
-    case SweepDefect::none:
-      break;
-  }
-  return "";
-}
-
-std::string_view code(SweepDefect defect) {
-  switch (defect) {
-    case SweepDefect::too_short:
-      return "sweep_too_short";
-    case SweepDefect::too_few_samples:
-      return "too_few_samples";
-    case SweepDefect::other_joint_moved:
-      return "other_joint_moved";
-    case SweepDefect::not_an_arc:
-      return "not_an_arc";
-    case SweepDefect::none:
-      break;
-  }
-  return "";
-}
 
 /// One identification under way.
 class Circles {
@@ -84,7 +50,8 @@ class Circles {
     const auto without_joint = [](const Sweep& sweep) { return !sweep.joint; };
     if (std::any_of(sweeps_.begin(), sweeps_.end(), without_joint)) {
       JointAssignment assigned = assign_joints(sweeps_, campaign_);
-      directions_unknown_ = !assigned.senses_known;
+      senses_found_ = assigned.senses_known;
+      directions_assigned_ = true;
       home_declared_ = assigned.home_holds;
       result_.doubt = std::move(assigned.doubt);
       result_.warnings = std::move(assigned.warnings);
@@ -116,7 +83,7 @@ class Circles {
                  ": the other joints stood elsewhere than in the other "
                  "sweeps: lock them at one common home pose");
       else if (worst != SweepDefect::none)
-        warn(code(worst), j, joint_name(j) + ": " + std::string(cause(worst)));
+        warn(code(worst), j, joint_name(j) + ": " + std::string(remedy(worst)));
       else
         warn("joint_never_moved", j, joint_name(j) + " was never swept alone");
       return;
@@ -125,7 +92,6 @@ class Circles {
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
       if (!joint.used[s]) continue;
       first_target = std::min(first_target, joint.sweeps[s].target);
-      if (joint.sweeps[s].direction == 0) directions_unknown_ = true;
     }
     joint.circle_target = first_target;
     const Matrix3Xd points = used_points(j, first_target);
@@ -135,7 +101,7 @@ class Circles {
     }
     joint.circle = fit_circle(points);
     if (!joint.circle) {
-      warn("not_an_arc", j, joint_name(j) + ": " + std::string(cause(SweepDefect::not_an_arc)));
+      warn("not_an_arc", j, joint_name(j) + ": " + std::string(remedy(SweepDefect::not_an_arc)));
       return;
     }
     orient(j);
@@ -162,19 +128,44 @@ class Circles {
     return points;
   }
 
-  /// Turns the normal to positive rotation of the joint: pooled strokes run both ways.
+  /// Turns the normal to positive rotation of the joint: pooled strokes run both ways, and so may
+  /// one. Where angles are told, what was swept as they rose counts against what was as they fell;
+  /// where not, a stroke's direction.
   void orient(std::size_t j) {
     JointResult& joint = result_.joints[j];
-    Vector3d turned = Vector3d::Zero();
+    Vector3d by_angles = Vector3d::Zero(), by_direction = Vector3d::Zero(),
+             by_motion = by_direction;
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
-      if (!joint.used[s] || joint.sweeps[s].target != joint.circle_target) continue;
-      const auto points = positions(*joint.sweeps[s].samples);
-      for (Eigen::Index i = 1; i < points.cols(); ++i)
-        turned +=
-            joint.sweeps[s].direction *
-            (points.col(i - 1) - joint.circle->center_mm).cross(points.col(i) - points.col(i - 1));
+      const Sweep& sweep = joint.sweeps[s];
+      if (!joint.used[s] || sweep.target != joint.circle_target) continue;
+      const Sample* before = nullptr;
+      for (const Sample& sample : *sweep.samples) {
+        if (!sample.has_position) continue;
+        if (before != nullptr) {
+          const Vector3d swept = (before->position_mm - joint.circle->center_mm)
+                                     .cross(sample.position_mm - before->position_mm);
+          if (sample.joints > j && before->joints > j)
+            by_angles += (sample.angles_rad[j] - before->angles_rad[j]) * swept;
+          by_direction += sweep.direction * swept;
+          if (s == first_used(joint)) by_motion += swept;
+        }
+        before = &sample;
+      }
     }
+    joint.sense_by = !by_angles.isZero(0)      ? SenseBy::angles
+                     : !by_direction.isZero(0) ? (senses_told() ? SenseBy::plan : SenseBy::nothing)
+                                               : SenseBy::nothing;
+    const Vector3d& turned = !by_angles.isZero(0)      ? by_angles
+                             : !by_direction.isZero(0) ? by_direction
+                                                       : by_motion;
     if (turned.dot(joint.circle->normal) < 0) joint.circle->normal = -joint.circle->normal;
+  }
+
+  [[nodiscard]] bool senses_told() const { return !directions_assigned_ || senses_found_; }
+
+  [[nodiscard]] static std::size_t first_used(const JointResult& joint) {
+    return static_cast<std::size_t>(std::find(joint.used.begin(), joint.used.end(), true) -
+                                    joint.used.begin());
   }
 
   /// The noise of a joint's fit is not below that of its neighbours: a target near an axis leaves
@@ -232,13 +223,60 @@ class Circles {
     };
     std::vector<std::optional<Axis>> positive;
     for (const JointResult& joint : result_.joints) positive.push_back(joint.axis);
-    auto z = turned(positive);
-    if (directions_unknown_ && campaign_.specified) {
-      z = agreeing_directions(z, size_mm(), result_.specified);
-      positive = turned(z);
-      for (std::size_t j = 0; j < campaign_.joints; ++j) result_.joints[j].axis = positive[j];
-    }
+    if (campaign_.specified) settle_senses(positive, turned);
+    const auto z = turned(positive);
     result_.dh = extract_dh(z, size_mm(), result_.specified);
+  }
+
+  /// Turns axes whose sense nothing certain tells as they agree with the specified table.
+  template <class Turned>
+  void settle_senses(std::vector<std::optional<Axis>>& positive, const Turned& turned) {
+    std::vector<SenseBy> known;
+    for (const JointResult& joint : result_.joints) known.push_back(joint.sense_by);
+    const auto senses =
+        senses_of(positive, known, *campaign_.specified, likely_poses(), campaign_.device_frame);
+    const auto with = [&](const std::vector<int>& turns) {
+      auto axes = positive;
+      for (std::size_t j = 0; j < axes.size(); ++j)
+        if (axes[j] && turns[j] < 0) axes[j] = axes[j]->reversed();
+      return axes;
+    };
+    if (!senses.ambiguous.empty()) {
+      const auto table = extract_dh(turned(with(senses.senses)), size_mm(), result_.specified);
+      const auto other = extract_dh(turned(with(senses.other)), size_mm(), result_.specified);
+      std::string joints;
+      for (const std::size_t j : senses.ambiguous)
+        joints += (joints.empty() ? "" : ", ") + std::to_string(j + 1);
+      result_.doubt = "nothing tells which way joint" +
+                      std::string(senses.ambiguous.size() > 1 ? "s " : " ") + joints +
+                      (senses.ambiguous.size() > 1 ? " turn" : " turns");
+      warn("direction_ambiguous", senses.ambiguous.front(),
+           result_.doubt + ": " + differing_numbers(table, other) +
+               "; record joint angles, or give the plan that was run and the home pose");
+    }
+    for (const std::size_t j : senses.against)
+      warn("plan_contradicted", j,
+           joint_name(j) +
+               ": it turned against the plan, as the robot description tells: check that the plan "
+               "is the one that was run");
+    positive = with(senses.senses);
+    for (std::size_t j = 0; j < campaign_.joints; ++j) result_.joints[j].axis = positive[j];
+  }
+
+  /// Angles at which the joints may have stood: those that were found, declared or described.
+  [[nodiscard]] std::vector<std::vector<double>> likely_poses() const {
+    std::vector<std::vector<double>> poses;
+    const Arm& arm = *campaign_.specified;
+    const auto known = [](const std::optional<double>& angle) { return angle.has_value(); };
+    if (std::all_of(result_.home_rad.begin(), result_.home_rad.end(), known)) {
+      poses.emplace_back();
+      for (const auto& angle : result_.home_rad) poses.back().push_back(*angle);
+      return poses;
+    }
+    if (campaign_.declared_home_rad.size() == arm.joints())
+      poses.push_back(campaign_.declared_home_rad);
+    poses.push_back(arm.home_rad);
+    return poses;
   }
 
   /// The specified table at the home of this campaign.
@@ -294,8 +332,9 @@ class Circles {
   const Campaign& campaign_;
   std::vector<Sweep> sweeps_;
   Identification result_;
-  bool home_declared_ = true;  // nothing contradicts the declared home
-  bool directions_unknown_ = false;
+  bool home_declared_ = true;         // nothing contradicts the declared home
+  bool directions_assigned_ = false;  // by assign_joints
+  bool senses_found_ = false;         // by it
   bool positions_missing_ = false;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "identify/identification.hpp"
@@ -19,5 +20,10 @@ struct DhDifference {
 
 /// One row a joint; empty without a specified table.
 [[nodiscard]] std::vector<DhDifference> compare_with_specified(const Identification& found);
+
+/// Which identified numbers are others in `other`, in words: "b4 would be 620.00 instead of -620.00
+/// mm, …".
+[[nodiscard]] std::string differing_numbers(const std::vector<DhEstimate>& table,
+                                            const std::vector<DhEstimate>& other);
 
 }  // namespace identify

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "identify/chain_fit.hpp"
+#include "identify/linearised_chain.hpp"
 
 namespace identify {
 

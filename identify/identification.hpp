@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "identify/axis_senses.hpp"
 #include "identify/bounding_box.hpp"
 #include "identify/chain_estimate.hpp"
 #include "identify/circle_fit.hpp"
@@ -54,6 +55,7 @@ struct JointResult {
   std::vector<bool> used;           ///< one a sweep: at the common home, and no positioning
   std::optional<CircleFit> circle;  ///< of the used sweeps of one target
   std::size_t circle_target = 0;
+  SenseBy sense_by = SenseBy::nothing;  ///< what tells which way is positive
   /// Along positive rotation, by the best estimator.
   std::optional<Axis> axis;
   std::optional<BoundingBox> box;  ///< of the samples that were used

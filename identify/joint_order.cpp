@@ -51,9 +51,11 @@ double offset(const Axis& first, const Axis& second) {
 
 class OrderSearch {
  public:
-  OrderSearch(const std::vector<Axis>& axes, const Arm& arm,
+  /// `joints`: whose the axes are, where that is known.
+  OrderSearch(const std::vector<Axis>& axes, const std::vector<std::size_t>& joints, const Arm& arm,
               const std::optional<std::vector<double>>& home)
       : given_(axes),
+        joints_(joints),
         expected_(axes_at(arm, home.value_or(arm.home_rad))),
         posed_(home.has_value()),
         reach_(reach_of(arm)),
@@ -96,7 +98,7 @@ class OrderSearch {
       return;
     }
     for (std::size_t g = 0; g < given_.size(); ++g) {
-      if (taken_[g]) continue;
+      if (taken_[g] || (!joints_.empty() && joints_[g] != joint)) continue;
       taken_[g] = true;
       for (const int sense : {1, -1}) {
         placed_.push_back({joint, g, sense, sense > 0 ? given_[g] : given_[g].reversed()});
@@ -195,6 +197,7 @@ class OrderSearch {
   }
 
   const std::vector<Axis>& given_;
+  const std::vector<std::size_t>& joints_;
   std::vector<Axis> expected_;
   bool posed_;
   double reach_;
@@ -213,7 +216,14 @@ class OrderSearch {
 JointOrders orders_that_fit(const std::vector<Axis>& axes, const Arm& arm,
                             const std::optional<std::vector<double>>& home_rad) {
   if (axes.empty() || axes.size() > arm.joints()) return {};
-  return OrderSearch(axes, arm, home_rad).run();
+  const std::vector<std::size_t> any;
+  return OrderSearch(axes, any, arm, home_rad).run();
+}
+
+JointOrders senses_that_fit(const std::vector<Axis>& axes, const std::vector<std::size_t>& joints,
+                            const Arm& arm, const std::optional<std::vector<double>>& home_rad) {
+  if (axes.empty() || axes.size() > arm.joints()) return {};
+  return OrderSearch(axes, joints, arm, home_rad).run();
 }
 
 }  // namespace identify

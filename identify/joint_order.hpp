@@ -35,4 +35,9 @@ struct JointOrders {
 [[nodiscard]] JointOrders orders_that_fit(const std::vector<Axis>& axes, const Arm& arm,
                                           const std::optional<std::vector<double>>& home_rad);
 
+/// The same for axes whose joints are known, `joints` (rising), under all senses of rotation.
+[[nodiscard]] JointOrders senses_that_fit(const std::vector<Axis>& axes,
+                                          const std::vector<std::size_t>& joints, const Arm& arm,
+                                          const std::optional<std::vector<double>>& home_rad);
+
 }  // namespace identify

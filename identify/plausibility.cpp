@@ -1,13 +1,13 @@
 #include "identify/plausibility.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <string_view>
 #include <utility>
 
 #include "identify/angle.hpp"
+#include "identify/median.hpp"
+#include "identify/number_text.hpp"
 #include "identify/points.hpp"
 #include "identify/robust_circle.hpp"
 #include "identify/specified_fit.hpp"
@@ -35,25 +35,7 @@ constexpr double kLate_s = 0.75;
 /// Closer to the axis, in distances of the points from the circle, angles about it are noise.
 constexpr double kLeastRadius = 20;
 /// Below it residuals are those of computing.
-constexpr double kRounding_mm = 1e-5;
-
-std::string fixed(double value, int decimals) {
-  std::array<char, 400> text;
-  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value,
-                                          std::chars_format::fixed, decimals);
-  return error == std::errc() ? std::string(text.data(), end) : std::string("?");
-}
-
-std::string joint_name(std::size_t joint) {
-  return "joint " + std::to_string(joint + 1);
-}
-
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+constexpr double kComputed_mm = 1e-5;
 
 Eigen::Matrix3Xd points_of(const JointResult& joint) {
   std::vector<Vector3d> points;
@@ -152,7 +134,7 @@ class Judge {
     for (std::size_t j = 0; j < found_.joints.size(); ++j) {
       const JointResult& joint = found_.joints[j];
       if (!joint.circle || std::max(joint.circle->plane_rms_mm, joint.circle->radial_rms_mm) <=
-                               std::max(kRounding_mm, resolution.position_mm))
+                               std::max(kComputed_mm, resolution.position_mm))
         continue;
       for (const Sweep& sweep : joint.sweeps) noisy.push_back({j, &sweep});
     }

@@ -1,12 +1,12 @@
 #include "identify/specified_fit.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "identify/number_text.hpp"
 
 namespace identify {
 namespace {
@@ -22,13 +22,6 @@ constexpr double kThousand = 1000;
 constexpr double kAboutThousand = 1.3;
 /// All senses of rotation are tried for so many joints: 256 tables.
 constexpr std::size_t kMostSenses = 8;
-
-std::string fixed(double value, int decimals) {
-  std::array<char, 400> text;
-  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value,
-                                          std::chars_format::fixed, decimals);
-  return error == std::errc() ? std::string(text.data(), end) : std::string("?");
-}
 
 /// The number that is furthest off, in units of what a built robot can be off.
 struct Worst {

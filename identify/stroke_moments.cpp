@@ -5,12 +5,14 @@
 #include <limits>
 #include <utility>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 #include "identify/angle.hpp"
+#include "identify/lagrange.hpp"
+#include "identify/median.hpp"
 #include "identify/points.hpp"
 #include "identify/robust_circle.hpp"
+#include "identify/stroke_curve.hpp"
 
 namespace identify {
 namespace {
@@ -29,42 +31,6 @@ Vector3d rotation_vector(const Matrix3d& rotation) {
   const Eigen::AngleAxisd turn(rotation);
   return turn.angle() * turn.axis();
 }
-
-/// Chebyshev nodes over a section of the turn, and the Lagrange polynomials through them by the
-/// second barycentric formula (Berrut & Trefethen 2004, eqs. 4.2 and 5.3).
-class Lagrange {
- public:
-  static constexpr std::size_t kMostNodes = 12;
-  using Values = std::array<double, kMostNodes>;
-
-  Lagrange(double from, double to, std::size_t nodes) : count_(nodes) {
-    for (std::size_t k = 0; k < count_; ++k) {
-      const double angle =
-          (2 * static_cast<double>(k) + 1) * kPi / (2 * static_cast<double>(count_));
-      nodes_[k] = (from + to) / 2 + (to - from) / 2 * std::cos(angle);
-      factors_[k] = (k % 2 == 0 ? 1 : -1) * std::sin(angle);
-    }
-  }
-  [[nodiscard]] double node(std::size_t k) const { return nodes_[k]; }
-  void at(double x, Values& values) const {
-    double sum = 0;
-    for (std::size_t k = 0; k < count_; ++k) {
-      const double apart = x - nodes_[k];
-      if (apart == 0) {
-        values.fill(0);
-        values[k] = 1;
-        return;
-      }
-      values[k] = factors_[k] / apart;
-      sum += values[k];
-    }
-    for (std::size_t k = 0; k < count_; ++k) values[k] /= sum;
-  }
-
- private:
-  std::size_t count_;
-  Values nodes_{}, factors_{};
-};
 
 /// Longer strokes are cut: twelve nodes hold what a model says over so much.
 constexpr double kSection_rad = kPi / 4;
@@ -86,66 +52,6 @@ struct Seen {
   std::vector<bool> beside;                         // far from the circle
   VectorXd weights;
 };
-
-/// The stroke's own smooth curve: least squares by Chebyshev polynomials of the turn.
-class Curve {
- public:
-  Curve(const std::vector<double>& turns, double from, double to, Index orders)
-      : basis_(orders, static_cast<Index>(turns.size())) {
-    for (Index i = 0; i < basis_.cols(); ++i) {
-      const double x =
-          to > from ? (2 * turns[static_cast<std::size_t>(i)] - from - to) / (to - from) : 0;
-      double before = 1, value = x;
-      for (Index m = 0; m < orders; ++m) {
-        basis_(m, i) = m == 0 ? 1 : value;
-        if (m > 0) before = std::exchange(value, 2 * x * value - before);
-      }
-    }
-  }
-  /// What the curve leaves of `errors`, one a column.
-  [[nodiscard]] MatrixXd left(const MatrixXd& errors, const VectorXd& weights) const {
-    const MatrixXd weighted = basis_ * weights.asDiagonal();
-    MatrixXd normal = weighted * basis_.transpose();
-    normal.diagonal() *= 1 + 1e-12;
-    const MatrixXd found = normal.ldlt().solve(weighted * errors.transpose());
-    return errors - found.transpose() * basis_;
-  }
-
- private:
-  MatrixXd basis_;
-};
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-/// The distance that a good sample hardly passes.
-constexpr double kPlateau = 2.5;
-
-/// Redescending weights by the distance in standard deviations of the median sample, `wide` times
-/// as far as good samples need.
-VectorXd weights_of(const MatrixXd& left, double wide = 1) {
-  const auto directions = static_cast<double>(left.rows());
-  // The farthest direction counts: what a locked joint's wobble does is in more than one.
-  VectorXd farthest = VectorXd::Zero(left.cols());
-  for (Index d = 0; d < left.rows(); ++d) {
-    std::vector<double> sizes(static_cast<std::size_t>(left.cols()));
-    for (Index i = 0; i < left.cols(); ++i)
-      sizes[static_cast<std::size_t>(i)] = std::abs(left(d, i));
-    constexpr double kMedianOfNormal = 0.6745;
-    const double sigma = std::max(1e-10, median_of(std::move(sizes)) / kMedianOfNormal);
-    farthest = farthest.cwiseMax(left.row(d).transpose().cwiseAbs() / sigma);
-  }
-  VectorXd weights(left.cols());
-  const double plateau = wide * (std::sqrt(directions) + kPlateau);
-  for (Index i = 0; i < weights.size(); ++i) {
-    const double share = std::clamp(2 - farthest(i) / plateau, 0.0, 1.0);
-    weights(i) = share * share;
-  }
-  return weights;
-}
 
 }  // namespace
 
@@ -282,7 +188,7 @@ void set_weights(StrokeMoments& stroke, Seen& seen) {
   const auto count = static_cast<Index>(seen.samples.size());
   const Index directions = stroke.told ? 3 : 2;
   const MatrixXd errors = seen.errors.topRows(directions);
-  const Curve curve(seen.turns, stroke.from_rad, stroke.to_rad, curve_orders(count));
+  const StrokeCurve curve(seen.turns, stroke.from_rad, stroke.to_rad, curve_orders(count));
   // The wobble of locked joints, which their angles tell, is in these errors, and not everywhere
   // along the stroke as large.
   const double wide = stroke.content.joints > 0 ? 2 : 1;

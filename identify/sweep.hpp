@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "identify/sample.hpp"
@@ -32,5 +33,10 @@ struct Sweep {
   [[nodiscard]] const Sample& first() const { return samples->front(); }
   [[nodiscard]] const Sample& last() const { return samples->back(); }
 };
+
+/// The code of the warning that a joint whose sweeps are like that gets.
+[[nodiscard]] std::string_view code(SweepDefect defect) noexcept;
+/// What is wrong with them, and what to do.
+[[nodiscard]] std::string_view remedy(SweepDefect defect) noexcept;
 
 }  // namespace identify

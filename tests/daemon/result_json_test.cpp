@@ -45,6 +45,7 @@ TEST_CASE("a complete result has every field of the schema, in its type and unit
   CHECK(json.at("robot") == "kr5-arc");
   CHECK(json.at("status") == "complete");
   CHECK_FALSE(json.contains("reason"));
+  CHECK(json.at("describes") == "controller_model");  // a trace
   CHECK(json.at("estimator") == "chain");
   REQUIRE(json.at("home_deg").size() == 6);
   // Means over strokes of some hundred samples with a wobble of 0.0001 deg.

@@ -173,6 +173,7 @@ TEST_CASE(
     auto nodes = nodes_of(samples, 3);
     const auto scatter = [&](const ChainEffects& known) -> VectorXd {
       const auto fit = fit_chain(chain, nodes, noise, known, false);
+      CAPTURE(fit.summary.ending, fit.summary.iterations, fit.summary.last_step, fit.summary.cost);
       REQUIRE(fit.summary.converged);
       const VectorXd error = difference(chain, fit.chain).head(with.size());
       return error.cwiseAbs2().cwiseQuotient(fit.covariance.diagonal().head(with.size()));

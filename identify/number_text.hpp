@@ -1,0 +1,28 @@
+#pragma once
+
+#include <array>
+#include <charconv>
+#include <cstddef>
+#include <string>
+#include <system_error>
+
+namespace identify {
+
+/// The number with so many decimals, whatever the locale; minus nought is nought.
+inline std::string fixed(double value, int decimals) {
+  std::array<char, 400> text{};
+  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value,
+                                          std::chars_format::fixed, decimals);
+  const std::string number(text.data(), error == std::errc() ? end : text.data());
+  if (number.empty()) return "?";
+  return number.find_first_not_of("-0.") == std::string::npos && number.front() == '-'
+             ? number.substr(1)
+             : number;
+}
+
+/// As people count: "joint 1" is the first.
+inline std::string joint_name(std::size_t joint) {
+  return "joint " + std::to_string(joint + 1);
+}
+
+}  // namespace identify
