@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <optional>
+#include <string_view>
 #include <utility>
 
 #include "identify/chain_problem.hpp"
@@ -12,90 +13,125 @@ namespace identify {
 namespace {
 
 using Eigen::Index;
-using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 /// A step this small in standard uncertainties is none.
 constexpr double kSmallStep = 1e-7;
-/// So close the cost no longer tells: with random effects it is not quite that of the equations.
+/// So close the end may be rounding's.
 constexpr double kCloseStep = 1e-2;
+/// Steps that shrink so lead somewhere.
+constexpr double kShrinks = 0.7;
+constexpr double kFirstDamping = 1e-6;
+constexpr double kMostDamping = 1e6;
+
+/// A chain, and what its linearisation says.
+struct Place {
+  Place(Chain at, NormalEquations found)
+      : chain(std::move(at)), equations(std::move(found)), information(equations.normal) {
+    to_go =
+        std::sqrt(std::max(0.0, information.step(equations.gradient, 0).dot(equations.gradient)));
+  }
+
+  /// With random effects the equations are not quite the cost's gradient: effects turn along with
+  /// the chain. So what counts is also the step that is left, in the manner of Deuflhard's
+  /// monotonicity test (Newton Methods for Nonlinear Problems, 2004, sec. 4.3).
+  [[nodiscard]] bool better_than(const Place& before) const {
+    if (!std::isfinite(equations.cost) || !std::isfinite(to_go)) return false;
+    return equations.cost <= before.equations.cost ||
+           (to_go <= kShrinks * before.to_go &&
+            information.undetermined() <= before.information.undetermined());
+  }
+
+  Chain chain;
+  NormalEquations equations;
+  Information information;
+  double to_go = 0;  ///< length of the step from here, in standard uncertainties
+};
 
 template <int Size>
-ChainFit fit(const Chain& start, ChainNodes& nodes, const ChainNoise& noise,
-             const ChainEffects& effects, int most_iterations) {
-  ChainProblem<Size> problem(start, nodes, noise, effects);
-  ChainFit result;
-  result.chain = start;
-  result.chain.zero_rad.resize(effects.zero_rad.size());
-  Summary& summary = result.summary;
-  summary.ending = "no convergence";
-  double previous = std::numeric_limits<double>::infinity();
-  double damping = 0;
-  NormalEquations equations = problem.linearised(result.chain);
-  while (true) {
-    problem.follow();
-    const Information information(equations.normal);
-    const VectorXd step = information.step(equations.gradient, 0);
-    result.covariance = information.covariance();
-    summary.cost = equations.cost;
-    summary.condition = information.condition();
-    summary.undetermined = information.undetermined();
-    summary.last_step = std::sqrt(std::max(0.0, step.dot(equations.gradient)));
-    if (!step.allFinite() || !std::isfinite(equations.cost)) {
-      summary.ending = "numbers beyond all bounds";
-      break;
+class Fitting {
+ public:
+  Fitting(const Chain& start, ChainNodes& nodes, const ChainNoise& noise,
+          const ChainEffects& effects)
+      : problem_(start, nodes, noise, effects), here_(at(with_zeros(start, effects))) {}
+
+  ChainFit run(int most_iterations) {
+    Summary summary;
+    while (true) {
+      problem_.follow();
+      if (const auto ending = ended(summary, most_iterations)) {
+        summary.ending = *ending;
+        break;
+      }
+      ++summary.iterations;
+      if (!step()) {
+        summary.converged = here_.to_go < kCloseStep;
+        summary.ending = summary.converged ? "converged to rounding" : "no better place found";
+        break;
+      }
     }
-    if (summary.last_step < kSmallStep) {
-      summary.converged = true;
-      summary.ending = "converged";
-      break;
-    }
-    // So close to the end the cost is only rounding: the steps alone tell, as long as they shrink.
-    const bool close = summary.last_step < kCloseStep;
-    if (close && summary.last_step > previous / 2) {
-      summary.converged = true;
-      summary.ending = "converged to rounding";
-      break;
-    }
-    if (summary.iterations == most_iterations) break;
-    previous = summary.last_step;
-    ++summary.iterations;
-    constexpr double kFirstDamping = 1e-6;
-    constexpr double kMostDamping = 1e6;
-    const auto better = [&](const NormalEquations& there) {
-      return there.cost <= equations.cost || (close && std::isfinite(there.cost));
-    };
-    const auto after = [&](const VectorXd& change) {
-      Chain there = moved(result.chain, change.head(ChainProblem<Size>::count(result.chain)));
-      for (std::size_t j = 0; j < there.zero_rad.size(); ++j)
-        there.zero_rad[j] +=
-            change(ChainProblem<Size>::count(result.chain) + static_cast<Index>(j));
-      return there;
-    };
-    Chain next = after(information.step(equations.gradient, damping));
-    NormalEquations there = problem.linearised(next);
-    while (!better(there) && damping < kMostDamping) {
-      damping = std::max(kFirstDamping, 10 * damping);
-      next = after(information.step(equations.gradient, damping));
-      there = problem.linearised(next);
-    }
-    if (damping >= kMostDamping) {
-      summary.ending = "no better place found";
-      break;
-    }
-    damping = damping > kFirstDamping ? damping / 10 : 0;
-    result.chain = std::move(next);
-    equations = std::move(there);
+    summary.cost = here_.equations.cost;
+    summary.condition = here_.information.condition();
+    summary.undetermined = here_.information.undetermined();
+    summary.last_step = here_.to_go;
+    return {std::move(here_.chain), here_.information.covariance(), {}, summary};
   }
-  return result;
-}
+
+ private:
+  static Chain with_zeros(Chain chain, const ChainEffects& effects) {
+    chain.zero_rad.resize(effects.zero_rad.size());
+    return chain;
+  }
+
+  Place at(Chain chain) {
+    NormalEquations equations = problem_.linearised(chain);
+    return {std::move(chain), std::move(equations)};
+  }
+
+  std::optional<std::string_view> ended(Summary& summary, int most_iterations) const {
+    if (!std::isfinite(here_.to_go) || !std::isfinite(here_.equations.cost))
+      return "numbers beyond all bounds";
+    if (here_.to_go < kSmallStep) {
+      summary.converged = true;
+      return "converged";
+    }
+    if (summary.iterations == most_iterations) return "no convergence";
+    return std::nullopt;
+  }
+
+  /// Goes to a better place, if there is one.
+  bool step() {
+    while (true) {
+      Place there = at(after(here_.information.step(here_.equations.gradient, damping_)));
+      if (there.better_than(here_)) {
+        damping_ = damping_ > kFirstDamping ? damping_ / 10 : 0;
+        here_ = std::move(there);
+        return true;
+      }
+      damping_ = std::max(kFirstDamping, 10 * damping_);
+      if (damping_ > kMostDamping || here_.to_go < kCloseStep) return false;
+    }
+  }
+
+  Chain after(const VectorXd& change) const {
+    const Index count = ChainProblem<Size>::count(here_.chain);
+    Chain there = moved(here_.chain, change.head(count));
+    for (std::size_t j = 0; j < there.zero_rad.size(); ++j)
+      there.zero_rad[j] += change(count + static_cast<Index>(j));
+    return there;
+  }
+
+  ChainProblem<Size> problem_;
+  Place here_;
+  double damping_ = 0;
+};
 
 }  // namespace
 
 ChainFit fit_chain(const Chain& start, ChainNodes& nodes, const ChainNoise& noise,
                    const ChainEffects& effects, bool with_orientation, int most_iterations) {
-  return with_orientation ? fit<6>(start, nodes, noise, effects, most_iterations)
-                          : fit<3>(start, nodes, noise, effects, most_iterations);
+  return with_orientation ? Fitting<6>(start, nodes, noise, effects).run(most_iterations)
+                          : Fitting<3>(start, nodes, noise, effects).run(most_iterations);
 }
 
 }  // namespace identify
