@@ -64,8 +64,6 @@ bool together(const StrokeMoments& one, const StrokeMoments& other) {
 
 /// Sorts the strokes by what was seen at once, and by where their locked joints stood.
 void set_groups(ChainNodes& nodes) {
-  // What changes within this changes nothing that gears or loads do.
-  constexpr double kSameHome_rad = 0.5 * kDegree;
   using Place = std::array<std::optional<double>, kMostJoints>;
   std::vector<Place> places(1);
   places.front().fill(0);

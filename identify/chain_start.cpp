@@ -191,7 +191,12 @@ std::vector<Vector3d> starting_targets(const Chain& chain,
       if (sample.target != target) continue;
       Turns before{};
       std::copy_n(sample.turns.begin(), sample.joint, before.begin());
-      arcs[sample.joint].push_back(chain.displacement(before).inverse() * sample.position_mm);
+      // With a joint behind it elsewhere the target runs on another circle.
+      const bool home = std::all_of(
+          sample.turns.begin() + static_cast<std::ptrdiff_t>(sample.joint) + 1, sample.turns.end(),
+          [](double turn) { return std::abs(turn) < kSameHome_rad; });
+      if (home)
+        arcs[sample.joint].push_back(chain.displacement(before).inverse() * sample.position_mm);
       if (with_angles)
         at_home.push_back(chain.displacement(sample.turns).inverse() * sample.position_mm);
     }

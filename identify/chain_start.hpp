@@ -3,10 +3,14 @@
 #include <optional>
 #include <vector>
 
+#include "identify/angle.hpp"
 #include "identify/chain_residual.hpp"
 #include "identify/identification.hpp"
 
 namespace identify {
+
+/// Joints that stand within this stand at the same home: it changes nothing that gears or loads do.
+inline constexpr double kSameHome_rad = 0.5 * kDegree;
 
 /// An axis for each joint to start from, by a robust circle of the sweeps that the circles used;
 /// it points as the circle's does. Nothing where there is no circle, or hardly one: direction
