@@ -25,8 +25,8 @@ constexpr double kFirstDamping = 1e-6;
 constexpr double kMostDamping = 1e6;
 
 /// A chain, and what its linearisation says.
-struct Place {
-  Place(Chain at, NormalEquations found)
+struct FitPoint {
+  FitPoint(Chain at, NormalEquations found)
       : chain(std::move(at)), equations(std::move(found)), information(equations.normal) {
     to_go =
         std::sqrt(std::max(0.0, information.step(equations.gradient, 0).dot(equations.gradient)));
@@ -35,7 +35,7 @@ struct Place {
   /// With random effects the equations are not quite the cost's gradient: effects turn along with
   /// the chain. So what counts is also the step that is left, in the manner of Deuflhard's
   /// monotonicity test (Newton Methods for Nonlinear Problems, 2004, sec. 4.3).
-  [[nodiscard]] bool better_than(const Place& before) const {
+  [[nodiscard]] bool better_than(const FitPoint& before) const {
     if (!std::isfinite(equations.cost) || !std::isfinite(to_go)) return false;
     return equations.cost <= before.equations.cost ||
            (to_go <= kShrinks * before.to_go &&
@@ -83,7 +83,7 @@ class Fitting {
     return chain;
   }
 
-  Place at(Chain chain) {
+  FitPoint at(Chain chain) {
     NormalEquations equations = problem_.linearised(chain);
     return {std::move(chain), std::move(equations)};
   }
@@ -102,7 +102,7 @@ class Fitting {
   /// Goes to a better place, if there is one.
   bool step() {
     while (true) {
-      Place there = at(after(here_.information.step(here_.equations.gradient, damping_)));
+      FitPoint there = at(after(here_.information.step(here_.equations.gradient, damping_)));
       if (there.better_than(here_)) {
         damping_ = damping_ > kFirstDamping ? damping_ / 10 : 0;
         here_ = std::move(there);
@@ -122,7 +122,7 @@ class Fitting {
   }
 
   ChainProblem<Size> problem_;
-  Place here_;
+  FitPoint here_;
   double damping_ = 0;
 };
 

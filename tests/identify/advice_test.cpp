@@ -1,7 +1,6 @@
 #include "identify/advice.hpp"
 
 #include <algorithm>
-#include <functional>
 #include <string>
 
 #include "identify/angle.hpp"
@@ -12,6 +11,7 @@
 
 using namespace identify;
 using Catch::Matchers::ContainsSubstring;
+using identify::test::changed;
 using identify::test::find_warning;
 using identify::test::kr5_arc;
 using identify::test::segment;
@@ -45,16 +45,6 @@ std::string message(const Identification& found, std::string_view code,
     UNSCOPED_INFO(warning.code + ": " + warning.message);
   FAIL("no such warning");
   return {};
-}
-
-std::vector<Sweep> changed(std::vector<Sweep> sweeps,
-                           const std::function<void(Sweep&, std::vector<Sample>&)>& change) {
-  for (Sweep& sweep : sweeps) {
-    auto samples = *sweep.samples;
-    change(sweep, samples);
-    sweep.samples = std::make_shared<const std::vector<Sample>>(std::move(samples));
-  }
-  return sweeps;
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include "tests/simulation/simulation.hpp"
 
 using namespace identify;
+using identify::test::Change;
+using identify::test::changed;
 using identify::test::find_warning;
 using simulation::Simulation;
 using simulation::Strokes;
@@ -37,17 +39,6 @@ simulation::Robot some_kr5(std::uint32_t seed, std::size_t targets = 1) {
 
 simulation::Robot some_iiwa(std::uint32_t seed) {
   return simulation::at_random_home(simulation::built(simulation::iiwa(), seed), seed);
-}
-
-using Change = std::function<void(Sweep&, std::vector<Sample>&)>;
-
-std::vector<Sweep> changed(std::vector<Sweep> sweeps, const Change& change) {
-  for (Sweep& sweep : sweeps) {
-    auto samples = *sweep.samples;
-    change(sweep, samples);
-    sweep.samples = std::make_shared<const std::vector<Sample>>(std::move(samples));
-  }
-  return sweeps;
 }
 
 /// Every position goes through it.

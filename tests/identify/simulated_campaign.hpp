@@ -5,8 +5,11 @@
 
 #include <cmath>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <random>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "identify/angle.hpp"
@@ -16,6 +19,18 @@
 #include "identify/segmentation.hpp"
 
 namespace identify::test {
+
+using Change = std::function<void(Sweep&, std::vector<Sample>&)>;
+
+/// The sweeps with all samples gone through it.
+inline std::vector<Sweep> changed(std::vector<Sweep> sweeps, const Change& change) {
+  for (Sweep& sweep : sweeps) {
+    auto samples = *sweep.samples;
+    change(sweep, samples);
+    sweep.samples = std::make_shared<const std::vector<Sample>>(std::move(samples));
+  }
+  return sweeps;
+}
 
 /// The paper's specified table; thetas at the paper's home.
 inline Arm kr5_arc() {
