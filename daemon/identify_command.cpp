@@ -147,6 +147,8 @@ Outcome identified_points(const IdentifyOptions& options, RobotSetup setup) {
                                 ": give one file a joint");
   auto known = campaign(setup, points.resolution);
   known.device_frame = options.device_frame;
+  known.timed = std::all_of(points.files.begin(), points.files.end(),
+                            [](const PointsFile& file) { return file.with_times; });
   Snapshot snapshot;
   snapshot.robot = setup.name;
   snapshot.source_kind = "points";

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "identify/angle.hpp"
+#include "identify/delay.hpp"
 #include "identify/median.hpp"
 #include "identify/number_text.hpp"
 
@@ -193,6 +194,24 @@ class Adviser {
              fixed(kSlow_mm_s, 0) + " mm/s or less");
   }
 
+  /// By how much angles may still differ by direction since they came late: as far as the delay is
+  /// uncertain, and by the noise of one sample at strokes' ends, where angles were not told in
+  /// time.
+  [[nodiscard]] double direction_by_delay_rad(std::size_t j) const {
+    if (!found_.delay || !is_significant(*found_.delay)) return 0;
+    const JointResult& joint = found_.joints[j];
+    double speed = 0, untold = 0;
+    for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
+      const Sweep& sweep = joint.sweeps[s];
+      const double seconds = sweep.last().time_s - sweep.first().time_s;
+      if (!joint.used[s] || !(seconds > 0)) continue;
+      speed = std::max(speed, sweep.range_rad / seconds);
+      untold = std::max(untold, std::min(1.0, std::abs(found_.delay->late_s) / seconds));
+    }
+    return std::hypot(2 * speed * found_.delay->sigma_s,
+                      untold * found_.chain->noise.position_mm / joint.circle->radius_mm);
+  }
+
   void judge_angles(std::size_t j) {
     const AngleEvidence& seen = found_.chain->angles[j];
     if (seen.samples == 0) return;
@@ -200,8 +219,9 @@ class Adviser {
     // Neighbours in time share their error, and so do the strokes' means.
     const double correlated = std::sqrt(found_.chain->samples_per_independent);
     const double backlash = std::abs(seen.backlash_rad);
+    const double by_delay = direction_by_delay_rad(j);
     if (seen.backlash_sigma_rad > 0 &&
-        backlash > kAdviceSigmas * correlated * seen.backlash_sigma_rad &&
+        backlash > kAdviceSigmas * std::hypot(correlated * seen.backlash_sigma_rad, by_delay) &&
         backlash > campaign_.resolution.angle_rad)
       warn("backlash", j,
            "its error depends on the direction of the motion, by " + arcsec(backlash) + " or " +

@@ -3,67 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 #include "identify/angle.hpp"
+#include "identify/meeting_point.hpp"
 #include "identify/points.hpp"
 #include "identify/robust_circle.hpp"
 
 namespace identify {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-/// A circle by its axis and one point on it.
-struct AxisCircle {
-  ChainAxis axis;
-  Vector3d on_it_mm;
-
-  [[nodiscard]] Vector3d arm(const Vector3d& point) const {
-    const Vector3d from = point - axis.point_mm;
-    return from - axis.direction * axis.direction.dot(from);
-  }
-  /// Distance of a point from it, and its derivative.
-  [[nodiscard]] Vector3d to_circle(const Vector3d& point) const {
-    const double height = axis.direction.dot(point - on_it_mm);
-    const Vector3d here = arm(point);
-    const double radius = arm(on_it_mm).norm();
-    const double off = here.norm();
-    const Vector3d outward = off > 0 ? Vector3d(here / off) : axis.direction.unitOrthogonal();
-    return -(height * axis.direction + (off - radius) * outward);
-  }
-};
-
-double misfit(const std::vector<AxisCircle>& circles, const Vector3d& point) {
-  double sum = 0;
-  for (const AxisCircle& circle : circles) sum += circle.to_circle(point).squaredNorm();
-  return sum;
-}
-
-/// The point closest to all circles, from `point` on.
-Vector3d settled(const std::vector<AxisCircle>& circles, Vector3d point) {
-  constexpr int kSteps = 30;
-  for (int step = 0; step < kSteps; ++step) {
-    // Along its tangent a circle has no say; a little damping for where none has.
-    Matrix3d normal = 1e-6 * Matrix3d::Identity();
-    Vector3d right = Vector3d::Zero();
-    for (const AxisCircle& circle : circles) {
-      const Vector3d arm = circle.arm(point);
-      const Vector3d tangent = circle.axis.direction.cross(arm).normalized();
-      normal += Matrix3d::Identity() - tangent * tangent.transpose();
-      right += circle.to_circle(point);
-    }
-    const Vector3d move = normal.ldlt().solve(right);
-    if (!move.allFinite()) break;
-    point += move;
-    if (move.norm() < 1e-9) break;
-  }
-  return point;
-}
 
 /// A target close to the axis tells nothing of where along its circle it is.
 bool hardly_moves(const Sweep& sweep, const ChainAxis& axis) {
@@ -214,31 +165,15 @@ std::vector<Vector3d> starting_targets(const Chain& chain,
                         middle(1) * chain.axes[j].direction.unitOrthogonal();
       circles.push_back(circle);
     }
-    if (circles.empty()) {
-      found.push_back(Vector3d::Zero());
-      continue;
-    }
-    // From all around one of the circles: others may pass near it more than once.
-    Vector3d best = Vector3d::Zero();
-    double least = std::numeric_limits<double>::infinity();
-    const auto consider = [&](const Vector3d& start, double handicap) {
-      const Vector3d point = circles.size() > 1 ? settled(circles, start) : start;
-      const double sum = misfit(circles, point) * handicap;
-      if (sum < least) {
-        least = sum;
+    Vector3d best = meeting_point(circles);
+    if (!at_home.empty()) {
+      // Where the angles lead to about as good a place, they know which of several it is.
+      constexpr double kAsGood = 0.1;
+      const Vector3d told = median(at_home);
+      const Vector3d point = circles.size() > 1 ? meeting_point(circles, told) : told;
+      if (circles.size() <= 1 || misfit(circles, point) * kAsGood < misfit(circles, best))
         best = point;
-      }
-    };
-    constexpr int kPlaces = 72;
-    const AxisCircle& first = circles.front();
-    for (int k = 0; k < kPlaces; ++k)
-      consider(
-          first.axis.point_mm + Eigen::AngleAxisd(2 * kPi * k / kPlaces, first.axis.direction) *
-                                    (first.on_it_mm - first.axis.point_mm),
-          1);
-    // Where the angles lead to about as good a place, they know which of several it is.
-    constexpr double kAsGood = 0.1;
-    if (!at_home.empty()) consider(median(at_home), circles.size() > 1 ? kAsGood : 0);
+    }
     found.push_back(best);
   }
   for (ChainObservation& sample : observations) {

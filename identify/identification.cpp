@@ -5,8 +5,10 @@
 
 #include "identify/advice.hpp"
 #include "identify/chain_estimator.hpp"
+#include "identify/chain_start.hpp"
 #include "identify/chain_table.hpp"
 #include "identify/circle_estimator.hpp"
+#include "identify/delay.hpp"
 #include "identify/dh_budget.hpp"
 #include "identify/plausibility.hpp"
 #include "identify/undetermined.hpp"
@@ -17,7 +19,13 @@ namespace {
 Identification estimate(std::vector<Sweep> sweeps, const Campaign& campaign) {
   Identification found = identify_by_circles(std::move(sweeps), campaign);
   found.circle_dh = found.dh;
-  found.chain = estimate_chain(found, campaign);
+  if (campaign.timed) {
+    const auto axes = starting_axes(found);
+    found.delay = find_delay(found, axes);
+    if (found.delay && is_significant(*found.delay))
+      found.chain = estimate_chain(in_step(found, axes, *found.delay), campaign);
+  }
+  if (!found.chain) found.chain = estimate_chain(found, campaign);
   if (!found.chain) return found;
   const std::size_t joints = found.joints.size();
   const TableAxes axes = table_axes(*found.chain, campaign);

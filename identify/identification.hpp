@@ -28,6 +28,16 @@ struct Campaign {
   Resolution resolution;
   /// The measurement frame is some device's: where the robot stands in it is part of the result.
   bool device_frame = false;
+  /// The samples' times are times; else they are only an order.
+  bool timed = true;
+};
+
+/// How late the controller's angles are against the positions.
+struct Delay {
+  double late_s = 0;   ///< at `at_s`: the angles told at t are those of t - late
+  double sigma_s = 0;  ///< standard uncertainty
+  double rate = 0;     ///< so many seconds a second it grows: clocks that differ; 0: not seen to
+  double at_s = 0;     ///< in the campaign's time
 };
 
 enum class Status {
@@ -87,6 +97,9 @@ struct Identification {
   std::optional<Eigen::Isometry3d> tool;
   /// What the last row is where it leads to the Z axis of the tool's frame: needs orientations.
   std::optional<DhEstimate> row_to_tool;
+  /// Nothing where the campaign does not tell it. Where it is significant, the chain had the angles
+  /// as they were when the positions were taken; sweeps hold them as they were told.
+  std::optional<Delay> delay;
   /// Where the measurement frame is a device's: b and theta of row 1 are by convention then.
   std::optional<RobotPose> robot_pose;
   std::optional<BoundingBox> bounding_box;  ///< of the samples that were used

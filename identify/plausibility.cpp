@@ -7,9 +7,11 @@
 
 #include "identify/angle.hpp"
 #include "identify/median.hpp"
+#include "identify/meeting_point.hpp"
 #include "identify/number_text.hpp"
 #include "identify/points.hpp"
 #include "identify/robust_circle.hpp"
+#include "identify/seen_circle.hpp"
 #include "identify/specified_fit.hpp"
 
 namespace identify {
@@ -25,9 +27,17 @@ constexpr double kApartSigmas = 10;
 /// A device is off by a millimetre at most, and on all circles alike.
 constexpr double kMisfit_mm = 1;
 constexpr double kMisfitToPeers = 20;
+/// What is left of an arc when noise is averaged away. Bearings and load bend all joints' arcs by
+/// some hundredths; a joint that moves along bends one joint's.
+constexpr double kBent_mm = 0.05;
+constexpr double kBentToPeers = 10;
 /// Beyond any device, whatever the other circles are like; and a share of the radius.
 constexpr double kNoCircle_mm = 10;
 constexpr double kNoCircleShare = 0.02;
+/// Joints come home to hundredths of a degree, which a metre away is a fraction of a millimetre.
+constexpr double kOffHome_mm = 3;
+constexpr double kOffHomeToPeers = 20;
+constexpr std::size_t kFewestPeers = 3;  // two circles meet nearly anywhere
 /// Gears err by minutes of arc. Angles that come late look wrong by what the joint turns meanwhile.
 constexpr double kWrongTurn_rad = 5 * kDegree;
 constexpr double kWrongTurnShare = 0.3;
@@ -36,52 +46,6 @@ constexpr double kLate_s = 0.75;
 constexpr double kLeastRadius = 20;
 /// Below it residuals are those of computing.
 constexpr double kComputed_mm = 1e-5;
-
-Eigen::Matrix3Xd points_of(const JointResult& joint) {
-  std::vector<Vector3d> points;
-  for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
-    if (!joint.used[s] || joint.sweeps[s].target != joint.circle_target) continue;
-    for (const Sample& sample : *joint.sweeps[s].samples)
-      if (sample.has_position) points.push_back(sample.position_mm);
-  }
-  Eigen::Matrix3Xd columns(3, static_cast<Eigen::Index>(points.size()));
-  Eigen::Index at = 0;
-  for (const Vector3d& point : points) columns.col(at++) = point;
-  return columns;
-}
-
-/// How far the middle one of the points is from a circle.
-double usual_distance_mm(const CircleFit& circle, const Eigen::Matrix3Xd& points) {
-  std::vector<double> distances;
-  for (Eigen::Index i = 0; i < points.cols(); ++i) {
-    const CircleResidual off = residual(circle, points.col(i));
-    distances.push_back(std::hypot(off.plane_mm, off.radial_mm));
-  }
-  return median_of(std::move(distances));
-}
-
-/// A joint's circle that outliers have not spoiled.
-struct SeenCircle {
-  CircleFit circle;
-  double usual_mm = 0;  ///< distance of the middle one of its points
-};
-
-std::optional<SeenCircle> seen_circle(const JointResult& joint) {
-  if (!joint.circle) return std::nullopt;
-  const auto points = points_of(joint);
-  SeenCircle seen{*joint.circle, usual_distance_mm(*joint.circle, points)};
-  // Most of the time the plain fit will do.
-  if (std::max(seen.circle.plane_rms_mm, seen.circle.radial_rms_mm) <= kMisfit_mm) return seen;
-  const auto robust = fit_robust_circle(points);
-  if (!robust) return seen;
-  // Outliers may have turned the plain one over.
-  const Vector3d positive = joint.axis ? joint.axis->direction : joint.circle->normal;
-  const double sense = robust->normal.dot(positive) < 0 ? -1 : 1;
-  seen.circle = *robust;
-  seen.circle.normal *= sense;
-  seen.usual_mm = usual_distance_mm(seen.circle, points);
-  return seen;
-}
 
 bool same_positions(const Sweep& a, const Sweep& b) {
   return std::equal(a.samples->begin(), a.samples->end(), b.samples->begin(), b.samples->end(),
@@ -100,6 +64,7 @@ class Judge {
     for (const JointResult& joint : found_.joints) circles_.push_back(seen_circle(joint));
     for (std::size_t j = 0; j < found_.joints.size(); ++j)
       if (circles_[j] && !strokes_disagree(j) && !is_no_circle(j)) judge_angles(j);
+    judge_home();
   }
 
  private:
@@ -197,6 +162,7 @@ class Judge {
     const double usual = circles_[j]->usual_mm;
     const bool above_peers =
         peers.size() >= 2 && usual > kMisfit_mm && usual > kMisfitToPeers * peer;
+    if (!above_peers && is_bent(j)) return true;
     const double no_circle = std::max(kNoCircle_mm, kNoCircleShare * circles_[j]->circle.radius_mm);
     if (!above_peers && !(usual > no_circle)) return false;
     std::string message = joint_name(j) + ": its points lie on no circle: they are ";
@@ -205,6 +171,62 @@ class Judge {
     message += ": another joint moved along, or points of other places are among them";
     doubt("circle_misfit", j, std::move(message));
     return true;
+  }
+
+  bool is_bent(std::size_t j) {
+    std::vector<double> peers;
+    for (std::size_t k = 0; k < circles_.size(); ++k)
+      if (k != j && circles_[k]) peers.push_back(circles_[k]->bent_mm);
+    const double bent = circles_[j]->bent_mm;
+    const double peer = median_of(peers);
+    if (peers.size() < 2 || !(bent > kBent_mm) || !(bent > kBentToPeers * peer)) return false;
+    doubt("circle_misfit", j,
+          joint_name(j) + ": its points bend away from a circle by " + fixed(bent, 3) +
+              " mm, noise averaged, the other joints' by " + fixed(peer, 3) +
+              " mm: another joint moved along, or its bearing is worn");
+    return true;
+  }
+
+  /// All joints at home, the target is on all circles. A circle that passes by where the others
+  /// meet was run with another joint elsewhere.
+  void judge_home() {
+    std::vector<AxisCircle> circles;
+    std::vector<std::size_t> joints;
+    for (std::size_t j = 0; j < circles_.size(); ++j) {
+      if (!circles_[j] || found_.joints[j].circle_target != found_.joints.front().circle_target)
+        continue;
+      const CircleFit& circle = circles_[j]->circle;
+      circles.push_back({{circle.normal, circle.center_mm},
+                         circle.center_mm + circle.radius_mm * circle.normal.unitOrthogonal()});
+      joints.push_back(j);
+    }
+    if (circles.size() <= kFewestPeers) return;
+    double worst = 0, least = 0;
+    std::size_t passes_by = 0;
+    for (std::size_t i = 0; i < circles.size(); ++i) {
+      auto others = circles;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+      const Vector3d home = meeting_point(others);
+      const double peers = std::sqrt(misfit(others, home) / static_cast<double>(others.size()));
+      const double off = circles[i].to_circle(home).norm();
+      if (!(off > kOffHome_mm) || !(off > kOffHomeToPeers * peers)) continue;
+      if (worst > 0 && !(peers < least)) continue;
+      worst = off;
+      least = peers;
+      passes_by = joints[i];
+    }
+    const double scatter = found_.chain ? found_.chain->home_scatter_mm : 0;
+    if (!(worst > 0)) {
+      if (scatter > kOffHome_mm)
+        doubt("off_home", std::nullopt,
+              "from sweep to sweep the target stood " + fixed(scatter, 1) +
+                  " mm off home: another joint moved along, or robot or device were moved");
+      return;
+    }
+    doubt("off_home", passes_by,
+          joint_name(passes_by) + ": its circle passes " + fixed(worst, 1) +
+              " mm from where the other joints' circles meet: another joint moved along, or stood "
+              "elsewhere than in the other sweeps");
   }
 
   /// Against each other, the lower and the upper third of the angles that were told: a delay, or a

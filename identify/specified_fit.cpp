@@ -45,11 +45,11 @@ Worst worst_of(const std::vector<DhEstimate>& dh, const std::vector<DhRow>& spec
   const double length = std::max(kMostOff_mm, kMostOffShare * arm_mm(specified));
   Worst worst;
   const auto judge = [&](std::size_t row, const char* name, const DhNumber& number, double expected,
-                         bool is_angle) {
+                         double most) {
+    const bool is_angle = most != length;
     if (number.knowledge != Knowledge::identified) return;
     const double off = is_angle ? wrapped(number.value - expected) : number.value - expected;
-    const double excess =
-        (std::abs(off) - kSigmas * number.sigma) / (is_angle ? kMostOff_rad : length);
+    const double excess = (std::abs(off) - kSigmas * number.sigma) / most;
     if (!(excess > worst.excess)) return;
     const auto shown = [&](double value) {
       return is_angle ? fixed(value / kDegree, 1) + "°" : fixed(value, 1) + " mm";
@@ -65,12 +65,12 @@ Worst worst_of(const std::vector<DhEstimate>& dh, const std::vector<DhRow>& spec
       return parallel(specified[row]) && dh[row].relation != Relation::parallel;
     };
     const bool loose = askew(i) || (i > 0 && askew(i - 1));
-    judge(i, "alpha", dh[i].alpha_rad, specified[i].alpha_rad, true);
+    judge(i, "alpha", dh[i].alpha_rad, specified[i].alpha_rad, kMostTwist_rad);
     if (loose) continue;
-    judge(i, "a", dh[i].a_mm, specified[i].a_mm, false);
+    judge(i, "a", dh[i].a_mm, specified[i].a_mm, length);
     if (i == 0) continue;  // where the base stands
-    judge(i, "b", dh[i].b_mm, specified[i].b_mm, false);
-    if (home_rad[i]) judge(i, "theta", dh[i].theta_rad, specified[i].theta_rad, true);
+    judge(i, "b", dh[i].b_mm, specified[i].b_mm, length);
+    if (home_rad[i]) judge(i, "theta", dh[i].theta_rad, specified[i].theta_rad, kMostOff_rad);
   }
   return worst;
 }
@@ -224,9 +224,10 @@ std::optional<Warning> contradiction_of_specified(const Identification& found,
   if (auto cause =
           explained(explanation, size_ratio(found.dh, found.specified), found.joints.size()))
     return cause;
-  std::string message = "joint " + std::to_string(worst.row + 1) + ": " + worst.text +
-                        ": no built robot is so far off its specified table. Is it this robot, "
-                        "and are home and the joints' order right?";
+  std::string message =
+      "joint " + std::to_string(worst.row + 1) + ": " + worst.text +
+      ": no built robot is so far off its specified table. Is it this robot, "
+      "did its joints move one at a time, and are home and the joints' order right?";
   if (explanation.fits_with_other_senses())
     message += " With other senses of rotation the table fits";
   return Warning{"specified_contradicted", worst.row, std::move(message)};

@@ -8,10 +8,12 @@
 namespace identify {
 
 /// A built robot is never so far off what its maker specifies. Lengths, in mm or as a share of the
-/// arm's (the sum of all its lengths), whichever is more; and angles. Castings and machining miss
-/// by a millimetre, mastering by a degree.
-inline constexpr double kMostOff_mm = 20;
-inline constexpr double kMostOffShare = 0.02;
+/// arm's (the sum of all its lengths), whichever is more; twists; and thetas, which mastering
+/// shifts. Castings and machining miss by a millimetre and some hundredths of a degree, mastering
+/// by a degree.
+inline constexpr double kMostOff_mm = 8;
+inline constexpr double kMostOffShare = 0.004;
+inline constexpr double kMostTwist_rad = 1 * kDegree;
 inline constexpr double kMostOff_rad = 5 * kDegree;
 
 /// What `found.dh` says against the specified table, beyond what a built robot can be off, and if

@@ -262,6 +262,7 @@ TEST_CASE("a twentieth of the points may be anywhere") {
   }
   const auto found = identify::identify(sweeps, for_kr5());
   REQUIRE(found.estimator == Estimator::chain);
+  INFO(found.reason);
   CHECK(found.status == Status::complete);
   CHECK(found.chain->outliers > 0);
   CHECK(found.chain->outliers <= moved);

@@ -177,6 +177,26 @@ TEST_CASE("points that lie on no circle are a doubt") {
   check_doubt(identify::identify(sweeps, campaign), "circle_misfit", 2);
 }
 
+TEST_CASE("a joint that turns while another one is swept is a doubt, without angles") {
+  const auto seed = GENERATE(1U, 2U, 3U);
+  const auto from = GENERATE(-2.5, 0.0);  // at the sweep's begin
+  Strokes strokes;
+  strokes.along = simulation::Along{2, 4, from, 5};
+  for (const auto& robot : {some_kr5(seed), some_iiwa(seed)}) {
+    const Simulation simulation(robot, strokes, tracker(false), seed);
+    auto sweeps = simulation.sweeps();
+    forget_directions(sweeps);
+    const auto found = identify::identify(sweeps, simulation.campaign());
+    CAPTURE(found.reason);
+    CHECK(found.status == Status::doubtful);
+    REQUIRE_FALSE(found.doubts.empty());
+    // Where the joint is at home half way, the circle passes there, too: but it is hardly one.
+    const auto& doubt = found.doubts.front();
+    CHECK((doubt.code == "off_home" || doubt.code == "circle_misfit"));
+    CHECK(doubt.joint == 2U);
+  }
+}
+
 TEST_CASE("sweeps of one joint about different axes are a doubt") {
   Strokes strokes;
   strokes.repeats = 2;

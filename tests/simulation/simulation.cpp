@@ -120,6 +120,9 @@ std::vector<identify::Sweep> Simulation::sweeps() const {
       const double time = stroke.seconds * i / (how_.samples - 1);
       std::vector<double> angles = locked;
       angles[j] = homes_[stroke.home][j] + stroke.turn_at(time, how_.ramp);
+      if (how_.along && how_.along->swept == j)
+        angles[how_.along->joint] +=
+            (how_.along->from_deg + how_.along->by_deg * time / stroke.seconds) * kDegree;
       if (world_.wobble_deg > 0)
         for (double& angle : angles) angle += world_.wobble_deg * kDegree * normal(wobble);
       identify::Turns turns = turns_at(angles, j, stroke.direction());

@@ -3,11 +3,20 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "tests/simulation/robot.hpp"
 
 namespace simulation {
+
+/// A joint that turns evenly while another one is swept, though it should stand.
+struct Along {
+  std::size_t swept = 0;
+  std::size_t joint = 0;
+  double from_deg = 0;  ///< from home, at each stroke's begin
+  double by_deg = 0;    ///< until its end
+};
 
 /// Which sweeps a campaign has, and how the joints are moved.
 struct Strokes {
@@ -24,6 +33,7 @@ struct Strokes {
   /// speed before the first sample and after the last.
   double ramp = 0;
   double rest_s = 10;  ///< between strokes
+  std::optional<Along> along;
 };
 
 /// One joint from here to there, the others at home.

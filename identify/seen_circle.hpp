@@ -1,0 +1,20 @@
+#pragma once
+
+#include <optional>
+
+#include "identify/circle_fit.hpp"
+#include "identify/identification.hpp"
+
+namespace identify {
+
+/// A joint's circle that outliers have not spoiled.
+struct SeenCircle {
+  CircleFit circle;
+  double usual_mm = 0;  ///< distance of the middle one of its points
+  double bent_mm = 0;   ///< of the middle ones of its arc's sections, root mean square
+};
+
+/// Nothing where the joint has no circle.
+[[nodiscard]] std::optional<SeenCircle> seen_circle(const JointResult& joint);
+
+}  // namespace identify
