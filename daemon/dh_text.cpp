@@ -53,10 +53,19 @@ class Table {
     text_ += "\n";
     for (std::size_t i = 0; i < found_.dh.size(); ++i) row(i);
     if (conventions_) text_ += "\n(set): not determined by the data, but set by convention.\n";
+    formula();
     return std::move(text_);
   }
 
  private:
+  void formula() {
+    bool beta = false;
+    for (const DhEstimate& row : found_.dh) beta = beta || has_beta(row);
+    text_ += "\nRow i leads from frame i to frame i+1: Tz(b) Rz(theta) Tx(a) Rx(alpha)";
+    text_ += beta ? ", and\nRy(beta) where the axes are parallel." : ".";
+    text_ += " theta is the angle at home.\n";
+  }
+
   struct Line {
     const char* name;
     DhNumber DhEstimate::*number;

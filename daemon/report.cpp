@@ -12,6 +12,7 @@
 #include "daemon/numbers.hpp"
 #include "daemon/text_layout.hpp"
 #include "daemon/units.hpp"
+#include "identify/delay.hpp"
 #include "rsi/counted.hpp"
 
 namespace sweepd {
@@ -125,7 +126,16 @@ std::string vector_text(const Eigen::Vector3d& v, int decimals) {
   return fixed(v.x(), decimals) + ", " + fixed(v.y(), decimals) + ", " + fixed(v.z(), decimals);
 }
 
-/// Where the target and, in a device's frame, the robot are.
+std::string delay_text(const identify::Delay& delay) {
+  std::string text = std::string("the angles are ") + fixed(1e3 * std::abs(delay.late_s), 3) +
+                     " ms " + (delay.late_s < 0 ? "early" : "late") + " (+- " +
+                     fixed(1e3 * delay.sigma_s, 3) + ") against the positions";
+  if (delay.rate != 0)
+    text += ", which grows by " + fixed(1e6 * delay.rate, 2) + " us every second";
+  return text + ": they were shifted by it";
+}
+
+/// Where the target and, in a device's frame, the robot are; and when.
 std::string places(const Identification& found) {
   std::string text;
   if (found.tool)
@@ -137,6 +147,8 @@ std::string places(const Identification& found) {
                       "base at " + vector_text(found.robot_pose->pose.translation(), 4) +
                           " mm (+- " + vector_text(found.robot_pose->position_sigma_mm, 4) +
                           ") in the device's frame");
+  if (found.delay && is_significant(*found.delay))
+    text += paragraph("delay       ", delay_text(*found.delay));
   return text;
 }
 

@@ -49,6 +49,15 @@ void add_seen(std::string& csv, const std::optional<identify::SeenTurn>& seen) {
   }
 }
 
+/// Whether the estimator in `dh` used a sweep: the circles those from the common home, the chain
+/// also those from elsewhere where angles tell where that is.
+bool in_use(const identify::Identification& found, const identify::JointResult& joint,
+            std::size_t s) {
+  const identify::Sweep& sweep = joint.sweeps[s];
+  return joint.used[s] || (found.estimator == identify::Estimator::chain && !sweep.positioning &&
+                           sweep.first().joints >= found.joints.size());
+}
+
 }  // namespace
 
 std::string dh_csv(const Outcome& outcome) {
@@ -67,7 +76,7 @@ std::string dh_csv(const Outcome& outcome) {
     const std::string unit = base == "a" || base == "b" ? "_mm" : "_deg";
     csv += "," + base + "_low" + unit + "," + base + "_high" + unit;
   }
-  csv += "\n";
+  csv += ",positive,home_deg\n";
   for (std::size_t i = 0; i < found.dh.size(); ++i) {
     const auto& row = found.dh[i];
     const auto* specified = differences.empty() ? nullptr : &found.specified[i];
@@ -111,6 +120,8 @@ std::string dh_csv(const Outcome& outcome) {
     interval(row.a_mm, length_text);
     interval(row.alpha_rad, angle_text);
     interval(beta_identified ? row.beta_rad : DhNumber{}, angle_text);
+    csv += "," + std::to_string(i < outcome.positive.size() ? outcome.positive[i] : 1) + ",";
+    if (i < found.home_rad.size() && found.home_rad[i]) csv += angle_text(*found.home_rad[i]);
     csv += "\n";
   }
   return csv;
@@ -127,17 +138,18 @@ std::string sweeps_csv(const Outcome& outcome) {
   for (std::size_t k = 0; k < angles; ++k) csv += ",a" + std::to_string(k + 1) + "_deg";
   csv +=
       ",plane_residual_mm,radial_residual_mm,chain_axial_residual_mm,chain_radial_residual_mm"
-      ",angle_error_arcsec,curve_error_arcsec\n";
+      ",angle_error_arcsec,curve_error_arcsec,target\n";
   constexpr std::size_t kUsualNumber = 11;
   std::size_t samples = 0;
   for (const auto& joint : joints)
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
-      if (joint.used[s]) samples += joint.sweeps[s].samples->size();
+      if (in_use(outcome.identification, joint, s)) samples += joint.sweeps[s].samples->size();
   csv.reserve(samples * (angles + 12) * kUsualNumber);
   for (std::size_t j = 0; j < joints.size(); ++j) {
     if (!joints[j].circle) continue;
     for (std::size_t s = 0; s < joints[j].sweeps.size(); ++s) {
-      if (!joints[j].used[s]) continue;
+      if (!in_use(outcome.identification, joints[j], s)) continue;
+      const std::string end = "," + std::to_string(joints[j].sweeps[s].target + 1) + "\n";
       const std::string start = std::to_string(j + 1) + "," + std::to_string(s + 1) + ",";
       const auto add = [&](double value) {
         csv += ',';
@@ -145,7 +157,6 @@ std::string sweeps_csv(const Outcome& outcome) {
       };
       for (const auto& sample : *joints[j].sweeps[s].samples) {
         if (!sample.has_position) continue;
-        const auto residual = identify::residual(*joints[j].circle, sample.position_mm);
         csv += start;
         append_fixed(csv, sample.time_s, 3);
         for (const double value : sample.position_mm) {
@@ -156,11 +167,16 @@ std::string sweeps_csv(const Outcome& outcome) {
           csv += ',';
           if (k < sample.joints) append_measured(csv, degrees(sample.angles_rad[k]));
         }
-        add(residual.plane_mm);
-        add(residual.radial_mm);
+        if (joints[j].used[s]) {
+          const auto residual = identify::residual(*joints[j].circle, sample.position_mm);
+          add(residual.plane_mm);
+          add(residual.radial_mm);
+        } else {
+          csv += ",,";
+        }
         add_seen(csv, identify::seen_turn(outcome.identification, j, joints[j].sweeps[s].target,
                                           sample));
-        csv += '\n';
+        csv += end;
       }
     }
   }

@@ -14,7 +14,7 @@
 #include "daemon/models_json.hpp"
 #include "daemon/numbers.hpp"
 #include "daemon/units.hpp"
-#include "identify/kinematic_model.hpp"
+#include "identify/delay.hpp"
 
 namespace sweepd {
 namespace {
@@ -203,6 +203,12 @@ std::string result_json(const Outcome& outcome) {
     json["specified"] = dh_json(found.specified);
     json["difference"] = dh_json(compare_with_specified(found));
   }
+  if (found.delay)
+    json["delay"] = {{"late_ms", rounded(1e3 * found.delay->late_s, 6)},
+                     {"sigma_ms", rounded(1e3 * found.delay->sigma_s, 6)},
+                     {"rate_ppm", rounded(1e6 * found.delay->rate, 3)},
+                     {"at_s", rounded(found.delay->at_s, 6)},
+                     {"corrected", is_significant(*found.delay)}};
   if (found.tool) {
     json["tool"] = {{"point_mm", point(found.tool->translation())}};
     if (found.row_to_tool) {

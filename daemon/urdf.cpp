@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 #include <pugixml.hpp>
@@ -67,8 +68,8 @@ std::string urdf(const identify::KinematicModel& model, const Outcome& outcome) 
   root.append_child(pugi::node_comment)
       .set_value(
           " base_link is the measurement frame, tool0 lies at the target point. Joint values are "
-          "the controller's angles, those of joints named ..._from_home count from home. Effort "
-          "and velocity are not identified, but URDF demands them: 0. ");
+          "the controller's angles, those of joints named ..._from_home count from home. Velocity "
+          "limits are the robot description's. Effort is not known, but URDF demands it: 0. ");
   const std::size_t joints = model.joints();
   for (std::size_t j = 0; j <= joints; ++j) add_link(root, link_name(j));
   add_link(root, "tool0");
@@ -81,12 +82,16 @@ std::string urdf(const identify::KinematicModel& model, const Outcome& outcome) 
         add_joint(root, "joint_" + std::to_string(j) + (absolute ? "" : "_from_home"),
                   limited ? "revolute" : "continuous", link_name(j - 1), link_name(j), group);
     set(joint.append_child("axis"), "xyz", value(group, "axis_z") < 0 ? "0 0 -1" : "0 0 1");
-    if (!limited) continue;
+    const double speed = j <= limits.size() ? limits[j - 1].max_speed_deg_s
+                                            : std::numeric_limits<double>::infinity();
+    if (!limited && !std::isfinite(speed)) continue;
     auto limit = joint.append_child("limit");
-    set(limit, "lower", number_text(radians(limits[j - 1].min_deg)));
-    set(limit, "upper", number_text(radians(limits[j - 1].max_deg)));
+    if (limited) {
+      set(limit, "lower", number_text(radians(limits[j - 1].min_deg)));
+      set(limit, "upper", number_text(radians(limits[j - 1].max_deg)));
+    }
     set(limit, "effort", "0");
-    set(limit, "velocity", "0");
+    set(limit, "velocity", std::isfinite(speed) ? number_text(radians(speed)) : "0");
   }
   add_joint(root, "tool0_fixed", "fixed", link_name(joints), "tool0", model.groups.back());
   std::ostringstream text;

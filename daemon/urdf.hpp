@@ -11,7 +11,8 @@ namespace sweepd {
 /// link_n, and tool0 at the target point; metres, radians, full precision. A joint's value is the
 /// controller's angle; where its home is not known, the angle from home. The identified numbers
 /// stand in the origins, where every reader looks; `calibration` tags are not used. A joint with
-/// known limits and home is revolute, others are continuous. What is no printable ASCII in the
+/// known limits and home is revolute, others are continuous. Velocity limits are the description's,
+/// 0 where it has none. What is no printable ASCII in the
 /// robot's name becomes `_`.
 [[nodiscard]] std::string urdf(const identify::KinematicModel& model, const Outcome& outcome);
 

@@ -43,7 +43,7 @@ add_custom_command(
   COMMAND ${GZIP} -9nc ${PROJECT_SOURCE_DIR}/README.md > ${documentation}/README.md.gz
   DEPENDS ${debian}/changelog ${PROJECT_SOURCE_DIR}/README.md)
 add_custom_target(documentation ALL DEPENDS ${documentation}/changelog.gz)
-install(FILES ${documentation}/changelog.gz ${documentation}/README.md.gz ${debian}/copyright
+install(FILES ${PROJECT_SOURCE_DIR}/docs/result.schema.json ${documentation}/changelog.gz ${documentation}/README.md.gz ${debian}/copyright
         DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES ${debian}/lintian-overrides DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides
         RENAME sweepd)

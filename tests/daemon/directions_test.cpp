@@ -95,7 +95,7 @@ bool wrong(const identify::Identification& found, const simulation::Robot& robot
 
 }  // namespace
 
-TEST_CASE("No way of moving the joints makes a wrong robot of five that stand at home") {
+TEST_CASE("No way of moving the joints makes a wrong robot of five that stand at home", "[long]") {
   const auto moved = GENERATE(Moved::one_way, Moved::reversed, Moved::there_and_back,
                               Moved::repeated, Moved::reordered);
   const std::string name =
@@ -115,7 +115,8 @@ TEST_CASE("No way of moving the joints makes a wrong robot of five that stand at
   }
 }
 
-TEST_CASE("Away from home what only the pose tells is ambiguous, never complete, and never wrong") {
+TEST_CASE("Away from home what only the pose tells is ambiguous, never complete, and never wrong",
+          "[long]") {
   const std::string name = GENERATE("kr5_arc", "kr16_2");
   CAPTURE(name);
   const auto description = load_robot(kConfig / "robots" / (name + ".toml"));

@@ -144,6 +144,31 @@ TEST_CASE("points that name their joint give the specified table") {
   }
 }
 
+TEST_CASE("points that contradict what a robot can be leave a doubtful result: exit 3") {
+  const TemporaryFolder folder;
+  auto measured = measured_kr5(kTracker);
+  std::string code;
+  SECTION("joints exchanged") {
+    std::swap(measured.sweeps[1].joint, measured.sweeps[3].joint);
+    code = "joints_exchanged";
+  }
+  SECTION("metres in a column for millimetres") {
+    for (auto& sweep : measured.sweeps)
+      for (auto& sample : sweep.samples) sample.position_mm /= 1000;
+    code = "unit_factor";
+  }
+  const auto points = folder.write("points.csv", listed_points(measured, {.more = "joint,"}));
+  std::ostringstream report;
+  CHECK(identify_points(points_options({points}, folder / "out"), report) == 3);
+  INFO(report.str());
+  const auto result = Json::parse(content(folder / "out/result.json"));
+  CHECK(result["status"] == "doubtful");
+  CHECK(result["doubts"][0]["code"] == code);
+  CHECK(report.str().find(result["doubts"][0]["message"].get<std::string>().substr(0, 30)) <
+        report.str().find("theta"));
+  CHECK(fs::exists(folder / "out/dh.csv"));
+}
+
 TEST_CASE("one file a joint gives the specified table", "[long]") {
   const TemporaryFolder folder;
   Layout layout;

@@ -1,5 +1,6 @@
 #include "daemon/replay_command.hpp"
 
+#include <optional>
 #include <sstream>
 
 #include <nlohmann/json.hpp>
@@ -42,11 +43,12 @@ ReplayOptions trace_options(const fs::path& trace, const fs::path& output) {
   return result;
 }
 
-void simulate(const fs::path& trace) {
+void simulate(const fs::path& trace, const std::optional<fs::path>& ethernet_config = {}) {
   sweepd::SimulateOptions simulated;
   simulated.robot = kConfig / "robots/kr5_arc.toml";
   simulated.plan = kConfig / "plans/kr5_arc_30deg.toml";
   simulated.write = trace;
+  simulated.ethernet_config = ethernet_config;
   simulated.quiet = true;
   std::ostringstream ignored;
   REQUIRE(sweepd::simulate(simulated, ignored, ignored) == 0);
@@ -164,6 +166,39 @@ TEST_CASE("one joint of six is a partial result and exit 0") {
   CHECK(result.code == 0);
   CHECK(result_in(folder / "out")["status"] == "partial");
   CHECK_FALSE(result_in(folder / "out")["reason"].get<std::string>().empty());
+}
+
+TEST_CASE("an external axis that moved while joints were swept makes the result doubtful: exit 3") {
+  const TemporaryFolder folder;
+  auto file = content(kEthernet);
+  const std::string position = "<ELEMENT TAG=\"DEF_RIst\"";
+  REQUIRE(file.find(position) != std::string::npos);
+  file.insert(file.find(position),
+              "<ELEMENT TAG=\"DEF_EIPos\" TYPE=\"DOUBLE\" INDX=\"INTERNAL\"/>\n");
+  const auto trace = folder / "trace.pcap";
+  simulate(trace, folder.write("sweepd.xml", file));
+  auto bytes = content(trace);
+  const std::string still = "<EIPos E1=\"0.0000\"";
+  const bool moves = GENERATE(false, true);
+  std::size_t telegrams = 0;
+  for (auto at = bytes.find(still); at != std::string::npos; at = bytes.find(still, at)) {
+    // Where it stands is all the same; a second on, it stands elsewhere.
+    const bool elsewhere = moves && telegrams++ / 250 % 2 == 1;
+    bytes[at + still.find('0')] = elsewhere ? '7' : '5';
+    ++at;
+  }
+  const auto changed = folder.write("changed.pcap", bytes);
+  const auto run = replayed(trace_options(changed, folder / "out"));
+  INFO(run.report << run.errors);
+  const auto result = result_in(folder / "out");
+  CHECK(run.code == (moves ? 3 : 0));
+  CHECK(result["status"] == (moves ? "doubtful" : "complete"));
+  if (!moves) return;
+  CHECK(result["doubts"][0]["code"] == "external_axis_moved");
+  // The reason stands before all numbers.
+  CHECK(run.report.find("external axis") < run.report.find("theta"));
+  for (const char* name : {"dh.csv", "sweeps.csv", "report.txt"})
+    CHECK(fs::exists(folder / "out" / name));
 }
 
 TEST_CASE("of a capture that is cut off, what was read is used, and it is said") {

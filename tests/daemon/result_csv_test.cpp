@@ -72,7 +72,9 @@ TEST_CASE("dh.csv has a row a joint: identified, uncertainty, specified, differe
                           "alpha_low_deg",
                           "alpha_high_deg",
                           "beta_low_deg",
-                          "beta_high_deg"});
+                          "beta_high_deg",
+                          "positive",
+                          "home_deg"});
   REQUIRE(rows.size() == 7);
   for (std::size_t i = 1; i < rows.size(); ++i) {
     REQUIRE(rows[i].size() == rows[0].size());
@@ -87,6 +89,19 @@ TEST_CASE("dh.csv has a row a joint: identified, uncertainty, specified, differe
   CHECK(std::abs(number_in(rows[2][column(rows, "beta_deg")])) < 1e-3);
   CHECK(number_in(rows[1][column(rows, "b_high_mm")]) - number_in(rows[1][1]) ==
         Approx(1.96 * number_in(rows[1][2])).margin(3e-6));  // each is rounded to 1e-6
+}
+
+TEST_CASE("dh.csv tells which way joints count, and the home that theta belongs to") {
+  auto outcome = complete_outcome();
+  outcome.positive = {-1, -1, -1, 1, 1, 1};
+  outcome.identification.home_rad[4].reset();
+  const auto rows = table(dh_csv(outcome));
+  const auto positive = column(rows, "positive");
+  const auto home = column(rows, "home_deg");
+  CHECK(rows[1][positive] == "-1");
+  CHECK(rows[4][positive] == "1");
+  CHECK(number_in(rows[2][home]) == Approx(-90).margin(1e-3));
+  CHECK(rows[5][home].empty());
 }
 
 TEST_CASE("dh.csv leaves empty what convention sets and what nobody knows") {
@@ -116,7 +131,8 @@ TEST_CASE("sweeps.csv has each sample that was used, and its distance from plane
   CHECK(rows.at(0) == Row{"joint", "sweep", "t_s", "x_mm", "y_mm", "z_mm", "a1_deg", "a2_deg",
                           "a3_deg", "a4_deg", "a5_deg", "a6_deg", "plane_residual_mm",
                           "radial_residual_mm", "chain_axial_residual_mm",
-                          "chain_radial_residual_mm", "angle_error_arcsec", "curve_error_arcsec"});
+                          "chain_radial_residual_mm", "angle_error_arcsec", "curve_error_arcsec",
+                          "target"});
   std::size_t used = 0;
   const auto& joints = outcome.identification.joints;
   for (const auto& joint : joints)
@@ -143,7 +159,26 @@ TEST_CASE(
     "sweeps.csv has no columns of angles where there are none, and no rows without a circle") {
   CHECK(sweeps_csv(failed_outcome()) ==
         "joint,sweep,t_s,x_mm,y_mm,z_mm,plane_residual_mm,radial_residual_mm,"
-        "chain_axial_residual_mm,chain_radial_residual_mm,angle_error_arcsec,curve_error_arcsec\n");
+        "chain_axial_residual_mm,chain_radial_residual_mm,angle_error_arcsec,curve_error_arcsec,"
+        "target\n");
+}
+
+TEST_CASE("sweeps.csv has the sweeps from a second home too, which the chain uses") {
+  identify::test::Campaign campaign(identify::test::kr5_arc(), {.wobble_deg = 1e-4});
+  campaign.sweep_all_90();
+  campaign.move(2, 70).rest().sweep(0, -45, 45);
+  const auto outcome = outcome_of(campaign.samples(), sweepd::test::kr5_campaign());
+  const auto rows = table(sweeps_csv(outcome));
+  const auto& joint = outcome.identification.joints[0];
+  std::size_t elsewhere = 0;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    CHECK(rows[i][column(rows, "target")] == "1");
+    if (rows[i][0] != "1" || joint.used.at(std::stoul(rows[i][1]) - 1)) continue;
+    ++elsewhere;
+    CHECK(rows[i][column(rows, "plane_residual_mm")].empty());
+    CHECK(std::abs(number_in(rows[i][column(rows, "chain_radial_residual_mm")])) < 4e-3);
+  }
+  CHECK(elsewhere > 100);
 }
 
 TEST_CASE("sweeps.csv has where each sample lies to the chain, and the error of its angle") {

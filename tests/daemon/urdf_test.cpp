@@ -108,6 +108,9 @@ TEST_CASE("joints of a URDF have the limits of the description, or are continuou
   Outcome outcome = chain_outcome();
   CHECK(Document(outcome).joint("joint_1").attribute("type").value() == std::string("continuous"));
   outcome.limits.assign(6, {-155, 155});
+  outcome.limits[0].max_speed_deg_s = 154;
+  outcome.limits[4] = {};
+  outcome.limits[4].max_speed_deg_s = 384;
   outcome.limits[5] = {};
   const Document document(outcome);
   const auto limit = document.joint("joint_1").child("limit");
@@ -115,7 +118,11 @@ TEST_CASE("joints of a URDF have the limits of the description, or are continuou
   CHECK(limit.attribute("lower").as_double() == Approx(-155 * kPi / 180));
   CHECK(limit.attribute("upper").as_double() == Approx(155 * kPi / 180));
   CHECK(limit.attribute("effort"));
-  CHECK(limit.attribute("velocity"));
+  CHECK(limit.attribute("velocity").as_double() == Approx(154 * kPi / 180));
+  CHECK(document.joint("joint_2").child("limit").attribute("velocity").as_double() == 0);
+  CHECK(document.joint("joint_5").attribute("type").value() == std::string("continuous"));
+  CHECK(document.joint("joint_5").child("limit").attribute("velocity").as_double() ==
+        Approx(384 * kPi / 180));
   CHECK(document.joint("joint_6").attribute("type").value() == std::string("continuous"));
   CHECK_FALSE(document.joint("joint_6").child("limit"));
 }
