@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "identify/angle.hpp"
+#include "identify/angle_track.hpp"
 #include "identify/median.hpp"
 
 namespace identify {
@@ -17,17 +18,11 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr double kMostLate_s = 2;
 /// Less certain than this, a delay is of no use.
 constexpr double kWorstSigma_s = 0.05;
-constexpr std::size_t kFewestSeen = 20;
-/// Of each stroke; more tell nothing new of something so smooth.
-constexpr std::size_t kMostSamples = 400;
-/// Points so many times the middle one's distance off the circle are outliers.
-constexpr double kFarOff = 6;
 /// A stroke whose speed varies less runs at one: what varies is the rounding of its angles.
 constexpr double kSteady = 0.15;
 /// What a built robot's gears have, to begin with, and at least.
@@ -39,147 +34,15 @@ constexpr double kSignificant = 4;
 /// So many samples tell how an angle goes on where it was not told.
 constexpr std::size_t kAtEnd = 50;
 
-/// A stroke's angles as told, by time, and as seen.
-struct Track {
-  std::size_t joint = 0;
-  int direction = 0;
-  std::vector<double> time_s, told_rad;  ///< all samples
-  std::vector<double> at_s, seen_rad;    ///< those that are no outliers, thinned
-  double middle_rad = 0, half_rad = 0;   ///< of the joint's range
-
-  struct Told {
-    double angle_rad = 0;
-    double speed_rad_s = 0;
-  };
-
-  /// Where the told angle has come at a time; nothing outside the stroke.
-  [[nodiscard]] std::optional<Told> told(double at) const {
-    if (!(at >= time_s.front()) || !(at <= time_s.back())) return std::nullopt;
-    const auto after = std::upper_bound(time_s.begin() + 1, time_s.end() - 1, at);
-    const auto i = static_cast<std::size_t>(after - time_s.begin());
-    const std::size_t wide = std::max<std::size_t>(5, time_s.size() / 30);
-    const std::size_t from = i > wide ? i - wide : 0;
-    const std::size_t to = std::min(time_s.size() - 1, i + wide);
-    return Told{between(at, i), (told_rad[to] - told_rad[from]) / (time_s[to] - time_s[from])};
-  }
-
- private:
-  /// The cubic through the four samples around (Lagrange); `i` is the first one after `at`.
-  [[nodiscard]] double between(double at, std::size_t i) const {
-    const std::size_t from = std::min(i > 2 ? i - 2 : 0, time_s.size() - 4);
-    double sum = 0;
-    for (std::size_t a = from; a < from + 4; ++a) {
-      double weight = 1;
-      for (std::size_t b = from; b < from + 4; ++b)
-        if (b != a) weight *= (at - time_s[b]) / (time_s[a] - time_s[b]);
-      sum += weight * told_rad[a];
-    }
-    return sum;
-  }
-};
-
-/// Angles about an axis, counted on from one to the next.
-class AngleAbout {
- public:
-  explicit AngleAbout(const ChainAxis& axis)
-      : axis_(axis), x_(axis.direction.unitOrthogonal()), y_(axis.direction.cross(x_)) {}
-
-  double next(const Vector3d& point) {
-    const Vector3d arm = point - axis_.point_mm;
-    const double angle = std::atan2(y_.dot(arm), x_.dot(arm));
-    last_ += wrapped(angle - last_);
-    return last_;
-  }
-  /// Off the circle with this height and radius, across the motion.
-  [[nodiscard]] std::array<double, 2> place(const Vector3d& point) const {
-    const Vector3d arm = point - axis_.point_mm;
-    const double height = axis_.direction.dot(arm);
-    return {height, (arm - height * axis_.direction).norm()};
-  }
-
- private:
-  ChainAxis axis_;
-  Vector3d x_, y_;
-  double last_ = 0;
-};
-
-std::optional<Track> track_of(const Sweep& sweep, std::size_t joint, const ChainAxis& axis) {
-  Track track;
-  track.joint = joint;
-  track.direction = sweep.direction;
-  const AngleAbout frame(axis);
-  std::vector<double> heights, radii;
-  for (const Sample& sample : *sweep.samples) {
-    if (sample.joints <= joint) return std::nullopt;
-    if (!track.time_s.empty() && !(sample.time_s > track.time_s.back())) continue;
-    track.time_s.push_back(sample.time_s);
-    track.told_rad.push_back(sample.angles_rad[joint]);
-    if (!sample.has_position) continue;
-    const auto [height, radius] = frame.place(sample.position_mm);
-    heights.push_back(height);
-    radii.push_back(radius);
-  }
-  if (radii.size() < kFewestSeen) return std::nullopt;
-  const double height = median_of(heights), radius = median_of(radii);
-  std::vector<double> distances;
-  for (std::size_t i = 0; i < radii.size(); ++i)
-    distances.push_back(std::hypot(heights[i] - height, radii[i] - radius));
-  const double usual = median_of(distances);
-  const std::size_t every = (radii.size() + kMostSamples - 1) / kMostSamples;
-  AngleAbout about(axis);
-  std::size_t good = 0;
-  for (const Sample& sample : *sweep.samples) {
-    if (!sample.has_position) continue;
-    const auto [at, off] = frame.place(sample.position_mm);
-    if (std::hypot(at - height, off - radius) > kFarOff * usual || ++good % every != 0) continue;
-    track.at_s.push_back(sample.time_s);
-    track.seen_rad.push_back(about.next(sample.position_mm));
-  }
-  if (track.at_s.size() < kFewestSeen) return std::nullopt;
-  return track;
-}
-
-std::vector<Track> tracks_of(const Identification& circles,
-                             const std::vector<std::optional<ChainAxis>>& axes) {
-  std::vector<Track> tracks;
-  for (std::size_t j = 0; j < circles.joints.size(); ++j) {
-    const JointResult& joint = circles.joints[j];
-    if (!axes[j]) continue;
-    const std::size_t first = tracks.size();
-    for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
-      if (joint.used[s] && joint.sweeps[s].direction != 0)
-        if (auto track = track_of(joint.sweeps[s], j, *axes[j]))
-          tracks.push_back(std::move(*track));
-    // Of the strokes' seen angles each may lack whole turns against the others.
-    double least = 0, most = 0;
-    for (std::size_t k = first; k < tracks.size(); ++k) {
-      Track& track = tracks[k];
-      const double turns = wrapped(track.seen_rad.front() - tracks[first].seen_rad.front() -
-                                   (track.told_rad.front() - tracks[first].told_rad.front())) -
-                           (track.seen_rad.front() - tracks[first].seen_rad.front() -
-                            (track.told_rad.front() - tracks[first].told_rad.front()));
-      for (double& seen : track.seen_rad) seen += turns;
-      const auto [low, high] = std::minmax_element(track.seen_rad.begin(), track.seen_rad.end());
-      least = k == first ? *low : std::min(least, *low);
-      most = k == first ? *high : std::max(most, *high);
-    }
-    for (std::size_t k = first; k < tracks.size(); ++k) {
-      tracks[k].middle_rad = (least + most) / 2;
-      tracks[k].half_rad = std::max((most - least) / 2, 1e-9);
-    }
-  }
-  return tracks;
-}
-
 /// One linearisation after the other of: told angle, shifted by the delay, minus seen angle = the
 /// joint's offset and smooth error + half its backlash by direction.
 class DelayFit {
  public:
-  DelayFit(const std::vector<Track>& tracks, std::size_t joints)
+  DelayFit(const std::vector<AngleTrack>& tracks, std::size_t joints)
       : tracks_(tracks), joints_(joints), weight_(joints, 1.0), both_ways_(joints, false) {
     double begin = tracks.front().at_s.front(), end = begin;
     std::vector<std::array<bool, 2>> ways(joints, {false, false});
-    for (const Track& track : tracks) {
+    for (const AngleTrack& track : tracks) {
       begin = std::min(begin, track.at_s.front());
       end = std::max(end, track.at_s.back());
       ways[track.joint][track.direction > 0] = true;
@@ -216,7 +79,7 @@ class DelayFit {
     MatrixXd normal = MatrixXd::Zero(count, count);
     VectorXd right = VectorXd::Zero(count);
     std::vector<Residuals> all;
-    for (const Track& track : tracks_) all.push_back(residuals(track));
+    for (const AngleTrack& track : tracks_) all.push_back(residuals(track));
     for (std::size_t k = 0; k < tracks_.size(); ++k) {
       const Index own = kOfJoint * static_cast<Index>(tracks_[k].joint);
       const double weight = weight_[tracks_[k].joint];
@@ -263,7 +126,7 @@ class DelayFit {
     std::vector<double> error, speed, place, time;
   };
 
-  [[nodiscard]] Residuals residuals(const Track& track) const {
+  [[nodiscard]] Residuals residuals(const AngleTrack& track) const {
     Residuals found;
     double mean = 0, squares = 0;
     for (std::size_t i = 0; i < track.at_s.size(); ++i) {
@@ -286,7 +149,7 @@ class DelayFit {
   }
 
   using Row = Eigen::Matrix<double, kOfJoint + 2, 1>;
-  static Row row_of(const Track& track, const Residuals& seen, std::size_t i) {
+  static Row row_of(const AngleTrack& track, const Residuals& seen, std::size_t i) {
     Row row;
     const double x = seen.place[i];
     row << 1, x, 2 * x * x - 1, (4 * x * x - 3) * x, track.direction / 2.0, -seen.speed[i],
@@ -338,7 +201,7 @@ class DelayFit {
     backlash_rad_ = std::max(kLeastBacklash_rad, std::sqrt(squares / (count + 1)));
   }
 
-  const std::vector<Track>& tracks_;
+  const std::vector<AngleTrack>& tracks_;
   std::size_t joints_;
   std::vector<double> weight_;  ///< of an independent error, one a joint
   std::vector<bool> both_ways_;
@@ -353,7 +216,7 @@ class DelayFit {
 
 std::optional<Delay> find_delay(const Identification& circles,
                                 const std::vector<std::optional<ChainAxis>>& axes) {
-  const auto tracks = tracks_of(circles, axes);
+  const auto tracks = angle_tracks(circles, axes);
   if (tracks.empty()) return std::nullopt;
   auto delay = DelayFit(tracks, circles.joints.size()).run();
   if (delay && !(delay->sigma_s < kWorstSigma_s)) return std::nullopt;
@@ -369,7 +232,7 @@ Identification in_step(Identification circles, const std::vector<std::optional<C
   for (std::size_t j = 0; j < circles.joints.size(); ++j) {
     if (!axes[j]) continue;
     for (Sweep& sweep : circles.joints[j].sweeps) {
-      const auto track = track_of(sweep, j, *axes[j]);
+      const auto track = angle_track(sweep, j, *axes[j]);
       if (!track) continue;
       auto samples = *sweep.samples;
       AngleAbout about(*axes[j]);
