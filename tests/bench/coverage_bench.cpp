@@ -90,13 +90,13 @@ void print_header(const Reference& reference) {
             << "; chain always; gears accused (transmission error, backlash) in "
             << "<= " << fixed(kMostAccused, 0)
             << " % of runs where they are perfect, >= " << fixed(kLeastFound, 0)
-            << " % where the case is about them.\nknown: numbers identified, a run; c/p/f: runs "
-               "complete, partial, failed; rmse: median over the arm's numbers.\n\n"
+            << " % where the case is about them.\nknown: numbers identified, a run; c/d/p/f: runs "
+               "complete, doubtful, partial, failed; rmse: median over the arm's numbers.\n\n"
             << left("", 29) << right("runs", 5) << right("covered %", 10) << right("rms z", 8)
             << right("worst %", 16) << right("a um", 9) << right("b um", 9) << right("alpha \"", 11)
             << right("theta \"", 11) << right("rmse/ref", 14) << right("no chain", 10)
-            << right("c/p/f", 10) << right("trans %", 9) << right("backl %", 9) << right("known", 7)
-            << right("ms", 8) << "\n";
+            << right("c/d/p/f", 12) << right("trans %", 9) << right("backl %", 9)
+            << right("known", 7) << right("ms", 8) << "\n";
 }
 
 /// The kind of number whose errors grew most, beside the reference's on as many runs.
@@ -148,8 +148,8 @@ void print(const Case& what, const Cell& cell, const std::vector<Outcome>& outco
             << size(1, 9) << size(2, 11) << size(3, 11) << marked(beside, ratio_holds, 14)
             << marked(std::to_string(all.unconverged), all.unconverged == 0, 10)
             << right(std::to_string(all.statuses[0]) + "/" + std::to_string(all.statuses[1]) + "/" +
-                         std::to_string(all.statuses[2]),
-                     10)
+                         std::to_string(all.statuses[2]) + "/" + std::to_string(all.statuses[3]),
+                     12)
             << accusation(all.transmission, Gears::with_large)
             << accusation(all.backlash, Gears::with_backlash) << right(fixed(all.known, 1), 7)
             << right(fixed(all.milliseconds, 1), 8) << std::endl;

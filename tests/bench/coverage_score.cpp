@@ -93,9 +93,7 @@ Score score(const std::vector<Outcome>& outcomes) {
       squares += z * z;
     }
     total.unconverged += !outcome.converged;
-    ++total.statuses[outcome.status == identify::Status::complete  ? 0
-                     : outcome.status == identify::Status::partial ? 1
-                                                                   : 2];
+    ++total.statuses[static_cast<std::size_t>(outcome.status)];
     total.transmission += outcome.transmission * 100 / runs;
     total.backlash += outcome.backlash * 100 / runs;
     total.milliseconds += outcome.milliseconds / runs;

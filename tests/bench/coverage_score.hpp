@@ -48,7 +48,7 @@ struct Score {
   std::string worst;
   double known = 0;  ///< identified numbers a run
   int unconverged = 0;
-  std::array<int, 3> statuses{};  ///< complete, partial, others
+  std::array<int, 4> statuses{};  ///< in the order of `identify::Status`
   double transmission = 0;        ///< percent of runs
   double backlash = 0;
   double milliseconds = 0;
