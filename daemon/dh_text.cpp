@@ -61,9 +61,9 @@ class Table {
   void formula() {
     bool beta = false;
     for (const DhEstimate& row : found_.dh) beta = beta || has_beta(row);
-    text_ += "\nRow i leads from frame i to frame i+1: Tz(b) Rz(theta) Tx(a) Rx(alpha)";
-    text_ += beta ? ", and\nRy(beta) where the axes are parallel." : ".";
-    text_ += " theta is the angle at home.\n";
+    std::string way = "leads from frame i to i+1: Tz(b) Rz(theta) Tx(a) Rx(alpha)";
+    if (beta) way += ", and Ry(beta) where axes are parallel";
+    text_ += "\n" + paragraph("Row i       ", way + ". theta is the angle at home.");
   }
 
   struct Line {
