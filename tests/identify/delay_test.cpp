@@ -47,7 +47,8 @@ simulation::Robot some_robot(bool seven, std::uint32_t seed) {
 
 }  // namespace
 
-TEST_CASE("a delay is found to 0.1 ms and within its uncertainty, and no gear is accused of it") {
+TEST_CASE("a delay is found to 0.1 ms and within its uncertainty, and no gear is accused of it",
+          "[long]") {
   const auto late_s = GENERATE(0.0, 0.004, 0.1, 0.5, -0.02);
   const auto ramp = GENERATE(0.0, 0.1);
   const auto seven = GENERATE(false, true);
