@@ -7,8 +7,8 @@
 namespace sweepd {
 
 /// The text of dh.csv: a row a joint, for each number identified / standard uncertainty / specified
-/// / difference, and the 95 % interval's ends; `positive` is 1 where Z is along positive rotation, -1
-/// where against it; theta is the angle at `home_deg`. Empty where something is not known.
+/// / difference, and the 95 % interval's ends; `positive` is 1 where Z is along positive rotation,
+/// -1 where against it; theta is the angle at `home_deg`. Empty where something is not known.
 [[nodiscard]] std::string dh_csv(const Outcome& outcome);
 
 /// The text of sweeps.csv: a row for each sample that was used, with its distances from the fitted

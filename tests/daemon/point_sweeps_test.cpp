@@ -158,8 +158,8 @@ TEST_CASE("a plan declares directions: of the sweeps alone, or of all that happe
   plan.home_deg = {0, 0};
   plan.sweeps = {{.joint = 1, .start_deg = 60, .end_deg = 20}, {.joint = 2, .end_deg = 30}};
   // With the ways to the start and back home.
-  const std::vector<identify::DeclaredJoint> order{{0, 1, {radians(60), radians(-40), radians(-20)}},
-                                                   {1, 1, {radians(30), radians(-30)}}};
+  const std::vector<identify::DeclaredJoint> order{
+      {0, 1, {radians(60), radians(-40), radians(-20)}}, {1, 1, {radians(30), radians(-30)}}};
   const auto stroke = [](std::size_t joint, int from_deg, int to_deg) {
     auto samples = std::make_shared<std::vector<identify::Sample>>();
     const int step = to_deg > from_deg ? 1 : -1;

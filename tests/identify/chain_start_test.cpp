@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "identify/angle.hpp"
-
 #include "random_chain.hpp"
 #include "tests/catch.hpp"
 
