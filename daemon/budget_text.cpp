@@ -30,6 +30,8 @@ std::string_view name(Cause cause) {
       return "gears and load at other homes";
     case Cause::print:
       return "what printing leaves out";
+    case Cause::sag:
+      return "joints that give way to weight";
   }
   return "";
 }
@@ -51,6 +53,8 @@ std::string size(Cause cause, const identify::ChainEstimate& estimate) {
       return angle(effects.offset_rad);
     case Cause::print:
       return length(effects.print_mm);
+    case Cause::sag:
+      return angle(effects.sag_rad);
   }
   return "";
 }

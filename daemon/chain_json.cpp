@@ -34,7 +34,8 @@ Json effects(const identify::ChainEffects& seen) {
   return {{"home_deg", json_angle(seen.home_rad)},
           {"drift_mm", json_length(seen.drift_mm)},
           {"figure_mm", json_length(seen.figure_mm)},
-          {"offset_deg", json_angle(seen.offset_rad)}};
+          {"offset_deg", json_angle(seen.offset_rad)},
+          {"sag_deg", json_angle(seen.sag_rad)}};
 }
 
 Json angles(std::size_t index, const AngleEvidence& seen) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <string_view>
 
 #include "daemon/outcome.hpp"
@@ -19,7 +20,7 @@ enum class Described {
 
 /// As in result.json.
 [[nodiscard]] std::string_view text(Described described) noexcept;
-/// What it is, and what it is good for: one paragraph.
-[[nodiscard]] std::string_view explanation(Described described) noexcept;
+/// What the numbers are of, and what they are good for: one paragraph.
+[[nodiscard]] std::string explanation(const Outcome& outcome);
 
 }  // namespace sweepd

@@ -158,8 +158,7 @@ std::string report(const Outcome& outcome) {
   const Identification& found = outcome.identification;
   std::string status(identify::text(found.status));
   if (!found.reason.empty()) status += ": " + found.reason;
-  const Described what = described(outcome);
-  std::string text = paragraph("describes   ", explanation(what)) +
+  std::string text = paragraph("describes   ", explanation(outcome)) +
                      paragraph("robot       ", outcome.robot) + paragraph("status      ", status);
   for (std::size_t i = 1; i < found.doubts.size(); ++i)
     text += paragraph("            ", "and " + found.doubts[i].message);

@@ -15,6 +15,7 @@ constexpr double kTurn_deg = 360;
 constexpr double kMostTurns_deg = 1e5;  // endless joints exist
 constexpr double kSlowestJoint_deg_s = 0.1;
 constexpr double kFastestJoint_deg_s = 1e4;
+constexpr double kMostSag_arcsec = 3600;
 
 constexpr std::array<std::string_view, 5> kRowKeys{"b_mm", "theta_deg", "a_mm", "alpha_deg",
                                                    "positive"};
@@ -90,10 +91,12 @@ RobotDescription load_robot(const std::filesystem::path& file) {
   if (top.has("source")) robot.source = top.text("source");
 
   std::vector<std::string_view> keys(kRowKeys.begin(), kRowKeys.end());
-  keys.insert(keys.end(), {"min_deg", "max_deg", "max_speed_deg_s"});
+  keys.insert(keys.end(), {"min_deg", "max_deg", "max_speed_deg_s", "sag_arcsec"});
   for (const TomlTable& joint : joints) {
     joint.allow_only(keys);
     robot.limits.push_back(read_limits(joint));
+    robot.sag_arcsec.push_back(
+        joint.has("sag_arcsec") ? joint.number("sag_arcsec", 0, kMostSag_arcsec) : 0);
   }
 
   const bool specified = std::any_of(joints.begin(), joints.end(), has_row);

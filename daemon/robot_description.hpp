@@ -32,6 +32,9 @@ struct RobotDescription {
   /// The specified DH table, its thetas at `home_deg`; absent if the robot has none to compare
   /// with.
   std::optional<identify::Arm> arm;
+  /// Standard deviation of what each joint gives way by under the weight that it carries, at its
+  /// worst pose; as many as joints, zero where the file does not say.
+  std::vector<double> sag_arcsec;
 
   [[nodiscard]] std::size_t joints() const { return limits.size(); }
 };

@@ -52,7 +52,11 @@ identify::Campaign campaign(const RobotSetup& setup, const identify::Resolution&
   identify::Campaign campaign;
   campaign.joints = setup.joints;
   campaign.resolution = resolution;
-  if (setup.description) campaign.specified = setup.description->arm;
+  if (setup.description) {
+    campaign.specified = setup.description->arm;
+    for (const double sag : setup.description->sag_arcsec)
+      campaign.sag_rad.push_back(sag * identify::kArcsec);
+  }
   if (setup.plan) {
     for (const double home : setup.plan->home_deg)
       campaign.declared_home_rad.push_back(radians(home));

@@ -32,6 +32,7 @@ constexpr std::array kUnits{
     Unit{"_ms", "milliseconds"},
     Unit{"_mm", "millimetres"},
     Unit{"_deg", "degrees"},
+    Unit{"_arcsec", "arcseconds"},
     Unit{"_deg_s", "degrees per second"},
     Unit{"_deg_s2", "degrees per second squared"},
     Unit{"_bytes", "bytes"},

@@ -18,6 +18,16 @@ struct ChainAxis {
   Eigen::Vector3d point_mm = Eigen::Vector3d::Zero();
 };
 
+/// What a joint gives way under a load farther out: `rad` times the load's lever about it, in
+/// `reach_mm`, beyond what it gives way at home (chain_sag.hpp).
+struct ChainSag {
+  std::size_t joint = 0;
+  std::size_t load = 0;  ///< hangs on this axis; on the first target where there is no such axis
+  double reach_mm = 0;
+  double sigma_rad = 0;  ///< what is known of `rad` beforehand
+  double rad = 0;
+};
+
 /// A robot as a product of exponentials (Brockett 1984; Lynch & Park, Modern Robotics, eq. 4.14):
 ///   x(q) = exp(xi_1 q_1) ... exp(xi_n q_n) x(0),
 /// where all joints stand at home for q = 0, and everything is in the measurement frame.
@@ -28,6 +38,7 @@ struct Chain {
   /// How far each joint has turned from where it was locked when its angle says that it is there:
   /// less than what is printed can show. One a joint, or none: not at all.
   std::vector<double> zero_rad;
+  std::vector<ChainSag> sags;  ///< none: rigid joints, or nothing is known of them
 
   /// Where joints that turned so far carry what moves with the last of them.
   [[nodiscard]] Eigen::Isometry3d displacement(const Turns& turns) const;

@@ -41,6 +41,8 @@ struct ChainEffects {
   /// deviation of the coefficient of each Chebyshev polynomial. An even motion printed with few
   /// decimals leaves such a pattern. Strokes of one joint from one home share it.
   double told_rad = 0;
+  /// What the joint that gives way most does so by, as is known beforehand: `sags` of the chain.
+  double sag_rad = 0;
 
   /// How far each joint may stand from where its printed angle says, one a joint: `zero_rad` of the
   /// chain is estimated where its angle is believed. None: it is not.
@@ -50,7 +52,7 @@ struct ChainEffects {
 };
 
 /// What makes an estimate uncertain: the samples' noise, and the effects.
-enum class Cause { noise, home, drift, figure, offset, print };
+enum class Cause { noise, home, drift, figure, offset, print, sag };
 [[nodiscard]] std::string_view text(Cause cause) noexcept;
 
 /// As the noise of a sweeping joint: its angle is not used.

@@ -8,6 +8,7 @@
 #include "identify/angle_trust.hpp"
 #include "identify/chain_fit.hpp"
 #include "identify/chain_noise.hpp"
+#include "identify/chain_sag.hpp"
 #include "identify/chain_start.hpp"
 #include "identify/effect_sizes.hpp"
 #include "identify/fitted_axes.hpp"
@@ -114,6 +115,9 @@ class Estimation {
 
   /// What is left beyond the samples' noise, and the fit that knows of it.
   void find_effects(Fitted& best) {
+    best.fit.chain.sags = sags_of(best.fit.chain, nodes_.known, campaign_.sag_rad);
+    for (const ChainSag& sag : best.fit.chain.sags)
+      effects_.sag_rad = std::max(effects_.sag_rad, campaign_.sag_rad[sag.joint]);
     ChainEffects shape = effects_;
     shape.figure_mm = 1;
     shape.home_rad = shape.drift_mm = nodes_.units.size() > 1 ? 1 : 0;  // from stroke to stroke

@@ -118,6 +118,8 @@ class Fitting {
     Chain there = moved(here_.chain, change.head(count));
     for (std::size_t j = 0; j < there.zero_rad.size(); ++j)
       there.zero_rad[j] += change(count + static_cast<Index>(j));
+    for (std::size_t s = 0; s < there.sags.size(); ++s)
+      there.sags[s].rad += change(count + static_cast<Index>(there.zero_rad.size() + s));
     return there;
   }
 

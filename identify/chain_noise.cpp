@@ -149,7 +149,8 @@ ChainNoise estimate(const Chain& chain, const ChainNodes& nodes, const ChainNois
           const Square weighted = weight * squares;
           for (std::size_t a = 0; a < used; ++a) {
             // sum r^T W B W r = tr(W B W sum r r^T).
-            u(parts[a].first) += (parts[a].second * weighted).trace() / part_left;
+            u(parts[a].first) +=
+                parts[a].second.cwiseProduct(weighted.transpose()).sum() / part_left;
             for (std::size_t b = 0; b <= a; ++b) {
               const double product =
                   at.samples * parts[a].second.cwiseProduct(parts[b].second.transpose()).sum();

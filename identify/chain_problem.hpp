@@ -55,12 +55,16 @@ class ChainProblem {
         }
   }
 
-  /// Of the chain's parameters; behind them, where they are estimated, one a joint for where its
-  /// angle is zero.
+  /// Of the chain's parameters. Behind them, where they are estimated: one a joint for where its
+  /// angle is zero, and one a sag.
   [[nodiscard]] static Eigen::Index count(const Chain& chain) {
     return ChainParameters{chain.axes.size(), chain.targets_mm.size()}.count(Size == 6);
   }
-  [[nodiscard]] Eigen::Index with_zeros(const Chain& chain) const {
+  /// The same with those behind them.
+  [[nodiscard]] Eigen::Index count_all(const Chain& chain) const {
+    return first_sag(chain) + static_cast<Eigen::Index>(chain.sags.size());
+  }
+  [[nodiscard]] Eigen::Index first_sag(const Chain& chain) const {
     return count(chain) + static_cast<Eigen::Index>(shape_.zero_rad.size());
   }
 
@@ -71,26 +75,31 @@ class ChainProblem {
   }
 
   NormalEquations linearised(const Chain& chain) {
-    const auto all = eliminate(products(chain), nodes_.home_of, variances_, with_zeros(chain));
+    const auto all = eliminate(products(chain), nodes_.home_of, variances_, count_all(chain));
     NormalEquations equations{all.normal, all.gradient, all.squares / 2};
     const Eigen::VectorXd known = prior(chain);
     equations.normal.diagonal() += known;
-    for (std::size_t j = 0; j < chain.zero_rad.size(); ++j) {
-      const Eigen::Index at = count(chain) + static_cast<Eigen::Index>(j);
-      const double zero = chain.zero_rad[j];
-      equations.gradient(at) -= known(at) * zero;
-      equations.cost += known(at) * zero * zero / 2;
-    }
+    Eigen::Index at = count(chain);
+    const auto pull = [&](double here) {
+      equations.gradient(at) -= known(at) * here;
+      equations.cost += known(at) * here * here / 2;
+      ++at;
+    };
+    for (const double zero : chain.zero_rad) pull(zero);
+    for (const ChainSag& sag : chain.sags) pull(sag.rad);
     return equations;
   }
 
   /// What is known of each parameter beforehand: one over its variance.
   [[nodiscard]] Eigen::VectorXd prior(const Chain& chain) const {
-    Eigen::VectorXd known = Eigen::VectorXd::Zero(with_zeros(chain));
+    Eigen::VectorXd known = Eigen::VectorXd::Zero(count_all(chain));
     for (std::size_t j = 0; j < shape_.zero_rad.size(); ++j)
       if (shape_.zero_rad[j] > 0)
         known(count(chain) + static_cast<Eigen::Index>(j)) =
             1 / (shape_.zero_rad[j] * shape_.zero_rad[j]);
+    for (std::size_t s = 0; s < chain.sags.size(); ++s)
+      known(first_sag(chain) + static_cast<Eigen::Index>(s)) =
+          1 / (chain.sags[s].sigma_rad * chain.sags[s].sigma_rad);
     return known;
   }
 
@@ -132,22 +141,32 @@ class ChainProblem {
         const std::size_t i = nodes_.first[s] + n;
         const ChainObservation& seen = nodes_.observations[i];
         settle(chain, i, pose);
+        Turns turns = seen.turns;
+        if (free(seen)) turns[seen.joint] = swept_[i];
+        const auto levers = sag_levers(chain, turns);
         auto block = rows_.template middleCols<Size>(column);
         for (Eigen::Index a = 0; a < parameters; ++a) {
           const Eigen::Index at = result.parameters[static_cast<std::size_t>(a)];
           auto row = block.row(first + a);
           if (of_another_target(chain, at, seen.target)) continue;
-          if (at < count(chain))
+          if (at < count(chain)) {
             row = pose.by_parameter.col(at).template head<Size>().transpose();
-          else
+          } else if (at < first_sag(chain)) {
             row = residual_.by_swept.transpose();
+          } else {
+            const auto sag = static_cast<std::size_t>(at - first_sag(chain));
+            row =
+                levers[sag] * pose.by_turn[chain.sags[sag].joint].template head<Size>().transpose();
+          }
         }
         block.row(last) = residual_.error.transpose();
         weighted_.template middleCols<Size>(column).noalias() =
             block * (seen.weight / stroke.correlation * residual_.weight);
       }
     }
-    result.products.noalias() = weighted_ * rows_.transpose();
+    result.products.resize(last + 1, last + 1);
+    result.products.template triangularView<Eigen::Lower>() = weighted_ * rows_.transpose();
+    result.products.template triangularView<Eigen::StrictlyUpper>() = result.products.transpose();
     return result;
   }
 
@@ -219,7 +238,7 @@ class ChainProblem {
     if (residual_.toward * residual_.toward <= kBend * residual_.toward_sigma) return;
     Turns turns = seen.turns;
     turns[seen.joint] = swept_[i];
-    pose.set(seen.target, turns, true);
+    pose.set(seen.target, turns_of(chain, turns, seen.joint, noise_), true);
     residual_.set(chain, seen, pose, weights_[i], true);
   }
 
@@ -265,6 +284,7 @@ class ChainProblem {
       if (!shape_.zero_rad.empty() && shape_.zero_rad[first.joint] > 0 && !free(first))
         add(count(chain) + static_cast<Eigen::Index>(first.joint), 1);
     }
+    add(first_sag(chain), static_cast<Eigen::Index>(chain.sags.size()));
     return {found.begin(), found.end()};
   }
 

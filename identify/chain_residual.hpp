@@ -8,6 +8,7 @@
 
 #include "identify/chain.hpp"
 #include "identify/chain_estimate.hpp"
+#include "identify/chain_sag.hpp"
 
 namespace identify {
 
@@ -24,13 +25,20 @@ struct ChainObservation {
   double weight = 1;      ///< 0 to 1: how far the sample is believed
 };
 
-/// The turns of a sample: where its joint's angle is believed, by where that is zero.
+/// The turns of a sample of `joint`'s sweep: where its angle is believed, by where that is zero,
+/// and of joints whose angles are told, with what they sag by.
+[[nodiscard]] inline Turns turns_of(const Chain& chain, Turns turns, std::size_t joint,
+                                    const ChainNoise& noise) {
+  const bool told = std::isfinite(noise.swept_rad[joint]);
+  if (!chain.zero_rad.empty() && told) turns[joint] += chain.zero_rad[joint];
+  if (chain.sags.empty()) return turns;
+  Turns bent = sagged(chain, turns);
+  if (!told) bent[joint] = turns[joint];
+  return bent;
+}
 [[nodiscard]] inline Turns turns_of(const Chain& chain, const ChainObservation& seen,
                                     const ChainNoise& noise) {
-  Turns turns = seen.turns;
-  if (!chain.zero_rad.empty() && std::isfinite(noise.swept_rad[seen.joint]))
-    turns[seen.joint] += chain.zero_rad[seen.joint];
-  return turns;
+  return turns_of(chain, seen.turns, seen.joint, noise);
 }
 
 /// Measured minus predicted, at one sample: `Size` 3 for the position (mm), 6 with the orientation

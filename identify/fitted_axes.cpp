@@ -25,6 +25,7 @@ void set_fitted_axes(ChainEstimate& estimate, const ChainFit& fit, const std::ve
   for (Eigen::Vector3d& target : estimate.chain.targets_mm) target = at_home * target;
   estimate.chain.tool = at_home.linear() * fit.chain.tool;
   estimate.chain.zero_rad.clear();
+  estimate.chain.sags.clear();  // at home there is none
   const ChainParameters parameters{joints, fit.chain.targets_mm.size()};
   const auto tool = static_cast<Index>(6 * joints + 3 * targets);
   const auto rows = tool + (estimate.with_orientation ? 3 : 0);

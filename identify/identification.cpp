@@ -124,6 +124,8 @@ std::string_view text(Cause cause) noexcept {
       return "offset";
     case Cause::print:
       return "print";
+    case Cause::sag:
+      return "sag";
   }
   return "";
 }

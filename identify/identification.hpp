@@ -28,6 +28,9 @@ struct Campaign {
   Resolution resolution;
   /// The measurement frame is some device's: where the robot stands in it is part of the result.
   bool device_frame = false;
+  /// Standard deviation of what each joint gives way by under the weight that it carries, at its
+  /// worst pose, where a device measures the arm; one a joint, or none: nothing is known.
+  std::vector<double> sag_rad;
   /// The samples' times are times; else they are only an order.
   bool timed = true;
 };

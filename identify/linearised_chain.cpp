@@ -17,6 +17,9 @@ using Eigen::VectorXd;
 LinearisedChain::LinearisedChain(const Chain& chain, ChainNodes& nodes, const ChainNoise& noise,
                                  const ChainEffects& shape, bool with_orientation)
     : nodes_(nodes), shape_(shape), columns_(shape, nodes) {
+  sags_.resize(static_cast<Eigen::Index>(chain.sags.size()));
+  for (std::size_t s = 0; s < chain.sags.size(); ++s)
+    sags_(static_cast<Eigen::Index>(s)) = chain.sags[s].rad;
   const auto set = [&](auto&& problem) {
     strokes_ = problem.products(chain);
     prior_ = problem.prior(chain);
@@ -28,8 +31,13 @@ LinearisedChain::LinearisedChain(const Chain& chain, ChainNodes& nodes, const Ch
 }
 
 double LinearisedChain::deviance(const ChainEffects& effects) const {
-  const auto all =
+  auto all =
       eliminate(strokes_, nodes_.home_of, variances_of(effects, nodes_, columns_), prior_.size());
+  // Nothing would be left to say what strokes differ by if sags could be anything.
+  const VectorXd known = prior_.tail(sags_.size());
+  all.normal.diagonal().tail(sags_.size()) += known;
+  all.gradient.tail(sags_.size()) -= known.cwiseProduct(sags_);
+  all.squares += sags_.dot(known.cwiseProduct(sags_));
   // By Cholesky's factors where all is determined, which is many times faster.
   const VectorXd scale = all.normal.diagonal().cwiseSqrt().cwiseInverse();
   if (scale.allFinite()) {
@@ -84,8 +92,14 @@ std::vector<ChainEstimate::Part> LinearisedChain::parts() const {
       return normal_at(variances);
     };
     MatrixXd information = (changed(-kStep) - changed(kStep)) / (2 * kStep);
-    if (cause == Cause::print) information.diagonal() += prior_;
+    const Eigen::Index others = prior_.size() - sags_.size();
+    if (cause == Cause::print) information.diagonal().head(others) += prior_.head(others);
     if (!information.isZero(0)) add(cause, information);
+  }
+  if (sags_.size() > 0) {
+    MatrixXd information = MatrixXd::Zero(prior_.size(), prior_.size());
+    information.diagonal().tail(sags_.size()) = prior_.tail(sags_.size());
+    add(Cause::sag, information);
   }
   found.push_back({Cause::noise, left});
   std::rotate(found.begin(), found.end() - 1, found.end());

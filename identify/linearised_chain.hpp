@@ -28,6 +28,7 @@ class LinearisedChain {
   EffectColumns columns_;
   std::vector<StrokeProducts> strokes_;
   Eigen::VectorXd prior_;  ///< of each parameter
+  Eigen::VectorXd sags_;   ///< the chain's: the last of them
 };
 
 }  // namespace identify

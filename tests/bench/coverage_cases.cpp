@@ -147,6 +147,9 @@ std::vector<Case> cases() {
     world.sag_arcsec = size;
     add("sag_" + std::to_string(size), "sag of " + std::to_string(size) + " arcsec, no angles",
         world, {}, 1, {90, 100});
+    world.sag_told = true;
+    add("sag_" + std::to_string(size) + "_told",
+        "the same, its standard deviation in the description", world, {}, 1, {90, 100});
   }
   world = with_angles();
   world.sag_arcsec = 100;

@@ -184,6 +184,15 @@ TEST_CASE("a robot may have no specified table, no home and no limits") {
   CHECK(robot.limits[1].max_speed_deg_s == 90);
 }
 
+TEST_CASE("what joints give way by may be described, a joint at a time") {
+  const RobotFile file(
+      "name = \"x\"\n[[joint]]\n[[joint]]\nsag_arcsec = 60.0\n[[joint]]\nsag_arcsec = 30\n");
+  CHECK(load_robot(file.path).sag_arcsec == std::vector<double>{0, 60, 30});
+  CHECK_THAT(robot_error("name = \"x\"\n[[joint]]\nsag_arcsec = -1\n"),
+             Catch::Matchers::StartsWith("3:14: joint.sag_arcsec: expected a number of arcseconds "
+                                         "from 0 to 3600"));
+}
+
 TEST_CASE("an arm of one joint or of twelve is read, and one of thirteen is refused") {
   const auto arm = [](int joints) {
     std::string text = "name = \"x\"\nhome_deg = [0";

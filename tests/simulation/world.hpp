@@ -69,6 +69,7 @@ struct World {
   HomeError home;
   Gears gears;
   double sag_arcsec = 0;  ///< of the elastic joints, at the worst pose (gravity.hpp)
+  bool sag_told = false;  ///< the robot's description says so
   Delay delay;
   ArcShape shape;
 };
