@@ -85,7 +85,7 @@ void Identifier::interim(std::shared_ptr<const Recording> recording, Snapshot sn
     if (ended_ != before) return;  // the last result is under way, or there already
     publish(identified, true, robot);
     const auto folder = recording->folder();
-    if (!folder.empty()) write_result(folder, identified.outcome);
+    if (!folder.empty()) write_interim_result(folder, identified.outcome);
     say(robot, "interim ", identified.outcome.identification,
         folder.empty() ? folder : folder / "report.txt");
     took_ = Steady::now() - identified.began;

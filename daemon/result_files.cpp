@@ -22,6 +22,7 @@ using Content = std::optional<std::string>;  // nothing: there is no such file
 struct ResultFile {
   const char* name;
   Content (*content)(const Outcome& outcome);
+  bool interim = false;  ///< while the session goes on, too
 };
 
 template <std::string (*text)(const Outcome&)>
@@ -30,8 +31,8 @@ Content always(const Outcome& outcome) {
 }
 
 const std::array<ResultFile, 7> kFiles{{
-    {"result.json", always<result_json>},
-    {"report.txt", always<report>},
+    {"result.json", always<result_json>, true},
+    {"report.txt", always<report>, true},
     {"dh.csv", always<dh_csv>},
     {"robot.urdf",
      [](const Outcome& outcome) -> Content {
@@ -55,7 +56,7 @@ void write_or_remove(const std::filesystem::path& file, const Content& content) 
   if (content)
     write_atomically(file, *content);
   else
-    std::filesystem::remove(file, ignored);  // an interim result may have left it
+    std::filesystem::remove(file, ignored);  // an earlier result may have left it
 }
 
 }  // namespace
@@ -77,11 +78,11 @@ std::vector<std::string> result_file_names() {
 void write_result(const std::filesystem::path& folder, const Outcome& outcome,
                   std::set<std::string>& written) {
   std::exception_ptr failure;
-  for (const auto& [name, content] : kFiles) {
-    if (written.contains(name)) continue;
+  for (const ResultFile& file : kFiles) {
+    if (written.contains(file.name)) continue;
     try {
-      write_or_remove(folder / name, content(outcome));
-      written.insert(name);
+      write_or_remove(folder / file.name, file.content(outcome));
+      written.insert(file.name);
     } catch (const std::exception&) {
       if (!failure) failure = std::current_exception();
     }
@@ -91,6 +92,13 @@ void write_result(const std::filesystem::path& folder, const Outcome& outcome,
 
 void write_result(const std::filesystem::path& folder, const Outcome& outcome) {
   std::set<std::string> written;
+  write_result(folder, outcome, written);
+}
+
+void write_interim_result(const std::filesystem::path& folder, const Outcome& outcome) {
+  std::set<std::string> written;
+  for (const auto& file : kFiles)
+    if (!file.interim) written.insert(file.name);
   write_result(folder, outcome, written);
 }
 

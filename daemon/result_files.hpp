@@ -23,5 +23,8 @@ void make_folder(const std::filesystem::path& folder);
 void write_result(const std::filesystem::path& folder, const Outcome& outcome,
                   std::set<std::string>& written);
 void write_result(const std::filesystem::path& folder, const Outcome& outcome);
+/// What is of use while the session goes on: result.json and report.txt. The others cost more than
+/// the identification, and grow with the session.
+void write_interim_result(const std::filesystem::path& folder, const Outcome& outcome);
 
 }  // namespace sweepd

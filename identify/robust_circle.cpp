@@ -19,6 +19,8 @@ using Eigen::Vector3d;
 constexpr int kTriples = 150;
 /// Medians of more points than these would not choose better.
 constexpr Index kJudges = 400;
+/// So few tell what is hopeless, by their nearest quarter: half of them may be bad.
+constexpr Index kFirstJudges = 40;
 
 std::optional<CircleFit> circle_through(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   const Vector3d u = b - a;
@@ -40,14 +42,21 @@ double squared_distance(const CircleFit& circle, const Vector3d& point) {
   return off.plane_mm * off.plane_mm + off.radial_mm * off.radial_mm;
 }
 
-double median_squared(const CircleFit& circle, const Matrix3Xd& points, std::vector<double>& room) {
+/// The squared distance that a share of so many of the points has at most.
+double squared_within(double share, const CircleFit& circle, const Matrix3Xd& points, Index judges,
+                      std::vector<double>& room) {
   room.clear();
-  const Index step = std::max<Index>(1, points.cols() / kJudges);
+  const Index step = std::max<Index>(1, points.cols() / judges);
   for (Index i = 0; i < points.cols(); i += step)
     room.push_back(squared_distance(circle, points.col(i)));
-  const auto middle = room.begin() + static_cast<std::ptrdiff_t>(room.size() / 2);
-  std::nth_element(room.begin(), middle, room.end());
-  return *middle;
+  const auto place =
+      room.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(room.size()));
+  std::nth_element(room.begin(), place, room.end());
+  return *place;
+}
+
+double median_squared(const CircleFit& circle, const Matrix3Xd& points, std::vector<double>& room) {
+  return squared_within(0.5, circle, points, kJudges, room);
 }
 
 }  // namespace
@@ -67,7 +76,7 @@ std::optional<CircleFit> fit_robust_circle(const Matrix3Xd& points) {
   for (int triple = 0; triple < kTriples; ++triple) {
     const Vector3d a = third(0), b = third(1), c = third(2);
     const auto circle = circle_through(a, b, c);
-    if (!circle) continue;
+    if (!circle || squared_within(0.25, *circle, points, kFirstJudges, room) > least) continue;
     if (const double median = median_squared(*circle, points, room); median < least) {
       least = median;
       best = circle;
