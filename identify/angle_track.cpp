@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "identify/median.hpp"
+#include "identify/robust_circle.hpp"
 
 namespace identify {
 namespace {
@@ -14,8 +15,6 @@ using Eigen::Vector3d;
 constexpr std::size_t kFewestSeen = 20;
 /// Of each stroke; more tell nothing new of something so smooth.
 constexpr std::size_t kMostSamples = 400;
-/// Points so many times the middle one's distance off the circle are outliers.
-constexpr double kFarOff = 6;
 
 }  // namespace
 
@@ -71,7 +70,7 @@ std::optional<AngleTrack> angle_track(const Sweep& sweep, std::size_t joint,
   for (const Sample& sample : *sweep.samples) {
     if (!sample.has_position) continue;
     const auto [at, off] = frame.place(sample.position_mm);
-    if (std::hypot(at - height, off - radius) > kFarOff * usual || ++good % every != 0) continue;
+    if (std::hypot(at - height, off - radius) > kOutlierDistances * usual || ++good % every != 0) continue;
     track.at_s.push_back(sample.time_s);
     track.seen_rad.push_back(about.next(sample.position_mm));
   }
@@ -94,10 +93,9 @@ std::vector<AngleTrack> angle_tracks(const Identification& circles,
     double least = 0, most = 0;
     for (std::size_t k = first; k < tracks.size(); ++k) {
       AngleTrack& track = tracks[k];
-      const double turns = wrapped(track.seen_rad.front() - tracks[first].seen_rad.front() -
-                                   (track.told_rad.front() - tracks[first].told_rad.front())) -
-                           (track.seen_rad.front() - tracks[first].seen_rad.front() -
-                            (track.told_rad.front() - tracks[first].told_rad.front()));
+      const double apart = track.seen_rad.front() - tracks[first].seen_rad.front() -
+                           (track.told_rad.front() - tracks[first].told_rad.front());
+      const double turns = wrapped(apart) - apart;
       for (double& seen : track.seen_rad) seen += turns;
       const auto [low, high] = std::minmax_element(track.seen_rad.begin(), track.seen_rad.end());
       least = k == first ? *low : std::min(least, *low);

@@ -16,8 +16,6 @@ using Eigen::Vector3d;
 
 constexpr std::size_t kSections = 12;
 constexpr std::size_t kFewestInSection = 5;
-/// Points so many times the middle one's distance off are outliers.
-constexpr double kOutlier = 6;
 /// Closer than this the plain fit will do; farther off, outliers may have turned it over.
 constexpr double kSure_mm = 0.05;
 
@@ -58,7 +56,7 @@ double bent_mm(const CircleFit& circle, const Eigen::Matrix3Xd& points, double u
   std::vector<Seen> seen;
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
     const CircleResidual off = residual(circle, points.col(i));
-    if (std::hypot(off.plane_mm, off.radial_mm) > kOutlier * usual_mm) continue;
+    if (std::hypot(off.plane_mm, off.radial_mm) > kOutlierDistances * usual_mm) continue;
     const Vector3d arm = points.col(i) - circle.center_mm;
     seen.push_back({wrapped(std::atan2(arm.dot(y), arm.dot(x)) - centre), off});
   }
