@@ -115,10 +115,35 @@ std::optional<Sweep> sweep_of(PointGroup group, std::size_t joint,
   return sweep;
 }
 
+/// Without angles the targets of one body are taken together: what was seen at one time is a frame.
+std::vector<Sweep> sweeps_of_body(const PointsFile& file, const identify::Resolution& resolution) {
+  std::vector<const Point*> points;
+  for (const Point& point : file.points) points.push_back(&point);
+  std::stable_sort(points.begin(), points.end(), [](const Point* a, const Point* b) {
+    return a->sample.time_s < b->sample.time_s;
+  });
+  identify::PositionSegmenter segmenter;
+  segmenter.set_step(resolution.position_mm);
+  std::vector<Sweep> sweeps;
+  const auto take = [&](std::vector<Sweep> ended) {
+    std::move(ended.begin(), ended.end(), std::back_inserter(sweeps));
+  };
+  for (std::size_t begin = 0; begin < points.size();) {
+    std::vector<identify::PositionSegmenter::Seen> frame;
+    const double time = points[begin]->sample.time_s;
+    for (; begin < points.size() && points[begin]->sample.time_s == time; ++begin)
+      frame.push_back({points[begin]->target, points[begin]->sample});
+    take(segmenter.push(frame));
+  }
+  take(segmenter.finish());
+  return sweeps;
+}
+
 }  // namespace
 
 std::vector<Sweep> streamed_sweeps(const PointsFile& file, std::size_t joints,
                                    const identify::Resolution& resolution) {
+  if (file.angles == 0) return sweeps_of_body(file, resolution);
   std::map<std::size_t, identify::Segmenter> streams;  // by target
   std::vector<Sweep> sweeps;
   const auto take = [&](std::size_t target, std::vector<Sweep> ended) {

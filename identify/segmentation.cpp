@@ -5,13 +5,9 @@
 #include <utility>
 
 #include "identify/angle.hpp"
-#include "identify/circle_fit.hpp"
-#include "identify/points.hpp"
 
 namespace identify {
 namespace {
-
-using Eigen::Vector3d;
 
 constexpr double kHalfWindow_s = 0.1;
 constexpr double kLongestGap_s = 0.25;
@@ -23,8 +19,6 @@ constexpr double kRest = 5e-4;
 /// Speeds above the first are motion, until they fall below the second.
 constexpr double kJointStarts_rad_s = 0.2 * kDegree;
 constexpr double kJointStops_rad_s = 0.1 * kDegree;
-constexpr double kTargetStarts_mm_s = 2.0;
-constexpr double kTargetStops_mm_s = 1.0;
 
 /// A flicker of one unit of the last decimal within the window is no motion: two units are.
 double starts(double usual, double unit) {
@@ -40,7 +34,8 @@ Segmenter::Segmenter(std::size_t joints) : joints_(std::min(joints, kMostJoints)
 
 std::vector<Sweep> Segmenter::push(const Sample& sample) {
   if (!with_angles_) with_angles_ = sample.joints > 0;
-  if (*with_angles_ ? sample.joints < joints_ : !sample.has_position) return {};
+  if (!*with_angles_) return by_positions_.push({{0, sample}});
+  if (sample.joints < joints_) return {};
   if (!window_.empty() && sample.time_s <= window_.back().time_s) return {};
 
   if (!window_.empty() && sample.time_s - window_.back().time_s > kLongestGap_s) ended_ = finish();
@@ -57,13 +52,12 @@ std::vector<Sweep> Segmenter::push(const Sample& sample) {
 }
 
 std::vector<Sweep> Segmenter::finish() {
+  if (with_angles_ && !*with_angles_) return by_positions_.finish();
   for (; undecided_ < window_.size(); ++undecided_) decide(window_[undecided_]);
   close();
   window_.clear();
   undecided_ = 0;
   joint_moves_.fill(false);
-  target_moves_ = false;
-  velocity_.setZero();
   return std::exchange(ended_, {});
 }
 
@@ -74,8 +68,7 @@ void Segmenter::decide(const Sample& centre) {
   auto last = std::prev(window_.end());
   while (last->time_s > centre.time_s + kHalfWindow_s) --last;
   Motion motion;
-  if (last->time_s > first->time_s)
-    motion = *with_angles_ ? joint_motion(*first, *last) : target_motion(*first, *last);
+  if (last->time_s > first->time_s) motion = joint_motion(*first, *last);
 
   if (motion != motion_ || stroke_.size() >= kMostSamples) {
     close();
@@ -100,30 +93,14 @@ Segmenter::Motion Segmenter::joint_motion(const Sample& first, const Sample& las
   return moving == 1 ? motion : Motion{};
 }
 
-Segmenter::Motion Segmenter::target_motion(const Sample& first, const Sample& last) {
-  const Vector3d velocity = (last.position_mm - first.position_mm) / (last.time_s - first.time_s);
-  const double threshold = target_moves_ ? stops(kTargetStops_mm_s, resolution_.position_mm)
-                                         : starts(kTargetStarts_mm_s, resolution_.position_mm);
-  const bool turned = velocity.dot(velocity_) < 0;
-  velocity_ = velocity;
-  target_moves_ = velocity.norm() > threshold;
-  if (!target_moves_) return {};
-  // A reversal without a rest begins another stroke: the sign only tells the two apart.
-  return {kTarget, turned ? -motion_.sign : motion_.sign == 0 ? 1 : motion_.sign};
-}
-
 void Segmenter::close() {
   if (motion_.joint != kNothing && stroke_.size() > 1) {
     trim();
     Sweep sweep;
     sweep.samples = std::make_shared<const std::vector<Sample>>(std::exchange(stroke_, {}));
-    if (motion_.joint == kTarget) {
-      judge_by_positions(sweep);
-    } else {
-      sweep.joint = static_cast<std::size_t>(motion_.joint);
-      sweep.direction = motion_.sign;
-      judge_by_angles(sweep);
-    }
+    sweep.joint = static_cast<std::size_t>(motion_.joint);
+    sweep.direction = motion_.sign;
+    judge_by_angles(sweep);
     if (sweep.range_rad >= kShortestStroke_rad) ended_.push_back(std::move(sweep));
   }
   stroke_.clear();
@@ -133,8 +110,7 @@ void Segmenter::close() {
 void Segmenter::trim() {
   const Sample first = stroke_.front();
   const Sample last = stroke_.back();
-  const double unit = motion_.joint == kTarget ? resolution_.position_mm : resolution_.angle_rad;
-  const double rest = std::max(kRest * travel(first, last), 1.5 * unit);
+  const double rest = std::max(kRest * travel(first, last), 1.5 * resolution_.angle_rad);
   auto begin = stroke_.begin();
   auto end = stroke_.end();
   while (end - begin > 2 && travel(first, *(begin + 1)) <= rest) ++begin;
@@ -144,7 +120,6 @@ void Segmenter::trim() {
 }
 
 double Segmenter::travel(const Sample& from, const Sample& to) const {
-  if (motion_.joint == kTarget) return (to.position_mm - from.position_mm).norm();
   const auto j = static_cast<std::size_t>(motion_.joint);
   return std::abs(to.angles_rad[j] - from.angles_rad[j]);
 }
@@ -165,30 +140,6 @@ void Segmenter::judge_by_angles(Sweep& sweep) const {
     if (j != *sweep.joint && moved(j) > still) sweep.defect = SweepDefect::other_joint_moved;
   if (sweep.samples->size() < kFewestSamples) sweep.defect = SweepDefect::too_few_samples;
   if (sweep.range_rad < kShortestRange_rad) sweep.defect = SweepDefect::too_short;
-}
-
-void Segmenter::judge_by_positions(Sweep& sweep) const {
-  // A move of two joints leaves the circle by millimetres; measuring noise does not.
-  constexpr double kNoise_mm = 0.05;
-  constexpr double kNoisePerLength = 2e-4;
-  const auto circle = fit_circle(positions(*sweep.samples));
-  if (!circle) {
-    sweep.range_rad = kShortestStroke_rad;
-    sweep.defect = SweepDefect::not_an_arc;
-    return;
-  }
-  const double length = circle->arc_rad * circle->radius_mm;
-  const double noise = kNoise_mm + kNoisePerLength * length + resolution_.position_mm;
-  sweep.range_rad = circle->arc_rad;
-  if (sweep.samples->size() < kFewestSamples) sweep.defect = SweepDefect::too_few_samples;
-  // The ringing after a stop runs through any angle, but hardly leaves its place.
-  constexpr double kShortestExtent = 60;  // in units of the noise: some 3 mm
-  const double half_turn = std::min(circle->arc_rad, 180 * kDegree);
-  const double extent = 2 * circle->radius_mm * std::sin(half_turn / 2);
-  if (sweep.range_rad < kShortestRange_rad || extent < kShortestExtent * noise)
-    sweep.defect = SweepDefect::too_short;
-  if (std::max(circle->plane_rms_mm, circle->radial_rms_mm) > noise)
-    sweep.defect = SweepDefect::not_an_arc;
 }
 
 }  // namespace identify
