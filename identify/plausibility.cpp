@@ -174,10 +174,11 @@ class Judge {
   }
 
   bool is_bent(std::size_t j) {
+    if (!circles_[j]->bent_mm) return false;
     std::vector<double> peers;
     for (std::size_t k = 0; k < circles_.size(); ++k)
-      if (k != j && circles_[k]) peers.push_back(circles_[k]->bent_mm);
-    const double bent = circles_[j]->bent_mm;
+      if (k != j && circles_[k] && circles_[k]->bent_mm) peers.push_back(*circles_[k]->bent_mm);
+    const double bent = *circles_[j]->bent_mm;
     const double peer = median_of(peers);
     if (peers.size() < 2 || !(bent > kBent_mm) || !(bent > kBentToPeers * peer)) return false;
     doubt("circle_misfit", j,

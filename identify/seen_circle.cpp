@@ -43,7 +43,8 @@ double usual_distance_mm(const CircleFit& circle, const Eigen::Matrix3Xd& points
 }
 
 /// Of a circle whose points are `usual_mm` off.
-double bent_mm(const CircleFit& circle, const Eigen::Matrix3Xd& points, double usual_mm) {
+std::optional<double> bent_mm(const CircleFit& circle, const Eigen::Matrix3Xd& points,
+                              double usual_mm) {
   const Vector3d x = circle.normal.unitOrthogonal();
   const Vector3d y = circle.normal.cross(x);
   // Angles from the arc's middle: its ends are far from half a turn away.
@@ -60,7 +61,7 @@ double bent_mm(const CircleFit& circle, const Eigen::Matrix3Xd& points, double u
     const Vector3d arm = points.col(i) - circle.center_mm;
     seen.push_back({wrapped(std::atan2(arm.dot(y), arm.dot(x)) - centre), off});
   }
-  if (seen.size() < kSections * kFewestInSection) return 0;
+  if (seen.size() < kSections * kFewestInSection) return std::nullopt;
   std::sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) { return a.turn < b.turn; });
   double squares = 0;
   for (std::size_t k = 0; k < kSections; ++k) {
@@ -79,7 +80,7 @@ double bent_mm(const CircleFit& circle, const Eigen::Matrix3Xd& points, double u
 std::optional<SeenCircle> seen_circle(const JointResult& joint) {
   if (!joint.circle) return std::nullopt;
   const auto points = points_of(joint);
-  SeenCircle seen{*joint.circle, usual_distance_mm(*joint.circle, points), 0};
+  SeenCircle seen{*joint.circle, usual_distance_mm(*joint.circle, points), {}};
   seen.bent_mm = bent_mm(seen.circle, points, seen.usual_mm);
   // Most of the time the plain fit will do.
   if (std::max(seen.circle.plane_rms_mm, seen.circle.radial_rms_mm) <= kSure_mm) return seen;

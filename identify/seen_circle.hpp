@@ -11,7 +11,9 @@ namespace identify {
 struct SeenCircle {
   CircleFit circle;
   double usual_mm = 0;  ///< distance of the middle one of its points
-  double bent_mm = 0;   ///< of the middle ones of its arc's sections, root mean square
+  /// Of the middle ones of its arc's sections, root mean square; nothing where points are too few
+  /// for it.
+  std::optional<double> bent_mm;
 };
 
 /// Nothing where the joint has no circle.

@@ -1,7 +1,7 @@
 // Streams of positions alone, as a camera sees one marker on the tool or three: a campaign of
 // sweeps with rests, in noise, segmented and identified. For each arm, number of markers, rate and
-// noise: how many results are complete, and of those how many are wrong; how large errors are beside
-// their uncertainties. Fixed seeds; figures, not a test.
+// noise: how many results are complete, and of those how many are wrong; how large errors are
+// beside their uncertainties. Fixed seeds; figures, not a test.
 
 #include <algorithm>
 #include <atomic>
@@ -37,6 +37,9 @@ struct Options {
   std::vector<double> noises = {0.05, 0.1, 0.3, 1};
   double arc_deg = 90;
   double speed_deg_s = 20;
+  double rest_s = 0.5;
+  double positioning_deg_s = 60;
+  double correlation = 0;
   bool plan = false;
   bool details = false;
 };
@@ -46,6 +49,7 @@ struct Cell {
   std::size_t markers = 1;
   double rate_hz = 100;
   double noise_mm = 0.1;
+  double correlation = 0;
 };
 
 /// Each joint in turn: to the start of its sweep, over it, and home, with rests between.
@@ -53,13 +57,20 @@ class Stream {
  public:
   Stream(const identify::Arm& arm, const std::vector<Eigen::Vector3d>& targets_mm, const Cell& cell,
          std::uint32_t seed)
-      : arm_(arm), targets_mm_(targets_mm), cell_(cell), random_(seed), angles_(arm.home_rad) {
+      : arm_(arm),
+        targets_mm_(targets_mm),
+        cell_(cell),
+        random_(seed),
+        angles_(arm.home_rad),
+        errors_(targets_mm.size(), Eigen::Vector3d::Zero()) {
     file_.with_times = true;
   }
 
-  sweepd::PointsFile run(double arc_deg, double speed_deg_s) {
-    constexpr double kPositioning_deg_s = 60;
-    rest();
+  sweepd::PointsFile run(const Options& how) {
+    const double arc_deg = how.arc_deg, speed_deg_s = how.speed_deg_s;
+    const double kPositioning_deg_s = how.positioning_deg_s;
+    rest(0.5);
+    rest_s_ = how.rest_s;
     for (std::size_t joint = 0; joint < arm_.joints(); ++joint) {
       const double home = arm_.home_rad[joint];
       move(joint, home - arc_deg / 2 * kDegree, kPositioning_deg_s);
@@ -74,24 +85,26 @@ class Stream {
     const double from = angles_[joint];
     const double seconds = std::abs(to_rad - from) / (speed_deg_s * kDegree);
     for (const double begin = time_s_; time_s_ < begin + seconds; see())
-      angles_[joint] = from + (to_rad - from) * (0.5 - 0.5 * std::cos(std::numbers::pi *
-                                                                      (time_s_ - begin) / seconds));
+      angles_[joint] =
+          from +
+          (to_rad - from) * (0.5 - 0.5 * std::cos(std::numbers::pi * (time_s_ - begin) / seconds));
     angles_[joint] = to_rad;
-    rest();
+    rest(rest_s_);
   }
-  void rest() {
-    constexpr double kRest_s = 0.5;
-    for (const double begin = time_s_; time_s_ < begin + kRest_s;) see();
+  void rest(double seconds) {
+    for (const double begin = time_s_; time_s_ < begin + seconds;) see();
   }
   void see() {
-    std::normal_distribution<> normal(0, cell_.noise_mm);
+    std::normal_distribution<> normal;
+    const double kept = cell_.correlation, added = std::sqrt(1 - kept * kept);
     const auto frame = identify::forward_kinematics(arm_, angles_);
     for (std::size_t target = 0; target < targets_mm_.size(); ++target) {
       sweepd::Point point;
       point.target = target;
       point.sample.time_s = time_s_;
       point.sample.position_mm = frame * targets_mm_[target];
-      for (double& value : point.sample.position_mm) value += normal(random_);
+      for (double& error : errors_[target]) error = kept * error + added * normal(random_);
+      point.sample.position_mm += cell_.noise_mm * errors_[target];
       point.sample.has_position = true;
       file_.points.push_back(point);
     }
@@ -103,7 +116,9 @@ class Stream {
   Cell cell_;
   std::mt19937_64 random_;
   std::vector<double> angles_;
+  std::vector<Eigen::Vector3d> errors_;  // of each target, in units of the noise
   double time_s_ = 0;
+  double rest_s_ = 0;
   sweepd::PointsFile file_;
 };
 
@@ -119,8 +134,7 @@ Result run(const Cell& cell, const Options& options, std::uint32_t seed) {
   const simulation::Simulation truth(coverage::robot_of(cell.arm, cell.markers, seed), {}, {},
                                      seed);
   const auto& robot = truth.robot();
-  const auto file = Stream(robot.arm, robot.targets_mm, cell, seed)
-                        .run(options.arc_deg, options.speed_deg_s);
+  const auto file = Stream(robot.arm, robot.targets_mm, cell, seed).run(options);
   identify::Campaign known;
   known.joints = robot.arm.joints();
   known.specified = robot.specified;
@@ -131,8 +145,7 @@ Result run(const Cell& cell, const Options& options, std::uint32_t seed) {
     for (std::size_t j = 0; j < known.joints; ++j)
       known.order.push_back({j, -1, {-arc / 2, arc, -arc / 2}});
   }
-  const auto found =
-      identify::identify(sweepd::streamed_sweeps(file, known.joints, {}), known);
+  const auto found = identify::identify(sweepd::streamed_sweeps(file, known.joints, {}), known);
   Result result;
   result.outcome = coverage::judged(truth, found);
   const auto right_table = simulation::true_table(truth, found.dh, found.home_rad);
@@ -148,7 +161,8 @@ Result run(const Cell& cell, const Options& options, std::uint32_t seed) {
   result.about = found.reason;
   for (const auto& warning : found.warnings) {
     result.told |= warning.code == "motion_limit";
-    result.about += " [" + warning.code + (warning.code == "motion_limit" ? " " + warning.message : "") + "]";
+    result.about +=
+        " [" + warning.code + (warning.code == "motion_limit" ? " " + warning.message : "") + "]";
   }
   return result;
 }
@@ -195,9 +209,11 @@ void print(const Cell& cell, const std::vector<Result>& results, bool details) {
             << right(std::to_string(told), 6) << std::endl;
   std::map<std::string, int> reasons;
   for (const Result& result : results)
-    ++reasons[std::string(identify::text(result.outcome.status)) + (result.sign_wrong ? " SIGN" : "") + ": " + result.about];
+    ++reasons[std::string(identify::text(result.outcome.status)) +
+              (result.sign_wrong ? " SIGN" : "") + ": " + result.about];
   if (details)
-    for (const auto& [reason, count] : reasons) std::cout << "    " << count << " x " << reason << '\n';
+    for (const auto& [reason, count] : reasons)
+      std::cout << "    " << count << " x " << reason << '\n';
 }
 
 }  // namespace
@@ -212,6 +228,11 @@ int main(int argc, char** argv) {
   app.add_option("--noise", options.noises, "Of a coordinate, mm");
   app.add_option("--arc", options.arc_deg, "Degrees of each sweep");
   app.add_option("--speed", options.speed_deg_s, "Mean speed of the sweeps, degrees a second");
+  app.add_option("--rest", options.rest_s, "Seconds between moves");
+  app.add_option("--positioning", options.positioning_deg_s,
+                 "Mean speed of other moves, degrees a second");
+  app.add_option("--correlation", options.correlation,
+                 "Of a coordinate's error with the one before");
   app.add_flag("--plan", options.plan, "The sweeps and home are declared");
   app.add_flag("--details", options.details, "Why results are not complete");
   CLI11_PARSE(app, argc, argv);
@@ -221,7 +242,7 @@ int main(int argc, char** argv) {
     for (const std::size_t markers : options.markers)
       for (const double rate : options.rates)
         for (const double noise : options.noises) {
-          const Cell cell{arm, markers, rate, noise};
+          const Cell cell{arm, markers, rate, noise, options.correlation};
           print(cell, run_all(cell, options), options.details);
         }
 }
