@@ -117,16 +117,19 @@ void check_file(const PointsFile& file, const IdentifyOptions& options, std::siz
 }
 
 /// Whose joint each sweep is; without angles or a column for it, some may be left for the engine.
+/// What noise hides in streams without angles is told to `campaign`.
 std::vector<Sweep> sweeps_in(const Points& points, const IdentifyOptions& options,
-                             const RobotSetup& setup, const identify::Campaign& campaign) {
+                             const RobotSetup& setup, identify::Campaign& campaign) {
   std::vector<Sweep> sweeps;
   for (std::size_t k = 0; k < points.files.size(); ++k) {
     const PointsFile& file = points.files[k];
     check_file(file, options, setup.joints);
-    auto found = options.per_joint
-                     ? sweeps_of_joint(file, k, setup.joints, points.resolution)
-                     : (file.with_joints ? listed_sweeps(file, points.resolution)
-                                         : streamed_sweeps(file, setup.joints, points.resolution));
+    auto found =
+        options.per_joint
+            ? sweeps_of_joint(file, k, setup.joints, points.resolution, campaign.motion_limit)
+            : (file.with_joints
+                   ? listed_sweeps(file, points.resolution)
+                   : streamed_sweeps(file, setup.joints, points.resolution, campaign.motion_limit));
     std::move(found.begin(), found.end(), std::back_inserter(sweeps));
   }
   if (setup.plan) declare_directions(sweeps, *setup.plan, campaign.order);
@@ -152,8 +155,8 @@ Outcome identified_points(const IdentifyOptions& options, RobotSetup setup) {
   Snapshot snapshot;
   snapshot.robot = setup.name;
   snapshot.source_kind = "points";
-  snapshot.campaign = known;
   snapshot.sweeps = sweeps_in(points, options, setup, known);
+  snapshot.campaign = known;
   snapshot.limits = limits(setup);
   points.counts.sweeps = static_cast<std::size_t>(std::count_if(
       snapshot.sweeps.begin(), snapshot.sweeps.end(),

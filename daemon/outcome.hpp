@@ -29,6 +29,8 @@ struct Outcome {
   /// One a joint: +1 where Z of the DH table is along positive rotation, -1 where against it;
   /// empty: all along it.
   std::vector<int> positive = {};
+  /// Where sweeps were recognised by positions alone.
+  std::optional<identify::MotionLimit> motion_limit = {};
   std::vector<JointLimits> limits = {};  ///< one a joint; empty: not known
 };
 

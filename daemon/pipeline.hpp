@@ -54,6 +54,10 @@ class Pipeline {
 
   [[nodiscard]] SourceCounts counts() const;
   [[nodiscard]] const identify::Resolution& resolution() const { return reader_.resolution(); }
+  /// What noise hides where telegrams carry no angles.
+  [[nodiscard]] std::optional<identify::MotionLimit> motion_limit() const {
+    return segmenter_.limit();
+  }
   [[nodiscard]] std::string csv_header() const { return "t_s,ipoc" + reader_.csv_header(); }
 
  private:

@@ -116,7 +116,8 @@ std::optional<Sweep> sweep_of(PointGroup group, std::size_t joint,
 }
 
 /// Without angles the targets of one body are taken together: what was seen at one time is a frame.
-std::vector<Sweep> sweeps_of_body(const PointsFile& file, const identify::Resolution& resolution) {
+std::vector<Sweep> sweeps_of_body(const PointsFile& file, const identify::Resolution& resolution,
+                                  WorstLimit& limit) {
   std::vector<const Point*> points;
   for (const Point& point : file.points) points.push_back(&point);
   std::stable_sort(points.begin(), points.end(), [](const Point* a, const Point* b) {
@@ -136,14 +137,16 @@ std::vector<Sweep> sweeps_of_body(const PointsFile& file, const identify::Resolu
     take(segmenter.push(frame));
   }
   take(segmenter.finish());
+  if (const auto own = segmenter.limit(); own && (!limit || limit->noise_mm < own->noise_mm))
+    limit = own;
   return sweeps;
 }
 
 }  // namespace
 
 std::vector<Sweep> streamed_sweeps(const PointsFile& file, std::size_t joints,
-                                   const identify::Resolution& resolution) {
-  if (file.angles == 0) return sweeps_of_body(file, resolution);
+                                   const identify::Resolution& resolution, WorstLimit& limit) {
+  if (file.angles == 0) return sweeps_of_body(file, resolution, limit);
   std::map<std::size_t, identify::Segmenter> streams;  // by target
   std::vector<Sweep> sweeps;
   const auto take = [&](std::size_t target, std::vector<Sweep> ended) {
@@ -176,7 +179,7 @@ std::vector<Sweep> listed_sweeps(const PointsFile& file, const identify::Resolut
 }
 
 std::vector<Sweep> sweeps_of_joint(const PointsFile& file, std::size_t joint, std::size_t joints,
-                                   const identify::Resolution& resolution) {
+                                   const identify::Resolution& resolution, WorstLimit& limit) {
   std::vector<Sweep> sweeps;
   if (!file.with_times) {
     for (PointGroup& group : grouped(file))
@@ -185,7 +188,7 @@ std::vector<Sweep> sweeps_of_joint(const PointsFile& file, std::size_t joint, st
           sweeps.push_back(std::move(*sweep));
     return sweeps;
   }
-  sweeps = streamed_sweeps(file, joints, resolution);
+  sweeps = streamed_sweeps(file, joints, resolution, limit);
   for (Sweep& sweep : sweeps)
     if (!sweep.joint) sweep.joint = joint;
   if (!sweeps.empty() && std::none_of(sweeps.begin(), sweeps.end(),

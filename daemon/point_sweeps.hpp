@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "daemon/points_file.hpp"
 #include "daemon/sweep_plan.hpp"
 #include "identify/joint_assignment.hpp"
+#include "identify/motion_limit.hpp"
 #include "identify/sweep.hpp"
 
 namespace sweepd {
@@ -13,10 +15,15 @@ namespace sweepd {
 // From measured points to sweeps, by what the file says of joints and times. Points of different
 // targets are of different sweeps. Sweeps come in the order in which they begin.
 
-/// Points with times, segmented as a live stream is: every stroke of each target.
+/// The worst of several streams; nothing where none was without angles.
+using WorstLimit = std::optional<identify::MotionLimit>;
+
+/// Points with times, segmented as a live stream is: every stroke of each target. Without angles
+/// all targets are of one body, and `limit` learns what noise hides.
 [[nodiscard]] std::vector<identify::Sweep> streamed_sweeps(const PointsFile& file,
                                                            std::size_t joints,
-                                                           const identify::Resolution& resolution);
+                                                           const identify::Resolution& resolution,
+                                                           WorstLimit& limit);
 
 /// Points that name their joint: consecutive ones of the same joint and sweep are a sweep.
 [[nodiscard]] std::vector<identify::Sweep> listed_sweeps(const PointsFile& file,
@@ -27,7 +34,8 @@ namespace sweepd {
 /// this joint in no stroke, but others.
 [[nodiscard]] std::vector<identify::Sweep> sweeps_of_joint(const PointsFile& file,
                                                            std::size_t joint, std::size_t joints,
-                                                           const identify::Resolution& resolution);
+                                                           const identify::Resolution& resolution,
+                                                           WorstLimit& limit);
 
 /// Sets the direction of sweeps whose joint is known and whose direction is not (no angles), from
 /// the plan that was run: the arcs of a joint's strokes, there and back as they were seen, are

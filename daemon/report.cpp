@@ -40,8 +40,20 @@ std::string cycle_text(std::chrono::nanoseconds cycle) {
   return fixed(std::chrono::duration<double, std::milli>(cycle).count(), whole ? 0 : 3) + " ms";
 }
 
+/// What noise hides where sweeps were recognised by positions alone.
+std::string limit_text(const Outcome& outcome) {
+  if (!outcome.motion_limit) return "";
+  const auto& limit = *outcome.motion_limit;
+  return paragraph("noise       ", fixed(limit.noise_mm, 4) +
+                                       " mm in each coordinate of a position, as rests show: "
+                                       "motion slower than " +
+                                       fixed(limit.slowest_mm_s, 1) +
+                                       " mm/s is taken for rest, arcs shorter than " +
+                                       fixed(limit.shortest_mm, 1) + " mm are not used");
+}
+
 std::string source_text(const Outcome& outcome) {
-  if (outcome.points) return points_text(*outcome.points);
+  if (outcome.points) return points_text(*outcome.points) + limit_text(outcome);
   if (is_given(outcome))
     return paragraph("axes        ",
                      std::to_string(outcome.identification.joints.size()) + ", given as lines");
@@ -65,7 +77,7 @@ std::string source_text(const Outcome& outcome) {
       paragraph("replies     ", late);
   if (counts.unusable_values > 0)
     text += paragraph("values      ", std::to_string(counts.unusable_values) + " were no numbers");
-  return text;
+  return text + limit_text(outcome);
 }
 
 std::string home_text(const Identification& found) {

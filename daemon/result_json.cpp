@@ -64,6 +64,10 @@ Json source(const Outcome& outcome) {
     json["files"] = outcome.points->files;
     json["targets"] = outcome.points->targets;
   }
+  if (outcome.motion_limit)
+    json["motion_limit"] = {{"noise_mm", json_length(outcome.motion_limit->noise_mm)},
+                            {"slowest_mm_s", rounded(outcome.motion_limit->slowest_mm_s, 3)},
+                            {"shortest_mm", rounded(outcome.motion_limit->shortest_mm, 3)}};
   return json;
 }
 

@@ -11,6 +11,7 @@ Outcome Snapshot::identified() const {
   Outcome outcome{robot, source_kind, counts, identify::identify(sweeps, campaign)};
   if (campaign.specified) outcome.positive = campaign.specified->positive;
   outcome.limits = limits;
+  outcome.motion_limit = campaign.motion_limit;
   if (sweeps_left_out > 0)
     outcome.identification.warnings.push_back(
         {"memory_limit",
@@ -32,10 +33,12 @@ Session::Session(const RobotSetup& setup, std::string source_kind, Events events
                  [this](const identify::Sweep& sweep) { keep(sweep); }, events_.on_telegram}) {}
 
 Snapshot Session::snapshot() const {
+  auto known = campaign(setup_, pipeline_.resolution());
+  known.motion_limit = pipeline_.motion_limit();
   return {setup_.name,
           source_kind_,
           pipeline_.counts(),
-          campaign(setup_, pipeline_.resolution()),
+          std::move(known),
           sweeps_,
           left_out_,
           setup_.description ? setup_.description->limits : std::vector<JointLimits>{}};

@@ -8,6 +8,7 @@
 
 #include "identify/angle.hpp"
 #include "identify/delay.hpp"
+#include "identify/joint_motion.hpp"
 #include "identify/median.hpp"
 #include "identify/number_text.hpp"
 
@@ -33,13 +34,6 @@ constexpr double kLeastCoherence = 8;
 constexpr double kManyOutliers = 0.01;
 constexpr double kManySamples = 10;    // a single independent one
 constexpr double kRounding_mm = 1e-6;  // below it residuals are those of computing
-
-/// With two digits that tell something.
-std::string brief(double value) {
-  const double size = std::abs(value);
-  if (!(size > 1e-9)) return "0";
-  return fixed(value, std::clamp(1 - static_cast<int>(std::floor(std::log10(size))), 0, 9));
-}
 
 std::string degrees(double angle_rad) {
   return fixed(angle_rad / kDegree, 1) + "°";
@@ -71,33 +65,6 @@ double predicted(double sigma, double arc_rad, double other_arc_rad) {
   return sigma * direction_sigma_of_arc(other_arc_rad) / direction_sigma_of_arc(arc_rad);
 }
 
-struct Motion {
-  double speed_mm_s = 0;
-  double step_mm = 0;
-};
-
-/// In the middle of the sweeps, where the joint is at speed; from samples so far apart that noise
-/// does not look like motion.
-std::optional<Motion> motion(const JointResult& joint) {
-  std::vector<double> speeds;
-  std::vector<double> steps;
-  for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
-    if (!joint.used[s]) continue;
-    const auto& samples = *joint.sweeps[s].samples;
-    const std::size_t span = std::max<std::size_t>(1, samples.size() / 10);
-    for (std::size_t i = samples.size() / 4 + span; i < samples.size() - samples.size() / 4; ++i) {
-      const Sample& before = samples[i - span];
-      const double time = samples[i].time_s - before.time_s;
-      if (!samples[i].has_position || !before.has_position || !(time > 0)) continue;
-      const double way = (samples[i].position_mm - before.position_mm).norm();
-      speeds.push_back(way / time);
-      steps.push_back(way / static_cast<double>(span));
-    }
-  }
-  if (steps.empty()) return std::nullopt;
-  return Motion{median_of(std::move(speeds)), median_of(std::move(steps))};
-}
-
 class Adviser {
  public:
   Adviser(Identification& found, const Campaign& campaign) : found_(found), campaign_(campaign) {}
@@ -110,6 +77,9 @@ class Adviser {
       if (found_.chain) judge_angles(j);
     }
     judge_resolution();
+    if (campaign_.motion_limit)
+      if (auto hidden = hidden_motion(found_, *campaign_.motion_limit))
+        found_.warnings.push_back(std::move(*hidden));
     if (found_.chain) judge_fit(*found_.chain);
   }
 
@@ -184,7 +154,7 @@ class Adviser {
   }
 
   void judge_speed(std::size_t j) {
-    const auto moved = motion(found_.joints[j]);
+    const auto moved = joint_motion(found_.joints[j]);
     if (!moved || moved->speed_mm_s <= kFast_mm_s) return;
     warn("speed_high", j,
          "the target moved at " + fixed(moved->speed_mm_s, 0) + " mm/s, " +

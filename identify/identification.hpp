@@ -12,6 +12,7 @@
 #include "identify/dh.hpp"
 #include "identify/dh_extraction.hpp"
 #include "identify/joint_assignment.hpp"
+#include "identify/motion_limit.hpp"
 #include "identify/sweep.hpp"
 #include "identify/warning.hpp"
 
@@ -26,6 +27,8 @@ struct Campaign {
   /// Where no angles are known: the angles of the locked joints, if declared.
   std::vector<double> declared_home_rad;
   Resolution resolution;
+  /// Of the streams without angles in which the sweeps were recognised; the worst.
+  std::optional<MotionLimit> motion_limit = {};
   /// The measurement frame is some device's: where the robot stands in it is part of the result.
   bool device_frame = false;
   /// Standard deviation of what each joint gives way by under the weight that it carries, at its

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <cstddef>
 #include <string>
 #include <system_error>
@@ -23,6 +25,13 @@ inline std::string fixed(double value, int decimals) {
 /// As people count: "joint 1" is the first.
 inline std::string joint_name(std::size_t joint) {
   return "joint " + std::to_string(joint + 1);
+}
+
+/// With two digits that tell something.
+inline std::string brief(double value) {
+  const double size = std::abs(value);
+  if (!(size > 1e-9)) return "0";
+  return fixed(value, std::clamp(1 - static_cast<int>(std::floor(std::log10(size))), 0, 9));
 }
 
 }  // namespace identify

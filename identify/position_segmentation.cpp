@@ -22,13 +22,16 @@ constexpr double kHalfWindow_s = 0.1;
 constexpr double kLongestGap_s = 0.25;
 constexpr double kShortestStroke_rad = 0.5 * kDegree;
 /// Speeds above the first are motion, until they fall below the second.
-constexpr double kStarts_mm_s = 2.0;
+constexpr double kStarts_mm_s = MotionLimit::kUsualSlowest_mm_s;
 constexpr double kStops_mm_s = 1.0;
 /// So many standard deviations of what noise makes of rest are motion; of rest again.
 constexpr double kStartSigmas = 6;
 constexpr double kStopSigmas = 3;
 /// The ends of a stroke that cover less than this share of it are rest, seen through the window.
 constexpr double kRest = 5e-4;
+/// The ringing after a stop runs through any angle, but hardly leaves its place.
+constexpr double kShortest_mm = MotionLimit::kUsualShortest_mm;
+constexpr double kShortestSizes = 30;  // of the noise
 constexpr double kFirstSize_mm = 1e-6;
 constexpr double kSizesPerOctave = 8;
 /// Motion shakes: the quieter of all windows tell the noise. Of those that rest this one is usual.
@@ -39,6 +42,10 @@ double starts(double sigma, double step) {
 }
 double stops(double sigma, double step) {
   return std::max({kStops_mm_s, 1.2 * step / (2 * kHalfWindow_s), kStopSigmas * sigma});
+}
+
+double shortest(double noise) {
+  return std::max(kShortest_mm, kShortestSizes * noise);
 }
 
 }  // namespace
@@ -119,17 +126,24 @@ PositionSegmenter::Slope PositionSegmenter::slope_at(std::size_t centre) const {
   }
   if (used > 0) {
     slope.speed_mm_s = std::sqrt(speeds / used);
-    slope.sigma_mm_s = std::sqrt(variances / used);
+    // The mean square of several targets' speeds scatters less, by the root of their number.
+    slope.sigma_mm_s = std::sqrt(variances / used / std::sqrt(used));
   }
   if (freedom > 0) slope.noise_mm = std::sqrt(left / freedom);
   return slope;
 }
 
-void PositionSegmenter::learn(double noise_mm) {
-  const double size = std::log2(std::max(noise_mm, kFirstSize_mm) / kFirstSize_mm);
+void PositionSegmenter::learn(const Slope& slope) {
+  const double size = std::log2(std::max(slope.noise_mm, kFirstSize_mm) / kFirstSize_mm);
   const auto bin = static_cast<std::size_t>(kSizesPerOctave * size);
   ++sizes_[std::min(bin, sizes_.size() - 1)];
   ++learnt_;
+}
+
+std::optional<MotionLimit> PositionSegmenter::limit() const {
+  const double noise = noise_mm();
+  if (noise == 0) return std::nullopt;
+  return MotionLimit{noise, starts(sigma_mm_s_ * noise, step_mm_), shortest(noise)};
 }
 
 double PositionSegmenter::noise_mm() const {
@@ -142,10 +156,14 @@ double PositionSegmenter::noise_mm() const {
 
 void PositionSegmenter::decide(std::size_t centre) {
   const Slope slope = slope_at(centre);
-  if (slope.noise_mm > 0) learn(slope.noise_mm);
+  if (slope.noise_mm > 0) learn(slope);
+  // At the ends of a stream half a window is seen: that tells less than the others.
+  const double time_s = window_[centre].time_s;
+  const bool whole = time_s - window_.front().time_s > 0.9 * kHalfWindow_s &&
+                     window_.back().time_s - time_s > 0.9 * kHalfWindow_s;
+  if (whole || sigma_mm_s_ == 0) sigma_mm_s_ = slope.sigma_mm_s;
   const double sigma = slope.sigma_mm_s * noise_mm();
-  starts_mm_s_ = starts(sigma, step_mm_);
-  const bool moves = slope.speed_mm_s > (moves_ ? stops(sigma, step_mm_) : starts_mm_s_);
+  const bool moves = slope.speed_mm_s > (moves_ ? stops(sigma, step_mm_) : starts(sigma, step_mm_));
   double along = 0;
   for (const auto& [target, velocity] : slope.velocity_mm_s)
     if (const auto before = velocity_.find(target); before != velocity_.end())
@@ -199,14 +217,10 @@ void PositionSegmenter::report(std::size_t target, std::vector<Sample> samples) 
     sweep.defect = SweepDefect::not_an_arc;
   } else {
     sweep.range_rad = circle->arc_rad;
-    // The ringing after a stop runs through any angle, but hardly leaves its place.
-    constexpr double kShortest_mm = 3;
-    constexpr double kShortestExtent = 30;  // of the noise
     const double half_turn = std::min(circle->arc_rad, 180 * kDegree);
     const double extent = 2 * circle->radius_mm * std::sin(half_turn / 2);
     if (sweep.samples->size() < kFewestSamples) sweep.defect = SweepDefect::too_few_samples;
-    if (sweep.range_rad < kShortestRange_rad ||
-        extent < std::max(kShortest_mm, kShortestExtent * noise))
+    if (sweep.range_rad < kShortestRange_rad || extent < shortest(noise))
       sweep.defect = SweepDefect::too_short;
     if (misfit(*circle) > allowed(*circle)) sweep.defect = SweepDefect::not_an_arc;
   }

@@ -3,10 +3,12 @@
 #include <array>
 #include <deque>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "identify/motion_limit.hpp"
 #include "identify/sample.hpp"
 #include "identify/sweep.hpp"
 
@@ -33,10 +35,8 @@ class PositionSegmenter {
   [[nodiscard]] std::vector<Sweep> push(const std::vector<Seen>& frame);
   [[nodiscard]] std::vector<Sweep> finish();
 
-  /// Of one coordinate of one position, as the stream has shown it so far; 0: not yet.
-  [[nodiscard]] double noise_mm() const;
-  /// The slowest motion that is told from rest at that noise.
-  [[nodiscard]] double slowest_mm_s() const { return starts_mm_s_; }
+  /// As the stream has shown it so far; nothing before a few pictures within 0.2 s were seen.
+  [[nodiscard]] std::optional<MotionLimit> limit() const;
 
   static constexpr std::size_t kMostSamples = 200'000;
 
@@ -55,7 +55,8 @@ class PositionSegmenter {
 
   void decide(std::size_t centre);
   [[nodiscard]] Slope slope_at(std::size_t centre) const;
-  void learn(double noise_mm);
+  void learn(const Slope& slope);
+  [[nodiscard]] double noise_mm() const;
   void close();
   void report(std::size_t target, std::vector<Sample> samples);
 
@@ -66,7 +67,7 @@ class PositionSegmenter {
   std::map<std::size_t, Eigen::Vector3d> velocity_;
   std::vector<Frame> stroke_;
   std::vector<Sweep> ended_;
-  double starts_mm_s_ = 0;
+  double sigma_mm_s_ = 0;  ///< of the slope over a whole window, in units of the noise
   /// How often each size of noise was seen: eight to an octave, from 1e-6 mm.
   std::array<std::size_t, 320> sizes_{};
   std::size_t learnt_ = 0;

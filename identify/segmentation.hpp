@@ -39,6 +39,9 @@ class Segmenter {
   /// The stream has ended or broken off: returns what was under way.
   [[nodiscard]] std::vector<Sweep> finish();
 
+  /// Of a stream without angles, as far as is known by now.
+  [[nodiscard]] std::optional<MotionLimit> limit() const { return by_positions_.limit(); }
+
   static constexpr std::size_t kMostSamples = 200'000;
 
  private:

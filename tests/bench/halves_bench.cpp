@@ -80,11 +80,13 @@ Halves halves_of(const Logs& logs) {
   }
   sweepd::PointsReader reader(columns, logs.files.size());
   std::vector<identify::Sweep> sweeps;
+  sweepd::WorstLimit limit;
   for (std::size_t joint = 0; joint < logs.files.size(); ++joint) {
     auto file = reader.read(logs.files[joint], [](std::size_t) {});
     // Positions alone, as a device has them.
     for (auto& point : file.points) point.sample.has_orientation = false;
-    for (auto& sweep : sweepd::sweeps_of_joint(file, joint, logs.files.size(), reader.resolution()))
+    for (auto& sweep :
+         sweepd::sweeps_of_joint(file, joint, logs.files.size(), reader.resolution(), limit))
       if (sweep.defect == identify::SweepDefect::none) sweeps.push_back(std::move(sweep));
   }
   identify::Campaign campaign;

@@ -145,7 +145,8 @@ Result run(const Cell& cell, const Options& options, std::uint32_t seed) {
     for (std::size_t j = 0; j < known.joints; ++j)
       known.order.push_back({j, -1, {-arc / 2, arc, -arc / 2}});
   }
-  const auto found = identify::identify(sweepd::streamed_sweeps(file, known.joints, {}), known);
+  auto sweeps = sweepd::streamed_sweeps(file, known.joints, {}, known.motion_limit);
+  const auto found = identify::identify(std::move(sweeps), known);
   Result result;
   result.outcome = coverage::judged(truth, found);
   const auto right_table = simulation::true_table(truth, found.dh, found.home_rad);

@@ -1,5 +1,6 @@
 #include "daemon/identify_command.hpp"
 
+#include <algorithm>
 #include <sstream>
 
 #include <nlohmann/json.hpp>
@@ -114,6 +115,38 @@ TEST_CASE("a stream of points gives the specified table", "[long]") {
   CHECK(result["source"]["files"] == 1);
   for (const char* name : {"dh.csv", "sweeps.csv", "run.json"})
     CHECK(fs::exists(folder / "out" / name));
+}
+
+TEST_CASE("a stream of noisy positions gives the specified table, and says what its noise hides") {
+  const TemporaryFolder folder;
+  const Layout layout{.times = true};
+  auto measured = measured_kr5({.position_mm = 0.3, .seed = 5});
+  const auto written = [&] {
+    return folder.write("points.csv",
+                        points_header(layout) + points_lines(measured.stream, layout));
+  };
+  SECTION("at the paper's speed") {
+    const auto result = identified(points_options({written()}, folder / "out"));
+    check_specified(result);
+    const auto& limit = result["source"]["motion_limit"];
+    CHECK(limit["noise_mm"].get<double>() == Approx(0.3).epsilon(0.1));
+    CHECK(limit["slowest_mm_s"].get<double>() == Approx(25 * 0.3).epsilon(0.1));
+    CHECK_THAT(content(folder / "out/report.txt"),
+               ContainsSubstring("mm in each coordinate of a position, as rests show"));
+    for (const auto& warning : result["warnings"]) CHECK(warning["code"] != "motion_limit");
+  }
+  SECTION("eight times as slow, at which noise hides it") {
+    for (auto& sample : measured.stream) sample.time_s *= 8;
+    std::ostringstream report;
+    (void)identify_points(points_options({written()}, folder / "out"), report);
+    const auto result = Json::parse(content(folder / "out/result.json"));
+    const auto told = std::find_if(result["warnings"].begin(), result["warnings"].end(),
+                                   [](const Json& one) { return one["code"] == "motion_limit"; });
+    REQUIRE(told != result["warnings"].end());
+    CHECK_THAT((*told)["message"].get<std::string>(),
+               ContainsSubstring("hides motion slower than"));
+    if (result["status"] == "complete") check_specified(result);
+  }
 }
 
 TEST_CASE("points that name their joint give the specified table") {

@@ -123,7 +123,9 @@ TEST_CASE("a stream is split by target before it is segmented") {
   for (std::size_t k = 0; k < first.stream.size(); ++k)
     text += points_lines({first.stream[k]}, layout, "1,") +
             points_lines({second.stream[k]}, layout, "2,");
-  const auto sweeps = streamed_sweeps(file_of(folder, text), 6, kSixDecimals);
+  WorstLimit limit;
+  const auto sweeps = streamed_sweeps(file_of(folder, text), 6, kSixDecimals, limit);
+  CHECK_FALSE(limit);  // angles tell what moves
   const auto alone = identify::test::segment(first.stream, kSixDecimals);
   REQUIRE(sweeps.size() == 2 * alone.size());
   for (std::size_t k = 0; k < sweeps.size(); ++k) {
@@ -140,15 +142,16 @@ TEST_CASE("the strokes of one file are all of its joint, unless angles say other
   const Layout layout{.times = true};
   const auto file =
       file_of(folder, points_header(layout) + points_lines(campaign.samples(), layout));
-  const auto sweeps = sweeps_of_joint(file, 4, 6, kSixDecimals);
+  WorstLimit limit;
+  const auto sweeps = sweeps_of_joint(file, 4, 6, kSixDecimals, limit);
   CHECK(sweeps.size() == 3);
   for (const Sweep& sweep : sweeps) CHECK(sweep.joint == 4U);
 
   const Layout with_angles{.times = true, .angles = true};
   const auto known =
       file_of(folder, points_header(with_angles) + points_lines(campaign.samples(), with_angles));
-  CHECK(sweeps_of_joint(known, 2, 6, kSixDecimals).size() == 3);
-  CHECK_THROWS_WITH(sweeps_of_joint(known, 4, 6, kSixDecimals),
+  CHECK(sweeps_of_joint(known, 2, 6, kSixDecimals, limit).size() == 3);
+  CHECK_THROWS_WITH(sweeps_of_joint(known, 4, 6, kSixDecimals, limit),
                     ContainsSubstring("points.csv: expected sweeps of joint 5") &&
                         ContainsSubstring("found angles of joint 3 alone"));
 }
