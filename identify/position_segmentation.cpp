@@ -9,6 +9,7 @@
 
 #include "identify/angle.hpp"
 #include "identify/circle_fit.hpp"
+#include "identify/motion_window.hpp"
 #include "identify/points.hpp"
 #include "identify/robust_circle.hpp"
 #include "identify/segmentation.hpp"
@@ -18,29 +19,24 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kHalfWindow_s = 0.1;
-constexpr double kLongestGap_s = 0.25;
-constexpr double kShortestStroke_rad = 0.5 * kDegree;
 /// Speeds above the first are motion, until they fall below the second.
 constexpr double kStarts_mm_s = MotionLimit::kUsualSlowest_mm_s;
 constexpr double kStops_mm_s = 1.0;
 /// So many standard deviations of what noise makes of rest are motion; of rest again.
 constexpr double kStartSigmas = 6;
 constexpr double kStopSigmas = 3;
-/// The ends of a stroke that cover less than this share of it are rest, seen through the window.
-constexpr double kRest = 5e-4;
 /// The ringing after a stop runs through any angle, but hardly leaves its place.
 constexpr double kShortest_mm = MotionLimit::kUsualShortest_mm;
 constexpr double kShortestSizes = 30;  // of the noise
 constexpr double kFirstSize_mm = 1e-6;
 constexpr double kSizesPerOctave = 8;
-/// Motion shakes: the quieter of all windows tell the noise. Of those that rest this one is usual.
+/// Motion leaves more than noise does: of all windows the quieter ones tell the noise.
 constexpr double kQuiet = 0.25;
 
-double starts(double sigma, double step) {
+double moves_above(double sigma, double step) {
   return std::max({kStarts_mm_s, 2.0 * step / (2 * kHalfWindow_s), kStartSigmas * sigma});
 }
-double stops(double sigma, double step) {
+double rests_below(double sigma, double step) {
   return std::max({kStops_mm_s, 1.2 * step / (2 * kHalfWindow_s), kStopSigmas * sigma});
 }
 
@@ -143,7 +139,7 @@ void PositionSegmenter::learn(const Slope& slope) {
 std::optional<MotionLimit> PositionSegmenter::limit() const {
   const double noise = noise_mm();
   if (noise == 0) return std::nullopt;
-  return MotionLimit{noise, starts(sigma_mm_s_ * noise, step_mm_), shortest(noise)};
+  return MotionLimit{noise, moves_above(sigma_mm_s_ * noise, step_mm_), shortest(noise)};
 }
 
 double PositionSegmenter::noise_mm() const {
@@ -163,7 +159,8 @@ void PositionSegmenter::decide(std::size_t centre) {
                      window_.back().time_s - time_s > 0.9 * kHalfWindow_s;
   if (whole || sigma_mm_s_ == 0) sigma_mm_s_ = slope.sigma_mm_s;
   const double sigma = slope.sigma_mm_s * noise_mm();
-  const bool moves = slope.speed_mm_s > (moves_ ? stops(sigma, step_mm_) : starts(sigma, step_mm_));
+  const bool moves =
+      slope.speed_mm_s > (moves_ ? rests_below(sigma, step_mm_) : moves_above(sigma, step_mm_));
   double along = 0;
   for (const auto& [target, velocity] : slope.velocity_mm_s)
     if (const auto before = velocity_.find(target); before != velocity_.end())

@@ -5,17 +5,13 @@
 #include <utility>
 
 #include "identify/angle.hpp"
+#include "identify/motion_window.hpp"
 
 namespace identify {
 namespace {
 
-constexpr double kHalfWindow_s = 0.1;
-constexpr double kLongestGap_s = 0.25;
-constexpr double kShortestStroke_rad = 0.5 * kDegree;
 /// A locked joint may sag or wobble by so much.
 constexpr double kStill_rad = 0.03 * kDegree;
-/// The ends of a stroke that cover less than this share of it are rest, seen through the window.
-constexpr double kRest = 5e-4;
 /// Speeds above the first are motion, until they fall below the second.
 constexpr double kJointStarts_rad_s = 0.2 * kDegree;
 constexpr double kJointStops_rad_s = 0.1 * kDegree;
