@@ -39,27 +39,21 @@ std::optional<JointMotion> joint_motion(const JointResult& joint) {
 std::optional<Warning> hidden_motion(const Identification& found, const MotionLimit& limit) {
   if (!limit.by_noise()) return std::nullopt;
   const double clearly_mm_s = kClearlySeen * limit.slowest_mm_s;
-  std::string unseen;
+  std::string hidden;
   double slowest_mm_s = clearly_mm_s;
-  std::optional<std::size_t> slowest;
   for (std::size_t j = 0; j < found.joints.size(); ++j) {
     const auto moved = joint_motion(found.joints[j]);
-    if (!moved) {
-      unseen += (unseen.empty() ? "" : ", ") + std::to_string(j + 1);
-    } else if (moved->speed_mm_s < slowest_mm_s) {
-      slowest_mm_s = moved->speed_mm_s;
-      slowest = j;
-    }
+    if (moved && found.joints[j].axis && moved->speed_mm_s >= clearly_mm_s) continue;
+    hidden += (hidden.empty() ? "" : ", ") + std::to_string(j + 1);
+    if (moved) slowest_mm_s = std::min(slowest_mm_s, moved->speed_mm_s);
   }
-  if (unseen.empty() && !slowest) return std::nullopt;
+  if (hidden.empty()) return std::nullopt;
   std::string message = "a position noise of " + brief(limit.noise_mm) +
                         " mm hides motion slower than " + brief(limit.slowest_mm_s) +
-                        " mm/s and arcs shorter than " + brief(limit.shortest_mm) + " mm: ";
-  if (!unseen.empty()) message += "no sweep was seen of joint " + unseen;
-  if (slowest)
-    message += std::string(unseen.empty() ? "" : ", and ") + "perhaps only a part of joint " +
-               std::to_string(*slowest + 1) + "'s, where the target moved at " +
-               brief(slowest_mm_s) + " mm/s";
+                        " mm/s and arcs shorter than " + brief(limit.shortest_mm) +
+                        " mm: perhaps sweeps of joint " + hidden + ", or parts of them";
+  if (slowest_mm_s < clearly_mm_s)
+    message += ", where the target was seen to move at " + brief(slowest_mm_s) + " mm/s";
   message += "; sweep so fast that the target moves at " + brief(clearly_mm_s) +
              " mm/s or more, rest for half a second between moves, measure more target points at "
              "once, or let the device average more";

@@ -19,7 +19,7 @@ struct JointMotion {
 [[nodiscard]] std::optional<JointMotion> joint_motion(const JointResult& joint);
 
 /// Which sweeps noise may have hidden, wholly or in part, and what to do. Nothing where noise does
-/// not set the limit, or all joints were swept clearly faster.
+/// not set the limit, or all joints were swept clearly faster and have an axis.
 [[nodiscard]] std::optional<Warning> hidden_motion(const Identification& found,
                                                    const MotionLimit& limit);
 

@@ -1,5 +1,9 @@
 #include "daemon/point_sweeps.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+
 #include "daemon/csv_file.hpp"
 #include "daemon/units.hpp"
 #include "tests/catch.hpp"
@@ -133,6 +137,58 @@ TEST_CASE("a stream is split by target before it is segmented") {
     CHECK(sweeps[k].joint == alone[k / 2].joint);
     CHECK(sweeps[k].samples->size() == alone[k / 2].samples->size());
   }
+}
+
+namespace {
+
+/// A KR 5's stream of so many markers: complete, right, and its noise as it is.
+void check_noisy_stream(std::size_t markers, double noise_mm, std::uint32_t seed) {
+  CAPTURE(markers, noise_mm, seed);
+  const std::array<Eigen::Vector3d, 3> places{
+      Eigen::Vector3d{200, 0, 215}, {60, 150, 180}, {-120, 90, 260}};
+  PointsFile file;
+  file.with_times = true;
+  for (std::size_t target = 0; target < markers; ++target)
+    for (identify::Sample sample :
+         measured_kr5({.position_mm = noise_mm, .seed = seed + static_cast<std::uint32_t>(target)},
+                      places[target])
+             .stream) {
+      sample.joints = 0;
+      file.points.push_back({sample, 0, 0, target});
+    }
+  auto known = identify::test::for_kr5();
+  auto sweeps = streamed_sweeps(file, 6, {}, known.motion_limit);
+  REQUIRE(known.motion_limit);
+  CHECK(known.motion_limit->noise_mm == Approx(noise_mm).epsilon(0.15));
+  const auto found = identify::identify(std::move(sweeps), known);
+  CAPTURE(found.reason);
+  CHECK(found.status == identify::Status::complete);
+  REQUIRE(found.chain);
+  CHECK(found.chain->noise.position_mm == Approx(noise_mm).epsilon(0.05));
+  CHECK(identify::test::find_warning(found, "motion_limit") == nullptr);
+  REQUIRE(found.dh.size() == 6);
+  for (std::size_t j = 0; j < 5; ++j) {
+    CAPTURE(j);
+    const auto& row = found.dh[j];
+    const auto& right = found.specified[j];
+    // Five sigma are not passed by chance; half a degree and 5 mm tell every sign.
+    CHECK(std::abs(row.a_mm.value - right.a_mm) < std::min(5.0, 5 * row.a_mm.sigma));
+    CHECK(std::abs(row.alpha_rad.value - right.alpha_rad) <
+          std::min(0.5 * identify::kDegree, 5 * row.alpha_rad.sigma));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("noisy positions of one marker or three give the arm, and the noise that they have") {
+  check_noisy_stream(1, 0.1, 1);
+  check_noisy_stream(3, 0.1, 4);
+}
+
+TEST_CASE("noisy positions give the arm up to a millimetre of noise", "[long]") {
+  const auto markers = GENERATE(std::size_t{1}, std::size_t{3});
+  const auto noise_mm = GENERATE(0.05, 0.1, 0.3, 1.0);
+  check_noisy_stream(markers, noise_mm, 10);
 }
 
 TEST_CASE("the strokes of one file are all of its joint, unless angles say otherwise") {

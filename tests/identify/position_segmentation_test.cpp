@@ -118,11 +118,11 @@ void check_strokes(const Stream& how) {
                                      [&](const Sweep& one) { return overlap(stroke, one) > 0.8; });
       REQUIRE(same != expected.end());
       const auto clearly = faster_than(1.5 * limit->slowest_mm_s, *same, how.rate_hz);
-      constexpr double kWindow_s = 0.1;
-      CHECK(stroke.first().time_s > same->first().time_s - kWindow_s);
-      CHECK(stroke.first().time_s < clearly[0] + kWindow_s);
-      CHECK(stroke.last().time_s > clearly[1] - kWindow_s);
-      CHECK(stroke.last().time_s < same->last().time_s + kWindow_s);
+      const double window_s = 0.1 + 1 / how.rate_hz;  // and the sample that it ends with
+      CHECK(stroke.first().time_s > same->first().time_s - window_s);
+      CHECK(stroke.first().time_s < clearly[0] + window_s);
+      CHECK(stroke.last().time_s > clearly[1] - window_s);
+      CHECK(stroke.last().time_s < same->last().time_s + window_s);
       CHECK(std::abs(stroke.range_rad - same->range_rad) < 4 * kDegree);
     }
   }
