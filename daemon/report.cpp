@@ -44,12 +44,13 @@ std::string cycle_text(std::chrono::nanoseconds cycle) {
 std::string limit_text(const Outcome& outcome) {
   if (!outcome.motion_limit) return "";
   const auto& limit = *outcome.motion_limit;
-  return paragraph("noise       ", fixed(limit.noise_mm, 4) +
-                                       " mm in each coordinate of a position, as rests show: "
-                                       "motion slower than " +
-                                       fixed(limit.slowest_mm_s, 1) +
-                                       " mm/s is taken for rest, arcs shorter than " +
-                                       fixed(limit.shortest_mm, 1) + " mm are not used");
+  return paragraph("noise       ",
+                   fixed(limit.noise_mm, 4) +
+                       " mm in each coordinate of a position, as the stream shows it: "
+                       "motion slower than " +
+                       fixed(limit.slowest_mm_s, 1) +
+                       " mm/s is taken for rest, arcs shorter than " + fixed(limit.shortest_mm, 1) +
+                       " mm are not used");
 }
 
 std::string source_text(const Outcome& outcome) {

@@ -132,7 +132,7 @@ TEST_CASE("a stream of noisy positions gives the specified table, and says what 
     CHECK(limit["noise_mm"].get<double>() == Approx(0.3).epsilon(0.1));
     CHECK(limit["slowest_mm_s"].get<double>() == Approx(25 * 0.3).epsilon(0.1));
     CHECK_THAT(content(folder / "out/report.txt"),
-               ContainsSubstring("mm in each coordinate of a position, as rests show"));
+               ContainsSubstring("mm in each coordinate of a position, as the stream shows it"));
     for (const auto& warning : result["warnings"]) CHECK(warning["code"] != "motion_limit");
   }
   SECTION("eight times as slow, at which noise hides it") {

@@ -177,6 +177,23 @@ TEST_CASE("points that lie on no circle are a doubt") {
   check_doubt(identify::identify(sweeps, campaign), "circle_misfit", 2);
 }
 
+TEST_CASE("noise of few points is no bend, beside joints whose points are too few to show one") {
+  World world = tracker(false);
+  world.noise.range_mm = world.noise.across_mm = 0.3;
+  Strokes strokes;
+  strokes.samples = 80;
+  const Simulation simulation(some_kr5(1), strokes, world, 1);
+  const auto sweeps =
+      changed(simulation.sweeps(), [](const Sweep& sweep, std::vector<Sample>& samples) {
+        if (sweep.joint == std::size_t{0}) return;
+        for (std::size_t i = 0; 2 * i < samples.size(); ++i) samples[i] = samples[2 * i];
+        samples.resize(samples.size() / 2);
+      });
+  const auto found = identify::identify(sweeps, simulation.campaign());
+  CAPTURE(found.reason);
+  CHECK(found.doubts.empty());
+}
+
 TEST_CASE("a joint that turns while another one is swept is a doubt, without angles") {
   const auto seed = GENERATE(1U, 2U, 3U);
   const auto from = GENERATE(-2.5, 0.0);  // at the sweep's begin
