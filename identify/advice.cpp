@@ -9,6 +9,7 @@
 #include "identify/angle.hpp"
 #include "identify/delay.hpp"
 #include "identify/joint_motion.hpp"
+#include "identify/linear_advice.hpp"
 #include "identify/median.hpp"
 #include "identify/number_text.hpp"
 
@@ -71,6 +72,7 @@ class Adviser {
 
   void run() {
     for (std::size_t j = 0; j < found_.joints.size(); ++j) {
+      if (found_.joints[j].line) advise_linear(j);
       if (!found_.joints[j].circle) continue;
       if (!judge_axis(j)) compare_with_others(j);
       judge_speed(j);
@@ -164,10 +166,17 @@ class Adviser {
              fixed(kSlow_mm_s, 0) + " mm/s or less");
   }
 
+  void advise_linear(std::size_t j) {
+    judge_speed(j);
+    const double by_delay = found_.chain ? direction_by_delay_rad(j, kLinear_mm) : 0;
+    for (Warning& warning : advice_of_linear(found_, j, campaign_.resolution, by_delay))
+      found_.warnings.push_back(std::move(warning));
+  }
+
   /// By how much angles may still differ by direction since they came late: as far as the delay is
   /// uncertain, and by the noise of one sample at strokes' ends, where angles were not told in
   /// time.
-  [[nodiscard]] double direction_by_delay_rad(std::size_t j) const {
+  [[nodiscard]] double direction_by_delay_rad(std::size_t j, double radius_mm) const {
     if (!found_.delay || !is_significant(*found_.delay)) return 0;
     const JointResult& joint = found_.joints[j];
     double speed = 0, untold = 0;
@@ -179,7 +188,7 @@ class Adviser {
       untold = std::max(untold, std::min(1.0, std::abs(found_.delay->late_s) / seconds));
     }
     return std::hypot(2 * speed * found_.delay->sigma_s,
-                      untold * found_.chain->noise.position_mm / joint.circle->radius_mm);
+                      untold * found_.chain->noise.position_mm / radius_mm);
   }
 
   void judge_angles(std::size_t j) {
@@ -189,7 +198,7 @@ class Adviser {
     // Neighbours in time share their error, and so do the strokes' means.
     const double correlated = std::sqrt(found_.chain->samples_per_independent);
     const double backlash = std::abs(seen.backlash_rad);
-    const double by_delay = direction_by_delay_rad(j);
+    const double by_delay = direction_by_delay_rad(j, circle.radius_mm);
     if (seen.backlash_sigma_rad > 0 &&
         backlash > kAdviceSigmas * std::hypot(correlated * seen.backlash_sigma_rad, by_delay) &&
         backlash > campaign_.resolution.angle_rad)

@@ -39,13 +39,15 @@ class AngleAbout {
 
   double next(const Eigen::Vector3d& point) {
     const Eigen::Vector3d arm = point - axis_.point_mm;
+    if (axis_.linear) return axis_.direction.dot(arm) / kLinear_mm;
     const double angle = std::atan2(y_.dot(arm), x_.dot(arm));
     last_ += wrapped(angle - last_);
     return last_;
   }
-  /// Off the circle with this height and radius, across the motion.
+  /// Off the circle with this height and radius (or the line), across the motion.
   [[nodiscard]] std::array<double, 2> place(const Eigen::Vector3d& point) const {
     const Eigen::Vector3d arm = point - axis_.point_mm;
+    if (axis_.linear) return {x_.dot(arm), y_.dot(arm)};
     const double height = axis_.direction.dot(arm);
     return {height, (arm - height * axis_.direction).norm()};
   }

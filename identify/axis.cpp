@@ -82,7 +82,9 @@ Relation relation_between(const Axis& first, const Axis& second, double size) {
     lever = std::max((pair.first_foot_mm - first.point_mm).norm(),
                      (pair.second_foot_mm - second.point_mm).norm());
     const bool almost = pair.sine < std::max(kAlmostParallel, kRelationSigmas * direction_sigma);
-    parallel = almost && (foot_sigma > kUncertainFoot * size || lever > kReach * size);
+    // Where a linear joint's axis has its common normal is a convention.
+    parallel =
+        almost && (first.linear || foot_sigma > kUncertainFoot * size || lever > kReach * size);
   }
   if (parallel) lever = size;
   const double distance = parallel ? offset : std::abs(pair.distance_mm);

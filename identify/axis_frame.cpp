@@ -19,8 +19,8 @@ Vector3d turned_across(const Vector3d& v, const Vector3d& axis) {
   return part.norm() > 1e-6 * v.norm() ? part.normalized() : Vector3d::Zero();
 }
 
-AxisStep step_to(const AxisFrame& from, const Line& next, Relation relation,
-                 const Vector3d& x_near) {
+AxisStep step_to(const AxisFrame& from, const Line& next, Relation relation, const Vector3d& x_near,
+                 double b_mm) {
   const bool parallel = relation == Relation::parallel || relation == Relation::coincident;
   const Vector3d& z = from.z;
   const Vector3d& n = next.direction;
@@ -34,7 +34,9 @@ AxisStep step_to(const AxisFrame& from, const Line& next, Relation relation,
     x = turned_across(z.cross(n), z);
     plane = z.cross(x);
   }
-  const Vector3d origin = start + n * (plane.dot(from.origin_mm - start) / plane.dot(n));
+  Vector3d foot = from.origin_mm;
+  if (parallel && b_mm != 0) foot += b_mm * z;
+  const Vector3d origin = start + n * (plane.dot(foot - start) / plane.dot(n));
   const Vector3d offset = origin - from.origin_mm;
   if (relation == Relation::parallel) x = turned_across(offset, z);
   if (relation == Relation::coincident || x.isZero()) x = turned_across(x_near, z);
@@ -42,7 +44,7 @@ AxisStep step_to(const AxisFrame& from, const Line& next, Relation relation,
   const Vector3d y = z.cross(x);
 
   AxisStep step;
-  step.row.b_mm = parallel ? 0 : offset.dot(z);
+  step.row.b_mm = parallel ? b_mm : offset.dot(z);
   step.row.theta_rad = std::atan2(z.dot(from.x.cross(x)), from.x.dot(x));
   step.row.a_mm = offset.dot(x);
   step.row.alpha_rad = std::atan2(-n.dot(y), n.dot(z));

@@ -31,8 +31,9 @@ struct AxisStep {
 /// What is not determined comes from outside, so that the row changes smoothly with the axes: the
 /// `relation` (b is zero for parallel and coincident axes), and the sense of the common normal, the
 /// one closer to `x_near`. For coincident axes `x_near` itself is the normal. No other relation
-/// than these two may be given for directions that are parallel to rounding.
+/// than these two may be given for directions that are parallel to rounding. `b_mm`: what b is for
+/// parallel and coincident axes.
 [[nodiscard]] AxisStep step_to(const AxisFrame& from, const Line& next, Relation relation,
-                               const Eigen::Vector3d& x_near);
+                               const Eigen::Vector3d& x_near, double b_mm = 0);
 
 }  // namespace identify

@@ -10,6 +10,10 @@ using Eigen::Vector3d;
 Eigen::Isometry3d Chain::displacement(const Turns& turns) const {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   for (std::size_t j = 0; j < axes.size(); ++j) {
+    if (axes[j].linear) {
+      pose.translate(kLinear_mm * turns[j] * axes[j].direction);
+      continue;
+    }
     const Eigen::Translation3d center(axes[j].point_mm);
     pose = pose * (center * Eigen::AngleAxisd(turns[j], axes[j].direction) * center.inverse());
   }
@@ -90,6 +94,16 @@ void ChainPose::set(std::size_t target, const Turns& turns, bool with_parameters
     }
     if (turns[j] == 0) continue;
     carried = true;
+    if (axis.linear) {
+      const double way = kLinear_mm * turns[j];
+      if (with_parameters) {
+        auto columns = by_parameter.middleCols<4>(parameters.axis(j));
+        columns.setZero();
+        columns.topLeftCorner<3, 2>() = way * (turned * across_[j]);
+      }
+      shift += way * direction[j];
+      continue;
+    }
     const SineOfTurn turn(turns[j]);
     const Vector3d first = turned * across_[j].col(0);
     const Vector3d second = direction[j].cross(first);
@@ -114,6 +128,10 @@ void ChainPose::set(std::size_t target, const Turns& turns, bool with_parameters
   rotation = turned;
   position_mm = turned * chain_->targets_mm[target] + shift;
   for (std::size_t j = 0; j < joints; ++j) {
+    if (chain_->axes[j].linear) {
+      by_turn[j] << kLinear_mm * direction[j], Vector3d::Zero();
+      continue;
+    }
     by_turn[j].head<3>() = direction[j].cross(position_mm - point[j]);
     by_turn[j].tail<3>() = direction[j];
   }
@@ -125,6 +143,7 @@ void ChainPose::set(std::size_t target, const Turns& turns, bool with_parameters
       columns.setZero();
       continue;
     }
+    if (chain_->axes[j].linear) continue;
     const Vector3d arm = position_mm - point[j];
     for (Eigen::Index k = 0; k < 2; ++k)
       columns.col(k).head<3>() = columns.col(k).tail<3>().cross(arm);

@@ -9,13 +9,16 @@
 
 namespace identify {
 
-/// How far each joint has turned from home, positive rotation, rad.
+/// How far each joint has turned from home, positive rotation, rad; a linear one has moved by
+/// kLinear_mm times that.
 using Turns = std::array<double, kMostJoints>;
 
-/// A joint axis at home: rotation about the unit `direction` through the point.
+/// A joint axis at home: rotation about the unit `direction` through the point, or, of a linear
+/// joint, translation along it: the point says nothing then.
 struct ChainAxis {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
   Eigen::Vector3d point_mm = Eigen::Vector3d::Zero();
+  bool linear = false;
 };
 
 /// What a joint gives way under a load farther out: `rad` times the load's lever about it, in
@@ -30,7 +33,8 @@ struct ChainSag {
 
 /// A robot as a product of exponentials (Brockett 1984; Lynch & Park, Modern Robotics, eq. 4.14):
 ///   x(q) = exp(xi_1 q_1) ... exp(xi_n q_n) x(0),
-/// where all joints stand at home for q = 0, and everything is in the measurement frame.
+/// where all joints stand at home for q = 0, and everything is in the measurement frame. The twist
+/// of a linear joint is (v, w) = (kLinear_mm * direction, 0) (ibid., eq. 3.85).
 struct Chain {
   std::vector<ChainAxis> axes;                         ///< joint 1 first
   std::vector<Eigen::Vector3d> targets_mm;             ///< the target points at home
@@ -54,6 +58,7 @@ struct Chain {
 /// The parameters of a chain, as small changes from where it is: four an axis, joint 1 first
 /// (turning the direction towards the first and second vector of `across`, rad; shifting the point
 /// along them, mm), then the targets (mm), then a rotation of the tool in the measurement frame.
+/// A linear joint's point changes nothing: its columns are zero.
 struct ChainParameters {
   std::size_t joints = 0;
   std::size_t targets = 0;

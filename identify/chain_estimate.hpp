@@ -110,6 +110,9 @@ struct ChainEstimate {
   /// Of all axes' (direction, point), six rows a joint, then three a target, then,
   /// with orientation, three of the tool's rotation in the measurement frame.
   Eigen::MatrixXd covariance;
+  /// With linear joints: how (direction, point) of the table's axes, six rows a joint, change with
+  /// the first target only because convention places theirs by it. Else empty.
+  Eigen::MatrixXd by_target;
   /// What each cause has of it; together they are it.
   struct Part {
     Cause cause = Cause::noise;

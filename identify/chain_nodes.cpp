@@ -34,15 +34,10 @@ ChainObservation mean_at(const StrokeMoments& stroke, const StrokeMoments::Node&
   // Along the arc, not along its tangent.
   const double ahead = mean(3) / stroke.circle.radius_mm;
   const double told = node.turn_rad - (stroke.about ? stroke.sense * ahead : 0);
-  const Vector3d outward = Eigen::AngleAxisd(stroke.about ? 0 : ahead, stroke.circle.normal) *
-                           Vector3d(directions.row(0));
-  seen.position_mm = stroke.circle.center_mm + (stroke.circle.radius_mm + mean(1)) * outward +
-                     mean(2) * stroke.circle.normal;
+  seen.position_mm = stroke.place(node.turn_rad, {mean(1), mean(2), stroke.about ? 0.0 : mean(3)});
   if (errors == 6) {
     const Vector3d off = directions.transpose() * mean.segment<3>(4);
-    const Matrix3d reference =
-        Eigen::AngleAxisd(stroke.sense * (told - stroke.zero_rad), stroke.circle.normal) *
-        stroke.orientation;
+    const Matrix3d reference = stroke.turned(told - stroke.zero_rad) * stroke.orientation;
     seen.orientation = Eigen::AngleAxisd(off.norm(), off.stableNormalized()) * reference;
   }
   for (std::size_t k = 0; k < stroke.content.joints; ++k)
@@ -156,7 +151,8 @@ ChainNodes chain_nodes(const Identification& circles,
   home.resize(joints);
   std::vector<StrokeMoments> strokes;
   for (const ChainSweep& one : sweeps) {
-    auto stroke = moments_of(*one.sweep, {one.joint, with_angles ? joints : 0, with_orientation});
+    auto stroke = moments_of(*one.sweep, {one.joint, with_angles ? joints : 0, with_orientation,
+                                          axes[one.joint]->linear});
     if (!stroke) continue;
     // A joint that was never seen locked is at home where its first sweep begins.
     if (with_angles && !home[one.joint]) home[one.joint] = one.sweep->first().angles_rad[one.joint];

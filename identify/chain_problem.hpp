@@ -209,7 +209,9 @@ class ChainProblem {
           const auto home = polynomials(range.place(home_turns[seen.joint]));
           const Eigen::Vector3d from = seen.position_mm - stroke.circle.center_mm;
           const Eigen::Vector3d& axial = stroke.circle.normal;
-          const Eigen::Vector3d radial = (from - axial.dot(from) * axial).normalized();
+          const Eigen::Vector3d radial =
+              stroke.linear ? stroke.arm
+                            : Eigen::Vector3d((from - axial.dot(from) * axial).normalized());
           const Eigen::Index at = shared + columns_.figure * static_cast<Eigen::Index>(seen.target);
           for (Eigen::Index m = 0; m < kFigureOrders; ++m) {
             const double value = here(m + 1) - home(m + 1);
@@ -277,7 +279,7 @@ class ChainProblem {
         bool turned = j == first.joint;
         for (std::size_t i = begin; i < end && !turned; ++i)
           turned = nodes_.observations[i].turns[j] != 0;
-        if (turned) add(parameters.axis(j), 4);
+        if (turned) add(parameters.axis(j), chain.axes[j].linear ? 2 : 4);
       }
       add(parameters.target(first.target), 3);
       if constexpr (Size == 6) add(parameters.tool(), 3);

@@ -10,6 +10,7 @@
 #include "identify/meeting_point.hpp"
 #include "identify/points.hpp"
 #include "identify/robust_circle.hpp"
+#include "identify/sample.hpp"
 
 namespace identify {
 namespace {
@@ -18,6 +19,7 @@ using Eigen::Vector3d;
 
 /// A target close to the axis tells nothing of where along its circle it is.
 bool hardly_moves(const Sweep& sweep, const ChainAxis& axis) {
+  if (axis.linear) return false;
   constexpr double kLeastRadius_mm = 1;
   std::vector<Vector3d> places;
   for (const Sample& sample : *sweep.samples) {
@@ -41,8 +43,10 @@ double turned_by(const Sweep& sweep, const CircleFit& circle) {
   return circle.normal.dot(places[0].cross(places[1]) + places[1].cross(places[2]));
 }
 
-double angle_about(const Vector3d& axis, const Vector3d& from, const Vector3d& to) {
-  return std::atan2(axis.dot(from.cross(to)), from.dot(to) - axis.dot(from) * axis.dot(to));
+double turn_between(const ChainAxis& axis, const Vector3d& from, const Vector3d& to) {
+  const Vector3d& z = axis.direction;
+  if (axis.linear) return z.dot(to - from) / kLinear_mm;
+  return std::atan2(z.dot(from.cross(to)), from.dot(to) - z.dot(from) * z.dot(to));
 }
 
 }  // namespace
@@ -51,6 +55,8 @@ std::vector<std::optional<ChainAxis>> starting_axes(const Identification& circle
   std::vector<std::optional<ChainAxis>> axes;
   for (const JointResult& joint : circles.joints) {
     axes.emplace_back();
+    if (joint.line && joint.axis)
+      axes.back() = ChainAxis{joint.axis->direction, joint.line->point_mm, true};
     if (!joint.circle) continue;
     std::vector<Sweep> used;
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
@@ -161,8 +167,10 @@ std::vector<Vector3d> starting_targets(const Chain& chain,
         places.emplace_back(chain.axes[j].direction.dot(point - chain.axes[j].point_mm),
                             circle.arm(point).norm(), 0);
       const Vector3d middle = median(places);
-      circle.on_it_mm = chain.axes[j].point_mm + middle(0) * chain.axes[j].direction +
-                        middle(1) * chain.axes[j].direction.unitOrthogonal();
+      circle.on_it_mm = chain.axes[j].linear
+                            ? median(arcs[j])
+                            : chain.axes[j].point_mm + middle(0) * chain.axes[j].direction +
+                                  middle(1) * chain.axes[j].direction.unitOrthogonal();
       circles.push_back(circle);
     }
     Vector3d best = meeting_point(circles);
@@ -184,7 +192,7 @@ std::vector<Vector3d> starting_targets(const Chain& chain,
     std::fill_n(after.begin(), sample.joint + 1, 0.0);
     const Vector3d arm = chain.displacement(before).inverse() * sample.position_mm - axis.point_mm;
     const Vector3d from = chain.displacement(after) * found[sample.target] - axis.point_mm;
-    sample.turns[sample.joint] = angle_about(axis.direction, from, arm);
+    sample.turns[sample.joint] = turn_between(axis, from, arm);
   }
   return found;
 }

@@ -14,7 +14,7 @@ inline constexpr double kSameHome_rad = 0.5 * kDegree;
 
 /// An axis for each joint to start from, by a robust circle of the sweeps that the circles used;
 /// it points as the circle's does. Nothing where there is no circle, or hardly one: direction
-/// uncertain by more than a degree.
+/// uncertain by more than a degree. Of a linear joint, the line.
 [[nodiscard]] std::vector<std::optional<ChainAxis>> starting_axes(const Identification& circles);
 
 /// A sweep that the chain uses.

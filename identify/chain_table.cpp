@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "identify/cross_matrix.hpp"
+#include "identify/placed_axes.hpp"
 
 namespace identify {
 namespace {
@@ -63,6 +64,7 @@ TableAxes table_axes(const ChainEstimate& chain, const Campaign& campaign) {
     axes.z.push_back(Axis{z, chain.chain.targets_mm.front()});
   }
   axes.by_estimate = map;
+  axes.by_target = chain.by_target;
   axes.covariance = map.lazyProduct(MatrixXd(chain.covariance.lazyProduct(map.transpose())));
   if (chain.with_orientation) axes.z.back()->covariance = axes.covariance.bottomRightCorner<6, 6>();
   return axes;
@@ -73,8 +75,11 @@ std::vector<DhEstimate> table_of(const TableAxes& axes, std::size_t joints,
   const std::vector<std::optional<Axis>> of_joints(
       axes.z.begin(), axes.z.begin() + static_cast<std::ptrdiff_t>(joints));
   const auto count = static_cast<Index>(6 * joints);
-  return extract_dh(of_joints, axes.size_mm, specified,
-                    axes.covariance.topLeftCorner(count, count));
+  auto table =
+      extract_dh(of_joints, axes.size_mm, specified, axes.covariance.topLeftCorner(count, count));
+  if (axes.by_target.size() > 0)
+    leave_to_target(table, of_joints, axes.by_target, specified, axes.size_mm);
+  return table;
 }
 
 void leave_first_to_frame(std::vector<DhEstimate>& table, const std::vector<DhRow>& specified) {

@@ -18,6 +18,7 @@ struct TableAxes {
   std::vector<std::optional<Axis>> z;
   Eigen::MatrixXd covariance;   ///< of all (direction, point), six rows an axis
   Eigen::MatrixXd by_estimate;  ///< how these change with what the estimate's covariance is of
+  Eigen::MatrixXd by_target;    ///< as in ChainEstimate
   double size_mm = 0;           ///< of the arm: the largest distance between axes, targets
 };
 [[nodiscard]] TableAxes table_axes(const ChainEstimate& chain, const Campaign& campaign);

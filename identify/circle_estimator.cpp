@@ -6,9 +6,12 @@
 #include <Eigen/Geometry>
 
 #include "identify/axis_senses.hpp"
+#include "identify/circle_axes.hpp"
 #include "identify/dh_comparison.hpp"
 #include "identify/home.hpp"
+#include "identify/linear_joint.hpp"
 #include "identify/number_text.hpp"
+#include "identify/placed_axes.hpp"
 #include "identify/points.hpp"
 
 namespace identify {
@@ -35,7 +38,7 @@ class Circles {
       result_.home_rad.assign(campaign_.declared_home_rad.begin(),
                               campaign_.declared_home_rad.end());
     for (std::size_t j = 0; j < campaign_.joints; ++j) fit(j);
-    judge_axes();
+    set_circle_axes(result_, campaign_.resolution);
     extract();
     summarise();
     return std::move(result_);
@@ -63,10 +66,12 @@ class Circles {
 
   void fit(std::size_t j) {
     JointResult& joint = result_.joints[j];
+    joint.linear = campaign_.specified && campaign_.specified->is_linear(j);
     SweepDefect worst = SweepDefect::none;
     std::size_t elsewhere = 0;
-    for (const Sweep& sweep : sweeps_) {
-      if (sweep.joint != j) continue;
+    for (const Sweep& given : sweeps_) {
+      if (given.joint != j) continue;
+      const Sweep sweep = judged_as_line(given, joint.linear);
       if (sweep.defect != SweepDefect::none) {
         worst = sweep.defect;
         continue;
@@ -83,7 +88,7 @@ class Circles {
                  ": the other joints stood elsewhere than in the other "
                  "sweeps: lock them at one common home pose");
       else if (worst != SweepDefect::none)
-        warn(code(worst), j, joint_name(j) + ": " + std::string(remedy(worst)));
+        warn(code(worst), j, joint_name(j) + ": " + std::string(remedy(worst, joint.linear)));
       else
         warn("joint_never_moved", j, joint_name(j) + " was never swept alone");
       return;
@@ -94,47 +99,55 @@ class Circles {
       first_target = std::min(first_target, joint.sweeps[s].target);
     }
     joint.circle_target = first_target;
-    const Matrix3Xd points = used_points(j, first_target);
+    const Matrix3Xd points = used_points(joint, first_target);
     if (points.cols() == 0) {
       positions_missing_ = true;
       return;
     }
+    if (fit_as_line(j, points)) return;
     joint.circle = fit_circle(points);
     if (!joint.circle) {
-      warn("not_an_arc", j, joint_name(j) + ": " + std::string(remedy(SweepDefect::not_an_arc)));
+      warn("not_an_arc", j,
+           joint_name(j) + ": " + std::string(remedy(SweepDefect::not_an_arc, false)));
       return;
     }
-    orient(j);
+    const CircleFit& circle = *joint.circle;
+    const bool against = orient(j, [&](const Vector3d& from, const Vector3d& way) -> double {
+      return circle.normal.dot((from - circle.center_mm).cross(way));
+    });
+    if (against) joint.circle->normal = -joint.circle->normal;
+  }
+
+  /// Of a linear joint. Without a line there is none, or it is described so and turns.
+  bool fit_as_line(std::size_t j, const Matrix3Xd& points) {
+    JointResult& joint = result_.joints[j];
+    std::vector<Sweep> used;
+    for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
+      if (joint.used[s] && joint.sweeps[s].target == joint.circle_target)
+        used.push_back(joint.sweeps[s]);
+    LinearVerdict verdict = linear_verdict(
+        points, used, j,
+        campaign_.specified ? std::optional(campaign_.specified->is_linear(j)) : std::nullopt);
+    if (!verdict.contradiction.empty())
+      result_.doubts.push_back({"joint_type_contradicted", j, std::move(verdict.contradiction)});
+    joint.linear = verdict.line.has_value();
+    if (!joint.linear) return false;
+    joint.line = std::move(verdict.line);
+    Vector3d& along = joint.line->direction;
+    if (orient(j, [&](const Vector3d&, const Vector3d& way) { return along.dot(way); }))
+      along = -along;
+    return true;
   }
 
   static constexpr std::size_t kNoTarget = static_cast<std::size_t>(-1);
 
-  /// Positions of the used sweeps of one target, or of all.
-  Matrix3Xd used_points(std::size_t j, std::size_t target = kNoTarget) const {
-    const JointResult& joint = result_.joints[j];
-    const auto wanted = [&](std::size_t s) {
-      return joint.used[s] && (target == kNoTarget || joint.sweeps[s].target == target);
-    };
-    Eigen::Index count = 0;
-    for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
-      if (wanted(s)) count += static_cast<Eigen::Index>(joint.sweeps[s].samples->size());
-    Matrix3Xd points(3, count);
-    count = 0;
-    for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
-      if (wanted(s))
-        for (const Sample& sample : *joint.sweeps[s].samples)
-          if (sample.has_position) points.col(count++) = sample.position_mm;
-    points.conservativeResize(3, count);
-    return points;
-  }
-
-  /// Turns the normal to positive rotation of the joint: pooled strokes run both ways, and so may
-  /// one. Where angles are told, what was swept as they rose counts against what was as they fell;
-  /// where not, a stroke's direction.
-  void orient(std::size_t j) {
+  /// Whether the fit points against the joint's positive rotation (or way), by how far each step
+  /// goes along it: pooled strokes run both ways, and so may one. Where angles are told, what was
+  /// swept as they rose counts against what was as they fell; where not, a stroke's direction.
+  template <class Along>
+  bool orient(std::size_t j, const Along& along) {
     JointResult& joint = result_.joints[j];
-    Vector3d by_angles = Vector3d::Zero(), by_direction = Vector3d::Zero(),
-             by_motion = by_direction;
+    double by_angles = 0, by_direction = 0, by_motion = 0;
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
       const Sweep& sweep = joint.sweeps[s];
       if (!joint.used[s] || sweep.target != joint.circle_target) continue;
@@ -142,8 +155,7 @@ class Circles {
       for (const Sample& sample : *sweep.samples) {
         if (!sample.has_position) continue;
         if (before != nullptr) {
-          const Vector3d swept = (before->position_mm - joint.circle->center_mm)
-                                     .cross(sample.position_mm - before->position_mm);
+          const double swept = along(before->position_mm, sample.position_mm - before->position_mm);
           if (sample.joints > j && before->joints > j)
             by_angles += (sample.angles_rad[j] - before->angles_rad[j]) * swept;
           by_direction += sweep.direction * swept;
@@ -152,13 +164,10 @@ class Circles {
         before = &sample;
       }
     }
-    joint.sense_by = !by_angles.isZero(0)      ? SenseBy::angles
-                     : !by_direction.isZero(0) ? (senses_told() ? SenseBy::plan : SenseBy::nothing)
-                                               : SenseBy::nothing;
-    const Vector3d& turned = !by_angles.isZero(0)      ? by_angles
-                             : !by_direction.isZero(0) ? by_direction
-                                                       : by_motion;
-    if (turned.dot(joint.circle->normal) < 0) joint.circle->normal = -joint.circle->normal;
+    joint.sense_by = by_angles != 0      ? SenseBy::angles
+                     : by_direction != 0 ? (senses_told() ? SenseBy::plan : SenseBy::nothing)
+                                         : SenseBy::nothing;
+    return (by_angles != 0 ? by_angles : by_direction != 0 ? by_direction : by_motion) < 0;
   }
 
   [[nodiscard]] bool senses_told() const { return !directions_assigned_ || senses_found_; }
@@ -166,49 +175,6 @@ class Circles {
   [[nodiscard]] static std::size_t first_used(const JointResult& joint) {
     return static_cast<std::size_t>(std::find(joint.used.begin(), joint.used.end(), true) -
                                     joint.used.begin());
-  }
-
-  /// The noise of a joint's fit is not below that of its neighbours: a target near an axis leaves
-  /// small residuals and a wrong normal.
-  double usual_noise(double CircleFit::*rms) const {
-    std::vector<double> all;
-    for (const JointResult& joint : result_.joints)
-      if (joint.circle) all.push_back((*joint.circle).*rms);
-    if (all.empty()) return 0;
-    std::nth_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2),
-                     all.end());
-    return all[all.size() / 2];
-  }
-
-  void judge_axes() {
-    const double plane = usual_noise(&CircleFit::plane_rms_mm);
-    const double radial = usual_noise(&CircleFit::radial_rms_mm);
-    const double quantum = campaign_.resolution.position_mm / std::sqrt(12.0);
-    for (std::size_t j = 0; j < campaign_.joints; ++j) {
-      JointResult& joint = result_.joints[j];
-      if (!joint.circle) continue;
-      const CircleFit& circle = *joint.circle;
-      Axis axis{circle.normal, circle.center_mm,
-                axis_covariance(circle, used_points(j, joint.circle_target),
-                                std::max({circle.plane_rms_mm, plane, quantum}),
-                                std::max({circle.radial_rms_mm, radial, quantum}))};
-      if (axis.direction_sigma_rad() < kWorstDirection_rad) joint.axis = std::move(axis);
-    }
-  }
-
-  /// Where the robot's own size matters, an upper estimate from the points will do.
-  double size_mm() const {
-    std::vector<Vector3d> places;
-    for (const JointResult& joint : result_.joints) {
-      if (!joint.circle) continue;
-      places.push_back(joint.circle->center_mm);
-      places.push_back(joint.circle->center_mm +
-                       joint.circle->radius_mm * joint.circle->normal.unitOrthogonal());
-    }
-    double size = 1;
-    for (const auto& a : places)
-      for (const auto& b : places) size = std::max(size, (a - b).norm());
-    return size;
   }
 
   void extract() {
@@ -224,8 +190,7 @@ class Circles {
     std::vector<std::optional<Axis>> positive;
     for (const JointResult& joint : result_.joints) positive.push_back(joint.axis);
     if (campaign_.specified) settle_senses(positive, turned);
-    const auto z = turned(positive);
-    result_.dh = extract_dh(z, size_mm(), result_.specified);
+    result_.dh = placed_table(turned(positive), result_.specified, size_by_circles_mm(result_));
   }
 
   /// Turns axes whose sense nothing certain tells as they agree with the specified table.
@@ -242,8 +207,10 @@ class Circles {
       return axes;
     };
     if (!senses.ambiguous.empty()) {
-      const auto table = extract_dh(turned(with(senses.senses)), size_mm(), result_.specified);
-      const auto other = extract_dh(turned(with(senses.other)), size_mm(), result_.specified);
+      const auto best =
+          placed_table(turned(with(senses.senses)), result_.specified, size_by_circles_mm(result_));
+      const auto other =
+          placed_table(turned(with(senses.other)), result_.specified, size_by_circles_mm(result_));
       std::string joints;
       for (const std::size_t j : senses.ambiguous)
         joints += (joints.empty() ? "" : ", ") + std::to_string(j + 1);
@@ -251,7 +218,7 @@ class Circles {
                       std::string(senses.ambiguous.size() > 1 ? "s " : " ") + joints +
                       (senses.ambiguous.size() > 1 ? " turn" : " turns");
       warn("direction_ambiguous", senses.ambiguous.front(),
-           result_.doubt + ": " + differing_numbers(table, other) +
+           result_.doubt + ": " + differing_numbers(best, other) +
                "; record joint angles, or give the plan that was run and the home pose");
     }
     for (const std::size_t j : senses.against)
@@ -284,11 +251,10 @@ class Circles {
     if (!campaign_.specified) return;
     result_.specified = campaign_.specified->rows;
     for (std::size_t j = 0; j < campaign_.joints; ++j)
-      if (result_.home_rad[j])
-        result_.specified[j].theta_rad =
-            wrapped(result_.specified[j].theta_rad +
-                    campaign_.specified->positive[j] *
-                        (*result_.home_rad[j] - campaign_.specified->home_rad[j]));
+      if (result_.home_rad[j]) {
+        result_.specified[j] = campaign_.specified->row_at(j, *result_.home_rad[j]);
+        result_.specified[j].theta_rad = wrapped(result_.specified[j].theta_rad);
+      }
   }
 
   void summarise() {
@@ -302,7 +268,7 @@ class Circles {
         continue;
       }
       ++axes;
-      points.push_back(used_points(j));
+      points.push_back(used_points(result_.joints[j]));
       result_.joints[j].box = minimum_bounding_box(points.back());
       count += points.back().cols();
     }

@@ -1,5 +1,7 @@
 #include "identify/dh.hpp"
 
+#include "identify/sample.hpp"
+
 namespace identify {
 
 Eigen::Isometry3d transform(const DhRow& row) {
@@ -12,13 +14,20 @@ Eigen::Isometry3d transform(const DhRow& row) {
       AngleAxisd(row.beta_rad, Vector3d::UnitY()));
 }
 
+DhRow Arm::row_at(std::size_t joint, double angle_rad) const {
+  DhRow row = rows[joint];
+  const double turn = positive[joint] * (angle_rad - home_rad[joint]);
+  if (is_linear(joint))
+    row.b_mm += kLinear_mm * turn;
+  else
+    row.theta_rad += turn;
+  return row;
+}
+
 Eigen::Isometry3d forward_kinematics(const Arm& arm, const std::vector<double>& angles_rad) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  for (std::size_t i = 0; i < arm.rows.size(); ++i) {
-    DhRow row = arm.rows[i];
-    row.theta_rad += arm.positive[i] * (angles_rad[i] - arm.home_rad[i]);
-    pose = pose * transform(row);
-  }
+  for (std::size_t i = 0; i < arm.rows.size(); ++i)
+    pose = pose * transform(arm.row_at(i, angles_rad[i]));
   return pose;
 }
 

@@ -21,16 +21,25 @@ struct DhRow {
 /// Pose of frame i+1 in frame i.
 [[nodiscard]] Eigen::Isometry3d transform(const DhRow& row);
 
-/// An arm of revolute joints as its maker specifies it. Frame 1 is the robot's base.
+/// An arm as its maker specifies it. Frame 1 is the robot's base. A joint that turns changes theta
+/// of its row; a linear one changes b.
 struct Arm {
-  std::vector<DhRow> rows;       ///< one a joint; theta as it is at `home_rad`
-  std::vector<double> home_rad;  ///< the controller's joint angles that belong to the rows' thetas
-  /// +1 where the controller's positive rotation is about +Z_i of the row, -1 where about -Z_i.
+  std::vector<DhRow> rows;  ///< one a joint; theta, of a linear joint b, as it is at `home_rad`
+  /// The controller's joint angles that belong to the rows; of linear joints mm * kDegree.
+  std::vector<double> home_rad;
+  /// +1 where the controller's positive rotation is about (way along) +Z_i of the row, -1 where
+  /// about (along) -Z_i.
   std::vector<int> positive;
   /// The target point in the frame after the last row.
   Eigen::Vector3d tool_mm = Eigen::Vector3d::Zero();
+  std::vector<bool> linear;  ///< one a joint, or none: all joints turn
 
   [[nodiscard]] std::size_t joints() const { return rows.size(); }
+  [[nodiscard]] bool is_linear(std::size_t joint) const {
+    return joint < linear.size() && linear[joint];
+  }
+  /// The row of a joint whose controller's angle is `angle_rad`.
+  [[nodiscard]] DhRow row_at(std::size_t joint, double angle_rad) const;
 };
 
 /// Pose of the frame after the last row in the base, for the controller's joint angles `angles_rad`

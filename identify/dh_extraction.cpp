@@ -28,6 +28,10 @@ double angle_across(const Vector3d& axis, const Vector3d& from, const Vector3d& 
 struct Choice {
   Relation relation = Relation::unknown;
   double sign = 1;  // of the common normal
+  /// The first axis is a linear joint's beside a parallel one: its place, and where X points, are
+  /// by convention.
+  bool held = false;
+  double theta_rad = 0;  // where held
 };
 
 /// Where a frame stands: its Z is an axis.
@@ -44,7 +48,9 @@ Frame frame_on(const Line& axis) {
 
 /// The DH numbers (b, theta, a, alpha, beta) that take `frame` on the first axis to the next frame
 /// on the second; `frame` becomes that.
-Vector5d advance(const Line& first, const Line& second, const Choice& choice, Frame& frame) {
+Vector5d advance(const Axis& from, const Axis& to, const Choice& choice, Frame& frame) {
+  const Line first = from.line();
+  const Line second = to.line();
   const Vector3d z = first.direction;
   const Vector3d start = second.point_mm();
   // Where the second axis passes a plane through the frame's origin.
@@ -54,7 +60,11 @@ Vector5d advance(const Line& first, const Line& second, const Choice& choice, Fr
   };
   Vector3d foot = frame.origin;
   Frame next;
-  if (choice.relation == Relation::skew || choice.relation == Relation::intersecting) {
+  if (choice.held) {
+    foot += z * z.dot(from.point_mm - foot);
+    next.origin = start + second.direction * (z.dot(foot - start) / z.dot(second.direction));
+    next.x = Eigen::AngleAxisd(choice.theta_rad, z) * frame.x;
+  } else if (choice.relation == Relation::skew || choice.relation == Relation::intersecting) {
     // The plane of the first axis and the common normal: so the row leads to the second axis even
     // where rounding moves the feet along both.
     next.x = choice.sign * turned_across(z.cross(second.direction), z);
@@ -77,11 +87,20 @@ Vector5d advance(const Line& first, const Line& second, const Choice& choice, Fr
 }
 
 Choice choose(const Axis& first, const Axis& second, double size, const DhRow* specified) {
-  Choice choice{relation_between(first, second, size), 1};
+  Choice choice;
+  choice.relation = relation_between(first, second, size);
   if (choice.relation == Relation::unknown) return choice;
+  choice.held = first.linear &&
+                (choice.relation == Relation::parallel || choice.relation == Relation::coincident);
+  if (choice.held) {
+    if (specified != nullptr) choice.theta_rad = specified->theta_rad;
+    return choice;
+  }
   const auto numbers = [&](double sign) {
     Frame frame = frame_on(first.line());
-    return advance(first.line(), second.line(), {choice.relation, sign}, frame);
+    Choice with = choice;
+    with.sign = sign;
+    return advance(first, second, with, frame);
   };
   const Vector5d plus = numbers(1);
   if (specified != nullptr) {
@@ -112,7 +131,7 @@ std::vector<Vector5d> rows_of(const Run& run) {
   std::vector<Vector5d> rows;
   Frame frame = frame_on(run.axes.front().line());
   for (std::size_t i = 0; i + 1 < run.axes.size(); ++i)
-    rows.push_back(advance(run.axes[i].line(), run.axes[i + 1].line(), run.choices[i], frame));
+    rows.push_back(advance(run.axes[i], run.axes[i + 1], run.choices[i], frame));
   return rows;
 }
 
@@ -232,22 +251,26 @@ void fill(const Run& run, const MatrixXd& covariance, double size, std::vector<D
     const auto convention = [&](Eigen::Index k) {
       return DhNumber{rows[i](k), 0, Knowledge::by_convention};
     };
-    const bool coincident = choice.relation == Relation::coincident;
-    const bool parallel = choice.relation == Relation::parallel || coincident;
+    const bool linear = run.axes[i].linear;
+    const bool coincident = choice.relation == Relation::coincident && !choice.held;
+    const bool parallel =
+        choice.relation == Relation::parallel || choice.relation == Relation::coincident;
     row.relation = choice.relation;
     // Where the axes coincide their common normal points anywhere, and so do angles about it.
-    row.a_mm = coincident ? convention(2) : number(2);
+    row.a_mm = coincident || linear ? convention(2) : number(2);
     row.alpha_rad = coincident ? convention(3) : number(3);
     row.beta_rad = !parallel ? conventional() : coincident ? convention(4) : number(4);
     const bool x_was_meaningful = x_meaningful;
     x_meaningful = !coincident;
-    if (x_known) row.theta_rad = x_was_meaningful && x_meaningful ? number(1) : convention(1);
+    if (x_known)
+      row.theta_rad = x_was_meaningful && x_meaningful && !choice.held ? number(1) : convention(1);
     x_known = true;
     if (parallel) {
-      row.b_mm = conventional();
+      row.b_mm = choice.held ? convention(0) : conventional();
       continue;
     }
-    if (origin_known) row.b_mm = number(0);
+    const bool placed = i > 0 && run.axes[i - 1].linear;
+    if (origin_known) row.b_mm = placed ? convention(0) : number(0);
     origin_known = true;
   }
 }
@@ -283,9 +306,10 @@ std::vector<DhEstimate> extract_dh(const std::vector<std::optional<Axis>>& axes,
         own.block<6, 6>(k, k) = run.axes[static_cast<std::size_t>(k / 6)].covariance;
     fill(run, own, size, table);
   }
+  for (std::size_t i = 0; i < axes.size(); ++i) table[i].linear = axes[i] && axes[i]->linear;
   if (!table.empty())
-    table.back() = {conventional(), conventional(), conventional(),
-                    conventional(), conventional(), Relation::last};
+    table.back() = {conventional(), conventional(), conventional(),     conventional(),
+                    conventional(), Relation::last, table.back().linear};
   return table;
 }
 

@@ -27,6 +27,7 @@ struct DhEstimate {
   DhNumber alpha_rad;
   DhNumber beta_rad;  ///< zero by convention unless the axes are parallel or coincident
   Relation relation = Relation::unknown;
+  bool linear = false;  ///< the joint's variable is b, and theta is constant
 };
 
 /// b, theta, a, alpha, beta of a row.
@@ -49,6 +50,10 @@ struct DhEstimate {
 /// or the relation of two is unknown, the numbers that need it stay undetermined, and so does a
 /// number of which the data say nothing: an angle uncertain by a radian, a length uncertain by the
 /// arm's size and a metre. Every number that is not undetermined is finite.
+///
+/// The place of a linear joint's axis is by convention (see placed_axes.hpp, which gives it), and
+/// with it a of its row and b of the next; beside a parallel axis also b and theta of its row: X
+/// points as before, turned by the specified theta, and beta carries what is not quite parallel.
 ///
 /// Axes point as they are given. The sign of each common normal is the one that agrees with
 /// `specified` (empty or one row an axis); without it a >= 0, and 0 < alpha < pi where a vanishes.

@@ -35,6 +35,12 @@ void set_fitted_axes(ChainEstimate& estimate, const ChainFit& fit, const std::ve
     if (!known[j]) continue;
     ChainAxis& axis = estimate.chain.axes[j];
     const auto basis = across(axis.direction);
+    if (axis.linear) {  // its place: where the target passes, until convention gives it one
+      axis.point_mm = estimate.chain.targets_mm.front();
+      by_parameter.block<3, 2>(static_cast<Index>(6 * j), parameters.axis(j)) = basis;
+      by_parameter.block<3, 3>(static_cast<Index>(6 * j + 3), parameters.target(0)).setIdentity();
+      continue;
+    }
     const double along = axis.direction.dot(estimate.chain.targets_mm.front() - axis.point_mm);
     const auto row = static_cast<Index>(6 * j);
     by_parameter.block<3, 2>(row, parameters.axis(j)) = basis;
@@ -46,19 +52,26 @@ void set_fitted_axes(ChainEstimate& estimate, const ChainFit& fit, const std::ve
   for (std::size_t k = 0; k < fit.chain.zero_rad.size(); ++k) {
     const ChainAxis& turning = fit.chain.axes[k];
     const auto column = zeros + static_cast<Index>(k);
-    const auto moves = [&](const Eigen::Vector3d& point) {
+    const auto moves = [&](const Eigen::Vector3d& point) -> Eigen::Vector3d {
+      if (turning.linear) return kLinear_mm * turning.direction;
       return turning.direction.cross(point - turning.point_mm);
     };
+    const Eigen::Vector3d turns =
+        turning.linear ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : turning.direction;
     for (std::size_t j = k + 1; j < joints; ++j) {
       const auto row = static_cast<Index>(6 * j);
       const ChainAxis& axis = estimate.chain.axes[j];
-      by_parameter.block<3, 1>(row, column) = turning.direction.cross(axis.direction);
+      by_parameter.block<3, 1>(row, column) = turns.cross(axis.direction);
       by_parameter.block<3, 1>(row + 3, column) = moves(axis.point_mm);
     }
     for (std::size_t t = 0; t < targets; ++t)
       by_parameter.block<3, 1>(static_cast<Index>(6 * joints + 3 * t), column) =
           moves(estimate.chain.targets_mm[t]);
-    if (estimate.with_orientation) by_parameter.block<3, 1>(tool, column) = turning.direction;
+    for (std::size_t j = 0; j < std::min(k + 1, joints); ++j)
+      if (known[j] && estimate.chain.axes[j].linear)
+        by_parameter.block<3, 1>(static_cast<Index>(6 * j + 3), column) =
+            moves(estimate.chain.targets_mm.front());
+    if (estimate.with_orientation) by_parameter.block<3, 1>(tool, column) = turns;
   }
   for (std::size_t t = 0; t < targets; ++t)
     by_parameter.block<3, 3>(static_cast<Index>(6 * joints + 3 * t), parameters.target(t)) =
@@ -77,7 +90,7 @@ void set_fitted_axes(ChainEstimate& estimate, const ChainFit& fit, const std::ve
     if (!known[j]) continue;
     const auto row = static_cast<Index>(6 * j);
     const Axis axis{estimate.chain.axes[j].direction, estimate.chain.axes[j].point_mm,
-                    estimate.covariance.block<6, 6>(row, row)};
+                    estimate.covariance.block<6, 6>(row, row), estimate.chain.axes[j].linear};
     const bool finite = axis.direction.allFinite() && axis.point_mm.allFinite();
     if (finite && axis.direction_sigma_rad() < kWorstDirection_rad) estimate.axes[j] = axis;
   }

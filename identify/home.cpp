@@ -8,6 +8,7 @@
 
 #include "identify/angle.hpp"
 #include "identify/circle_fit.hpp"
+#include "identify/linear_joint.hpp"
 #include "identify/points.hpp"
 
 namespace identify {
@@ -106,7 +107,11 @@ void mark_positioning(std::vector<Sweep>& sweeps, const std::vector<std::optiona
     }
     const auto& rest = rests[sweep.target];
     if (has_angles(sweep) || !rest) return false;
-    const auto circle = fit_circle(positions(*sweep.samples));
+    const auto points = positions(*sweep.samples);
+    if (const auto line = fit_line(points);
+        line && straightness(*line, {}) == Straightness::straight)
+      return (end.position_mm - *rest).norm() <= kEnd_rad * kLinear_mm;
+    const auto circle = fit_circle(points);
     if (!circle) return false;
     const double tolerance = std::max(kEnd_rad * circle->radius_mm, 2 * resolution.position_mm);
     return (end.position_mm - *rest).norm() <= tolerance;

@@ -10,6 +10,7 @@
 #include "identify/circle_estimator.hpp"
 #include "identify/delay.hpp"
 #include "identify/dh_budget.hpp"
+#include "identify/placed_axes.hpp"
 #include "identify/plausibility.hpp"
 #include "identify/undetermined.hpp"
 
@@ -28,6 +29,7 @@ Identification estimate(std::vector<Sweep> sweeps, const Campaign& campaign) {
   if (!found.chain) found.chain = estimate_chain(found, campaign);
   if (!found.chain) return found;
   const std::size_t joints = found.joints.size();
+  place_linear_axes(*found.chain, campaign, found.specified);
   const TableAxes axes = table_axes(*found.chain, campaign);
   found.chain->dh = table_of(axes, joints, found.specified);
   if (!found.chain->summary.converged) return found;

@@ -12,6 +12,7 @@
 #include "identify/dh.hpp"
 #include "identify/dh_extraction.hpp"
 #include "identify/joint_assignment.hpp"
+#include "identify/line_fit.hpp"
 #include "identify/motion_limit.hpp"
 #include "identify/sweep.hpp"
 #include "identify/warning.hpp"
@@ -71,8 +72,12 @@ struct JointResult {
   std::vector<bool> used;           ///< one a sweep: at the common home, and no positioning
   std::optional<CircleFit> circle;  ///< of the used sweeps of one target
   std::size_t circle_target = 0;
+  /// By the description or the strokes, the joint moves along a line: what is in rad of it (home,
+  /// ranges, its angles' errors) is mm * kDegree.
+  bool linear = false;
+  std::optional<LineFit> line;          ///< in place of the circle
   SenseBy sense_by = SenseBy::nothing;  ///< what tells which way is positive
-  /// Along positive rotation, by the best estimator.
+  /// Along positive rotation (of a linear joint, the way that its mm rise), by the best estimator.
   std::optional<Axis> axis;
   std::optional<BoundingBox> box;  ///< of the samples that were used
 };

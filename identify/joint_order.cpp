@@ -32,9 +32,8 @@ std::vector<Axis> axes_at(const Arm& arm, const std::vector<double>& home_rad) {
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
   for (std::size_t j = 0; j < arm.joints(); ++j) {
     axes.push_back(Axis{arm.positive[j] * frame.linear().col(2), frame.translation()});
-    DhRow row = arm.rows[j];
-    row.theta_rad += arm.positive[j] * (home_rad[j] - arm.home_rad[j]);
-    frame = frame * transform(row);
+    axes.back().linear = arm.is_linear(j);
+    frame = frame * transform(arm.row_at(j, home_rad[j]));
   }
   return axes;
 }
@@ -139,6 +138,11 @@ class OrderSearch {
     return sum;
   }
 
+  /// A linear joint's axis has a direction only.
+  [[nodiscard]] bool placeless(const Placed& one) const {
+    return one.axis.linear || expected_[one.joint].linear;
+  }
+
   /// Angle and distance of two lines.
   [[nodiscard]] double misfit_of(const Placed& first, const Placed& second) const {
     const Axis& wanted_first = expected_[first.joint];
@@ -151,6 +155,7 @@ class OrderSearch {
         direction_[first.given] + direction_[second.given] + (neighbours ? 0 : squared(kPosed_rad));
     const double point = point_[first.given] + point_[second.given];
     double sum = squared(seen.angle_rad - wanted.angle_rad) / (squared(kBuilt_rad) + direction);
+    if (placeless(first) || placeless(second)) return sum;
     const double room = squared(kBuilt_mm) + point + squared(reach_) * direction;
     if (wanted.sine < kParallel)
       sum += squared(offset(first.axis, second.axis) - offset(wanted_first, wanted_second)) / room;
@@ -186,7 +191,8 @@ class OrderSearch {
     const double seen = along(first.axis, middle.axis, last.axis);
     const double wanted =
         along(expected_[first.joint], expected_[middle.joint], expected_[last.joint]);
-    if (least_sine < kParallel) return 0;
+    if (least_sine < kParallel || placeless(first) || placeless(middle) || placeless(last))
+      return 0;
     double direction = squared(kBuilt_rad);
     double point = 2 * squared(kBuilt_mm);
     for (const Placed* placed : {&first, &middle, &last}) {

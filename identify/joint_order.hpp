@@ -31,7 +31,7 @@ struct JointOrders {
 /// With `home_rad`, the angles at which the joints stood (within a degree or two), every two lines
 /// and the handedness of every three count. Without, only what does not depend on the pose: a and
 /// alpha of neighbours, and b.
-/// Axes of `arm` are revolute; at most as many `axes` as it has joints.
+/// Of linear joints only the direction counts. At most as many `axes` as the arm has joints.
 [[nodiscard]] JointOrders orders_that_fit(const std::vector<Axis>& axes, const Arm& arm,
                                           const std::optional<std::vector<double>>& home_rad);
 

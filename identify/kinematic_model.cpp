@@ -49,31 +49,37 @@ Isometry3d placement(const Group& group, ModelForm form) {
   return pose;
 }
 
-Isometry3d exponential(const Group& group, double turn) {
+Isometry3d exponential(const Group& group, double turn, bool linear) {
+  if (linear) return Isometry3d(Translation3d(kLinear_mm * turn * vector(group, "vx", "vy", "vz")));
   const Vector3d w = vector(group, "wx", "wy", "wz");
   const Translation3d point(w.cross(vector(group, "vx", "vy", "vz")));
   return point * AngleAxisd(turn, w) * point.inverse();
 }
 
 /// A joint turned by `turn`, and the link after it (before it in modified DH and URDF).
-Isometry3d link(const Group& group, ModelForm form, double turn) {
+Isometry3d link(const Group& group, ModelForm form, double turn, bool linear) {
   const auto number = [&](std::string_view name) { return value(group, name); };
-  const double about_axis = number("positive") * turn;
+  const double about_axis = linear ? 0 : number("positive") * turn;
+  const double along_axis = linear ? kLinear_mm * number("positive") * turn : 0;
   switch (form) {
     case ModelForm::dh:
     case ModelForm::hayati:
-      return transform({number("b"), number("theta") + about_axis, number("a"), number("alpha"),
-                        number("beta")});
+      return transform({number("b") + along_axis, number("theta") + about_axis, number("a"),
+                        number("alpha"), number("beta")});
     case ModelForm::modified_dh:
       return about_x(number("alpha")) * Translation3d(number("a"), 0, 0) * about_y(number("beta")) *
-             about_z(number("theta") + about_axis) * Translation3d(0, 0, number("b"));
+             about_z(number("theta") + about_axis) * Translation3d(0, 0, number("b") + along_axis);
     case ModelForm::s_model:
-      return about_z(number("beta") + about_axis) * Translation3d(number("a"), 0, number("d")) *
-             about_x(number("alpha")) * about_y(number("hayati_beta")) * about_z(number("gamma")) *
+      return about_z(number("beta") + about_axis) *
+             Translation3d(number("a"), 0, number("d") + along_axis) * about_x(number("alpha")) *
+             about_y(number("hayati_beta")) * about_z(number("gamma")) *
              Translation3d(0, 0, number("b"));
     case ModelForm::exponentials:
-      return exponential(group, turn);
+      return exponential(group, turn, linear);
     case ModelForm::urdf:
+      if (linear)
+        return roll_pitch_yaw(group) *
+               Translation3d(0, 0, number("axis_z") * (number("home") + kLinear_mm * turn));
       return roll_pitch_yaw(group) * about_z(number("axis_z") * (number("home") + turn));
   }
   return Isometry3d::Identity();
@@ -102,7 +108,8 @@ std::string_view text(ModelForm form) noexcept {
 Isometry3d forward_kinematics_without_tool(const KinematicModel& model, const Turns& turns) {
   Isometry3d pose = placement(model.groups.front(), model.form);
   for (std::size_t j = 0; j < model.joints(); ++j)
-    pose = pose * link(model.groups[j + 1], model.form, turns[j]);
+    pose = pose * link(model.groups[j + 1], model.form, turns[j],
+                       j < model.linear.size() && model.linear[j]);
   return pose;
 }
 

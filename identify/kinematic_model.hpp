@@ -13,6 +13,8 @@ namespace identify {
 
 /// How a model writes an arm down. Turns are from home; Z_i is the table's axis of joint i; all but
 /// `exponentials` and `urdf` turn it by positive * turn, where `positive` is one of its numbers.
+/// A linear joint moves along what others turn about: its b (of the S-model its d) grows by
+/// kLinear_mm * positive * turn.
 enum class ModelForm {
   /// Standard DH, the paper's Table 1: a link is Tz(b) Rz(theta) Tx(a) Rx(alpha) Ry(beta).
   dh,
@@ -29,10 +31,11 @@ enum class ModelForm {
   /// bounds, d is zero and Ry(hayati_beta) follows Rx(alpha): seven numbers.
   s_model,
   /// exp of the twist (v, w) times turn, in the measurement frame: w the unit direction along
-  /// positive rotation, v = -w x p; then the tool's pose at home.
+  /// positive rotation, v = -w x p; then the tool's pose at home. Of a linear joint w is zero and v
+  /// the unit direction, times mm.
   exponentials,
   /// A joint's frame in the one before: T(x, y, z) Rz(yaw) Ry(pitch) Rx(roll), then rotation about
-  /// axis_z * Z by the controller's angle; `home` is that angle at home.
+  /// axis_z * Z by the controller's angle; `home` is that angle at home. For a linear joint in mm.
   urdf,
 };
 inline constexpr std::array kModelForms{ModelForm::dh,           ModelForm::modified_dh,
@@ -61,6 +64,7 @@ struct KinematicModel {
   using Group = std::vector<ModelNumber>;
   ModelForm form = ModelForm::dh;
   std::vector<Group> groups;
+  std::vector<bool> linear;  ///< one a joint
 
   [[nodiscard]] std::size_t joints() const { return groups.size() - 2; }
 };

@@ -1,5 +1,6 @@
 #include "identify/meeting_point.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include <Eigen/Cholesky>
@@ -18,6 +19,10 @@ Vector3d AxisCircle::arm(const Vector3d& point) const {
 }
 
 Vector3d AxisCircle::to_circle(const Vector3d& point) const {
+  if (axis.linear) {
+    const Vector3d off = on_it_mm - point;
+    return off - axis.direction * axis.direction.dot(off);
+  }
   const double height = axis.direction.dot(point - on_it_mm);
   const Vector3d here = arm(point);
   const double radius = arm(on_it_mm).norm();
@@ -39,7 +44,9 @@ Vector3d meeting_point(const std::vector<AxisCircle>& circles, Vector3d point) {
     Matrix3d normal = 1e-6 * Matrix3d::Identity();
     Vector3d right = Vector3d::Zero();
     for (const AxisCircle& circle : circles) {
-      const Vector3d tangent = circle.axis.direction.cross(circle.arm(point)).normalized();
+      const Vector3d tangent = circle.axis.linear
+                                   ? circle.axis.direction
+                                   : circle.axis.direction.cross(circle.arm(point)).normalized();
       normal += Matrix3d::Identity() - tangent * tangent.transpose();
       right += circle.to_circle(point);
     }
@@ -54,7 +61,11 @@ Vector3d meeting_point(const std::vector<AxisCircle>& circles, Vector3d point) {
 Vector3d meeting_point(const std::vector<AxisCircle>& circles) {
   Vector3d best = Vector3d::Zero();
   if (circles.empty()) return best;
-  const AxisCircle& first = circles.front();
+  // A line is met from anywhere; circles more than once.
+  const auto turning = std::find_if(circles.begin(), circles.end(),
+                                    [](const AxisCircle& circle) { return !circle.axis.linear; });
+  if (turning == circles.end()) return meeting_point(circles, circles.front().on_it_mm);
+  const AxisCircle& first = *turning;
   if (circles.size() == 1) return first.on_it_mm;
   double least = std::numeric_limits<double>::infinity();
   constexpr int kPlaces = 72;

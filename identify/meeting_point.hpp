@@ -6,7 +6,7 @@
 
 namespace identify {
 
-/// A circle by its axis and one point on it.
+/// A circle by its axis and one point on it; of a linear joint the line through that point.
 struct AxisCircle {
   ChainAxis axis;
   Eigen::Vector3d on_it_mm;

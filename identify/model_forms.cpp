@@ -1,5 +1,6 @@
 #include "identify/model_forms.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -39,6 +40,40 @@ Group placement(const Isometry3d& pose, Knowledge of_rotation) {
                pose.linear()(static_cast<Eigen::Index>(k / 3), static_cast<Eigen::Index>(k % 3)),
                of_rotation));
   return group;
+}
+
+Group twist_of_way(const Vector3d& v) {
+  const auto zero = [](std::string_view name) {
+    return number(name, Quantity::ratio, 0, Knowledge::by_convention);
+  };
+  return {zero("wx"),
+          zero("wy"),
+          zero("wz"),
+          number("vx", Quantity::ratio, v.x()),
+          number("vy", Quantity::ratio, v.y()),
+          number("vz", Quantity::ratio, v.z())};
+}
+
+/// The place of a frame on an axis that has none.
+void leave_place(Group& group) {
+  for (ModelNumber& entry : group)
+    if (entry.name == "x" || entry.name == "y" || entry.name == "z")
+      entry.number.knowledge = Knowledge::by_convention;
+}
+
+bool has_linear(const std::vector<DhEstimate>& table) {
+  return std::any_of(table.begin(), table.end(), [](const auto& row) { return row.linear; });
+}
+
+/// As the row that leads there has it.
+void leave_place_of(const DhEstimate& row, Group& group) {
+  for (ModelNumber& entry : group) {
+    const DhNumber* number = entry.name == "z"                        ? &row.b_mm
+                             : entry.name == "x" || entry.name == "y" ? &row.a_mm
+                                                                      : nullptr;
+    if (number != nullptr && number->knowledge == Knowledge::by_convention)
+      entry.number.knowledge = Knowledge::by_convention;
+  }
 }
 
 struct RollPitchYaw {
@@ -107,8 +142,9 @@ std::vector<AxisFrame> ModelForms::table_frames(const Chain& chain) const {
   std::vector<AxisFrame> frames = {
       {pose.translation(), pose.linear().col(0), pose.linear().col(2)}};
   for (std::size_t i = 0; i + 1 < joints(); ++i)
-    frames.push_back(
-        step_to(frames[i], z_axis(chain, i + 1), source_.dh[i].relation, normals_[i]).frame);
+    frames.push_back(step_to(frames[i], z_axis(chain, i + 1), source_.dh[i].relation, normals_[i],
+                             source_.dh[i].b_mm.value)
+                         .frame);
   return frames;
 }
 
@@ -144,7 +180,7 @@ std::vector<Group> ModelForms::dh_groups(ModelForm form) const {
                b};
     } else {
       const bool hayati = form == ModelForm::hayati;
-      if (!hayati || !parallel(row)) group.push_back(b);
+      if (!hayati || !parallel(row) || row.linear) group.push_back(b);
       group.push_back(theta);
       group.push_back({"a", Quantity::length, row.a_mm});
       group.push_back({"alpha", Quantity::angle, row.alpha_rad});
@@ -184,6 +220,11 @@ std::vector<Group> ModelForms::stone_groups(const Chain& chain) const {
       group.push_back(number("hayati_beta", Quantity::angle, step.row.beta_rad, link));
     group.push_back(number("gamma", Quantity::angle, gamma, about_next));
     group.push_back(number("b", Quantity::length, b, any));
+    // Frames on an axis without a place are anywhere.
+    if (source_.dh[j].linear || (!last && source_.dh[j + 1].linear))
+      for (ModelNumber& entry : group)
+        if (entry.name != "alpha" && entry.name != "hayati_beta")
+          entry.number.knowledge = Knowledge::by_convention;
     group.push_back(positive(j));
     groups.push_back(std::move(group));
   }
@@ -193,6 +234,10 @@ std::vector<Group> ModelForms::stone_groups(const Chain& chain) const {
 std::vector<Group> ModelForms::twist_groups(const Chain& chain) const {
   std::vector<Group> groups;
   for (const ChainAxis& axis : chain.axes) {
+    if (axis.linear) {
+      groups.push_back(twist_of_way(axis.direction.normalized()));
+      continue;
+    }
     const Line line = Line::through(axis.point_mm, axis.direction);
     const Vector3d& w = line.direction;
     const Vector3d& v = line.moment_mm;
@@ -229,12 +274,20 @@ std::vector<Group> ModelForms::urdf_groups(const std::vector<AxisFrame>& frames)
   for (std::size_t j = 0; j < joints(); ++j) {
     const double home = source_.home_rad[j].value_or(0);
     const Isometry3d here = frames[j].pose();
-    Group group = urdf_placement(
-        j + 1, before.inverse() * here *
-                   Eigen::AngleAxisd(-source_.positive[j] * home, Vector3d::UnitZ()));
+    const bool linear = source_.dh[j].linear;
+    Isometry3d back = Isometry3d::Identity();  // from home to zero
+    if (linear)
+      back.translation().z() = -source_.positive[j] * kLinear_mm * home;
+    else
+      back = Eigen::AngleAxisd(-source_.positive[j] * home, Vector3d::UnitZ());
+    Group group = urdf_placement(j + 1, before.inverse() * here * back);
+    if (j == 0 && linear) leave_place(group);
+    if (j > 0 && has_linear(source_.dh)) leave_place_of(source_.dh[j - 1], group);
     group.push_back(
         number("axis_z", Quantity::ratio, source_.positive[j], Knowledge::by_convention));
-    group.push_back(number("home", Quantity::angle, home, Knowledge::by_convention));
+    group.push_back(
+        linear ? number("home", Quantity::length, kLinear_mm * home, Knowledge::by_convention)
+               : number("home", Quantity::angle, home, Knowledge::by_convention));
     groups.push_back(std::move(group));
     before = here;
   }
@@ -246,7 +299,8 @@ KinematicModel ModelForms::written(const Chain& chain, ModelForm form) const {
   tool.linear() = chain.tool;
   tool.translation() = chain.targets_mm.front();
   const Knowledge rotation = unless(!source_.tool_identified);
-  KinematicModel model{form, {}};
+  KinematicModel model{form, {}, {}};
+  for (const DhEstimate& row : source_.dh) model.linear.push_back(row.linear);
   const auto finish = [&](Group base, std::vector<Group> joint_groups, Group tool_group) {
     model.groups.push_back(std::move(base));
     for (Group& group : joint_groups) model.groups.push_back(std::move(group));
@@ -262,8 +316,9 @@ KinematicModel ModelForms::written(const Chain& chain, ModelForm form) const {
     // Zero by the choice of the frame.
     if (!target_on_axis_.back()) to_tool[1].number.knowledge = Knowledge::by_convention;
     to_tool[2].number.knowledge = Knowledge::by_convention;
-    finish(placement(stone_frame(chain, 0).pose(), Knowledge::identified), stone_groups(chain),
-           std::move(to_tool));
+    Group base = placement(stone_frame(chain, 0).pose(), Knowledge::identified);
+    if (source_.dh.front().linear) leave_place(base);
+    finish(std::move(base), stone_groups(chain), std::move(to_tool));
     return model;
   }
   const std::vector<AxisFrame> frames = table_frames(chain);
@@ -272,8 +327,9 @@ KinematicModel ModelForms::written(const Chain& chain, ModelForm form) const {
     finish({}, urdf_groups(frames), urdf_placement(joints() + 1, to_tool));
     return model;
   }
-  finish(placement(frames.front().pose(), Knowledge::identified), dh_groups(form),
-         placement(to_tool, rotation));
+  Group base = placement(frames.front().pose(), Knowledge::identified);
+  if (source_.dh.front().linear) leave_place(base);
+  finish(std::move(base), dh_groups(form), placement(to_tool, rotation));
   return model;
 }
 

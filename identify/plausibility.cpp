@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "identify/angle.hpp"
+#include "identify/linear_plausibility.hpp"
 #include "identify/median.hpp"
 #include "identify/meeting_point.hpp"
 #include "identify/number_text.hpp"
@@ -289,6 +290,7 @@ void judge_plausibility(Identification& found, const Campaign& campaign) {
   if (auto contradiction = contradiction_of_specified(found, campaign))
     found.doubts.push_back(std::move(*contradiction));
   Judge(found).judge_strokes(campaign.resolution);
+  judge_linear_joints(found);
 }
 
 }  // namespace identify

@@ -8,6 +8,7 @@
 #include "identify/chain_start.hpp"
 #include "identify/chain_table.hpp"
 #include "identify/fitted_axes.hpp"
+#include "identify/placed_axes.hpp"
 
 namespace identify {
 namespace {
@@ -34,8 +35,8 @@ Chain specified_chain(const Identification& rehearsed, const Arm& arm) {
   Chain chain;
   Isometry3d frame = Isometry3d::Identity();
   for (std::size_t j = 0; j < arm.joints(); ++j) {
-    chain.axes.push_back(
-        {arm.positive[j] * Vector3d(frame.linear().col(2)), Vector3d(frame.translation())});
+    chain.axes.push_back({arm.positive[j] * Vector3d(frame.linear().col(2)),
+                          Vector3d(frame.translation()), arm.is_linear(j)});
     frame = frame * transform(rehearsed.specified[j]);
   }
   chain.targets_mm = {frame * arm.tool_mm};
@@ -89,6 +90,7 @@ void predict_from(ChainNodes& nodes, const std::vector<ChainObservation>& sample
     fit.covariance = expected.with_orientation ? covariance_by_errors<6>(fit, samples, noise)
                                                : covariance_by_errors<3>(fit, samples, noise);
   set_fitted_axes(expected, fit, swept, 1);
+  place_linear_axes(expected, campaign, rehearsed.specified);
   const TableAxes axes = table_axes(expected, campaign);
   prediction.axes = expected.axes;
   prediction.dh = table_of(axes, joints, rehearsed.specified);

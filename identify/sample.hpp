@@ -6,9 +6,17 @@
 
 #include <Eigen/Core>
 
+#include "identify/angle.hpp"
+
 namespace identify {
 
 inline constexpr std::size_t kMostJoints = 12;
+
+/// A linear joint (a KUKA linear unit, a SCARA's third joint) is told in mm where others are told
+/// in degrees. Everywhere in here it is carried as if its mm were degrees: a turn of one radian is
+/// a way of this many mm along its axis, half a degree is half a millimetre, and 0.1 degrees a
+/// second are 0.1 mm/s.
+inline constexpr double kLinear_mm = 1 / kDegree;
 
 /// What was measured at one moment: where the target point was, and the joint angles where known.
 struct Sample {
@@ -16,8 +24,9 @@ struct Sample {
   Eigen::Vector3d position_mm = Eigen::Vector3d::Zero();  ///< in the measurement frame
   /// Orientation of the tool: R = Rz(a) Ry(b) Rx(c). Compare rotations, never these three.
   std::array<double, 3> abc_rad{};
-  std::array<double, kMostJoints> angles_rad{};  ///< the controller's actual angles
-  std::uint8_t joints = 0;                       ///< how many of the angles are known; 0: none
+  /// The controller's actual angles; of a linear joint its way, mm * kDegree (see kLinear_mm).
+  std::array<double, kMostJoints> angles_rad{};
+  std::uint8_t joints = 0;  ///< how many of the angles are known; 0: none
   /// Another number once an external axis stands elsewhere.
   std::uint16_t external_place = 0;
   bool has_position = false;

@@ -35,9 +35,21 @@ std::optional<SeenTurn> seen_turn(const Identification& found, std::size_t joint
   const Vector3d start = from_axis(estimate.chain.target_mm(target, after));
   const Vector3d here =
       from_axis(estimate.chain.displacement(before).inverse(Eigen::Isometry) * sample.position_mm);
+  SeenTurn seen;
+  if (axis.linear) {
+    const Vector3d off = here - start;
+    seen.turn_rad = z.dot(off) / kLinear_mm;
+    const Eigen::Vector2d beside = across(z).transpose() * off;
+    seen.axial_mm = beside(0);
+    seen.radial_mm = beside(1);
+    if (sample.joints > joint && found.home_rad[joint]) {
+      seen.angle_error_rad = turns[joint] - seen.turn_rad;
+      seen.curve_rad = estimate.angles[joint].curve_at(seen.turn_rad);
+    }
+    return seen;
+  }
   const Vector3d start_arm = start - z * z.dot(start);
   const Vector3d arm = here - z * z.dot(here);
-  SeenTurn seen;
   seen.turn_rad = std::atan2(z.dot(start_arm.cross(arm)), start_arm.dot(arm));
   seen.axial_mm = z.dot(here - start);
   seen.radial_mm = arm.norm() - start_arm.norm();

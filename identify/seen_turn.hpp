@@ -11,7 +11,7 @@ namespace identify {
 struct SeenTurn {
   double turn_rad = 0;   ///< from home, at which the target is seen about the sweeping joint's axis
   double axial_mm = 0;   ///< distance along that axis from where the chain has the target
-  double radial_mm = 0;  ///< distance across it
+  double radial_mm = 0;  ///< distance across it; of a linear joint, these two are across it
   /// The controller's angle minus the one seen; nothing without angles.
   std::optional<double> angle_error_rad;
   std::optional<double> curve_rad;  ///< the smooth curve of that error there

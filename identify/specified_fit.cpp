@@ -145,10 +145,10 @@ class Explanation {
     if (told_) {
       std::swap(home[i], home[j]);
       for (const std::size_t k : {i, j})
-        if (home[k])
-          specified[k].theta_rad = wrapped(campaign_.specified->rows[k].theta_rad +
-                                           campaign_.specified->positive[k] *
-                                               (*home[k] - campaign_.specified->home_rad[k]));
+        if (home[k]) {
+          specified[k] = campaign_.specified->row_at(k, *home[k]);
+          specified[k].theta_rad = wrapped(specified[k].theta_rad);
+        }
     }
     return fits(axes, specified, home);
   }

@@ -11,7 +11,6 @@
 #include "identify/lagrange.hpp"
 #include "identify/median.hpp"
 #include "identify/points.hpp"
-#include "identify/robust_circle.hpp"
 #include "identify/stroke_curve.hpp"
 
 namespace identify {
@@ -22,10 +21,6 @@ using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
-
-double wrapped_angle(double angle) {
-  return std::remainder(angle, 2 * kPi);
-}
 
 Vector3d rotation_vector(const Matrix3d& rotation) {
   const Eigen::AngleAxisd turn(rotation);
@@ -53,38 +48,6 @@ struct Seen {
   VectorXd weights;
 };
 
-}  // namespace
-
-Matrix3d StrokeMoments::directions(double turn_rad) const {
-  const Vector3d outward = Eigen::AngleAxisd(sense * (turn_rad - zero_rad), circle.normal) * arm;
-  Matrix3d rows;
-  rows.row(0) = outward.transpose();
-  rows.row(1) = circle.normal.transpose();
-  rows.row(2) = circle.normal.cross(outward).transpose();
-  return rows;
-}
-
-double StrokeMoments::angle_about(const Vector3d& point_mm) const {
-  const Vector3d from = point_mm - circle.center_mm;
-  return std::atan2(circle.normal.dot(arm.cross(from)), arm.dot(from));
-}
-
-Vector3d StrokeMoments::departure(const Vector3d& point_mm, double turn_rad) const {
-  const Vector3d from = point_mm - circle.center_mm;
-  const double height = circle.normal.dot(from);
-  const double off = (from - height * circle.normal).norm();
-  const double along = wrapped_angle(angle_about(point_mm) - sense * (turn_rad - zero_rad));
-  return {off - circle.radius_mm, height, circle.radius_mm * along};
-}
-
-Vector3d StrokeMoments::departure(const Matrix3d& tool, double turn_rad, double told_rad) const {
-  const Matrix3d there =
-      Eigen::AngleAxisd(sense * (told_rad - zero_rad), circle.normal) * orientation;
-  return directions(turn_rad) * rotation_vector(tool * there.transpose());
-}
-
-namespace {
-
 /// What is nowhere near the circle tells nothing of the turn.
 void set_aside(const StrokeMoments& stroke, Seen& seen) {
   constexpr double kNear = 10;
@@ -104,7 +67,7 @@ void set_turns(StrokeMoments& stroke, Seen& seen) {
   double last = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const double angle = stroke.angle_about(seen.samples[i]->position_mm);
-    if (!seen.beside[i]) last += wrapped_angle(angle - last);
+    if (!seen.beside[i]) last += stroke.step(last, angle);
     about[i] = last;
   }
   if (stroke.content.joints > 0) {
@@ -130,10 +93,11 @@ void set_turns(StrokeMoments& stroke, Seen& seen) {
     if (stroke.told) {
       stroke.zero_rad = mean_told;
       const double there = mean_about + middle;
-      stroke.arm = Eigen::AngleAxisd(there, stroke.circle.normal) * stroke.arm;
+      stroke.shift(there);
       // A hundredth of a radian of noise in x moves what a model says by 1e-4 of its size.
       constexpr double kSmallCircle = 0.01;
-      stroke.about = stroke.circle.radial_rms_mm < kSmallCircle * stroke.circle.radius_mm;
+      stroke.about =
+          stroke.linear || stroke.circle.radial_rms_mm < kSmallCircle * stroke.circle.radius_mm;
       for (std::size_t i = 0; i < count; ++i) seen.told.push_back(told(i));
       if (!stroke.about) {
         seen.turns = seen.told;
@@ -153,9 +117,7 @@ void set_errors(StrokeMoments& stroke, Seen& seen) {
     // The reference orientation: the mean of what each sample says, from the middle one.
     const auto said = [&](std::size_t i) {
       const double turn = stroke.told ? seen.told[i] : seen.turns[i];
-      return Matrix3d(
-          Eigen::AngleAxisd(-stroke.sense * (turn - stroke.zero_rad), stroke.circle.normal) *
-          orientation(*seen.samples[i]));
+      return Matrix3d(stroke.turned(stroke.zero_rad - turn) * orientation(*seen.samples[i]));
     };
     const Matrix3d start = said(seen.samples.size() / 2);
     std::vector<Vector3d> off(seen.samples.size());
@@ -221,7 +183,9 @@ void add_moments(StrokeMoments& stroke, const Seen& seen) {
   const auto wobbles = static_cast<Index>(stroke.content.joints);
   const Index size = 1 + with_errors + wobbles;
   const double range = stroke.to_rad - stroke.from_rad;
-  const auto sections = static_cast<std::size_t>(std::max(1.0, std::ceil(range / kSection_rad)));
+  // Along a line all that a model says is linear in the turn.
+  const auto sections = static_cast<std::size_t>(
+      stroke.linear ? 1.0 : std::max(1.0, std::ceil(range / kSection_rad)));
   const std::size_t nodes =
       node_count(static_cast<double>(seen.samples.size()) / static_cast<double>(sections));
   std::vector<Lagrange> lagrange;
@@ -268,21 +232,18 @@ std::optional<StrokeMoments> moments_of(const Sweep& sweep, const StrokeContent&
   Eigen::Matrix3Xd points(3, static_cast<Index>(seen.samples.size()));
   for (std::size_t i = 0; i < seen.samples.size(); ++i)
     points.col(static_cast<Index>(i)) = seen.samples[i]->position_mm;
-  const auto circle = fit_robust_circle(points);
-  if (!circle) return std::nullopt;
-
   StrokeMoments stroke;
   stroke.content = content;
+  stroke.linear = content.linear;
+  const Vector3d middle = seen.samples.empty() ? Vector3d(Vector3d::Zero())
+                                               : seen.samples[seen.samples.size() / 2]->position_mm;
+  if (!set_reference(stroke, points, middle)) return std::nullopt;
   stroke.target = sweep.target;
   stroke.falling = sweep.direction < 0;
   stroke.begin_s = sweep.first().time_s;
   stroke.end_s = sweep.last().time_s;
   stroke.samples = seen.samples.size();
-  stroke.circle = *circle;
   stroke.extent_mm = points.rowwise().maxCoeff() - points.rowwise().minCoeff();
-  const Vector3d from = seen.samples[stroke.samples / 2]->position_mm - circle->center_mm;
-  const Vector3d across = from - circle->normal * circle->normal.dot(from);
-  stroke.arm = across.norm() > 0 ? Vector3d(across.normalized()) : circle->normal.unitOrthogonal();
   for (std::size_t k = 0; k < content.joints; ++k) {
     const double first = seen.samples.front()->angles_rad[k];
     double sum = 0;

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "identify/circle_fit.hpp"
+#include "identify/reference_motion.hpp"
 #include "identify/sweep.hpp"
 
 namespace identify {
@@ -17,6 +17,7 @@ struct StrokeContent {
   std::size_t joint = 0;   ///< the one that turns
   std::size_t joints = 0;  ///< whose angles every sample has; 0: no angles
   bool orientation = false;
+  bool linear = false;  ///< it moves along a line
 };
 
 /// The errors that tell how the samples' noise is correlated: radial and axial.
@@ -29,10 +30,9 @@ inline constexpr int kBlockDirections = 2;
 /// polynomials L_k of the nodes x_k, sum_i w_i f(x_i) z_i z_i^T = sum_k f(x_k) S_k with
 /// S_k = sum_i w_i L_k(x_i) z_i z_i^T, exactly for f up to the polynomials' degree (Berrut &
 /// Trefethen, SIAM Review 46, 2004, eq. 4.2, for the L_k). z is (1, e, v):
-///  - e, the sample's departure from the stroke's own reference motion, a turn about the normal of
-///    a circle: radial, axial, tangential (mm; the last along the arc at the reference radius, from
-///    where the told angle says), and where measured the rotation vector (rad) in these three
-///    directions;
+///  - e, its departure from the stroke's reference motion: radial, axial, tangential (mm; the last
+///    along the arc at the reference radius, from where the told angle says), and where measured
+///    the rotation vector (rad) in these three directions;
 ///  - v, where angles are known, each locked joint's angle minus its mean over the stroke (rad); 0
 ///    for the joint that turns.
 /// w is a robust weight: a sample far from the stroke's own smooth curve has none.
@@ -40,7 +40,7 @@ inline constexpr int kBlockDirections = 2;
 /// x is the angle about the reference circle (rad), from the joint's zero where its angle as told
 /// follows the arc. Where the circle is too small to see the angle, x is what is told. Lengths in
 /// mm in the measurement frame.
-struct StrokeMoments {
+struct StrokeMoments : ReferenceMotion {
   struct Node {
     double turn_rad = 0;  ///< x
     Eigen::MatrixXd sums;
@@ -59,14 +59,6 @@ struct StrokeMoments {
   std::size_t outliers = 0;  ///< of them: given less than half their weight
   double weight = 0;         ///< sum of all w
 
-  /// The reference motion: its arm points along `arm` where x is `zero_rad`, and turns about
-  /// `normal` by `sense` times what x changes.
-  CircleFit circle;
-  Eigen::Vector3d arm = Eigen::Vector3d::UnitX();
-  double sense = 1;
-  double zero_rad = 0;
-  Eigen::Matrix3d orientation = Eigen::Matrix3d::Identity();  ///< of the tool at `zero_rad`
-
   std::array<double, kMostJoints> locked_rad{};  ///< mean angle as told; of the turning one nothing
   std::array<bool, kMostJoints> dithers{};       ///< whether the angle told changed at all
 
@@ -82,20 +74,9 @@ struct StrokeMoments {
     std::size_t curve_orders = 0;  ///< how many orders were taken out of each direction
   };
   Blocks blocks;
-
-  /// Rotates the measurement frame's vectors into (radial, axial, tangential) at x.
-  [[nodiscard]] Eigen::Matrix3d directions(double turn_rad) const;
-  /// Of a point: its departure from the reference motion at x, the tangential from x itself.
-  [[nodiscard]] Eigen::Vector3d departure(const Eigen::Vector3d& point_mm, double turn_rad) const;
-  /// Of the tool: the rotation vector of its departure from where the told angle says, in the
-  /// directions at x.
-  [[nodiscard]] Eigen::Vector3d departure(const Eigen::Matrix3d& tool, double turn_rad,
-                                          double told_rad) const;
-  /// How far the arm to this point has turned about the normal, from where x is `zero_rad`.
-  [[nodiscard]] double angle_about(const Eigen::Vector3d& point_mm) const;
 };
 
-/// Two passes over the samples. Nothing where they lie on no circle.
+/// Two passes over the samples. Nothing where they lie on no circle (or line).
 [[nodiscard]] std::optional<StrokeMoments> moments_of(const Sweep& sweep,
                                                       const StrokeContent& content);
 

@@ -2,16 +2,17 @@
 
 namespace identify {
 
-std::string_view remedy(SweepDefect defect) noexcept {
+std::string_view remedy(SweepDefect defect, bool linear) noexcept {
   switch (defect) {
     case SweepDefect::too_short:
-      return "its arcs are shorter than 5°: sweep it further";
+      return linear ? "its strokes are shorter than 5 mm: move it further"
+                    : "its arcs are shorter than 5°: sweep it further";
     case SweepDefect::too_few_samples:
       return "its sweeps have too few samples: move it slower";
     case SweepDefect::other_joint_moved:
       return "another joint moved along by more than 0.03°: move one joint at a time";
     case SweepDefect::not_an_arc:
-      return "its positions do not lie on a circle";
+      return linear ? "its positions do not lie on a line" : "its positions do not lie on a circle";
     case SweepDefect::none:
       break;
   }

@@ -25,7 +25,7 @@ struct Sweep {
   std::optional<std::size_t> joint;  ///< counted from 0; nothing where no angles tell it
   std::size_t target = 0;            ///< which of several target points was measured
   int direction = 0;                 ///< +1: the controller's angle rises; -1: it falls; 0: unknown
-  double range_rad = 0;              ///< the angle that was turned, positive
+  double range_rad = 0;  ///< the angle that was turned, positive; of a linear joint mm * kDegree
   SweepDefect defect = SweepDefect::none;
   /// Leads to the start of a sweep, or from its end back home: known once all strokes are.
   bool positioning = false;
@@ -36,7 +36,7 @@ struct Sweep {
 
 /// The code of the warning that a joint whose sweeps are like that gets.
 [[nodiscard]] std::string_view code(SweepDefect defect) noexcept;
-/// What is wrong with them, and what to do.
-[[nodiscard]] std::string_view remedy(SweepDefect defect) noexcept;
+/// What is wrong with them, and what to do. `linear`: the joint is known to be.
+[[nodiscard]] std::string_view remedy(SweepDefect defect, bool linear) noexcept;
 
 }  // namespace identify

@@ -48,7 +48,8 @@ identify::Turns Sag::torques(const identify::Turns& turns) const {
   std::vector<Vector3d> directions, points, centers;
   Eigen::Isometry3d moved = Eigen::Isometry3d::Identity();
   for (std::size_t j = 0; j < joints; ++j) {
-    const auto& [direction, point] = home_.axes[j];
+    const Vector3d& direction = home_.axes[j].direction;
+    const Vector3d& point = home_.axes[j].point_mm;
     directions.emplace_back(moved.linear() * direction);
     points.emplace_back(moved * point);
     moved = moved * Eigen::Translation3d(point) * Eigen::AngleAxisd(turns[j], direction) *

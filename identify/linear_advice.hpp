@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "identify/identification.hpp"
+
+namespace identify {
+
+/// What to do about a linear joint's strokes, in mm where advice about others is in angles: codes
+/// and texts as of `add_advice`. `by_delay_rad`: by how much its mm may differ by direction since
+/// they came late.
+[[nodiscard]] std::vector<Warning> advice_of_linear(const Identification& found, std::size_t joint,
+                                                    const Resolution& resolution,
+                                                    double by_delay_rad);
+
+}  // namespace identify
