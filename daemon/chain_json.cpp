@@ -38,12 +38,33 @@ Json effects(const identify::ChainEffects& seen) {
           {"sag_deg", json_angle(seen.sag_rad)}};
 }
 
-Json angles(std::size_t index, const AngleEvidence& seen) {
+/// Of a linear joint its ways: mm.
+Json ways(Json json, const AngleEvidence& seen) {
+  json["error_rms_mm"] = json_angle(seen.error_rms_rad);
+  json["remainder_rms_mm"] = json_angle(seen.remainder_rms_rad);
+  json["expected_rms_mm"] = json_angle(seen.expected_rms_rad);
+  json["size"] = rounded(seen.size, 3);
+  json["coherence"] = rounded(seen.coherence, 3);
+  json["remainder_coherence"] = rounded(seen.remainder_coherence, 3);
+  json["curve"] = {{"offset_mm", json_angle(seen.curve[0])},
+                   {"scale_ppm", rounded(1e6 * seen.curve[1], kArcsecDecimals)},
+                   {"cos1_mm", json_angle(seen.curve[2])},
+                   {"sin1_mm", json_angle(seen.curve[3])},
+                   {"cos2_mm", json_angle(seen.curve[4])},
+                   {"sin2_mm", json_angle(seen.curve[5])}};
+  const bool both_ways = seen.backlash_sigma_rad > 0;
+  json["backlash_mm"] = both_ways ? json_angle(seen.backlash_rad) : Json();
+  json["backlash_sigma_mm"] = both_ways ? json_angle(seen.backlash_sigma_rad) : Json();
+  return json;
+}
+
+Json angles(std::size_t index, const AngleEvidence& seen, bool linear) {
   Json json = {{"joint", index + 1},
                {"trust", identify::text(seen.trust)},
                {"reason", seen.reason},
                {"samples", seen.samples}};
   if (seen.samples == 0) return json;
+  if (linear) return ways(std::move(json), seen);
   json["error_rms_arcsec"] = small_angle(seen.error_rms_rad);
   json["remainder_rms_arcsec"] = small_angle(seen.remainder_rms_rad);
   json["expected_rms_arcsec"] = small_angle(seen.expected_rms_rad);
@@ -68,7 +89,7 @@ Json chain_json(const identify::ChainEstimate& estimate) {
   const auto& summary = estimate.summary;
   Json evidence = Json::array();
   for (std::size_t j = 0; j < estimate.angles.size(); ++j)
-    evidence.push_back(angles(j, estimate.angles[j]));
+    evidence.push_back(angles(j, estimate.angles[j], estimate.chain.axes[j].linear));
   return {{"summary",
            {{"converged", summary.converged},
             {"ending", summary.ending},

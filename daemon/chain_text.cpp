@@ -50,15 +50,20 @@ std::string chain_text(const ChainEstimate& estimate) {
   if (std::all_of(angles.begin(), angles.end(),
                   [](const AngleEvidence& seen) { return seen.samples == 0; }))
     return text;
-  text += "\nAngles: the controller's minus those at which the target was seen, in arcsec\n\n" +
-          left("joint", 8) + left("angles", 9) + right("error rms", 12) +
-          right("beside curve", 14) + right("expected", 12) + right("backlash", 12) + "\n";
+  const auto& axes = estimate.chain.axes;
+  const bool any_linear =
+      std::any_of(axes.begin(), axes.end(), [](const auto& axis) { return axis.linear; });
+  text += "\nAngles: the controller's minus those at which the target was seen, in arcsec" +
+          std::string(any_linear ? ",\nof linear joints in um" : "") + "\n\n" + left("joint", 8) +
+          left("angles", 9) + right("error rms", 12) + right("beside curve", 14) +
+          right("expected", 12) + right("backlash", 12) + "\n";
   for (std::size_t j = 0; j < angles.size(); ++j) {
     const AngleEvidence& seen = angles[j];
     text +=
         left(right(std::to_string(j + 1), 5), 8) + left(std::string(identify::text(seen.trust)), 9);
     const auto column = [&](bool there, double radians, std::size_t width) {
-      text += there ? number(arcsec(radians), 2, width) : right("-", width);
+      const double shown = axes[j].linear ? 1000 * degrees(radians) : arcsec(radians);
+      text += there ? number(shown, 2, width) : right("-", width);
     };
     const bool any = seen.samples > 0;
     column(any, seen.error_rms_rad, 12);

@@ -77,6 +77,7 @@ Json dh_json(std::size_t index, const DhEstimate& row) {
   add("a", "_mm", row.a_mm, json_length);
   add("alpha", "_deg", row.alpha_rad, json_angle);
   if (has_beta(row)) add("beta", "_deg", row.beta_rad, json_angle);
+  if (row.linear) json["variable"] = "b_mm";
   json["relation"] = identify::text(row.relation);
   if (!by_convention.empty()) json["by_convention"] = std::move(by_convention);
   return json;

@@ -63,7 +63,24 @@ class Table {
     for (const DhEstimate& row : found_.dh) beta = beta || has_beta(row);
     std::string way = "leads from frame i to i+1: Tz(b) Rz(theta) Tx(a) Rx(alpha)";
     if (beta) way += ", and Ry(beta) where axes are parallel";
-    text_ += "\n" + paragraph("Row i       ", way + ". theta is the angle at home.");
+    std::string linear;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < found_.dh.size(); ++i)
+      if (found_.dh[i].linear) linear += (count++ > 0 ? ", " : "") + std::to_string(i + 1);
+    if (count == 0) {
+      text_ += "\n" + paragraph("Row i       ", way + ". theta is the angle at home.");
+      return;
+    }
+    text_ += "\n" + paragraph("Row i       ",
+                              way +
+                                  ". theta is the angle at home, b of a linear joint its place at "
+                                  "home.");
+    text_ += paragraph(
+        "Linear      ",
+        std::string(count > 1 ? "joints " : "joint ") + linear +
+            ": b changes, theta stays. Such an axis has a direction and no place: by convention a "
+            "of its row and b of the next are " +
+            (compared() ? "as specified" : "zero") + ", or it lies on a next axis parallel to it.");
   }
 
   struct Line {

@@ -84,12 +84,11 @@ identify::Identification identify_given_axes(const std::vector<Axis>& axes,
   Axes z(axes.begin(), axes.end());
   if (campaign.specified) {
     found.specified = campaign.specified->rows;
-    for (std::size_t j = 0; j < axes.size(); ++j)
-      if (found.home_rad[j])
-        found.specified[j].theta_rad =
-            identify::wrapped(found.specified[j].theta_rad +
-                              campaign.specified->positive[j] *
-                                  (*found.home_rad[j] - campaign.specified->home_rad[j]));
+    for (std::size_t j = 0; j < axes.size(); ++j) {
+      if (!found.home_rad[j]) continue;
+      found.specified[j] = campaign.specified->row_at(j, *found.home_rad[j]);
+      found.specified[j].theta_rad = identify::wrapped(found.specified[j].theta_rad);
+    }
     z = agreeing(z, found.specified, size);
   }
   found.dh = identify::extract_dh(z, size, found.specified);

@@ -136,10 +136,6 @@ std::vector<Sweep> sweeps_in(const Points& points, const IdentifyOptions& option
   return sweeps;
 }
 
-std::vector<JointLimits> limits(const RobotSetup& setup) {
-  return setup.description ? setup.description->limits : std::vector<JointLimits>{};
-}
-
 Outcome identified_points(const IdentifyOptions& options, RobotSetup setup) {
   const auto declared = declared_joints(options, setup);
   Points points = read_points(options, declared.value_or(identify::kMostJoints));
@@ -157,7 +153,7 @@ Outcome identified_points(const IdentifyOptions& options, RobotSetup setup) {
   snapshot.source_kind = "points";
   snapshot.sweeps = sweeps_in(points, options, setup, known);
   snapshot.campaign = known;
-  snapshot.limits = limits(setup);
+  snapshot.limits = setup.limits();
   points.counts.sweeps = static_cast<std::size_t>(std::count_if(
       snapshot.sweeps.begin(), snapshot.sweeps.end(),
       [](const Sweep& sweep) { return sweep.defect == identify::SweepDefect::none; }));
@@ -176,6 +172,12 @@ Outcome identified_axes(const IdentifyOptions& options, RobotSetup setup) {
     throw CsvError(options.axes->string() + ": expected the axes of " +
                    rsi::counted(setup.joints, "joint") + ", found those of " +
                    std::to_string(axes.size()) + ": add the others");
+  const auto limits = setup.limits();
+  for (std::size_t j = 0; j < limits.size(); ++j)
+    if (limits[j].linear)
+      throw std::invalid_argument("--axes: joint " + std::to_string(j + 1) +
+                                  " is linear: its axis has a direction and no place, which lines "
+                                  "cannot say: give measured points");
   auto known = campaign(setup, {});
   known.device_frame = options.device_frame;
   Outcome outcome;
@@ -183,7 +185,7 @@ Outcome identified_axes(const IdentifyOptions& options, RobotSetup setup) {
   outcome.source_kind = "axes";
   outcome.identification = identify_given_axes(axes, known);
   if (known.specified) outcome.positive = known.specified->positive;
-  outcome.limits = limits(setup);
+  outcome.limits = setup.limits();
   return outcome;
 }
 

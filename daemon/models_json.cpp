@@ -37,6 +37,7 @@ Json models_json(const std::vector<KinematicModel>& models) {
     one["joints"] = Json::array();
     for (std::size_t j = 1; j <= model.joints(); ++j) {
       Json joint = {{"joint", j}};
+      if (model.linear[j - 1]) joint["type"] = "linear";
       add_numbers(joint, model.groups[j]);
       one["joints"].push_back(std::move(joint));
     }

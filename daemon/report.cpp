@@ -82,19 +82,28 @@ std::string source_text(const Outcome& outcome) {
 }
 
 std::string home_text(const Identification& found) {
-  std::string text;
-  for (std::size_t j = 0; j < found.home_rad.size(); ++j)
-    if (found.home_rad[j])
-      text += (text.empty() ? "" : ", ") + ("A" + std::to_string(j + 1)) + " " +
-              fixed(degrees(*found.home_rad[j]), 3);
-  return text.empty() ? text : paragraph("home        ", text + " deg");
+  std::string text, unit;
+  for (std::size_t j = 0; j < found.home_rad.size(); ++j) {
+    if (!found.home_rad[j]) continue;
+    const std::string of = found.joints[j].linear ? " mm" : " deg";
+    // One unit for all that have it, up to the next one.
+    text += (text.empty() ? ""
+             : of == unit ? ", "
+                          : unit + ", ") +
+            ("A" + std::to_string(j + 1)) + " " + fixed(degrees(*found.home_rad[j]), 3);
+    unit = of;
+  }
+  return text.empty() ? text : paragraph("home        ", text + unit);
 }
 
-std::string circles(const Identification& found) {
+/// What the joints that turn, or those that are linear, swept.
+std::string swept(const Identification& found, bool linear) {
   std::string text =
-      "joint  sweeps  used  samples  arc deg  radius mm  plane um  radial um   axis deg\n";
+      linear ? "joint  sweeps  used  samples   way mm  across um    bend um   axis deg\n"
+             : "joint  sweeps  used  samples  arc deg  radius mm  plane um  radial um   axis deg\n";
   for (std::size_t j = 0; j < found.joints.size(); ++j) {
     const auto& joint = found.joints[j];
+    if (joint.linear != linear) continue;
     std::size_t used = 0;
     std::size_t samples = 0;
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
@@ -109,9 +118,22 @@ std::string circles(const Identification& found) {
               number(joint.circle->radius_mm, 3, 11) +
               number(1000 * joint.circle->plane_rms_mm, 2, 10) +
               number(1000 * joint.circle->radial_rms_mm, 2, 11);
+    if (joint.line)
+      text += number(joint.line->length_mm, 2, 9) +
+              number(1000 * joint.line->across_rms_mm, 2, 11) +
+              number(1000 * joint.line->bend_mm, 2, 11);
     if (joint.axis) text += number(degrees(joint.axis->direction_sigma_rad()), 7, 11);
     text += "\n";
   }
+  return text;
+}
+
+std::string swept(const Identification& found) {
+  const auto is_linear = [](const identify::JointResult& joint) { return joint.linear; };
+  const auto linear = std::count_if(found.joints.begin(), found.joints.end(), is_linear);
+  std::string text;
+  if (linear < std::ssize(found.joints)) text += swept(found, false) + "\n";
+  if (linear > 0) text += swept(found, true) + "\n";
   return text;
 }
 
@@ -176,7 +198,7 @@ std::string report(const Outcome& outcome) {
   for (std::size_t i = 1; i < found.doubts.size(); ++i)
     text += paragraph("            ", "and " + found.doubts[i].message);
   text += source_text(outcome) + home_text(found) + "\n";
-  if (!is_given(outcome)) text += circles(found) + "\n";
+  if (!is_given(outcome)) text += swept(found);
   const bool any_axis = found.status != identify::Status::failed && found.bounding_box;
   if (any_axis || is_given(outcome)) text += dh_text(found);
   if (const std::string budget = budget_text(found); any_axis && !budget.empty())
@@ -191,15 +213,18 @@ std::string report(const Outcome& outcome) {
   return text;
 }
 
-std::string sweep_line(const identify::Sweep& sweep, std::optional<std::size_t> planned) {
+std::string sweep_line(const identify::Sweep& sweep, std::optional<std::size_t> planned,
+                       const std::vector<JointLimits>& limits) {
   std::string who = "a joint";
   if (planned) who = "joint " + std::to_string(*planned + 1) + " by the plan";
   if (sweep.joint) who = "joint " + std::to_string(*sweep.joint + 1);
+  const std::optional<std::size_t> joint = sweep.joint ? sweep.joint : planned;
+  const bool linear = joint && *joint < limits.size() && limits[*joint].linear;
   return who + ": sweep of " +
          (sweep.direction > 0   ? "+"
           : sweep.direction < 0 ? "-"
                                 : "") +
-         fixed(degrees(sweep.range_rad), 1) + " deg in " +
+         fixed(degrees(sweep.range_rad), 1) + (linear ? " mm in " : " deg in ") +
          fixed(sweep.last().time_s - sweep.first().time_s, 2) + " s, " +
          counted(sweep.samples->size(), "sample");
 }

@@ -33,8 +33,19 @@ void append_measured(std::string& csv, double value) {
   csv.append(digits.data(), end);
 }
 
-/// The last columns of a line of sweeps.csv.
-void add_seen(std::string& csv, const std::optional<identify::SeenTurn>& seen) {
+/// Distances from the fitted circle's plane and from the circle; of a linear joint from the line,
+/// along two directions across it.
+std::array<double, 2> off_fit(const identify::JointResult& joint, const Eigen::Vector3d& position) {
+  if (joint.line) {
+    const Eigen::Vector2d off = identify::across(*joint.line, position);
+    return {off(0), off(1)};
+  }
+  const auto residual = identify::residual(*joint.circle, position);
+  return {residual.plane_mm, residual.radial_mm};
+}
+
+/// The last columns of a line of sweeps.csv. A linear joint has no error in arcsec.
+void add_seen(std::string& csv, const std::optional<identify::SeenTurn>& seen, bool linear) {
   if (!seen) {
     csv += ",,,,";
     return;
@@ -45,7 +56,7 @@ void add_seen(std::string& csv, const std::optional<identify::SeenTurn>& seen) {
   }
   for (const auto& error : {seen->angle_error_rad, seen->curve_rad}) {
     csv += ',';
-    if (error) append_fixed(csv, arcsec(*error), kArcsecDecimals);
+    if (error && !linear) append_fixed(csv, arcsec(*error), kArcsecDecimals);
   }
 }
 
@@ -76,7 +87,7 @@ std::string dh_csv(const Outcome& outcome) {
     const std::string unit = base == "a" || base == "b" ? "_mm" : "_deg";
     csv += "," + base + "_low" + unit + "," + base + "_high" + unit;
   }
-  csv += ",positive,home_deg\n";
+  csv += ",positive,home_deg,variable\n";
   for (std::size_t i = 0; i < found.dh.size(); ++i) {
     const auto& row = found.dh[i];
     const auto* specified = differences.empty() ? nullptr : &found.specified[i];
@@ -122,7 +133,7 @@ std::string dh_csv(const Outcome& outcome) {
     interval(beta_identified ? row.beta_rad : DhNumber{}, angle_text);
     csv += "," + std::to_string(i < outcome.positive.size() ? outcome.positive[i] : 1) + ",";
     if (i < found.home_rad.size() && found.home_rad[i]) csv += angle_text(*found.home_rad[i]);
-    csv += "\n";
+    csv += row.linear ? ",b_mm\n" : ",theta_deg\n";
   }
   return csv;
 }
@@ -146,7 +157,7 @@ std::string sweeps_csv(const Outcome& outcome) {
       if (in_use(outcome.identification, joint, s)) samples += joint.sweeps[s].samples->size();
   csv.reserve(samples * (angles + 12) * kUsualNumber);
   for (std::size_t j = 0; j < joints.size(); ++j) {
-    if (!joints[j].circle) continue;
+    if (!joints[j].circle && !joints[j].line) continue;
     for (std::size_t s = 0; s < joints[j].sweeps.size(); ++s) {
       if (!in_use(outcome.identification, joints[j], s)) continue;
       const std::string end = "," + std::to_string(joints[j].sweeps[s].target + 1) + "\n";
@@ -168,14 +179,13 @@ std::string sweeps_csv(const Outcome& outcome) {
           if (k < sample.joints) append_measured(csv, degrees(sample.angles_rad[k]));
         }
         if (joints[j].used[s]) {
-          const auto residual = identify::residual(*joints[j].circle, sample.position_mm);
-          add(residual.plane_mm);
-          add(residual.radial_mm);
+          for (const double residual : off_fit(joints[j], sample.position_mm)) add(residual);
         } else {
           csv += ",,";
         }
-        add_seen(csv, identify::seen_turn(outcome.identification, j, joints[j].sweeps[s].target,
-                                          sample));
+        add_seen(csv,
+                 identify::seen_turn(outcome.identification, j, joints[j].sweeps[s].target, sample),
+                 joints[j].linear);
         csv += end;
       }
     }

@@ -93,18 +93,31 @@ Json joint(std::size_t index, const JointResult& result) {
     Json json = {{"samples", sweep.samples->size()},
                  {"start_s", rounded(sweep.first().time_s, 6)},
                  {"end_s", rounded(sweep.last().time_s, 6)},
-                 {"range_deg", json_angle(sweep.range_rad)},
+                 {result.linear ? "range_mm" : "range_deg", json_angle(sweep.range_rad)},
                  {"direction", sweep.direction}};
     if (sweep.positioning) json["positioning"] = true;
     json["used"] = static_cast<bool>(result.used[s]);
     sweeps.push_back(std::move(json));
   }
-  Json json = {{"joint", index + 1}, {"sweeps", std::move(sweeps)}};
+  Json json = {{"joint", index + 1}};
+  if (result.linear) json["type"] = "linear";
+  json["sweeps"] = std::move(sweeps);
   if (result.axis)
     json["axis"] = {{"direction", direction(result.axis->direction)},
                     {"point", point(result.axis->point_mm)},
                     {"direction_sigma_deg", json_angle(result.axis->direction_sigma_rad())},
                     {"point_sigma_mm", json_length(result.axis->point_sigma_mm())}};
+  if (result.axis && result.axis->linear) {
+    json["axis"]["point_sigma_mm"] = nullptr;
+    json["axis"]["by_convention"] = {"point"};
+  }
+  if (result.line)
+    json["line"] = {{"point", point(result.line->point_mm)},
+                    {"direction", direction(result.line->direction)},
+                    {"length_mm", json_length(result.line->length_mm)},
+                    {"across_rms_mm", json_length(result.line->across_rms_mm)},
+                    {"bend_mm", json_length(result.line->bend_mm)},
+                    {"bend_sigma_mm", json_length(result.line->bend_sigma_mm)}};
   if (result.circle)
     json["circle"] = {{"center", point(result.circle->center_mm)},
                       {"normal", direction(result.circle->normal)},

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
+#include <utility>
 
 #include "daemon/toml_table.hpp"
 #include "daemon/units.hpp"
@@ -24,18 +26,57 @@ bool has_row(const TomlTable& joint) {
   return std::any_of(kRowKeys.begin(), kRowKeys.end(), [&](auto key) { return joint.has(key); });
 }
 
+/// The keys of a joint's limits, by its type.
+struct LimitKeys {
+  std::string_view least, most, speed;
+};
+constexpr LimitKeys kOfTurning{"min_deg", "max_deg", "max_speed_deg_s"};
+constexpr LimitKeys kOfLinear{"min_mm", "max_mm", "max_speed_mm_s"};
+
+bool read_linear(const TomlTable& joint) {
+  if (!joint.has("type")) return false;
+  const std::string type = joint.text("type");
+  if (type != "linear" && type != "revolute")
+    joint.fail("type", "expected \"revolute\" or \"linear\", found " + joint.found("type") +
+                           ": write one of them");
+  return type == "linear";
+}
+
 JointLimits read_limits(const TomlTable& joint) {
   JointLimits limits;
-  if (joint.has("max_speed_deg_s"))
-    limits.max_speed_deg_s =
-        joint.number("max_speed_deg_s", kSlowestJoint_deg_s, kFastestJoint_deg_s);
-  if (!joint.has("min_deg") && !joint.has("max_deg")) return limits;
-  limits.min_deg = joint.number("min_deg", -kMostTurns_deg, kMostTurns_deg);
-  limits.max_deg = joint.number("max_deg", -kMostTurns_deg, kMostTurns_deg);
+  limits.linear = read_linear(joint);
+  const LimitKeys& keys = limits.linear ? kOfLinear : kOfTurning;
+  const LimitKeys& others = limits.linear ? kOfTurning : kOfLinear;
+  for (const auto& [key, other] :
+       {std::pair{keys.least, others.least}, {keys.most, others.most}, {keys.speed, others.speed}})
+    if (joint.has(other))
+      joint.fail(other, "expected " + std::string(key) + " of a joint with type = \"" +
+                            (limits.linear ? "linear" : "revolute") + "\", found " +
+                            std::string(other) + ": correct the key or the type");
+  if (joint.has(keys.speed))
+    limits.max_speed_deg_s = joint.number(keys.speed, kSlowestJoint_deg_s, kFastestJoint_deg_s);
+  if (!joint.has(keys.least) && !joint.has(keys.most)) return limits;
+  limits.min_deg = joint.number(keys.least, -kMostTurns_deg, kMostTurns_deg);
+  limits.max_deg = joint.number(keys.most, -kMostTurns_deg, kMostTurns_deg);
   if (limits.min_deg >= limits.max_deg)
-    joint.fail("max_deg", "expected more than min_deg = " + number_text(limits.min_deg) +
-                              ", found " + joint.found("max_deg") + ": exchange or correct them");
+    joint.fail(keys.most, "expected more than " + std::string(keys.least) + " = " +
+                              number_text(limits.min_deg) + ", found " + joint.found(keys.most) +
+                              ": exchange or correct them");
   return limits;
+}
+
+/// Beside a parallel axis that of a linear joint has no place to be off.
+void check_linear_rows(const std::vector<TomlTable>& joints, const identify::Arm& arm) {
+  constexpr double kParallel = 1e-6;
+  for (std::size_t i = 0; i + 1 < arm.joints(); ++i)
+    if (arm.is_linear(i) && std::abs(std::sin(arm.rows[i].alpha_rad)) < kParallel &&
+        arm.rows[i].a_mm != 0)
+      joints[i].fail("a_mm",
+                     "expected 0, as the joint is linear and the next axis parallel to it, "
+                     "found " +
+                         joints[i].found("a_mm") +
+                         ": its axis has a direction and no place: let it lie on the next "
+                         "axis, and add what is between them to a_mm of the row before");
 }
 
 void read_row(const TomlTable& joint, identify::Arm& arm) {
@@ -91,7 +132,9 @@ RobotDescription load_robot(const std::filesystem::path& file) {
   if (top.has("source")) robot.source = top.text("source");
 
   std::vector<std::string_view> keys(kRowKeys.begin(), kRowKeys.end());
-  keys.insert(keys.end(), {"min_deg", "max_deg", "max_speed_deg_s", "sag_arcsec"});
+  keys.insert(keys.end(), {"type", "sag_arcsec"});
+  for (const LimitKeys& of : {kOfTurning, kOfLinear})
+    keys.insert(keys.end(), {of.least, of.most, of.speed});
   for (const TomlTable& joint : joints) {
     joint.allow_only(keys);
     robot.limits.push_back(read_limits(joint));
@@ -105,6 +148,8 @@ RobotDescription load_robot(const std::filesystem::path& file) {
     identify::Arm& arm = robot.arm.emplace();
     for (const TomlTable& joint : joints) read_row(joint, arm);
     for (const double angle_deg : robot.home_deg) arm.home_rad.push_back(angle_deg * kDegree);
+    for (const JointLimits& limits : robot.limits) arm.linear.push_back(limits.linear);
+    check_linear_rows(joints, arm);
     if (top.has("tool_mm")) arm.tool_mm = read_tool(top);
   } else if (top.has("tool_mm")) {
     top.fail("tool_mm",

@@ -293,7 +293,7 @@ void RobotService::end_session() {
 }
 
 void RobotService::on_sweep(const identify::Sweep& sweep) {
-  const std::string words = sweep_line(sweep, turns_.joint_of(sweep)) +
+  const std::string words = sweep_line(sweep, turns_.joint_of(sweep), setup_.limits()) +
                             (sweep.defect == identify::SweepDefect::none ? "" : " (not usable)");
   session_log_.note("{}", words);
   tally_.sweep(sweep, words);

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "daemon/robot_description.hpp"
 #include "daemon/settings.hpp"
@@ -18,6 +19,11 @@ struct RobotSetup {
   std::optional<RobotDescription> description;
   std::optional<SweepPlan> plan;
   SignalNames signals;
+
+  /// One a joint; empty without a description.
+  [[nodiscard]] std::vector<JointLimits> limits() const {
+    return description ? description->limits : std::vector<JointLimits>{};
+  }
 };
 
 /// Reads the files that the settings of a robot name. Throws ConfigError, also where the plan does

@@ -41,7 +41,7 @@ Snapshot Session::snapshot() const {
           std::move(known),
           sweeps_,
           left_out_,
-          setup_.description ? setup_.description->limits : std::vector<JointLimits>{}};
+          setup_.limits()};
 }
 
 bool Session::worth_identifying() const {

@@ -48,6 +48,31 @@ pugi::xml_node add_joint(pugi::xml_node robot, const std::string& name, const ch
   return joint;
 }
 
+/// Lower and upper limit of a joint's value: rad, or m.
+struct Range {
+  double lower = 0;
+  double upper = 0;
+};
+
+/// URDF demands limits of a prismatic joint: where the description has none, what was swept.
+Range swept_range(const identify::Identification& found, std::size_t j) {
+  const identify::JointResult& joint = found.joints[j];
+  double least = 0, most = 0;
+  bool any = false;
+  for (const identify::Sweep& sweep : joint.sweeps)
+    for (const identify::Sample& sample : *sweep.samples) {
+      if (sample.joints <= j) continue;
+      least = any ? std::min(least, sample.angles_rad[j]) : sample.angles_rad[j];
+      most = any ? std::max(most, sample.angles_rad[j]) : sample.angles_rad[j];
+      any = true;
+    }
+  const double from_home = found.home_rad[j] ? 0 : least;  // a joint that counts from there
+  if (any) return {1e-3 * degrees(least - from_home), 1e-3 * degrees(most - from_home)};
+  const double length = joint.line ? joint.line->length_mm : 0;
+  const double home = found.home_rad[j] ? degrees(*found.home_rad[j]) : 0;
+  return {1e-3 * (home - length), 1e-3 * (home + length)};
+}
+
 std::string link_name(std::size_t joint) {
   return joint == 0 ? "base_link" : "link_" + std::to_string(joint);
 }
@@ -65,11 +90,17 @@ std::string urdf(const identify::KinematicModel& model, const Outcome& outcome) 
   set(declaration, "encoding", "UTF-8");
   auto root = document.append_child("robot");
   set(root, "name", name);
+  const std::string metres = std::count(model.linear.begin(), model.linear.end(), true) > 0
+                                 ? "Those of prismatic joints are metres. "
+                                 : "";
   root.append_child(pugi::node_comment)
       .set_value(
-          " base_link is the measurement frame, tool0 lies at the target point. Joint values are "
-          "the controller's angles, those of joints named ..._from_home count from home. Velocity "
-          "limits are the robot description's. Effort is not known, but URDF demands it: 0. ");
+          (" base_link is the measurement frame, tool0 lies at the target point. Joint values are "
+           "the controller's angles, those of joints named ..._from_home count from home. " +
+           metres +
+           "Velocity limits are the robot description's. Effort is not known, but URDF demands it: "
+           "0. ")
+              .c_str());
   const std::size_t joints = model.joints();
   for (std::size_t j = 0; j <= joints; ++j) add_link(root, link_name(j));
   add_link(root, "tool0");
@@ -77,21 +108,30 @@ std::string urdf(const identify::KinematicModel& model, const Outcome& outcome) 
     const bool absolute = outcome.identification.home_rad[j - 1].has_value();
     const bool limited = absolute && j <= limits.size() && std::isfinite(limits[j - 1].min_deg) &&
                          std::isfinite(limits[j - 1].max_deg);
+    const bool linear = model.linear[j - 1];
     const Group& group = model.groups[j];
-    auto joint =
-        add_joint(root, "joint_" + std::to_string(j) + (absolute ? "" : "_from_home"),
-                  limited ? "revolute" : "continuous", link_name(j - 1), link_name(j), group);
+    auto joint = add_joint(root, "joint_" + std::to_string(j) + (absolute ? "" : "_from_home"),
+                           linear    ? "prismatic"
+                           : limited ? "revolute"
+                                     : "continuous",
+                           link_name(j - 1), link_name(j), group);
     set(joint.append_child("axis"), "xyz", value(group, "axis_z") < 0 ? "0 0 -1" : "0 0 1");
+    const auto in_joint_units = [&](double value) {
+      return linear ? 1e-3 * value : radians(value);
+    };
     const double speed = j <= limits.size() ? limits[j - 1].max_speed_deg_s
                                             : std::numeric_limits<double>::infinity();
-    if (!limited && !std::isfinite(speed)) continue;
+    if (!limited && !linear && !std::isfinite(speed)) continue;
     auto limit = joint.append_child("limit");
-    if (limited) {
-      set(limit, "lower", number_text(radians(limits[j - 1].min_deg)));
-      set(limit, "upper", number_text(radians(limits[j - 1].max_deg)));
+    if (limited || linear) {
+      const Range range = limited ? Range{in_joint_units(limits[j - 1].min_deg),
+                                          in_joint_units(limits[j - 1].max_deg)}
+                                  : swept_range(outcome.identification, j - 1);
+      set(limit, "lower", number_text(range.lower));
+      set(limit, "upper", number_text(range.upper));
     }
     set(limit, "effort", "0");
-    set(limit, "velocity", std::isfinite(speed) ? number_text(radians(speed)) : "0");
+    set(limit, "velocity", std::isfinite(speed) ? number_text(in_joint_units(speed)) : "0");
   }
   add_joint(root, "tool0_fixed", "fixed", link_name(joints), "tool0", model.groups.back());
   std::ostringstream text;

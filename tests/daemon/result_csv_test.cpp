@@ -74,7 +74,8 @@ TEST_CASE("dh.csv has a row a joint: identified, uncertainty, specified, differe
                           "beta_low_deg",
                           "beta_high_deg",
                           "positive",
-                          "home_deg"});
+                          "home_deg",
+                          "variable"});
   REQUIRE(rows.size() == 7);
   for (std::size_t i = 1; i < rows.size(); ++i) {
     REQUIRE(rows[i].size() == rows[0].size());

@@ -44,7 +44,8 @@ sweepd::RobotDescription planar_arm() {
   robot.arm = identify::Arm{.rows = {{.a_mm = 100}, {.a_mm = 50}},
                             .home_rad = {0, 0},
                             .positive = {1, 1},
-                            .tool_mm = {0, 0, 5}};
+                            .tool_mm = {0, 0, 5},
+                            .linear = {}};
   return robot;
 }
 
