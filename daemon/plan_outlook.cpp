@@ -15,14 +15,15 @@ namespace {
 using identify::SweepDefect;
 
 /// Advice about the plan; other advice is about what went wrong in measuring.
-constexpr std::array<std::string_view, 8> kOfPlan{
-    "arc_short",       "range_unbalanced",  "speed_high",       "low_precision",
+constexpr std::array<std::string_view, 9> kOfPlan{
+    "arc_short",       "stroke_short",      "range_unbalanced", "speed_high",     "low_precision",
     "sweep_too_short", "joint_never_moved", "target_near_axis", "angles_not_used"};
 
 /// What to change in the plan's sweep.
-std::string_view change(SweepDefect defect) {
+std::string_view change(SweepDefect defect, bool linear) {
   switch (defect) {
     case SweepDefect::too_short:
+      if (linear) return "it is shorter than 5 mm: move the joint further";
       return "it is shorter than 5 degrees: sweep the joint further";
     case SweepDefect::too_few_samples:
       return "it has too few samples: move the joint slower";
@@ -53,9 +54,11 @@ class Judge {
     const auto defect = stroke ? rehearsal.strokes[*stroke].defect : SweepDefect::none;
     const std::string what = "sweep " + std::to_string(s + 1) + " (joint " +
                              std::to_string(sweep.joint) + ", " + number_text(sweep.start_deg) +
-                             " to " + number_text(sweep.end_deg) + " deg)";
+                             " to " + number_text(sweep.end_deg) + " " + std::string(sweep.unit()) +
+                             ")";
     if (!stroke || defect != SweepDefect::none) {
-      outlook_.refusals.push_back(what + " would not be used: " + std::string(change(defect)));
+      outlook_.refusals.push_back(
+          what + " would not be used: " + std::string(change(defect, sweep.linear)));
       return;
     }
     const auto& joint = rehearsal.identification.joints[sweep.joint - 1];
@@ -63,9 +66,11 @@ class Judge {
       if (joint.sweeps[k].samples == rehearsal.strokes[*stroke].samples && !joint.used[k])
         outlook_.warnings.push_back(
             {"sweep_not_used", sweep.joint - 1,
-             what + " touches home at one end, where the joint has others that do not: it is taken "
-                    "for the way to one of them and not used; let all of them begin and end at "
-                    "least 1 degree off home, or all touch it"});
+             what +
+                 " touches home at one end, where the joint has others that do not: it is taken "
+                 "for the way to one of them and not used; let all of them begin and end at "
+                 "least 1 " +
+                 (sweep.linear ? "mm" : "degree") + " off home, or all touch it"});
   }
 
   AxisOutlook judge_axis(std::size_t j) {
@@ -74,7 +79,7 @@ class Judge {
     if (!swept) return AxisOutlook::never_swept;
     const auto& axis = outlook_.prediction.axes[j];
     const double radius_mm = outlook_.prediction.radius_mm[j];
-    const bool near = radius_mm < identify::kPoorRadius_mm;
+    const bool near = !robot_.limits[j].linear && radius_mm < identify::kPoorRadius_mm;
     const bool poor = !axis || axis->direction_sigma_rad() > identify::kPoorDirection_rad;
     if (!poor) return near ? AxisOutlook::near : AxisOutlook::good;
     if (axis && !near) return AxisOutlook::vague;
@@ -86,7 +91,8 @@ class Judge {
         (near ? ": the target point is " + fixed(radius_mm, 2) + " mm from its axis, and " +
                     uncertain + ": choose a tool point 100 mm or more off axis " +
                     std::to_string(j + 1) + " (--tool-mm, or tool_mm of the robot description)"
-              : ": its axis would not be determined: sweep it further"));
+         : robot_.limits[j].linear ? ": its direction would not be determined: move it further"
+                                   : ": its axis would not be determined: sweep it further"));
     return AxisOutlook::lost;
   }
 

@@ -48,7 +48,7 @@ SweepPlan widened(const SweepPlan& plan, std::size_t joint, const RobotDescripti
   const auto [low, high] = std::minmax(sweep.start_deg, sweep.end_deg);
   double from = std::min(low, limits.min_deg + margin_deg);
   double to = std::max(high, limits.max_deg - margin_deg);
-  if (to - from > kWidest_deg) {
+  if (!limits.linear && to - from > kWidest_deg) {
     if (high - low >= kWidest_deg) return wider;
     // About the old middle, but within the limits.
     from = std::clamp((low + high - kWidest_deg) / 2, from, to - kWidest_deg);

@@ -95,14 +95,20 @@ std::string line_start(std::size_t row, const Number& number) {
          left(number.name, kJointColumn - 8);
 }
 
+/// A number of a sweep; of a linear joint, under a heading of degrees, with its unit.
+std::string of_sweep(const PlannedSweep& sweep, double value, int decimals, std::size_t width) {
+  if (!sweep.linear) return number(value, decimals, width);
+  return right(fixed(value, decimals) + (decimals == 2 ? " mm/s" : " mm"), width);
+}
+
 std::string sweeps_text(const PlanOutlook& outlook) {
   std::string text = "sweep  joint    from deg      to deg  speed deg/s   time s  samples  used\n";
   const Rehearsal& rehearsal = outlook.rehearsal;
   for (std::size_t s = 0; s < outlook.plan.sweeps.size(); ++s) {
     const PlannedSweep& sweep = outlook.plan.sweeps[s];
     text += right(std::to_string(s + 1), 5) + right(std::to_string(sweep.joint), 7) +
-            number(sweep.start_deg, 3, 12) + number(sweep.end_deg, 3, 12) +
-            number(sweep.speed_deg_s, 2, 13);
+            of_sweep(sweep, sweep.start_deg, 3, 12) + of_sweep(sweep, sweep.end_deg, 3, 12) +
+            of_sweep(sweep, sweep.speed_deg_s, 2, 13);
     const auto& stroke = rehearsal.stroke_of_sweep[s];
     if (!stroke) {
       text += right("-", 9) + right("-", 9) + right("no", 6) + "\n";
@@ -140,16 +146,19 @@ std::string axes_text(const PlanOutlook& outlook) {
   for (const auto& axis : outlook.prediction.axes) {
     if (!axis) continue;
     decimals.see(degrees(axis->direction_sigma_rad()));
-    decimals.see(axis->point_sigma_mm());
+    if (!axis->linear) decimals.see(axis->point_sigma_mm());
   }
   std::string text = "joint  target to axis mm  direction std unc deg  place std unc mm  verdict\n";
   for (std::size_t j = 0; j < outlook.axes.size(); ++j) {
     const auto& axis = outlook.prediction.axes[j];
-    text += right(std::to_string(j + 1), 5) + number(outlook.prediction.radius_mm[j], 2, 19) +
-            (axis ? number(degrees(axis->direction_sigma_rad()), decimals.count(), 23)
-                  : right("-", 23)) +
-            (axis ? number(axis->point_sigma_mm(), decimals.count(), 18) : right("-", 18)) + "  " +
-            verdict(outlook.axes[j]) + "\n";
+    const bool placed = !axis || !axis->linear;  // a linear joint's axis has no place
+    text +=
+        right(std::to_string(j + 1), 5) +
+        (placed ? number(outlook.prediction.radius_mm[j], 2, 19) : right("-", 19)) +
+        (axis ? number(degrees(axis->direction_sigma_rad()), decimals.count(), 23)
+              : right("-", 23)) +
+        (axis && placed ? number(axis->point_sigma_mm(), decimals.count(), 18) : right("-", 18)) +
+        "  " + verdict(outlook.axes[j]) + "\n";
   }
   return text;
 }
@@ -226,8 +235,9 @@ std::string proposal_text(const PlanOutlook& before, const Proposal& proposal, d
       "joint    from deg      to deg      instead of                  uncertainties\n";
   for (const ProposedStep& step : proposal.steps) {
     const std::string instead = plain(step.before.start_deg) + " to " + plain(step.before.end_deg);
-    text += right(std::to_string(step.after.joint), 5) + number(step.after.start_deg, 3, 12) +
-            number(step.after.end_deg, 3, 12) + "      " + left(instead, 20) +
+    text += right(std::to_string(step.after.joint), 5) +
+            of_sweep(step.after, step.after.start_deg, 3, 12) +
+            of_sweep(step.after, step.after.end_deg, 3, 12) + "      " + left(instead, 20) +
             (std::isfinite(step.gain) ? "  " + number(step.gain, 2, 8) + " times smaller"
                                       : "  more numbers determined") +
             "\n";

@@ -1,6 +1,8 @@
 #include "daemon/sweep_plan.hpp"
 
 #include <algorithm>
+#include <string_view>
+#include <utility>
 
 #include "daemon/toml_table.hpp"
 
@@ -13,19 +15,29 @@ constexpr double kMostAcceleration_deg_s2 = 1e5;
 constexpr double kMostAngle_deg = 1e5;
 constexpr std::int64_t kMostDwell_ms = 600'000;
 
+/// The keys of a sweep, by what they are in.
+struct SweepKeys {
+  std::string_view start, end, speed;
+};
+constexpr SweepKeys kInDegrees{"start_deg", "end_deg", "speed_deg_s"};
+constexpr SweepKeys kInMillimetres{"start_mm", "end_mm", "speed_mm_s"};
+
 PlannedSweep read_sweep(const TomlTable& table, std::size_t joints) {
-  table.allow_only({"joint", "start_deg", "end_deg", "speed_deg_s"});
   PlannedSweep sweep;
+  sweep.linear = table.has("start_mm") || table.has("end_mm") || table.has("speed_mm_s");
+  const SweepKeys& keys = sweep.linear ? kInMillimetres : kInDegrees;
+  table.allow_only({"joint", keys.start, keys.end, keys.speed});
   sweep.line = table.line();
   sweep.joint =
       static_cast<std::size_t>(table.whole_number("joint", 1, static_cast<std::int64_t>(joints)));
-  sweep.start_deg = table.number("start_deg", -kMostAngle_deg, kMostAngle_deg);
-  sweep.end_deg = table.number("end_deg", -kMostAngle_deg, kMostAngle_deg);
-  sweep.speed_deg_s = table.number("speed_deg_s", kLeastSpeed_deg_s, kMostSpeed_deg_s);
+  sweep.start_deg = table.number(keys.start, -kMostAngle_deg, kMostAngle_deg);
+  sweep.end_deg = table.number(keys.end, -kMostAngle_deg, kMostAngle_deg);
+  sweep.speed_deg_s = table.number(keys.speed, kLeastSpeed_deg_s, kMostSpeed_deg_s);
   if (sweep.start_deg == sweep.end_deg)
-    table.fail("end_deg",
-               "expected another angle than start_deg, found the same: a sweep has to "
-               "turn the joint");
+    table.fail(keys.end, sweep.linear ? "expected another place than start_mm, found the same: a "
+                                        "sweep has to move the joint"
+                                      : "expected another angle than start_deg, found the same: a "
+                                        "sweep has to turn the joint");
   return sweep;
 }
 
@@ -64,11 +76,14 @@ std::string plan_toml(const SweepPlan& plan, const std::string& remark) {
   text += "]\npositioning_speed_deg_s = " + number_text(plan.positioning_speed_deg_s) +
           "\nacceleration_deg_s2 = " + number_text(plan.acceleration_deg_s2) +
           "\ndwell_ms = " + std::to_string(plan.dwell.count()) + "\n";
-  for (const PlannedSweep& sweep : plan.sweeps)
-    text += "\n[[sweep]]\njoint = " + std::to_string(sweep.joint) +
-            "\nstart_deg = " + number_text(sweep.start_deg) +
-            "\nend_deg = " + number_text(sweep.end_deg) +
-            "\nspeed_deg_s = " + number_text(sweep.speed_deg_s) + "\n";
+  for (const PlannedSweep& sweep : plan.sweeps) {
+    text += "\n[[sweep]]\njoint = " + std::to_string(sweep.joint) + "\n";
+    const SweepKeys& keys = sweep.linear ? kInMillimetres : kInDegrees;
+    for (const auto& [key, value] : {std::pair{keys.start, sweep.start_deg},
+                                     {keys.end, sweep.end_deg},
+                                     {keys.speed, sweep.speed_deg_s}})
+      text += std::string(key) + " = " + number_text(value) + "\n";
+  }
   return text;
 }
 
@@ -85,25 +100,37 @@ std::vector<std::string> check_plan(const SweepPlan& plan, const RobotDescriptio
     const JointLimits& limits = robot.limits[joint - 1];
     if (limits.contain(angle_deg)) return;
     findings.push_back(place + ": expected joint " + std::to_string(joint) + " from " +
-                       number_text(limits.min_deg) + " to " + number_text(limits.max_deg) +
-                       " degrees, found " + number_text(angle_deg) +
+                       number_text(limits.min_deg) + " to " + number_text(limits.max_deg) + " " +
+                       std::string(limits.unit()) + ", found " + number_text(angle_deg) +
                        ": correct it, or the limits in the robot description");
   };
   const auto check_speed = [&](const std::string& place, std::size_t joint, double speed_deg_s) {
     const double most_deg_s = robot.limits[joint - 1].max_speed_deg_s;
     if (speed_deg_s <= most_deg_s) return;
-    findings.push_back(place + ": expected at most " + number_text(most_deg_s) +
-                       " degrees per second, as joint " + std::to_string(joint) +
-                       " can do no more, found " + number_text(speed_deg_s) +
+    findings.push_back(place + ": expected at most " + number_text(most_deg_s) + " " +
+                       std::string(robot.limits[joint - 1].unit()) + " per second, as joint " +
+                       std::to_string(joint) + " can do no more, found " +
+                       number_text(speed_deg_s) +
                        ": sweep slower, or correct the limit in the robot description");
   };
   for (std::size_t i = 0; i < plan.home_deg.size(); ++i)
     check(file + ": home_deg", i + 1, plan.home_deg[i]);
   for (const PlannedSweep& sweep : plan.sweeps) {
     const std::string place = file + ':' + std::to_string(sweep.line);
-    check(place + ": sweep.start_deg", sweep.joint, sweep.start_deg);
-    check(place + ": sweep.end_deg", sweep.joint, sweep.end_deg);
-    check_speed(place + ": sweep.speed_deg_s", sweep.joint, sweep.speed_deg_s);
+    if (sweep.linear != robot.limits[sweep.joint - 1].linear) {
+      findings.push_back(
+          place + ": expected " +
+          (sweep.linear ? "start_deg, end_deg and speed_deg_s, as joint "
+                        : "start_mm, end_mm and speed_mm_s, as joint ") +
+          std::to_string(sweep.joint) + (sweep.linear ? " turns" : " is linear") +
+          ", found those of the other kind: correct the keys, or type in the robot description");
+      continue;
+    }
+    const SweepKeys& keys = sweep.linear ? kInMillimetres : kInDegrees;
+    const auto key = [&](std::string_view name) { return place + ": sweep." + std::string(name); };
+    check(key(keys.start), sweep.joint, sweep.start_deg);
+    check(key(keys.end), sweep.joint, sweep.end_deg);
+    check_speed(key(keys.speed), sweep.joint, sweep.speed_deg_s);
   }
   // Only joints that sweep are positioned; one finding for the speed of all.
   const PlannedSweep* slowest = nullptr;

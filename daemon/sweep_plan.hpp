@@ -4,23 +4,29 @@
 #include <cstddef>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "daemon/robot_description.hpp"
 
 namespace sweepd {
 
-/// One joint turns from start to end while the others stand at the plan's home.
+/// One joint turns from start to end while the others stand at the plan's home. Of a linear joint
+/// all is in mm.
 struct PlannedSweep {
   std::size_t joint = 0;  ///< from 1
   double start_deg = 0;
   double end_deg = 0;
   double speed_deg_s = 0;
-  int line = 0;  ///< in the plan's file
+  int line = 0;         ///< in the plan's file
+  bool linear = false;  ///< the file says mm
+
+  [[nodiscard]] std::string_view unit() const { return linear ? "mm" : "deg"; }
 };
 
 /// The sweep program of a campaign: config/plans/*.toml. Each sweep begins and ends at home: the
-/// joint is positioned at its start, rests, sweeps, rests, and goes back.
+/// joint is positioned at its start, rests, sweeps, rests, and goes back. What is said of all
+/// joints is said of a linear one in mm: home, speed and acceleration.
 struct SweepPlan {
   std::filesystem::path file;
   std::vector<double> home_deg;  ///< one a joint
@@ -38,7 +44,7 @@ struct SweepPlan {
 [[nodiscard]] std::string plan_toml(const SweepPlan& plan, const std::string& remark = {});
 
 /// What `robot` cannot do of `plan`, one sentence each in the form of a ConfigError; empty if it
-/// can do all: as many joints, home, sweeps and speeds within the limits.
+/// can do all: as many joints, home, sweeps and speeds within the limits, mm of its linear joints.
 [[nodiscard]] std::vector<std::string> check_plan(const SweepPlan& plan,
                                                   const RobotDescription& robot);
 

@@ -38,6 +38,26 @@ def check(folder, status):
     return result
 
 
+def scara(folder):
+    """A robot with a linear joint, and a plan for it."""
+    joints = [{"b_mm": 0.0, "theta_deg": 20.0, "a_mm": 250.0}, {"b_mm": 0.0, "theta_deg": 60.0, "a_mm": 300.0},
+              {"b_mm": -120.0, "theta_deg": 15.0, "a_mm": 0.0, "type": "linear", "min_mm": 0.0, "max_mm": 200.0},
+              {"b_mm": 0.0, "theta_deg": 0.0, "a_mm": 0.0}]
+    sweeps = [("deg", -25.0, 65.0), ("deg", 15.0, 105.0), ("mm", 20.0, 180.0), ("deg", -75.0, 15.0)]
+    home = "home_deg = [20.0, 60.0, 100.0, -30.0]\n"
+    text = 'name = "SCARA"\n' + home + "tool_mm = [150.0, 60.0, 0.0]\n"
+    for joint in joints:
+        text += "[[joint]]\nalpha_deg = 0.0\npositive = 1\n"
+        text += "".join(f"{key} = {json.dumps(value)}\n" for key, value in joint.items())
+    (folder / "scara.toml").write_text(text)
+    text = home + "positioning_speed_deg_s = 60.0\nacceleration_deg_s2 = 200.0\ndwell_ms = 300\n"
+    for joint, (unit, start, end) in enumerate(sweeps, 1):
+        text += (f"[[sweep]]\njoint = {joint}\nstart_{unit} = {start}\nend_{unit} = {end}\n"
+                 f"speed_{unit}_s = 30.0\n")
+    (folder / "plan.toml").write_text(text)
+    return folder / "scara.toml", folder / "plan.toml"
+
+
 def write(file, rows):
     with file.open("w", newline="") as out:
         writer = csv.DictWriter(out, rows[0].keys())
@@ -84,6 +104,19 @@ with tempfile.TemporaryDirectory() as name:
     run(0, "identify", "--axes", work / "axes.csv", "--robot", robot, "--output", work / "axes",
         "--quiet")
     check(work / "axes", "complete")
+
+    description, plan = scara(work)
+    run(0, "simulate", "--robot", description, "--plan", plan, "--write", work / "scara.pcap", "--quiet")
+    run(0, "replay", work / "scara.pcap", "--robot", description, "--output", work / "scara", "--quiet")
+    linear = check(work / "scara", "complete")["joints"][2]
+    assert linear["type"] == "linear" and "range_mm" in linear["sweeps"][0] and "line" in linear
+    with (work / "scara/sweeps.csv").open() as lines:
+        points = [{key: row[key] for key in ("joint", "x_mm", "y_mm", "z_mm")} for row in csv.DictReader(lines)]
+    write(work / "scara.csv", points)
+    run(0, "identify", work / "scara.csv", "--robot", description, "--plan", plan, "--output",
+        work / "scara-device", "--quiet")
+    linear = check(work / "scara-device", "complete")["joints"][2]
+    assert linear["type"] == "linear" and abs(linear["sweeps"][0]["range_mm"] - 160) < 1
 
     # The schema would see what is missing, unknown or of another kind.
     for change in (lambda r: r.pop("dh"), lambda r: r.update(unheard_of=1),
