@@ -90,7 +90,10 @@ class ProgramWriter {
     line_(options_.dialect == KrlDialect::krc2 ? "DECL RSIERR SWD_RESULT" : "DECL INT SWD_RESULT");
     if (options_.dialect == KrlDialect::krc2) line_("DECL INT SWD_ETHERNET");
     if (options_.dialect == KrlDialect::krc4) line_("DECL INT SWD_CONTEXT");
-    line_("; Where the joints stand that do not sweep, in degrees");
+    const bool linear = std::any_of(plan_.sweeps.begin(), plan_.sweeps.end(),
+                                    [](const PlannedSweep& sweep) { return sweep.linear; });
+    line_(std::string("; Where the joints stand that do not sweep, in degrees") +
+          (linear ? ", linear ones in mm" : ""));
     line_("DECL AXIS HOME_POSE=" + pose(plan_.home_deg));
     for (std::size_t i = 0; i < plan_.sweeps.size(); ++i) {
       auto angles = plan_.home_deg;

@@ -10,10 +10,21 @@
 #include "tests/catch.hpp"
 
 using namespace identify;
-using namespace identify::test;
 using Catch::Matchers::ContainsSubstring;
 using Catch::Matchers::WithinAbs;
 using Eigen::Vector3d;
+using identify::test::as_built;
+using identify::test::changed;
+using identify::test::find_warning;
+using identify::test::for_arm;
+using identify::test::kr5_arc;
+using identify::test::linear_unit_sweeps;
+using identify::test::on_linear_unit;
+using identify::test::scara;
+using identify::test::scara_sweeps;
+using identify::test::scara_sweeps_both_ways;
+using identify::test::segment;
+using identify::test::without_angles;
 
 namespace {
 
@@ -142,7 +153,7 @@ TEST_CASE("A linear unit below an arm is identified, b its variable, the next ro
 TEST_CASE("Without a description a linear joint is known by its straight way") {
   for (const Arm& nominal : {scara(), on_linear_unit()}) {
     const Arm built = as_built(nominal, 5);
-    const Noise noise{0, 0.02, 5};
+    const identify::test::Noise noise{0, 0.02, 5};
     const auto sweeps =
         built.joints() == 4 ? scara_sweeps(built, noise) : linear_unit_sweeps(built, noise);
     identify::Campaign campaign;
@@ -173,7 +184,7 @@ TEST_CASE("Five degrees of a long arm are an arc, and are not called linear") {
   Arm arm = kr5_arc();
   arm.tool_mm = {1500, 0, 215};
   for (const bool told : {true, false}) {
-    test::Campaign campaign(arm, {0, 0.02, 8});
+    identify::test::Campaign campaign(arm, {0, 0.02, 8});
     campaign.rest()
         .sweep(0, 85, 91)
         .sweep(1, -93, -87)
@@ -260,7 +271,7 @@ TEST_CASE("Behind the last joint that turns the target places a linear axis, by 
   arm.positive = {1, 1, 1};
   arm.linear = {false, false, true};
   arm.tool_mm = {80, 30, 0};
-  test::Campaign campaign(arm, {0, 0.02, 12});
+  identify::test::Campaign campaign(arm, {0, 0.02, 12});
   campaign.rest().sweep(0, -45, 45).sweep(1, 45, 135).sweep(2, 350, 650);
   const auto found = identify::identify(segment(campaign.samples(), {}, 3), for_arm(arm));
   REQUIRE(found.estimator == Estimator::chain);
@@ -280,7 +291,7 @@ TEST_CASE("Of three slides the directions are identified, and no length") {
   arm.home_rad = {500 * kDegree, 400 * kDegree, 300 * kDegree};
   arm.positive = {1, 1, 1};
   arm.linear = {true, true, true};
-  test::Campaign campaign(arm, {0, 0.02, 13});
+  identify::test::Campaign campaign(arm, {0, 0.02, 13});
   campaign.rest().sweep(0, 300, 700).sweep(1, 250, 550).sweep(2, 200, 400);
   const auto found = identify::identify(segment(campaign.samples(), {}, 3), for_arm(arm));
   for (std::size_t j = 0; j < 3; ++j) {
@@ -307,9 +318,9 @@ TEST_CASE("Numbers of arms with linear joints are as uncertain as stated", "[lon
     CAPTURE(kind.name);
     Scores scores, directions;
     for (std::uint32_t seed = 1; seed <= 100; ++seed) {
-      const Arm nominal = kind.linear == 0 ? on_linear_unit() : test::scara();
+      const Arm nominal = kind.linear == 0 ? on_linear_unit() : scara();
       const Arm built = as_built(nominal, seed);
-      const Noise noise{0, 0.02, seed};
+      const identify::test::Noise noise{0, 0.02, seed};
       // Of one stroke a joint intervals are a little too wide (97 %: nothing tells one stroke's
       // error from another's), of two a little too narrow (94 %).
       auto sweeps = kind.linear == 0 ? linear_unit_sweeps(built, noise)
