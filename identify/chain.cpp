@@ -7,16 +7,15 @@ namespace identify {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
+Eigen::Isometry3d ChainAxis::displacement(double turn) const {
+  if (linear) return Eigen::Isometry3d(Eigen::Translation3d(kLinear_mm * turn * direction));
+  const Eigen::Translation3d center(point_mm);
+  return center * Eigen::AngleAxisd(turn, direction) * center.inverse();
+}
+
 Eigen::Isometry3d Chain::displacement(const Turns& turns) const {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  for (std::size_t j = 0; j < axes.size(); ++j) {
-    if (axes[j].linear) {
-      pose.translate(kLinear_mm * turns[j] * axes[j].direction);
-      continue;
-    }
-    const Eigen::Translation3d center(axes[j].point_mm);
-    pose = pose * (center * Eigen::AngleAxisd(turns[j], axes[j].direction) * center.inverse());
-  }
+  for (std::size_t j = 0; j < axes.size(); ++j) pose = pose * axes[j].displacement(turns[j]);
   return pose;
 }
 

@@ -19,6 +19,9 @@ struct ChainAxis {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
   Eigen::Vector3d point_mm = Eigen::Vector3d::Zero();
   bool linear = false;
+
+  /// What it does to what it carries.
+  [[nodiscard]] Eigen::Isometry3d displacement(double turn) const;
 };
 
 /// What a joint gives way under a load farther out: `rad` times the load's lever about it, in

@@ -8,8 +8,8 @@ namespace identify {
 
 /// A chain's sags for joints that give way by `sag_rad`, one a joint: each joint by the loads that
 /// it carries, which are taken to hang on the axes behind it and on the first target, in shares
-/// that nobody knows. Nothing where joint 1 is not `known`: it stands upright, and tells which way
-/// weights pull.
+/// that nobody knows. Nothing where the first joint that turns is not `known`: it stands upright,
+/// and tells which way weights pull. Linear joints do not give way.
 [[nodiscard]] std::vector<ChainSag> sags_of(const Chain& chain, const std::vector<bool>& known,
                                             const std::vector<double>& sag_rad);
 
