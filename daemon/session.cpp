@@ -35,13 +35,8 @@ Session::Session(const RobotSetup& setup, std::string source_kind, Events events
 Snapshot Session::snapshot() const {
   auto known = campaign(setup_, pipeline_.resolution());
   known.motion_limit = pipeline_.motion_limit();
-  return {setup_.name,
-          source_kind_,
-          pipeline_.counts(),
-          std::move(known),
-          sweeps_,
-          left_out_,
-          setup_.limits()};
+  return {setup_.name, source_kind_, pipeline_.counts(), std::move(known),
+          sweeps_,     left_out_,    setup_.limits()};
 }
 
 bool Session::worth_identifying() const {

@@ -70,7 +70,8 @@ std::optional<AngleTrack> angle_track(const Sweep& sweep, std::size_t joint,
   for (const Sample& sample : *sweep.samples) {
     if (!sample.has_position) continue;
     const auto [at, off] = frame.place(sample.position_mm);
-    if (std::hypot(at - height, off - radius) > kOutlierDistances * usual || ++good % every != 0) continue;
+    if (std::hypot(at - height, off - radius) > kOutlierDistances * usual || ++good % every != 0)
+      continue;
     track.at_s.push_back(sample.time_s);
     track.seen_rad.push_back(about.next(sample.position_mm));
   }
