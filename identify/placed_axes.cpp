@@ -21,7 +21,7 @@ class Placement {
 
   /// Last axis first.
   void decide(Axes& z, const Vector3d& target) {
-    parallel_.assign(z.size(), false);
+    parallel_ = std::vector<bool>(z.size());
     for (std::size_t k = z.size(); k-- > 0;) {
       if (!z[k]) continue;
       const bool has_next = k + 1 < z.size() && z[k + 1];
