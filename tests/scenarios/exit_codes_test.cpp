@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <csignal>
 
 #include "tests/catch.hpp"
@@ -90,10 +91,14 @@ TEST_CASE("plan: 0 for what can be run, 1 for what is refused, 78 beyond limits"
   CHECK_FALSE(std::filesystem::exists(folder / "none"));
 
   std::string text = content(kPlan);
-  text.replace(text.find("start_deg = -45.0"), 17, "start_deg = -156.0");
+  const auto start = text.find("start_deg = -45.0");
+  const auto line =
+      1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(start), '\n');
+  text.replace(start, 17, "start_deg = -156.0");
   const auto far = folder.write("far.toml", text);
   check_failure(78, {"plan", "--robot", kRobot, "--plan", far.string()},
-                far.string() + ":15: sweep.start_deg: expected joint 1 from -155 to 155 degrees");
+                far.string() + ":" + std::to_string(line) +
+                    ": sweep.start_deg: expected joint 1 from -155 to 155 degrees");
   check_failure(2, with({"--krl", "krc4"}), "--output");
   check_failure(2, with({"--write-plan", "x.toml"}), "--propose");
   check_failure(2, with({"--krl", "krc3", "--output", output}), "--krl");
