@@ -92,8 +92,8 @@ TEST_CASE("plan: 0 for what can be run, 1 for what is refused, 78 beyond limits"
 
   std::string text = content(kPlan);
   const auto start = text.find("start_deg = -45.0");
-  const auto line =
-      1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(start), '\n');
+  const auto sweep = text.begin() + static_cast<std::ptrdiff_t>(text.rfind("[[sweep]]", start));
+  const auto line = 1 + std::count(text.begin(), sweep, '\n');
   text.replace(start, 17, "start_deg = -156.0");
   const auto far = folder.write("far.toml", text);
   check_failure(78, {"plan", "--robot", kRobot, "--plan", far.string()},
