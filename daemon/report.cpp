@@ -85,7 +85,8 @@ std::string home_text(const Identification& found) {
   std::string text, unit;
   for (std::size_t j = 0; j < found.home_rad.size(); ++j) {
     if (!found.home_rad[j]) continue;
-    const std::string of = found.joints[j].linear ? " mm" : " deg";
+    const bool linear = j < found.joints.size() && found.joints[j].linear;
+    const std::string of = linear ? " mm" : " deg";
     // One unit for all that have it, up to the next one.
     text += (text.empty() ? ""
              : of == unit ? ", "
