@@ -11,15 +11,8 @@ namespace {
 
 constexpr double kLinearSigmas = 4;
 
-/// With two digits that tell something.
-std::string two_digits(double value, const char* unit) {
-  const double size = std::abs(value);
-  if (!(size > 1e-9)) return std::string("0") + unit;
-  return fixed(value, std::clamp(1 - static_cast<int>(std::floor(std::log10(size))), 0, 9)) + unit;
-}
-
 std::string way(double turn_rad) {
-  return two_digits(kLinear_mm * turn_rad, " mm");
+  return brief(kLinear_mm * turn_rad) + " mm";
 }
 
 }  // namespace
@@ -37,11 +30,11 @@ std::vector<Warning> advice_of_linear(const Identification& found, std::size_t j
     // Of as many samples a line's direction is known as the inverse of its length.
     if (joint.axis)
       remedy += ", " + fixed(joint.line->length_mm * sigma / kPoorDirection_rad, 0) +
-                " mm would give about " + two_digits(kPoorDirection_rad / kDegree, "°");
+                " mm would give about " + brief(kPoorDirection_rad / kDegree) + "°";
     warn("stroke_short",
          "its strokes determine its direction poorly (length " + fixed(joint.line->length_mm, 1) +
              " mm, direction uncertain by " +
-             (joint.axis ? two_digits(sigma / kDegree, "°") : std::string("more than 1°")) +
+             (joint.axis ? brief(sigma / kDegree) + "°" : std::string("more than 1°")) +
              "): " + remedy);
   }
   if (!found.chain || found.chain->angles[j].samples == 0) return advice;

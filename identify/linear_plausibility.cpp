@@ -9,18 +9,12 @@
 
 #include "identify/linear_joint.hpp"
 #include "identify/number_text.hpp"
+#include "identify/plausibility.hpp"
 #include "identify/points.hpp"
 
 namespace identify {
 namespace {
 
-/// As of circles: the robot's repeatability is hundredths of a millimetre; uncertainties count ten
-/// times, as for errors that are correlated.
-constexpr double kLinesApart_mm = 5;
-constexpr double kLinesApart_rad = 1 * kDegree;
-constexpr double kLinesApartSigmas = 10;
-/// Beyond any device and any rail.
-constexpr double kNoLine_mm = 10;
 /// Drives err by hundredths of a per cent.
 constexpr double kWrongWay_mm = 1;
 constexpr double kWrongWayShare = 0.01;
@@ -49,8 +43,8 @@ std::optional<Warning> lines_disagree(const std::vector<Sweep>& used, std::size_
     const double apart_mm = across(*first, line->point_mm).norm();
     const double sine = line->direction.cross(first->direction).norm();
     const double apart_rad = std::asin(std::min(1.0, sine));
-    const double sure_rad = kLinesApartSigmas * std::hypot(sigma_rad(*first), sigma_rad(*line));
-    if (!(apart_mm > kLinesApart_mm) && !(apart_rad > kLinesApart_rad + sure_rad)) continue;
+    const double sure_rad = kApartSigmas * std::hypot(sigma_rad(*first), sigma_rad(*line));
+    if (!(apart_mm > kApart_mm) && !(apart_rad > kApart_rad + sure_rad)) continue;
     return Warning{"strokes_disagree", joint,
                    joint_name(joint) + ": its strokes do not run along one line: they are " +
                        fixed(apart_mm, 1) + " mm apart, their directions " +
@@ -61,7 +55,7 @@ std::optional<Warning> lines_disagree(const std::vector<Sweep>& used, std::size_
 }
 
 std::optional<Warning> is_no_line(const LineFit& line, std::size_t joint) {
-  if (!(std::max(line.across_rms_mm, line.bend_mm) > kNoLine_mm)) return std::nullopt;
+  if (!(std::max(line.across_rms_mm, line.bend_mm) > kOffCurve_mm)) return std::nullopt;
   return Warning{"line_misfit", joint,
                  joint_name(joint) + ": its points lie on no straight line: they are " +
                      fixed(line.across_rms_mm, 1) + " mm off it, and bend by " +

@@ -20,11 +20,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Circles of one joint, seen twice from one home, differ by what the robot's repeatability allows:
-/// hundredths of a millimetre. Uncertainties count ten times, as for errors that are correlated.
-constexpr double kApart_mm = 5;
-constexpr double kApart_rad = 1 * kDegree;
-constexpr double kApartSigmas = 10;
 /// A device is off by a millimetre at most, and on all circles alike.
 constexpr double kMisfit_mm = 1;
 constexpr double kMisfitToPeers = 20;
@@ -32,8 +27,7 @@ constexpr double kMisfitToPeers = 20;
 /// some hundredths; a joint that moves along bends one joint's.
 constexpr double kBent_mm = 0.05;
 constexpr double kBentToPeers = 10;
-/// Beyond any device, whatever the other circles are like; and a share of the radius.
-constexpr double kNoCircle_mm = 10;
+/// Of the radius, besides what is beyond any device.
 constexpr double kNoCircleShare = 0.02;
 /// Joints come home to hundredths of a degree, which a metre away is a fraction of a millimetre.
 constexpr double kOffHome_mm = 3;
@@ -164,7 +158,7 @@ class Judge {
     const bool above_peers =
         peers.size() >= 2 && usual > kMisfit_mm && usual > kMisfitToPeers * peer;
     if (!above_peers && is_bent(j)) return true;
-    const double no_circle = std::max(kNoCircle_mm, kNoCircleShare * circles_[j]->circle.radius_mm);
+    const double no_circle = std::max(kOffCurve_mm, kNoCircleShare * circles_[j]->circle.radius_mm);
     if (!above_peers && !(usual > no_circle)) return false;
     std::string message = joint_name(j) + ": its points lie on no circle: they are ";
     message += fixed(usual, 1) + " mm off";

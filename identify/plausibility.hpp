@@ -1,8 +1,18 @@
 #pragma once
 
+#include "identify/angle.hpp"
 #include "identify/identification.hpp"
 
 namespace identify {
+
+/// Strokes of one joint, seen from one home, differ by what the robot's repeatability allows:
+/// hundredths of a millimetre. Uncertainties count ten times, as for errors that are correlated.
+inline constexpr double kApart_mm = 5;
+inline constexpr double kApart_rad = 1 * kDegree;
+inline constexpr double kApartSigmas = 10;
+/// Points so far off their circle or line: beyond any device and any rail, whatever the others'
+/// are.
+inline constexpr double kOffCurve_mm = 10;
 
 /// Appends to `found.doubts` what in the data contradicts itself or what a built robot can be:
 ///   external_axis_moved, duplicate_sweep, strokes_disagree, circle_misfit, angle_arc_mismatch,
