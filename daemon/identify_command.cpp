@@ -154,11 +154,15 @@ Outcome identified_points(const IdentifyOptions& options, RobotSetup setup) {
   snapshot.sweeps = sweeps_in(points, options, setup, known);
   snapshot.campaign = known;
   snapshot.limits = setup.limits();
-  points.counts.sweeps = static_cast<std::size_t>(std::count_if(
+  const auto arcs = static_cast<std::size_t>(std::count_if(
       snapshot.sweeps.begin(), snapshot.sweeps.end(),
       [](const Sweep& sweep) { return sweep.defect == identify::SweepDefect::none; }));
   points.files.clear();
   Outcome outcome = snapshot.identified();
+  // Strokes of a linear joint are no arcs, and can be used all the same.
+  std::size_t used = 0;
+  for (const auto& joint : outcome.identification.joints) used += joint.sweeps.size();
+  points.counts.sweeps = std::max(arcs, used);
   outcome.points = points.counts;
   return outcome;
 }

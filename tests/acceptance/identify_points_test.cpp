@@ -15,10 +15,9 @@ using namespace acceptance;
 
 namespace {
 
-nlohmann::json identified(sweepd::IdentifyOptions options) {
+nlohmann::json identified(sweepd::IdentifyOptions options, std::ostringstream& report) {
   const TemporaryFolder folder;
   options.output = folder / "result";
-  std::ostringstream report;
   CHECK(sweepd::identify_points(options, report) == 0);
   std::cout << report.str() << '\n';
   return nlohmann::json::parse(text_of(*options.output / "result.json"));
@@ -34,7 +33,8 @@ TEST_CASE("The seven logs of a real arm are one arm of seven joints", "[identify
     options.points.push_back(*folder / ("sawyer1-joint" + std::to_string(joint) + ".csv"));
   options.columns = "t_s,x_m,y_m,z_m,qx,qy,qz,qw";
   options.per_joint = true;
-  const auto result = identified(options);
+  std::ostringstream report;
+  const auto result = identified(options, report);
   CHECK(result["status"] == "complete");
   REQUIRE(result["joints"].size() == 7);
   for (const auto& joint : result["joints"]) {
@@ -57,8 +57,10 @@ TEST_CASE("The rotary joint and the three slides of a positioning table are iden
   sweepd::IdentifyOptions options;
   options.points = {*folder / "sscanss2-table.txt"};
   options.columns = "joint,x_mm,y_mm,z_mm,-,-,-";
-  const auto result = identified(options);
+  std::ostringstream report;
+  const auto result = identified(options, report);
   CHECK(result["status"] == "complete");
+  CHECK_THAT(report.str(), Catch::Matchers::ContainsSubstring("44 in 4 sweeps of 1 file"));
   const auto& joints = result["joints"];
   REQUIRE(joints.size() == 4);
   CHECK(joints[1]["circle"]["radius_mm"].get<double>() == Approx(53.606).margin(0.0005));

@@ -1,171 +1,28 @@
-// Whether the uncertainties of real arms contain what halves of their sweeps differ by: a campaign
-// of the first halves of all arcs beside one of the second halves. What bends an arc is not the
-// same in both; each is an arm of its own to the estimator, and the truth need not be known.
+// Whether the uncertainties of real arms contain what halves of their sweeps differ by: a table of
+// tests/acceptance/halves.hpp.
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <iostream>
-#include <memory>
-#include <optional>
-#include <regex>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include <CLI/CLI.hpp>
 
-#include "daemon/point_sweeps.hpp"
-#include "daemon/points_file.hpp"
-#include "daemon/units.hpp"
-#include "identify/angle.hpp"
-#include "identify/identification.hpp"
+#include "tests/acceptance/halves.hpp"
 #include "tests/bench/table.hpp"
 
+using acceptance::root_mean_square;
 using bench::left;
 using bench::right;
 
 namespace {
 
-/// Files of one arm, one a joint, in the order of the joints.
-struct Logs {
-  std::string name;
-  std::vector<std::filesystem::path> files;
-  std::string columns;
-};
-
-std::vector<Logs> logs_in(const std::filesystem::path& data) {
-  std::vector<Logs> all;
-  for (const auto& [folder, columns] :
-       {std::pair<const char*, const char*>{"sweep-logs", "t_s,x_m,y_m,z_m,qx,qy,qz,qw"},
-        {"sweep-logs-scene", ""}}) {
-    std::vector<std::filesystem::path> files;
-    for (const auto& entry : std::filesystem::directory_iterator(data / folder))
-      files.push_back(entry.path());
-    std::sort(files.begin(), files.end());
-    const std::regex of_a_joint("(.*)-joint[0-9]+\\.csv");
-    for (const auto& file : files) {
-      std::smatch match;
-      const std::string name = file.filename().string();
-      if (!std::regex_match(name, match, of_a_joint)) continue;
-      if (all.empty() || all.back().name != match[1]) all.push_back({match[1], {}, columns});
-      all.back().files.push_back(file);
-    }
-  }
-  return all;
-}
-
-struct Halves {
-  identify::Identification first, second;
-};
-
-/// The part of a sweep that begins at this share of its arc's samples and ends at that.
-identify::Sweep part_of(const identify::Sweep& sweep, double from, double to) {
-  const auto& samples = *sweep.samples;
-  const auto at = [&](double share) {
-    return samples.begin() +
-           static_cast<std::ptrdiff_t>(share * static_cast<double>(samples.size()));
-  };
-  identify::Sweep part = sweep;
-  part.samples = std::make_shared<const std::vector<identify::Sample>>(at(from), at(to));
-  return part;
-}
-
-Halves halves_of(const Logs& logs) {
-  std::vector<std::string> columns;
-  for (std::size_t from = 0; from < logs.columns.size();) {
-    const auto end = std::min(logs.columns.find(',', from), logs.columns.size());
-    columns.push_back(logs.columns.substr(from, end - from));
-    from = end + 1;
-  }
-  sweepd::PointsReader reader(columns, logs.files.size());
-  std::vector<identify::Sweep> sweeps;
-  sweepd::WorstLimit limit;
-  for (std::size_t joint = 0; joint < logs.files.size(); ++joint) {
-    auto file = reader.read(logs.files[joint], [](std::size_t) {});
-    // Positions alone, as a device has them.
-    for (auto& point : file.points) point.sample.has_orientation = false;
-    for (auto& sweep :
-         sweepd::sweeps_of_joint(file, joint, logs.files.size(), reader.resolution(), limit))
-      if (sweep.defect == identify::SweepDefect::none) sweeps.push_back(std::move(sweep));
-  }
-  identify::Campaign campaign;
-  campaign.joints = logs.files.size();
-  campaign.resolution = reader.resolution();
-  campaign.device_frame = true;
-  const auto identified = [&](double from, double to) {
-    std::vector<identify::Sweep> parts;
-    for (const auto& sweep : sweeps) parts.push_back(part_of(sweep, from, to));
-    return identify::identify(parts, campaign);
-  };
-  return {identified(0, 0.5), identified(0.5, 1)};
-}
-
-/// Differences of the axes in their standard uncertainties: two of the direction and two of the
-/// place, across the axis, next to where the first half states it.
-struct Apart {
-  std::vector<double> z, direction_deg, place_mm;
-};
-
-void add(Apart& apart, const identify::Axis& one, const identify::Axis& other) {
-  const auto basis = identify::across(one.direction);
-  const double sense = one.direction.dot(other.direction) < 0 ? -1 : 1;
-  const Eigen::Vector3d turn = sense * other.direction - one.direction;
-  // Where the other axis is stated, its place and its direction vary together.
-  const double along = one.direction.dot(one.point_mm - other.point_mm);
-  Eigen::Matrix<double, 3, 6> place;
-  place << sense * along * Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Identity();
-  const Eigen::Vector3d shift = other.point_mm + along * sense * other.direction - one.point_mm;
-  const Eigen::Matrix2d turn_covariance =
-      basis.transpose() *
-      (one.covariance.topLeftCorner<3, 3>() + other.covariance.topLeftCorner<3, 3>()) * basis;
-  const Eigen::Matrix2d shift_covariance =
-      basis.transpose() *
-      (one.covariance.bottomRightCorner<3, 3>() + place * other.covariance * place.transpose()) *
-      basis;
-  for (int k = 0; k < 2; ++k) {
-    apart.z.push_back(basis.col(k).dot(turn) / std::sqrt(turn_covariance(k, k)));
-    apart.direction_deg.push_back(sweepd::degrees(basis.col(k).dot(turn)));
-    apart.z.push_back(basis.col(k).dot(shift) / std::sqrt(shift_covariance(k, k)));
-    apart.place_mm.push_back(basis.col(k).dot(shift));
-  }
-}
-
-double rms(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double value : values) sum += value * value;
-  return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, values.size())));
-}
-
-/// The table's numbers that do not depend on where home is. Where axes meet, the sense of X, and
-/// with it the signs of a and alpha, is the sign of a length that is nothing.
-Apart table_apart(const Halves& halves) {
-  Apart apart;
-  const auto& one = halves.first.dh;
-  const auto& other = halves.second.dh;
-  const auto compare = [&](const identify::DhNumber& first, const identify::DhNumber& second,
-                           std::vector<double>& differences, double unit) {
-    if (first.knowledge != identify::Knowledge::identified ||
-        second.knowledge != identify::Knowledge::identified)
-      return;
-    const double difference = std::abs(second.value) - std::abs(first.value);
-    apart.z.push_back(difference / std::hypot(first.sigma, second.sigma));
-    differences.push_back(unit * difference);
-  };
-  for (std::size_t j = 0; j + 1 < one.size(); ++j) {
-    if (j > 0) compare(one[j].b_mm, other[j].b_mm, apart.place_mm, 1);
-    compare(one[j].a_mm, other[j].a_mm, apart.place_mm, 1);
-    compare(one[j].alpha_rad, other[j].alpha_rad, apart.direction_deg, 1 / identify::kDegree);
-  }
-  return apart;
-}
-
-void print(const std::string& arm, const std::string& what, const Apart& apart) {
+void print(const std::string& arm, const std::string& what, const acceptance::Apart& apart) {
   double most = 0;
   for (const double z : apart.z) most = std::max(most, std::abs(z));
   std::cout << left(arm, 12) << left(what, 10) << right(static_cast<double>(apart.z.size()), 0, 8)
-            << right(rms(apart.z), 2, 8) << right(most, 2, 8)
-            << right(rms(apart.direction_deg), 4, 15) << right(rms(apart.place_mm), 4, 10) << '\n';
+            << right(root_mean_square(apart.z), 2, 8) << right(most, 2, 8)
+            << right(root_mean_square(apart.direction_deg), 4, 15)
+            << right(root_mean_square(apart.place_mm), 4, 10) << '\n';
 }
 
 }  // namespace
@@ -178,15 +35,8 @@ int main(int argc, char** argv) {
   std::cout << left("arm", 12) << left("what", 10) << right("numbers", 8) << right("rms z", 8)
             << right("most", 8) << right("angles deg", 15) << right("mm", 10)
             << "  (rms of the differences)\n";
-  for (const Logs& logs : logs_in(data)) {
-    const Halves halves = halves_of(logs);
-    Apart axes;
-    for (std::size_t j = 0; j < logs.files.size(); ++j) {
-      const auto& one = halves.first.joints[j].axis;
-      const auto& other = halves.second.joints[j].axis;
-      if (one && other) add(axes, *one, *other);
-    }
-    print(logs.name, "axes", axes);
-    print(logs.name, "a b alpha", table_apart(halves));
+  for (const auto& halves : acceptance::halves_apart(data)) {
+    print(halves.arm, "axes", halves.axes);
+    print(halves.arm, "a b alpha", halves.table);
   }
 }
