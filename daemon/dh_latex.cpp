@@ -70,7 +70,7 @@ std::string line(const Entry& entry, std::size_t joint, bool compared) {
 
 std::string dh_latex(const Outcome& outcome) {
   const auto& found = outcome.identification;
-  const auto differences = compare_with_specified(found);
+  const auto differences = compare_with_specified(found.dh, found.specified, found.home_rad);
   const bool compared = !differences.empty();
   std::string text =
       "% DH parameters in the notation of Tz(b) Rz(theta) Tx(a) Rx(alpha) Ry(beta).\n"

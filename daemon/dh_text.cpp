@@ -41,7 +41,7 @@ class Table {
  public:
   explicit Table(const Identification& found)
       : found_(found),
-        differences_(compare_with_specified(found)),
+        differences_(compare_with_specified(found.dh, found.specified, found.home_rad)),
         with_circle_(found.estimator == Estimator::chain &&
                      found.circle_dh.size() == found.dh.size()) {}
 

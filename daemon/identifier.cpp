@@ -6,6 +6,7 @@
 #include <thread>
 #include <utility>
 
+#include "daemon/outcome.hpp"
 #include "daemon/result_files.hpp"
 #include "daemon/result_json.hpp"
 
@@ -283,7 +284,7 @@ Identifier::Identified Identifier::identify(const Snapshot& snapshot, Share shar
   const Turn turn(share);
   Identified identified;
   identified.began = Steady::now();
-  identified.outcome = snapshot.identified();
+  identified.outcome = outcome_of(snapshot);
   identified.took = Steady::now() - identified.began;
   return identified;
 }

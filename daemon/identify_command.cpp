@@ -9,7 +9,7 @@
 #include "daemon/atomic_file.hpp"
 #include "daemon/axes_file.hpp"
 #include "daemon/csv_file.hpp"
-#include "daemon/given_axes.hpp"
+#include "daemon/outcome.hpp"
 #include "daemon/outputs.hpp"
 #include "daemon/point_sweeps.hpp"
 #include "daemon/points_file.hpp"
@@ -19,6 +19,7 @@
 #include "daemon/robot_setup.hpp"
 #include "daemon/run_json.hpp"
 #include "daemon/session.hpp"
+#include "identify/given_axes.hpp"
 #include "rsi/counted.hpp"
 
 namespace sweepd {
@@ -158,7 +159,7 @@ Outcome identified_points(const IdentifyOptions& options, RobotSetup setup) {
       snapshot.sweeps.begin(), snapshot.sweeps.end(),
       [](const Sweep& sweep) { return sweep.defect == identify::SweepDefect::none; }));
   points.files.clear();
-  Outcome outcome = snapshot.identified();
+  Outcome outcome = outcome_of(snapshot);
   // Strokes of a linear joint are no arcs, and can be used all the same.
   std::size_t used = 0;
   for (const auto& joint : outcome.identification.joints) used += joint.sweeps.size();
@@ -187,7 +188,7 @@ Outcome identified_axes(const IdentifyOptions& options, RobotSetup setup) {
   Outcome outcome;
   outcome.robot = setup.name;
   outcome.source_kind = "axes";
-  outcome.identification = identify_given_axes(axes, known);
+  outcome.identification = identify::identify_given_axes(axes, known);
   if (known.specified) outcome.positive = known.specified->positive;
   outcome.limits = setup.limits();
   return outcome;

@@ -7,6 +7,7 @@
 
 #include "daemon/pipeline.hpp"
 #include "daemon/robot_description.hpp"
+#include "daemon/session.hpp"
 #include "identify/identification.hpp"
 
 namespace sweepd {
@@ -34,6 +35,9 @@ struct Outcome {
   std::vector<JointLimits> limits = {};  ///< one a joint; empty: not known
 };
 
+/// Runs the engine. The same snapshot gives the same outcome.
+[[nodiscard]] Outcome outcome_of(const Snapshot& snapshot);
+
 /// That of the commands that identify: 1 where not one axis was found, 3 where the result is
 /// doubtful.
 [[nodiscard]] inline int exit_code(const Outcome& outcome) {
@@ -48,11 +52,5 @@ inline constexpr int kLengthDecimals = 6;
 inline constexpr int kAngleDecimals = 7;
 /// Errors of angles, seconds of arc.
 inline constexpr int kArcsecDecimals = 4;
-
-/// Only axes that are parallel, as far as one can tell, have a beta; for others it is zero.
-[[nodiscard]] inline bool has_beta(const identify::DhEstimate& row) {
-  return row.relation == identify::Relation::parallel ||
-         row.relation == identify::Relation::coincident;
-}
 
 }  // namespace sweepd

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "daemon/numbers.hpp"
-#include "daemon/outcome.hpp"
 #include "daemon/text_layout.hpp"
 #include "daemon/units.hpp"
 #include "rsi/counted.hpp"

@@ -3,9 +3,21 @@
 #include <string>
 #include <vector>
 
-#include "daemon/settings.hpp"
-
 namespace sweepd {
+
+/// What is tried so that the reply thread is never kept waiting for a processor or a page of
+/// memory.
+enum class RealTime {
+  require,   ///< without it sweepd does not start
+  try_hard,  ///< what is not permitted is said, and done without
+  off,
+};
+
+struct RealTimeSettings {
+  RealTime wish = RealTime::try_hard;
+  int priority = 80;      ///< of SCHED_FIFO, 1 to 98
+  std::vector<int> cpus;  ///< the reply thread runs on these only; empty: on any
+};
 
 /// What the system granted, read back from it, and what it refused.
 struct RealTimeReport {

@@ -5,6 +5,7 @@
 #include "daemon/atomic_file.hpp"
 #include "daemon/config_error.hpp"
 #include "daemon/line_file.hpp"
+#include "daemon/outcome.hpp"
 #include "daemon/outputs.hpp"
 #include "daemon/report.hpp"
 #include "daemon/result_files.hpp"
@@ -99,7 +100,7 @@ int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) 
   if (!all_written) errors << "sweepd: " << samples->error() << '\n';
   samples.reset();
   if (samples_file && all_written) samples_file->commit();
-  Outcome outcome = session.snapshot().identified();
+  Outcome outcome = outcome_of(session.snapshot());
   if (!search.chosen) outcome.identification.reason = "no RSI telegrams in the capture";
   if (options.output) write_result(*options.output, outcome);
   if (!options.quiet) out << report(outcome);

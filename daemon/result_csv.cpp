@@ -73,7 +73,7 @@ bool in_use(const identify::Identification& found, const identify::JointResult& 
 
 std::string dh_csv(const Outcome& outcome) {
   const auto& found = outcome.identification;
-  const auto differences = compare_with_specified(found);
+  const auto differences = compare_with_specified(found.dh, found.specified, found.home_rad);
   std::string csv = "joint";
   for (const std::string name : {"b_mm", "theta_deg", "a_mm", "alpha_deg"}) {
     const auto unit = name.find('_');

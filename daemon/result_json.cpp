@@ -218,7 +218,7 @@ std::string result_json(const Outcome& outcome) {
   if (found.estimator != identify::Estimator::axes) json["estimates"] = estimates(found);
   if (!found.specified.empty()) {
     json["specified"] = dh_json(found.specified);
-    json["difference"] = dh_json(compare_with_specified(found));
+    json["difference"] = dh_json(compare_with_specified(found.dh, found.specified, found.home_rad));
   }
   if (found.delay)
     json["delay"] = {{"late_ms", rounded(1e3 * found.delay->late_s, 6)},

@@ -3,24 +3,7 @@
 #include <set>
 #include <utility>
 
-#include "rsi/counted.hpp"
-
 namespace sweepd {
-
-Outcome Snapshot::identified() const {
-  Outcome outcome{robot, source_kind, counts, identify::identify(sweeps, campaign)};
-  if (campaign.specified) outcome.positive = campaign.specified->positive;
-  outcome.limits = limits;
-  outcome.motion_limit = campaign.motion_limit;
-  if (sweeps_left_out > 0)
-    outcome.identification.warnings.push_back(
-        {"memory_limit",
-         {},
-         rsi::counted(sweeps_left_out, "later sweep was", "later sweeps were") +
-             " not used: end the stream (RSI off) "
-             "between campaigns, so that each gets its own result"});
-  return outcome;
-}
 
 Session::Session(const RobotSetup& setup, std::string source_kind, Events events)
     : setup_(setup),

@@ -6,7 +6,6 @@
 #include <string_view>
 #include <vector>
 
-#include "daemon/outcome.hpp"
 #include "daemon/pipeline.hpp"
 #include "daemon/robot_setup.hpp"
 #include "rsi/datagram.hpp"
@@ -22,9 +21,6 @@ struct Snapshot {
   std::vector<identify::Sweep> sweeps;
   std::size_t sweeps_left_out = 0;       ///< beyond what memory is set aside for
   std::vector<JointLimits> limits = {};  ///< of the joints, where the description has them
-
-  /// Runs the engine. The same snapshot gives the same outcome.
-  [[nodiscard]] Outcome identified() const;
 };
 
 /// One stream of a controller, from its first telegram to its end. No files. One thread.

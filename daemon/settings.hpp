@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/realtime.hpp"
 #include "rsi/endpoint.hpp"
 
 namespace sweepd {
@@ -20,20 +21,6 @@ struct SignalNames {
   /// Axis angles in deg, joint 1 first.
   std::vector<std::string> angles{"AIPos.A1", "AIPos.A2", "AIPos.A3",
                                   "AIPos.A4", "AIPos.A5", "AIPos.A6"};
-};
-
-/// What is tried so that the reply thread is never kept waiting for a processor or a page of
-/// memory.
-enum class RealTime {
-  require,   ///< without it sweepd does not start
-  try_hard,  ///< what is not permitted is said, and done without
-  off,
-};
-
-struct RealTimeSettings {
-  RealTime wish = RealTime::try_hard;
-  int priority = 80;      ///< of SCHED_FIFO, 1 to 98
-  std::vector<int> cpus;  ///< the reply thread runs on these only; empty: on any
 };
 
 /// [robot.recording]: how much of it is kept, and where it ends.

@@ -79,7 +79,7 @@ std::optional<AngleTrack> angle_track(const Sweep& sweep, std::size_t joint,
   return track;
 }
 
-std::vector<AngleTrack> angle_tracks(const Identification& circles,
+std::vector<AngleTrack> angle_tracks(const CircleEstimate& circles,
                                      const std::vector<std::optional<ChainAxis>>& axes) {
   std::vector<AngleTrack> tracks;
   for (std::size_t j = 0; j < circles.joints.size(); ++j) {

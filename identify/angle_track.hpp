@@ -8,7 +8,7 @@
 
 #include "identify/angle.hpp"
 #include "identify/chain.hpp"
-#include "identify/identification.hpp"
+#include "identify/circle_estimate.hpp"
 
 namespace identify {
 
@@ -65,6 +65,6 @@ class AngleAbout {
 /// Those of all sweeps that the circles used and whose direction is known; of one joint, the seen
 /// angles count from the same place. `axes`: one a joint.
 [[nodiscard]] std::vector<AngleTrack> angle_tracks(
-    const Identification& circles, const std::vector<std::optional<ChainAxis>>& axes);
+    const CircleEstimate& circles, const std::vector<std::optional<ChainAxis>>& axes);
 
 }  // namespace identify

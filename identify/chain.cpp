@@ -19,13 +19,6 @@ Eigen::Isometry3d Chain::displacement(const Turns& turns) const {
   return pose;
 }
 
-Eigen::Matrix<double, 3, 2> across(const Vector3d& direction) {
-  Eigen::Matrix<double, 3, 2> both;
-  both.col(0) = direction.unitOrthogonal();
-  both.col(1) = direction.cross(both.col(0));
-  return both;
-}
-
 Chain moved(const Chain& chain, const Eigen::VectorXd& change) {
   const ChainParameters parameters{chain.axes.size(), chain.targets_mm.size()};
   Chain other = chain;

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include "identify/line.hpp"
 #include "identify/sample.hpp"
 
 namespace identify {
@@ -53,10 +54,6 @@ struct Chain {
     return displacement(turns) * targets_mm[target];
   }
 };
-
-/// Two directions across an axis, unit, right-handed with it. They change with the direction
-/// continuously but for one turn-over.
-[[nodiscard]] Eigen::Matrix<double, 3, 2> across(const Eigen::Vector3d& direction);
 
 /// The parameters of a chain, as small changes from where it is: four an axis, joint 1 first
 /// (turning the direction towards the first and second vector of `across`, rad; shifting the point

@@ -31,7 +31,7 @@ struct Fitted {
 
 class Estimation {
  public:
-  Estimation(const Identification& circles, const Campaign& campaign)
+  Estimation(const CircleEstimate& circles, const Campaign& campaign)
       : circles_(circles), campaign_(campaign), joints_(circles.joints.size()) {}
 
   std::optional<ChainEstimate> run() {
@@ -291,7 +291,7 @@ class Estimation {
     set_fitted_axes(estimate, best.fit, nodes_.known, nodes_.targets);
   }
 
-  const Identification& circles_;
+  const CircleEstimate& circles_;
   const Campaign& campaign_;
   std::size_t joints_;
   std::vector<std::optional<ChainAxis>> axes_;  ///< to start from
@@ -303,7 +303,7 @@ class Estimation {
 
 }  // namespace
 
-std::optional<ChainEstimate> estimate_chain(const Identification& circles,
+std::optional<ChainEstimate> estimate_chain(const CircleEstimate& circles,
                                             const Campaign& campaign) {
   return Estimation(circles, campaign).run();
 }

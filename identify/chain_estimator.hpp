@@ -2,8 +2,9 @@
 
 #include <optional>
 
+#include "identify/campaign.hpp"
 #include "identify/chain_estimate.hpp"
-#include "identify/identification.hpp"
+#include "identify/circle_estimate.hpp"
 
 namespace identify {
 
@@ -27,7 +28,7 @@ namespace identify {
 ///
 /// Locked joints' angles, where known, are used with their scatter. Samples off by more than some
 /// standard deviations lose their weight. Nothing if there is no axis to start from. Deterministic.
-[[nodiscard]] std::optional<ChainEstimate> estimate_chain(const Identification& circles,
+[[nodiscard]] std::optional<ChainEstimate> estimate_chain(const CircleEstimate& circles,
                                                           const Campaign& campaign);
 
 }  // namespace identify

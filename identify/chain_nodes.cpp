@@ -137,7 +137,7 @@ ChainNodes nodes_of(std::vector<StrokeMoments> strokes,
   return nodes;
 }
 
-ChainNodes chain_nodes(const Identification& circles,
+ChainNodes chain_nodes(const CircleEstimate& circles,
                        const std::vector<std::optional<ChainAxis>>& axes) {
   const auto sweeps = chain_sweeps(circles, axes);
   const std::size_t joints = circles.joints.size();

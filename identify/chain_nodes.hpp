@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "identify/chain_residual.hpp"
-#include "identify/identification.hpp"
+#include "identify/circle_estimate.hpp"
 #include "identify/stroke_moments.hpp"
 
 namespace identify {
@@ -42,7 +42,7 @@ struct ChainNodes {
 /// The strokes of all joints with an axis to start from, joint by joint: those of the circles and,
 /// where angles tell where the other joints stood, those from elsewhere than home. The other joints
 /// are never turned.
-[[nodiscard]] ChainNodes chain_nodes(const Identification& circles,
+[[nodiscard]] ChainNodes chain_nodes(const CircleEstimate& circles,
                                      const std::vector<std::optional<ChainAxis>>& axes);
 
 }  // namespace identify

@@ -51,7 +51,7 @@ double turn_between(const ChainAxis& axis, const Vector3d& from, const Vector3d&
 
 }  // namespace
 
-std::vector<std::optional<ChainAxis>> starting_axes(const Identification& circles) {
+std::vector<std::optional<ChainAxis>> starting_axes(const CircleEstimate& circles) {
   std::vector<std::optional<ChainAxis>> axes;
   for (const JointResult& joint : circles.joints) {
     axes.emplace_back();
@@ -88,7 +88,7 @@ std::vector<std::optional<ChainAxis>> starting_axes(const Identification& circle
   return axes;
 }
 
-std::vector<ChainSweep> chain_sweeps(const Identification& circles,
+std::vector<ChainSweep> chain_sweeps(const CircleEstimate& circles,
                                      const std::vector<std::optional<ChainAxis>>& axes) {
   std::vector<ChainSweep> found;
   const std::size_t joints = circles.joints.size();
@@ -106,7 +106,7 @@ std::vector<ChainSweep> chain_sweeps(const Identification& circles,
   return found;
 }
 
-std::vector<ChainObservation> chain_samples(const Identification& circles,
+std::vector<ChainObservation> chain_samples(const CircleEstimate& circles,
                                             const std::vector<std::optional<ChainAxis>>& axes) {
   std::vector<ChainObservation> found;
   const std::size_t joints = circles.joints.size();

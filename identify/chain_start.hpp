@@ -5,7 +5,7 @@
 
 #include "identify/angle.hpp"
 #include "identify/chain_residual.hpp"
-#include "identify/identification.hpp"
+#include "identify/circle_estimate.hpp"
 
 namespace identify {
 
@@ -15,7 +15,7 @@ inline constexpr double kSameHome_rad = 0.5 * kDegree;
 /// An axis for each joint to start from, by a robust circle of the sweeps that the circles used;
 /// it points as the circle's does. Nothing where there is no circle, or hardly one: direction
 /// uncertain by more than a degree. Of a linear joint, the line.
-[[nodiscard]] std::vector<std::optional<ChainAxis>> starting_axes(const Identification& circles);
+[[nodiscard]] std::vector<std::optional<ChainAxis>> starting_axes(const CircleEstimate& circles);
 
 /// A sweep that the chain uses.
 struct ChainSweep {
@@ -26,11 +26,11 @@ struct ChainSweep {
 /// The sweeps of all joints with an axis to start from, joint by joint: those of the circles and,
 /// where angles tell where the other joints stood, those from elsewhere than home.
 [[nodiscard]] std::vector<ChainSweep> chain_sweeps(
-    const Identification& circles, const std::vector<std::optional<ChainAxis>>& axes);
+    const CircleEstimate& circles, const std::vector<std::optional<ChainAxis>>& axes);
 
 /// Their samples, one by one, with turns from home where all angles are known.
 [[nodiscard]] std::vector<ChainObservation> chain_samples(
-    const Identification& circles, const std::vector<std::optional<ChainAxis>>& axes);
+    const CircleEstimate& circles, const std::vector<std::optional<ChainAxis>>& axes);
 
 /// The targets at home, near enough to start from: where the circles of each target's sweeps come
 /// together. Sets the turns of the sweeping joints by where the samples lie on them.

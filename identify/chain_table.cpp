@@ -36,6 +36,47 @@ Isometry3d base_of(const TableAxes& axes, const std::vector<std::optional<Axis>>
 
 }  // namespace
 
+void place_linear_axes(ChainEstimate& estimate, const Campaign& campaign,
+                       const std::vector<DhRow>& specified) {
+  if (!any_linear(estimate.axes)) return;
+  const auto rows = static_cast<Index>(6 * estimate.axes.size());
+  std::vector<std::optional<Axis>> z = estimate.axes;
+  Eigen::VectorXd turned = Eigen::VectorXd::Ones(rows);  // from positive rotation to the table
+  double size_mm = 1;
+  const Vector3d& target = estimate.chain.targets_mm.front();
+  for (std::size_t j = 0; j < z.size(); ++j) {
+    if (!z[j]) continue;
+    size_mm = std::max(size_mm, (z[j]->point_mm - target).norm());
+    if (!campaign.specified || campaign.specified->positive[j] > 0) continue;
+    z[j] = z[j]->reversed();
+    turned.segment<3>(static_cast<Index>(6 * j)).setConstant(-1);
+  }
+  const MatrixXd of_table = [&] {
+    Eigen::VectorXd all = Eigen::VectorXd::Ones(rows + 3);
+    all.head(rows) = turned;
+    return MatrixXd(all.asDiagonal() * estimate.covariance.topLeftCorner(rows + 3, rows + 3) *
+                    all.asDiagonal());
+  }();
+  const PlacedAxes found = placed(z, target, of_table, specified, size_mm);
+  // From the estimate to the estimate: all but the axes stays.
+  const Index count = estimate.covariance.rows();
+  MatrixXd map = MatrixXd::Identity(count, count);
+  map.topLeftCorner(rows, rows + 3) = turned.asDiagonal() * found.by_given;
+  map.topLeftCorner(rows, rows) *= turned.asDiagonal();
+  const auto mapped = [&](const MatrixXd& covariance) -> MatrixXd {
+    return map.lazyProduct(MatrixXd(covariance.lazyProduct(map.transpose())));
+  };
+  estimate.covariance = mapped(estimate.covariance);
+  for (ChainEstimate::Part& part : estimate.parts) part.covariance = mapped(part.covariance);
+  estimate.by_target = found.by_given.rightCols<3>();
+  for (std::size_t j = 0; j < z.size(); ++j) {
+    if (!z[j] || !z[j]->linear) continue;
+    const auto at = static_cast<Index>(6 * j);
+    estimate.chain.axes[j].point_mm = estimate.axes[j]->point_mm = found.z[j]->point_mm;
+    estimate.axes[j]->covariance = estimate.covariance.block<6, 6>(at, at);
+  }
+}
+
 TableAxes table_axes(const ChainEstimate& chain, const Campaign& campaign) {
   TableAxes axes;
   axes.z = chain.axes;

@@ -5,11 +5,16 @@
 
 #include <Eigen/Geometry>
 
+#include "identify/campaign.hpp"
 #include "identify/chain_estimate.hpp"
 #include "identify/dh_extraction.hpp"
-#include "identify/identification.hpp"
 
 namespace identify {
+
+/// Places the axes of the estimate's linear joints, its covariance and parts included. Arms that
+/// only turn stay as they are.
+void place_linear_axes(ChainEstimate& estimate, const Campaign& campaign,
+                       const std::vector<DhRow>& specified);
 
 /// The Z axes of a chain's DH table: as the specified table turns them, or along positive rotation.
 /// Where the tool's orientation was measured, the Z axis of the tool's frame is one more, behind
@@ -37,8 +42,16 @@ void leave_first_to_frame(std::vector<DhEstimate>& table, const std::vector<DhRo
 [[nodiscard]] std::optional<DhEstimate> row_to_tool(const TableAxes& axes, std::size_t joints,
                                                     const std::vector<DhRow>& specified);
 
-/// Where the robot's base stands in the measurement frame: such that b and theta of row 1 are as
-/// specified, or zero without a specified table. Nothing without the first two axes.
+/// Where the robot's base stands in the measurement frame.
+struct RobotPose {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d position_sigma_mm = Eigen::Vector3d::Zero();
+  Eigen::Vector3d rotation_sigma_rad =
+      Eigen::Vector3d::Zero();  ///< about the measurement frame's X, Y, Z
+};
+
+/// Such that b and theta of row 1 are as specified, or zero without a specified table. Nothing
+/// without the first two axes.
 [[nodiscard]] std::optional<RobotPose> robot_pose(const TableAxes& axes,
                                                   const std::vector<DhRow>& specified);
 

@@ -10,7 +10,7 @@
 namespace identify {
 namespace {
 
-double usual_noise(const Identification& found, double CircleFit::*rms) {
+double usual_noise(const CircleEstimate& found, double CircleFit::*rms) {
   std::vector<double> all;
   for (const JointResult& joint : found.joints)
     if (joint.circle) all.push_back((*joint.circle).*rms);
@@ -39,7 +39,7 @@ Eigen::Matrix3Xd used_points(const JointResult& joint, std::optional<std::size_t
   return points;
 }
 
-void set_circle_axes(Identification& found, const Resolution& resolution) {
+void set_circle_axes(CircleEstimate& found, const Resolution& resolution) {
   const double plane = usual_noise(found, &CircleFit::plane_rms_mm);
   const double radial = usual_noise(found, &CircleFit::radial_rms_mm);
   const double quantum = resolution.position_mm / std::sqrt(12.0);
@@ -62,7 +62,7 @@ void set_circle_axes(Identification& found, const Resolution& resolution) {
   }
 }
 
-double size_by_circles_mm(const Identification& found) {
+double size_by_circles_mm(const CircleEstimate& found) {
   std::vector<Eigen::Vector3d> places;
   for (const JointResult& joint : found.joints) {
     if (joint.line) places.push_back(joint.line->point_mm);

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "identify/identification.hpp"
+#include "identify/circle_estimate.hpp"
 
 namespace identify {
 
@@ -15,9 +15,9 @@ namespace identify {
 /// The joints' axes by their circles, and of linear joints by their lines, where the direction is
 /// certain enough. The noise of a joint's fit counts as no smaller than its neighbours': a target
 /// near an axis leaves small residuals and a wrong normal.
-void set_circle_axes(Identification& found, const Resolution& resolution);
+void set_circle_axes(CircleEstimate& found, const Resolution& resolution);
 
 /// An upper estimate of the robot's size, for where it matters, by the points.
-[[nodiscard]] double size_by_circles_mm(const Identification& found);
+[[nodiscard]] double size_by_circles_mm(const CircleEstimate& found);
 
 }  // namespace identify

@@ -9,6 +9,7 @@
 #include "identify/circle_axes.hpp"
 #include "identify/dh_comparison.hpp"
 #include "identify/home.hpp"
+#include "identify/joint_assignment.hpp"
 #include "identify/linear_joint.hpp"
 #include "identify/number_text.hpp"
 #include "identify/placed_axes.hpp"
@@ -28,7 +29,7 @@ class Circles {
     result_.joints.resize(campaign.joints);
   }
 
-  Identification run() {
+  CircleEstimate run() {
     assign();
     result_.home_rad = find_home(sweeps_, campaign_.joints, campaign_.resolution);
     mark_positioning(sweeps_, result_.home_rad, campaign_.resolution);
@@ -40,7 +41,7 @@ class Circles {
     for (std::size_t j = 0; j < campaign_.joints; ++j) fit(j);
     set_circle_axes(result_, campaign_.resolution);
     extract();
-    summarise();
+    measure();
     return std::move(result_);
   }
 
@@ -62,6 +63,7 @@ class Circles {
     std::erase_if(sweeps_, [&](const Sweep& sweep) {
       return sweep.joint && *sweep.joint >= campaign_.joints;
     });
+    result_.any_sweep = !sweeps_.empty();
   }
 
   void fit(std::size_t j) {
@@ -101,7 +103,7 @@ class Circles {
     joint.circle_target = first_target;
     const Matrix3Xd points = used_points(joint, first_target);
     if (points.cols() == 0) {
-      positions_missing_ = true;
+      result_.no_positions = true;
       return;
     }
     if (fit_as_line(j, points)) return;
@@ -190,7 +192,8 @@ class Circles {
     std::vector<std::optional<Axis>> positive;
     for (const JointResult& joint : result_.joints) positive.push_back(joint.axis);
     if (campaign_.specified) settle_senses(positive, turned);
-    result_.dh = placed_table(turned(positive), result_.specified, size_by_circles_mm(result_));
+    result_.circle_dh =
+        placed_table(turned(positive), result_.specified, size_by_circles_mm(result_));
   }
 
   /// Turns axes whose sense nothing certain tells as they agree with the specified table.
@@ -257,19 +260,13 @@ class Circles {
       }
   }
 
-  void summarise() {
+  void measure() {
     std::vector<Matrix3Xd> points;
     Eigen::Index count = 0;
-    std::size_t axes = 0;
-    std::string missing;
-    for (std::size_t j = 0; j < campaign_.joints; ++j) {
-      if (!result_.joints[j].axis) {
-        missing += (missing.empty() ? "" : ", ") + std::to_string(j + 1);
-        continue;
-      }
-      ++axes;
-      points.push_back(used_points(result_.joints[j]));
-      result_.joints[j].box = minimum_bounding_box(points.back());
+    for (JointResult& joint : result_.joints) {
+      if (!joint.axis) continue;
+      points.push_back(used_points(joint));
+      joint.box = minimum_bounding_box(points.back());
       count += points.back().cols();
     }
     Matrix3Xd all(3, count);
@@ -279,34 +276,19 @@ class Circles {
       count += some.cols();
     }
     if (all.cols() > 0) result_.bounding_box = minimum_bounding_box(all);
-    if (positions_missing_) {
-      // Strokes that angles alone tell are something: partial, not failed.
-      result_.status = Status::partial;
-      result_.reason =
-          "the data carry no positions: on a KUKA controller, add DEF_RIst to the SEND list of the "
-          "Ethernet file";
-      warn("no_positions", {}, result_.reason);
-    } else if (axes == campaign_.joints) {
-      result_.status = Status::complete;
-    } else {
-      result_.status = axes > 0 ? Status::partial : Status::failed;
-      result_.reason =
-          sweeps_.empty() ? "no sweep of a single joint was seen" : "no axis for joint " + missing;
-    }
   }
 
   const Campaign& campaign_;
   std::vector<Sweep> sweeps_;
-  Identification result_;
+  CircleEstimate result_;
   bool home_declared_ = true;         // nothing contradicts the declared home
   bool directions_assigned_ = false;  // by assign_joints
   bool senses_found_ = false;         // by it
-  bool positions_missing_ = false;
 };
 
 }  // namespace
 
-Identification identify_by_circles(std::vector<Sweep> sweeps, const Campaign& campaign) {
+CircleEstimate estimate_circles(std::vector<Sweep> sweeps, const Campaign& campaign) {
   return Circles(std::move(sweeps), campaign).run();
 }
 

@@ -2,7 +2,8 @@
 
 #include <vector>
 
-#include "identify/identification.hpp"
+#include "identify/campaign.hpp"
+#include "identify/circle_estimate.hpp"
 
 namespace identify {
 
@@ -10,7 +11,6 @@ namespace identify {
 /// the axes as lines, the DH table from their common normals. Never throws for what the data hold:
 /// what cannot be determined is left out; why a joint has no circle is said (why a circle gave no
 /// axis, by add_advice). Deterministic.
-[[nodiscard]] Identification identify_by_circles(std::vector<Sweep> sweeps,
-                                                 const Campaign& campaign);
+[[nodiscard]] CircleEstimate estimate_circles(std::vector<Sweep> sweeps, const Campaign& campaign);
 
 }  // namespace identify

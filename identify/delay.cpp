@@ -214,7 +214,7 @@ class DelayFit {
 
 }  // namespace
 
-std::optional<Delay> find_delay(const Identification& circles,
+std::optional<Delay> find_delay(const CircleEstimate& circles,
                                 const std::vector<std::optional<ChainAxis>>& axes) {
   const auto tracks = angle_tracks(circles, axes);
   if (tracks.empty()) return std::nullopt;
@@ -227,7 +227,7 @@ bool is_significant(const Delay& delay) noexcept {
   return std::abs(delay.late_s) > kSignificant * delay.sigma_s || delay.rate != 0;
 }
 
-Identification in_step(Identification circles, const std::vector<std::optional<ChainAxis>>& axes,
+CircleEstimate in_step(CircleEstimate circles, const std::vector<std::optional<ChainAxis>>& axes,
                        const Delay& delay) {
   for (std::size_t j = 0; j < circles.joints.size(); ++j) {
     if (!axes[j]) continue;

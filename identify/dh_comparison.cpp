@@ -8,11 +8,13 @@
 
 namespace identify {
 
-std::vector<DhDifference> compare_with_specified(const Identification& found) {
+std::vector<DhDifference> compare_with_specified(
+    const std::vector<DhEstimate>& dh, const std::vector<DhRow>& specified_rows,
+    const std::vector<std::optional<double>>& home_rad) {
   std::vector<DhDifference> differences;
-  for (std::size_t i = 0; i < found.specified.size(); ++i) {
-    const DhEstimate& row = found.dh[i];
-    const DhRow& specified = found.specified[i];
+  for (std::size_t i = 0; i < specified_rows.size(); ++i) {
+    const DhEstimate& row = dh[i];
+    const DhRow& specified = specified_rows[i];
     const auto length = [](const DhNumber& number, double expected) -> std::optional<double> {
       if (number.knowledge != Knowledge::identified) return std::nullopt;
       return number.value - expected;
@@ -26,7 +28,7 @@ std::vector<DhDifference> compare_with_specified(const Identification& found) {
                             {},
                             length(row.a_mm, specified.a_mm),
                             angle(row.alpha_rad, specified.alpha_rad)};
-    if (found.home_rad[i]) difference.theta_rad = angle(row.theta_rad, specified.theta_rad);
+    if (home_rad[i]) difference.theta_rad = angle(row.theta_rad, specified.theta_rad);
     differences.push_back(difference);
   }
   return differences;

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "identify/identification.hpp"
+#include "identify/dh_extraction.hpp"
 
 namespace identify {
 
@@ -18,8 +18,10 @@ struct DhDifference {
   std::optional<double> alpha_rad;
 };
 
-/// One row a joint; empty without a specified table.
-[[nodiscard]] std::vector<DhDifference> compare_with_specified(const Identification& found);
+/// One row a joint; empty without a specified table. `specified` holds at `home_rad`.
+[[nodiscard]] std::vector<DhDifference> compare_with_specified(
+    const std::vector<DhEstimate>& dh, const std::vector<DhRow>& specified,
+    const std::vector<std::optional<double>>& home_rad);
 
 /// Which identified numbers are others in `other`, in words: "b4 would be 620.00 instead of -620.00
 /// mm, …".

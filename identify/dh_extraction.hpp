@@ -30,6 +30,11 @@ struct DhEstimate {
   bool linear = false;  ///< the joint's variable is b, and theta is constant
 };
 
+/// Only axes that are parallel, as far as one can tell, have a beta; for others it is zero.
+[[nodiscard]] inline bool has_beta(const DhEstimate& row) {
+  return row.relation == Relation::parallel || row.relation == Relation::coincident;
+}
+
 /// b, theta, a, alpha, beta of a row.
 [[nodiscard]] inline std::array<const DhNumber*, 5> numbers_of(const DhEstimate& row) {
   return {&row.b_mm, &row.theta_rad, &row.a_mm, &row.alpha_rad, &row.beta_rad};

@@ -1,5 +1,6 @@
 #include "identify/identification.hpp"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -17,9 +18,41 @@
 namespace identify {
 namespace {
 
+/// Counted from 1, as a list.
+std::string without_axis(const Identification& found) {
+  std::string missing;
+  for (std::size_t j = 0; j < found.joints.size(); ++j)
+    if (!found.joints[j].axis) missing += (missing.empty() ? "" : ", ") + std::to_string(j + 1);
+  return missing;
+}
+
+/// What the circles tell by themselves.
+Identification by_circles(CircleEstimate circles) {
+  Identification found;
+  static_cast<CircleEstimate&>(found) = std::move(circles);
+  found.dh = found.circle_dh;
+  const std::string missing = without_axis(found);
+  if (found.no_positions) {
+    // Strokes that angles alone tell are something: partial, not failed.
+    found.status = Status::partial;
+    found.reason =
+        "the data carry no positions: on a KUKA controller, add DEF_RIst to the SEND list of the "
+        "Ethernet file";
+    found.warnings.push_back({"no_positions", {}, found.reason});
+  } else if (missing.empty()) {
+    found.status = Status::complete;
+  } else {
+    const bool any = std::any_of(found.joints.begin(), found.joints.end(),
+                                 [](const JointResult& joint) { return joint.axis.has_value(); });
+    found.status = any ? Status::partial : Status::failed;
+    found.reason =
+        found.any_sweep ? "no axis for joint " + missing : "no sweep of a single joint was seen";
+  }
+  return found;
+}
+
 Identification estimate(std::vector<Sweep> sweeps, const Campaign& campaign) {
-  Identification found = identify_by_circles(std::move(sweeps), campaign);
-  found.circle_dh = found.dh;
+  Identification found = by_circles(estimate_circles(std::move(sweeps), campaign));
   if (campaign.timed) {
     const auto axes = starting_axes(found);
     found.delay = find_delay(found, axes);
@@ -42,11 +75,8 @@ Identification estimate(std::vector<Sweep> sweeps, const Campaign& campaign) {
   }
   set_budget(found, axes);
   found.tool = tool_pose(*found.chain, axes, found.chain->dh, found.specified);
-  std::string missing;
-  for (std::size_t j = 0; j < joints; ++j) {
-    found.joints[j].axis = found.chain->axes[j];
-    if (!found.joints[j].axis) missing += (missing.empty() ? "" : ", ") + std::to_string(j + 1);
-  }
+  for (std::size_t j = 0; j < joints; ++j) found.joints[j].axis = found.chain->axes[j];
+  const std::string missing = without_axis(found);
   if (found.status != Status::failed || missing.empty())
     found.status = missing.empty() ? Status::complete : Status::partial;
   found.reason = missing.empty() ? "" : "no axis for joint " + missing;
@@ -96,38 +126,6 @@ std::string_view text(Estimator estimator) noexcept {
       return "chain";
     case Estimator::axes:
       return "axes";
-  }
-  return "";
-}
-
-std::string_view text(AngleTrust trust) noexcept {
-  switch (trust) {
-    case AngleTrust::trusted:
-      return "trusted";
-    case AngleTrust::smooth:
-      return "smooth";
-    case AngleTrust::free:
-      return "free";
-  }
-  return "";
-}
-
-std::string_view text(Cause cause) noexcept {
-  switch (cause) {
-    case Cause::noise:
-      return "noise";
-    case Cause::home:
-      return "home";
-    case Cause::drift:
-      return "drift";
-    case Cause::figure:
-      return "figure";
-    case Cause::offset:
-      return "offset";
-    case Cause::print:
-      return "print";
-    case Cause::sag:
-      return "sag";
   }
   return "";
 }

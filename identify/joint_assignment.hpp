@@ -4,22 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "identify/campaign.hpp"
 #include "identify/sweep.hpp"
 #include "identify/warning.hpp"
 
 namespace identify {
-
-struct Campaign;
-
-/// A joint's turn in a campaign, as declared by a sweep plan.
-struct DeclaredJoint {
-  std::size_t joint = 0;  ///< counted from 0
-  /// Of the first stroke, positioning included: +1 where the angle rises, -1 where it falls.
-  int first_direction = 0;  ///< 0: unknown; the first stroke's is then taken as +1
-  /// Every stroke of the turn, ways from and to home included: positive where the angle rises.
-  /// Empty: not known.
-  std::vector<double> strokes_rad = {};
-};
 
 /// How sure it is whose strokes are whose.
 struct JointAssignment {

@@ -36,7 +36,7 @@ std::optional<JointMotion> joint_motion(const JointResult& joint) {
   return JointMotion{median_of(std::move(speeds)), median_of(std::move(steps))};
 }
 
-std::optional<Warning> hidden_motion(const Identification& found, const MotionLimit& limit) {
+std::optional<Warning> hidden_motion(const CircleEstimate& found, const MotionLimit& limit) {
   if (!limit.by_noise()) return std::nullopt;
   const double clearly_mm_s = kClearlySeen * limit.slowest_mm_s;
   std::string hidden;

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "identify/identification.hpp"
+#include "identify/circle_estimate.hpp"
 #include "identify/motion_limit.hpp"
 #include "identify/warning.hpp"
 
@@ -20,7 +20,7 @@ struct JointMotion {
 
 /// Which sweeps noise may have hidden, wholly or in part, and what to do. Nothing where noise does
 /// not set the limit, or all joints were swept clearly faster and have an axis.
-[[nodiscard]] std::optional<Warning> hidden_motion(const Identification& found,
+[[nodiscard]] std::optional<Warning> hidden_motion(const CircleEstimate& found,
                                                    const MotionLimit& limit);
 
 }  // namespace identify

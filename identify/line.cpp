@@ -47,4 +47,11 @@ LinePair relate(const Line& first, const Line& second) {
   return pair;
 }
 
+Eigen::Matrix<double, 3, 2> across(const Eigen::Vector3d& direction) {
+  Eigen::Matrix<double, 3, 2> both;
+  both.col(0) = direction.unitOrthogonal();
+  both.col(1) = direction.cross(both.col(0));
+  return both;
+}
+
 }  // namespace identify

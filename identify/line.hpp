@@ -44,4 +44,8 @@ struct LinePair {
 /// t1 = det[d, n2, w]/|w|^2, t2 = det[d, n1, w]/|w|^2 with d = c2 - c1, w = n1 x n2.
 [[nodiscard]] LinePair relate(const Line& first, const Line& second);
 
+/// Two directions across an axis, unit, right-handed with it. They change with the direction
+/// continuously but for one turn-over.
+[[nodiscard]] Eigen::Matrix<double, 3, 2> across(const Eigen::Vector3d& direction);
+
 }  // namespace identify

@@ -10,7 +10,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
-#include "identify/chain.hpp"
+#include "identify/line.hpp"
 #include "identify/median.hpp"
 
 namespace identify {

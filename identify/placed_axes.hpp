@@ -5,9 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "identify/chain_estimate.hpp"
 #include "identify/dh_extraction.hpp"
-#include "identify/identification.hpp"
 
 namespace identify {
 
@@ -47,10 +45,5 @@ struct PlacedAxes {
 void leave_to_target(std::vector<DhEstimate>& table, const std::vector<std::optional<Axis>>& z,
                      const Eigen::MatrixXd& by_target, const std::vector<DhRow>& specified,
                      double size_mm);
-
-/// Places the axes of the estimate's linear joints, its covariance and parts included. Arms that
-/// only turn stay as they are.
-void place_linear_axes(ChainEstimate& estimate, const Campaign& campaign,
-                       const std::vector<DhRow>& specified);
 
 }  // namespace identify

@@ -2,8 +2,8 @@
 
 #include <optional>
 
+#include "identify/circle_estimate.hpp"
 #include "identify/circle_fit.hpp"
-#include "identify/identification.hpp"
 
 namespace identify {
 

@@ -356,7 +356,7 @@ Case case_of(Angles angles, int samples) {
   const simulation::World world = free ? accuracy::tracker() : accuracy::controller();
   auto campaign = campaign_of(robot, world);
   if (free) campaign.order = {{0, 1}, {1, -1}, {2, -1}, {3, -1}, {4, -1}, {5, 1}};
-  const auto circles = identify_by_circles(sweeps_of(robot, world, 1), campaign);
+  const auto circles = estimate_circles(sweeps_of(robot, world, 1), campaign);
   Case made;
   made.name = !free ? "angles believed" : angles == Angles::free ? "angles free" : "circles";
   made.angles = angles;

@@ -1,4 +1,4 @@
-#include "daemon/given_axes.hpp"
+#include "identify/given_axes.hpp"
 
 #include <array>
 #include <cmath>
@@ -19,8 +19,8 @@
 #include "tests/daemon/arm_axes.hpp"
 
 using identify::Axis;
+using identify::identify_given_axes;
 using identify::Knowledge;
-using sweepd::identify_given_axes;
 using namespace sweepd::test;
 
 namespace {
@@ -83,7 +83,8 @@ TEST_CASE("the pose in which axes were given is known only if it is declared") {
   auto campaign = kr5_campaign();
   const auto unknown = identify_given_axes(axes_of(arm), campaign);
   for (const auto& home_rad : unknown.home_rad) CHECK_FALSE(home_rad);
-  for (const auto& row : compare_with_specified(unknown)) CHECK_FALSE(row.theta_rad);
+  for (const auto& row : compare_with_specified(unknown.dh, unknown.specified, unknown.home_rad))
+    CHECK_FALSE(row.theta_rad);
 
   // The arm stood elsewhere: joint 2 at -90 + 30 degrees.
   auto elsewhere = arm;
@@ -92,7 +93,7 @@ TEST_CASE("the pose in which axes were given is known only if it is declared") {
   campaign.declared_home_rad[1] += sweepd::radians(30);
   const auto known = identify_given_axes(axes_of(elsewhere), campaign);
   CHECK(*known.home_rad[1] == campaign.declared_home_rad[1]);
-  const auto differences = compare_with_specified(known);
+  const auto differences = compare_with_specified(known.dh, known.specified, known.home_rad);
   for (std::size_t j = 0; j < 5; ++j) CHECK(std::abs(*differences[j].theta_rad) < kExact_rad);
 }
 

@@ -30,7 +30,7 @@ Strokes both_ways(double ramp) {
 }
 
 std::optional<Delay> found_in(const Simulation& simulation) {
-  const auto circles = identify_by_circles(simulation.sweeps(), simulation.campaign());
+  const auto circles = estimate_circles(simulation.sweeps(), simulation.campaign());
   return find_delay(circles, starting_axes(circles));
 }
 

@@ -1,28 +1,27 @@
-#include "daemon/given_axes.hpp"
+#include "identify/given_axes.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
 
-#include "daemon/units.hpp"
+#include "identify/angle.hpp"
 #include "identify/undetermined.hpp"
 
-namespace sweepd {
+namespace identify {
 namespace {
 
-using identify::Axis;
 using Axes = std::vector<std::optional<Axis>>;
 
 /// The largest distance between the given points and the feet of common normals. Feet of axes that
 /// are nearly parallel lie anywhere and say nothing about size.
 double size_mm(const std::vector<Axis>& axes) {
-  const double kParallel = radians(1);
+  const double kParallel = 1 * kDegree;
   std::vector<Eigen::Vector3d> places;
   for (std::size_t j = 0; j < axes.size(); ++j) {
     places.push_back(axes[j].point_mm);
     if (j == 0) continue;
-    const auto pair = identify::relate(axes[j - 1].line(), axes[j].line());
+    const auto pair = relate(axes[j - 1].line(), axes[j].line());
     if (pair.sine < kParallel) continue;
     places.push_back(pair.first_foot_mm);
     places.push_back(pair.second_foot_mm);
@@ -35,25 +34,23 @@ double size_mm(const std::vector<Axis>& axes) {
 
 /// How far a table is from the specified one. Turning an axis round may change nothing but thetas:
 /// then these decide, though the pose may have been another.
-double misfit(const std::vector<identify::DhEstimate>& dh,
-              const std::vector<identify::DhRow>& specified, double size) {
+double misfit(const std::vector<DhEstimate>& dh, const std::vector<DhRow>& specified, double size) {
   constexpr double kThetaWeight = 1e-3;
   double sum = 0;
-  const auto add = [&](const identify::DhNumber& number, double difference, double weight) {
-    if (number.knowledge == identify::Knowledge::identified) sum += weight * std::abs(difference);
+  const auto add = [&](const DhNumber& number, double difference, double weight) {
+    if (number.knowledge == Knowledge::identified) sum += weight * std::abs(difference);
   };
   for (std::size_t j = 0; j < dh.size(); ++j) {
     add(dh[j].b_mm, dh[j].b_mm.value - specified[j].b_mm, 1 / size);
     add(dh[j].a_mm, dh[j].a_mm.value - specified[j].a_mm, 1 / size);
-    add(dh[j].alpha_rad, identify::wrapped(dh[j].alpha_rad.value - specified[j].alpha_rad), 1);
-    add(dh[j].theta_rad, identify::wrapped(dh[j].theta_rad.value - specified[j].theta_rad),
-        kThetaWeight);
+    add(dh[j].alpha_rad, wrapped(dh[j].alpha_rad.value - specified[j].alpha_rad), 1);
+    add(dh[j].theta_rad, wrapped(dh[j].theta_rad.value - specified[j].theta_rad), kThetaWeight);
   }
   return sum;
 }
 
 /// The axes, each turned as agrees best with the specified table; of equals the first.
-Axes agreeing(const Axes& axes, const std::vector<identify::DhRow>& specified, double size) {
+Axes agreeing(const Axes& axes, const std::vector<DhRow>& specified, double size) {
   constexpr double kEqual = 1e-9;
   Axes best;
   double least = 0;
@@ -61,7 +58,7 @@ Axes agreeing(const Axes& axes, const std::vector<identify::DhRow>& specified, d
     Axes tried = axes;
     for (std::size_t j = 0; j < axes.size(); ++j)
       if ((flips >> j & 1) != 0) tried[j] = tried[j]->reversed();
-    const double sum = misfit(identify::extract_dh(tried, size, specified), specified, size);
+    const double sum = misfit(extract_dh(tried, size, specified), specified, size);
     if (!best.empty() && sum >= least - kEqual) continue;
     least = sum;
     best = std::move(tried);
@@ -71,11 +68,10 @@ Axes agreeing(const Axes& axes, const std::vector<identify::DhRow>& specified, d
 
 }  // namespace
 
-identify::Identification identify_given_axes(const std::vector<Axis>& axes,
-                                             const identify::Campaign& campaign) {
-  identify::Identification found;
-  found.status = identify::Status::complete;
-  found.estimator = identify::Estimator::axes;
+Identification identify_given_axes(const std::vector<Axis>& axes, const Campaign& campaign) {
+  Identification found;
+  found.status = Status::complete;
+  found.estimator = Estimator::axes;
   found.home_rad.resize(axes.size());
   if (campaign.declared_home_rad.size() == axes.size())
     found.home_rad.assign(campaign.declared_home_rad.begin(), campaign.declared_home_rad.end());
@@ -87,18 +83,18 @@ identify::Identification identify_given_axes(const std::vector<Axis>& axes,
     for (std::size_t j = 0; j < axes.size(); ++j) {
       if (!found.home_rad[j]) continue;
       found.specified[j] = campaign.specified->row_at(j, *found.home_rad[j]);
-      found.specified[j].theta_rad = identify::wrapped(found.specified[j].theta_rad);
+      found.specified[j].theta_rad = wrapped(found.specified[j].theta_rad);
     }
     z = agreeing(z, found.specified, size);
   }
-  found.dh = identify::extract_dh(z, size, found.specified);
+  found.dh = extract_dh(z, size, found.specified);
   found.joints.resize(axes.size());
   for (std::size_t j = 0; j < axes.size(); ++j) {
     const bool turned = campaign.specified && campaign.specified->positive[j] < 0;
     found.joints[j].axis = turned ? z[j]->reversed() : z[j];
   }
-  identify::name_undetermined(found);
+  name_undetermined(found);
   return found;
 }
 
-}  // namespace sweepd
+}  // namespace identify

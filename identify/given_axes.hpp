@@ -4,7 +4,7 @@
 
 #include "identify/identification.hpp"
 
-namespace sweepd {
+namespace identify {
 
 /// The DH table of axes that are known as lines, from CAD say: nothing is estimated. `axes` are one
 /// a joint of `campaign`.
@@ -13,7 +13,7 @@ namespace sweepd {
 /// it (where nothing but thetas would tell, as those at the table's home have it); otherwise as it
 /// was given. The pose in which they were given is home: known only if the
 /// campaign declares it.
-[[nodiscard]] identify::Identification identify_given_axes(const std::vector<identify::Axis>& axes,
-                                                           const identify::Campaign& campaign);
+[[nodiscard]] Identification identify_given_axes(const std::vector<Axis>& axes,
+                                                 const Campaign& campaign);
 
-}  // namespace sweepd
+}  // namespace identify
