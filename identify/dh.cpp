@@ -1,6 +1,6 @@
 #include "identify/dh.hpp"
 
-#include "identify/sample.hpp"
+#include "identify/angle.hpp"
 
 namespace identify {
 

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "identify/angle.hpp"
-#include "identify/identification.hpp"
 #include "identify/joint_order.hpp"
 #include "identify/turn.hpp"
 

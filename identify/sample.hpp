@@ -12,12 +12,6 @@ namespace identify {
 
 inline constexpr std::size_t kMostJoints = 12;
 
-/// A linear joint (a KUKA linear unit, a SCARA's third joint) is told in mm where others are told
-/// in degrees. Everywhere in here it is carried as if its mm were degrees: a turn of one radian is
-/// a way of this many mm along its axis, half a degree is half a millimetre, and 0.1 degrees a
-/// second are 0.1 mm/s.
-inline constexpr double kLinear_mm = 1 / kDegree;
-
 /// What was measured at one moment: where the target point was, and the joint angles where known.
 struct Sample {
   double time_s = 0;
