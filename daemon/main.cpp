@@ -7,11 +7,11 @@
 #include <poll.h>
 #include <unistd.h>
 
-#include "daemon/command_line.hpp"
-#include "daemon/config_error.hpp"
-#include "daemon/exit_codes.hpp"
-#include "daemon/log.hpp"
-#include "rsi/ethernet_config.hpp"
+#include "daemon/commands/command_line.hpp"
+#include "daemon/commands/exit_codes.hpp"
+#include "daemon/settings/config_error.hpp"
+#include "daemon/system/log.hpp"
+#include "rsi/telegram/ethernet_config.hpp"
 
 using sweepd::kConfigError;
 using sweepd::kFailed;

@@ -6,12 +6,12 @@
 #include <string_view>
 #include <utility>
 
-#include "identify/angle.hpp"
-#include "identify/delay.hpp"
-#include "identify/joint_motion.hpp"
+#include "identify/chain/delay.hpp"
+#include "identify/circle/joint_motion.hpp"
+#include "identify/geometry/angle.hpp"
+#include "identify/geometry/median.hpp"
+#include "identify/geometry/number_text.hpp"
 #include "identify/linear_advice.hpp"
-#include "identify/median.hpp"
-#include "identify/number_text.hpp"
 
 namespace identify {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "identify/chain_table.hpp"
+#include "identify/chain/chain_table.hpp"
 #include "identify/identification.hpp"
 
 namespace identify {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "identify/angle.hpp"
+#include "identify/geometry/angle.hpp"
 #include "identify/undetermined.hpp"
 
 namespace identify {

@@ -5,13 +5,13 @@
 #include <utility>
 
 #include "identify/advice.hpp"
-#include "identify/chain_estimator.hpp"
-#include "identify/chain_start.hpp"
-#include "identify/chain_table.hpp"
-#include "identify/circle_estimator.hpp"
-#include "identify/delay.hpp"
+#include "identify/chain/chain_estimator.hpp"
+#include "identify/chain/chain_start.hpp"
+#include "identify/chain/chain_table.hpp"
+#include "identify/chain/delay.hpp"
+#include "identify/circle/circle_estimator.hpp"
+#include "identify/dh/placed_axes.hpp"
 #include "identify/dh_budget.hpp"
-#include "identify/placed_axes.hpp"
 #include "identify/plausibility.hpp"
 #include "identify/undetermined.hpp"
 

@@ -5,11 +5,11 @@
 #include <string_view>
 #include <vector>
 
-#include "identify/campaign.hpp"
-#include "identify/chain_estimate.hpp"
-#include "identify/chain_table.hpp"
-#include "identify/circle_estimate.hpp"
-#include "identify/delay.hpp"
+#include "identify/chain/chain_estimate.hpp"
+#include "identify/chain/chain_table.hpp"
+#include "identify/chain/delay.hpp"
+#include "identify/circle/circle_estimate.hpp"
+#include "identify/sweeps/campaign.hpp"
 
 namespace identify {
 

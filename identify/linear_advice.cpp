@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "identify/advice.hpp"
-#include "identify/number_text.hpp"
+#include "identify/geometry/number_text.hpp"
 
 namespace identify {
 namespace {

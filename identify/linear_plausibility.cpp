@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "identify/linear_joint.hpp"
-#include "identify/number_text.hpp"
+#include "identify/geometry/number_text.hpp"
 #include "identify/plausibility.hpp"
-#include "identify/points.hpp"
+#include "identify/sweeps/linear_joint.hpp"
+#include "identify/sweeps/points.hpp"
 
 namespace identify {
 namespace {

@@ -5,15 +5,15 @@
 #include <string_view>
 #include <utility>
 
-#include "identify/angle.hpp"
+#include "identify/chain/meeting_point.hpp"
+#include "identify/circle/seen_circle.hpp"
+#include "identify/geometry/angle.hpp"
+#include "identify/geometry/median.hpp"
+#include "identify/geometry/number_text.hpp"
+#include "identify/geometry/robust_circle.hpp"
 #include "identify/linear_plausibility.hpp"
-#include "identify/median.hpp"
-#include "identify/meeting_point.hpp"
-#include "identify/number_text.hpp"
-#include "identify/points.hpp"
-#include "identify/robust_circle.hpp"
-#include "identify/seen_circle.hpp"
 #include "identify/specified_fit.hpp"
+#include "identify/sweeps/points.hpp"
 
 namespace identify {
 namespace {

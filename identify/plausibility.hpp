@@ -1,6 +1,6 @@
 #pragma once
 
-#include "identify/angle.hpp"
+#include "identify/geometry/angle.hpp"
 #include "identify/identification.hpp"
 
 namespace identify {

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "identify/angle.hpp"
-#include "identify/chain_fit.hpp"
-#include "identify/chain_start.hpp"
-#include "identify/chain_table.hpp"
-#include "identify/fitted_axes.hpp"
-#include "identify/placed_axes.hpp"
+#include "identify/chain/chain_fit.hpp"
+#include "identify/chain/chain_start.hpp"
+#include "identify/chain/chain_table.hpp"
+#include "identify/chain/fitted_axes.hpp"
+#include "identify/dh/placed_axes.hpp"
+#include "identify/geometry/angle.hpp"
 
 namespace identify {
 namespace {

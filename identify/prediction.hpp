@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "identify/chain_estimate.hpp"
+#include "identify/chain/chain_estimate.hpp"
 #include "identify/identification.hpp"
 
 namespace identify {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "identify/angle.hpp"
+#include "identify/geometry/angle.hpp"
 
 namespace identify {
 namespace {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "identify/number_text.hpp"
+#include "identify/geometry/number_text.hpp"
 
 namespace identify {
 namespace {

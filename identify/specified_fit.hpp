@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "identify/angle.hpp"
+#include "identify/geometry/angle.hpp"
 #include "identify/identification.hpp"
 
 namespace identify {

@@ -7,8 +7,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "daemon/numbers.hpp"
-#include "rsi/telegram.hpp"
+#include "daemon/text/numbers.hpp"
+#include "rsi/telegram/telegram.hpp"
 
 namespace acceptance {
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <sstream>
 
-#include "daemon/replay_command.hpp"
-#include "daemon/simulate_command.hpp"
-#include "daemon/sweep_plan.hpp"
+#include "daemon/commands/replay_command.hpp"
+#include "daemon/commands/simulate_command.hpp"
+#include "daemon/settings/sweep_plan.hpp"
 #include "tests/acceptance/acceptance.hpp"
 #include "tests/catch.hpp"
 

@@ -7,7 +7,7 @@
 
 #include <pugixml.hpp>
 
-#include "daemon/check_command.hpp"
+#include "daemon/commands/check_command.hpp"
 #include "tests/acceptance/acceptance.hpp"
 #include "tests/catch.hpp"
 

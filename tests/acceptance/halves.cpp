@@ -6,10 +6,10 @@
 #include <regex>
 #include <utility>
 
-#include "daemon/point_sweeps.hpp"
-#include "daemon/points_file.hpp"
-#include "daemon/units.hpp"
-#include "identify/angle.hpp"
+#include "daemon/points/point_sweeps.hpp"
+#include "daemon/points/points_file.hpp"
+#include "daemon/text/units.hpp"
+#include "identify/geometry/angle.hpp"
 #include "identify/identification.hpp"
 
 namespace acceptance {

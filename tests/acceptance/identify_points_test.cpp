@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "daemon/identify_command.hpp"
+#include "daemon/commands/identify_command.hpp"
 #include "tests/acceptance/acceptance.hpp"
 #include "tests/catch.hpp"
 

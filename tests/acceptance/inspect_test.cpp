@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "daemon/inspect_command.hpp"
+#include "daemon/commands/inspect_command.hpp"
 #include "tests/acceptance/acceptance.hpp"
 #include "tests/acceptance/recording.hpp"
 #include "tests/catch.hpp"

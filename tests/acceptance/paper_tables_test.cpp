@@ -6,8 +6,8 @@
 #include <cmath>
 #include <iostream>
 
-#include "daemon/numbers.hpp"
-#include "daemon/robot_description.hpp"
+#include "daemon/settings/robot_description.hpp"
+#include "daemon/text/numbers.hpp"
 #include "tests/acceptance/acceptance.hpp"
 #include "tests/acceptance/campaign.hpp"
 #include "tests/catch.hpp"

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <iostream>
 
-#include "daemon/units.hpp"
-#include "identify/circle_fit.hpp"
-#include "identify/points.hpp"
-#include "identify/sample.hpp"
+#include "daemon/text/units.hpp"
+#include "identify/geometry/circle_fit.hpp"
+#include "identify/sweeps/points.hpp"
+#include "identify/sweeps/sample.hpp"
 #include "tests/acceptance/acceptance.hpp"
 #include "tests/catch.hpp"
 

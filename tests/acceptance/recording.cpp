@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "rsi/capture_writer.hpp"
+#include "rsi/capture/capture_writer.hpp"
 
 namespace acceptance {
 

@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "daemon/replay_command.hpp"
+#include "daemon/commands/replay_command.hpp"
 #include "tests/acceptance/acceptance.hpp"
 #include "tests/acceptance/recording.hpp"
 #include "tests/catch.hpp"

@@ -8,12 +8,12 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "daemon/units.hpp"
-#include "identify/chain.hpp"
-#include "identify/circle_fit.hpp"
+#include "daemon/text/units.hpp"
+#include "identify/chain/chain.hpp"
+#include "identify/geometry/circle_fit.hpp"
 #include "identify/identification.hpp"
-#include "identify/points.hpp"
-#include "identify/segmentation.hpp"
+#include "identify/sweeps/points.hpp"
+#include "identify/sweeps/segmentation.hpp"
 #include "tests/acceptance/acceptance.hpp"
 #include "tests/catch.hpp"
 

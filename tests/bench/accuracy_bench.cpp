@@ -12,7 +12,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "daemon/numbers.hpp"
+#include "daemon/text/numbers.hpp"
 #include "identify/identification.hpp"
 #include "tests/bench/accuracy_campaign.hpp"
 #include "tests/bench/table.hpp"

@@ -9,9 +9,9 @@
 
 #include <Eigen/Dense>
 
-#include "identify/angle.hpp"
-#include "identify/chain.hpp"
-#include "identify/dh_extraction.hpp"
+#include "identify/chain/chain.hpp"
+#include "identify/dh/dh_extraction.hpp"
+#include "identify/geometry/angle.hpp"
 #include "identify/identification.hpp"
 #include "tests/simulation/simulation.hpp"
 

@@ -16,8 +16,8 @@
 #include <CGAL/optimal_bounding_box.h>
 #include <CLI/CLI.hpp>
 
-#include "identify/bounding_box.hpp"
-#include "identify/points.hpp"
+#include "identify/geometry/bounding_box.hpp"
+#include "identify/sweeps/points.hpp"
 #include "tests/bench/accuracy_campaign.hpp"
 #include "tests/bench/table.hpp"
 #include "tests/identify/simulated_campaign.hpp"

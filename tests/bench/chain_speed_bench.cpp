@@ -35,12 +35,12 @@
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
-#include "daemon/numbers.hpp"
-#include "identify/angle.hpp"
-#include "identify/chain_fit.hpp"
-#include "identify/chain_nodes.hpp"
-#include "identify/chain_start.hpp"
-#include "identify/circle_estimator.hpp"
+#include "daemon/text/numbers.hpp"
+#include "identify/chain/chain_fit.hpp"
+#include "identify/chain/chain_nodes.hpp"
+#include "identify/chain/chain_start.hpp"
+#include "identify/circle/circle_estimator.hpp"
+#include "identify/geometry/angle.hpp"
 #include "tests/bench/accuracy_campaign.hpp"
 #include "tests/bench/table.hpp"
 #include "tests/identify/simulated_campaign.hpp"

@@ -15,7 +15,7 @@
 #include <CLI/CLI.hpp>
 #include <time.h>
 
-#include "daemon/numbers.hpp"
+#include "daemon/text/numbers.hpp"
 #include "tests/bench/coverage_cases.hpp"
 #include "tests/bench/coverage_reference.hpp"
 #include "tests/bench/coverage_score.hpp"

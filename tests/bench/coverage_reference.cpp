@@ -5,7 +5,7 @@
 #include <sstream>
 #include <string_view>
 
-#include "daemon/numbers.hpp"
+#include "daemon/text/numbers.hpp"
 
 namespace coverage {
 namespace {

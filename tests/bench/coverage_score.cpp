@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "identify/angle.hpp"
+#include "identify/geometry/angle.hpp"
 #include "tests/simulation/truth.hpp"
 
 namespace coverage {

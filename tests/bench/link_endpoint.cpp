@@ -9,11 +9,11 @@
 #include <stdexcept>
 #include <thread>
 
-#include "daemon/http_server.hpp"
-#include "daemon/realtime.hpp"
-#include "daemon/robot_service.hpp"
-#include "rsi/ipoc.hpp"
-#include "rsi/reply.hpp"
+#include "daemon/page/http_server.hpp"
+#include "daemon/service/robot_service.hpp"
+#include "daemon/system/realtime.hpp"
+#include "rsi/telegram/ipoc.hpp"
+#include "rsi/telegram/reply.hpp"
 #include "tests/bench/link_client.hpp"
 #include "tests/bench/link_parts.hpp"
 #include "tests/bench/table.hpp"

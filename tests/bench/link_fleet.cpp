@@ -19,9 +19,9 @@
 #include <sys/socket.h>
 #include <time.h>
 
-#include "daemon/realtime.hpp"
-#include "daemon/robot_service.hpp"
-#include "rsi/ipoc.hpp"
+#include "daemon/service/robot_service.hpp"
+#include "daemon/system/realtime.hpp"
+#include "rsi/telegram/ipoc.hpp"
 #include "tests/bench/link_parts.hpp"
 #include "tests/bench/table.hpp"
 #include "tests/daemon/temporary_folder.hpp"

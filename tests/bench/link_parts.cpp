@@ -15,9 +15,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "daemon/robot_description.hpp"
-#include "daemon/sweep_plan.hpp"
-#include "rsi/reply.hpp"
+#include "daemon/settings/robot_description.hpp"
+#include "daemon/settings/sweep_plan.hpp"
+#include "rsi/telegram/reply.hpp"
 
 namespace bench {
 

@@ -16,10 +16,10 @@
 
 #include "rsi/asio.hpp"
 
-#include "daemon/settings.hpp"
-#include "daemon/simulated_robot.hpp"
-#include "rsi/ethernet_config.hpp"
-#include "rsi/telegram_writer.hpp"
+#include "daemon/plan/simulated_robot.hpp"
+#include "daemon/settings/settings.hpp"
+#include "rsi/telegram/ethernet_config.hpp"
+#include "rsi/telegram/telegram_writer.hpp"
 
 namespace bench {
 

@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <sys/socket.h>
 
-#include "daemon/robot_service.hpp"
-#include "rsi/ipoc.hpp"
-#include "rsi/reply.hpp"
+#include "daemon/service/robot_service.hpp"
+#include "rsi/telegram/ipoc.hpp"
+#include "rsi/telegram/reply.hpp"
 #include "tests/bench/link_parts.hpp"
 #include "tests/bench/table.hpp"
 #include "tests/daemon/temporary_folder.hpp"

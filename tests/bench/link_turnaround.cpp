@@ -6,10 +6,10 @@
 #include <optional>
 #include <stdexcept>
 
-#include "daemon/realtime.hpp"
-#include "daemon/robot_service.hpp"
-#include "rsi/ipoc.hpp"
-#include "rsi/reply.hpp"
+#include "daemon/service/robot_service.hpp"
+#include "daemon/system/realtime.hpp"
+#include "rsi/telegram/ipoc.hpp"
+#include "rsi/telegram/reply.hpp"
 #include "tests/bench/link_client.hpp"
 #include "tests/bench/link_parts.hpp"
 #include "tests/bench/table.hpp"

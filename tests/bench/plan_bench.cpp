@@ -12,8 +12,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "daemon/plan_outlook.hpp"
-#include "daemon/units.hpp"
+#include "daemon/plan/plan_outlook.hpp"
+#include "daemon/text/units.hpp"
 #include "tests/bench/table.hpp"
 
 using bench::left;

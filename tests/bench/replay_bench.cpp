@@ -20,12 +20,12 @@
 #include <pcap/pcap.h>
 #include <pugixml.hpp>
 
-#include "daemon/numbers.hpp"
-#include "daemon/replay_command.hpp"
-#include "daemon/robot_description.hpp"
-#include "daemon/simulate_command.hpp"
-#include "daemon/simulated_robot.hpp"
-#include "rsi/packet.hpp"
+#include "daemon/commands/replay_command.hpp"
+#include "daemon/commands/simulate_command.hpp"
+#include "daemon/plan/simulated_robot.hpp"
+#include "daemon/settings/robot_description.hpp"
+#include "daemon/text/numbers.hpp"
+#include "rsi/capture/packet.hpp"
 #include "tests/bench/table.hpp"
 #include "tests/daemon/temporary_folder.hpp"
 

@@ -16,8 +16,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "daemon/point_sweeps.hpp"
-#include "identify/angle.hpp"
+#include "daemon/points/point_sweeps.hpp"
+#include "identify/geometry/angle.hpp"
 #include "tests/bench/coverage_cases.hpp"
 #include "tests/bench/coverage_score.hpp"
 #include "tests/bench/table.hpp"

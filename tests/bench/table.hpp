@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "daemon/numbers.hpp"
+#include "daemon/text/numbers.hpp"
 
 namespace bench {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "identify/dh_extraction.hpp"
+#include "identify/dh/dh_extraction.hpp"
 #include "tests/identify/simulated_campaign.hpp"
 
 namespace sweepd::test {

@@ -3,8 +3,8 @@
 // Outcomes as the chain estimator leaves them, made by hand: a KR 5 arc a little off its table, in
 // the frame of a measuring device.
 
-#include "daemon/outcome.hpp"
-#include "daemon/units.hpp"
+#include "daemon/results/outcome.hpp"
+#include "daemon/text/units.hpp"
 #include "tests/identify/simulated_campaign.hpp"
 
 namespace sweepd::test {

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "daemon/outcome.hpp"
-#include "daemon/units.hpp"
-#include "identify/segmentation.hpp"
+#include "daemon/results/outcome.hpp"
+#include "daemon/text/units.hpp"
+#include "identify/sweeps/segmentation.hpp"
 #include "tests/identify/simulated_campaign.hpp"
 
 namespace sweepd::test {

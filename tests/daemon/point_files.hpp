@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "daemon/numbers.hpp"
-#include "daemon/units.hpp"
+#include "daemon/text/numbers.hpp"
+#include "daemon/text/units.hpp"
 #include "tests/identify/simulated_campaign.hpp"
 
 namespace sweepd::test {

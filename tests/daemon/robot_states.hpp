@@ -1,6 +1,6 @@
 #pragma once
 
-#include "daemon/metrics.hpp"
+#include "daemon/page/metrics.hpp"
 
 namespace sweepd::test {
 

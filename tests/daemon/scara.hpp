@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <string>
 
-#include "daemon/outcome.hpp"
-#include "daemon/rehearsal.hpp"
+#include "daemon/plan/rehearsal.hpp"
+#include "daemon/results/outcome.hpp"
 #include "tests/daemon/temporary_folder.hpp"
 
 namespace sweepd::test {

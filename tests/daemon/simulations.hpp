@@ -4,7 +4,7 @@
 #include <sstream>
 #include <string>
 
-#include "daemon/simulate_command.hpp"
+#include "daemon/commands/simulate_command.hpp"
 #include "tests/config_folder.hpp"
 #include "tests/daemon/temporary_folder.hpp"
 

@@ -12,8 +12,8 @@
 #include <string_view>
 #include <vector>
 
-#include "daemon/numbers.hpp"
-#include "rsi/capture_writer.hpp"
+#include "daemon/text/numbers.hpp"
+#include "rsi/capture/capture_writer.hpp"
 #include "rsi/datagram.hpp"
 #include "tests/rsi/addresses.hpp"
 

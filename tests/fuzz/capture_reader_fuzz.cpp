@@ -2,7 +2,7 @@
 // one that reaches beyond its packet.
 #include <numeric>
 
-#include "rsi/capture_reader.hpp"
+#include "rsi/capture/capture_reader.hpp"
 #include "tests/fuzz/property.hpp"
 
 using fuzz::expect;

@@ -3,9 +3,9 @@
 // one line; what is read is finite.
 #include <cmath>
 
-#include "daemon/axes_file.hpp"
-#include "daemon/csv_file.hpp"
-#include "daemon/points_file.hpp"
+#include "daemon/points/axes_file.hpp"
+#include "daemon/points/csv_file.hpp"
+#include "daemon/points/points_file.hpp"
 #include "tests/fuzz/property.hpp"
 
 using fuzz::expect;

@@ -2,9 +2,9 @@
 // and that move nothing.
 #include <algorithm>
 
-#include "rsi/ethernet_config.hpp"
-#include "rsi/reply.hpp"
-#include "rsi/wire_layout.hpp"
+#include "rsi/telegram/ethernet_config.hpp"
+#include "rsi/telegram/reply.hpp"
+#include "rsi/telegram/wire_layout.hpp"
 #include "tests/fuzz/property.hpp"
 
 using fuzz::expect;

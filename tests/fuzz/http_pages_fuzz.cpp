@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "daemon/http_pages.hpp"
+#include "daemon/page/http_pages.hpp"
 #include "tests/fuzz/property.hpp"
 
 using fuzz::expect;

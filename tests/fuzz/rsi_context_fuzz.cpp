@@ -1,6 +1,6 @@
 // The controller's RSI context: whatever of it is accepted speaks of channels that there are, and
 // can be held against any Ethernet file.
-#include "rsi/rsi_context.hpp"
+#include "rsi/telegram/rsi_context.hpp"
 #include "tests/fuzz/property.hpp"
 
 using fuzz::expect;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "rsi/ascii.hpp"
-#include "rsi/tcp_framer.hpp"
+#include "rsi/telegram/tcp_framer.hpp"
 #include "tests/fuzz/property.hpp"
 
 using fuzz::expect;

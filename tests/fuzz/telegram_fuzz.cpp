@@ -18,8 +18,8 @@
 #include <pugixml.hpp>
 
 #include "rsi/ascii.hpp"
-#include "rsi/ipoc.hpp"
-#include "rsi/telegram.hpp"
+#include "rsi/telegram/ipoc.hpp"
+#include "rsi/telegram/telegram.hpp"
 #include "tests/fuzz/property.hpp"
 
 using fuzz::expect;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "identify/angle.hpp"
+#include "identify/geometry/angle.hpp"
 #include "tests/bench/accuracy_campaign.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/simulated_campaign.hpp"
@@ -49,7 +49,7 @@ std::string message(const Identification& found, std::string_view code,
 
 }  // namespace
 
-TEST_CASE("a clean campaign of 90 degrees gets no advice", "[long]") {
+TEST_CASE("a clean campaign of 90 degrees gets no advice", "[advice][long]") {
   const auto found = identified(kr5());
   CHECK(found.estimator == Estimator::chain);
   for (const Warning& warning : found.warnings)
@@ -57,7 +57,7 @@ TEST_CASE("a clean campaign of 90 degrees gets no advice", "[long]") {
   CHECK(found.warnings.empty());
 }
 
-TEST_CASE("the paper's campaign, moved as a controller moves, gets none either", "[long]") {
+TEST_CASE("the paper's campaign, moved as a controller moves, gets none either", "[advice][long]") {
   test::Campaign moved(kr5_arc(), {.wobble_deg = 0.0005});
   moved.sweep_all_90();
   auto samples = moved.samples();
@@ -75,7 +75,7 @@ TEST_CASE("the paper's campaign, moved as a controller moves, gets none either",
   CHECK(found.warnings.empty());
 }
 
-TEST_CASE("a target near an axis is told, and what another point would give", "[long]") {
+TEST_CASE("a target near an axis is told, and what another point would give", "[advice][long]") {
   auto robot = kr5();
   robot.targets_mm = {{1.7, 0, 215}};
   const auto found = identified(robot);
@@ -83,7 +83,7 @@ TEST_CASE("a target near an axis is told, and what another point would give", "[
              ContainsSubstring("radius 1.7 mm") && ContainsSubstring("100 mm would give"));
 }
 
-TEST_CASE("a short arc is told, and what a longer one would give comes true") {
+TEST_CASE("a short arc is told, and what a longer one would give comes true", "[advice]") {
   const auto world = accuracy::tracker(0.05);
   auto robot = kr5();
   robot.ranges[3] = {-8, 8};
@@ -98,7 +98,7 @@ TEST_CASE("a short arc is told, and what a longer one would give comes true") {
   CHECK(better.joints[3].axis->direction_sigma_rad() / kDegree == Approx(predicted).epsilon(0.3));
 }
 
-TEST_CASE("an arc that gives no axis at all is told") {
+TEST_CASE("an arc that gives no axis at all is told", "[advice]") {
   const auto coarse = accuracy::tracker(0.15);
   auto robot = kr5();
   robot.ranges[5] = {-4, 4};
@@ -107,7 +107,7 @@ TEST_CASE("an arc that gives no axis at all is told") {
   CHECK_THAT(message(found, "arc_short", 5), ContainsSubstring("more than 1°"));
 }
 
-TEST_CASE("a joint swept much less than the others is told with the factor", "[long]") {
+TEST_CASE("a joint swept much less than the others is told with the factor", "[advice][long]") {
   auto robot = kr5();
   robot.ranges[4] = {75, 105};
   const auto found = identified(robot);
@@ -116,18 +116,18 @@ TEST_CASE("a joint swept much less than the others is told with the factor", "[l
   CHECK_FALSE(find_warning(found, "arc_short"));
 }
 
-TEST_CASE("a quick target is told with its speed") {
+TEST_CASE("a quick target is told with its speed", "[advice]") {
   auto robot = kr5();
   robot.samples = 100;  // 90 degrees in 0.396 s
   CHECK_THAT(message(identified(robot), "speed_high", 5), ContainsSubstring("mm/s, 3.2 mm"));
 }
 
-TEST_CASE("coarsely printed numbers are told, in words that fit any device") {
+TEST_CASE("coarsely printed numbers are told, in words that fit any device", "[advice]") {
   CHECK_THAT(message(identified(kr5(), accuracy::controller(1)), "low_precision", {}),
              ContainsSubstring("0.1000 mm") && ContainsSubstring("on a KUKA controller"));
 }
 
-TEST_CASE("steps are told only of numbers that there are", "[issue11][point_20][long]") {
+TEST_CASE("steps are told only of numbers that there are", "[advice][issue11][point_20][long]") {
   auto campaign = campaign_of(kr5(), kController);
   campaign.resolution = {0, 0.1 * kDegree};
   const auto sweeps = sweeps_of(kr5(), kController, 1);
@@ -138,7 +138,7 @@ TEST_CASE("steps are told only of numbers that there are", "[issue11][point_20][
              ContainsSubstring("in steps of 0.1000 mm:") && !ContainsSubstring("°:"));
 }
 
-TEST_CASE("an angle that depends on the direction of the motion is told", "[long]") {
+TEST_CASE("an angle that depends on the direction of the motion is told", "[advice][long]") {
   // Joint 2 there and back; on the way back its angle reads 20 arcsec more.
   constexpr double kBacklash_rad = 20 * kArcsec;
   const auto robot = kr5();
@@ -158,7 +158,7 @@ TEST_CASE("an angle that depends on the direction of the motion is told", "[long
   CHECK_THAT(text, ContainsSubstring("20 arcsec"));
 }
 
-TEST_CASE("a smooth error of a joint's angles is told with its size") {
+TEST_CASE("a smooth error of a joint's angles is told with its size", "[advice]") {
   // 100 arcsec twice a turn: over 90 degrees half a wave, less what offset and centre take up.
   auto uneven = accuracy::tracker(0.005);
   uneven.angles = true;
@@ -171,7 +171,7 @@ TEST_CASE("a smooth error of a joint's angles is told with its size") {
   }));
 }
 
-TEST_CASE("angles that follow no pattern are told to be unused", "[long]") {
+TEST_CASE("angles that follow no pattern are told to be unused", "[advice][long]") {
   const auto robot = kr5();
   std::mt19937 random(1);
   std::normal_distribution<> normal;
@@ -184,21 +184,21 @@ TEST_CASE("angles that follow no pattern are told to be unused", "[long]") {
   CHECK_THAT(message(found, "angles_not_used", 2), ContainsSubstring("arcsec rms"));
 }
 
-TEST_CASE("noise that is alike from sample to sample is told", "[long]") {
+TEST_CASE("noise that is alike from sample to sample is told", "[advice][long]") {
   auto slow = accuracy::tracker(0.02);
   slow.noise.correlation = 0.95;
   CHECK_THAT(message(identified(kr5(), slow), "correlated_noise", {}),
              ContainsSubstring("samples tell as much as one"));
 }
 
-TEST_CASE("points far off are told with their share") {
+TEST_CASE("points far off are told with their share", "[advice]") {
   auto interrupted = accuracy::tracker(0.02);
   interrupted.noise.outlier_share = 0.05;
   CHECK_THAT(message(identified(kr5(), interrupted), "outliers", {}),
              ContainsSubstring(" of 6000 samples ("));
 }
 
-TEST_CASE("sweeps that miss each other's home are told", "[long]") {
+TEST_CASE("sweeps that miss each other's home are told", "[advice][long]") {
   const auto world = accuracy::tracker(0.02);
   const auto robot = kr5();
   // The target was knocked before joint 4 swept.
@@ -211,7 +211,7 @@ TEST_CASE("sweeps that miss each other's home are told", "[long]") {
   CHECK_THAT(message(found, "home_not_shared", {}), ContainsSubstring("lock the other joints"));
 }
 
-TEST_CASE("orientations that contradict the positions are told", "[long]") {
+TEST_CASE("orientations that contradict the positions are told", "[advice][long]") {
   const auto robot = kr5();
   const auto sweeps =
       changed(sweeps_of(robot, kController, 1), [](Sweep&, std::vector<Sample>& samples) {
@@ -224,7 +224,7 @@ TEST_CASE("orientations that contradict the positions are told", "[long]") {
   CHECK_THAT(message(found, "orientation_inconsistent", {}), ContainsSubstring("A, B, C"));
 }
 
-TEST_CASE("a fit that did not end is told", "[long]") {
+TEST_CASE("a fit that did not end is told", "[advice][long]") {
   const auto robot = kr5();
   auto found = identified(robot);
   found.chain->summary.converged = false;

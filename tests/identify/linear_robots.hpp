@@ -10,7 +10,7 @@
 
 #include <Eigen/Geometry>
 
-#include "simulated_campaign.hpp"
+#include "tests/identify/simulated_campaign.hpp"
 
 namespace identify::test {
 

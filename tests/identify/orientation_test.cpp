@@ -4,10 +4,10 @@
 
 #include <Eigen/Geometry>
 
-#include "identify/angle.hpp"
+#include "identify/geometry/angle.hpp"
 #include "identify/identification.hpp"
-#include "simulated_campaign.hpp"
 #include "tests/catch.hpp"
+#include "tests/identify/simulated_campaign.hpp"
 
 using namespace identify;
 using Eigen::Matrix3d;
@@ -47,7 +47,7 @@ const Matrix3d kTool =
 
 }  // namespace
 
-TEST_CASE("the controller's orientations make the last row and the tool known") {
+TEST_CASE("the controller's orientations make the last row and the tool known", "[orientation]") {
   test::Campaign campaign(test::kr5_arc(), {0.0005, 0, 4});
   campaign.sweep_all_30();
   const auto sweeps = test::segment(as_printed(campaign, kTool), for_kr5(kPrinted).resolution);
@@ -87,7 +87,7 @@ TEST_CASE("the controller's orientations make the last row and the tool known") 
   }
 }
 
-TEST_CASE("orientations that disagree with the positions are left alone") {
+TEST_CASE("orientations that disagree with the positions are left alone", "[orientation]") {
   test::Campaign campaign(test::kr5_arc(), {0.0005, 0, 4});
   campaign.sweep_all_30();
   auto samples = as_printed(campaign, kTool);
@@ -101,7 +101,7 @@ TEST_CASE("orientations that disagree with the positions are left alone") {
   CHECK(found.chain->angles[0].trust == AngleTrust::trusted);
 }
 
-TEST_CASE("in a device's frame the robot's own place is part of the result") {
+TEST_CASE("in a device's frame the robot's own place is part of the result", "[orientation]") {
   test::Campaign campaign(test::kr5_arc(), {0, 0.02, 5});
   campaign.sweep_all_90();
   Eigen::Isometry3d device = Eigen::Isometry3d::Identity();

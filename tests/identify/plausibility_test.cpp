@@ -65,7 +65,7 @@ void check_doubt(const Identification& found, std::string_view code,
 
 }  // namespace
 
-TEST_CASE("clean campaigns are never in doubt, however inaccurate") {
+TEST_CASE("clean campaigns are never in doubt, however inaccurate", "[plausibility]") {
   const auto seed = GENERATE(1U, 2U);
   CAPTURE(seed);
   World world = tracker(false);
@@ -110,7 +110,7 @@ TEST_CASE("clean campaigns are never in doubt, however inaccurate") {
   }
 }
 
-TEST_CASE("metres in a column for millimetres are named") {
+TEST_CASE("metres in a column for millimetres are named", "[plausibility]") {
   const auto seed = GENERATE(1U, 2U, 3U);
   const bool angles = GENERATE(false, true);
   for (const auto& robot : {some_kr5(seed), some_iiwa(seed)}) {
@@ -124,7 +124,8 @@ TEST_CASE("metres in a column for millimetres are named") {
   }
 }
 
-TEST_CASE("a mirrored frame is told from angles, whichever coordinate is negated") {
+TEST_CASE("a mirrored frame is told from angles, whichever coordinate is negated",
+          "[plausibility]") {
   const auto seed = GENERATE(1U, 2U, 3U);
   const auto axis = GENERATE(0, 1, 2);
   for (const auto& robot : {some_kr5(seed), some_iiwa(seed)}) {
@@ -139,7 +140,7 @@ TEST_CASE("a mirrored frame is told from angles, whichever coordinate is negated
   }
 }
 
-TEST_CASE("exchanged joints are both named, with angles or without") {
+TEST_CASE("exchanged joints are both named, with angles or without", "[plausibility]") {
   const auto seed = GENERATE(1U, 2U, 3U);
   const bool angles = GENERATE(false, true);
   CAPTURE(seed, angles);
@@ -154,14 +155,15 @@ TEST_CASE("exchanged joints are both named, with angles or without") {
   CHECK_THAT(found.reason, Catch::Matchers::ContainsSubstring("joints 2 and 4"));
 }
 
-TEST_CASE("another robot than the specified one is a doubt that names the number") {
+TEST_CASE("another robot than the specified one is a doubt that names the number",
+          "[plausibility]") {
   const Simulation simulation(some_kr5(4), {}, tracker(true), 4);
   auto campaign = simulation.campaign();
   campaign.specified->rows[1].a_mm += 200;
   check_doubt(identify::identify(simulation.sweeps(), campaign), "specified_contradicted", 1);
 }
 
-TEST_CASE("points that lie on no circle are a doubt") {
+TEST_CASE("points that lie on no circle are a doubt", "[plausibility]") {
   const Simulation simulation(some_kr5(5), {}, tracker(false), 5);
   auto campaign = simulation.campaign();
   campaign.specified.reset();
@@ -177,7 +179,8 @@ TEST_CASE("points that lie on no circle are a doubt") {
   check_doubt(identify::identify(sweeps, campaign), "circle_misfit", 2);
 }
 
-TEST_CASE("noise of few points is no bend, beside joints whose points are too few to show one") {
+TEST_CASE("noise of few points is no bend, beside joints whose points are too few to show one",
+          "[plausibility]") {
   World world = tracker(false);
   world.noise.range_mm = world.noise.across_mm = 0.3;
   Strokes strokes;
@@ -194,7 +197,8 @@ TEST_CASE("noise of few points is no bend, beside joints whose points are too fe
   CHECK(found.doubts.empty());
 }
 
-TEST_CASE("a joint that turns while another one is swept is a doubt, without angles") {
+TEST_CASE("a joint that turns while another one is swept is a doubt, without angles",
+          "[plausibility]") {
   const auto seed = GENERATE(1U, 2U, 3U);
   const auto from = GENERATE(-2.5, 0.0);  // at the sweep's begin
   Strokes strokes;
@@ -214,7 +218,7 @@ TEST_CASE("a joint that turns while another one is swept is a doubt, without ang
   }
 }
 
-TEST_CASE("sweeps of one joint about different axes are a doubt") {
+TEST_CASE("sweeps of one joint about different axes are a doubt", "[plausibility]") {
   Strokes strokes;
   strokes.repeats = 2;
   const Simulation simulation(some_kr5(6), strokes, tracker(false), 6);
@@ -229,7 +233,7 @@ TEST_CASE("sweeps of one joint about different axes are a doubt") {
   check_doubt(identify::identify(sweeps, campaign), "strokes_disagree", 3);
 }
 
-TEST_CASE("angles that do not belong to the arc are a doubt") {
+TEST_CASE("angles that do not belong to the arc are a doubt", "[plausibility]") {
   const Simulation simulation(some_kr5(7), {}, tracker(true), 7);
   auto campaign = simulation.campaign();
   campaign.specified.reset();
@@ -243,14 +247,15 @@ TEST_CASE("angles that do not belong to the arc are a doubt") {
   check_doubt(identify::identify(sweeps, campaign), "angle_arc_mismatch", 1);
 }
 
-TEST_CASE("a copy of a sweep is no second sweep") {
+TEST_CASE("a copy of a sweep is no second sweep", "[plausibility]") {
   const Simulation simulation(some_kr5(8), {}, tracker(false), 8);
   auto sweeps = simulation.sweeps();
   sweeps.push_back(sweeps[2]);
   check_doubt(identify::identify(sweeps, simulation.campaign()), "duplicate_sweep", 2);
 }
 
-TEST_CASE("an external axis that moves during a sweep is a doubt, between sweeps it is none") {
+TEST_CASE("an external axis that moves during a sweep is a doubt, between sweeps it is none",
+          "[plausibility]") {
   const Simulation simulation(some_kr5(9), {}, tracker(true), 9);
   const bool during = GENERATE(false, true);
   const auto sweeps =

@@ -5,9 +5,9 @@
 #include <limits>
 #include <memory>
 
-#include "identify/angle.hpp"
-#include "simulated_campaign.hpp"
+#include "identify/geometry/angle.hpp"
 #include "tests/catch.hpp"
+#include "tests/identify/simulated_campaign.hpp"
 
 using namespace identify;
 
@@ -58,7 +58,7 @@ void compare(const std::vector<DhEstimate>& a, const std::vector<DhEstimate>& b,
 
 }  // namespace
 
-TEST_CASE("a prediction names and states what the result of such data does", "[long]") {
+TEST_CASE("a prediction names and states what the result of such data does", "[prediction][long]") {
   for (const bool device_frame : {false, true}) {
     test::Campaign campaign(test::kr5_arc(), {0, kDevice_mm, 3});
     campaign.sweep_all_90();
@@ -82,7 +82,7 @@ TEST_CASE("a prediction names and states what the result of such data does", "[l
   }
 }
 
-TEST_CASE("every sweep twice: uncertainties fall by the square root of two", "[long]") {
+TEST_CASE("every sweep twice: uncertainties fall by the square root of two", "[prediction][long]") {
   const auto sweep_all = [](test::Campaign& campaign) { campaign.sweep_all_90(); };
   test::Campaign once(test::kr5_arc(), {0, kDevice_mm, 1});
   sweep_all(once);
@@ -94,7 +94,7 @@ TEST_CASE("every sweep twice: uncertainties fall by the square root of two", "[l
           [](double one, double two) { CHECK(std::abs(one / two - std::sqrt(2.0)) < 0.02); });
 }
 
-TEST_CASE("what the data will not tell gets no uncertainty", "[long]") {
+TEST_CASE("what the data will not tell gets no uncertainty", "[prediction][long]") {
   SECTION("the target on axis 6") {
     Arm arm = test::kr5_arc();
     for (const double off_mm : {0.0, 0.5}) {
@@ -133,8 +133,8 @@ TEST_CASE("what the data will not tell gets no uncertainty", "[long]") {
   }
 }
 
-TEST_CASE(
-    "printed angles scatter by their rounding, a resting joint's by no more than it wobbles") {
+TEST_CASE("printed angles scatter by their rounding, a resting joint's by no more than it wobbles",
+          "[prediction]") {
   const double step = 1e-4 * kDegree;
   const double rounding = step / std::sqrt(12.0);
   const auto locked = [&](double wobble) {

@@ -12,10 +12,10 @@
 
 #include <Eigen/Geometry>
 
-#include "identify/angle.hpp"
-#include "identify/chain.hpp"
-#include "identify/chain_nodes.hpp"
-#include "identify/chain_residual.hpp"
+#include "identify/chain/chain.hpp"
+#include "identify/chain/chain_nodes.hpp"
+#include "identify/chain/chain_residual.hpp"
+#include "identify/geometry/angle.hpp"
 
 namespace identify::test {
 

@@ -12,11 +12,11 @@
 #include <utility>
 #include <vector>
 
-#include "identify/angle.hpp"
-#include "identify/dh.hpp"
+#include "identify/dh/dh.hpp"
+#include "identify/geometry/angle.hpp"
 #include "identify/identification.hpp"
-#include "identify/sample.hpp"
-#include "identify/segmentation.hpp"
+#include "identify/sweeps/sample.hpp"
+#include "identify/sweeps/segmentation.hpp"
 
 namespace identify::test {
 

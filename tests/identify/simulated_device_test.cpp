@@ -1,5 +1,5 @@
-#include "simulated_robots.hpp"
 #include "tests/catch.hpp"
+#include "tests/identify/simulated_robots.hpp"
 #include "tests/simulation/device.hpp"
 
 using namespace simulation;
@@ -8,7 +8,8 @@ using Catch::Matchers::WithinAbs;
 using Catch::Matchers::WithinRel;
 using Eigen::Vector3d;
 
-TEST_CASE("White and correlated noise are as large and as much alike as they should be") {
+TEST_CASE("White and correlated noise are as large and as much alike as they should be",
+          "[simulated_device]") {
   for (const double correlation : {0.0, 0.9}) {
     Noise noise;
     noise.range_mm = noise.across_mm = 0.02;
@@ -29,7 +30,7 @@ TEST_CASE("White and correlated noise are as large and as much alike as they sho
   }
 }
 
-TEST_CASE("A tracker's noise lies along and across its line of sight") {
+TEST_CASE("A tracker's noise lies along and across its line of sight", "[simulated_device]") {
   Noise noise;
   noise.range_mm = 0.005;
   noise.across_mm = 0.03;
@@ -46,7 +47,7 @@ TEST_CASE("A tracker's noise lies along and across its line of sight") {
   CHECK_THAT(across.sigma(), WithinRel(0.03, across.tolerance()));
 }
 
-TEST_CASE("Outliers are as many and as far off as asked for") {
+TEST_CASE("Outliers are as many and as far off as asked for", "[simulated_device]") {
   Noise noise;
   noise.outlier_share = 0.15;
   Device device(noise, {}, 1, 9);
@@ -60,7 +61,7 @@ TEST_CASE("Outliers are as many and as far off as asked for") {
   CHECK(std::abs(count - 1500) < 5 * 36);
 }
 
-TEST_CASE("A device drifts by what is asked for over the campaign") {
+TEST_CASE("A device drifts by what is asked for over the campaign", "[simulated_device]") {
   Device straight({}, {0.05, 0}, 100, 1);
   CHECK(straight.measured(Vector3d::Zero(), 0).isZero(0));
   CHECK_THAT(straight.measured(Vector3d::Zero(), 50).norm(), WithinAbs(0.025, 1e-12));

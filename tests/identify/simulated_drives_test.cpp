@@ -1,8 +1,8 @@
 #include <array>
 #include <complex>
 
-#include "simulated_robots.hpp"
 #include "tests/catch.hpp"
+#include "tests/identify/simulated_robots.hpp"
 #include "tests/simulation/arc_shape.hpp"
 #include "tests/simulation/gravity.hpp"
 #include "tests/simulation/stream.hpp"
@@ -15,7 +15,8 @@ using Eigen::Vector3d;
 using identify::Sample;
 using identify::Sweep;
 
-TEST_CASE("Gears err by two harmonics of the joint's angle, locked joints at other homes as well") {
+TEST_CASE("Gears err by two harmonics of the joint's angle, locked joints at other homes as well",
+          "[simulated_drives]") {
   World world = exact_angles();
   world.gears.first_arcsec = 60;
   world.gears.second_arcsec = 30;
@@ -50,7 +51,7 @@ TEST_CASE("Gears err by two harmonics of the joint's angle, locked joints at oth
     }
 }
 
-TEST_CASE("Backlash is the difference between the two ways") {
+TEST_CASE("Backlash is the difference between the two ways", "[simulated_drives]") {
   World world = exact_angles();
   world.gears.backlash_arcsec = 30;
   Strokes how = strokes(11);
@@ -71,7 +72,8 @@ TEST_CASE("Backlash is the difference between the two ways") {
   }
 }
 
-TEST_CASE("Torques are what lifts the weights, and none about a vertical axis") {
+TEST_CASE("Torques are what lifts the weights, and none about a vertical axis",
+          "[simulated_drives]") {
   for (const Robot& arm : {robot(11), at_random_home(iiwa(), 11)}) {
     const Sag sag(arm, 100 * kArcsec);
     const auto energy_j = [&](const identify::Turns& turns) {
@@ -97,7 +99,7 @@ TEST_CASE("Torques are what lifts the weights, and none about a vertical axis") 
   }
 }
 
-TEST_CASE("Elastic joints give way in proportion to the torque") {
+TEST_CASE("Elastic joints give way in proportion to the torque", "[simulated_drives]") {
   const Robot arm = robot(12);
   const Sag sag(arm, 100 * kArcsec);
   double worst = 0;
@@ -116,7 +118,7 @@ TEST_CASE("Elastic joints give way in proportion to the torque") {
   CHECK(worst < 115 * kArcsec);
 }
 
-TEST_CASE("A robot that sags stands where its bent joints have it") {
+TEST_CASE("A robot that sags stands where its bent joints have it", "[simulated_drives]") {
   World world = exact_angles();
   world.sag_arcsec = 100;
   const Robot arm = robot(13);
@@ -133,7 +135,7 @@ TEST_CASE("A robot that sags stands where its bent joints have it") {
   CHECK(most > 0.05);
 }
 
-TEST_CASE("Angles are late by the delay, and by the device's clock") {
+TEST_CASE("Angles are late by the delay, and by the device's clock", "[simulated_drives]") {
   World world = exact_angles();
   world.delay = {0.1, 50};
   const Robot arm = robot(14);
@@ -146,7 +148,8 @@ TEST_CASE("Angles are late by the delay, and by the device's clock") {
     }
 }
 
-TEST_CASE("Arcs that are no circles depart by smooth curves of the size asked for, not at home") {
+TEST_CASE("Arcs that are no circles depart by smooth curves of the size asked for, not at home",
+          "[simulated_drives]") {
   const ArcShape shape{0.02, 2};
   auto random = stream(16, Source::shape);
   Spread all;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "identify/angle.hpp"
+#include "identify/geometry/angle.hpp"
 #include "tests/simulation/simulation.hpp"
 
 namespace simulation::test {

@@ -1,5 +1,5 @@
-#include "simulated_robots.hpp"
 #include "tests/catch.hpp"
+#include "tests/identify/simulated_robots.hpp"
 #include "tests/simulation/strokes.hpp"
 
 using namespace simulation;
@@ -8,7 +8,7 @@ using Catch::Matchers::WithinAbs;
 using Catch::Matchers::WithinRel;
 using Eigen::Vector3d;
 
-TEST_CASE("Random homes are off the grid, and keep targets off the axes") {
+TEST_CASE("Random homes are off the grid, and keep targets off the axes", "[simulated_strokes]") {
   for (std::uint32_t seed = 0; seed < 20; ++seed)
     for (const Robot& arm : {robot(seed, 3), at_random_home(built(iiwa(3), seed), seed)}) {
       const identify::Chain chain = chain_of(arm);
@@ -22,7 +22,8 @@ TEST_CASE("Random homes are off the grid, and keep targets off the axes") {
     }
 }
 
-TEST_CASE("Strokes with ramps begin and end at rest, on time, and at the mean speed in between") {
+TEST_CASE("Strokes with ramps begin and end at rest, on time, and at the mean speed in between",
+          "[simulated_strokes]") {
   const Stroke stroke{0, 0, {0}, -0.5, 1.5, 0, 10, false};
   CHECK(stroke.turn_at(-1, 0.1) == -0.5);
   CHECK_THAT(stroke.turn_at(11, 0.1), WithinAbs(1.5, 1e-12));
@@ -32,7 +33,8 @@ TEST_CASE("Strokes with ramps begin and end at rest, on time, and at the mean sp
   CHECK_THAT(stroke.turn_at(-1, 0), WithinAbs(-0.7, 1e-12));
 }
 
-TEST_CASE("Campaigns have the strokes that were asked for, in the order of time") {
+TEST_CASE("Campaigns have the strokes that were asked for, in the order of time",
+          "[simulated_strokes]") {
   Strokes how = strokes(5);
   how.there_and_back = true;
   how.repeats = 2;

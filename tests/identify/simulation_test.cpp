@@ -4,8 +4,8 @@
 
 #include <Eigen/Dense>
 
-#include "simulated_robots.hpp"
 #include "tests/catch.hpp"
+#include "tests/identify/simulated_robots.hpp"
 #include "tests/simulation/truth.hpp"
 
 using namespace simulation;
@@ -29,7 +29,7 @@ void compare(const std::vector<Sweep>& plain, const std::vector<Sweep>& changed,
 
 }  // namespace
 
-TEST_CASE("Without errors every sample is where the true arm's table has it") {
+TEST_CASE("Without errors every sample is where the true arm's table has it", "[simulation]") {
   for (const Robot& arm : {robot(3, 3), at_random_home(built(iiwa(3), 3), 3)}) {
     const Simulation simulation(arm, strokes(20), exact_angles(), 3);
     for (const Sweep& sweep : simulation.sweeps())
@@ -38,7 +38,7 @@ TEST_CASE("Without errors every sample is where the true arm's table has it") {
   }
 }
 
-TEST_CASE("What is identified of exact data is the true table") {
+TEST_CASE("What is identified of exact data is the true table", "[simulation]") {
   const Robot arm = robot(4);
   const Simulation simulation(arm, strokes(60), exact_angles(), 4);
   const auto found = identify::identify(simulation.sweeps(), simulation.campaign());
@@ -53,7 +53,8 @@ TEST_CASE("What is identified of exact data is the true table") {
   }
 }
 
-TEST_CASE("The true table leads to the same axes whatever rows are called parallel") {
+TEST_CASE("The true table leads to the same axes whatever rows are called parallel",
+          "[simulation]") {
   const Robot arm = robot(5);
   World world;
   world.placed = true;
@@ -74,7 +75,8 @@ TEST_CASE("The true table leads to the same axes whatever rows are called parall
   }
 }
 
-TEST_CASE("The same seed gives the same bits, and a knob leaves other errors as they are") {
+TEST_CASE("The same seed gives the same bits, and a knob leaves other errors as they are",
+          "[simulation]") {
   World world = exact_angles();
   world.placed = true;
   world.noise.range_mm = world.noise.across_mm = 0.02;
@@ -87,7 +89,8 @@ TEST_CASE("The same seed gives the same bits, and a knob leaves other errors as 
           [](const Sweep&, std::size_t, const Vector3d& off) { CHECK(off.norm() < 1 + 1e-9); });
 }
 
-TEST_CASE("Locked joints stand off home by turns about their own axes, anew each stroke") {
+TEST_CASE("Locked joints stand off home by turns about their own axes, anew each stroke",
+          "[simulation]") {
   World world = exact_angles();
   world.home.sigma_deg = 0.002;
   const std::vector<double> sigma_rad(6, 0.002 * kDegree);
@@ -130,7 +133,7 @@ TEST_CASE("Locked joints stand off home by turns about their own axes, anew each
     CHECK_THAT(spread.sigma(), WithinRel(0.002 * kDegree, spread.tolerance()));
 }
 
-TEST_CASE("Home errors that encoders see are in the angles") {
+TEST_CASE("Home errors that encoders see are in the angles", "[simulation]") {
   World world = exact_angles();
   world.home.sigma_deg = 0.01;
   world.home.seen = true;
@@ -146,7 +149,8 @@ TEST_CASE("Home errors that encoders see are in the angles") {
   CHECK(errors.sigma() > 0.01 * kDegree);
 }
 
-TEST_CASE("Telegrams are rounded, and locked joints that do not wobble print one value") {
+TEST_CASE("Telegrams are rounded, and locked joints that do not wobble print one value",
+          "[simulation]") {
   for (const int decimals : {4, 1}) {
     World world = exact_angles();
     world.controller = true;
@@ -178,7 +182,7 @@ TEST_CASE("Telegrams are rounded, and locked joints that do not wobble print one
   }
 }
 
-TEST_CASE("Orientations of a controller are those of its tool") {
+TEST_CASE("Orientations of a controller are those of its tool", "[simulation]") {
   World world = exact_angles();
   world.controller = true;
   world.orientations = true;
@@ -195,7 +199,7 @@ TEST_CASE("Orientations of a controller are those of its tool") {
     }
 }
 
-TEST_CASE("A servo wobbles by what is asked for") {
+TEST_CASE("A servo wobbles by what is asked for", "[simulation]") {
   World world = exact_angles();
   world.wobble_deg = 0.0005;
   const Robot arm = robot(8);

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <cstdint>
 
-#include "rsi/controller_link.hpp"
+#include "rsi/controller/controller_link.hpp"
 
 namespace rsi::test {
 

@@ -22,8 +22,8 @@
 
 #include "rsi/asio.hpp"
 
-#include "rsi/tcp_server.hpp"
-#include "rsi/udp_server.hpp"
+#include "rsi/server/tcp_server.hpp"
+#include "rsi/server/udp_server.hpp"
 #include "tests/catch.hpp"
 
 namespace {
@@ -120,7 +120,7 @@ void forget() {
 
 }  // namespace
 
-TEST_CASE("the watch sees what it is there for") {
+TEST_CASE("the watch sees what it is there for", "[reply_path]") {
   forget();
   bool filtered = false;
   std::thread([&] {
@@ -138,7 +138,8 @@ TEST_CASE("the watch sees what it is there for") {
     std::cout << "skipped: system calls are not watched, this system permits no seccomp filter\n";
 }
 
-TEST_CASE("from reception to reply the UDP server neither allocates nor asks for anything else") {
+TEST_CASE("from reception to reply the UDP server neither allocates nor asks for anything else",
+          "[reply_path]") {
   rsi::UdpServer::Options options;
   options.listen = {0x7f000001, 0};
   options.reply.emplace("ImFree");
@@ -186,7 +187,8 @@ TEST_CASE("from reception to reply the UDP server neither allocates nor asks for
   CHECK(system_calls == 0);
 }
 
-TEST_CASE("from reception to reply the TCP server neither allocates nor asks for anything else") {
+TEST_CASE("from reception to reply the TCP server neither allocates nor asks for anything else",
+          "[reply_path]") {
   rsi::TcpServer::Options options;
   options.listen = {0x7f000001, 0};
   options.controller = 0x7f000001;

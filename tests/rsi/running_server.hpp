@@ -12,7 +12,7 @@
 #include <sys/socket.h>
 #include <sys/time.h>
 
-#include "rsi/server.hpp"
+#include "rsi/server/server.hpp"
 #include "tests/catch.hpp"
 #include "tests/rsi/addresses.hpp"
 

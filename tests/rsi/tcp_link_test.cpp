@@ -6,8 +6,8 @@
 #include <string>
 #include <thread>
 
-#include "rsi/controller_link.hpp"
-#include "rsi/tcp_server.hpp"
+#include "rsi/controller/controller_link.hpp"
+#include "rsi/server/tcp_server.hpp"
 #include "tests/catch.hpp"
 #include "tests/rsi/link_program.hpp"
 #include "tests/rsi/running_server.hpp"
@@ -71,7 +71,8 @@ class Misbehaving {
 
 }  // namespace
 
-TEST_CASE("a link over TCP streams a program and takes the replies, with lengths or without") {
+TEST_CASE("a link over TCP streams a program and takes the replies, with lengths or without",
+          "[tcp_link]") {
   const auto form =
       GENERATE(LengthPrefix::none, LengthPrefix::decimal, LengthPrefix::binary16_be,
                LengthPrefix::binary16_le, LengthPrefix::binary32_be, LengthPrefix::binary32_le);
@@ -103,7 +104,7 @@ TEST_CASE("a link over TCP streams a program and takes the replies, with lengths
   CHECK(datagram.source == local);
 }
 
-TEST_CASE("a link over TCP that only sends gets nothing and ends as planned") {
+TEST_CASE("a link over TCP that only sends gets nothing and ends as planned", "[tcp_link]") {
   const auto ethernet = tcp_config(false, true);
   RunningServer<TcpServer> running(serving(ethernet));
   rsi::ControllerLink link(ethernet, link_options(running.server.local()));
@@ -118,7 +119,7 @@ TEST_CASE("a link over TCP that only sends gets nothing and ends as planned") {
   CHECK(telegrams == report.controller.telegrams);
 }
 
-TEST_CASE("over TCP somebody must listen") {
+TEST_CASE("over TCP somebody must listen", "[tcp_link]") {
   std::optional<RunningServer<TcpServer>> running(serving(tcp_config()));
   const auto address = running->server.local();
   running.reset();
@@ -127,7 +128,8 @@ TEST_CASE("over TCP somebody must listen") {
                         ContainsSubstring("start `sweepd run` there first"));
 }
 
-TEST_CASE("a connection that breaks ends the link, and a new link goes on with a new server") {
+TEST_CASE("a connection that breaks ends the link, and a new link goes on with a new server",
+          "[tcp_link]") {
   const auto ethernet = tcp_config();
   std::optional<RunningServer<TcpServer>> running(serving(ethernet));
   const auto address = running->server.local();
@@ -147,7 +149,8 @@ TEST_CASE("a connection that breaks ends the link, and a new link goes on with a
   CHECK(again.run(cycles(10)).end == End::done);
 }
 
-TEST_CASE("what cannot be told apart as replies ends a link over TCP, with the reason") {
+TEST_CASE("what cannot be told apart as replies ends a link over TCP, with the reason",
+          "[tcp_link]") {
   const std::string reply = "<Sen Type=\"KMC\"><IPOC>7000</IPOC></Sen>";
   const auto [length_first, answer, reason] = GENERATE_COPY(table<bool, std::string, std::string>(
       {{true, reply, "expected decimal digits, found none"},

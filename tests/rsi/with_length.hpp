@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "rsi/length_prefix.hpp"
+#include "rsi/telegram/length_prefix.hpp"
 
 namespace rsi::test {
 

@@ -7,7 +7,7 @@
 
 #include "rsi/asio.hpp"
 
-#include "rsi/ethernet_config.hpp"
+#include "rsi/telegram/ethernet_config.hpp"
 #include "tests/catch.hpp"
 #include "tests/config_folder.hpp"
 #include "tests/scenarios/sweepd_process.hpp"

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "rsi/capture_reader.hpp"
+#include "rsi/capture/capture_reader.hpp"
 #include "tests/catch.hpp"
 #include "tests/scenarios/sweepd_process.hpp"
 

@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "daemon/numbers.hpp"
+#include "daemon/text/numbers.hpp"
 #include "tests/catch.hpp"
 #include "tests/scenarios/recorded.hpp"
 #include "tests/scenarios/streamer.hpp"

@@ -9,9 +9,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "rsi/capture_reader.hpp"
-#include "rsi/controller_link.hpp"
-#include "rsi/ipoc.hpp"
+#include "rsi/capture/capture_reader.hpp"
+#include "rsi/controller/controller_link.hpp"
+#include "rsi/telegram/ipoc.hpp"
 #include "tests/catch.hpp"
 #include "tests/config_folder.hpp"
 #include "tests/scenarios/streamer.hpp"

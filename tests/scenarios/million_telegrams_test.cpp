@@ -9,11 +9,11 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
-#include "daemon/replay_command.hpp"
-#include "daemon/robot_service.hpp"
-#include "rsi/capture_writer.hpp"
-#include "rsi/ipoc.hpp"
-#include "rsi/reply.hpp"
+#include "daemon/commands/replay_command.hpp"
+#include "daemon/service/robot_service.hpp"
+#include "rsi/capture/capture_writer.hpp"
+#include "rsi/telegram/ipoc.hpp"
+#include "rsi/telegram/reply.hpp"
 #include "tests/catch.hpp"
 #include "tests/scenarios/faulty_campaign.hpp"
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "daemon/recording_files.hpp"
-#include "rsi/capture_reader.hpp"
-#include "rsi/ipoc.hpp"
+#include "daemon/record/recording_files.hpp"
+#include "rsi/capture/capture_reader.hpp"
+#include "rsi/telegram/ipoc.hpp"
 #include "tests/daemon/temporary_folder.hpp"
 
 namespace sweepd::test {

@@ -5,8 +5,8 @@
 
 #include <poll.h>
 
-#include "daemon/numbers.hpp"
-#include "rsi/ipoc.hpp"
+#include "daemon/text/numbers.hpp"
+#include "rsi/telegram/ipoc.hpp"
 #include "tests/daemon/telegrams.hpp"
 
 namespace sweepd::test {

@@ -12,7 +12,7 @@
 
 #include "rsi/asio.hpp"
 
-#include "rsi/latency_histogram.hpp"
+#include "rsi/link/latency_histogram.hpp"
 
 namespace sweepd::test {
 

@@ -9,7 +9,7 @@
 
 #include "rsi/asio.hpp"
 
-#include "rsi/ipoc.hpp"
+#include "rsi/telegram/ipoc.hpp"
 #include "tests/catch.hpp"
 #include "tests/scenarios/streamer.hpp"
 #include "tests/scenarios/sweepd_process.hpp"

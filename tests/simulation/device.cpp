@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "identify/angle.hpp"
+#include "identify/geometry/angle.hpp"
 #include "tests/simulation/printed.hpp"
 #include "tests/simulation/stream.hpp"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "identify/angle.hpp"
+#include "identify/geometry/angle.hpp"
 
 namespace simulation {
 namespace {

@@ -3,7 +3,7 @@
 #include <random>
 #include <utility>
 
-#include "identify/angle.hpp"
+#include "identify/geometry/angle.hpp"
 #include "tests/identify/simulated_campaign.hpp"
 #include "tests/simulation/stream.hpp"
 

@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
-#include "identify/chain.hpp"
-#include "identify/dh.hpp"
+#include "identify/chain/chain.hpp"
+#include "identify/dh/dh.hpp"
 
 namespace simulation {
 

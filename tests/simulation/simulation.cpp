@@ -6,7 +6,7 @@
 #include <random>
 #include <utility>
 
-#include "identify/angle.hpp"
+#include "identify/geometry/angle.hpp"
 #include "tests/simulation/arc_shape.hpp"
 #include "tests/simulation/device.hpp"
 #include "tests/simulation/printed.hpp"

@@ -6,7 +6,7 @@
 #include <random>
 #include <utility>
 
-#include "identify/angle.hpp"
+#include "identify/geometry/angle.hpp"
 #include "tests/simulation/stream.hpp"
 
 namespace simulation {

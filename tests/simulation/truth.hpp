@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "identify/dh_extraction.hpp"
+#include "identify/dh/dh_extraction.hpp"
 #include "tests/simulation/simulation.hpp"
 
 namespace simulation {

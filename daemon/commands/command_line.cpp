@@ -1,0 +1,79 @@
+#include "daemon/commands/command_line.hpp"
+
+#include <functional>
+#include <stdexcept>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "daemon/commands/command_options.hpp"
+
+namespace sweepd {
+
+struct CommandLine::Options {
+  RunOptions run;
+  ReplayOptions replay;
+  InspectOptions inspect;
+  IdentifyOptions identify;
+  SimulateOptions simulate;
+  PlanOptions plan;
+  ExportOptions exported;
+  CheckOptions check;
+};
+
+CommandLine::CommandLine()
+    : options_(std::make_unique<Options>()),
+      app_(std::make_unique<CLI::App>(
+          "Answers a KUKA controller's RSI telegrams, records them, and identifies the robot's "
+          "Denavit-Hartenberg parameters from single-joint sweeps.",
+          "sweepd")) {
+  auto& app = *app_;
+  app.set_version_flag("--version", "sweepd " SWEEPD_VERSION);
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 the result is doubtful (identify, replay) or "
+      "replies were right but late (simulate), 78 wrong configuration.\n"
+      "`sweepd COMMAND --help` tells the options of a command.");
+
+  const auto on = [this](CLI::App* command, const std::function<int()>& work) {
+    command->callback([this, work] { exit_code_ = work(); });
+  };
+  auto& options = *options_;
+  on(add_run(app, options.run), [&options] { return run(options.run); });
+  on(add_replay(app, options.replay), [&options] { return replay(options.replay); });
+  on(add_inspect(app, options.inspect), [&options] { return inspect(options.inspect); });
+  on(add_identify(app, options.identify), [&options] { return identify_points(options.identify); });
+  on(add_simulate(app, options.simulate), [&options] { return simulate(options.simulate); });
+  on(add_plan(app, options.plan), [&options] { return plan(options.plan); });
+  on(add_export(app, options.exported), [&options] { return export_csv(options.exported); });
+  on(add_check(app, options.check), [&options] {
+    if (!options.check.config && options.check.ethernet_configs.empty() &&
+        options.check.contexts.empty())
+      options.check.config = options.run.config;
+    return check(options.check);
+  });
+}
+
+CommandLine::~CommandLine() = default;
+
+int CommandLine::execute(int argc, const char* const* argv) {
+  try {
+    app_->parse(argc, argv);
+    return exit_code_;
+  } catch (const CLI::CallForHelp& help) {
+    return app_->exit(help);
+  } catch (const CLI::CallForAllHelp& help) {
+    return app_->exit(help);
+  } catch (const CLI::CallForVersion& version) {
+    return app_->exit(version);
+  } catch (const CLI::ParseError& problem) {
+    const auto commands = app_->get_subcommands();
+    const bool unknown = commands.empty() && argc > 1 && argv[1][0] != '-';
+    throw std::invalid_argument(
+        (unknown ? std::string(argv[1]) + " is no command" : std::string(problem.what())) +
+        ": `sweepd " + (commands.empty() ? "" : commands.front()->get_name() + " ") +
+        "--help` tells how it is used");
+  }
+}
+
+}  // namespace sweepd

@@ -1,0 +1,157 @@
+#include "daemon/commands/export_command.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "daemon/commands/outputs.hpp"
+#include "daemon/stream/sample_clock.hpp"
+#include "daemon/system/line_file.hpp"
+#include "daemon/text/numbers.hpp"
+#include "rsi/capture/capture_order.hpp"
+#include "rsi/capture/capture_reader.hpp"
+#include "rsi/counted.hpp"
+#include "rsi/link/link_statistics.hpp"
+#include "rsi/telegram/telegram.hpp"
+
+namespace sweepd {
+namespace {
+
+constexpr std::string_view kBegins = "t_s,ipoc";
+
+struct Column {
+  std::string element;
+  std::string attribute;
+  std::size_t hint = 0;
+
+  [[nodiscard]] std::string name() const {
+    return attribute.empty() ? element : element + "." + attribute;
+  }
+};
+
+/// A value as CSV: quoted where it would be mistaken for more than one.
+std::string field(std::string_view text) {
+  if (text.find_first_of(",\"\n\r") == std::string_view::npos) return std::string(text);
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+using OnTelegram = std::function<void(const rsi::Telegram&, const rsi::Datagram&)>;
+
+/// Calls `on_telegram` for each usable one; returns how many were not.
+std::uint64_t for_each_telegram(const ExportOptions& options, const rsi::Conversation& conversation,
+                                const OnTelegram& on_telegram, std::ostream* errors) {
+  std::uint64_t malformed = 0;
+  rsi::Telegram telegram;
+  for (const auto& path : options.traces) {
+    rsi::CaptureReader capture(path);
+    while (const auto datagram = capture.next()) {
+      if (conversation.direction(*datagram) != rsi::Direction::from_controller) continue;
+      if (telegram.parse(datagram->payload) == rsi::Defect::none && !datagram->cut)
+        on_telegram(telegram, *datagram);
+      else
+        ++malformed;
+    }
+    if (errors != nullptr)
+      for (const auto& note : capture.notes()) *errors << "sweepd: " << note << '\n';
+  }
+  return malformed;
+}
+
+std::vector<Column> columns_of(const ExportOptions& options,
+                               const rsi::Conversation& conversation) {
+  std::vector<Column> columns;
+  std::size_t next = 0;  // telegrams of one controller have the same signals in the same order
+  for_each_telegram(
+      options, conversation,
+      [&](const rsi::Telegram& telegram, const rsi::Datagram&) {
+        for (const auto& signal : telegram.signals()) {
+          const auto is_it = [&](const Column& column) {
+            return column.element == signal.element && column.attribute == signal.attribute;
+          };
+          if (next >= columns.size()) next = 0;
+          if (next < columns.size() && is_it(columns[next])) {
+            ++next;
+            continue;
+          }
+          const auto known = std::find_if(columns.begin(), columns.end(), is_it);
+          if (known != columns.end()) {
+            next = static_cast<std::size_t>(known - columns.begin()) + 1;
+            continue;
+          }
+          columns.push_back({std::string(signal.element), std::string(signal.attribute), 0});
+        }
+      },
+      nullptr);
+  std::stable_partition(columns.begin(), columns.end(),
+                        [](const Column& column) { return column.element == "RIst"; });
+  return columns;
+}
+
+}  // namespace
+
+int export_csv(const ExportOptions& given, std::ostream& out, std::ostream& errors) {
+  ExportOptions options = given;
+  const bool to_file = options.csv != "-";
+  if (to_file) Outputs(given.traces, given.force).check(options.csv, kBegins);
+  options.traces = rsi::in_order_of_time(given.traces);
+  const auto search = rsi::find_conversation(options.traces, options.filter);
+  if (!search.note.empty()) errors << "sweepd: " << search.note << '\n';
+  if (!search.chosen) return 1;
+
+  std::optional<OutputFile> output;
+  std::optional<LineFile> file;
+  if (to_file) file.emplace(output.emplace(options.csv).beside());
+  const auto write = [&](const std::string& line) {
+    if (file)
+      file->append(line);
+    else
+      out << line << '\n';
+  };
+  auto columns = columns_of(options, *search.chosen);
+  std::string header(kBegins);
+  for (const Column& column : columns) header += "," + field(column.name());
+  write(header);
+
+  rsi::LinkStatistics link;
+  SampleClock clock;
+  std::uint64_t telegrams = 0;
+  const auto malformed = for_each_telegram(
+      options, *search.chosen,
+      [&](const rsi::Telegram& telegram, const rsi::Datagram& datagram) {
+        const auto arrival = link.add(datagram, telegram.ipoc(), {});
+        const double time = clock.seconds(telegram.ipoc(), datagram.time, link.step(),
+                                          arrival == rsi::Arrival::restart);
+        std::string row = fixed(time, 3) + "," + std::to_string(telegram.ipoc());
+        for (Column& column : columns) {
+          row += ',';
+          const auto at = telegram.find(column.element, column.attribute, column.hint);
+          if (!at) continue;
+          column.hint = *at;
+          row += field(telegram.signals()[*at].text);
+        }
+        write(row);
+        ++telegrams;
+      },
+      &errors);
+  if (malformed > 0)
+    errors << "sweepd: "
+           << rsi::counted(malformed, "datagram was no usable telegram and has",
+                           "datagrams were no usable telegrams and have")
+           << " no row: "
+           << "`sweepd replay` tells why\n";
+  if (file) {
+    file->flush();
+    if (!file->error().empty()) {
+      errors << "sweepd: " << file->error() << '\n';
+      return 1;
+    }
+    file.reset();
+    output->commit();
+  }
+  return telegrams > 0 ? 0 : 1;
+}
+
+}  // namespace sweepd

@@ -1,0 +1,235 @@
+#include "daemon/commands/identify_command.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/commands/outputs.hpp"
+#include "daemon/points/axes_file.hpp"
+#include "daemon/points/csv_file.hpp"
+#include "daemon/points/point_sweeps.hpp"
+#include "daemon/points/points_file.hpp"
+#include "daemon/results/outcome.hpp"
+#include "daemon/results/report.hpp"
+#include "daemon/results/result_files.hpp"
+#include "daemon/results/run_json.hpp"
+#include "daemon/settings/robot_setup.hpp"
+#include "daemon/stream/session.hpp"
+#include "daemon/system/atomic_file.hpp"
+#include "daemon/text/progress.hpp"
+#include "identify/given_axes.hpp"
+#include "rsi/counted.hpp"
+
+namespace sweepd {
+namespace {
+
+using identify::Sweep;
+
+std::vector<std::string> names(std::string_view columns) {
+  std::vector<std::string> all;
+  while (!columns.empty() || !all.empty()) {
+    const auto end = columns.find(',');
+    all.emplace_back(columns.substr(0, end));
+    if (end == std::string_view::npos) break;
+    columns.remove_prefix(end + 1);
+  }
+  return all;
+}
+
+void check(const IdentifyOptions& options) {
+  if (options.points.empty() && !options.axes)
+    throw std::invalid_argument("FILE is required: name files of measured points, or --axes");
+  if (!options.points.empty() && options.axes)
+    throw std::invalid_argument("--axes takes the place of measured points: leave out one of them");
+  if (options.axes && options.per_joint)
+    throw std::invalid_argument("--per-joint is for files of points: leave it out with --axes");
+}
+
+/// How many joints robot, plan or options say the arm has.
+std::optional<std::size_t> declared_joints(const IdentifyOptions& options,
+                                           const RobotSetup& setup) {
+  if (!options.robot && !options.plan) return options.joints;
+  if (options.joints && *options.joints != setup.joints)
+    throw std::invalid_argument("--joints " + std::to_string(*options.joints) + ": " +
+                                (options.robot ? *options.robot : *options.plan).string() +
+                                " has " + rsi::counted(setup.joints, "joint") +
+                                ": leave --joints out");
+  return setup.joints;
+}
+
+struct Points {
+  std::vector<PointsFile> files;
+  identify::Resolution resolution;
+  PointCounts counts;
+};
+
+Points read_points(const IdentifyOptions& options, std::size_t most_joints) {
+  Progress progress("identify", options.quiet ? Progress::Terminal{} : Progress::standard_error());
+  double all = 0;
+  for (const auto& path : options.points) {
+    std::error_code ignored;  // reading says it better
+    if (const auto size = std::filesystem::file_size(path, ignored); !ignored)
+      all += static_cast<double>(size);
+  }
+  PointsReader reader(names(options.columns), most_joints);
+  Points points;
+  double before = 0;
+  for (const auto& path : options.points) {
+    double read = 0;
+    points.files.push_back(reader.read(path, [&](std::size_t bytes) {
+      read = static_cast<double>(bytes);
+      progress.update(before + read, all, path.filename().string());
+    }));
+    before += read;
+    points.counts.points += points.files.back().points.size();
+  }
+  points.resolution = reader.resolution();
+  points.counts.files = points.files.size();
+  points.counts.targets = reader.targets().size();
+  return points;
+}
+
+/// As many joints as the points speak of; six, as RSI has, where they do not.
+std::size_t joints_in(const IdentifyOptions& options, const Points& points) {
+  std::size_t joints = options.per_joint ? points.files.size() : 0;
+  for (const auto& file : points.files) {
+    joints = std::max(joints, file.angles);
+    for (const auto& point : file.points) joints = std::max(joints, point.joint);
+  }
+  return joints > 0 ? joints : 6;
+}
+
+void check_file(const PointsFile& file, const IdentifyOptions& options, std::size_t joints) {
+  const std::string name = file.path.string();
+  if (file.angles > 0 && file.angles < joints)
+    throw CsvError(name + ": expected angles of all " + std::to_string(joints) +
+                   " joints, found those of " + std::to_string(file.angles) +
+                   ": add the others, or skip all with --columns");
+  if (options.per_joint && file.with_joints)
+    throw CsvError(name +
+                   ": expected no column joint, as --per-joint tells the joint, found one: "
+                   "leave out --per-joint, or skip the column with --columns");
+  if (!options.per_joint && !file.with_joints && !file.with_times)
+    throw CsvError(name +
+                   ": expected a column t_s or joint, found neither: add one, or give one file "
+                   "a joint with --per-joint");
+}
+
+/// Whose joint each sweep is; without angles or a column for it, some may be left for the engine.
+/// What noise hides in streams without angles is told to `campaign`.
+std::vector<Sweep> sweeps_in(const Points& points, const IdentifyOptions& options,
+                             const RobotSetup& setup, identify::Campaign& campaign) {
+  std::vector<Sweep> sweeps;
+  for (std::size_t k = 0; k < points.files.size(); ++k) {
+    const PointsFile& file = points.files[k];
+    check_file(file, options, setup.joints);
+    auto found =
+        options.per_joint
+            ? sweeps_of_joint(file, k, setup.joints, points.resolution, campaign.motion_limit)
+            : (file.with_joints
+                   ? listed_sweeps(file, points.resolution)
+                   : streamed_sweeps(file, setup.joints, points.resolution, campaign.motion_limit));
+    std::move(found.begin(), found.end(), std::back_inserter(sweeps));
+  }
+  if (setup.plan) declare_directions(sweeps, *setup.plan, campaign.order);
+  return sweeps;
+}
+
+Outcome identified_points(const IdentifyOptions& options, RobotSetup setup) {
+  const auto declared = declared_joints(options, setup);
+  Points points = read_points(options, declared.value_or(identify::kMostJoints));
+  setup.joints = declared ? *declared : joints_in(options, points);
+  if (options.per_joint && points.files.size() > setup.joints)
+    throw std::invalid_argument("--per-joint: " + rsi::counted(points.files.size(), "file") +
+                                " for " + rsi::counted(setup.joints, "joint") +
+                                ": give one file a joint");
+  auto known = campaign(setup, points.resolution);
+  known.device_frame = options.device_frame;
+  known.timed = std::all_of(points.files.begin(), points.files.end(),
+                            [](const PointsFile& file) { return file.with_times; });
+  Snapshot snapshot;
+  snapshot.robot = setup.name;
+  snapshot.source_kind = "points";
+  snapshot.sweeps = sweeps_in(points, options, setup, known);
+  snapshot.campaign = known;
+  snapshot.limits = setup.limits();
+  const auto arcs = static_cast<std::size_t>(std::count_if(
+      snapshot.sweeps.begin(), snapshot.sweeps.end(),
+      [](const Sweep& sweep) { return sweep.defect == identify::SweepDefect::none; }));
+  points.files.clear();
+  Outcome outcome = outcome_of(snapshot);
+  // Strokes of a linear joint are no arcs, and can be used all the same.
+  std::size_t used = 0;
+  for (const auto& joint : outcome.identification.joints) used += joint.sweeps.size();
+  points.counts.sweeps = std::max(arcs, used);
+  outcome.points = points.counts;
+  return outcome;
+}
+
+Outcome identified_axes(const IdentifyOptions& options, RobotSetup setup) {
+  const auto declared = declared_joints(options, setup);
+  const auto axes =
+      read_axes(*options.axes, names(options.columns), declared.value_or(identify::kMostJoints));
+  setup.joints = declared.value_or(axes.size());
+  if (axes.size() != setup.joints)
+    throw CsvError(options.axes->string() + ": expected the axes of " +
+                   rsi::counted(setup.joints, "joint") + ", found those of " +
+                   std::to_string(axes.size()) + ": add the others");
+  const auto limits = setup.limits();
+  for (std::size_t j = 0; j < limits.size(); ++j)
+    if (limits[j].linear)
+      throw std::invalid_argument("--axes: joint " + std::to_string(j + 1) +
+                                  " is linear: its axis has a direction and no place, which lines "
+                                  "cannot say: give measured points");
+  auto known = campaign(setup, {});
+  known.device_frame = options.device_frame;
+  Outcome outcome;
+  outcome.robot = setup.name;
+  outcome.source_kind = "axes";
+  outcome.identification = identify::identify_given_axes(axes, known);
+  if (known.specified) outcome.positive = known.specified->positive;
+  outcome.limits = setup.limits();
+  return outcome;
+}
+
+void check_output(const IdentifyOptions& options) {
+  auto inputs = options.points;
+  for (const auto& file : {options.axes, options.robot, options.plan})
+    if (file) inputs.push_back(*file);
+  auto names = result_file_names();
+  names.emplace_back("run.json");
+  Outputs(std::move(inputs), options.force).check_results(*options.output, names);
+}
+
+void write_run_file(const IdentifyOptions& options) {
+  auto given = nlohmann::ordered_json::object();
+  for (const auto& file : options.points) given["points"].push_back(file.string());
+  if (options.axes) given["axes"] = options.axes->string();
+  if (!options.columns.empty()) given["columns"] = options.columns;
+  if (options.per_joint) given["per_joint"] = true;
+  given["frame"] = options.device_frame ? "device" : "robot";
+  if (options.robot) given["description"] = options.robot->string();
+  if (options.plan) given["plan"] = options.plan->string();
+  write_atomically(*options.output / "run.json", run_json("identify", given));
+}
+
+}  // namespace
+
+int identify_points(const IdentifyOptions& options, std::ostream& out) {
+  check(options);
+  if (options.output) check_output(options);
+  const RobotSetup setup = load_setup(options.robot, options.plan);
+  const Outcome outcome =
+      options.axes ? identified_axes(options, setup) : identified_points(options, setup);
+  if (options.output) {
+    make_folder(*options.output);
+    write_run_file(options);
+    write_result(*options.output, outcome);
+  }
+  if (!options.quiet) out << report(outcome);
+  return exit_code(outcome);
+}
+
+}  // namespace sweepd

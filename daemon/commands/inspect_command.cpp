@@ -1,0 +1,36 @@
+#include "daemon/commands/inspect_command.hpp"
+
+#include "daemon/commands/outputs.hpp"
+#include "daemon/results/link_json.hpp"
+#include "daemon/results/link_text.hpp"
+#include "daemon/stream/traces.hpp"
+#include "rsi/capture/capture_order.hpp"
+#include "rsi/link/link_monitor.hpp"
+#include "rsi/link/link_verdict.hpp"
+
+namespace sweepd {
+
+int inspect(const InspectOptions& options, std::ostream& out, std::ostream& errors) {
+  const bool json_only = options.json == "-";
+  if (options.json && !json_only)
+    Outputs(options.traces, options.force).check(*options.json, kLinkJsonBegins);
+  const auto traces = rsi::in_order_of_time(options.traces);
+  const auto search = rsi::find_conversation(traces, options.filter);
+  if (!search.note.empty()) errors << "sweepd: " << search.note << '\n';
+  if (!search.chosen) return 1;
+  rsi::LinkMonitor monitor;
+  read_traces(traces, "inspect", options.quiet, errors, [&](const rsi::Datagram& datagram) {
+    const auto direction = search.chosen->direction(datagram);
+    if (direction == rsi::Direction::from_controller) monitor.telegram(datagram);
+    if (direction == rsi::Direction::to_controller) monitor.reply(datagram);
+  });
+  const auto report = monitor.report();
+  if (json_only)
+    out << link_json(*search.chosen, report);
+  else if (options.json)
+    write_output(*options.json, link_json(*search.chosen, report));
+  if (!json_only && !options.quiet) out << link_text(*search.chosen, report);
+  return rsi::verdict(report).grade == rsi::Grade::bad ? 1 : 0;
+}
+
+}  // namespace sweepd

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <iostream>
+#include <optional>
+#include <string>
+
+#include "daemon/plan/krl_program.hpp"
+
+namespace sweepd {
+
+/// What `sweepd plan` is asked for.
+struct PlanOptions {
+  std::filesystem::path robot;                   ///< see robot_description.hpp
+  std::filesystem::path plan;                    ///< see sweep_plan.hpp
+  int cycle_ms = 4;                              ///< 1 to 1000
+  int precision = 4;                             ///< decimals of the controller's numbers, 0 to 15
+  double wobble_deg = 1e-4;                      ///< of every joint, standard deviation
+  std::optional<double> position_sigma_mm;       ///< another device measures, this well
+  std::optional<std::array<double, 3>> tool_mm;  ///< target, in place of the description's
+  bool propose = false;                          ///< better ranges
+  double margin_deg = 5;                         ///< they keep off the joint limits
+  std::optional<std::filesystem::path> write_plan;  ///< of the proposal; needs `propose`
+  std::optional<KrlDialect> krl;                    ///< program of the plan as given, into `output`
+  std::optional<std::filesystem::path> output;      ///< folder; set together with `krl`
+  std::string name = "sweepd_sweeps";               ///< of the KRL program
+  int krl_tool = 1;                                 ///< number of the controller's tool
+  std::string rsi_file;                             ///< as in KrlOptions
+  bool force = false;                               ///< over any file but robot and plan
+};
+
+/// Checks the plan against the robot, says what uncertainties it will lead to, proposes a better
+/// one and writes the program that runs it, as far as asked for. The text goes to `out`.
+///
+/// Returns the exit code: 0 or, where the plan is refused (see plan_outlook.hpp), 1, and `errors`
+/// says why and what to do; then nothing is written. What counts is the proposed plan where one is
+/// asked for and no KRL, else the plan as given.
+///
+/// Throws ConfigError for files that are wrong, plans beyond the limits (with all findings) and
+/// what KRL cannot express; std::invalid_argument for wrong options, and as
+/// Outputs where a file may not be written; std::runtime_error where a
+/// file cannot be written.
+[[nodiscard]] int plan(const PlanOptions& options, std::ostream& out = std::cout,
+                       std::ostream& errors = std::cerr);
+
+}  // namespace sweepd

@@ -1,0 +1,110 @@
+#include "daemon/commands/replay_command.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/commands/outputs.hpp"
+#include "daemon/results/outcome.hpp"
+#include "daemon/results/report.hpp"
+#include "daemon/results/result_files.hpp"
+#include "daemon/results/run_json.hpp"
+#include "daemon/settings/config_error.hpp"
+#include "daemon/settings/robot_setup.hpp"
+#include "daemon/stream/session.hpp"
+#include "daemon/stream/traces.hpp"
+#include "daemon/system/atomic_file.hpp"
+#include "daemon/system/line_file.hpp"
+#include "rsi/capture/capture_order.hpp"
+
+namespace sweepd {
+namespace {
+
+/// The robot of the settings that a conversation belongs to: the only one, or the one whose port it
+/// is; nothing if there is none. Without a conversation any will do.
+std::optional<RobotSettings> robot_of(const Settings& settings,
+                                      const std::optional<rsi::Conversation>& conversation) {
+  if (settings.robots.size() == 1 || !conversation) return settings.robots.front();
+  for (const RobotSettings& robot : settings.robots)
+    if (robot.listen.port == conversation->sweepd.port) return robot;
+  return std::nullopt;
+}
+
+RobotSetup setup_for(const ReplayOptions& options,
+                     const std::optional<rsi::Conversation>& conversation) {
+  std::optional<RobotSettings> settings;
+  if (options.config) {
+    settings = robot_of(load_settings(*options.config), conversation);
+    if (!settings && !options.robot)
+      throw ConfigError(options.config->string() +
+                        ": listen: expected a [[robot]] that listens where the capture's telegrams "
+                        "go, found none: name its description with --robot");
+  }
+  auto description = options.robot;
+  auto plan = options.plan;
+  if (settings && !description) description = settings->description;
+  if (settings && !plan) plan = settings->plan;
+  RobotSetup setup = load_setup(description, plan);
+  if (settings) {
+    setup.name = settings->name;
+    setup.signals = settings->signals;
+  }
+  return setup;
+}
+
+void check_output(const ReplayOptions& options) {
+  auto inputs = options.traces;
+  for (const auto& file : {options.config, options.robot, options.plan})
+    if (file) inputs.push_back(*file);
+  auto names = result_file_names();
+  names.insert(names.end(), {"samples.csv", "run.json"});
+  Outputs(std::move(inputs), options.force).check_results(*options.output, names);
+}
+
+void write_run_file(const ReplayOptions& options, const rsi::ConversationSearch& search) {
+  auto given = nlohmann::ordered_json::object();
+  for (const auto& trace : options.traces) given["traces"].push_back(trace.string());
+  if (options.config) given["settings"] = options.config->string();
+  if (options.robot) given["description"] = options.robot->string();
+  if (options.plan) given["plan"] = options.plan->string();
+  if (search.chosen) given["conversation"] = text(*search.chosen);
+  write_atomically(*options.output / "run.json", run_json("replay", given));
+}
+
+}  // namespace
+
+int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) {
+  ReplayOptions options = given;
+  if (options.output) check_output(options);
+  options.traces = rsi::in_order_of_time(given.traces);
+  const auto search = rsi::find_conversation(options.traces, options.filter);
+  if (!search.note.empty()) errors << "sweepd: " << search.note << '\n';
+  const RobotSetup setup = setup_for(options, search.chosen);
+  std::optional<OutputFile> samples_file;
+  std::optional<LineFile> samples;
+  if (options.output) {
+    make_folder(*options.output);
+    write_run_file(options, search);
+    samples.emplace(samples_file.emplace(*options.output / "samples.csv").beside());
+  }
+  Session session(setup, "trace", {{}, [&](std::string_view row) {
+                                     if (samples) samples->append(row);
+                                   }});
+  if (samples) samples->append(session.csv_header());
+  if (search.chosen)
+    read_traces(options.traces, "replay", options.quiet, errors, [&](const auto& datagram) {
+      if (search.chosen->direction(datagram) == rsi::Direction::from_controller)
+        session.telegram(datagram);
+    });
+  session.finish();
+  if (samples) samples->flush();
+  const bool all_written = !samples || samples->error().empty();
+  if (!all_written) errors << "sweepd: " << samples->error() << '\n';
+  samples.reset();
+  if (samples_file && all_written) samples_file->commit();
+  Outcome outcome = outcome_of(session.snapshot());
+  if (!search.chosen) outcome.identification.reason = "no RSI telegrams in the capture";
+  if (options.output) write_result(*options.output, outcome);
+  if (!options.quiet) out << report(outcome);
+  return all_written ? exit_code(outcome) : 1;
+}
+
+}  // namespace sweepd

@@ -1,0 +1,140 @@
+#include "daemon/page/http_pages.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "daemon/page/metrics.hpp"
+#include "daemon/page/state_json.hpp"
+#include "rsi/ascii.hpp"
+
+namespace sweepd {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// The status is published once a second.
+constexpr auto kStale = 10s;
+
+constexpr std::string_view kScheme = "http://";
+constexpr std::string_view kJson = "application/json";
+constexpr std::string_view kPrometheus = "text/plain; version=0.0.4; charset=utf-8";
+constexpr std::string_view kIndex =
+    "sweepd, beside a robot controller. Its pages:\n"
+    "/healthz      whether its threads move\n"
+    "/readyz       whether it serves all robots\n"
+    "/metrics      counters and histograms for Prometheus\n"
+    "/api/state    how each robot's link, recording and sweeps are, as JSON\n"
+    "/api/result   the newest result.json; ?robot=NAME where there are several\n";
+
+HttpResponse text(int status, std::string line) {
+  return {status, HttpResponse{}.type, std::move(line) + '\n'};
+}
+
+/// Takes `prefix` off, whatever its case.
+bool take(std::string_view& text, std::string_view prefix) {
+  if (!rsi::equal_ignoring_case(text.substr(0, prefix.size()), prefix)) return false;
+  text.remove_prefix(prefix.size());
+  return true;
+}
+
+std::vector<RobotMetrics> newest(const ServiceStatus& status) {
+  std::vector<RobotMetrics> robots;
+  for (const auto& robot : status.robots)
+    robots.push_back({robot->state.newest(), robot->result.newest()});
+  return robots;
+}
+
+HttpResponse readiness(const ServiceStatus& status) {
+  if (status.phase == ServiceStatus::Phase::starting) return text(503, "starting");
+  if (status.phase == ServiceStatus::Phase::stopping) return text(503, "stopping");
+  if (status.ready()) return text(200, "ready");
+  std::string trouble;
+  for (const auto& [robot, reason] : status.not_served)
+    trouble += robot + ": not served: " + reason + '\n';
+  return {503, HttpResponse{}.type, trouble};
+}
+
+/// `query` is empty or "robot=NAME".
+HttpResponse result(const ServiceStatus& status, std::string_view query) {
+  if (!query.empty() && !take(query, "robot=")) return text(400, "expected ?robot=NAME");
+  std::string names;
+  for (const auto& [state, result] : newest(status)) {
+    names += ' ' + state->name;
+    if (query.empty() ? status.robots.size() > 1 : query != state->name) continue;
+    if (!result->newest)
+      return text(404, state->name +
+                           ": no result yet: nothing has been identified since sweepd "
+                           "started");
+    return {200, kJson, *result->newest->json};
+  }
+  return text(query.empty() && !names.empty() ? 400 : 404,
+              "which robot? add ?robot=NAME with one of:" + names);
+}
+
+}  // namespace
+
+HttpPages::HttpPages(const Published<ServiceStatus>& status, const HttpSettings& settings,
+                     std::function<Clock::time_point()> now)
+    : status_(status), hosts_{"localhost", "127.0.0.1", "[::1]"}, now_(std::move(now)) {
+  if (settings.listen) hosts_.push_back(rsi::address_text(settings.listen->address));
+  hosts_.insert(hosts_.end(), settings.hosts.names.begin(), settings.hosts.names.end());
+}
+
+HttpResponse HttpPages::answer(const HttpRequest& request) const {
+  if (request.method != "GET" && request.method != "HEAD")
+    return text(405, "these pages can only be read: GET or HEAD");
+  if (request.has_body) return text(413, "a request without a body is expected");
+  if (request.hosts.size() != 1) return text(400, "one Host header is expected");
+  std::string_view target = request.target;
+  std::string_view host = request.hosts.front();
+  if (take(target, kScheme)) {  // as for a proxy: this host counts
+    host = target.substr(0, target.find('/'));
+    target.remove_prefix(host.size());
+    if (target.empty()) target = "/";
+  }
+  if (!is_ours(host))
+    return text(421, "not a name of this machine: add it to `hosts` of [http] in sweepd.toml");
+  for (std::string_view origin : request.origins) {
+    const bool is_web = take(origin, kScheme) || take(origin, "https://");
+    if (!is_web || !rsi::equal_ignoring_case(origin, host))
+      return text(403, "scripts of other pages are not answered");
+  }
+  const auto end = target.find('?');
+  return page(target.substr(0, end), end == target.npos ? "" : target.substr(end + 1));
+}
+
+bool HttpPages::is_ours(std::string_view authority) const {
+  const auto bracket = authority.find(']');
+  const auto colon = authority.find(':', bracket == authority.npos ? 0 : bracket);
+  const auto host = authority.substr(0, colon);
+  return std::any_of(hosts_.begin(), hosts_.end(),
+                     [&](const std::string& ours) { return rsi::equal_ignoring_case(host, ours); });
+}
+
+HttpResponse HttpPages::page(std::string_view path, std::string_view query) const {
+  const auto status = status_.newest();
+  if (path == "/api/result") return result(*status, query);
+  if (path == "/healthz") return health(*status);
+  if (path == "/readyz") return readiness(*status);
+  const auto process = process_state();
+  if (path == "/metrics") return {200, kPrometheus, metrics(*status, newest(*status), process)};
+  if (path == "/api/state") return {200, kJson, state_json(*status, newest(*status), process)};
+  if (path == "/") return {200, HttpResponse{}.type, std::string(kIndex)};
+  return text(404, "no such page: / lists them");
+}
+
+HttpResponse HttpPages::health(const ServiceStatus& status) const {
+  // At the start and the end nobody looks.
+  if (status.phase != ServiceStatus::Phase::serving) return text(200, "ok");
+  std::string trouble;
+  for (const auto& sentence : status.standstills) trouble += sentence + '\n';
+  if (const auto age = now_() - status.looked; age > kStale)
+    trouble += "sweepd: the main thread has not looked for " +
+               std::to_string(std::chrono::duration_cast<std::chrono::seconds>(age).count()) +
+               " s\n";
+  if (trouble.empty()) return text(200, "ok");
+  return {503, HttpResponse{}.type, trouble};
+}
+
+}  // namespace sweepd

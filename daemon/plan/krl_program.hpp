@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+
+#include "daemon/plan/krl_options.hpp"
+#include "daemon/settings/sweep_plan.hpp"
+
+namespace sweepd {
+
+/// A KRL module: the texts of NAME.src and NAME.dat, ASCII with CR LF line ends.
+struct KrlProgram {
+  std::string src;
+  std::string dat;
+};
+
+/// The program that runs the plan's sweeps as the simulator does: home, RSI on; for each sweep to
+/// its start, rest, sweep, rest, home; RSI off. Axis targets only, no approximation, $BASE is
+/// $NULLFRAME; nothing of it corrects the path. KRL knows accelerations in per cent alone: 30 of
+/// what the axes can do, whatever the plan says. Deterministic. Throws std::invalid_argument with
+/// the first finding.
+[[nodiscard]] KrlProgram krl_program(const SweepPlan& plan, const KrlOptions& options);
+
+}  // namespace sweepd

@@ -1,0 +1,277 @@
+#include "daemon/plan/plan_text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+#include "daemon/text/numbers.hpp"
+#include "daemon/text/text_layout.hpp"
+#include "daemon/text/units.hpp"
+#include "rsi/counted.hpp"
+
+namespace sweepd {
+namespace {
+
+using identify::DhEstimate;
+using identify::DhNumber;
+using identify::Knowledge;
+
+constexpr double kSigmasOf95 = 1.959963985;
+constexpr std::size_t kJointColumn = 18;
+constexpr std::size_t kValueColumn = 14;
+constexpr std::size_t kSigmaColumn = 13;
+
+struct Number {
+  const char* name;
+  DhNumber DhEstimate::*number;
+  bool angle;
+  double identify::DhRow::*specified;
+};
+constexpr std::array<Number, 5> kNumbers{{
+    {"b      mm", &DhEstimate::b_mm, false, &identify::DhRow::b_mm},
+    {"theta  deg", &DhEstimate::theta_rad, true, &identify::DhRow::theta_rad},
+    {"a      mm", &DhEstimate::a_mm, false, &identify::DhRow::a_mm},
+    {"alpha  deg", &DhEstimate::alpha_rad, true, &identify::DhRow::alpha_rad},
+    {"beta   deg", &DhEstimate::beta_rad, true, &identify::DhRow::beta_rad},
+}};
+
+bool shown(const Number& number, const DhEstimate& row) {
+  return number.number != &DhEstimate::beta_rad || has_beta(row);
+}
+
+double scale(const Number& number) {
+  return number.angle ? degrees(1) : 1;
+}
+
+/// Half a turn back is half a turn forth.
+double specified_value(const identify::DhRow& row, const Number& one) {
+  const double value = scale(one) * row.*one.specified;
+  return one.angle && value < -179.9999 ? value + 360 : value;
+}
+
+/// As short as it can be, without an exponent.
+std::string plain(double value) {
+  std::array<char, 400> text{};
+  const auto end =
+      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed);
+  return {text.data(), end.ptr};
+}
+
+/// Decimals with which the smallest of some uncertainties, mm and degrees alike, shows two digits.
+class Decimals {
+ public:
+  void see(double value) {
+    if (value > 0) needed_ = std::max(needed_, 1 - static_cast<int>(std::floor(std::log10(value))));
+  }
+  void see(const std::vector<DhEstimate>& table) {
+    for (const DhEstimate& row : table)
+      for (const Number& one : kNumbers)
+        if (shown(one, row)) see(scale(one) * (row.*one.number).sigma);
+  }
+  [[nodiscard]] int count() const { return std::min(needed_, 10); }
+
+ private:
+  int needed_ = 4;
+};
+
+/// A number's standard uncertainty, or why it has none.
+std::string sigma_text(const DhNumber& found, const Number& one, int decimals, std::size_t width,
+                       double factor = 1) {
+  switch (found.knowledge) {
+    case Knowledge::identified:
+      return number(factor * scale(one) * found.sigma, decimals, width);
+    case Knowledge::by_convention:
+      return right("(set)", width);
+    case Knowledge::undetermined:
+      break;
+  }
+  return right("-", width);
+}
+
+std::string line_start(std::size_t row, const Number& number) {
+  return right(number.number == &DhEstimate::b_mm ? std::to_string(row + 1) : "", 5) + "   " +
+         left(number.name, kJointColumn - 8);
+}
+
+/// A number of a sweep; of a linear joint, under a heading of degrees, with its unit.
+std::string of_sweep(const PlannedSweep& sweep, double value, int decimals, std::size_t width) {
+  if (!sweep.linear) return number(value, decimals, width);
+  return right(fixed(value, decimals) + (decimals == 2 ? " mm/s" : " mm"), width);
+}
+
+std::string sweeps_text(const PlanOutlook& outlook) {
+  std::string text = "sweep  joint    from deg      to deg  speed deg/s   time s  samples  used\n";
+  const Rehearsal& rehearsal = outlook.rehearsal;
+  for (std::size_t s = 0; s < outlook.plan.sweeps.size(); ++s) {
+    const PlannedSweep& sweep = outlook.plan.sweeps[s];
+    text += right(std::to_string(s + 1), 5) + right(std::to_string(sweep.joint), 7) +
+            of_sweep(sweep, sweep.start_deg, 3, 12) + of_sweep(sweep, sweep.end_deg, 3, 12) +
+            of_sweep(sweep, sweep.speed_deg_s, 2, 13);
+    const auto& stroke = rehearsal.stroke_of_sweep[s];
+    if (!stroke) {
+      text += right("-", 9) + right("-", 9) + right("no", 6) + "\n";
+      continue;
+    }
+    const identify::Sweep& seen = rehearsal.strokes[*stroke];
+    bool used = false;
+    const auto& joint = rehearsal.identification.joints[sweep.joint - 1];
+    for (std::size_t k = 0; k < joint.sweeps.size(); ++k)
+      used = used || (joint.used[k] && joint.sweeps[k].samples == seen.samples);
+    text += number(seen.last().time_s - seen.first().time_s, 2, 9) +
+            right(std::to_string(seen.samples->size()), 9) + right(used ? "yes" : "no", 6) + "\n";
+  }
+  return text;
+}
+
+std::string verdict(AxisOutlook axis) {
+  switch (axis) {
+    case AxisOutlook::good:
+      return "good";
+    case AxisOutlook::near:
+      return "target close to it";
+    case AxisOutlook::vague:
+      return "poorly determined";
+    case AxisOutlook::lost:
+      return "refused";
+    case AxisOutlook::never_swept:
+      return "never swept";
+  }
+  return "";
+}
+
+std::string axes_text(const PlanOutlook& outlook) {
+  Decimals decimals;
+  for (const auto& axis : outlook.prediction.axes) {
+    if (!axis) continue;
+    decimals.see(degrees(axis->direction_sigma_rad()));
+    if (!axis->linear) decimals.see(axis->point_sigma_mm());
+  }
+  std::string text = "joint  target to axis mm  direction std unc deg  place std unc mm  verdict\n";
+  for (std::size_t j = 0; j < outlook.axes.size(); ++j) {
+    const auto& axis = outlook.prediction.axes[j];
+    const bool placed = !axis || !axis->linear;  // a linear joint's axis has no place
+    text +=
+        right(std::to_string(j + 1), 5) +
+        (placed ? number(outlook.prediction.radius_mm[j], 2, 19) : right("-", 19)) +
+        (axis ? number(degrees(axis->direction_sigma_rad()), decimals.count(), 23)
+              : right("-", 23)) +
+        (axis && placed ? number(axis->point_sigma_mm(), decimals.count(), 18) : right("-", 18)) +
+        "  " + verdict(outlook.axes[j]) + "\n";
+  }
+  return text;
+}
+
+std::string dh_text(const PlanOutlook& outlook) {
+  std::string text = "DH parameters and the uncertainties to be expected\n\n" +
+                     left("joint", kJointColumn) + right("specified", kValueColumn) +
+                     right("std unc", kSigmaColumn) + right("95 % +-", kSigmaColumn) + "\n";
+  const auto& specified = outlook.rehearsal.identification.specified;
+  bool conventions = false;
+  Decimals decimals;
+  decimals.see(outlook.prediction.dh);
+  for (std::size_t j = 0; j < outlook.prediction.dh.size(); ++j) {
+    const DhEstimate& row = outlook.prediction.dh[j];
+    for (const Number& one : kNumbers) {
+      if (!shown(one, row)) continue;
+      const DhNumber& found = row.*one.number;
+      conventions = conventions || found.knowledge == Knowledge::by_convention;
+      const bool known = found.knowledge == Knowledge::identified;
+      text += line_start(j, one) + number(specified_value(specified[j], one), 4, kValueColumn) +
+              sigma_text(found, one, decimals.count(), kSigmaColumn) +
+              (known ? sigma_text(found, one, decimals.count(), kSigmaColumn, kSigmasOf95) : "") +
+              "\n";
+    }
+    if (j + 1 < outlook.prediction.dh.size())
+      text += "        to the next axis: " + std::string(identify::text(row.relation)) + "\n";
+  }
+  if (conventions) text += "(set): such data do not determine it; it is set by convention.\n";
+  return text;
+}
+
+std::string measured_text(const Measurement& measurement) {
+  const std::string wobble = ", joints wobble by " + plain(measurement.wobble_deg) + " deg (sigma)";
+  const std::string cycle = std::to_string(measurement.cycle.count()) + " ms";
+  if (measurement.position_sigma_mm)
+    return "by another device, to " + plain(*measurement.position_sigma_mm) +
+           " mm (sigma) a coordinate, a point every " + cycle + ", no angles" + wobble;
+  return "by the controller, a telegram every " + cycle + ", " +
+         rsi::counted(static_cast<std::uint64_t>(measurement.precision), "decimal") + wobble;
+}
+
+}  // namespace
+
+std::string plan_text(const RobotDescription& robot, const PlanOutlook& outlook,
+                      const Measurement& measurement) {
+  const Eigen::Vector3d& tool = outlook.rehearsal.campaign.specified->tool_mm;
+  const double duration_s = std::chrono::duration<double>(outlook.rehearsal.duration).count();
+  std::string text =
+      paragraph("robot       ", robot.name) +
+      paragraph("plan        ", outlook.plan.file.string() + ": " +
+                                    rsi::counted(outlook.plan.sweeps.size(), "sweep") + ", takes " +
+                                    fixed(duration_s, 1) + " s") +
+      paragraph("measured    ", measured_text(measurement)) +
+      paragraph("target      ", plain(tool.x()) + ", " + plain(tool.y()) + ", " + plain(tool.z()) +
+                                    " mm in the frame behind the last row");
+  text += "\n" + sweeps_text(outlook) + "\n" + axes_text(outlook) + "\n" + dh_text(outlook);
+  if (!outlook.warnings.empty()) {
+    text += "\nWarnings\n";
+    for (const auto& warning : outlook.warnings)
+      text += paragraph("  - ", warning.message + " [" + warning.code + "]");
+  }
+  return text;
+}
+
+std::string proposal_text(const PlanOutlook& before, const Proposal& proposal, double margin_deg) {
+  if (proposal.steps.empty())
+    return "\nProposal\n" +
+           paragraph("  ",
+                     "none: wider ranges within the joint limits, " + plain(margin_deg) +
+                         " deg off each, would not lower the uncertainties by 10 %, or the robot "
+                         "description has no limits");
+  std::string text =
+      "\nProposal: wider ranges, the sweep that helps most first\n\n"
+      "joint    from deg      to deg      instead of                  uncertainties\n";
+  for (const ProposedStep& step : proposal.steps) {
+    const std::string instead = plain(step.before.start_deg) + " to " + plain(step.before.end_deg);
+    text += right(std::to_string(step.after.joint), 5) +
+            of_sweep(step.after, step.after.start_deg, 3, 12) +
+            of_sweep(step.after, step.after.end_deg, 3, 12) + "      " + left(instead, 20) +
+            (std::isfinite(step.gain) ? "  " + number(step.gain, 2, 8) + " times smaller"
+                                      : "  more numbers determined") +
+            "\n";
+  }
+  const double duration_s =
+      std::chrono::duration<double>(proposal.outlook.rehearsal.duration).count();
+  const double now_s = std::chrono::duration<double>(before.rehearsal.duration).count();
+  text += "\n" + left("joint", kJointColumn) + right("std unc now", kValueColumn) +
+          right("proposed", kSigmaColumn) + right("times smaller", 15) + "\n";
+  Decimals decimals;
+  decimals.see(before.prediction.dh);
+  decimals.see(proposal.outlook.prediction.dh);
+  for (std::size_t j = 0; j < before.prediction.dh.size(); ++j)
+    for (const Number& one : kNumbers) {
+      const DhNumber& now = before.prediction.dh[j].*one.number;
+      const DhNumber& then = proposal.outlook.prediction.dh[j].*one.number;
+      if (!shown(one, before.prediction.dh[j]) && !shown(one, proposal.outlook.prediction.dh[j]))
+        continue;
+      text += line_start(j, one) + sigma_text(now, one, decimals.count(), kValueColumn) +
+              sigma_text(then, one, decimals.count(), kSigmaColumn);
+      if (now.sigma > 0 && then.sigma > 0) text += number(now.sigma / then.sigma, 2, 15);
+      text += "\n";
+    }
+  text +=
+      "\n" +
+      paragraph("takes       ", fixed(duration_s, 1) + " s instead of " + fixed(now_s, 1) + " s") +
+      paragraph("CAUTION     ",
+                "sweepd knows the joint limits, but neither the cell, nor cables, nor the "
+                "robot's own body and tool: drive every new range by hand in T1 first");
+  if (!proposal.outlook.warnings.empty()) {
+    text += "\nWarnings about the proposed plan\n";
+    for (const auto& warning : proposal.outlook.warnings)
+      text += paragraph("  - ", warning.message + " [" + warning.code + "]");
+  }
+  return text;
+}
+
+}  // namespace sweepd

@@ -1,0 +1,223 @@
+#include "daemon/points/csv_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <system_error>
+#include <utility>
+
+#include "daemon/text/units.hpp"
+#include "rsi/ascii.hpp"
+#include "rsi/counted.hpp"
+
+namespace sweepd {
+namespace {
+
+std::string read(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream content;
+  // A folder can be opened, but not read.
+  if (file && !std::filesystem::is_directory(path)) content << file.rdbuf();
+  if (!file || std::filesystem::is_directory(path))
+    throw CsvError(path.string() + ": cannot be read: give a text file of columns");
+  return std::move(content).str();
+}
+
+/// What stands in quotes separates nothing.
+char separator_of(std::string_view line) {
+  std::string outside;
+  bool inside = false;
+  for (const char c : line) {
+    if (c == '"') inside = !inside;
+    if (!inside) outside += c;
+  }
+  for (const char separator : {',', ';', '\t'})
+    if (outside.find(separator) != std::string::npos) return separator;
+  return ' ';
+}
+
+std::string quoted(std::string_view text) {
+  constexpr std::size_t kLongest = 40;
+  if (text.empty()) return "nothing";
+  return '"' + rsi::printable(text.substr(0, kLongest)) + (text.size() > kLongest ? "..." : "") +
+         '"';
+}
+
+/// Digits after the point, were the number written without an exponent.
+int decimals_of(std::string_view text, int decimals) {
+  // A zero may be written with any exponent; no number that is taken has more digits than these.
+  constexpr int kLeastExponent = -400;
+  constexpr int kMostExponent = 12;
+  const auto e = text.find_first_of("eE");
+  if (e == std::string_view::npos) return decimals;
+  const auto digits = text.substr(e + 1 + (text.substr(e + 1).starts_with('+') ? 1 : 0));
+  int exponent = 0;
+  std::from_chars(digits.data(), digits.data() + digits.size(), exponent);
+  return decimals - std::clamp(exponent, kLeastExponent, kMostExponent);
+}
+
+}  // namespace
+
+CsvFile::CsvFile(std::filesystem::path path, std::vector<std::string> columns)
+    : path_(std::move(path)),
+      declared_(!columns.empty()),
+      columns_(std::move(columns)),
+      content_(read(path_)) {
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  if (content_.starts_with(kByteOrderMark)) at_ = kByteOrderMark.size();
+  waiting_ = next_line();
+  if (!waiting_)
+    throw CsvError(path_.string() + ": expected lines of numbers, found none: give another file");
+  header_line_ = line_;
+  if (!declared_) {
+    if (std::all_of(fields_.begin(), fields_.end(), [](auto field) { return rsi::number(field); }))
+      throw CsvError(place() +
+                     ": expected a header that names the columns, found numbers alone: name the "
+                     "columns with --columns");
+    columns_.assign(fields_.begin(), fields_.end());
+    waiting_ = false;
+  }
+  for (auto& name : columns_)
+    if (name == "-" || name == "_") name.clear();
+  if (declared_ && !any_number()) waiting_ = false;
+}
+
+bool CsvFile::next() {
+  if (!std::exchange(waiting_, false) && !next_line()) return false;
+  if (fields_.size() == columns_.size()) return true;
+  throw CsvError(place() + ": expected " + rsi::counted(columns_.size(), "column") + ", as " +
+                 (declared_ ? "named with --columns" : "in line " + std::to_string(header_line_)) +
+                 ", found " + std::to_string(fields_.size()) +
+                 (declared_ ? ": name all of them, - for one to skip" : ": correct the line"));
+}
+
+bool CsvFile::next_line() {
+  while (at_ < content_.size()) {
+    const auto end = std::min(content_.find('\n', at_), content_.size());
+    const auto line = rsi::trimmed(std::string_view(content_).substr(at_, end - at_));
+    ++line_;
+    if (line.empty() || line.front() == '#') {
+      at_ = std::min(end + 1, content_.size());
+      continue;
+    }
+    if (separator_ == 0) separator_ = separator_of(line);
+    fields_.clear();
+    while (next_field()) {
+    }
+    return true;
+  }
+  return false;
+}
+
+/// Takes a field and the separator behind it off the line. False after the last field.
+bool CsvFile::next_field() {
+  const auto skip_blanks = [this] {
+    at_ = std::min(content_.find_first_not_of(separator_ == '\t' ? " \r" : " \t\r", at_),
+                   content_.size());
+  };
+  const auto at_end = [this] { return at_ == content_.size() || content_[at_] == '\n'; };
+  skip_blanks();
+  if (!at_end() && content_[at_] == '"') {
+    fields_.push_back(quoted_field());
+    skip_blanks();
+    if (separator_ != ' ' && !at_end() && content_[at_] != separator_)
+      throw CsvError(place() + ": expected the next field after a closing quote, found more of " +
+                     "the same: write a quote inside of quotes twice");
+  } else {
+    const std::array ends{separator_, '\n'};
+    const auto begin = at_;
+    at_ = std::min(content_.find_first_of(ends.data(), at_, ends.size()), content_.size());
+    fields_.push_back(rsi::trimmed(std::string_view(content_).substr(begin, at_ - begin)));
+    if (separator_ == ' ') skip_blanks();
+  }
+  const bool last = at_end();
+  if (at_ < content_.size() && (last || separator_ != ' ')) ++at_;
+  return !last;
+}
+
+/// What stands in quotes may hold separators, ends of lines, and quotes that are written twice.
+std::string_view CsvFile::quoted_field() {
+  const std::size_t begin = ++at_;
+  std::size_t end = begin;  // the text takes the place of what it is written as
+  const std::size_t first_line = line_;
+  while (true) {
+    if (at_ == content_.size())
+      throw CsvError(path_.string() + ": line " + std::to_string(first_line) +
+                     ": expected a closing quote, found none up to the end of the file: add it");
+    const char c = content_[at_++];
+    if (c == '\n') ++line_;
+    if (c == '"') {
+      if (at_ == content_.size() || content_[at_] != '"') break;
+      ++at_;
+    }
+    content_[end++] = c;
+  }
+  return rsi::trimmed(std::string_view(content_).substr(begin, end - begin));
+}
+
+bool CsvFile::any_number() const {
+  for (std::size_t k = 0; k < std::min(fields_.size(), columns_.size()); ++k)
+    if (!columns_[k].empty() && rsi::number(fields_[k])) return true;
+  return false;
+}
+
+std::optional<rsi::Decimal> CsvFile::decimal(std::size_t column) const {
+  const auto text = fields_[column];
+  if (text.empty()) return std::nullopt;
+  auto number = rsi::decimal(text);
+  if (!number)
+    fail(column, "expected a number, found " + quoted(text) +
+                     (text.find(',') != std::string_view::npos
+                          ? ": write a decimal point"
+                          : ": correct it, or leave it empty if the value is missing"));
+  if (std::abs(number->value) > kLargestMeasured)
+    fail(column, "expected a measured number, found " + quoted(text) + ": correct it");
+  number->decimals = decimals_of(text, number->decimals);
+  return number;
+}
+
+double CsvFile::number(std::size_t column) const {
+  const auto found = decimal(column);
+  if (!found) fail(column, "expected a number, found nothing: fill it in");
+  return found->value;
+}
+
+std::size_t CsvFile::whole_number(std::size_t column, std::size_t least, std::size_t most) const {
+  const double value = number(column);
+  if (value == std::floor(value) && value >= static_cast<double>(least) &&
+      value <= static_cast<double>(most))
+    return static_cast<std::size_t>(value);
+  fail(column, "expected a whole number from " + std::to_string(least) + " to " +
+                   std::to_string(most) + ", found " + quoted(fields_[column]) + ": correct it");
+}
+
+void CsvFile::fail(std::size_t column, const std::string& problem) const {
+  throw CsvError(place() + ", column " + std::to_string(column + 1) + " (" +
+                 rsi::printable(columns_[column]) + "): " + problem);
+}
+
+void CsvFile::fail_header(const std::string& problem) const {
+  const std::string text = header_place() + ": " + problem;
+  if (declared_) throw std::invalid_argument(text);
+  throw CsvError(text);
+}
+
+void CsvFile::fail_header(std::size_t column, const std::string& problem) const {
+  const std::string text = header_place() + ", column " + std::to_string(column + 1) + " (" +
+                           rsi::printable(columns_[column]) + "): " + problem;
+  if (declared_) throw std::invalid_argument(text);
+  throw CsvError(text);
+}
+
+std::string CsvFile::place() const {
+  return path_.string() + ": line " + std::to_string(line_);
+}
+
+std::string CsvFile::header_place() const {
+  return declared_ ? "--columns" : path_.string() + ": line " + std::to_string(header_line_);
+}
+
+}  // namespace sweepd

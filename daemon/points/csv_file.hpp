@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "rsi/telegram/telegram.hpp"
+
+namespace sweepd {
+
+/// A file of points or axes is wrong. The text reads
+///   FILE: line L, column C (NAME): what was expected, what was found: what to do
+/// with as much of the place as is known.
+class CsvError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// A text file of columns, read a line at a time.
+///
+/// Commas stand between the fields or, where the first line has none, semicolons, tabs, or blanks.
+/// Lines that are empty or begin with # are passed over; a byte order mark and CR LF are taken off,
+/// and quotes around a field, which may then hold anything (RFC 4180). All functions that read
+/// throw CsvError.
+class CsvFile {
+ public:
+  /// Reads the whole file. The first line names the columns, unless `columns` does; then a first
+  /// line without any number in the columns that have a name is passed over as a header.
+  explicit CsvFile(std::filesystem::path path, std::vector<std::string> columns = {});
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  /// The columns' names in order; empty where a column is to be skipped (named - or _, or nothing).
+  [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
+
+  /// Goes to the next line of data, which has as many fields as there are columns. False at the
+  /// end.
+  bool next();
+  [[nodiscard]] std::size_t line() const { return line_; }
+  [[nodiscard]] std::size_t bytes_read() const { return at_; }
+
+  // Of the current line; `column` counts from 0.
+  [[nodiscard]] std::string_view text(std::size_t column) const { return fields_[column]; }
+  /// Finite, and no larger than any measurement; nothing where the field is empty. `decimals` are
+  /// those of the value: 1.25e-3 has 5.
+  [[nodiscard]] std::optional<rsi::Decimal> decimal(std::size_t column) const;
+  /// As above, but a field that must be there.
+  [[nodiscard]] double number(std::size_t column) const;
+  [[nodiscard]] std::size_t whole_number(std::size_t column, std::size_t least,
+                                         std::size_t most) const;
+
+  [[noreturn]] void fail(std::size_t column, const std::string& problem) const;
+  /// At the line that names the columns. Throws std::invalid_argument where `columns` did.
+  [[noreturn]] void fail_header(const std::string& problem) const;
+  [[noreturn]] void fail_header(std::size_t column, const std::string& problem) const;
+
+ private:
+  bool next_line();
+  bool next_field();
+  [[nodiscard]] std::string_view quoted_field();
+  [[nodiscard]] std::string place() const;
+  [[nodiscard]] std::string header_place() const;
+  [[nodiscard]] bool any_number() const;
+
+  std::filesystem::path path_;
+  bool declared_;  // the columns, outside of the file
+  std::vector<std::string> columns_;
+  std::string content_;
+  std::size_t at_ = 0;
+  std::size_t line_ = 0;
+  std::size_t header_line_ = 0;
+  char separator_ = 0;
+  bool waiting_ = false;  // the current line is data that next() has not yet gone to
+  std::vector<std::string_view> fields_;
+};
+
+}  // namespace sweepd

@@ -1,0 +1,263 @@
+#include "daemon/points/point_sweeps.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "daemon/points/csv_file.hpp"
+#include "daemon/text/units.hpp"
+#include "identify/geometry/circle_fit.hpp"
+#include "identify/sweeps/points.hpp"
+#include "identify/sweeps/segmentation.hpp"
+#include "identify/sweeps/turning_points.hpp"
+
+namespace sweepd {
+namespace {
+
+using identify::Sample;
+using identify::Sweep;
+using identify::SweepDefect;
+
+/// Points chosen by hand: fewer are a circle, but nothing beside it tells that they are one.
+constexpr std::size_t kFewestPoints = 4;
+/// As in a stream: a locked joint may move by so much.
+const double kStill_rad = radians(0.03);
+
+/// Squared departure from a declared stroke that no stroke of its has.
+constexpr double kNoMatch = 100;
+
+/// Points of one target that belong together.
+struct PointGroup {
+  std::size_t joint = 0;  // from 1; 0: unknown
+  std::size_t sweep = 0;
+  std::size_t target = 0;
+  std::vector<Sample> samples;
+};
+
+/// Consecutive points of each target with the same joint and sweep.
+std::vector<PointGroup> grouped(const PointsFile& file) {
+  std::vector<PointGroup> groups;
+  std::map<std::size_t, std::size_t> open;  // by target
+  for (const Point& point : file.points) {
+    const auto last = open.find(point.target);
+    if (last == open.end() || groups[last->second].joint != point.joint ||
+        groups[last->second].sweep != point.sweep) {
+      open[point.target] = groups.size();
+      groups.push_back({point.joint, point.sweep, point.target, {}});
+    }
+    groups[open[point.target]].samples.push_back(point.sample);
+  }
+  return groups;
+}
+
+/// One group a stroke, where a sweep goes there and back.
+std::vector<PointGroup> one_way(PointGroup group) {
+  std::erase_if(group.samples, [](const Sample& sample) { return !sample.has_position; });
+  std::vector<PointGroup> strokes;
+  std::size_t begin = 0;
+  auto ends = identify::turning_points(group.samples);
+  ends.push_back(group.samples.size());
+  for (const std::size_t end : ends) {
+    const auto at = [&](std::size_t i) {
+      return group.samples.begin() + static_cast<std::ptrdiff_t>(i);
+    };
+    strokes.push_back({group.joint, group.sweep, group.target, {at(begin), at(end)}});
+    begin = end;
+  }
+  return strokes;
+}
+
+double range_of(const std::vector<Sample>& samples, std::size_t joint) {
+  const auto [least, most] = std::minmax_element(
+      samples.begin(), samples.end(),
+      [&](const Sample& a, const Sample& b) { return a.angles_rad[joint] < b.angles_rad[joint]; });
+  return most->angles_rad[joint] - least->angles_rad[joint];
+}
+
+void judge_by_angles(Sweep& sweep, const identify::Resolution& resolution) {
+  const auto& samples = *sweep.samples;
+  const double turned =
+      sweep.last().angles_rad[*sweep.joint] - sweep.first().angles_rad[*sweep.joint];
+  sweep.range_rad = range_of(samples, *sweep.joint);
+  // Points in no order have no direction.
+  if (std::abs(turned) > sweep.range_rad / 2) sweep.direction = turned > 0 ? 1 : -1;
+  const double still = std::max(kStill_rad, 2.5 * resolution.angle_rad);
+  for (std::size_t j = 0; j < sweep.first().joints; ++j)
+    if (j != *sweep.joint && range_of(samples, j) > still)
+      sweep.defect = SweepDefect::other_joint_moved;
+}
+
+/// Nothing where no point of the group can be used.
+std::optional<Sweep> sweep_of(PointGroup group, std::size_t joint,
+                              const identify::Resolution& resolution) {
+  auto& samples = group.samples;
+  std::erase_if(samples, [](const Sample& sample) { return !sample.has_position; });
+  const auto with_angles = [&](const Sample& sample) { return sample.joints > joint; };
+  const bool angles = std::any_of(samples.begin(), samples.end(), with_angles);
+  if (angles) std::erase_if(samples, [&](const Sample& sample) { return !with_angles(sample); });
+  if (samples.empty()) return std::nullopt;
+
+  Sweep sweep;
+  sweep.samples = std::make_shared<const std::vector<Sample>>(std::move(samples));
+  sweep.joint = joint;
+  sweep.target = group.target;
+  const auto circle = identify::fit_circle(identify::positions(*sweep.samples));
+  if (circle) sweep.range_rad = circle->arc_rad;
+  if (angles) judge_by_angles(sweep, resolution);
+  if (sweep.samples->size() < kFewestPoints)
+    sweep.defect = SweepDefect::too_few_samples;
+  else if (!circle)
+    sweep.defect = SweepDefect::not_an_arc;
+  else if (sweep.range_rad < identify::kShortestRange_rad)
+    sweep.defect = SweepDefect::too_short;
+  return sweep;
+}
+
+/// Without angles the targets of one body are taken together: what was seen at one time is a frame.
+std::vector<Sweep> sweeps_of_body(const PointsFile& file, const identify::Resolution& resolution,
+                                  WorstLimit& limit) {
+  std::vector<const Point*> points;
+  for (const Point& point : file.points) points.push_back(&point);
+  std::stable_sort(points.begin(), points.end(), [](const Point* a, const Point* b) {
+    return a->sample.time_s < b->sample.time_s;
+  });
+  identify::PositionSegmenter segmenter;
+  segmenter.set_step(resolution.position_mm);
+  std::vector<Sweep> sweeps;
+  const auto take = [&](std::vector<Sweep> ended) {
+    std::move(ended.begin(), ended.end(), std::back_inserter(sweeps));
+  };
+  for (std::size_t begin = 0; begin < points.size();) {
+    std::vector<identify::PositionSegmenter::Seen> frame;
+    const double time = points[begin]->sample.time_s;
+    for (; begin < points.size() && points[begin]->sample.time_s == time; ++begin)
+      frame.push_back({points[begin]->target, points[begin]->sample});
+    take(segmenter.push(frame));
+  }
+  take(segmenter.finish());
+  if (const auto own = segmenter.limit(); own && (!limit || limit->noise_mm < own->noise_mm))
+    limit = own;
+  return sweeps;
+}
+
+}  // namespace
+
+std::vector<Sweep> streamed_sweeps(const PointsFile& file, std::size_t joints,
+                                   const identify::Resolution& resolution, WorstLimit& limit) {
+  if (file.angles == 0) return sweeps_of_body(file, resolution, limit);
+  std::map<std::size_t, identify::Segmenter> streams;  // by target
+  std::vector<Sweep> sweeps;
+  const auto take = [&](std::size_t target, std::vector<Sweep> ended) {
+    for (Sweep& sweep : ended) {
+      sweep.target = target;
+      sweeps.push_back(std::move(sweep));
+    }
+  };
+  for (const Point& point : file.points) {
+    auto& stream = streams.try_emplace(point.target, joints).first->second;
+    stream.set_resolution(resolution);
+    take(point.target, stream.push(point.sample));
+  }
+  for (auto& [target, stream] : streams) take(target, stream.finish());
+  std::stable_sort(sweeps.begin(), sweeps.end(), [](const Sweep& a, const Sweep& b) {
+    return a.first().time_s < b.first().time_s;
+  });
+  return sweeps;
+}
+
+std::vector<Sweep> listed_sweeps(const PointsFile& file, const identify::Resolution& resolution) {
+  std::vector<Sweep> sweeps;
+  for (PointGroup& group : grouped(file))
+    for (PointGroup& stroke : one_way(std::move(group))) {
+      const std::size_t joint = stroke.joint - 1;
+      if (auto sweep = sweep_of(std::move(stroke), joint, resolution))
+        sweeps.push_back(std::move(*sweep));
+    }
+  return sweeps;
+}
+
+std::vector<Sweep> sweeps_of_joint(const PointsFile& file, std::size_t joint, std::size_t joints,
+                                   const identify::Resolution& resolution, WorstLimit& limit) {
+  std::vector<Sweep> sweeps;
+  if (!file.with_times) {
+    for (PointGroup& group : grouped(file))
+      for (PointGroup& stroke : one_way(std::move(group)))
+        if (auto sweep = sweep_of(std::move(stroke), joint, resolution))
+          sweeps.push_back(std::move(*sweep));
+    return sweeps;
+  }
+  sweeps = streamed_sweeps(file, joints, resolution, limit);
+  for (Sweep& sweep : sweeps)
+    if (!sweep.joint) sweep.joint = joint;
+  if (!sweeps.empty() && std::none_of(sweeps.begin(), sweeps.end(),
+                                      [&](const Sweep& sweep) { return sweep.joint == joint; }))
+    throw CsvError(file.path.string() + ": expected sweeps of joint " + std::to_string(joint + 1) +
+                   ", as it is number " + std::to_string(joint + 1) +
+                   " of the files, found angles of joint " +
+                   std::to_string(*sweeps.front().joint + 1) +
+                   " alone: give one file a joint, in the order of the joints");
+  return sweeps;
+}
+
+namespace {
+
+/// How far strokes, turned by these angles one after the other, are from the declared ones, which
+/// may have been repeated: the mean square, in what planned arcs may be off by.
+double misfit(const std::vector<double>& seen_rad, double sense,
+              const std::vector<double>& declared_rad) {
+  if (declared_rad.empty()) return kNoMatch;
+  double sum = 0;
+  for (std::size_t i = 0; i < seen_rad.size(); ++i) {
+    const double declared = declared_rad[i % declared_rad.size()];
+    const double off = (sense * seen_rad[i] - declared) / (radians(1) + 0.05 * std::abs(declared));
+    sum += std::min(off * off, kNoMatch);
+  }
+  return sum / static_cast<double>(seen_rad.size());
+}
+
+/// Whether the joint's angle rises about the normal from which `seen_rad` are counted (+1), falls
+/// (-1), or nothing in the plan tells (0).
+int declared_sense(const std::vector<double>& seen_rad, const std::vector<double>& sweeps_rad,
+                   const std::vector<double>& strokes_rad) {
+  const auto as = [&](double sense) {
+    return std::min(misfit(seen_rad, sense, sweeps_rad), misfit(seen_rad, sense, strokes_rad));
+  };
+  const double rises = as(1), falls = as(-1);
+  if (std::min(rises, falls) > kNoMatch / 4 || std::abs(rises - falls) < 1) return 0;
+  return rises < falls ? 1 : -1;
+}
+
+}  // namespace
+
+void declare_directions(std::vector<Sweep>& sweeps, const SweepPlan& plan,
+                        const std::vector<identify::DeclaredJoint>& order) {
+  std::map<std::pair<std::size_t, std::size_t>, std::vector<Sweep*>> turns;  // by joint and target
+  for (Sweep& sweep : sweeps)
+    if (sweep.joint && sweep.direction == 0 && sweep.defect == SweepDefect::none)
+      turns[{*sweep.joint, sweep.target}].push_back(&sweep);
+  for (const auto& [which, strokes] : turns) {
+    const std::size_t joint = which.first;
+    std::vector<double> planned, declared;
+    for (const PlannedSweep& sweep : plan.sweeps)
+      if (sweep.joint == joint + 1) planned.push_back(radians(sweep.end_deg - sweep.start_deg));
+    for (const auto& turn : order)
+      if (turn.joint == joint)
+        declared.insert(declared.end(), turn.strokes_rad.begin(), turn.strokes_rad.end());
+    std::vector<double> seen;
+    std::optional<Eigen::Vector3d> normal;
+    for (const Sweep* stroke : strokes) {
+      const auto circle = identify::fit_circle(identify::positions(*stroke->samples));
+      if (!circle) continue;
+      if (!normal) normal = circle->normal;
+      seen.push_back(circle->normal.dot(*normal) > 0 ? circle->arc_rad : -circle->arc_rad);
+    }
+    if (seen.size() != strokes.size()) continue;
+    const int sense = declared_sense(seen, planned, declared);
+    for (std::size_t i = 0; i < strokes.size(); ++i)
+      strokes[i]->direction = seen[i] > 0 ? sense : -sense;
+  }
+}
+
+}  // namespace sweepd

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "daemon/points/points_file.hpp"
+#include "daemon/settings/sweep_plan.hpp"
+#include "identify/sweeps/joint_assignment.hpp"
+#include "identify/sweeps/motion_limit.hpp"
+#include "identify/sweeps/sweep.hpp"
+
+namespace sweepd {
+
+// From measured points to sweeps, by what the file says of joints and times. Points of different
+// targets are of different sweeps. Sweeps come in the order in which they begin.
+
+/// The worst of several streams; nothing where none was without angles.
+using WorstLimit = std::optional<identify::MotionLimit>;
+
+/// Points with times, segmented as a live stream is: every stroke of each target. Without angles
+/// all targets are of one body, and `limit` learns what noise hides.
+[[nodiscard]] std::vector<identify::Sweep> streamed_sweeps(const PointsFile& file,
+                                                           std::size_t joints,
+                                                           const identify::Resolution& resolution,
+                                                           WorstLimit& limit);
+
+/// Points that name their joint: consecutive ones of the same joint and sweep are a sweep.
+[[nodiscard]] std::vector<identify::Sweep> listed_sweeps(const PointsFile& file,
+                                                         const identify::Resolution& resolution);
+
+/// A file of one joint (counted from 0): one sweep a target, or with times all strokes. Where
+/// angles show that another joint moved, a stroke is that joint's. Throws CsvError if they show
+/// this joint in no stroke, but others.
+[[nodiscard]] std::vector<identify::Sweep> sweeps_of_joint(const PointsFile& file,
+                                                           std::size_t joint, std::size_t joints,
+                                                           const identify::Resolution& resolution,
+                                                           WorstLimit& limit);
+
+/// Sets the direction of sweeps whose joint is known and whose direction is not (no angles), from
+/// the plan that was run: the arcs of a joint's strokes, there and back as they were seen, are
+/// compared with the plan's sweeps and with all its strokes, ways from and to home included, either
+/// of which may have been repeated. Where neither sense agrees, or both do, it stays unknown.
+void declare_directions(std::vector<identify::Sweep>& sweeps, const SweepPlan& plan,
+                        const std::vector<identify::DeclaredJoint>& order);
+
+}  // namespace sweepd

@@ -1,0 +1,147 @@
+#include "daemon/points/points_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "daemon/points/csv_file.hpp"
+#include "daemon/points/point_columns.hpp"
+
+namespace sweepd {
+namespace {
+
+constexpr int kFullPrecision = 10;
+
+/// The finest step that was seen.
+void refine(std::optional<double>& step, int decimals, double unit) {
+  const double seen = decimals >= kFullPrecision ? 0 : unit * std::pow(10.0, -decimals);
+  step = std::min(step.value_or(seen), seen);
+}
+
+/// The values at `places`; nothing if one of them is missing.
+template <std::size_t N>
+std::optional<std::array<double, N>> values(const CsvFile& file, const std::array<Place, N>& places,
+                                            std::optional<double>* step) {
+  std::array<double, N> all{};
+  bool complete = true;
+  for (std::size_t k = 0; k < N; ++k) {
+    const auto number = file.decimal(places[k].column);
+    complete = complete && number;
+    if (!number) continue;
+    all[k] = number->value * places[k].unit;
+    if (step != nullptr) refine(*step, number->decimals, places[k].unit);
+  }
+  return complete ? std::optional(all) : std::nullopt;
+}
+
+/// R = Rz(a) Ry(b) Rx(c).
+std::array<double, 3> abc_of(const Eigen::Matrix3d& r) {
+  const double across = std::hypot(r(0, 0), r(1, 0));
+  const double b = std::atan2(-r(2, 0), across);
+  if (across < 1e-12) return {std::atan2(-r(0, 1), r(1, 1)), b, 0};  // only a and c together count
+  return {std::atan2(r(1, 0), r(0, 0)), b, std::atan2(r(2, 1), r(2, 2))};
+}
+
+void read_orientation(const CsvFile& file, const PointColumns& columns, std::optional<double>* step,
+                      identify::Sample& sample) {
+  if (columns.abc) {
+    const auto abc = values(file, *columns.abc, step);
+    sample.has_orientation = abc.has_value();
+    if (abc) sample.abc_rad = *abc;
+  }
+  if (!columns.quaternion) return;
+  const auto q = values(file, *columns.quaternion, nullptr);
+  if (!q) return;
+  const Eigen::Quaterniond quaternion((*q)[3], (*q)[0], (*q)[1], (*q)[2]);
+  if (quaternion.norm() < 1e-6)
+    file.fail(columns.quaternion->front().column,
+              "expected a quaternion, found zero in qx, qy, qz and qw: correct it, or leave the "
+              "four empty if the orientation is not known");
+  sample.abc_rad = abc_of(quaternion.normalized().toRotationMatrix());
+  sample.has_orientation = true;
+}
+
+/// The time of the point before, of the same target.
+struct Before {
+  std::size_t joint = 0;
+  std::size_t sweep = 0;
+  double time_s = 0;
+};
+
+std::size_t index_of(std::string_view name, std::vector<std::string>& names) {
+  const auto known = std::find(names.begin(), names.end(), name);
+  if (known != names.end()) return static_cast<std::size_t>(known - names.begin());
+  names.emplace_back(name);
+  return names.size() - 1;
+}
+
+}  // namespace
+
+PointsReader::PointsReader(std::vector<std::string> columns, std::size_t joints)
+    : columns_(std::move(columns)), joints_(joints) {}
+
+PointsFile PointsReader::read(const std::filesystem::path& path, const OnProgress& on_progress) {
+  constexpr std::size_t kBetweenUpdates = 4096;
+  constexpr std::size_t kMostSweeps = 1'000'000'000;
+  CsvFile file(path, columns_);
+  auto columns = point_columns(file);
+  if (columns.angles.size() > joints_) columns.angles.resize(joints_);
+  PointsFile result{
+      path, columns.joint.has_value(), columns.time.has_value(), columns.angles.size(), {}};
+  // A, B, C count only where nothing else tells how finely angles are printed.
+  std::optional<double>* const orientation_step =
+      columns.angles.empty() ? &angle_step_rad_ : nullptr;
+
+  std::vector<std::optional<Before>> before;
+  while (file.next()) {
+    Point point;
+    if (columns.joint) point.joint = file.whole_number(columns.joint->column, 1, joints_);
+    if (columns.sweep) point.sweep = file.whole_number(columns.sweep->column, 0, kMostSweeps);
+    point.target =
+        index_of(columns.target ? file.text(columns.target->column) : std::string_view(), targets_);
+    if (columns.target && file.text(columns.target->column).empty())
+      file.fail(columns.target->column, "expected a name or number, found nothing: fill it in");
+
+    identify::Sample& sample = point.sample;
+    sample.time_s = columns.time ? file.number(columns.time->column)
+                                 : static_cast<double>(result.points.size());
+    if (const auto xyz = values(file, columns.position, &position_step_mm_)) {
+      sample.position_mm = {(*xyz)[0], (*xyz)[1], (*xyz)[2]};
+      sample.has_position = true;
+    }
+    read_orientation(file, columns, orientation_step, sample);
+    std::size_t found = 0;
+    for (std::size_t j = 0; j < columns.angles.size(); ++j) {
+      const auto angle = file.decimal(columns.angles[j].column);
+      if (!angle) continue;
+      sample.angles_rad[j] = angle->value * columns.angles[j].unit;
+      // Whole degrees in all lines are commanded ones, and exact.
+      if (angle->decimals > 0) refine(angle_step_rad_, angle->decimals, columns.angles[j].unit);
+      ++found;
+    }
+    if (found == columns.angles.size()) sample.joints = static_cast<std::uint8_t>(found);
+
+    before.resize(targets_.size());
+    auto& last = before[point.target];
+    if (last && last->joint == point.joint && last->sweep == point.sweep &&
+        sample.time_s < last->time_s)
+      file.fail(columns.time->column,
+                "expected a time no earlier than the line before, found an earlier one: sort the "
+                "lines, or give each recording as a file of its own");
+    last = {point.joint, point.sweep, sample.time_s};
+
+    result.points.push_back(point);
+    if (result.points.size() % kBetweenUpdates == 0 && on_progress) on_progress(file.bytes_read());
+  }
+  if (result.points.empty())
+    throw CsvError(path.string() + ": expected points, found no line but the header: give another");
+  return result;
+}
+
+identify::Resolution PointsReader::resolution() const {
+  return {position_step_mm_.value_or(0), angle_step_rad_.value_or(0)};
+}
+
+}  // namespace sweepd

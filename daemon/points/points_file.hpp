@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identify/sweeps/sample.hpp"
+
+namespace sweepd {
+
+/// A line of a file of measured points.
+struct Point {
+  identify::Sample sample;  ///< in mm and radians
+  std::size_t joint = 0;    ///< from 1, that moves; 0: the file does not say
+  std::size_t sweep = 0;    ///< tells sweeps of one joint apart
+  std::size_t target = 0;   ///< which of PointsReader::targets() was measured
+};
+
+struct PointsFile {
+  std::filesystem::path path;
+  bool with_joints = false;
+  bool with_times = false;  ///< without, time counts the points
+  std::size_t angles = 0;   ///< so many joint angles a point
+  std::vector<Point> points;
+};
+
+/// Reads files of measured points (CSV; see kPointColumns for what they hold). Target points are
+/// told apart across all files of one reader.
+///
+/// An empty field is a missing value: the point then has no position, no orientation or no angles.
+/// Time must not run backwards within a sweep, or within a file that names none.
+class PointsReader {
+ public:
+  using OnProgress = std::function<void(std::size_t bytes_read)>;
+
+  /// `columns` take the place of the files' headers unless empty; `joints` is how many the robot
+  /// has, at most: angles beyond are passed over.
+  PointsReader(std::vector<std::string> columns, std::size_t joints);
+
+  /// Throws CsvError, and std::invalid_argument where `columns` are wrong.
+  [[nodiscard]] PointsFile read(const std::filesystem::path& path, const OnProgress& on_progress);
+
+  /// The last decimal of positions and of joint angles (or A, B, C) in all files so far. Ten
+  /// decimals or more are full precision, as are joint angles without any: zero.
+  [[nodiscard]] identify::Resolution resolution() const;
+  /// Their names in order of appearance; one without a name where no file tells.
+  [[nodiscard]] const std::vector<std::string>& targets() const { return targets_; }
+
+ private:
+  std::vector<std::string> columns_;
+  std::size_t joints_;
+  std::vector<std::string> targets_;
+  std::optional<double> position_step_mm_;
+  std::optional<double> angle_step_rad_;
+};
+
+}  // namespace sweepd

@@ -1,0 +1,199 @@
+#include "daemon/record/record_writer.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "daemon/record/retention.hpp"
+#include "daemon/record/session_folder.hpp"
+#include "daemon/text/numbers.hpp"
+#include "rsi/counted.hpp"
+
+namespace sweepd {
+namespace {
+
+using namespace std::chrono_literals;
+namespace fs = std::filesystem;
+
+constexpr auto kBetweenRoomChecks = 1s;
+constexpr auto kLongestRetry = 60s;
+constexpr auto kBetweenDeletions = 60s;
+
+/// Beyond what is to be kept free, before a pause ends: else it would begin again at once.
+std::uint64_t margin(std::uint64_t keep_free, std::uint64_t total) {
+  return std::min(std::max(keep_free / 8, std::uint64_t{16} << 20), total / 20);
+}
+
+std::string size_text(std::uint64_t bytes) {
+  return fixed(static_cast<double>(bytes) / 1e6, 1) + " MB";
+}
+
+}  // namespace
+
+RecordWriter::RecordWriter(Say say, RecorderOptions options)
+    : say_(std::move(say)), options_(std::move(options)) {
+  if (!options_.room) options_.room = disk_room;
+}
+
+void RecordWriter::open(std::shared_ptr<Recording> recording, SessionStart start) {
+  session_ = std::make_unique<Session>();
+  session_->recording = std::move(recording);
+  session_->start = std::move(start);
+  robot_folder_ = session_->start.robot_folder;
+  room_checked_.reset();
+  tidy_soon();
+  try {
+    make_folder();
+  } catch (const std::exception& error) {
+    pause(error.what(), false);
+  }
+}
+
+bool RecordWriter::write(Records& records, const RecordingSettings& settings) {
+  const auto now = options_.now();
+  if (paused_ && now < retry_at_) return false;
+  const auto bytes = records.bytes();
+  try {
+    look_for_folder();
+    make_folder();
+    check_room(settings, now);
+    if (session_->files->write(records, {settings.rotate_bytes, settings.rotate}, now)) tidy_soon();
+  } catch (const NoRoom& full) {
+    pause(full.what(), true);
+  } catch (const std::exception& error) {
+    pause(error.what(), false);
+  }
+  if (records.bytes() < bytes && !unsynced_since_) unsynced_since_ = now;
+  return records.bytes() == 0;
+}
+
+void RecordWriter::resume() {
+  if (!paused_) return;
+  resumed_at_ = options_.now();
+  const auto missing = lost() - lost_before_pause_;
+  paused_ = false;
+  say_(Importance::warning, "recording goes on, the disk of " + robot_folder_.string() +
+                                " has room again: " + text(missing) +
+                                " were not recorded meanwhile");
+}
+
+void RecordWriter::tidy(const RecordingSettings& settings) {
+  const auto now = options_.now();
+  if (unsynced_since_ && now - *unsynced_since_ >= options_.period) sync();
+  if (session_) report();
+  if (tidied_at_ && now - *tidied_at_ < kBetweenDeletions) return;
+  tidied_at_ = now;
+  delete_old(settings);
+}
+
+void RecordWriter::try_again() {
+  retry_at_ = options_.now();
+}
+
+void RecordWriter::close() {
+  sync();
+  if (session_->files) sync_folder(session_->files->folder());
+  report();
+  session_->recording->finish();
+  session_.reset();
+}
+
+Missing RecordWriter::lose(Recording& recording, const RecordCount& records) {
+  const auto reason = paused_ ? Missing::disk : Missing::memory_full;
+  lost_datagrams_ += records.datagrams;
+  lost_samples_ += records.samples;
+  recording.lost(reason, records);
+  return reason;
+}
+
+void RecordWriter::make_folder() {
+  if (session_->files) return;
+  const auto& start = session_->start;
+  const auto folder = make_session_folder(robot_folder_, start.name);
+  session_->files.emplace(folder, start.trace, start.csv_header);
+  session_->recording->made(folder);
+  if (start.on_folder) start.on_folder(folder);
+}
+
+void RecordWriter::look_for_folder() {
+  if (!session_->files || session_->files->in_place()) return;
+  const RecordingFiles& files = *session_->files;
+  say_(Importance::error, "somebody deleted or moved " + files.folder().string() +
+                              " or a file in it while it was written: " + text(files.recorded()) +
+                              " went with it; recording goes on in a new folder");
+  session_->recording->deleted(files.recorded());
+  session_->records_before += files.recorded();
+  session_->files_before += files.files();
+  session_->bytes_before += files.bytes();
+  session_->files.reset();
+  unsynced_since_.reset();
+}
+
+void RecordWriter::check_room(const RecordingSettings& settings, Steady::time_point now) {
+  const auto& folder = session_->files->folder();
+  if (!room_checked_ || now - *room_checked_ >= kBetweenRoomChecks) {
+    room_ = options_.room(folder);
+    room_checked_ = now;
+  }
+  if (!room_) return;
+  const auto keep = settings.keep_free_bytes;
+  if (room_->free < keep + (paused_ && for_room_ ? margin(keep, room_->total) : 0))
+    throw NoRoom("the disk of " + folder.string() + " has " + size_text(room_->free) +
+                 " free, and keep_free_bytes is " + std::to_string(keep) +
+                 ": make room, or lower keep_free_bytes");
+}
+
+void RecordWriter::pause(const std::string& why, bool for_room) {
+  const auto now = options_.now();
+  const bool news = !paused_;
+  for_room_ = for_room;
+  if (news) {
+    // A disk that has room for a moment only is asked, and spoken of, less and less often.
+    const bool again = resumed_at_ && now - *resumed_at_ < kLongestRetry;
+    retry_after_ =
+        again ? std::min<Steady::duration>(2 * retry_after_, kLongestRetry) : kBetweenRoomChecks;
+    lost_before_pause_ = lost();
+  }
+  retry_at_ = now + retry_after_;
+  if (!news) return;
+  session_->recording->paused();
+  paused_ = true;
+  say_(Importance::error, "recording pauses, replies go on: " + why);
+}
+
+void RecordWriter::sync() {
+  if (!std::exchange(unsynced_since_, std::nullopt) || !session_) return;
+  try {
+    session_->files->sync();
+  } catch (const std::exception& error) {
+    pause(error.what(), false);
+  }
+}
+
+void RecordWriter::delete_old(const RecordingSettings& settings) {
+  if (robot_folder_.empty()) return;
+  InUse in_use;
+  if (session_ && session_->files)
+    in_use = {session_->files->folder().filename().string(), session_->files->part()};
+  const auto deleted =
+      delete_old_recordings(robot_folder_, settings, std::chrono::system_clock::now(), in_use);
+  if (deleted.files > 0)
+    say_(Importance::note,
+         "deleted the oldest recordings in " + robot_folder_.string() +
+             ", as keep_days and keep_bytes say: " + rsi::counted(deleted.files, "file") + ", " +
+             size_text(deleted.bytes));
+  if (!deleted.trouble.empty() && deleted.trouble != retention_trouble_)
+    say_(Importance::warning, "old recordings in " + robot_folder_.string() +
+                                  " stay: " + deleted.trouble + ": check its permissions");
+  retention_trouble_ = deleted.trouble;
+}
+
+void RecordWriter::report() const {
+  if (!session_->files) return;
+  auto records = session_->records_before;
+  records += session_->files->recorded();
+  session_->recording->written(records, session_->files_before + session_->files->files(),
+                               session_->bytes_before + session_->files->bytes());
+}
+
+}  // namespace sweepd

@@ -1,0 +1,234 @@
+#include "daemon/record/recorder.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "daemon/system/realtime.hpp"
+#include "rsi/capture/capture_record.hpp"
+#include "rsi/capture/packet.hpp"
+
+namespace sweepd {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Bytes that are handed over together.
+constexpr std::size_t kChunk = 64 << 10;
+/// Of memory for a session's begin and end, with its names.
+constexpr std::size_t kSessionBytes = 1024;
+constexpr auto kIdle = 60s;
+
+}  // namespace
+
+Recorder::Recorder(const RecordingSettings& settings, Say say, RecorderOptions options)
+    : say_(std::move(say)),
+      period_(options.period),
+      writer_(say_, std::move(options)),
+      settings_(settings) {
+  thread_ = std::thread([this] { run(); });
+}
+
+Recorder::~Recorder() {
+  stop(Steady::time_point::max());
+  thread_.join();
+}
+
+std::shared_ptr<const Recording> Recorder::begin(SessionStart start) {
+  end();
+  recording_ = std::make_shared<Recording>();
+  robot_folder_ = start.robot_folder;
+  with_trace_ = start.trace;
+  {
+    const std::lock_guard lock(mutex_);
+    queued_ = held_.bytes + kSessionBytes <= settings_.memory_bytes;
+    if (queued_) {
+      held_.bytes += kSessionBytes;
+      unfinished_.push_back(recording_);
+      queue_.emplace_back(Begin{recording_, std::move(start)});
+      wake_ = true;
+    }
+  }
+  changed_.notify_all();
+  return recording_;
+}
+
+bool Recorder::datagram(const rsi::Datagram& datagram) {
+  if (!with_trace_) return true;
+  rsi::Datagram fitting = datagram;
+  fitting.payload = datagram.payload.substr(0, rsi::max_udp_payload);
+  record_.clear();
+  rsi::append_capture_record(fitting, record_);
+  return keep({1, 0}, record_.size(), [this](Records& records) { records.trace += record_; });
+}
+
+bool Recorder::line(std::string_view line) {
+  return keep({0, 1}, line.size() + 1, [line](Records& records) {
+    records.samples += line;
+    records.samples += '\n';
+  });
+}
+
+template <typename Append>
+bool Recorder::keep(const RecordCount& what, std::size_t bytes, const Append& append) {
+  if (!recording_) return false;
+  bool fits = false;
+  bool half_full = false;
+  bool wake = false;
+  {
+    const std::lock_guard lock(mutex_);
+    fits = queued_ && held_.bytes + bytes <= settings_.memory_bytes;
+    if (fits) {
+      auto* records = queue_.empty() ? nullptr : std::get_if<Records>(&queue_.back());
+      if (records == nullptr || records->bytes() + bytes > kChunk)
+        records = &std::get<Records>(queue_.emplace_back(Records{}));
+      append(*records);
+      const bool was_half_full = held_.bytes > settings_.memory_bytes / 2;
+      held_.bytes += bytes;
+      held_.records += what;
+      half_full = held_.bytes > settings_.memory_bytes / 2;
+      wake = half_full && !was_half_full;
+      if (wake) wake_ = true;
+    }
+  }
+  if (wake) changed_.notify_all();
+  if (fits) {
+    if (losing_ && !half_full) say_loss(false);
+    return true;
+  }
+  if (!losing_) lost_before_ = recording_->counts().memory_full;
+  const auto reason = writer_.lose(*recording_, what);
+  if (reason == Missing::memory_full && !losing_) say_loss(true);
+  return false;
+}
+
+void Recorder::say_loss(bool losing) {
+  losing_ = losing;
+  if (losing)
+    say_(Importance::error,
+         "memory for the recording is full, as the disk of " + robot_folder_.string() +
+             " is too slow: robots are answered, but not all of it is recorded: see what keeps "
+             "the disk, or raise memory_bytes");
+  else
+    say_(Importance::warning, text(recording_->counts().memory_full - lost_before_) +
+                                  " were not recorded, as the disk of " + robot_folder_.string() +
+                                  " was too slow");
+}
+
+void Recorder::end() {
+  if (!recording_) return;
+  if (losing_) say_loss(false);
+  if (queued_) {
+    const std::lock_guard lock(mutex_);
+    queue_.emplace_back(End{});
+    wake_ = true;
+  } else {
+    recording_->finish();
+  }
+  changed_.notify_all();
+  recording_.reset();
+}
+
+bool Recorder::stop(Steady::time_point deadline) {
+  end();
+  Held held;
+  std::deque<std::shared_ptr<Recording>> unfinished;
+  {
+    std::unique_lock lock(mutex_);
+    stopping_ = true;
+    wake_ = true;
+    changed_.notify_all();
+    if (changed_.wait_until(lock, deadline, [this] { return done_; })) return true;
+    if (given_up_.exchange(true)) return false;
+    held = held_;
+    unfinished = unfinished_;
+  }
+  say_(Importance::error, "the disk of " + robot_folder_.string() +
+                              " does not take the recording: it is given up, and " +
+                              text(held.records) + " with it: see what is wrong with the disk");
+  if (!unfinished.empty()) unfinished.back()->lost(Missing::disk, held.records);
+  for (const auto& recording : unfinished) recording->finish();
+  return false;
+}
+
+void Recorder::reconfigure(const RecordingSettings& settings) {
+  {
+    const std::lock_guard lock(mutex_);
+    settings_ = settings;
+    reconfigured_ = true;
+    wake_ = true;
+  }
+  changed_.notify_all();
+}
+
+void Recorder::run() {
+  name_thread("recorder");
+  std::unique_lock lock(mutex_);
+  for (bool last = false; !last;) {
+    const bool busy = writer_.session_open() || !backlog_.empty();
+    changed_.wait_for(lock, busy ? period_ : kIdle, [this] { return wake_; });
+    wake_ = false;
+    last = stopping_;
+    for (Part& part : queue_) backlog_.push_back(std::move(part));
+    queue_.clear();
+    if (std::exchange(reconfigured_, false)) writer_.tidy_soon();
+    const auto settings = settings_;
+    lock.unlock();
+    work(settings);
+    lock.lock();
+  }
+  done_ = true;
+  changed_.notify_all();
+}
+
+void Recorder::work(const RecordingSettings& settings) {
+  const auto ends = [this] {
+    return std::any_of(backlog_.begin(), backlog_.end(),
+                       [](const Part& part) { return std::holds_alternative<End>(part); });
+  };
+  if (ends()) writer_.try_again();  // the last chance
+  bool written = false;
+  for (; !backlog_.empty(); backlog_.pop_front()) {
+    Part& part = backlog_.front();
+    if (auto* const begin = std::get_if<Begin>(&part)) {
+      current_ = begin->recording;
+      writer_.open(begin->recording, std::move(begin->start));
+      release({kSessionBytes, {}});
+    } else if (auto* const records = std::get_if<Records>(&part)) {
+      written = write(*records, settings);
+      if (written) continue;
+      if (!ends()) break;
+      const auto lost = records->count();
+      if (!given_up_) writer_.lose(*current_, lost);  // else it was counted then
+      release({records->bytes(), lost});
+    } else {
+      if (written) writer_.resume();
+      close();
+    }
+  }
+  if (written && backlog_.empty()) writer_.resume();
+  writer_.tidy(settings);
+}
+
+bool Recorder::write(Records& records, const RecordingSettings& settings) {
+  if (given_up_) return false;
+  const auto bytes = records.bytes();
+  const auto count = records.count();
+  const bool all = writer_.write(records, settings);
+  release({bytes - records.bytes(), count - records.count()});
+  return all;
+}
+
+void Recorder::release(const Held& held) {
+  const std::lock_guard lock(mutex_);
+  held_.bytes -= held.bytes;
+  held_.records = held_.records - held.records;
+}
+
+void Recorder::close() {
+  writer_.close();
+  current_.reset();
+  const std::lock_guard lock(mutex_);
+  unfinished_.pop_front();
+}
+
+}  // namespace sweepd

@@ -1,0 +1,120 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <variant>
+
+#include "daemon/record/record_writer.hpp"
+#include "daemon/record/recording.hpp"
+#include "daemon/record/recording_files.hpp"
+#include "daemon/settings/settings.hpp"
+#include "rsi/datagram.hpp"
+
+namespace sweepd {
+
+/// Records the sessions of one robot, in a thread that does all work on the growing files: makes
+/// the session's folder, writes, syncs twice a second, goes on in new files, deletes old ones.
+///
+/// begin(), datagram(), line() and end() are one thread's (acquisition). They copy into bounded
+/// memory and never wait for the disk; what finds no room is left out as a whole and counted. Of
+/// what was recorded, a power failure costs less than a second, a crash of sweepd 0.3 s.
+///
+/// While the disk has less room than is to be kept free, or refuses, recording pauses: memory takes
+/// what it can, and goes to the disk when there is room again, in order. A session that ends while
+/// recording is paused loses what waits in memory.
+class Recorder {
+ public:
+  using Steady = std::chrono::steady_clock;
+
+  /// `say` is called once a change, in the recorder's thread or in one that calls the recorder.
+  Recorder(const RecordingSettings& settings, Say say, RecorderOptions options = {});
+  /// As stop(), but however long the disk takes.
+  ~Recorder();
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+
+  /// A session begins, after the end of the one before.
+  std::shared_ptr<const Recording> begin(SessionStart start);
+  /// False if there was no room: it is not in the recording.
+  bool datagram(const rsi::Datagram& datagram);
+  bool line(std::string_view line);
+  /// Recording::wait() tells when everything is on the disk.
+  void end();
+
+  /// Ends the session under way and returns when all is on the disk: true. A disk that does not
+  /// take it until `deadline` is given up: what was lost is said, no Recording is waited for any
+  /// longer, and the destructor would wait for that disk. The thread of begin(), or after it.
+  bool stop(Steady::time_point deadline);
+
+  /// Other settings from now on. Any thread.
+  void reconfigure(const RecordingSettings& settings);
+
+  /// Whether the disk has no room or refuses. Any thread.
+  [[nodiscard]] bool paused() const { return writer_.paused(); }
+
+ private:
+  struct Begin {
+    std::shared_ptr<Recording> recording;
+    SessionStart start;
+  };
+  struct End {};
+  using Part = std::variant<Begin, Records, End>;
+
+  /// Memory in use.
+  struct Held {
+    std::size_t bytes = 0;
+    RecordCount records;
+  };
+
+  template <typename Append>
+  bool keep(const RecordCount& what, std::size_t bytes, const Append& append);
+  void say_loss(bool losing);
+
+  void run();
+  void work(const RecordingSettings& settings);
+  bool write(Records& records, const RecordingSettings& settings);
+  void release(const Held& held);
+  void close();
+
+  const Say say_;
+  const std::chrono::milliseconds period_;
+  RecordWriter writer_;
+  std::atomic<bool> given_up_{false};
+
+  // The mutex guards these.
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Part> queue_;
+  Held held_;  // in the queue and in the backlog
+  RecordingSettings settings_;
+  std::deque<std::shared_ptr<Recording>> unfinished_;
+  bool wake_ = false;
+  bool reconfigured_ = false;
+  bool stopping_ = false;
+  bool done_ = false;
+
+  // Of the thread that hands over.
+  std::filesystem::path robot_folder_;
+  std::shared_ptr<Recording> recording_;
+  std::string record_;  // keeps its memory
+  bool with_trace_ = false;
+  bool queued_ = false;  // the session found room
+  bool losing_ = false;
+  RecordCount lost_before_;
+
+  // Of the recorder's thread.
+  std::deque<Part> backlog_;
+  std::shared_ptr<Recording> current_;
+
+  std::thread thread_;
+};
+
+}  // namespace sweepd

@@ -1,0 +1,84 @@
+#include "daemon/record/recording.hpp"
+
+#include <utility>
+
+#include "rsi/counted.hpp"
+
+namespace sweepd {
+
+std::string text(const RecordCount& count) {
+  return rsi::counted(count.datagrams, "datagram") + " and " +
+         rsi::counted(count.samples, "sample");
+}
+
+std::filesystem::path Recording::folder() const {
+  const std::lock_guard lock(mutex_);
+  return folder_;
+}
+
+Recording::Counts& Recording::Counts::operator+=(const Counts& other) {
+  recorded += other.recorded;
+  memory_full += other.memory_full;
+  disk += other.disk;
+  files += other.files;
+  bytes += other.bytes;
+  pauses += other.pauses;
+  folders_deleted += other.folders_deleted;
+  deleted += other.deleted;
+  return *this;
+}
+
+Recording::Counts Recording::counts() const {
+  const std::lock_guard lock(mutex_);
+  return counts_;
+}
+
+void Recording::wait() const {
+  std::unique_lock lock(mutex_);
+  ended_.wait(lock, [this] { return finished_; });
+}
+
+bool Recording::finished() const {
+  const std::lock_guard lock(mutex_);
+  return finished_;
+}
+
+void Recording::made(const std::filesystem::path& folder) {
+  FolderLock folder_lock(folder);
+  const std::lock_guard lock(mutex_);
+  folder_ = folder;
+  std::swap(lock_, folder_lock);
+}
+
+void Recording::written(const RecordCount& records, std::uint64_t files, std::uint64_t bytes) {
+  const std::lock_guard lock(mutex_);
+  counts_.recorded = records;
+  counts_.files = files;
+  counts_.bytes = bytes;
+}
+
+void Recording::paused() {
+  const std::lock_guard lock(mutex_);
+  ++counts_.pauses;
+}
+
+void Recording::deleted(const RecordCount& records) {
+  const std::lock_guard lock(mutex_);
+  ++counts_.folders_deleted;
+  counts_.deleted += records;
+}
+
+void Recording::lost(Missing reason, const RecordCount& records) {
+  const std::lock_guard lock(mutex_);
+  (reason == Missing::disk ? counts_.disk : counts_.memory_full) += records;
+}
+
+void Recording::finish() {
+  {
+    const std::lock_guard lock(mutex_);
+    finished_ = true;
+  }
+  ended_.notify_all();
+}
+
+}  // namespace sweepd

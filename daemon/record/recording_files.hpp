@@ -1,0 +1,71 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "daemon/record/record_file.hpp"
+#include "daemon/record/recording.hpp"
+
+namespace sweepd {
+
+/// Some records in the form that they have in the files. Whole ones only.
+struct Records {
+  std::string trace;    ///< see rsi/capture_record.hpp
+  std::string samples;  ///< lines
+
+  [[nodiscard]] std::size_t bytes() const { return trace.size() + samples.size(); }
+  [[nodiscard]] RecordCount count() const;
+};
+
+/// The growing files of a session: trace.pcap and samples.csv, then trace-0002.pcap and
+/// samples-0002.csv, and so on. Both go on in a new file at the same moment, so that those of a
+/// number belong together. Each can be read by itself. One thread; throws as RecordFile.
+class RecordingFiles {
+ public:
+  using Steady = std::chrono::steady_clock;
+
+  struct Rotation {
+    std::uint64_t bytes;  ///< of the trace; of the samples where there is none
+    Steady::duration age;
+  };
+
+  /// Files are made when there is something to write.
+  RecordingFiles(std::filesystem::path folder, bool trace, std::string csv_header);
+
+  /// Takes what is written out of `records`. True if it went to a new file, and not the first.
+  bool write(Records& records, const Rotation& rotation, Steady::time_point now);
+  void sync();
+  /// Whether the files that are open are still found under their names.
+  [[nodiscard]] bool in_place() const;
+
+  // In all files so far.
+  [[nodiscard]] RecordCount recorded() const;
+  [[nodiscard]] std::uint64_t files() const { return files_; }
+  [[nodiscard]] std::uint64_t bytes() const;
+
+  [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
+  [[nodiscard]] unsigned part() const { return part_; }
+
+ private:
+  [[nodiscard]] bool due(const Records& records, const Rotation& rotation,
+                         Steady::time_point now) const;
+  void close();
+
+  std::filesystem::path folder_;
+  bool with_trace_;
+  std::string csv_header_;
+  std::optional<RecordFile> trace_;
+  std::optional<RecordFile> samples_;
+  unsigned part_ = 1;
+  Steady::time_point opened_{};
+  RecordCount closed_records_;
+  std::uint64_t closed_bytes_ = 0;
+  std::uint64_t files_ = 0;
+};
+
+/// "trace", ".pcap" and 2 give trace-0002.pcap; 1 gives trace.pcap.
+[[nodiscard]] std::string part_name(std::string_view stem, std::string_view ending, unsigned part);
+
+}  // namespace sweepd

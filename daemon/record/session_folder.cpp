@@ -1,0 +1,101 @@
+#include "daemon/record/session_folder.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <fstream>
+#include <map>
+#include <stdexcept>
+#include <system_error>
+
+#include <fcntl.h>
+#include <nlohmann/json.hpp>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "daemon/text/ascii.hpp"
+
+namespace sweepd {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_unfinished(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::is_regular_file(folder / "trace.pcap", error)) return false;
+  std::ifstream stream(folder / "run.json", std::ios::binary);
+  // Without it nobody knows whose results these are.
+  if (!stream) return !fs::exists(folder / "result.json", error);
+  const auto run = nlohmann::json::parse(stream, nullptr, false);
+  return run.is_object() && run.value("command", nlohmann::json()) == "run" &&
+         !run.contains("ended");
+}
+
+}  // namespace
+
+std::optional<SessionName> session_name(std::string_view name) {
+  constexpr std::size_t kLength = 16;
+  if (name.size() < kLength || name[8] != 'T' || name[15] != 'Z' ||
+      !all_digits(name.substr(0, 8)) || !all_digits(name.substr(9, 6)))
+    return std::nullopt;
+  const auto start = std::string(name.substr(0, kLength));
+  if (name.size() == kLength) return SessionName{start, 1};
+  const auto number = name.substr(std::min(kLength + 1, name.size()));
+  unsigned again = 0;
+  const auto end = std::from_chars(number.data(), number.data() + number.size(), again);
+  if (!all_digits(number) || end.ec != std::errc{} || again < 2 ||
+      name != start + '-' + std::to_string(again))
+    return std::nullopt;
+  return SessionName{start, again};
+}
+
+fs::path make_session_folder(const fs::path& robot_folder, const std::string& start) {
+  std::error_code error;
+  fs::create_directories(robot_folder, error);
+  auto folder = robot_folder / start;
+  for (int again = 2; !error && mkdir(folder.c_str(), 0777) != 0; ++again) {
+    if (errno != EEXIST) error.assign(errno, std::generic_category());
+    folder = robot_folder / (start + '-' + std::to_string(again));
+  }
+  if (error)
+    throw std::runtime_error("cannot make a folder in " + robot_folder.string() + " (" +
+                             error.message() + "): check its permissions and the free space");
+  sync_folder(robot_folder);
+  return folder;
+}
+
+void sync_folder(const fs::path& folder) noexcept {
+  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  fsync(descriptor);
+  close(descriptor);
+}
+
+FolderLock::FolderLock(const fs::path& folder)
+    : folder_(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  if (folder_ < 0 || flock(folder_, LOCK_EX | LOCK_NB) == 0) return;
+  close(folder_);
+  folder_ = -1;
+}
+
+FolderLock::~FolderLock() {
+  if (folder_ >= 0) close(folder_);
+}
+
+std::vector<fs::path> unfinished_sessions(const fs::path& robot_folder) {
+  std::map<SessionName, fs::path> found;
+  std::error_code error;
+  for (fs::directory_iterator entry(robot_folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const auto name = session_name(entry->path().filename().string());
+    if (name && !entry->is_symlink(error) && is_unfinished(entry->path()))
+      found.emplace(*name, entry->path());
+  }
+  std::vector<fs::path> folders;
+  for (const auto& [name, folder] : found) folders.push_back(folder);
+  std::reverse(folders.begin(), folders.end());
+  return folders;
+}
+
+}  // namespace sweepd

@@ -1,0 +1,105 @@
+#include "daemon/results/budget_text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+#include <vector>
+
+#include "daemon/text/numbers.hpp"
+#include "daemon/text/text_layout.hpp"
+#include "daemon/text/units.hpp"
+
+namespace sweepd {
+namespace {
+
+using identify::Cause;
+using identify::Identification;
+
+std::string_view name(Cause cause) {
+  switch (cause) {
+    case Cause::noise:
+      return "noise of the samples";
+    case Cause::home:
+      return "locked joints off home";
+    case Cause::drift:
+      return "drift of the measuring device";
+    case Cause::figure:
+      return "arcs that are not quite circles";
+    case Cause::offset:
+      return "gears and load at other homes";
+    case Cause::print:
+      return "what printing leaves out";
+    case Cause::sag:
+      return "joints that give way to weight";
+  }
+  return "";
+}
+
+std::string size(Cause cause, const identify::ChainEstimate& estimate) {
+  const auto length = [](double mm) { return fixed(mm, 4) + " mm "; };
+  const auto angle = [](double rad) { return fixed(degrees(rad), 5) + " deg"; };
+  const auto& effects = estimate.effects;
+  switch (cause) {
+    case Cause::noise:
+      return length(estimate.noise.position_mm);
+    case Cause::home:
+      return angle(effects.home_rad);
+    case Cause::drift:
+      return length(effects.drift_mm);
+    case Cause::figure:
+      return length(effects.figure_mm);
+    case Cause::offset:
+      return angle(effects.offset_rad);
+    case Cause::print:
+      return length(effects.print_mm);
+    case Cause::sag:
+      return angle(effects.sag_rad);
+  }
+  return "";
+}
+
+constexpr std::array<std::string_view, 5> kNames = {"b", "theta", "a", "alpha", "beta"};
+
+/// Shares in the variances of all identified numbers: the middle one, and the largest with whose it
+/// is.
+struct Shares {
+  double usual = 0;
+  double largest = 0;
+  std::string of;
+};
+
+Shares shares_of(const Eigen::VectorXd& part, const Eigen::MatrixXd& covariance) {
+  std::vector<double> all;
+  Shares found;
+  for (Eigen::Index k = 0; k < part.size(); ++k) {
+    if (!(covariance(k, k) > 0)) continue;
+    all.push_back(part(k) / covariance(k, k));
+    if (all.back() <= found.largest) continue;
+    found.largest = all.back();
+    found.of = std::string(kNames[static_cast<std::size_t>(k % 5)]) + std::to_string(k / 5 + 1);
+  }
+  if (all.empty()) return found;
+  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+  std::nth_element(all.begin(), middle, all.end());
+  found.usual = *middle;
+  return found;
+}
+
+}  // namespace
+
+std::string budget_text(const Identification& found) {
+  if (!found.chain || found.dh_budget.empty()) return "";
+  std::string text =
+      "Uncertainty: what it comes from, and its percentage of the variances above\n\n" +
+      left("cause", 34) + right("size", 14) + right("usual", 10) + right("largest", 10) + "\n";
+  for (const auto& share : found.dh_budget) {
+    const Shares of = shares_of(share.variances, found.dh_covariance);
+    text += left(std::string(name(share.cause)), 34) + right(size(share.cause, *found.chain), 14) +
+            number(100 * of.usual, 0, 10) + number(100 * of.largest, 0, 10) +
+            (of.of.empty() ? "" : "  of " + of.of) + "\n";
+  }
+  return text;
+}
+
+}  // namespace sweepd

@@ -1,0 +1,143 @@
+#include "daemon/results/dh_json.hpp"
+
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/results/json_numbers.hpp"
+#include "daemon/results/outcome.hpp"
+#include "daemon/text/numbers.hpp"
+#include "daemon/text/units.hpp"
+#include "identify/models/kinematic_model.hpp"
+
+namespace sweepd {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using identify::DhDifference;
+using identify::DhEstimate;
+using identify::DhNumber;
+using identify::DhRow;
+using identify::Identification;
+using identify::Knowledge;
+
+/// Six significant digits.
+Json significant(double value) {
+  if (value == 0 || !std::isfinite(value)) return value;
+  return rounded(value, 5 - static_cast<int>(std::floor(std::log10(std::abs(value)))));
+}
+
+constexpr std::array<std::string_view, 5> kNumberNames = {"b", "theta", "a", "alpha", "beta"};
+
+/// A number of the table, as "a3_mm".
+struct NumberPlace {
+  Eigen::Index row = 0;  ///< of `dh_covariance`
+  std::string name;
+  double unit = 1;  ///< of the file, in mm or rad
+};
+
+std::vector<NumberPlace> identified_numbers(const Identification& found) {
+  std::vector<NumberPlace> places;
+  for (std::size_t i = 0; i < found.dh.size(); ++i) {
+    const auto numbers = numbers_of(found.dh[i]);
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+      if (numbers[k]->knowledge != Knowledge::identified) continue;
+      const bool length = k == 0 || k == 2;
+      places.push_back(
+          {static_cast<Eigen::Index>(numbers.size() * i + k),
+           std::string(kNumberNames[k]) + std::to_string(i + 1) + (length ? "_mm" : "_deg"),
+           length ? 1 : degrees(1)});
+    }
+  }
+  return places;
+}
+
+}  // namespace
+
+Json dh_json(std::size_t index, const DhEstimate& row) {
+  Json json = {{"joint", index + 1}};
+  Json by_convention = Json::array();
+  const auto add = [&](const std::string& name, const std::string& unit, const DhNumber& number,
+                       auto in_unit) {
+    const bool known = number.knowledge != Knowledge::undetermined;
+    const bool identified = number.knowledge == Knowledge::identified;
+    const double half = identify::kSigmasOf95Percent * number.sigma;
+    json[name + unit] = known ? in_unit(number.value) : Json();
+    json[name + "_sigma" + unit] = identified ? in_unit(number.sigma) : Json();
+    json[name + "_low" + unit] = identified ? in_unit(number.value - half) : Json();
+    json[name + "_high" + unit] = identified ? in_unit(number.value + half) : Json();
+    if (number.knowledge == Knowledge::by_convention) by_convention.push_back(name + unit);
+  };
+  add("b", "_mm", row.b_mm, json_length);
+  add("theta", "_deg", row.theta_rad, json_angle);
+  add("a", "_mm", row.a_mm, json_length);
+  add("alpha", "_deg", row.alpha_rad, json_angle);
+  if (has_beta(row)) add("beta", "_deg", row.beta_rad, json_angle);
+  if (row.linear) json["variable"] = "b_mm";
+  json["relation"] = identify::text(row.relation);
+  if (!by_convention.empty()) json["by_convention"] = std::move(by_convention);
+  return json;
+}
+
+Json dh_json(const std::vector<DhEstimate>& rows) {
+  Json json = Json::array();
+  for (std::size_t i = 0; i < rows.size(); ++i) json.push_back(dh_json(i, rows[i]));
+  return json;
+}
+
+Json covariance_json(const Identification& found) {
+  const auto places = identified_numbers(found);
+  Json names = Json::array(), rows = Json::array();
+  for (const NumberPlace& r : places) {
+    names.push_back(r.name);
+    Json row = Json::array();
+    for (const NumberPlace& c : places)
+      row.push_back(significant(found.dh_covariance(r.row, c.row) * r.unit * c.unit));
+    rows.push_back(std::move(row));
+  }
+  return {{"names", std::move(names)}, {"rows", std::move(rows)}};
+}
+
+Json budget_json(const Identification& found) {
+  Json rows = Json::array();
+  for (const NumberPlace& place : identified_numbers(found)) {
+    const double variance = found.dh_covariance(place.row, place.row);
+    Json row = {{"number", place.name}};
+    for (const auto& share : found.dh_budget)
+      row[std::string(identify::text(share.cause))] =
+          variance > 0 ? rounded(share.variances(place.row) / variance, 4) : 0.0;
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+Json dh_json(const std::vector<DhRow>& rows) {
+  Json json = Json::array();
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    json.push_back({{"joint", i + 1},
+                    {"b_mm", json_length(rows[i].b_mm)},
+                    {"theta_deg", json_angle(rows[i].theta_rad)},
+                    {"a_mm", json_length(rows[i].a_mm)},
+                    {"alpha_deg", json_angle(rows[i].alpha_rad)}});
+  return json;
+}
+
+Json dh_json(const std::vector<DhDifference>& rows) {
+  const auto optional = [](const std::optional<double>& value, auto unit) {
+    return value ? unit(*value) : Json();
+  };
+  Json json = Json::array();
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    json.push_back({{"joint", i + 1},
+                    {"b_mm", optional(rows[i].b_mm, json_length)},
+                    {"theta_deg", optional(rows[i].theta_rad, json_angle)},
+                    {"a_mm", optional(rows[i].a_mm, json_length)},
+                    {"alpha_deg", optional(rows[i].alpha_rad, json_angle)}});
+  return json;
+}
+
+}  // namespace sweepd

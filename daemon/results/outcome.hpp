@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/settings/robot_description.hpp"
+#include "daemon/stream/pipeline.hpp"
+#include "daemon/stream/session.hpp"
+#include "identify/identification.hpp"
+
+namespace sweepd {
+
+/// What was read of points that came from elsewhere than a controller.
+struct PointCounts {
+  std::size_t points = 0;
+  std::size_t sweeps = 0;  ///< found in them that can be used
+  std::size_t files = 0;
+  std::size_t targets = 0;
+};
+
+/// Everything that the result files tell.
+struct Outcome {
+  std::string robot;  ///< its name in the settings, or of its description
+  std::string source_kind = "trace";
+  SourceCounts counts;
+  identify::Identification identification;
+  std::optional<PointCounts> points = {};  ///< in place of `counts` where there were no telegrams
+  /// One a joint: +1 where Z of the DH table is along positive rotation, -1 where against it;
+  /// empty: all along it.
+  std::vector<int> positive = {};
+  /// Where sweeps were recognised by positions alone.
+  std::optional<identify::MotionLimit> motion_limit = {};
+  std::vector<JointLimits> limits = {};  ///< one a joint; empty: not known
+};
+
+/// Runs the engine. The same snapshot gives the same outcome.
+[[nodiscard]] Outcome outcome_of(const Snapshot& snapshot);
+
+/// That of the commands that identify: 1 where not one axis was found, 3 where the result is
+/// doubtful.
+[[nodiscard]] inline int exit_code(const Outcome& outcome) {
+  using identify::Status;
+  const Status status = outcome.identification.status;
+  return status == Status::failed ? 1 : status == Status::doubtful ? 3 : 0;
+}
+
+/// Lengths in files: mm to so many decimals, that is a nanometre and less than noise.
+inline constexpr int kLengthDecimals = 6;
+/// Angles in files: degrees to so many decimals.
+inline constexpr int kAngleDecimals = 7;
+/// Errors of angles, seconds of arc.
+inline constexpr int kArcsecDecimals = 4;
+
+}  // namespace sweepd

@@ -1,0 +1,196 @@
+#include "daemon/results/result_csv.hpp"
+
+#include <array>
+#include <charconv>
+#include <optional>
+
+#include "daemon/text/numbers.hpp"
+#include "daemon/text/units.hpp"
+#include "identify/dh/dh_comparison.hpp"
+#include "identify/geometry/circle_fit.hpp"
+#include "identify/models/kinematic_model.hpp"
+#include "identify/seen_turn.hpp"
+
+namespace sweepd {
+namespace {
+
+using identify::DhNumber;
+using identify::Knowledge;
+
+std::string length_text(double mm) {
+  return fixed(mm, kLengthDecimals);
+}
+std::string angle_text(double radians) {
+  return fixed(degrees(radians), kAngleDecimals);
+}
+
+/// A measured number with the decimals that it came with: who reads it knows its step again.
+void append_measured(std::string& csv, double value) {
+  std::array<char, 400> digits;
+  const auto [end, error] =
+      std::to_chars(digits.data(), digits.data() + digits.size(), rounded(value, kLengthDecimals),
+                    std::chars_format::fixed);
+  csv.append(digits.data(), end);
+}
+
+/// Distances from the fitted circle's plane and from the circle; of a linear joint from the line,
+/// along two directions across it.
+std::array<double, 2> off_fit(const identify::JointResult& joint, const Eigen::Vector3d& position) {
+  if (joint.line) {
+    const Eigen::Vector2d off = identify::across(*joint.line, position);
+    return {off(0), off(1)};
+  }
+  const auto residual = identify::residual(*joint.circle, position);
+  return {residual.plane_mm, residual.radial_mm};
+}
+
+/// The last columns of a line of sweeps.csv. A linear joint has no error in arcsec.
+void add_seen(std::string& csv, const std::optional<identify::SeenTurn>& seen, bool linear) {
+  if (!seen) {
+    csv += ",,,,";
+    return;
+  }
+  for (const double residual : {seen->axial_mm, seen->radial_mm}) {
+    csv += ',';
+    append_fixed(csv, residual, kLengthDecimals);
+  }
+  for (const auto& error : {seen->angle_error_rad, seen->curve_rad}) {
+    csv += ',';
+    if (error && !linear) append_fixed(csv, arcsec(*error), kArcsecDecimals);
+  }
+}
+
+/// Whether the estimator in `dh` used a sweep: the circles those from the common home, the chain
+/// also those from elsewhere where angles tell where that is.
+bool in_use(const identify::Identification& found, const identify::JointResult& joint,
+            std::size_t s) {
+  const identify::Sweep& sweep = joint.sweeps[s];
+  return joint.used[s] || (found.estimator == identify::Estimator::chain && !sweep.positioning &&
+                           sweep.first().joints >= found.joints.size());
+}
+
+}  // namespace
+
+std::string dh_csv(const Outcome& outcome) {
+  const auto& found = outcome.identification;
+  const auto differences = compare_with_specified(found.dh, found.specified, found.home_rad);
+  std::string csv = "joint";
+  for (const std::string name : {"b_mm", "theta_deg", "a_mm", "alpha_deg"}) {
+    const auto unit = name.find('_');
+    const std::string base = name.substr(0, unit);
+    const std::string suffix = name.substr(unit);
+    csv += "," + name + "," + base + "_sigma" + suffix + "," + base + "_specified" + suffix + "," +
+           base + "_difference" + suffix;
+  }
+  csv += ",relation,by_convention,beta_deg,beta_sigma_deg";
+  for (const std::string base : {"b", "theta", "a", "alpha", "beta"}) {
+    const std::string unit = base == "a" || base == "b" ? "_mm" : "_deg";
+    csv += "," + base + "_low" + unit + "," + base + "_high" + unit;
+  }
+  csv += ",positive,home_deg,variable\n";
+  for (std::size_t i = 0; i < found.dh.size(); ++i) {
+    const auto& row = found.dh[i];
+    const auto* specified = differences.empty() ? nullptr : &found.specified[i];
+    std::string by_convention;
+    csv += std::to_string(i + 1);
+    const auto add = [&](const char* name, const DhNumber& number, double expected,
+                         const std::optional<double>& difference, auto unit) {
+      csv += ',';
+      if (number.knowledge != Knowledge::undetermined) csv += unit(number.value);
+      csv += ',';
+      if (number.knowledge == Knowledge::identified) csv += unit(number.sigma);
+      csv += ',';
+      if (specified != nullptr) csv += unit(expected);
+      csv += ',';
+      if (difference) csv += unit(*difference);
+      if (number.knowledge == Knowledge::by_convention)
+        by_convention += (by_convention.empty() ? "" : " ") + std::string(name);
+    };
+    const identify::DhRow expected = specified != nullptr ? *specified : identify::DhRow{};
+    const identify::DhDifference difference =
+        specified != nullptr ? differences[i] : identify::DhDifference{};
+    add("b_mm", row.b_mm, expected.b_mm, difference.b_mm, length_text);
+    add("theta_deg", row.theta_rad, expected.theta_rad, difference.theta_rad, angle_text);
+    add("a_mm", row.a_mm, expected.a_mm, difference.a_mm, length_text);
+    add("alpha_deg", row.alpha_rad, expected.alpha_rad, difference.alpha_rad, angle_text);
+    if (has_beta(row) && row.beta_rad.knowledge == Knowledge::by_convention)
+      by_convention += " beta_deg";
+    csv += "," + std::string(identify::text(row.relation)) + "," + by_convention + ",";
+    if (has_beta(row)) csv += angle_text(row.beta_rad.value);
+    csv += ",";
+    const bool beta_identified = has_beta(row) && row.beta_rad.knowledge == Knowledge::identified;
+    if (beta_identified) csv += angle_text(row.beta_rad.sigma);
+    const auto interval = [&](const DhNumber& number, auto unit) {
+      const double half = identify::kSigmasOf95Percent * number.sigma;
+      csv += number.knowledge == Knowledge::identified
+                 ? "," + unit(number.value - half) + "," + unit(number.value + half)
+                 : ",,";
+    };
+    interval(row.b_mm, length_text);
+    interval(row.theta_rad, angle_text);
+    interval(row.a_mm, length_text);
+    interval(row.alpha_rad, angle_text);
+    interval(beta_identified ? row.beta_rad : DhNumber{}, angle_text);
+    csv += "," + std::to_string(i < outcome.positive.size() ? outcome.positive[i] : 1) + ",";
+    if (i < found.home_rad.size() && found.home_rad[i]) csv += angle_text(*found.home_rad[i]);
+    csv += row.linear ? ",b_mm\n" : ",theta_deg\n";
+  }
+  return csv;
+}
+
+std::string sweeps_csv(const Outcome& outcome) {
+  const auto& joints = outcome.identification.joints;
+  std::size_t angles = 0;
+  for (const auto& joint : joints)
+    for (const auto& sweep : joint.sweeps)
+      angles = std::max<std::size_t>(angles, sweep.first().joints);
+
+  std::string csv = "joint,sweep,t_s,x_mm,y_mm,z_mm";
+  for (std::size_t k = 0; k < angles; ++k) csv += ",a" + std::to_string(k + 1) + "_deg";
+  csv +=
+      ",plane_residual_mm,radial_residual_mm,chain_axial_residual_mm,chain_radial_residual_mm"
+      ",angle_error_arcsec,curve_error_arcsec,target\n";
+  constexpr std::size_t kUsualNumber = 11;
+  std::size_t samples = 0;
+  for (const auto& joint : joints)
+    for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
+      if (in_use(outcome.identification, joint, s)) samples += joint.sweeps[s].samples->size();
+  csv.reserve(samples * (angles + 12) * kUsualNumber);
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    if (!joints[j].circle && !joints[j].line) continue;
+    for (std::size_t s = 0; s < joints[j].sweeps.size(); ++s) {
+      if (!in_use(outcome.identification, joints[j], s)) continue;
+      const std::string end = "," + std::to_string(joints[j].sweeps[s].target + 1) + "\n";
+      const std::string start = std::to_string(j + 1) + "," + std::to_string(s + 1) + ",";
+      const auto add = [&](double value) {
+        csv += ',';
+        append_fixed(csv, value, kLengthDecimals);
+      };
+      for (const auto& sample : *joints[j].sweeps[s].samples) {
+        if (!sample.has_position) continue;
+        csv += start;
+        append_fixed(csv, sample.time_s, 3);
+        for (const double value : sample.position_mm) {
+          csv += ',';
+          append_measured(csv, value);
+        }
+        for (std::size_t k = 0; k < angles; ++k) {
+          csv += ',';
+          if (k < sample.joints) append_measured(csv, degrees(sample.angles_rad[k]));
+        }
+        if (joints[j].used[s]) {
+          for (const double residual : off_fit(joints[j], sample.position_mm)) add(residual);
+        } else {
+          csv += ",,";
+        }
+        add_seen(csv,
+                 identify::seen_turn(outcome.identification, j, joints[j].sweeps[s].target, sample),
+                 joints[j].linear);
+        csv += end;
+      }
+    }
+  }
+  return csv;
+}
+
+}  // namespace sweepd

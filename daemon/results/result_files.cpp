@@ -1,0 +1,105 @@
+#include "daemon/results/result_files.hpp"
+
+#include <array>
+#include <exception>
+#include <optional>
+#include <stdexcept>
+
+#include "daemon/results/dh_latex.hpp"
+#include "daemon/results/models.hpp"
+#include "daemon/results/models_csv.hpp"
+#include "daemon/results/report.hpp"
+#include "daemon/results/result_csv.hpp"
+#include "daemon/results/result_json.hpp"
+#include "daemon/results/urdf.hpp"
+#include "daemon/system/atomic_file.hpp"
+
+namespace sweepd {
+namespace {
+
+using Content = std::optional<std::string>;  // nothing: there is no such file
+
+struct ResultFile {
+  const char* name;
+  Content (*content)(const Outcome& outcome);
+  bool interim = false;  ///< while the session goes on, too
+};
+
+template <std::string (*text)(const Outcome&)>
+Content always(const Outcome& outcome) {
+  return text(outcome);
+}
+
+const std::array<ResultFile, 7> kFiles{{
+    {"result.json", always<result_json>, true},
+    {"report.txt", always<report>, true},
+    {"dh.csv", always<dh_csv>},
+    {"robot.urdf",
+     [](const Outcome& outcome) -> Content {
+       const auto models = models_of(outcome);
+       return models.empty() ? Content() : urdf(models.back(), outcome);
+     }},
+    {"dh.tex",
+     [](const Outcome& outcome) -> Content {
+       return models_of(outcome).empty() ? Content() : dh_latex(outcome);
+     }},
+    {"models.csv",
+     [](const Outcome& outcome) -> Content {
+       const auto models = models_of(outcome);
+       return models.empty() ? Content() : models_csv(models);
+     }},
+    {"sweeps.csv", always<sweeps_csv>},
+}};
+
+void write_or_remove(const std::filesystem::path& file, const Content& content) {
+  std::error_code ignored;
+  if (content)
+    write_atomically(file, *content);
+  else
+    std::filesystem::remove(file, ignored);  // an earlier result may have left it
+}
+
+}  // namespace
+
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error)
+    throw std::runtime_error("cannot make the folder " + folder.string() + " (" + error.message() +
+                             "): give one that may be written with --output");
+}
+
+std::vector<std::string> result_file_names() {
+  std::vector<std::string> names;
+  for (const auto& file : kFiles) names.emplace_back(file.name);
+  return names;
+}
+
+void write_result(const std::filesystem::path& folder, const Outcome& outcome,
+                  std::set<std::string>& written) {
+  std::exception_ptr failure;
+  for (const ResultFile& file : kFiles) {
+    if (written.contains(file.name)) continue;
+    try {
+      write_or_remove(folder / file.name, file.content(outcome));
+      written.insert(file.name);
+    } catch (const std::exception&) {
+      if (!failure) failure = std::current_exception();
+    }
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+void write_result(const std::filesystem::path& folder, const Outcome& outcome) {
+  std::set<std::string> written;
+  write_result(folder, outcome, written);
+}
+
+void write_interim_result(const std::filesystem::path& folder, const Outcome& outcome) {
+  std::set<std::string> written;
+  for (const auto& file : kFiles)
+    if (!file.interim) written.insert(file.name);
+  write_result(folder, outcome, written);
+}
+
+}  // namespace sweepd

@@ -1,0 +1,81 @@
+#include "daemon/results/run_json.hpp"
+
+#include <fstream>
+
+#include <nlohmann/json.hpp>
+
+namespace sweepd {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json(const RecordCount& count) {
+  return {{"datagrams", count.datagrams}, {"samples", count.samples}};
+}
+
+Json json(const Recording::Counts& counts) {
+  Json recording = {
+      {"files", counts.files},
+      {"bytes", counts.bytes},
+      {"datagrams", counts.recorded.datagrams},
+      {"samples", counts.recorded.samples},
+      {"not_recorded", {{"memory_full", json(counts.memory_full)}, {"disk", json(counts.disk)}}},
+      {"paused", counts.pauses}};
+  if (counts.folders_deleted > 0) {
+    recording["folders_deleted"] = counts.folders_deleted;
+    recording["deleted"] = json(counts.deleted);
+  }
+  return recording;
+}
+
+std::string text(const Json& run) {
+  return run.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Json begun(std::string_view command) {
+  return {{"schema", "sweepd.run/1"}, {"sweepd", SWEEPD_VERSION}, {"command", command}};
+}
+
+}  // namespace
+
+std::string run_json(const RunFacts& facts) {
+  Json run = begun("run");
+  run["robot"] = facts.robot;
+  run["started"] = facts.started;
+  if (!facts.ended.empty()) run["ended"] = facts.ended;
+  run["folder"] = facts.folder.string();
+  run["description"] = facts.description.string();
+  if (facts.ethernet_config) run["ethernet_config"] = facts.ethernet_config->string();
+  run["listen"] = rsi::text(facts.listen);
+  run["since_start_of_sweepd"] = {{"answered", facts.link.answered},
+                                  {"superseded", facts.link.superseded},
+                                  {"unanswerable", facts.link.unanswerable},
+                                  {"foreign", facts.link.foreign},
+                                  {"not_begun", facts.link.not_begun},
+                                  {"refused", facts.link.refused},
+                                  {"cut", facts.link.cut},
+                                  {"send_failures", facts.link.send_failures},
+                                  {"dropped", facts.link.dropped},
+                                  {"skipped_bytes", facts.link.skipped},
+                                  {"overflows", facts.link.overflows}};
+  if (facts.recording) run["recording"] = json(*facts.recording);
+  return text(run);
+}
+
+std::string run_json(std::string_view command, const Json& given) {
+  Json run = begun(command);
+  run.update(given);
+  return text(run);
+}
+
+std::string run_json_of_cut_session(const std::filesystem::path& folder, const std::string& ended,
+                                    bool from_recording) {
+  std::ifstream stream(folder / "run.json", std::ios::binary);
+  Json run = Json::parse(stream, nullptr, false);
+  if (!run.is_object()) run = begun("run");
+  run["ended"] = ended;
+  if (from_recording) run["from_recording"] = true;
+  return text(run);
+}
+
+}  // namespace sweepd

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "daemon/record/recording.hpp"
+#include "rsi/server/server.hpp"
+
+namespace sweepd {
+
+/// What run.json tells of a live session: when and where, and how the link and the recording went.
+struct RunFacts {
+  std::string robot;
+  std::string started;  ///< UTC, ISO 8601
+  std::string ended;    ///< empty: it goes on
+  std::filesystem::path folder;
+  std::filesystem::path description;
+  std::optional<std::filesystem::path> ethernet_config;
+  rsi::Endpoint listen;
+  rsi::Server::Counts link;                    ///< since the start of sweepd
+  std::optional<Recording::Counts> recording;  ///< once it ended
+};
+
+[[nodiscard]] std::string run_json(const RunFacts& facts);
+
+/// The same of a command that ends with its result: what it was given.
+[[nodiscard]] std::string run_json(std::string_view command, const nlohmann::ordered_json& given);
+
+/// What run.json of `folder` becomes once the files of a session that was cut are final: as it is,
+/// with "ended" and, where the result was made from the recording, "from_recording". Made anew
+/// where it cannot be read.
+[[nodiscard]] std::string run_json_of_cut_session(const std::filesystem::path& folder,
+                                                  const std::string& ended, bool from_recording);
+
+}  // namespace sweepd

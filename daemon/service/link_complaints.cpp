@@ -1,0 +1,64 @@
+#include "daemon/service/link_complaints.hpp"
+
+#include <iterator>
+
+#include "rsi/counted.hpp"
+
+namespace sweepd {
+namespace {
+
+using Counts = rsi::Server::Counts;
+
+struct Kind {
+  std::uint64_t Counts::*count;
+  const char* one;
+  const char* many;
+  const char* were;  ///< what they were, and what to do
+};
+
+constexpr Kind kKindsOfTrouble[] = {
+    {&Counts::refused, "reply", "replies",
+     "not sent, being no zero correction: stop the robot, this is a fault of sweepd; report it "
+     "with the Ethernet file"},
+    {&Counts::not_begun, "telegram", "telegrams",
+     "not answered: the stream had begun before sweepd listened, perhaps with another server, and "
+     "a zero from here might move the robot: switch RSI off, and on again after a second or more"},
+    {&Counts::send_failures, "reply", "replies",
+     "refused by the system: see `ip -s link` and the firewall of this machine"},
+    {&Counts::dropped, "telegram", "telegrams",
+     "dropped by the system, whose receive buffer was full: free the machine, or raise "
+     "net.core.rmem_max"},
+    {&Counts::cut, "telegram", "telegrams",
+     "larger than 64 KiB and came in part: shorten the SEND list"},
+    {&Counts::foreign, "datagram or connection", "datagrams or connections",
+     "not from the controller and not answered: set `controller` in the settings, and keep others "
+     "off this network"},
+    {&Counts::overflows, "datagram", "datagrams",
+     "answered but neither recorded nor used, since the queue was full: raise queue_bytes or free "
+     "the machine"},
+};
+
+}  // namespace
+
+void LinkComplaints::new_stream() {
+  for (std::size_t i = 0; i < kKinds; ++i)
+    if (kKindsOfTrouble[i].count == &Counts::not_begun) said_[i].again = {};
+}
+
+std::vector<std::string> LinkComplaints::about(const Counts& counts,
+                                               std::chrono::steady_clock::time_point now) {
+  static_assert(std::size(kKindsOfTrouble) == kKinds);
+  std::vector<std::string> complaints;
+  for (std::size_t i = 0; i < kKinds; ++i) {
+    const Kind& kind = kKindsOfTrouble[i];
+    const auto count = counts.*kind.count;
+    auto& said = said_[i];
+    if (count == said.count || now < said.again) continue;
+    complaints.push_back(rsi::counted(count - said.count, kind.one, kind.many) +
+                         (count - said.count == 1 ? " was " : " were ") + kind.were);
+    said = {count, now + std::chrono::minutes(1)};
+  }
+  return complaints;
+}
+
+}  // namespace sweepd

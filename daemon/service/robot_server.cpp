@@ -1,0 +1,55 @@
+#include "daemon/service/robot_server.hpp"
+
+#include <utility>
+
+#include <spdlog/fmt/ranges.h>
+
+#include "daemon/settings/answers.hpp"
+#include "daemon/settings/config_error.hpp"
+#include "daemon/system/log.hpp"
+#include "rsi/server/tcp_server.hpp"
+#include "rsi/server/udp_server.hpp"
+#include "rsi/telegram/ethernet_config.hpp"
+
+namespace sweepd {
+
+std::unique_ptr<rsi::Server> make_server(const RobotSettings& settings) {
+  const Log log(settings.name);
+  rsi::Server::Options options;
+  options.listen = settings.listen;
+  options.controller = settings.controller;
+  options.queue_bytes = settings.queue_bytes;
+  // Warnings come after the port: until it is had, this is tried again and again.
+  if (!settings.ethernet_config) {
+    options.reply.emplace("ImFree");
+    auto server = std::make_unique<rsi::UdpServer>(std::move(options));
+    log.warning(
+        "no ethernet_config: replies carry Type ImFree and the IPOC alone; name the file that lies "
+        "on the controller");
+    return server;
+  }
+  const auto config = rsi::EthernetConfig::load(*settings.ethernet_config);
+  for (const auto& objection : objections_to_answers(settings, config))
+    throw ConfigError(objection);
+  if (!config.only_send) options.reply.emplace(config);
+  const auto tags = commanding_tags(config);
+  options.only_from_the_beginning = !tags.empty();
+  std::unique_ptr<rsi::Server> server;
+  if (config.protocol == rsi::EthernetConfig::Protocol::TCP)
+    server = std::make_unique<rsi::TcpServer>(std::move(options));
+  else
+    server = std::make_unique<rsi::UdpServer>(std::move(options));
+  for (const auto& warning : config.warnings) log.warning("{}", warning);
+  for (const auto& warning : warnings_of_answers(config)) log.warning("{}", warning);
+  if (config.port != 0 && settings.listen.port != 0 && config.port != settings.listen.port)
+    log.warning("the controller sends to port {}, but listen is {}: make them equal", config.port,
+                rsi::text(settings.listen));
+  if (!tags.empty())
+    log.warning(
+        "zeros for {} may move the robot or switch something: only streams whose beginning was "
+        "seen are answered",
+        fmt::join(tags, ", "));
+  return server;
+}
+
+}  // namespace sweepd

@@ -1,0 +1,131 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <deque>
+#include <future>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "daemon/record/recorder.hpp"
+#include "daemon/results/run_json.hpp"
+#include "daemon/service/identifier.hpp"
+#include "daemon/service/link_complaints.hpp"
+#include "daemon/service/link_watch.hpp"
+#include "daemon/service/robot_state.hpp"
+#include "daemon/service/robot_tally.hpp"
+#include "daemon/settings/robot_setup.hpp"
+#include "daemon/settings/settings.hpp"
+#include "daemon/stream/planned_turns.hpp"
+#include "daemon/stream/session.hpp"
+#include "daemon/system/heartbeat.hpp"
+#include "daemon/system/log.hpp"
+#include "daemon/system/realtime.hpp"
+#include "rsi/server/server.hpp"
+
+namespace sweepd {
+
+/// Serves one controller: the reply thread answers, the acquisition thread does all the rest but
+/// the identification and the work on files, which have threads of their own.
+class RobotService {
+ public:
+  /// Reads the robot's files, makes its output folder, binds the socket. Throws ConfigError or
+  /// std::runtime_error.
+  explicit RobotService(const RobotSettings& settings);
+  ~RobotService();  ///< as stop()
+  RobotService(const RobotService&) = delete;
+  RobotService& operator=(const RobotService&) = delete;
+
+  /// Throws std::runtime_error where `realtime = "require"` cannot be had.
+  void start();
+  /// Takes over what can be changed: from the next session on, the limits of recording at once.
+  /// Says what else has changed and needs a restart. Throws ConfigError, and changes nothing then.
+  /// One thread at a time; stop() may come meanwhile.
+  void reload(const RobotSettings& settings);
+  /// Writes how the link does into the session's folder, and says it. Any thread; soon afterwards.
+  void report_link() noexcept { link_wanted_ = true; }
+  /// Ends the session under way with its last result and a complete recording; the controller is
+  /// answered until that is done. A disk that does not answer is waited for no longer than for
+  /// `patience`: then this returns false, what was lost is said, and the destructor would wait.
+  bool stop(std::chrono::seconds patience = std::chrono::seconds(10));
+
+  /// Whether its threads move. Any thread.
+  [[nodiscard]] Heartbeat::Beats beats() const {
+    return {log_.subject().robot, server_->beats(), acquisition_beats_};
+  }
+
+  /// How it is: published about once a second. Any thread, also after the end of this.
+  [[nodiscard]] std::shared_ptr<const RobotStatus> status() const { return status_; }
+
+  [[nodiscard]] rsi::Endpoint local() const { return local_; }
+
+ private:
+  using Steady = std::chrono::steady_clock;
+
+  void serve(std::promise<RealTimeReport> ready);
+  void say_real_time(const RealTimeReport& report);
+  void acquire();
+  void take_over();
+  void drain();
+  void take(const rsi::Datagram& datagram, rsi::Handling handling);
+  /// The session is not about this one: it waits, unless it streams.
+  void take_from_other(const rsi::Datagram& datagram, rsi::Handling handling, std::uint32_t peer);
+  void take_waiting();
+  void begin_session(const rsi::Datagram& first);
+  void end_session();
+  void on_sweep(const identify::Sweep& sweep);
+  void say_link();
+  [[nodiscard]] RobotState first_state() const;
+  void publish();
+  [[nodiscard]] RunFacts run_facts() const;
+
+  RobotSettings settings_;
+  RobotSetup setup_;
+  std::unique_ptr<rsi::Server> server_;  // null after the end: another one may have the port
+  const rsi::Endpoint local_;
+  const Log log_;
+  const std::shared_ptr<RobotStatus> status_;
+  Recorder recorder_;
+  Identifier identifier_;
+  std::thread reply_thread_;
+  std::thread acquisition_thread_;
+  std::atomic<bool> stopping_{false};
+  std::atomic<bool> link_wanted_{false};
+  std::atomic<std::uint64_t> acquisition_beats_{0};
+
+  RobotSettings given_;       // by the last reload; of the thread that calls it
+  std::string ethernet_xml_;  // what the Ethernet file held at the start
+  struct Reloaded {
+    RobotSettings settings;
+    RobotSetup setup;
+  };
+  std::mutex reload_mutex_;
+  std::optional<Reloaded> reloaded_;  // waits for the acquisition thread
+
+  // The acquisition thread's own.
+  Log session_log_;
+  std::optional<Session> session_;
+  PlannedTurns turns_;                          // of the session
+  std::unique_ptr<LinkWatch> watch_;            // of the session
+  std::shared_ptr<const Recording> recording_;  // of the session
+  std::string started_;
+  std::uint32_t controller_ = 0;  // address
+  struct Waiting {
+    rsi::Datagram datagram;
+    std::string payload;
+    rsi::Handling handling;
+    std::uint32_t peer;  // address
+  };
+  std::deque<Waiting> waiting_;
+  LinkComplaints complaints_;
+  std::uint64_t not_begun_ = 0;  // telegrams before this session
+  RobotTally tally_;
+  Steady::time_point published_;
+  Steady::time_point last_datagram_;
+  Steady::time_point last_identification_;
+};
+
+}  // namespace sweepd

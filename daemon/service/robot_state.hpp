@@ -1,0 +1,87 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "daemon/record/recording.hpp"
+#include "daemon/results/link_totals.hpp"
+#include "daemon/service/published.hpp"
+#include "identify/identification.hpp"
+#include "rsi/server/server.hpp"
+
+namespace sweepd {
+
+/// RSI that streams now.
+struct StreamState {
+  std::string session;  ///< its start, as its folder is named
+  rsi::Timestamp since{};
+  std::uint32_t controller = 0;      ///< its address, in host byte order
+  std::chrono::nanoseconds cycle{};  ///< 0 until it is known
+  /// Of its replies.
+  std::chrono::nanoseconds latency_p50{}, latency_p99{}, latency_max{};
+};
+
+/// Strokes of one joint between two rests.
+struct SweepCounts {
+  std::uint64_t usable = 0;
+  std::uint64_t not_usable = 0;
+};
+
+/// Last results of sessions.
+struct ResultBacklog {
+  std::uint64_t pending = 0;   ///< under way, or waiting for a disk that takes them
+  std::uint64_t given_up = 0;  ///< as too many others waited, since sweepd started
+};
+
+/// What an operator may want to know of a robot at one moment. Counts are those since sweepd
+/// started, over all sessions; they never fall.
+struct RobotState {
+  std::string name;
+  rsi::Endpoint listen;
+  rsi::Transport transport = rsi::Transport::udp;
+  bool replies = true;  ///< false: the controller wants none
+
+  std::optional<StreamState> stream;
+  std::uint64_t sessions = 0;  ///< that have begun
+  rsi::Server::Counts server;
+  LinkTotals link;
+
+  Recording::Counts recording;
+  bool recording_paused = false;  ///< the disk has no room, or refuses
+
+  ResultBacklog results;
+
+  /// By joint, from 1; 0: no angles tell which one it was.
+  std::map<std::size_t, SweepCounts> sweeps;
+  std::string last_sweep;  ///< in words; empty before the first
+};
+
+/// What was identified, since sweepd started.
+struct ResultState {
+  /// Identifications by identify::Status, interim ones included.
+  std::array<std::uint64_t, 4> count{};
+
+  struct Newest {
+    identify::Status status{};
+    bool interim = false;  ///< its session goes on
+    std::string session;
+    rsi::Timestamp at{};
+    std::chrono::nanoseconds took{};
+    std::size_t warnings = 0;
+    std::shared_ptr<const std::string> json;  ///< result.json, to the byte
+  };
+  std::optional<Newest> newest;
+};
+
+/// Where a robot's threads publish how it is. Any thread; no reply thread comes near it.
+struct RobotStatus {
+  Published<RobotState> state;
+  Published<ResultState> result;
+};
+
+}  // namespace sweepd

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "daemon/service/published.hpp"
+#include "daemon/service/robot_state.hpp"
+
+namespace sweepd {
+
+/// How the whole service is, as the thread that leads it publishes it about once a second.
+struct ServiceStatus {
+  enum class Phase { starting, serving, stopping };
+  Phase phase = Phase::starting;
+  std::vector<std::shared_ptr<const RobotStatus>> robots;  ///< that are served
+  /// The threads that stand still, a sentence each: see Heartbeat.
+  std::vector<std::string> standstills;
+  std::chrono::steady_clock::time_point looked{};  ///< when that was found out
+
+  struct NotServed {
+    std::string robot;
+    std::string reason;
+  };
+  std::vector<NotServed> not_served = {};  ///< robots of the settings that are tried again
+
+  [[nodiscard]] bool ready() const { return phase == Phase::serving && not_served.empty(); }
+};
+
+}  // namespace sweepd

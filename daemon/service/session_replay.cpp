@@ -1,0 +1,95 @@
+#include "daemon/service/session_replay.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <fstream>
+#include <stdexcept>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/record/recording_files.hpp"
+#include "daemon/results/result_files.hpp"
+#include "daemon/results/run_json.hpp"
+#include "daemon/text/utc.hpp"
+#include "rsi/capture/capture_order.hpp"
+
+namespace sweepd {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> traces_of(const fs::path& folder) {
+  std::vector<fs::path> traces;
+  for (unsigned part = 1;; ++part) {
+    auto trace = folder / part_name("trace", ".pcap", part);
+    if (!fs::is_regular_file(trace)) return traces;
+    traces.push_back(std::move(trace));
+  }
+}
+
+/// How many telegrams a result was made of that is there already; 0: none is.
+std::uint64_t telegrams_of_result(const fs::path& folder) {
+  std::ifstream stream(folder / "result.json", std::ios::binary);
+  const auto result = nlohmann::json::parse(stream, nullptr, false);
+  const auto telegrams = nlohmann::json::json_pointer("/source/telegrams");
+  return result.is_object() ? result.value(telegrams, std::uint64_t{0}) : 0;
+}
+
+}  // namespace
+
+SessionReplay::SessionReplay(fs::path folder, const RobotSetup& setup)
+    : folder_(std::move(folder)), lock_(folder_) {
+  if (!lock_.held()) throw std::runtime_error(folder_.string() + ": another sweepd writes there");
+  traces_ = rsi::in_order_of_time(traces_of(folder_));
+  const auto search = rsi::find_conversation(traces_);
+  if (search.chosen) conversation_ = *search.chosen;
+  std::reverse(traces_.begin(), traces_.end());
+  session_ = std::make_unique<Session>(setup, "trace", Session::Events{});
+}
+
+bool SessionReplay::step() {
+  constexpr int kDatagrams = 20'000;
+  for (int i = 0; i < kDatagrams; ++i) {
+    if (!trace_) {
+      if (traces_.empty()) return false;
+      trace_.emplace(traces_.back());
+      traces_.pop_back();
+    }
+    const auto datagram = trace_->next();
+    if (!datagram) {
+      trace_.reset();
+      continue;
+    }
+    newest_ = std::max(newest_, datagram->time);
+    if (conversation_.direction(*datagram) == rsi::Direction::from_controller)
+      session_->telegram(*datagram);
+  }
+  return true;
+}
+
+SessionEnd SessionReplay::end(Log log) {
+  session_->finish();
+  const auto started = folder_.filename().string();
+  log.about(started, {});
+  const auto snapshot = session_->snapshot();
+  const bool better = telegrams_of_result(folder_) <= snapshot.counts.link.telegrams;
+  SessionEnd end{folder_.parent_path(),
+                 started,
+                 nullptr,
+                 folder_,
+                 snapshot,
+                 std::nullopt,
+                 [ended = utc_name(newest_), better](const fs::path& folder) {
+                   return run_json_of_cut_session(folder, ended, better);
+                 },
+                 std::move(log)};
+  end.lock = std::move(lock_);
+  if (!better) {
+    end.log.note("the result in {} stays: it knew more than is in the recording", folder_.string());
+    for (auto& name : result_file_names()) end.written.insert(std::move(name));
+  }
+  return end;
+}
+
+}  // namespace sweepd

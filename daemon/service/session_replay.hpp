@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "daemon/service/session_end.hpp"
+#include "daemon/settings/robot_setup.hpp"
+#include "daemon/stream/session.hpp"
+#include "rsi/capture/capture_reader.hpp"
+#include "rsi/capture/conversation.hpp"
+
+namespace sweepd {
+
+/// Reads the recording of a session whose last result was never written. One thread.
+class SessionReplay {
+ public:
+  /// Throws rsi::CaptureError where there is nothing to read, and std::runtime_error if another
+  /// sweepd is writing there.
+  SessionReplay(std::filesystem::path folder, const RobotSetup& setup);
+
+  /// Reads on for some tenth of a second. False once all is read.
+  bool step();
+  /// Then: the end of the session, to be identified.
+  [[nodiscard]] SessionEnd end(Log log);
+
+ private:
+  std::filesystem::path folder_;
+  FolderLock lock_;
+  std::vector<std::filesystem::path> traces_;  // the next one is at the end
+  rsi::Conversation conversation_;
+  std::unique_ptr<Session> session_;
+  std::optional<rsi::CaptureReader> trace_;
+  rsi::Timestamp newest_{};
+};
+
+}  // namespace sweepd

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "daemon/settings/settings.hpp"
+#include "daemon/settings/toml_table.hpp"
+
+namespace sweepd {
+
+/// Where an option's value goes. Its type says how it is written and whether it may be left out.
+using Field = std::variant<std::string*, std::filesystem::path*, rsi::Endpoint*,  // required
+                           std::optional<std::filesystem::path>*, std::optional<std::uint32_t>*,
+                           std::optional<rsi::Endpoint>*, bool*, std::chrono::milliseconds*,
+                           std::chrono::seconds*, std::chrono::days*, std::size_t*, int*,
+                           std::vector<int>*, RealTime*, std::array<std::string, 3>*,
+                           std::vector<std::string>*, HostNames*, TagNames*>;
+
+/// A key of the settings file.
+struct Option {
+  std::string_view key;
+  Field field;
+  std::string_view help;
+  std::int64_t least = 0;  ///< of a whole number
+  std::int64_t most = 0;
+};
+using Options = std::vector<Option>;
+
+/// Fills the fields of what `table` holds; there may also be `more_keys` in it, which are somebody
+/// else's. Relative paths start at `folder`. Throws ConfigError.
+void read_options(const TomlTable& table, const Options& options,
+                  std::initializer_list<std::string_view> more_keys,
+                  const std::filesystem::path& folder);
+
+/// `prefix` stands before each key. The fields hold the defaults.
+[[nodiscard]] std::vector<OptionText> option_texts(const Options& options,
+                                                   const std::string& prefix = {});
+
+/// The keys, after `prefix`, of which the two values differ. Both are of the same options.
+[[nodiscard]] std::vector<std::string> differing(const Options& from, const Options& to,
+                                                 const std::string& prefix = {});
+
+}  // namespace sweepd

@@ -1,0 +1,163 @@
+#include "daemon/settings/robot_description.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "daemon/settings/toml_table.hpp"
+#include "daemon/text/units.hpp"
+
+namespace sweepd {
+namespace {
+
+constexpr double kLongest_mm = 1e5;
+constexpr double kTurn_deg = 360;
+constexpr double kMostTurns_deg = 1e5;  // endless joints exist
+constexpr double kSlowestJoint_deg_s = 0.1;
+constexpr double kFastestJoint_deg_s = 1e4;
+constexpr double kMostSag_arcsec = 3600;
+
+constexpr std::array<std::string_view, 5> kRowKeys{"b_mm", "theta_deg", "a_mm", "alpha_deg",
+                                                   "positive"};
+
+bool has_row(const TomlTable& joint) {
+  return std::any_of(kRowKeys.begin(), kRowKeys.end(), [&](auto key) { return joint.has(key); });
+}
+
+/// The keys of a joint's limits, by its type.
+struct LimitKeys {
+  std::string_view least, most, speed;
+};
+constexpr LimitKeys kOfTurning{"min_deg", "max_deg", "max_speed_deg_s"};
+constexpr LimitKeys kOfLinear{"min_mm", "max_mm", "max_speed_mm_s"};
+
+bool read_linear(const TomlTable& joint) {
+  if (!joint.has("type")) return false;
+  const std::string type = joint.text("type");
+  if (type != "linear" && type != "revolute")
+    joint.fail("type", "expected \"revolute\" or \"linear\", found " + joint.found("type") +
+                           ": write one of them");
+  return type == "linear";
+}
+
+JointLimits read_limits(const TomlTable& joint) {
+  JointLimits limits;
+  limits.linear = read_linear(joint);
+  const LimitKeys& keys = limits.linear ? kOfLinear : kOfTurning;
+  const LimitKeys& others = limits.linear ? kOfTurning : kOfLinear;
+  for (const auto& [key, other] :
+       {std::pair{keys.least, others.least}, {keys.most, others.most}, {keys.speed, others.speed}})
+    if (joint.has(other))
+      joint.fail(other, "expected " + std::string(key) + " of a joint with type = \"" +
+                            (limits.linear ? "linear" : "revolute") + "\", found " +
+                            std::string(other) + ": correct the key or the type");
+  if (joint.has(keys.speed))
+    limits.max_speed_deg_s = joint.number(keys.speed, kSlowestJoint_deg_s, kFastestJoint_deg_s);
+  if (!joint.has(keys.least) && !joint.has(keys.most)) return limits;
+  limits.min_deg = joint.number(keys.least, -kMostTurns_deg, kMostTurns_deg);
+  limits.max_deg = joint.number(keys.most, -kMostTurns_deg, kMostTurns_deg);
+  if (limits.min_deg >= limits.max_deg)
+    joint.fail(keys.most, "expected more than " + std::string(keys.least) + " = " +
+                              number_text(limits.min_deg) + ", found " + joint.found(keys.most) +
+                              ": exchange or correct them");
+  return limits;
+}
+
+/// Beside a parallel axis that of a linear joint has no place to be off.
+void check_linear_rows(const std::vector<TomlTable>& joints, const identify::Arm& arm) {
+  constexpr double kParallel = 1e-6;
+  for (std::size_t i = 0; i + 1 < arm.joints(); ++i)
+    if (arm.is_linear(i) && std::abs(std::sin(arm.rows[i].alpha_rad)) < kParallel &&
+        arm.rows[i].a_mm != 0)
+      joints[i].fail("a_mm",
+                     "expected 0, as the joint is linear and the next axis parallel to it, "
+                     "found " +
+                         joints[i].found("a_mm") +
+                         ": its axis has a direction and no place: let it lie on the next "
+                         "axis, and add what is between them to a_mm of the row before");
+}
+
+void read_row(const TomlTable& joint, identify::Arm& arm) {
+  for (const auto key : kRowKeys)
+    if (!joint.has(key))
+      joint.fail(key,
+                 "missing: expected b_mm, theta_deg, a_mm, alpha_deg and positive in every "
+                 "[[joint]], or in none: add it, or leave all of them out");
+  arm.rows.push_back({joint.number("b_mm", -kLongest_mm, kLongest_mm),
+                      joint.number("theta_deg", -kTurn_deg, kTurn_deg) * kDegree,
+                      joint.number("a_mm", -kLongest_mm, kLongest_mm),
+                      joint.number("alpha_deg", -kTurn_deg, kTurn_deg) * kDegree});
+  const std::int64_t positive = joint.whole_number("positive", -1, 1);
+  if (positive == 0) joint.fail("positive", "expected 1 or -1, found the number 0: choose one");
+  arm.positive.push_back(static_cast<int>(positive));
+}
+
+void read_home(const TomlTable& top, RobotDescription& robot) {
+  robot.home_deg = top.numbers("home_deg", -kMostTurns_deg, kMostTurns_deg);
+  if (robot.home_deg.size() != robot.joints())
+    top.fail("home_deg", "expected " + std::to_string(robot.joints()) +
+                             " angles, one a [[joint]], found " + top.found("home_deg") +
+                             ": make them as many");
+  for (std::size_t i = 0; i < robot.joints(); ++i)
+    if (!robot.limits[i].contain(robot.home_deg[i]))
+      top.fail("home_deg", "expected joint " + std::to_string(i + 1) + " from " +
+                               number_text(robot.limits[i].min_deg) + " to " +
+                               number_text(robot.limits[i].max_deg) + ", found " +
+                               number_text(robot.home_deg[i]) +
+                               ": correct it, or the limits of the joint");
+}
+
+Eigen::Vector3d read_tool(const TomlTable& top) {
+  const std::vector<double> tool = top.numbers("tool_mm", -kLongest_mm, kLongest_mm);
+  if (tool.size() != 3)
+    top.fail("tool_mm",
+             "expected [x, y, z], found " + top.found("tool_mm") + ": write three numbers");
+  return {tool[0], tool[1], tool[2]};
+}
+
+}  // namespace
+
+RobotDescription load_robot(const std::filesystem::path& file) {
+  const TomlTable top = TomlTable::load(file);
+  top.allow_only({"name", "source", "home_deg", "tool_mm", "joint"});
+  const std::vector<TomlTable> joints = top.tables("joint");
+  if (joints.size() > 12)
+    joints[12].fail("joint", "expected 1 to 12 joints, found " + std::to_string(joints.size()) +
+                                 ": an arm of so many is not supported");
+
+  RobotDescription robot;
+  robot.name = top.text("name");
+  if (top.has("source")) robot.source = top.text("source");
+
+  std::vector<std::string_view> keys(kRowKeys.begin(), kRowKeys.end());
+  keys.insert(keys.end(), {"type", "sag_arcsec"});
+  for (const LimitKeys& of : {kOfTurning, kOfLinear})
+    keys.insert(keys.end(), {of.least, of.most, of.speed});
+  for (const TomlTable& joint : joints) {
+    joint.allow_only(keys);
+    robot.limits.push_back(read_limits(joint));
+    robot.sag_arcsec.push_back(
+        joint.has("sag_arcsec") ? joint.number("sag_arcsec", 0, kMostSag_arcsec) : 0);
+  }
+
+  const bool specified = std::any_of(joints.begin(), joints.end(), has_row);
+  if (specified || top.has("home_deg")) read_home(top, robot);
+  if (specified) {
+    identify::Arm& arm = robot.arm.emplace();
+    for (const TomlTable& joint : joints) read_row(joint, arm);
+    for (const double angle_deg : robot.home_deg) arm.home_rad.push_back(angle_deg * kDegree);
+    for (const JointLimits& limits : robot.limits) arm.linear.push_back(limits.linear);
+    check_linear_rows(joints, arm);
+    if (top.has("tool_mm")) arm.tool_mm = read_tool(top);
+  } else if (top.has("tool_mm")) {
+    top.fail("tool_mm",
+             "expected no tool point, as it is given in the frame after the last row "
+             "and no [[joint]] has one, found " +
+                 top.found("tool_mm") + ": leave it out, or add the DH table");
+  }
+  return robot;
+}
+
+}  // namespace sweepd

@@ -1,0 +1,76 @@
+#include "daemon/settings/robot_setup.hpp"
+
+#include <algorithm>
+
+#include "daemon/settings/config_error.hpp"
+#include "daemon/text/units.hpp"
+
+namespace sweepd {
+namespace {
+
+void check_fit(const RobotSetup& setup) {
+  if (!setup.plan || !setup.description) return;
+  const auto findings = check_plan(*setup.plan, *setup.description);
+  if (!findings.empty()) throw ConfigError(findings.front());
+}
+
+/// A joint's turn begins with the move from home to its start, where there is one.
+int first_direction(const PlannedSweep& sweep, double home_deg) {
+  const double first =
+      sweep.start_deg != home_deg ? sweep.start_deg - home_deg : sweep.end_deg - sweep.start_deg;
+  return first > 0 ? 1 : -1;
+}
+
+}  // namespace
+
+RobotSetup load_setup(const RobotSettings& settings) {
+  RobotSetup setup = load_setup(settings.description, settings.plan);
+  setup.name = settings.name;
+  setup.signals = settings.signals;
+  return setup;
+}
+
+RobotSetup load_setup(const std::optional<std::filesystem::path>& description,
+                      const std::optional<std::filesystem::path>& plan) {
+  RobotSetup setup;
+  setup.name = "robot";
+  if (description) {
+    setup.description = load_robot(*description);
+    setup.name = description->stem().string();
+    std::replace(setup.name.begin(), setup.name.end(), '_', '-');
+    setup.joints = setup.description->joints();
+  }
+  if (plan) {
+    setup.plan = load_plan(*plan);
+    if (!description) setup.joints = setup.plan->home_deg.size();
+  }
+  check_fit(setup);
+  return setup;
+}
+
+identify::Campaign campaign(const RobotSetup& setup, const identify::Resolution& resolution) {
+  identify::Campaign campaign;
+  campaign.joints = setup.joints;
+  campaign.resolution = resolution;
+  if (setup.description) {
+    campaign.specified = setup.description->arm;
+    for (const double sag : setup.description->sag_arcsec)
+      campaign.sag_rad.push_back(sag * identify::kArcsec);
+  }
+  if (setup.plan) {
+    for (const double home : setup.plan->home_deg)
+      campaign.declared_home_rad.push_back(radians(home));
+    for (const auto& sweep : setup.plan->sweeps) {
+      const std::size_t joint = sweep.joint - 1;
+      const double home = setup.plan->home_deg[joint];
+      if (campaign.order.empty() || campaign.order.back().joint != joint)
+        campaign.order.push_back({joint, first_direction(sweep, home)});
+      for (const double move :
+           {sweep.start_deg - home, sweep.end_deg - sweep.start_deg, home - sweep.end_deg})
+        if (move != 0) campaign.order.back().strokes_rad.push_back(radians(move));
+    }
+  }
+  return campaign;
+}
+
+}  // namespace sweepd

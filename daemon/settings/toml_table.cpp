@@ -1,0 +1,289 @@
+#include "daemon/settings/toml_table.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <system_error>
+
+#include <toml++/toml.h>
+
+#include "daemon/settings/config_error.hpp"
+#include "daemon/settings/toml_nesting.hpp"
+#include "daemon/text/nearest_word.hpp"
+#include "rsi/ascii.hpp"
+#include "rsi/counted.hpp"
+
+namespace sweepd {
+namespace {
+
+/// More than any file of ours; keeps a mistaken path (a capture, /dev/zero) from filling memory.
+constexpr std::size_t kMostFileBytes = 1 << 20;
+/// Our files have a table in a table.
+constexpr std::size_t kDeepest = 32;
+
+struct Unit {
+  std::string_view suffix;
+  std::string_view words;
+};
+constexpr std::array kUnits{
+    Unit{"_ms", "milliseconds"},
+    Unit{"_mm", "millimetres"},
+    Unit{"_deg", "degrees"},
+    Unit{"_arcsec", "arcseconds"},
+    Unit{"_deg_s", "degrees per second"},
+    Unit{"_deg_s2", "degrees per second squared"},
+    Unit{"_bytes", "bytes"},
+};
+
+std::string unit_of(std::string_view key) {
+  for (const Unit& unit : kUnits)
+    if (key.ends_with(unit.suffix)) return " of " + std::string(unit.words);
+  return "";
+}
+
+/// Text from a file inside a message: in quotes, on one line, not too long.
+std::string in_quotes(std::string_view text) {
+  constexpr std::size_t kMost = 60;
+  return '"' + rsi::printable(text.substr(0, kMost)) + (text.size() > kMost ? "...\"" : "\"");
+}
+
+/// A key or message that stands without quotes.
+std::string unquoted(std::string_view text) {
+  const std::string shown = in_quotes(text);
+  return shown.substr(1, shown.size() - 2);
+}
+
+std::string in_words(const toml::node* node) {
+  if (!node) return "nothing";
+  if (const auto* text = node->as_string()) return "the string " + in_quotes(text->get());
+  if (const auto* whole = node->as_integer()) return "the number " + std::to_string(whole->get());
+  if (const auto* number = node->as_floating_point())
+    return "the number " + number_text(number->get());
+  if (const auto* flag = node->as_boolean()) return flag->get() ? "true" : "false";
+  if (const auto* array = node->as_array())
+    return "an array of " + rsi::counted(array->size(), "value");
+  return node->is_table() ? "a table" : "a date or a time";
+}
+
+std::string place(const std::string& file, const toml::source_position& where) {
+  return file + ':' + std::to_string(where.line) + ':' + std::to_string(where.column) + ": ";
+}
+
+}  // namespace
+
+struct TomlTable::Node {
+  std::shared_ptr<const toml::table> root;  ///< owns everything
+  const toml::table* table;
+  std::string file;
+  std::string prefix;  ///< of its keys in errors: "robot."
+
+  [[nodiscard]] const toml::node& get(std::string_view key, const std::string& expected) const {
+    if (const toml::node* node = table->get(key)) return *node;
+    fail(key, *table, "missing: expected " + expected + ": add it to this table");
+  }
+
+  /// The table that `value` is, which stands under `key` of this one.
+  [[nodiscard]] std::shared_ptr<const Node> child(std::string_view key,
+                                                  const toml::node& value) const {
+    return std::make_shared<const Node>(
+        Node{root, value.as_table(), file, prefix + std::string(key) + '.'});
+  }
+
+  [[noreturn]] void fail(std::string_view key, const toml::source_position& where,
+                         const std::string& problem) const {
+    throw ConfigError(place(file, where) + prefix + unquoted(key) + ": " + rsi::printable(problem));
+  }
+
+  [[noreturn]] void fail(std::string_view key, const toml::node& node,
+                         const std::string& problem) const {
+    fail(key, node.source().begin, problem);
+  }
+
+  [[noreturn]] void wrong_type(std::string_view key, const toml::node& node,
+                               const std::string& expected) const {
+    std::string remedy = "correct it";
+    if (node.is_string() && expected.find("number") != std::string::npos)
+      remedy = "write it without quotes";
+    else if (node.is_number() && expected.find("string") != std::string::npos)
+      remedy = "put it in quotes";
+    fail(key, node, "expected " + expected + ", found " + in_words(&node) + ": " + remedy);
+  }
+
+  [[nodiscard]] double number(std::string_view key, const toml::node& node, double least,
+                              double most) const {
+    const std::string expected = "a number" + unit_of(key);
+    const auto value = node.is_number() ? node.value<double>() : std::nullopt;
+    if (!value || !std::isfinite(*value)) wrong_type(key, node, expected);
+    if (*value < least || *value > most)
+      fail(key, node,
+           "expected " + expected + " from " + number_text(least) + " to " + number_text(most) +
+               ", found " + in_words(&node) + ": choose one in between");
+    return *value;
+  }
+
+  [[nodiscard]] const toml::array& array(std::string_view key, const std::string& expected) const {
+    const toml::node& node = get(key, expected);
+    if (!node.is_array()) wrong_type(key, node, expected);
+    return *node.as_array();
+  }
+};
+
+TomlTable::TomlTable(std::shared_ptr<const Node> node) : node_(std::move(node)) {}
+
+TomlTable TomlTable::load(const std::filesystem::path& file) {
+  errno = 0;
+  std::ifstream in(file, std::ios::binary);
+  std::string text;
+  std::array<char, 4096> part{};
+  while (in && text.size() <= kMostFileBytes) {
+    in.read(part.data(), part.size());
+    text.append(part.data(), static_cast<std::size_t>(in.gcount()));
+  }
+  if (!in.is_open() || in.bad())
+    throw ConfigError(file.string() + ": cannot be read: " +
+                      std::error_code(errno, std::generic_category()).message() +
+                      ": check the path and the permissions");
+  if (text.size() > kMostFileBytes)
+    throw ConfigError(file.string() +
+                      ": expected a TOML file of at most 1 MiB, found more: " + "check the path");
+  return parse(text, file);
+}
+
+TomlTable TomlTable::parse(std::string_view text, const std::filesystem::path& file) {
+  const std::string name = file.string();
+  if (const auto where = too_deep(text, kDeepest))
+    throw ConfigError(name + ':' + std::to_string(where->line) + ':' +
+                      std::to_string(where->column) +
+                      ": keys, tables or arrays are nested more than " + std::to_string(kDeepest) +
+                      " deep: correct the file");
+  try {
+    auto root = std::make_shared<const toml::table>(toml::parse(text, name));
+    const toml::table* top = root.get();
+    return TomlTable(std::make_shared<const Node>(Node{std::move(root), top, name, ""}));
+  } catch (const toml::parse_error& error) {
+    throw ConfigError(place(name, error.source().begin) + "not valid TOML: " +
+                      rsi::printable(error.description()) + ": correct the syntax");
+  }
+}
+
+void TomlTable::allow_only(const std::vector<std::string_view>& keys) const {
+  const toml::key* unknown = nullptr;
+  for (const auto& [key, value] : *node_->table) {
+    if (std::find(keys.begin(), keys.end(), key.str()) != keys.end()) continue;
+    // The table is sorted by name; a reader goes from top to bottom.
+    if (!unknown || key.source().begin < unknown->source().begin) unknown = &key;
+  }
+  if (!unknown) return;
+
+  std::string problem = "unknown key: ";
+  if (const auto meant = nearest_word(unknown->str(), keys); !meant.empty()) {
+    problem += "did you mean " + in_quotes(meant) + "?";
+  } else {
+    problem += "this table may have";
+    for (const auto known : keys)
+      problem += (known == keys.front() ? " " : ", ") + std::string(known);
+  }
+  node_->fail(unknown->str(), unknown->source().begin, problem);
+}
+
+bool TomlTable::has(std::string_view key) const {
+  return node_->table->contains(key);
+}
+
+std::string TomlTable::text(std::string_view key) const {
+  const toml::node& node = node_->get(key, "a string");
+  const auto* text = node.as_string();
+  if (!text) node_->wrong_type(key, node, "a string");
+  if (text->get().empty())
+    node_->fail(key, node, "expected a string, found an empty one: fill it in");
+  return text->get();
+}
+
+bool TomlTable::flag(std::string_view key) const {
+  const toml::node& node = node_->get(key, "true or false");
+  const auto* flag = node.as_boolean();
+  if (!flag) node_->wrong_type(key, node, "true or false");
+  return flag->get();
+}
+
+double TomlTable::number(std::string_view key, double least, double most) const {
+  return node_->number(key, node_->get(key, "a number" + unit_of(key)), least, most);
+}
+
+std::int64_t TomlTable::whole_number(std::string_view key, std::int64_t least,
+                                     std::int64_t most) const {
+  const std::string expected = "a whole number" + unit_of(key);
+  const toml::node& node = node_->get(key, expected);
+  const auto* value = node.as_integer();
+  if (!value) node_->wrong_type(key, node, expected);
+  if (value->get() < least || value->get() > most)
+    node_->fail(key, node,
+                "expected " + expected + " from " + std::to_string(least) + " to " +
+                    std::to_string(most) + ", found " + in_words(&node) +
+                    ": choose one in between");
+  return value->get();
+}
+
+std::vector<double> TomlTable::numbers(std::string_view key, double least, double most) const {
+  std::vector<double> values;
+  for (const toml::node& node : node_->array(key, "an array of numbers" + unit_of(key)))
+    values.push_back(node_->number(key, node, least, most));
+  return values;
+}
+
+std::vector<std::string> TomlTable::texts(std::string_view key) const {
+  std::vector<std::string> values;
+  for (const toml::node& node : node_->array(key, "an array of strings")) {
+    const auto* text = node.as_string();
+    if (!text) node_->wrong_type(key, node, "a string");
+    values.push_back(text->get());
+  }
+  return values;
+}
+
+std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
+  const std::string header = "[[" + std::string(key) + "]]";
+  const std::string expected = "at least one table " + header;
+  const toml::node& node = node_->get(key, expected);
+  if (node.is_table())
+    node_->fail(key, node,
+                "expected " + header + ", found a single table: double the square brackets");
+  std::vector<TomlTable> tables;
+  for (const toml::node& element : node_->array(key, expected)) {
+    if (!element.is_table()) node_->wrong_type(key, element, "a table " + header);
+    tables.push_back(TomlTable(node_->child(key, element)));
+  }
+  if (tables.empty()) node_->wrong_type(key, node, expected);
+  return tables;
+}
+
+std::optional<TomlTable> TomlTable::table(std::string_view key) const {
+  const toml::node* node = node_->table->get(key);
+  if (!node) return std::nullopt;
+  if (!node->is_table()) node_->wrong_type(key, *node, "a table [" + std::string(key) + "]");
+  return TomlTable(node_->child(key, *node));
+}
+
+int TomlTable::line() const {
+  return static_cast<int>(node_->table->source().begin.line);
+}
+
+std::string TomlTable::found(std::string_view key) const {
+  return in_words(node_->table->get(key));
+}
+
+void TomlTable::fail(std::string_view key, const std::string& problem) const {
+  const toml::node* value = node_->table->get(key);
+  node_->fail(key, value ? *value : *node_->table, problem);
+}
+
+std::string number_text(double value) {
+  std::array<char, 32> buffer{};
+  const auto [end, error] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  return {buffer.data(), end};
+}
+
+}  // namespace sweepd

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/settings/settings.hpp"
+#include "identify/sweeps/sample.hpp"
+#include "rsi/telegram/telegram.hpp"
+
+namespace sweepd {
+
+/// Takes the measured values out of telegrams: where rsi ends and identify begins.
+class SampleReader {
+ public:
+  /// The first `joints` names of the angles count.
+  SampleReader(const SignalNames& names, std::size_t joints);
+
+  /// Position, orientation and angles, each only if all of its values are there and numbers; the
+  /// time is left to the caller.
+  [[nodiscard]] identify::Sample read(const rsi::Telegram& telegram);
+
+  /// The telegram's <Delay D=>.
+  [[nodiscard]] std::optional<std::uint64_t> delay(const rsi::Telegram& telegram);
+
+  /// Appends ",x,y,z,a,b,c,a1,…" of the telegram last read, as the controller printed them; nothing
+  /// between the commas for what is missing or no number that can be measured.
+  void append_csv(std::string& row) const;
+  [[nodiscard]] std::string csv_header() const;
+
+  /// The last decimal that was printed so far, in the finest telegram.
+  [[nodiscard]] const identify::Resolution& resolution() const { return resolution_; }
+
+  /// Values that were there but no numbers that can be measured.
+  [[nodiscard]] std::uint64_t unusable() const { return unusable_; }
+
+ private:
+  /// A signal's name, where it was found last, and the number that stood there.
+  struct Source {
+    std::string element;
+    std::string attribute;
+    std::size_t hint = 0;
+    std::string_view text = {};
+  };
+
+  static Source source(const std::string& name);
+  std::optional<double> value(const rsi::Telegram& telegram, Source& source, int& decimals);
+  void follow_external_axes(const rsi::Telegram& telegram);
+
+  std::vector<Source> pose_;  // X Y Z A B C
+  std::vector<Source> angles_;
+  Source delay_{"Delay", "D"};
+  /// The controller's external axes, and how often one was seen to move.
+  struct ExternalAxis {
+    Source source;
+    std::optional<double> at = {};
+  };
+  std::vector<ExternalAxis> external_;
+  std::uint16_t external_place_ = 0;
+  identify::Resolution resolution_;
+  int position_decimals_ = -1;
+  int angle_decimals_ = -1;
+  std::uint64_t unusable_ = 0;
+};
+
+}  // namespace sweepd

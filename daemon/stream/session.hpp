@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daemon/settings/robot_setup.hpp"
+#include "daemon/stream/pipeline.hpp"
+#include "rsi/datagram.hpp"
+
+namespace sweepd {
+
+/// What a session knew at one moment: enough to identify, in any thread.
+struct Snapshot {
+  std::string robot;
+  std::string source_kind;
+  SourceCounts counts;
+  identify::Campaign campaign;
+  std::vector<identify::Sweep> sweeps;
+  std::size_t sweeps_left_out = 0;       ///< beyond what memory is set aside for
+  std::vector<JointLimits> limits = {};  ///< of the joints, where the description has them
+};
+
+/// One stream of a controller, from its first telegram to its end. No files. One thread.
+class Session {
+ public:
+  struct Events {
+    std::function<void(const identify::Sweep&)> on_sweep;
+    /// A row of samples.csv, without its end.
+    std::function<void(std::string_view)> on_row;
+    /// Whatever came, and what it was parsed to.
+    std::function<void(const rsi::Datagram&, const rsi::Telegram&, rsi::Defect)> on_telegram = {};
+  };
+
+  /// `source_kind` is for the result. A recorded live stream is "trace" too: its result is that of
+  /// its own trace, to the byte.
+  Session(const RobotSetup& setup, std::string source_kind, Events events);
+
+  /// What came from the controller, whatever it holds.
+  void telegram(const rsi::Datagram& datagram) { pipeline_.telegram(datagram); }
+  /// The stream is over: the last stroke ends.
+  void finish() { pipeline_.finish(); }
+
+  /// What samples.csv begins with, without its end of line.
+  [[nodiscard]] std::string csv_header() const { return pipeline_.csv_header(); }
+  [[nodiscard]] Snapshot snapshot() const;
+  /// Whether as many strokes were seen as an identification needs.
+  [[nodiscard]] bool worth_identifying() const;
+
+ private:
+  void keep(const identify::Sweep& sweep);
+
+  /// Samples that are kept for identification: some 80 MB, more than half an hour of sweeps.
+  static constexpr std::size_t kMostSamples = 500'000;
+
+  RobotSetup setup_;
+  std::string source_kind_;
+  Events events_;
+  Pipeline pipeline_;
+  std::vector<identify::Sweep> sweeps_;
+  std::size_t kept_samples_ = 0;
+  std::size_t left_out_ = 0;
+};
+
+}  // namespace sweepd

@@ -1,0 +1,34 @@
+#include "daemon/stream/traces.hpp"
+
+#include "daemon/text/progress.hpp"
+#include "rsi/capture/capture_reader.hpp"
+
+namespace sweepd {
+
+void read_traces(const std::vector<std::filesystem::path>& traces, const std::string& command,
+                 bool quiet, std::ostream& errors,
+                 const std::function<void(const rsi::Datagram&)>& on_datagram) {
+  constexpr std::uint64_t kBetweenUpdates = 4096;
+  Progress progress(command, quiet ? Progress::Terminal{} : Progress::standard_error());
+  std::uintmax_t all = 0;
+  for (const auto& path : traces) {
+    std::error_code error;
+    const auto size = std::filesystem::file_size(path, error);
+    if (!error) all += size;
+  }
+  std::uintmax_t before = 0;
+  for (const auto& path : traces) {
+    rsi::CaptureReader capture(path);
+    while (const auto datagram = capture.next()) {
+      if (capture.counters().packets % kBetweenUpdates == 0)
+        progress.update(static_cast<double>(before + capture.bytes_read()),
+                        static_cast<double>(all), path.filename().string());
+      on_datagram(*datagram);
+    }
+    before += capture.bytes_read();
+    progress.clear();
+    for (const auto& note : capture.notes()) errors << "sweepd: " << note << '\n';
+  }
+}
+
+}  // namespace sweepd

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "identify/chain/chain.hpp"
+#include "identify/circle/circle_estimate.hpp"
+#include "identify/geometry/angle.hpp"
+
+namespace identify {
+
+/// A stroke's angles as told, by time, and as seen about its joint's axis.
+struct AngleTrack {
+  std::size_t joint = 0;
+  int direction = 0;
+  std::vector<double> time_s, told_rad;  ///< of all samples
+  std::vector<double> at_s, seen_rad;    ///< of those that are no outliers, at most some hundred
+  double middle_rad = 0, half_rad = 0;   ///< of the range that the joint was seen in
+
+  struct Told {
+    double angle_rad = 0;
+    double speed_rad_s = 0;
+  };
+  /// Where the told angle has come at a time, and how fast it turns; nothing outside the stroke.
+  [[nodiscard]] std::optional<Told> told(double at) const;
+
+ private:
+  [[nodiscard]] double between(double at, std::size_t i) const;
+};
+
+/// Angles about an axis, counted on from one to the next.
+class AngleAbout {
+ public:
+  explicit AngleAbout(const ChainAxis& axis)
+      : axis_(axis), x_(axis.direction.unitOrthogonal()), y_(axis.direction.cross(x_)) {}
+
+  double next(const Eigen::Vector3d& point) {
+    const Eigen::Vector3d arm = point - axis_.point_mm;
+    if (axis_.linear) return axis_.direction.dot(arm) / kLinear_mm;
+    const double angle = std::atan2(y_.dot(arm), x_.dot(arm));
+    last_ += wrapped(angle - last_);
+    return last_;
+  }
+  /// Off the circle with this height and radius (or the line), across the motion.
+  [[nodiscard]] std::array<double, 2> place(const Eigen::Vector3d& point) const {
+    const Eigen::Vector3d arm = point - axis_.point_mm;
+    if (axis_.linear) return {x_.dot(arm), y_.dot(arm)};
+    const double height = axis_.direction.dot(arm);
+    return {height, (arm - height * axis_.direction).norm()};
+  }
+
+ private:
+  ChainAxis axis_;
+  Eigen::Vector3d x_, y_;
+  double last_ = 0;
+};
+
+/// `axis`: of the joint, along positive rotation. Nothing where too few samples have both.
+[[nodiscard]] std::optional<AngleTrack> angle_track(const Sweep& sweep, std::size_t joint,
+                                                    const ChainAxis& axis);
+
+/// Those of all sweeps that the circles used and whose direction is known; of one joint, the seen
+/// angles count from the same place. `axes`: one a joint.
+[[nodiscard]] std::vector<AngleTrack> angle_tracks(
+    const CircleEstimate& circles, const std::vector<std::optional<ChainAxis>>& axes);
+
+}  // namespace identify

@@ -1,0 +1,135 @@
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "identify/chain/chain.hpp"
+#include "identify/dh/dh_extraction.hpp"
+
+namespace identify {
+
+/// Standard deviations of what was measured, each sample on its own.
+struct ChainNoise {
+  double position_mm = 0;         ///< isotropic, each coordinate
+  double orientation_rad = 0;     ///< isotropic, about each direction
+  double locked_rad = 0;          ///< of the angle of each joint that stands
+  std::vector<double> swept_rad;  ///< of a sweeping joint's angle, one a joint
+};
+
+/// How far what was measured departs from the chain beyond the samples' noise: standard deviations
+/// of random effects. Zero: there is none.
+struct ChainEffects {
+  /// Of each locked joint's place in a stroke from its home: a rotation about its axis.
+  double home_rad = 0;
+  /// Of the measuring device's place in a stroke, each coordinate. It walks on during a stroke.
+  double drift_mm = 0;
+  /// Of the figure that a stroke describes, radial and axial, from a circle: the standard deviation
+  /// of the coefficient of its first Chebyshev polynomial; it falls with the square of the order.
+  /// At home, which is one pose of the arm however it was reached, there is no such departure.
+  /// Strokes of one joint and target from one home share their figure.
+  double figure_mm = 0;
+  /// Of each joint's place at another home from where its angle says: what its gear and the load
+  /// are off by there and were not at the first home. Strokes from one home share it.
+  double offset_rad = 0;
+  /// Of what a joint's angles are off by along its arc where they are believed: the standard
+  /// deviation of the coefficient of each Chebyshev polynomial. An even motion printed with few
+  /// decimals leaves such a pattern. Strokes of one joint from one home share it.
+  double told_rad = 0;
+  /// What the joint that gives way most does so by, as is known beforehand: `sags` of the chain.
+  double sag_rad = 0;
+
+  /// How far each joint may stand from where its printed angle says, one a joint: `zero_rad` of the
+  /// chain is estimated where its angle is believed. None: it is not.
+  std::vector<double> zero_rad;
+  /// Whether positions are shifted by what printing takes away of coordinates that hardly change.
+  double print_mm = 0;
+};
+
+/// What makes an estimate uncertain: the samples' noise, and the effects.
+enum class Cause { noise, home, drift, figure, offset, print, sag };
+[[nodiscard]] std::string_view text(Cause cause) noexcept;
+
+/// As the noise of a sweeping joint: its angle is not used.
+inline constexpr double kFreeAngle = std::numeric_limits<double>::infinity();
+
+/// How far the angles of a sweeping joint are believed.
+enum class AngleTrust {
+  trusted,  ///< right to the print quantum: they come from the encoders that gave the positions
+  smooth,   ///< off by a smooth curve, which is stated; not used for the geometry
+  free,     ///< off without a pattern, or not known at all; not used
+};
+[[nodiscard]] std::string_view text(AngleTrust trust) noexcept;
+
+/// What decided about a joint's angles. Errors are the controller's angle minus the angle at which
+/// the target was seen on the circle.
+struct AngleEvidence {
+  AngleTrust trust = AngleTrust::free;
+  std::string reason;
+  std::size_t samples = 0;       ///< with an angle; zero: nothing below means anything
+  double error_rms_rad = 0;      ///< of the whole error
+  double remainder_rms_rad = 0;  ///< of what the curve below leaves
+  double expected_rms_rad = 0;   ///< from position noise and print quantum alone
+  double size = 0;       ///< tangential residuals of angles believed, in print quanta's sigma
+  double coherence = 0;  ///< their variance along smooth curves, in that of white noise: 1
+  double remainder_coherence = 0;  ///< as above, of what the curve leaves, along higher harmonics
+  /// The transmission error: e(q) = offset + scale q + c1 (cos q - 1) + s1 sin q + c2 (cos 2q - 1)
+  /// + s2 sin 2q with q from home, fitted over the range that was swept and of use only there.
+  std::array<double, 6> curve{};
+  double backlash_rad = 0;  ///< error of falling strokes minus that of rising ones
+  double backlash_sigma_rad = 0;
+
+  [[nodiscard]] double curve_at(double turn_rad) const;
+};
+
+/// Robots come home, and devices stay, by better than this.
+inline constexpr double kHomeScatter_mm = 0.2;
+
+/// How the least-squares problem ended.
+struct Summary {
+  bool converged = false;
+  std::string_view ending;       ///< in words
+  int iterations = 0;            ///< of Gauss-Newton, all stages
+  double cost = 0;               ///< half the weighted sum of squares
+  double last_step = 0;          ///< in standard uncertainties, of the parameter that moved most
+  double condition = 0;          ///< of the scaled normal matrix
+  std::size_t undetermined = 0;  ///< directions in parameter space without information
+};
+
+/// What the chain estimator found (see chain_estimator.hpp).
+struct ChainEstimate {
+  /// All joints of the arm; those without an axis below are never turned.
+  Chain chain;
+  /// One a joint, along positive rotation. Nothing where the joint could not be used.
+  std::vector<std::optional<Axis>> axes;
+  /// Of all axes' (direction, point), six rows a joint, then three a target, then,
+  /// with orientation, three of the tool's rotation in the measurement frame.
+  Eigen::MatrixXd covariance;
+  /// With linear joints: how (direction, point) of the table's axes, six rows a joint, change with
+  /// the first target only because convention places theirs by it. Else empty.
+  Eigen::MatrixXd by_target;
+  /// What each cause has of it; together they are it.
+  struct Part {
+    Cause cause = Cause::noise;
+    Eigen::MatrixXd covariance;
+  };
+  std::vector<Part> parts;
+  std::vector<DhEstimate> dh;
+  ChainNoise noise;
+  ChainEffects effects;
+  std::vector<AngleEvidence> angles;  ///< one a joint
+  bool with_orientation = false;      ///< A, B, C were present, consistent, and used
+  /// How far the target stood off from home in each stroke, by the effects of home and drift.
+  double home_scatter_mm = 0;
+  std::size_t samples = 0;
+  std::size_t outliers = 0;            ///< of them: given less than half their weight
+  double samples_per_independent = 1;  ///< how many correlated samples are worth one
+  Summary summary;
+};
+
+}  // namespace identify

@@ -1,0 +1,311 @@
+#include "identify/chain/chain_estimator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "identify/chain/angle_trust.hpp"
+#include "identify/chain/chain_fit.hpp"
+#include "identify/chain/chain_noise.hpp"
+#include "identify/chain/chain_sag.hpp"
+#include "identify/chain/chain_start.hpp"
+#include "identify/chain/effect_sizes.hpp"
+#include "identify/chain/fitted_axes.hpp"
+#include "identify/chain/linearised_chain.hpp"
+#include "identify/geometry/angle.hpp"
+
+namespace identify {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Below this nothing is measured, and nothing computed in double precision.
+constexpr double kLeastPosition_mm = 1e-7;
+constexpr double kLeastAngle_rad = 1e-11;
+
+/// A way to explain the samples, and how well it does.
+struct Fitted {
+  ChainFit fit;
+  ChainNoise noise;
+};
+
+class Estimation {
+ public:
+  Estimation(const CircleEstimate& circles, const Campaign& campaign)
+      : circles_(circles), campaign_(campaign), joints_(circles.joints.size()) {}
+
+  std::optional<ChainEstimate> run() {
+    axes_ = starting_axes(circles_);
+    nodes_ = chain_nodes(circles_, axes_);
+    if (nodes_.strokes.empty()) return std::nullopt;
+    set_correlation(nodes_.strokes);
+    Chain start;
+    for (const auto& axis : axes_) start.axes.push_back(axis.value_or(ChainAxis{}));
+    start.targets_mm =
+        starting_targets(start, nodes_.observations, nodes_.targets, nodes_.with_angles);
+    set_quanta(nodes_.with_angles);
+    if (nodes_.with_angles) effects_.zero_rad = unseen_zeros();
+
+    Fitted best = without_angles(start);
+    ChainEstimate estimate;
+    estimate.angles.assign(joints_, AngleEvidence{});
+    for (AngleEvidence& evidence : estimate.angles) evidence.reason = "no angles";
+    if (nodes_.with_angles) {
+      estimate.angles = seen_angle_errors(best.fit.chain, nodes_, best.noise, quantum_);
+      if (explained_by_print(best, false)) believe_angles(best, estimate.angles);
+    }
+    if (!explained_by_print(best, false)) find_effects(best);
+    if (nodes_.with_orientation) estimate.with_orientation = add_orientation(best);
+    finish(best, estimate);
+    return estimate;
+  }
+
+ private:
+  void set_quanta(bool with_angles) {
+    const double step = 1 / std::sqrt(12.0);
+    quantum_.position_mm = std::max(kLeastPosition_mm, step * campaign_.resolution.position_mm);
+    const double angle = std::max(kLeastAngle_rad, step * campaign_.resolution.angle_rad);
+    quantum_.orientation_rad = angle;
+    quantum_.locked_rad = with_angles ? angle : 0;
+    quantum_.swept_rad.assign(joints_, angle);
+    // A locked joint whose angle is printed the same all the time does not scatter by its quantum.
+    floor_ = quantum_;
+    floor_.locked_rad = 0;
+  }
+
+  /// Fits and estimates the noise until neither changes the other.
+  Fitted settled(Chain chain, ChainNoise noise, bool with_orientation) {
+    constexpr int kMostRounds = 8;
+    Fitted result;
+    int iterations = 0;
+    for (int round = 0; round < kMostRounds; ++round) {
+      result.fit = fit_chain(chain, nodes_, noise, effects_, with_orientation);
+      iterations += result.fit.summary.iterations;
+      chain = result.fit.chain;
+      const ChainNoise before =
+          std::exchange(noise, estimate_noise(chain, nodes_, noise, floor_, with_orientation));
+      if (same(noise, before)) break;
+    }
+    result.fit = fit_chain(chain, nodes_, noise, effects_, with_orientation);
+    result.fit.summary.iterations += iterations;
+    result.noise = noise;
+    return result;
+  }
+
+  static bool same(const ChainNoise& a, const ChainNoise& b) {
+    constexpr double kAlike = 0.01;
+    const auto alike = [](double x, double y) {
+      return x == y || std::abs(x - y) <= kAlike * std::max(x, y);
+    };
+    bool all = alike(a.position_mm, b.position_mm) && alike(a.orientation_rad, b.orientation_rad) &&
+               alike(a.locked_rad, b.locked_rad);
+    for (std::size_t j = 0; j < a.swept_rad.size(); ++j)
+      all = all && alike(a.swept_rad[j], b.swept_rad[j]);
+    return all;
+  }
+
+  /// The first fit: the noise is not known yet.
+  Fitted without_angles(const Chain& start) {
+    ChainNoise noise = floor_;
+    noise.swept_rad.assign(joints_, kFreeAngle);
+    noise.position_mm = 1;
+    const Chain chain = fit_chain(start, nodes_, noise, effects_, false).chain;
+    return settled(chain, estimate_noise(chain, nodes_, noise, floor_, false), false);
+  }
+
+  /// What is left beyond the samples' noise, and the fit that knows of it.
+  void find_effects(Fitted& best) {
+    best.fit.chain.sags = sags_of(best.fit.chain, nodes_.known, campaign_.sag_rad);
+    for (const ChainSag& sag : best.fit.chain.sags)
+      effects_.sag_rad = std::max(effects_.sag_rad, campaign_.sag_rad[sag.joint]);
+    ChainEffects shape = effects_;
+    shape.figure_mm = 1;
+    shape.home_rad = shape.drift_mm = nodes_.units.size() > 1 ? 1 : 0;  // from stroke to stroke
+    shape.offset_rad = nodes_.homes.size() > 1 ? 1 : 0;
+    constexpr int kRounds = 2;
+    for (int round = 0; round < kRounds; ++round) size_effects(best, shape);
+  }
+
+  /// The effects that the shape has, and the fit that knows of them.
+  void size_effects(Fitted& best, const ChainEffects& shape) {
+    double weight = 0;
+    for (const StrokeMoments& stroke : nodes_.strokes)
+      weight += stroke.weight / stroke.correlation / static_cast<double>(nodes_.strokes.size());
+    const LinearisedChain linearised(best.fit.chain, nodes_, best.noise, shape, false);
+    effects_ = effect_sizes(linearised, shape, best.noise.position_mm / std::sqrt(weight),
+                            reach_mm(best.fit.chain));
+    best.fit = fit_chain(best.fit.chain, nodes_, best.noise, effects_, false);
+  }
+
+  /// How far the targets are from the axes at most.
+  [[nodiscard]] double reach_mm(const Chain& chain) const {
+    double reach = 1;
+    for (const auto& axis : axes_)
+      if (axis)
+        for (const Vector3d& target : chain.targets_mm)
+          reach = std::max(reach, (target - axis->point_mm).cross(axis->direction).norm());
+    return reach;
+  }
+
+  /// Root mean square of what is left, in what printed numbers alone would leave.
+  [[nodiscard]] double misprint(const Fitted& fitted, bool with_orientation) const {
+    ChainNoise printed = quantum_;
+    for (std::size_t j = 0; j < joints_; ++j)
+      if (std::isinf(fitted.noise.swept_rad[j])) printed.swept_rad[j] = kFreeAngle;
+    return misfit(fitted.fit.chain, nodes_, printed, with_orientation);
+  }
+
+  [[nodiscard]] bool explained_by_print(const Fitted& fitted, bool with_orientation) const {
+    return misprint(fitted, with_orientation) <= kMostQuanta;
+  }
+
+  /// Believes all angles, then takes back the worst joint's that does not stand the test, and so
+  /// on.
+  void believe_angles(Fitted& best, std::vector<AngleEvidence>& evidence) {
+    ChainNoise noise = best.noise;
+    noise.locked_rad = std::max(noise.locked_rad, floor_.locked_rad);
+    std::vector<bool> swept(joints_, false);
+    for (const StrokeMoments& stroke : nodes_.strokes)
+      if (stroke.told) swept[stroke.content.joint] = true;
+    for (std::size_t j = 0; j < joints_; ++j)
+      if (swept[j]) noise.swept_rad[j] = quantum_.swept_rad[j];
+    effects_.print_mm = campaign_.resolution.position_mm;
+    const auto free_nodes = nodes_.observations;
+    for (std::size_t tried = 0; tried <= joints_; ++tried) {
+      nodes_.observations = free_nodes;
+      for (ChainObservation& sample : nodes_.observations)
+        if (std::isfinite(noise.swept_rad[sample.joint]))
+          sample.turns[sample.joint] = sample.measured_turn;
+      effects_.told_rad = 0;
+      Fitted believed = settled(best.fit.chain, noise, false);
+      ChainEffects shape = effects_;
+      shape.told_rad = 1;
+      size_effects(believed, shape);
+      test_believed_angles(believed.fit.chain, nodes_, believed.noise, quantum_, evidence);
+      std::optional<std::size_t> worst;
+      bool any = false;
+      for (std::size_t j = 0; j < joints_; ++j) {
+        if (std::isinf(noise.swept_rad[j])) continue;
+        any = true;
+        if (!stands_test(evidence[j]) && (!worst || evidence[j].size > evidence[*worst].size))
+          worst = j;
+      }
+      if (!worst && any) {
+        best = std::move(believed);
+        for (std::size_t j = 0; j < joints_; ++j)
+          if (std::isfinite(noise.swept_rad[j])) {
+            evidence[j].trust = AngleTrust::trusted;
+            evidence[j].reason = "residuals along the motion are those of the printed decimals";
+          }
+        return;
+      }
+      if (!any) break;
+      evidence[*worst].reason = evidence[*worst].size > kMostQuanta
+                                    ? "larger errors than the printed decimals explain"
+                                    : "a pattern in the residuals along the motion";
+      noise.swept_rad[*worst] = kFreeAngle;
+    }
+    nodes_.observations = free_nodes;
+    effects_.print_mm = effects_.told_rad = 0;
+  }
+
+  /// How far each joint may have stood from the home that was printed: where its angle hardly
+  /// changed while it was locked, up to half a step of the last decimal; where it wobbled through
+  /// the steps, their mean tells.
+  [[nodiscard]] std::vector<double> unseen_zeros() const {
+    const double step = campaign_.resolution.angle_rad;
+    std::vector<double> zeros;
+    for (std::size_t j = 0; j < joints_; ++j) {
+      double squares = 0, samples = 0;
+      for (const StrokeMoments& stroke : nodes_.strokes) {
+        if (stroke.content.joint == j) continue;
+        const auto at = static_cast<Eigen::Index>((stroke.content.orientation ? 7 : 4) + j);
+        for (const StrokeMoments::Node& node : stroke.nodes) {
+          squares += node.sums(at, at);
+          samples += node.sums(0, 0);
+        }
+      }
+      const double variance = samples > 0 ? squares / samples : 0;
+      // The mean of rounded numbers is off by what is left of the saw tooth's first wave.
+      const double wave = 2 * kPi * kPi * variance / (step * step);
+      const double left =
+          step > 0 ? std::max(std::exp(-wave), 1 / std::sqrt(std::max(1.0, samples))) : 0;
+      zeros.push_back(std::max(kLeastAngle_rad, step / std::sqrt(12.0) * left));
+    }
+    return zeros;
+  }
+
+  /// Whether the tool's orientations agree with what the positions found; then they are used.
+  bool add_orientation(Fitted& best) {
+    Chain chain = best.fit.chain;
+    // The tool at home, as the mean over all samples: the rotation closest to it.
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    for (const ChainObservation& sample : nodes_.observations)
+      sum += sample.weight * chain.displacement(sample.turns).linear().transpose() *
+             sample.orientation;
+    const Eigen::Quaterniond mean = closest_rotation(sum);
+    chain.tool = mean.toRotationMatrix();
+    // They share their encoders with the positions, or they are left alone.
+    best.fit.chain.tool = chain.tool;
+    if (!explained_by_print(best, false) || misprint(best, true) > 2 * kMostQuanta) return false;
+    const auto kept = nodes_.observations;
+    ChainNoise noise = best.noise;
+    noise.orientation_rad = quantum_.orientation_rad;
+    Fitted oriented = settled(chain, noise, true);
+    const bool consistent = oriented.fit.summary.converged && explained_by_print(oriented, true);
+    if (consistent) {
+      best = std::move(oriented);
+    } else {
+      nodes_.observations = kept;
+    }
+    return consistent;
+  }
+
+  static Eigen::Quaterniond closest_rotation(const Eigen::Matrix3d& sum) {
+    // Polar decomposition by Newton's iteration (Higham 1986).
+    Eigen::Matrix3d rotation = sum;
+    for (int k = 0; k < 30 && std::abs(rotation.determinant()) > 1e-300; ++k)
+      rotation = 0.5 * (rotation + rotation.inverse().transpose());
+    if (!rotation.allFinite() || rotation.determinant() <= 0) return Eigen::Quaterniond::Identity();
+    return Eigen::Quaterniond(rotation).normalized();
+  }
+
+  void finish(Fitted& best, ChainEstimate& estimate) {
+    estimate.noise = best.noise;
+    estimate.summary = best.fit.summary;
+    estimate.samples = nodes_.samples();
+    estimate.outliers = nodes_.outliers();
+    double sum = 0, weight = 0;
+    for (const StrokeMoments& stroke : nodes_.strokes) {
+      sum += stroke.weight / stroke.correlation;
+      weight += stroke.weight;
+    }
+    estimate.samples_per_independent = weight / sum;
+
+    estimate.effects = effects_;
+    estimate.home_scatter_mm =
+        std::hypot(effects_.home_rad * reach_mm(best.fit.chain), effects_.drift_mm);
+    const LinearisedChain linearised(best.fit.chain, nodes_, best.noise, effects_,
+                                     estimate.with_orientation);
+    best.fit.parts = linearised.parts();
+    set_fitted_axes(estimate, best.fit, nodes_.known, nodes_.targets);
+  }
+
+  const CircleEstimate& circles_;
+  const Campaign& campaign_;
+  std::size_t joints_;
+  std::vector<std::optional<ChainAxis>> axes_;  ///< to start from
+  ChainNodes nodes_;
+  ChainEffects effects_;
+  ChainNoise quantum_;  ///< what printed numbers alone would scatter
+  ChainNoise floor_;    ///< what estimates of the noise do not go below
+};
+
+}  // namespace
+
+std::optional<ChainEstimate> estimate_chain(const CircleEstimate& circles,
+                                            const Campaign& campaign) {
+  return Estimation(circles, campaign).run();
+}
+
+}  // namespace identify

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <vector>
+
+#include "identify/chain/chain.hpp"
+#include "identify/chain/chain_effects.hpp"
+#include "identify/chain/chain_estimate.hpp"
+#include "identify/chain/chain_nodes.hpp"
+
+namespace identify {
+
+/// A weighted least-squares fit of a chain to samples, for given noise.
+struct ChainFit {
+  Chain chain;
+  /// Of the parameters (`ChainParameters`, at `chain`, and behind them its `zero_rad` and `sags`),
+  /// for errors independent between samples; zero for what has no information.
+  Eigen::MatrixXd covariance;
+  std::vector<ChainEstimate::Part> parts;  ///< of it; nobody has asked yet where it is empty
+  Summary summary;
+};
+
+inline constexpr int kMostIterations = 50;
+
+/// Gauss-Newton, damped where a step does not help, from `start`, with the random effects
+/// eliminated. The joints' free angles (noise infinite) are brought along in `nodes`. Ends when a
+/// step is below 1e-7 standard uncertainties, or after `most_iterations`; with none, the covariance
+/// and the step that would have been made are those at `start`.
+///
+/// `with_orientation`: the tool's orientation is data, and its three angles are parameters.
+/// Deterministic; one thread. Never throws for what the data hold: directions in parameter space
+/// without information stay where they start, and are counted.
+[[nodiscard]] ChainFit fit_chain(const Chain& start, ChainNodes& nodes, const ChainNoise& noise,
+                                 const ChainEffects& effects, bool with_orientation,
+                                 int most_iterations = kMostIterations);
+
+}  // namespace identify

@@ -1,0 +1,166 @@
+#include "identify/chain/chain_nodes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "identify/chain/chain_start.hpp"
+#include "identify/geometry/angle.hpp"
+
+namespace identify {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+/// The node's mean sample. `home_rad`: of joints that are in the chain.
+ChainObservation mean_at(const StrokeMoments& stroke, const StrokeMoments::Node& node,
+                         const std::vector<std::optional<double>>& home_rad) {
+  ChainObservation seen;
+  seen.joint = stroke.content.joint;
+  seen.target = stroke.target;
+  seen.falling = stroke.falling;
+  seen.weight = node.sums(0, 0);
+  const Index errors = stroke.content.orientation ? 6 : 3;
+  VectorXd mean = VectorXd::Zero(node.sums.rows());
+  if (seen.weight > 0) mean = node.sums.col(0) / seen.weight;
+  const Matrix3d directions = stroke.directions(node.turn_rad);
+  // Along the arc, not along its tangent.
+  const double ahead = mean(3) / stroke.circle.radius_mm;
+  const double told = node.turn_rad - (stroke.about ? stroke.sense * ahead : 0);
+  seen.position_mm = stroke.place(node.turn_rad, {mean(1), mean(2), stroke.about ? 0.0 : mean(3)});
+  if (errors == 6) {
+    const Vector3d off = directions.transpose() * mean.segment<3>(4);
+    const Matrix3d reference = stroke.turned(told - stroke.zero_rad) * stroke.orientation;
+    seen.orientation = Eigen::AngleAxisd(off.norm(), off.stableNormalized()) * reference;
+  }
+  for (std::size_t k = 0; k < stroke.content.joints; ++k)
+    if (home_rad[k])
+      seen.turns[k] =
+          stroke.locked_rad[k] + mean(1 + errors + static_cast<Index>(k)) - *home_rad[k];
+  if (stroke.told && home_rad[seen.joint]) seen.turns[seen.joint] = told - *home_rad[seen.joint];
+  seen.measured_turn = seen.turns[seen.joint];
+  return seen;
+}
+
+/// Whether the strokes were seen at once.
+bool together(const StrokeMoments& one, const StrokeMoments& other) {
+  const double both = std::min(one.end_s, other.end_s) - std::max(one.begin_s, other.begin_s);
+  const double shorter = std::min(one.end_s - one.begin_s, other.end_s - other.begin_s);
+  return one.content.joint == other.content.joint && one.target != other.target &&
+         both > shorter / 2;
+}
+
+/// Sorts the strokes by what was seen at once, and by where their locked joints stood.
+void set_groups(ChainNodes& nodes) {
+  using Place = std::array<std::optional<double>, kMostJoints>;
+  std::vector<Place> places(1);
+  places.front().fill(0);
+  std::map<std::pair<std::size_t, std::size_t>, std::size_t> groups;
+  for (std::size_t s = 0; s < nodes.strokes.size(); ++s) {
+    const StrokeMoments& stroke = nodes.strokes[s];
+    const auto unit =
+        std::find_if(nodes.units.begin(), nodes.units.end(), [&](const auto& strokes) {
+          return std::all_of(strokes.begin(), strokes.end(), [&](std::size_t other) {
+            return together(stroke, nodes.strokes[other]);
+          });
+        });
+    if (unit != nodes.units.end()) {
+      unit->push_back(s);
+      continue;
+    }
+    const Turns& turns = nodes.observations[nodes.first[s]].turns;
+    const auto stood_at = [&](const Place& place) {
+      for (std::size_t k = 0; k < stroke.content.joints; ++k)
+        if (k != stroke.content.joint && place[k] && std::abs(turns[k] - *place[k]) > kSameHome_rad)
+          return false;
+      return true;
+    };
+    auto place = std::find_if(places.begin(), places.end(), stood_at);
+    if (place == places.end()) place = places.insert(places.end(), Place{});
+    for (std::size_t k = 0; k < stroke.content.joints; ++k)
+      if (k != stroke.content.joint && !(*place)[k]) (*place)[k] = turns[k];
+    const auto home = static_cast<std::size_t>(place - places.begin());
+    const auto [group, fresh] = groups.try_emplace({home, stroke.content.joint}, groups.size());
+    nodes.units.push_back({s});
+    nodes.group.push_back(group->second);
+    if (fresh) nodes.home_of.push_back(home);
+  }
+  for (const Place& place : places) {
+    Turns turns{};
+    for (std::size_t k = 0; k < kMostJoints; ++k) turns[k] = place[k].value_or(0);
+    nodes.homes.push_back(turns);
+  }
+}
+
+}  // namespace
+
+std::size_t ChainNodes::samples() const {
+  std::size_t count = 0;
+  for (const StrokeMoments& stroke : strokes) count += stroke.samples;
+  return count;
+}
+
+std::size_t ChainNodes::outliers() const {
+  std::size_t count = 0;
+  for (const StrokeMoments& stroke : strokes) count += stroke.outliers;
+  return count;
+}
+
+ChainNodes nodes_of(std::vector<StrokeMoments> strokes,
+                    const std::vector<std::optional<double>>& home_rad, std::vector<bool> known) {
+  ChainNodes nodes;
+  nodes.strokes = std::move(strokes);
+  nodes.known = std::move(known);
+  auto home = home_rad;
+  for (std::size_t k = 0; k < home.size(); ++k)
+    if (!nodes.known[k]) home[k] = std::nullopt;
+  nodes.with_angles = nodes.with_orientation = true;
+  for (std::size_t s = 0; s < nodes.strokes.size(); ++s) {
+    const StrokeMoments& stroke = nodes.strokes[s];
+    nodes.targets = std::max(nodes.targets, stroke.target + 1);
+    if (stroke.content.joints == 0) nodes.with_angles = false;
+    if (!stroke.content.orientation) nodes.with_orientation = false;
+    nodes.first.push_back(nodes.observations.size());
+    for (const StrokeMoments::Node& node : stroke.nodes) {
+      nodes.observations.push_back(mean_at(stroke, node, home));
+      nodes.observations.back().sweep = s;
+    }
+  }
+  set_groups(nodes);
+  return nodes;
+}
+
+ChainNodes chain_nodes(const CircleEstimate& circles,
+                       const std::vector<std::optional<ChainAxis>>& axes) {
+  const auto sweeps = chain_sweeps(circles, axes);
+  const std::size_t joints = circles.joints.size();
+  bool with_angles = true, with_orientation = true;
+  for (const ChainSweep& one : sweeps)
+    for (const Sample& sample : *one.sweep->samples) {
+      if (sample.joints < joints) with_angles = false;
+      if (!sample.has_orientation) with_orientation = false;
+    }
+  auto home = circles.home_rad;
+  home.resize(joints);
+  std::vector<StrokeMoments> strokes;
+  for (const ChainSweep& one : sweeps) {
+    auto stroke = moments_of(*one.sweep, {one.joint, with_angles ? joints : 0, with_orientation,
+                                          axes[one.joint]->linear});
+    if (!stroke) continue;
+    // A joint that was never seen locked is at home where its first sweep begins.
+    if (with_angles && !home[one.joint]) home[one.joint] = one.sweep->first().angles_rad[one.joint];
+    strokes.push_back(std::move(*stroke));
+  }
+  std::vector<bool> known;
+  for (const auto& axis : axes) known.push_back(axis.has_value());
+  return nodes_of(std::move(strokes), home, std::move(known));
+}
+
+}  // namespace identify

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <vector>
+
+#include "identify/chain/chain_estimate.hpp"
+#include "identify/chain/chain_nodes.hpp"
+
+namespace identify {
+
+/// The noise of single samples by variance components (Rao 1971, minimum norm quadratic
+/// unbiased), none below `floor`, from what each stroke's own smooth curve leaves: what a stroke as
+/// a whole is off by is no noise. `noise` is the last estimate, from which the weights come; angles
+/// that are not used there stay so.
+[[nodiscard]] ChainNoise estimate_noise(const Chain& chain, const ChainNodes& nodes,
+                                        const ChainNoise& noise, const ChainNoise& floor,
+                                        bool with_orientation);
+
+/// Root of the mean squared distance of all samples from the chain, per degree of freedom: 1 where
+/// `noise` is right and nothing else is wrong.
+[[nodiscard]] double misfit(const Chain& chain, const ChainNodes& nodes, const ChainNoise& noise,
+                            bool with_orientation);
+
+/// Sets each stroke's `correlation`: 1 + 2 sum rho_k, with rho_k the correlation of errors k
+/// samples apart. The block sums of all strokes together are compared with those of white noise
+/// plus an autoregression of the first order, from which the stroke's own curve was taken out;
+/// where they are those of white noise within three standard deviations it is 1.
+void set_correlation(std::vector<StrokeMoments>& strokes);
+
+}  // namespace identify

@@ -1,0 +1,200 @@
+#include "identify/chain/chain_start.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include "identify/chain/meeting_point.hpp"
+#include "identify/geometry/angle.hpp"
+#include "identify/geometry/robust_circle.hpp"
+#include "identify/sweeps/points.hpp"
+#include "identify/sweeps/sample.hpp"
+
+namespace identify {
+namespace {
+
+using Eigen::Vector3d;
+
+/// A target close to the axis tells nothing of where along its circle it is.
+bool hardly_moves(const Sweep& sweep, const ChainAxis& axis) {
+  if (axis.linear) return false;
+  constexpr double kLeastRadius_mm = 1;
+  std::vector<Vector3d> places;
+  for (const Sample& sample : *sweep.samples) {
+    const Vector3d from = sample.position_mm - axis.point_mm;
+    places.emplace_back((from - axis.direction * axis.direction.dot(from)).norm(), 0, 0);
+  }
+  return median(places).x() < kLeastRadius_mm;
+}
+
+/// Positive where a sweep turns about the circle's normal: by the medians of its thirds.
+double turned_by(const Sweep& sweep, const CircleFit& circle) {
+  std::array<Vector3d, 3> places;
+  for (std::size_t third = 0; third < 3; ++third) {
+    std::vector<Vector3d> points;
+    const std::size_t count = sweep.samples->size();
+    for (std::size_t i = third * count / 3; i < (third + 1) * count / 3; ++i)
+      if ((*sweep.samples)[i].has_position) points.push_back((*sweep.samples)[i].position_mm);
+    if (points.empty()) return 0;
+    places[third] = median(points) - circle.center_mm;
+  }
+  return circle.normal.dot(places[0].cross(places[1]) + places[1].cross(places[2]));
+}
+
+double turn_between(const ChainAxis& axis, const Vector3d& from, const Vector3d& to) {
+  const Vector3d& z = axis.direction;
+  if (axis.linear) return z.dot(to - from) / kLinear_mm;
+  return std::atan2(z.dot(from.cross(to)), from.dot(to) - z.dot(from) * z.dot(to));
+}
+
+}  // namespace
+
+std::vector<std::optional<ChainAxis>> starting_axes(const CircleEstimate& circles) {
+  std::vector<std::optional<ChainAxis>> axes;
+  for (const JointResult& joint : circles.joints) {
+    axes.emplace_back();
+    if (joint.line && joint.axis)
+      axes.back() = ChainAxis{joint.axis->direction, joint.line->point_mm, true};
+    if (!joint.circle) continue;
+    std::vector<Sweep> used;
+    for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
+      if (joint.used[s] && joint.sweeps[s].target == joint.circle_target)
+        used.push_back(joint.sweeps[s]);
+    Eigen::Index count = 0;
+    for (const Sweep& sweep : used) count += static_cast<Eigen::Index>(sweep.samples->size());
+    Eigen::Matrix3Xd points(3, count);
+    count = 0;
+    for (const Sweep& sweep : used)
+      for (const Sample& sample : *sweep.samples)
+        if (sample.has_position) points.col(count++) = sample.position_mm;
+    points.conservativeResize(3, count);
+    const auto circle = fit_robust_circle(points);
+    if (!circle) continue;
+    const double noise = std::max({circle->plane_rms_mm, circle->radial_rms_mm, 1e-9});
+    const Axis axis{circle->normal, circle->center_mm,
+                    axis_covariance(*circle, points, noise, noise)};
+    if (!(axis.direction_sigma_rad() < kWorstDirection_rad)) continue;
+    // Which way is positive: by the motion, but a few points far off must not tell. Where the
+    // specified table had to tell, the circle's axis points against its normal.
+    double turned = 0;
+    for (const Sweep& sweep : used) turned += sweep.direction * turned_by(sweep, *circle);
+    if (turned == 0) turned = circle->normal.dot(joint.circle->normal);
+    if (joint.axis && joint.axis->direction.dot(joint.circle->normal) < 0) turned = -turned;
+    axes.back() =
+        ChainAxis{turned < 0 ? Vector3d(-circle->normal) : circle->normal, circle->center_mm};
+  }
+  return axes;
+}
+
+std::vector<ChainSweep> chain_sweeps(const CircleEstimate& circles,
+                                     const std::vector<std::optional<ChainAxis>>& axes) {
+  std::vector<ChainSweep> found;
+  const std::size_t joints = circles.joints.size();
+  for (std::size_t j = 0; j < joints; ++j) {
+    const JointResult& joint = circles.joints[j];
+    if (!axes[j]) continue;
+    for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
+      const Sweep& sweep = joint.sweeps[s];
+      const bool elsewhere = !joint.used[s] && !sweep.positioning;
+      if (joint.used[s] && hardly_moves(sweep, *axes[j])) continue;
+      if (joint.used[s] || (elsewhere && sweep.first().joints >= joints))
+        found.push_back({j, &sweep});
+    }
+  }
+  return found;
+}
+
+std::vector<ChainObservation> chain_samples(const CircleEstimate& circles,
+                                            const std::vector<std::optional<ChainAxis>>& axes) {
+  std::vector<ChainObservation> found;
+  const std::size_t joints = circles.joints.size();
+  std::vector<std::optional<double>> home = circles.home_rad;
+  home.resize(joints);
+  std::size_t count = 0;
+  for (const ChainSweep& one : chain_sweeps(circles, axes)) {
+    const Sweep& sweep = *one.sweep;
+    const bool told = sweep.first().joints >= joints;
+    if (told && !home[one.joint]) home[one.joint] = sweep.first().angles_rad[one.joint];
+    for (const Sample& sample : *sweep.samples) {
+      if (!sample.has_position || !sample.position_mm.allFinite()) continue;
+      ChainObservation seen;
+      seen.position_mm = sample.position_mm;
+      seen.joint = one.joint;
+      seen.target = sweep.target;
+      seen.sweep = count;
+      seen.falling = sweep.direction < 0;
+      if (sample.has_orientation) seen.orientation = orientation(sample);
+      for (std::size_t k = 0; told && k < joints; ++k)
+        if (axes[k] && home[k]) seen.turns[k] = sample.angles_rad[k] - *home[k];
+      seen.measured_turn = seen.turns[one.joint];
+      found.push_back(seen);
+    }
+    ++count;
+  }
+  return found;
+}
+
+std::vector<Vector3d> starting_targets(const Chain& chain,
+                                       std::vector<ChainObservation>& observations,
+                                       std::size_t targets, bool with_angles) {
+  std::vector<Vector3d> found;
+  for (std::size_t target = 0; target < targets; ++target) {
+    // Each joint's samples, brought back to where the other joints are at home.
+    std::vector<std::vector<Vector3d>> arcs(chain.axes.size());
+    std::vector<Vector3d> at_home;
+    for (const ChainObservation& sample : observations) {
+      if (sample.target != target) continue;
+      Turns before{};
+      std::copy_n(sample.turns.begin(), sample.joint, before.begin());
+      // With a joint behind it elsewhere the target runs on another circle.
+      const bool home = std::all_of(
+          sample.turns.begin() + static_cast<std::ptrdiff_t>(sample.joint) + 1, sample.turns.end(),
+          [](double turn) { return std::abs(turn) < kSameHome_rad; });
+      if (home)
+        arcs[sample.joint].push_back(chain.displacement(before).inverse() * sample.position_mm);
+      if (with_angles)
+        at_home.push_back(chain.displacement(sample.turns).inverse() * sample.position_mm);
+    }
+    std::vector<AxisCircle> circles;
+    for (std::size_t j = 0; j < arcs.size(); ++j) {
+      if (arcs[j].empty()) continue;
+      // Heights and radii each by their median: one point far off must not be the circle.
+      AxisCircle circle{chain.axes[j], Vector3d::Zero()};
+      std::vector<Vector3d> places;
+      for (const Vector3d& point : arcs[j])
+        places.emplace_back(chain.axes[j].direction.dot(point - chain.axes[j].point_mm),
+                            circle.arm(point).norm(), 0);
+      const Vector3d middle = median(places);
+      circle.on_it_mm = chain.axes[j].linear
+                            ? median(arcs[j])
+                            : chain.axes[j].point_mm + middle(0) * chain.axes[j].direction +
+                                  middle(1) * chain.axes[j].direction.unitOrthogonal();
+      circles.push_back(circle);
+    }
+    Vector3d best = meeting_point(circles);
+    if (!at_home.empty()) {
+      // Where the angles lead to about as good a place, they know which of several it is.
+      constexpr double kAsGood = 0.1;
+      const Vector3d told = median(at_home);
+      const Vector3d point = circles.size() > 1 ? meeting_point(circles, told) : told;
+      if (circles.size() <= 1 || misfit(circles, point) * kAsGood < misfit(circles, best))
+        best = point;
+    }
+    found.push_back(best);
+  }
+  for (ChainObservation& sample : observations) {
+    const ChainAxis& axis = chain.axes[sample.joint];
+    Turns before{};
+    Turns after = sample.turns;
+    std::copy_n(sample.turns.begin(), sample.joint, before.begin());
+    std::fill_n(after.begin(), sample.joint + 1, 0.0);
+    const Vector3d arm = chain.displacement(before).inverse() * sample.position_mm - axis.point_mm;
+    const Vector3d from = chain.displacement(after) * found[sample.target] - axis.point_mm;
+    sample.turns[sample.joint] = turn_between(axis, from, arm);
+  }
+  return found;
+}
+
+}  // namespace identify

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "identify/chain/chain_residual.hpp"
+#include "identify/circle/circle_estimate.hpp"
+#include "identify/geometry/angle.hpp"
+
+namespace identify {
+
+/// Joints that stand within this stand at the same home: it changes nothing that gears or loads do.
+inline constexpr double kSameHome_rad = 0.5 * kDegree;
+
+/// An axis for each joint to start from, by a robust circle of the sweeps that the circles used;
+/// it points as the circle's does. Nothing where there is no circle, or hardly one: direction
+/// uncertain by more than a degree. Of a linear joint, the line.
+[[nodiscard]] std::vector<std::optional<ChainAxis>> starting_axes(const CircleEstimate& circles);
+
+/// A sweep that the chain uses.
+struct ChainSweep {
+  std::size_t joint = 0;
+  const Sweep* sweep = nullptr;
+};
+
+/// The sweeps of all joints with an axis to start from, joint by joint: those of the circles and,
+/// where angles tell where the other joints stood, those from elsewhere than home.
+[[nodiscard]] std::vector<ChainSweep> chain_sweeps(
+    const CircleEstimate& circles, const std::vector<std::optional<ChainAxis>>& axes);
+
+/// Their samples, one by one, with turns from home where all angles are known.
+[[nodiscard]] std::vector<ChainObservation> chain_samples(
+    const CircleEstimate& circles, const std::vector<std::optional<ChainAxis>>& axes);
+
+/// The targets at home, near enough to start from: where the circles of each target's sweeps come
+/// together. Sets the turns of the sweeping joints by where the samples lie on them.
+[[nodiscard]] std::vector<Eigen::Vector3d> starting_targets(
+    const Chain& chain, std::vector<ChainObservation>& observations, std::size_t targets,
+    bool with_angles);
+
+}  // namespace identify

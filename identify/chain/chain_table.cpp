@@ -1,0 +1,190 @@
+#include "identify/chain/chain_table.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "identify/dh/placed_axes.hpp"
+#include "identify/geometry/cross_matrix.hpp"
+
+namespace identify {
+namespace {
+
+using Eigen::Index;
+using Eigen::Isometry3d;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+double largest_distance(const std::vector<Vector3d>& places) {
+  double size = 1;
+  for (const auto& a : places)
+    for (const auto& b : places) size = std::max(size, (a - b).norm());
+  return size;
+}
+
+Isometry3d base_of(const TableAxes& axes, const std::vector<std::optional<Axis>>& first_two,
+                   const std::vector<DhRow>& specified) {
+  const DhRow wanted = specified.empty() ? DhRow{} : specified.front();
+  const auto table = extract_dh(
+      first_two, axes.size_mm,
+      specified.empty() ? specified : std::vector<DhRow>(specified.begin(), specified.begin() + 2));
+  const DhRow row{table[0].b_mm.value - wanted.b_mm, table[0].theta_rad.value - wanted.theta_rad, 0,
+                  0};
+  return first_frame(*first_two[0]) * transform(row);
+}
+
+}  // namespace
+
+void place_linear_axes(ChainEstimate& estimate, const Campaign& campaign,
+                       const std::vector<DhRow>& specified) {
+  if (!any_linear(estimate.axes)) return;
+  const auto rows = static_cast<Index>(6 * estimate.axes.size());
+  std::vector<std::optional<Axis>> z = estimate.axes;
+  Eigen::VectorXd turned = Eigen::VectorXd::Ones(rows);  // from positive rotation to the table
+  double size_mm = 1;
+  const Vector3d& target = estimate.chain.targets_mm.front();
+  for (std::size_t j = 0; j < z.size(); ++j) {
+    if (!z[j]) continue;
+    size_mm = std::max(size_mm, (z[j]->point_mm - target).norm());
+    if (!campaign.specified || campaign.specified->positive[j] > 0) continue;
+    z[j] = z[j]->reversed();
+    turned.segment<3>(static_cast<Index>(6 * j)).setConstant(-1);
+  }
+  const MatrixXd of_table = [&] {
+    Eigen::VectorXd all = Eigen::VectorXd::Ones(rows + 3);
+    all.head(rows) = turned;
+    return MatrixXd(all.asDiagonal() * estimate.covariance.topLeftCorner(rows + 3, rows + 3) *
+                    all.asDiagonal());
+  }();
+  const PlacedAxes found = placed(z, target, of_table, specified, size_mm);
+  // From the estimate to the estimate: all but the axes stays.
+  const Index count = estimate.covariance.rows();
+  MatrixXd map = MatrixXd::Identity(count, count);
+  map.topLeftCorner(rows, rows + 3) = turned.asDiagonal() * found.by_given;
+  map.topLeftCorner(rows, rows) *= turned.asDiagonal();
+  const auto mapped = [&](const MatrixXd& covariance) -> MatrixXd {
+    return map.lazyProduct(MatrixXd(covariance.lazyProduct(map.transpose())));
+  };
+  estimate.covariance = mapped(estimate.covariance);
+  for (ChainEstimate::Part& part : estimate.parts) part.covariance = mapped(part.covariance);
+  estimate.by_target = found.by_given.rightCols<3>();
+  for (std::size_t j = 0; j < z.size(); ++j) {
+    if (!z[j] || !z[j]->linear) continue;
+    const auto at = static_cast<Index>(6 * j);
+    estimate.chain.axes[j].point_mm = estimate.axes[j]->point_mm = found.z[j]->point_mm;
+    estimate.axes[j]->covariance = estimate.covariance.block<6, 6>(at, at);
+  }
+}
+
+TableAxes table_axes(const ChainEstimate& chain, const Campaign& campaign) {
+  TableAxes axes;
+  axes.z = chain.axes;
+  const std::size_t joints = chain.axes.size();
+  const auto targets = static_cast<Index>(6 * joints);
+  const auto tool = targets + static_cast<Index>(3 * chain.chain.targets_mm.size());
+  std::vector<Vector3d> places = chain.chain.targets_mm;
+  for (const auto& axis : axes.z)
+    if (axis) places.push_back(axis->point_mm);
+  axes.size_mm = largest_distance(places);
+
+  // From the axes along positive rotation, the first target, and the tool's rotation.
+  const Index rows = targets + (chain.with_orientation ? 6 : 0);
+  MatrixXd map = MatrixXd::Zero(rows, chain.covariance.rows());
+  map.leftCols(targets).topRows(targets).setIdentity();
+  for (std::size_t j = 0; j < joints; ++j) {
+    if (!axes.z[j] || !campaign.specified || campaign.specified->positive[j] > 0) continue;
+    axes.z[j] = axes.z[j]->reversed();
+    const auto row = static_cast<Index>(6 * j);
+    map.block<3, 3>(row, row) *= -1;
+  }
+  if (chain.with_orientation) {
+    const Vector3d z = chain.chain.tool.col(2);
+    map.block<3, 3>(targets, tool) = -cross_matrix(z);
+    map.block<3, 3>(targets + 3, targets).setIdentity();
+    axes.z.push_back(Axis{z, chain.chain.targets_mm.front()});
+  }
+  axes.by_estimate = map;
+  axes.by_target = chain.by_target;
+  axes.covariance = map.lazyProduct(MatrixXd(chain.covariance.lazyProduct(map.transpose())));
+  if (chain.with_orientation) axes.z.back()->covariance = axes.covariance.bottomRightCorner<6, 6>();
+  return axes;
+}
+
+std::vector<DhEstimate> table_of(const TableAxes& axes, std::size_t joints,
+                                 const std::vector<DhRow>& specified) {
+  const std::vector<std::optional<Axis>> of_joints(
+      axes.z.begin(), axes.z.begin() + static_cast<std::ptrdiff_t>(joints));
+  const auto count = static_cast<Index>(6 * joints);
+  auto table =
+      extract_dh(of_joints, axes.size_mm, specified, axes.covariance.topLeftCorner(count, count));
+  if (axes.by_target.size() > 0)
+    leave_to_target(table, of_joints, axes.by_target, specified, axes.size_mm);
+  return table;
+}
+
+void leave_first_to_frame(std::vector<DhEstimate>& table, const std::vector<DhRow>& specified) {
+  const DhRow first = specified.empty() ? DhRow{} : specified.front();
+  table.front().b_mm = {first.b_mm, 0, Knowledge::by_convention};
+  table.front().theta_rad = {first.theta_rad, 0, Knowledge::by_convention};
+}
+
+std::optional<DhEstimate> row_to_tool(const TableAxes& axes, std::size_t joints,
+                                      const std::vector<DhRow>& specified) {
+  if (axes.z.size() == joints) return std::nullopt;
+  std::vector<DhRow> expected = specified;
+  if (!expected.empty()) expected.resize(axes.z.size());
+  return extract_dh(axes.z, axes.size_mm, expected, axes.covariance)[joints - 1];
+}
+
+std::optional<RobotPose> robot_pose(const TableAxes& axes, const std::vector<DhRow>& specified) {
+  if (axes.z.size() < 2 || !axes.z[0] || !axes.z[1]) return std::nullopt;
+  std::vector<std::optional<Axis>> first_two = {axes.z[0], axes.z[1]};
+  RobotPose found;
+  found.pose = base_of(axes, first_two, specified);
+  constexpr double kDirectionStep = 1e-6;
+  constexpr double kPointStep_mm = 1e-3;
+  Eigen::Matrix<double, 6, 12> jacobian;
+  for (Index p = 0; p < 12; ++p) {
+    const auto k = static_cast<std::size_t>(p / 6);
+    const double step = p % 6 < 3 ? kDirectionStep : kPointStep_mm;
+    const auto moved = [&](double by) {
+      first_two[k] = axes.z[k];
+      (p % 6 < 3 ? first_two[k]->direction(p % 6) : first_two[k]->point_mm(p % 6 - 3)) += by;
+      return base_of(axes, first_two, specified);
+    };
+    const Isometry3d above = moved(step);
+    const Isometry3d below = moved(-step);
+    first_two[k] = axes.z[k];
+    const Eigen::AngleAxisd turned(Matrix3d(above.linear() * below.linear().transpose()));
+    Vector6d change;
+    change << above.translation() - below.translation(), turned.angle() * turned.axis();
+    jacobian.col(p) = change / (2 * step);
+  }
+  const Eigen::Matrix<double, 12, 12> covariance = axes.covariance.topLeftCorner<12, 12>();
+  const Vector6d variance = (jacobian * covariance * jacobian.transpose()).diagonal();
+  if (!variance.allFinite() || !found.pose.matrix().allFinite()) return std::nullopt;
+  const Vector6d sigma = variance.cwiseMax(0.0).cwiseSqrt();
+  found.position_sigma_mm = sigma.head<3>();
+  found.rotation_sigma_rad = sigma.tail<3>();
+  return found;
+}
+
+std::optional<Isometry3d> tool_pose(const ChainEstimate& chain, const TableAxes& axes,
+                                    const std::vector<DhEstimate>& table,
+                                    const std::vector<DhRow>& specified) {
+  if (table.empty() || !axes.z.front()) return std::nullopt;
+  Isometry3d last = first_frame(*axes.z.front());
+  for (const DhEstimate& row : table)
+    for (const auto* number : {&row.b_mm, &row.theta_rad, &row.a_mm, &row.alpha_rad})
+      if (number->knowledge == Knowledge::undetermined) return std::nullopt;
+  std::vector<DhRow> rows = values(table);
+  if (!specified.empty()) rows.back() = specified.back();
+  for (const DhRow& row : rows) last = last * transform(row);
+  Isometry3d tool = Isometry3d::Identity();
+  tool.linear() = chain.chain.tool;
+  tool.translation() = chain.chain.targets_mm.front();
+  return last.inverse() * tool;
+}
+
+}  // namespace identify

@@ -1,0 +1,268 @@
+#include "identify/chain/delay.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+
+#include "identify/chain/angle_track.hpp"
+#include "identify/geometry/angle.hpp"
+#include "identify/geometry/median.hpp"
+
+namespace identify {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kMostLate_s = 2;
+/// Less certain than this, a delay is of no use.
+constexpr double kWorstSigma_s = 0.05;
+/// A stroke whose speed varies less runs at one: what varies is the rounding of its angles.
+constexpr double kSteady = 0.15;
+/// What a built robot's gears have, to begin with, and at least.
+constexpr double kUsualBacklash_rad = 60 * kArcsec;
+constexpr double kLeastBacklash_rad = 0.1 * kArcsec;
+/// Angles that are further off the seen ones are not these joints'.
+constexpr double kForeign_rad = 5 * kDegree;
+constexpr double kSignificant = 4;
+/// So many samples tell how an angle goes on where it was not told.
+constexpr std::size_t kAtEnd = 50;
+
+/// One linearisation after the other of: told angle, shifted by the delay, minus seen angle = the
+/// joint's offset and smooth error + half its backlash by direction.
+class DelayFit {
+ public:
+  DelayFit(const std::vector<AngleTrack>& tracks, std::size_t joints)
+      : tracks_(tracks), joints_(joints), weight_(joints, 1.0), both_ways_(joints, false) {
+    double begin = tracks.front().at_s.front(), end = begin;
+    std::vector<std::array<bool, 2>> ways(joints, {false, false});
+    for (const AngleTrack& track : tracks) {
+      begin = std::min(begin, track.at_s.front());
+      end = std::max(end, track.at_s.back());
+      ways[track.joint][track.direction > 0] = true;
+    }
+    for (std::size_t j = 0; j < joints; ++j) both_ways_[j] = ways[j][0] && ways[j][1];
+    delay_.at_s = (begin + end) / 2;
+    span_s_ = std::max(end - begin, 1.0);
+  }
+
+  std::optional<Delay> run() {
+    constexpr int kRounds = 12;
+    for (int round = 0; round < kRounds; ++round) {
+      const double before = delay_.late_s;
+      if (!step(false)) return std::nullopt;
+      if (round > 3 && std::abs(delay_.late_s - before) < 1e-9) break;
+    }
+    if (foreign_) return std::nullopt;
+    const Delay alone = delay_;
+    constexpr int kMore = 4;
+    for (int round = 0; round < kMore; ++round)
+      if (!step(true)) return alone;
+    if (std::abs(delay_.rate) > kSignificant * rate_sigma_) return delay_;
+    return alone;
+  }
+
+ private:
+  static constexpr Index kOrders = 4;             // of a joint's smooth error
+  static constexpr Index kOfJoint = kOrders + 1;  // and its backlash
+
+  /// Solves the equations at the present delay, and moves it. `with_rate`: it may grow.
+  bool step(bool with_rate) {
+    const Index shared = kOfJoint * static_cast<Index>(joints_);
+    const Index count = shared + (with_rate ? 2 : 1);
+    MatrixXd normal = MatrixXd::Zero(count, count);
+    VectorXd right = VectorXd::Zero(count);
+    std::vector<Residuals> all;
+    for (const AngleTrack& track : tracks_) all.push_back(residuals(track));
+    for (std::size_t k = 0; k < tracks_.size(); ++k) {
+      const Index own = kOfJoint * static_cast<Index>(tracks_[k].joint);
+      const double weight = weight_[tracks_[k].joint];
+      for (std::size_t i = 0; i < all[k].error.size(); ++i) {
+        const auto row = row_of(tracks_[k], all[k], i);
+        normal.block<kOfJoint, kOfJoint>(own, own) +=
+            weight * row.head<kOfJoint>() * row.head<kOfJoint>().transpose();
+        right.segment<kOfJoint>(own) += weight * all[k].error[i] * row.head<kOfJoint>();
+        for (Index s = shared; s < count; ++s) {
+          const double value = row(kOfJoint + s - shared);
+          normal.block<kOfJoint, 1>(own, s) += weight * value * row.head<kOfJoint>();
+          right(s) += weight * all[k].error[i] * value;
+          for (Index t = shared; t < count; ++t)
+            normal(s, t) += weight * value * row(kOfJoint + t - shared);
+        }
+      }
+    }
+    for (Index s = shared; s < count; ++s)
+      normal.block(s, 0, 1, shared) = normal.block(0, s, shared, 1).transpose();
+    // Of joints that turned one way, and where nothing tells: known to be within reason.
+    for (std::size_t j = 0; j < joints_; ++j) {
+      const Index own = kOfJoint * static_cast<Index>(j);
+      for (Index m = 0; m < kOrders; ++m) normal(own + m, own + m) += 1e-4;
+      normal(own + kOrders, own + kOrders) += 1 / (backlash_rad_ * backlash_rad_);
+    }
+    normal(shared, shared) += 1 / (kMostLate_s * kMostLate_s);
+    const Eigen::LDLT<MatrixXd> factors(normal);
+    const VectorXd found = factors.solve(right);
+    const MatrixXd covariance = factors.solve(MatrixXd::Identity(count, count));
+    if (!found.allFinite() || !(covariance(shared, shared) > 0)) return false;
+    delay_.late_s += found(shared);
+    delay_.sigma_s = std::sqrt(covariance(shared, shared));
+    if (with_rate) {
+      delay_.rate += found(shared + 1) / span_s_;
+      rate_sigma_ = std::sqrt(std::max(0.0, covariance(shared + 1, shared + 1))) / span_s_;
+    }
+    if (!(std::abs(delay_.late_s) < kMostLate_s)) return false;
+    weigh(all, found);
+    size_backlash(found, covariance);
+    return true;
+  }
+
+  struct Residuals {
+    std::vector<double> error, speed, place, time;
+  };
+
+  [[nodiscard]] Residuals residuals(const AngleTrack& track) const {
+    Residuals found;
+    double mean = 0, squares = 0;
+    for (std::size_t i = 0; i < track.at_s.size(); ++i) {
+      const double since = track.at_s[i] - delay_.at_s;
+      const auto told = track.told(track.at_s[i] + delay_.late_s + delay_.rate * since);
+      if (!told) continue;
+      found.error.push_back(told->angle_rad - track.seen_rad[i]);
+      found.speed.push_back(told->speed_rad_s);
+      found.place.push_back((track.seen_rad[i] - track.middle_rad) / track.half_rad);
+      found.time.push_back(since / span_s_);
+      mean += told->speed_rad_s;
+      squares += told->speed_rad_s * told->speed_rad_s;
+    }
+    if (found.speed.empty()) return found;
+    const auto count = static_cast<double>(found.speed.size());
+    mean /= count;
+    if (squares / count - mean * mean < kSteady * kSteady * mean * mean)
+      std::fill(found.speed.begin(), found.speed.end(), mean);
+    return found;
+  }
+
+  using Row = Eigen::Matrix<double, kOfJoint + 2, 1>;
+  static Row row_of(const AngleTrack& track, const Residuals& seen, std::size_t i) {
+    Row row;
+    const double x = seen.place[i];
+    row << 1, x, 2 * x * x - 1, (4 * x * x - 3) * x, track.direction / 2.0, -seen.speed[i],
+        -seen.speed[i] * seen.time[i];
+    return row;
+  }
+
+  /// Each joint's errors by their scatter, and by how alike neighbours are.
+  void weigh(const std::vector<Residuals>& all, const VectorXd& found) {
+    std::vector<double> squares(joints_, 0), next(joints_, 0), count(joints_, 0);
+    const Index shared = kOfJoint * static_cast<Index>(joints_);
+    for (std::size_t k = 0; k < tracks_.size(); ++k) {
+      const std::size_t j = tracks_[k].joint;
+      double before = 0;
+      for (std::size_t i = 0; i < all[k].error.size(); ++i) {
+        const Row row = row_of(tracks_[k], all[k], i);
+        double left =
+            all[k].error[i] -
+            row.head<kOfJoint>().dot(found.segment<kOfJoint>(kOfJoint * static_cast<Index>(j)));
+        for (Index s = shared; s < found.size(); ++s) left -= row(kOfJoint + s - shared) * found(s);
+        squares[j] += left * left;
+        if (i > 0) next[j] += left * before;
+        before = left;
+        ++count[j];
+      }
+    }
+    constexpr double kLeast_rad = 1e-9;
+    foreign_ = false;
+    for (std::size_t j = 0; j < joints_; ++j) {
+      if (count[j] == 0) continue;
+      const double variance = squares[j] / count[j] + kLeast_rad * kLeast_rad;
+      const double alike = std::clamp(next[j] / (squares[j] + 1e-300), 0.0, 0.98);
+      foreign_ = foreign_ || variance > kForeign_rad * kForeign_rad;
+      weight_[j] = (1 - alike) / (1 + alike) / variance;
+    }
+  }
+
+  /// Of all joints, by what was found of each and how uncertain that is.
+  void size_backlash(const VectorXd& found, const MatrixXd& covariance) {
+    double squares = 0, count = 0;
+    for (std::size_t j = 0; j < joints_; ++j) {
+      if (!both_ways_[j]) continue;
+      const Index at = kOfJoint * static_cast<Index>(j) + kOrders;
+      squares += found(at) * found(at) + covariance(at, at);
+      ++count;
+    }
+    // A few joints tell little of how large backlash is; it counts as if one more had the usual.
+    squares += kUsualBacklash_rad * kUsualBacklash_rad;
+    backlash_rad_ = std::max(kLeastBacklash_rad, std::sqrt(squares / (count + 1)));
+  }
+
+  const std::vector<AngleTrack>& tracks_;
+  std::size_t joints_;
+  std::vector<double> weight_;  ///< of an independent error, one a joint
+  std::vector<bool> both_ways_;
+  bool foreign_ = false;  ///< some joint's angles do not follow its positions
+  double backlash_rad_ = kUsualBacklash_rad;
+  double span_s_ = 1;
+  double rate_sigma_ = 0;
+  Delay delay_;
+};
+
+}  // namespace
+
+std::optional<Delay> find_delay(const CircleEstimate& circles,
+                                const std::vector<std::optional<ChainAxis>>& axes) {
+  const auto tracks = angle_tracks(circles, axes);
+  if (tracks.empty()) return std::nullopt;
+  auto delay = DelayFit(tracks, circles.joints.size()).run();
+  if (delay && !(delay->sigma_s < kWorstSigma_s)) return std::nullopt;
+  return delay;
+}
+
+bool is_significant(const Delay& delay) noexcept {
+  return std::abs(delay.late_s) > kSignificant * delay.sigma_s || delay.rate != 0;
+}
+
+CircleEstimate in_step(CircleEstimate circles, const std::vector<std::optional<ChainAxis>>& axes,
+                       const Delay& delay) {
+  for (std::size_t j = 0; j < circles.joints.size(); ++j) {
+    if (!axes[j]) continue;
+    for (Sweep& sweep : circles.joints[j].sweeps) {
+      const auto track = angle_track(sweep, j, *axes[j]);
+      if (!track) continue;
+      auto samples = *sweep.samples;
+      AngleAbout about(*axes[j]);
+      std::vector<double> seen(samples.size());
+      std::vector<bool> told(samples.size(), false);
+      std::vector<double> off;  // told minus seen, where both are
+      for (std::size_t i = 0; i < samples.size(); ++i) {
+        Sample& sample = samples[i];
+        if (sample.has_position) seen[i] = about.next(sample.position_mm);
+        const double late = delay.late_s + delay.rate * (sample.time_s - delay.at_s);
+        const auto then = track->told(sample.time_s + late);
+        told[i] = then.has_value();
+        if (!then) continue;
+        sample.angles_rad[j] = then->angle_rad;
+        if (sample.has_position) off.push_back(then->angle_rad - seen[i]);
+      }
+      if (off.empty()) continue;
+      const auto near = static_cast<std::ptrdiff_t>(std::min<std::size_t>(kAtEnd, off.size()));
+      const double before = median_of({off.begin(), off.begin() + near});
+      const double after = median_of({off.end() - near, off.end()});
+      bool begun = false;
+      for (std::size_t i = 0; i < samples.size(); ++i) {
+        begun = begun || told[i];
+        if (!told[i] && samples[i].has_position)
+          samples[i].angles_rad[j] = seen[i] + (begun ? after : before);
+      }
+      sweep.samples = std::make_shared<const std::vector<Sample>>(std::move(samples));
+    }
+  }
+  return circles;
+}
+
+}  // namespace identify

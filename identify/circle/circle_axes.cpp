@@ -1,0 +1,80 @@
+#include "identify/circle/circle_axes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+namespace identify {
+namespace {
+
+double usual_noise(const CircleEstimate& found, double CircleFit::*rms) {
+  std::vector<double> all;
+  for (const JointResult& joint : found.joints)
+    if (joint.circle) all.push_back((*joint.circle).*rms);
+  if (all.empty()) return 0;
+  std::nth_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2),
+                   all.end());
+  return all[all.size() / 2];
+}
+
+}  // namespace
+
+Eigen::Matrix3Xd used_points(const JointResult& joint, std::optional<std::size_t> target) {
+  const auto wanted = [&](std::size_t s) {
+    return joint.used[s] && (!target || joint.sweeps[s].target == *target);
+  };
+  Eigen::Index count = 0;
+  for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
+    if (wanted(s)) count += static_cast<Eigen::Index>(joint.sweeps[s].samples->size());
+  Eigen::Matrix3Xd points(3, count);
+  count = 0;
+  for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
+    if (wanted(s))
+      for (const Sample& sample : *joint.sweeps[s].samples)
+        if (sample.has_position) points.col(count++) = sample.position_mm;
+  points.conservativeResize(3, count);
+  return points;
+}
+
+void set_circle_axes(CircleEstimate& found, const Resolution& resolution) {
+  const double plane = usual_noise(found, &CircleFit::plane_rms_mm);
+  const double radial = usual_noise(found, &CircleFit::radial_rms_mm);
+  const double quantum = resolution.position_mm / std::sqrt(12.0);
+  for (JointResult& joint : found.joints) {
+    Axis axis;
+    if (joint.line) {
+      const double noise = std::max({joint.line->across_rms_mm, plane, quantum});
+      axis = {joint.line->direction, joint.line->point_mm, line_covariance(*joint.line, noise),
+              true};
+    } else if (joint.circle) {
+      const CircleFit& circle = *joint.circle;
+      axis = {circle.normal, circle.center_mm,
+              axis_covariance(circle, used_points(joint, joint.circle_target),
+                              std::max({circle.plane_rms_mm, plane, quantum}),
+                              std::max({circle.radial_rms_mm, radial, quantum}))};
+    } else {
+      continue;
+    }
+    if (axis.direction_sigma_rad() < kWorstDirection_rad) joint.axis = std::move(axis);
+  }
+}
+
+double size_by_circles_mm(const CircleEstimate& found) {
+  std::vector<Eigen::Vector3d> places;
+  for (const JointResult& joint : found.joints) {
+    if (joint.line) places.push_back(joint.line->point_mm);
+    if (!joint.circle) continue;
+    places.push_back(joint.circle->center_mm);
+    places.push_back(joint.circle->center_mm +
+                     joint.circle->radius_mm * joint.circle->normal.unitOrthogonal());
+  }
+  double size = 1;
+  for (const auto& a : places)
+    for (const auto& b : places) size = std::max(size, (a - b).norm());
+  return size;
+}
+
+}  // namespace identify

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identify/dh/axis_senses.hpp"
+#include "identify/dh/dh.hpp"
+#include "identify/dh/dh_extraction.hpp"
+#include "identify/geometry/axis.hpp"
+#include "identify/geometry/bounding_box.hpp"
+#include "identify/geometry/circle_fit.hpp"
+#include "identify/geometry/line_fit.hpp"
+#include "identify/geometry/warning.hpp"
+#include "identify/sweeps/sweep.hpp"
+
+namespace identify {
+
+struct JointResult {
+  std::vector<Sweep> sweeps;        ///< all of this joint, in the order of time
+  std::vector<bool> used;           ///< one a sweep: at the common home, and no positioning
+  std::optional<CircleFit> circle;  ///< of the used sweeps of one target
+  std::size_t circle_target = 0;
+  /// By the description or the strokes, the joint moves along a line: what is in rad of it (home,
+  /// ranges, its angles' errors) is mm * kDegree.
+  bool linear = false;
+  std::optional<LineFit> line;          ///< in place of the circle
+  SenseBy sense_by = SenseBy::nothing;  ///< what tells which way is positive
+  /// Along positive rotation (of a linear joint, the way that its mm rise), by the best estimator.
+  std::optional<Axis> axis;
+  std::optional<BoundingBox> box;  ///< of the samples that were used
+};
+
+/// What each joint's circle or line tells by itself, and who of the strokes is used.
+struct CircleEstimate {
+  /// One a joint, where known: the angles at which the axes below were locked.
+  std::vector<std::optional<double>> home_rad;
+  std::vector<JointResult> joints;
+  std::vector<DhRow> specified;             ///< at home_rad; empty without a specified table
+  std::vector<DhEstimate> circle_dh;        ///< the paper's table; one row a joint
+  std::optional<BoundingBox> bounding_box;  ///< of the samples that were used
+  bool any_sweep = false;                   ///< of a joint of the arm
+  bool no_positions = false;                ///< some joint's strokes are told by angles alone
+  std::string doubt;  ///< why a table with all its numbers is not complete; empty: nothing
+  /// What contradicts itself or what a built robot can be; the heaviest first.
+  std::vector<Warning> doubts;
+  std::vector<Warning> warnings;
+};
+
+}  // namespace identify

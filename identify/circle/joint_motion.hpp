@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+
+#include "identify/circle/circle_estimate.hpp"
+#include "identify/geometry/warning.hpp"
+#include "identify/sweeps/motion_limit.hpp"
+
+namespace identify {
+
+/// How the target moves in a joint's sweeps.
+struct JointMotion {
+  double speed_mm_s = 0;
+  double step_mm = 0;  ///< from sample to sample
+};
+
+/// In the middle of the used sweeps, where the joint is at speed; from samples so far apart that
+/// noise does not look like motion. Nothing without such a sweep.
+[[nodiscard]] std::optional<JointMotion> joint_motion(const JointResult& joint);
+
+/// Which sweeps noise may have hidden, wholly or in part, and what to do. Nothing where noise does
+/// not set the limit, or all joints were swept clearly faster and have an axis.
+[[nodiscard]] std::optional<Warning> hidden_motion(const CircleEstimate& found,
+                                                   const MotionLimit& limit);
+
+}  // namespace identify

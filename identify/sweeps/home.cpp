@@ -1,0 +1,135 @@
+#include "identify/sweeps/home.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "identify/geometry/angle.hpp"
+#include "identify/geometry/circle_fit.hpp"
+#include "identify/sweeps/linear_joint.hpp"
+#include "identify/sweeps/points.hpp"
+
+namespace identify {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Locked joints come back to their place by better than this.
+constexpr double kSame_rad = 0.02 * kDegree;
+/// The end of a stroke is seen with its ramp cut off a little.
+constexpr double kEnd_rad = 0.5 * kDegree;
+
+bool has_angles(const Sweep& sweep) {
+  return sweep.first().joints > 0;
+}
+
+double locked_angle(const Sweep& sweep, std::size_t joint) {
+  double sum = 0;
+  for (const Sample& sample : *sweep.samples) sum += sample.angles_rad[joint];
+  return sum / static_cast<double>(sweep.samples->size());
+}
+
+double same_angle(const Resolution& resolution) {
+  return std::max(kSame_rad, resolution.angle_rad);
+}
+
+/// Where a target rested while the turn went from one joint to another.
+std::optional<Vector3d> home_point(const std::vector<Sweep>& sweeps, std::size_t target) {
+  std::vector<Vector3d> points;
+  const Sweep* before = nullptr;
+  for (const Sweep& sweep : sweeps) {
+    if (!sweep.joint || sweep.target != target || !sweep.first().has_position) continue;
+    if (before != nullptr && before->joint != sweep.joint) {
+      points.push_back(before->last().position_mm);
+      points.push_back(sweep.first().position_mm);
+    }
+    before = &sweep;
+  }
+  if (points.empty()) return std::nullopt;
+  return median(points);  // one joint that did not come home must not shift it
+}
+
+}  // namespace
+
+std::vector<std::optional<double>> find_home(const std::vector<Sweep>& sweeps, std::size_t joints,
+                                             const Resolution& resolution) {
+  struct Place {
+    double angle = 0;
+    std::set<std::size_t> swept;  // by how many other joints
+    std::size_t samples = 0;
+  };
+  std::vector<std::optional<double>> home(joints);
+  for (std::size_t k = 0; k < joints; ++k) {
+    std::vector<Place> places;
+    for (const Sweep& sweep : sweeps) {
+      if (!sweep.joint || *sweep.joint == k || !has_angles(sweep)) continue;
+      const double angle = locked_angle(sweep, k);
+      auto place = std::find_if(places.begin(), places.end(), [&](const Place& known) {
+        return std::abs(known.angle - angle) <= same_angle(resolution);
+      });
+      if (place == places.end()) place = places.insert(places.end(), Place{angle, {}, 0});
+      const auto more = sweep.samples->size();
+      const auto all = static_cast<double>(place->samples + more);
+      place->angle += (angle - place->angle) * static_cast<double>(more) / all;
+      place->samples += more;
+      place->swept.insert(*sweep.joint);
+    }
+    const auto best =
+        std::max_element(places.begin(), places.end(), [](const Place& a, const Place& b) {
+          return std::pair(a.swept.size(), a.samples) < std::pair(b.swept.size(), b.samples);
+        });
+    if (best != places.end()) home[k] = best->angle;
+  }
+  return home;
+}
+
+bool at_home(const Sweep& sweep, const std::vector<std::optional<double>>& home,
+             const Resolution& resolution) {
+  if (!has_angles(sweep)) return true;
+  for (std::size_t k = 0; k < home.size(); ++k)
+    if (k != sweep.joint && home[k] &&
+        std::abs(locked_angle(sweep, k) - *home[k]) > same_angle(resolution))
+      return false;
+  return true;
+}
+
+void mark_positioning(std::vector<Sweep>& sweeps, const std::vector<std::optional<double>>& home,
+                      const Resolution& resolution) {
+  std::map<std::size_t, std::optional<Vector3d>> rests;
+  for (const Sweep& sweep : sweeps)
+    if (!rests.contains(sweep.target)) rests[sweep.target] = home_point(sweeps, sweep.target);
+  const auto touches = [&](const Sweep& sweep, const Sample& end) {
+    if (has_angles(sweep) && home[*sweep.joint]) {
+      const double tolerance = std::max(kEnd_rad, 2 * resolution.angle_rad);
+      return std::abs(end.angles_rad[*sweep.joint] - *home[*sweep.joint]) <= tolerance;
+    }
+    const auto& rest = rests[sweep.target];
+    if (has_angles(sweep) || !rest) return false;
+    const auto points = positions(*sweep.samples);
+    if (const auto line = fit_line(points);
+        line && straightness(*line, {}) == Straightness::straight)
+      return (end.position_mm - *rest).norm() <= kEnd_rad * kLinear_mm;
+    const auto circle = fit_circle(points);
+    if (!circle) return false;
+    const double tolerance = std::max(kEnd_rad * circle->radius_mm, 2 * resolution.position_mm);
+    return (end.position_mm - *rest).norm() <= tolerance;
+  };
+  const auto touches_home = [&](const Sweep& sweep) {
+    return touches(sweep, sweep.first()) || touches(sweep, sweep.last());
+  };
+  const auto usable = [](const Sweep& sweep) {
+    return sweep.joint && sweep.defect == SweepDefect::none;
+  };
+  std::set<std::pair<std::size_t, std::size_t>> with_proper_sweeps;  // joint and target
+  for (const Sweep& sweep : sweeps)
+    if (usable(sweep) && !touches_home(sweep))
+      with_proper_sweeps.emplace(*sweep.joint, sweep.target);
+  for (Sweep& sweep : sweeps)
+    sweep.positioning = usable(sweep) &&
+                        with_proper_sweeps.contains({*sweep.joint, sweep.target}) &&
+                        touches_home(sweep);
+}
+
+}  // namespace identify

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "identify/sweeps/sweep.hpp"
+
+namespace identify {
+
+/// The angle at which each joint was locked while others swept: the one shared by the sweeps of
+/// most other joints (and then of most samples). Nothing for a joint that was never seen locked, or
+/// where no angles are known.
+[[nodiscard]] std::vector<std::optional<double>> find_home(const std::vector<Sweep>& sweeps,
+                                                           std::size_t joints,
+                                                           const Resolution& resolution);
+
+/// Whether all joints but the sweeping one stood at home. True where no angles tell otherwise.
+[[nodiscard]] bool at_home(const Sweep& sweep, const std::vector<std::optional<double>>& home_rad,
+                           const Resolution& resolution);
+
+/// Marks the strokes that only lead from home to a sweep's start, or from its end back home: those
+/// that touch home at one end, where the same joint has others that touch it at neither. A stroke
+/// touches home by its own joint's angle or, without angles, by the point where the arm rests
+/// between the strokes of one joint and those of the next.
+void mark_positioning(std::vector<Sweep>& sweeps,
+                      const std::vector<std::optional<double>>& home_rad,
+                      const Resolution& resolution);
+
+}  // namespace identify

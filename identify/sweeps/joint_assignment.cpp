@@ -1,0 +1,300 @@
+#include "identify/sweeps/joint_assignment.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "identify/dh/joint_order.hpp"
+#include "identify/geometry/angle.hpp"
+#include "identify/sweeps/turn.hpp"
+
+namespace identify {
+namespace {
+
+// Chi squared of a stroke that no plan has, and of a planned one that was not seen.
+constexpr double kStray = 25;
+constexpr double kUnseen = 5;
+constexpr double kByChance = 20;  // differences that chance explains
+
+using Order = std::vector<std::size_t>;
+
+std::string names(const Order& joints) {
+  std::string text;
+  for (const std::size_t joint : joints)
+    text += (text.empty() ? "" : ", ") + std::to_string(joint + 1);
+  return text;
+}
+
+/// Those of `joints` that `others` has too.
+Order common(Order joints, const Order& others) {
+  std::erase_if(joints, [&](std::size_t joint) {
+    return std::find(others.begin(), others.end(), joint) == others.end();
+  });
+  return joints;
+}
+
+/// What the plan declares, joint by joint.
+class Plan {
+ public:
+  explicit Plan(const Campaign& campaign) : strokes_(campaign.joints), first_(campaign.joints, 0) {
+    for (const DeclaredJoint& turn : campaign.order) {
+      if (turn.joint >= campaign.joints) continue;
+      if (std::find(order_.begin(), order_.end(), turn.joint) == order_.end()) {
+        order_.push_back(turn.joint);
+        first_[turn.joint] = turn.first_direction;
+      }
+      strokes_[turn.joint].insert(strokes_[turn.joint].end(), turn.strokes_rad.begin(),
+                                  turn.strokes_rad.end());
+    }
+    given_ = !order_.empty();
+    if (given_) return;
+    order_.resize(campaign.joints);
+    std::iota(order_.begin(), order_.end(), std::size_t{0});
+  }
+
+  [[nodiscard]] bool given() const { return given_; }
+  /// Joints in the order in which they come first; without a plan 1 to n.
+  [[nodiscard]] const Order& order() const { return order_; }
+
+  /// Chi squared of a turn as one of `joint`.
+  [[nodiscard]] double misfit(const Turn& turn, std::size_t joint, int sense) const {
+    const auto& planned = strokes_[joint];
+    const auto& seen = turn.angles_rad;
+    const bool begins_otherwise = first_[joint] * sense * seen.front() < 0;
+    if (planned.empty()) return begins_otherwise ? kStray : 0;
+    // The cheapest way to lay the strokes that were seen beside the planned ones, which may have
+    // been run several times: the edit distance.
+    const std::size_t repeats =
+        std::max<std::size_t>(1, (seen.size() + planned.size() / 2) / planned.size());
+    std::vector<double> cost(1 + repeats * planned.size());
+    for (std::size_t k = 1; k < cost.size(); ++k) cost[k] = cost[k - 1] + kUnseen;
+    for (const double angle : seen) {
+      double diagonal = std::exchange(cost[0], cost[0] + kStray);
+      for (std::size_t k = 1; k < cost.size(); ++k) {
+        const double wanted = planned[(k - 1) % planned.size()];
+        const double off = (sense * angle - wanted) / (kDegree + 0.02 * std::abs(wanted));
+        const double matched = diagonal + off * off;
+        diagonal = cost[k];
+        cost[k] = std::min({matched, cost[k] + kStray, cost[k - 1] + kUnseen});
+      }
+    }
+    constexpr double kHint = 1e-3;  // where nothing else tells, the first stroke is seen
+    return cost.back() + (begins_otherwise ? kHint : 0);
+  }
+
+  /// Whether a turn may be what the plan has for `joint`: no stroke is foreign to it.
+  [[nodiscard]] bool explains(const Turn& turn, std::size_t joint, int sense) const {
+    const auto unseen =
+        kUnseen * static_cast<double>(strokes_[joint].size() -
+                                      std::min(strokes_[joint].size(), turn.angles_rad.size()));
+    return misfit(turn, joint, sense) < kStray + unseen;
+  }
+
+  [[nodiscard]] bool tells_sense(std::size_t joint) const {
+    return !strokes_[joint].empty() || first_[joint] != 0;
+  }
+
+ private:
+  bool given_ = false;
+  Order order_;
+  std::vector<std::vector<double>> strokes_;
+  std::vector<int> first_;
+};
+
+class Assigner {
+ public:
+  Assigner(std::vector<Sweep>& strokes, const Campaign& campaign)
+      : strokes_(strokes), campaign_(campaign), plan_(campaign) {}
+
+  JointAssignment run() {
+    std::map<std::size_t, std::vector<std::size_t>> targets;
+    for (std::size_t s = 0; s < strokes_.size(); ++s)
+      if (!strokes_[s].joint) targets[strokes_[s].target].push_back(s);
+    std::optional<Order> before;
+    for (const auto& [target, places] : targets) {
+      turns_ = turns_in(strokes_, places, plan_.order().size());
+      if (turns_.size() != plan_.order().size()) mismatch();
+      if (turns_.size() > plan_.order().size()) turns_.resize(plan_.order().size());
+      if (turns_.empty()) continue;
+      decide();
+      if (before && common(chosen_.joints, *before) != common(*before, chosen_.joints))
+        doubt("the targets do not tell the same order of joints: " + names(*before) + " and " +
+                  names(chosen_.joints),
+              "order_ambiguous");
+      before = chosen_.joints;
+      apply();
+    }
+    return std::move(found_);
+  }
+
+ private:
+  void warn(const std::string& code, const std::string& message) {
+    for (const Warning& known : found_.warnings)
+      if (known.code == code) return;  // another target says the same
+    found_.warnings.push_back({code, {}, message});
+  }
+
+  void doubt(const std::string& why, const std::string& code) {
+    if (!found_.doubt.empty()) return;
+    found_.doubt = why;
+    warn(code, why +
+                   ": send joint angles (AIPos), give the sweep plan that was run and the robot "
+                   "description, or name the joint of each point");
+  }
+
+  void mismatch() {
+    warn("order_mismatch", std::to_string(turns_.size()) +
+                               (turns_.size() < 2 * plan_.order().size() ? "" : " or more") +
+                               " axes were swept one after the other, but the declared order has " +
+                               std::to_string(plan_.order().size()) +
+                               ": give the sweep plan that was run, or send joint angles (AIPos)");
+  }
+
+  void decide() {
+    std::vector<JointOrder> fitting = fits();
+    if (fitting.empty()) {
+      assume();
+      return;
+    }
+    // Geometry first; the plan chooses among what that leaves.
+    const auto by_plan = [&](const JointOrder& order) {
+      double sum = 0;
+      for (std::size_t t = 0; plan_.given() && t < turns_.size(); ++t)
+        sum += plan_.misfit(turns_[t], order.joints[t], order.senses[t]);
+      return sum;
+    };
+    const auto best = std::min_element(
+        fitting.begin(), fitting.end(),
+        [&](const JointOrder& a, const JointOrder& b) { return by_plan(a) < by_plan(b); });
+    chosen_ = *best;
+    senses_found_ = std::none_of(fitting.begin(), fitting.end(), [&](const JointOrder& order) {
+      return order.joints == best->joints && order.senses != best->senses;
+    });
+    std::optional<JointOrder> rival;
+    for (const JointOrder& order : fitting)
+      if (order.joints != best->joints && by_plan(order) < by_plan(*best) + kByChance &&
+          (!rival || order.joints == declared()))
+        rival = order;
+    if (rival) {
+      if (rival->joints == declared()) std::swap(*rival, chosen_);
+      senses_found_ = false;
+      doubt("the joints may have swept in the order " + names(chosen_.joints) + " or " +
+                names(rival->joints) + ", both agree with the robot description; the first is " +
+                "taken",
+            "order_ambiguous");
+    } else if (chosen_.joints != declared()) {
+      warn(plan_.given() ? "order_differs" : "order_found",
+           "the joints swept in the order " + names(chosen_.joints) +
+               ", as the robot description tells" +
+               (plan_.given() ? ", and not in that of the plan: check that the plan is the one "
+                                "that was run"
+                              : ""));
+    }
+    check_plan();
+  }
+
+  /// Orders that agree with the description at the first pose where any does.
+  std::vector<JointOrder> fits() {
+    undecided_ = false;
+    if (!campaign_.specified) return {};
+    const Arm& arm = *campaign_.specified;
+    std::vector<Axis> axes;
+    for (const Turn& turn : turns_) axes.push_back(turn.axis);
+    const auto& declared_home = campaign_.declared_home_rad;
+    const bool has_home = declared_home.size() == arm.joints();
+    using Home = std::optional<std::vector<double>>;
+    std::vector<Home> poses;
+    if (has_home) poses.emplace_back(declared_home);
+    if (!has_home || declared_home != arm.home_rad) poses.emplace_back(arm.home_rad);
+    poses.emplace_back(std::nullopt);
+    for (const Home& pose : poses) {
+      JointOrders orders = orders_that_fit(axes, arm, pose);
+      undecided_ = orders.undecided;
+      if (undecided_) return {};
+      if (orders.fitting.empty()) continue;
+      if (has_home && pose != declared_home) {
+        found_.home_holds = false;
+        warn("home_contradicted",
+             "the arm did not stand at the plan's home: its angles at home are taken as unknown; "
+             "check that the plan is the one that was run");
+      }
+      return std::move(orders.fitting);
+    }
+    return {};
+  }
+
+  /// The declared order, as far as it goes.
+  [[nodiscard]] Order declared() const {
+    return {plan_.order().begin(),
+            plan_.order().begin() + static_cast<std::ptrdiff_t>(turns_.size())};
+  }
+
+  void assume() {
+    chosen_ = {declared(), std::vector<int>(turns_.size(), 1), 0};
+    senses_found_ = false;
+    for (std::size_t t = 0; t < turns_.size(); ++t) {
+      const std::size_t joint = chosen_.joints[t];
+      if (plan_.misfit(turns_[t], joint, -1) < plan_.misfit(turns_[t], joint, 1))
+        chosen_.senses[t] = -1;
+    }
+    const std::string order = plan_.given() ? "the plan's order of joints, " + names(chosen_.joints)
+                                            : "the order of joints, " + names(chosen_.joints);
+    doubt(order + ", is assumed: " +
+              (undecided_            ? "the arcs are too poor to compare with the robot description"
+               : campaign_.specified ? "no order agrees with the robot description"
+                                     : "no robot description confirms it"),
+          "order_assumed");
+    check_plan();
+  }
+
+  /// Which joints the plan does not explain; the sense of those is not known.
+  void check_plan() {
+    Order against;
+    for (std::size_t t = 0; t < turns_.size(); ++t) {
+      const std::size_t joint = chosen_.joints[t];
+      if (!plan_.tells_sense(joint))
+        found_.senses_known = found_.senses_known && senses_found_;
+      else if (!plan_.explains(turns_[t], joint, chosen_.senses[t]))
+        against.push_back(joint);
+    }
+    if (against.empty()) return;
+    found_.senses_known = found_.senses_known && senses_found_;
+    std::sort(against.begin(), against.end());
+    warn("plan_contradicted", "the sweeps of joint" + std::string(against.size() > 1 ? "s " : " ") +
+                                  names(against) +
+                                  " are not those of the plan, by their angles or their number: "
+                                  "check that the plan is the one that was run");
+  }
+
+  void apply() {
+    for (std::size_t t = 0; t < turns_.size(); ++t) {
+      // Where nothing tells, the first stroke is the way that counts as positive.
+      const double sense = found_.senses_known ? chosen_.senses[t] : turns_[t].angles_rad.front();
+      for (std::size_t s = 0; s < turns_[t].strokes.size(); ++s) {
+        Sweep& stroke = strokes_[turns_[t].strokes[s]];
+        stroke.joint = chosen_.joints[t];
+        stroke.direction = sense * turns_[t].angles_rad[s] < 0 ? -1 : 1;
+      }
+    }
+  }
+
+  std::vector<Sweep>& strokes_;
+  const Campaign& campaign_;
+  Plan plan_;
+  std::vector<Turn> turns_;
+  JointOrder chosen_;
+  bool senses_found_ = false;  // by the geometry alone
+  bool undecided_ = false;     // so many orders agree in part
+  JointAssignment found_;
+};
+
+}  // namespace
+
+JointAssignment assign_joints(std::vector<Sweep>& strokes, const Campaign& campaign) {
+  return Assigner(strokes, campaign).run();
+}
+
+}  // namespace identify

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "identify/geometry/warning.hpp"
+#include "identify/sweeps/campaign.hpp"
+#include "identify/sweeps/sweep.hpp"
+
+namespace identify {
+
+/// How sure it is whose strokes are whose.
+struct JointAssignment {
+  bool senses_known = true;  ///< `direction` of the strokes is the controller's
+  /// What was seen does not contradict `Campaign::declared_home_rad`.
+  bool home_holds = true;
+  std::string doubt;  ///< why the order is not certain; empty where it is
+  std::vector<Warning> warnings;
+};
+
+/// Tells the joints of strokes that have none. Arcs about one axis belong to one joint. Which joint
+/// that is, the axes' geometry says against the specified table, at the declared home, at that of
+/// the table or at any, under every order; where several orders agree, the plan's strokes do. Where
+/// neither confirms an order, the declared one is assumed, or joint 1 to n, and a doubt remains.
+///
+/// Each target by itself. Sets `joint` and `direction`; strokes with a defect, and arcs beyond the
+/// number of joints, stay without a joint.
+[[nodiscard]] JointAssignment assign_joints(std::vector<Sweep>& strokes, const Campaign& campaign);
+
+}  // namespace identify

@@ -1,0 +1,227 @@
+#include "identify/sweeps/position_segmentation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include <Eigen/Cholesky>
+
+#include "identify/geometry/angle.hpp"
+#include "identify/geometry/circle_fit.hpp"
+#include "identify/geometry/robust_circle.hpp"
+#include "identify/sweeps/motion_window.hpp"
+#include "identify/sweeps/points.hpp"
+#include "identify/sweeps/segmentation.hpp"
+
+namespace identify {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Speeds above the first are motion, until they fall below the second.
+constexpr double kStarts_mm_s = MotionLimit::kUsualSlowest_mm_s;
+constexpr double kStops_mm_s = 1.0;
+/// So many standard deviations of what noise makes of rest are motion; of rest again.
+constexpr double kStartSigmas = 6;
+constexpr double kStopSigmas = 3;
+/// The ringing after a stop runs through any angle, but hardly leaves its place.
+constexpr double kShortest_mm = MotionLimit::kUsualShortest_mm;
+constexpr double kShortestSizes = 30;  // of the noise
+constexpr double kFirstSize_mm = 1e-6;
+constexpr double kSizesPerOctave = 8;
+/// Motion leaves more than noise does: of all windows the quieter ones tell the noise.
+constexpr double kQuiet = 0.25;
+
+double moves_above(double sigma, double step) {
+  return std::max({kStarts_mm_s, 2.0 * step / (2 * kHalfWindow_s), kStartSigmas * sigma});
+}
+double rests_below(double sigma, double step) {
+  return std::max({kStops_mm_s, 1.2 * step / (2 * kHalfWindow_s), kStopSigmas * sigma});
+}
+
+double shortest(double noise) {
+  return std::max(kShortest_mm, kShortestSizes * noise);
+}
+
+}  // namespace
+
+std::vector<Sweep> PositionSegmenter::push(const std::vector<Seen>& frame) {
+  Frame next;
+  for (const Seen& seen : frame)
+    if (seen.sample.has_position && seen.sample.position_mm.allFinite()) next.seen.push_back(seen);
+  if (next.seen.empty()) return {};
+  next.time_s = next.seen.front().sample.time_s;
+  if (!window_.empty() && next.time_s <= window_.back().time_s) return {};
+  if (!window_.empty() && next.time_s - window_.back().time_s > kLongestGap_s) ended_ = finish();
+  window_.push_back(std::move(next));
+  while (window_[undecided_].time_s + kHalfWindow_s <= window_.back().time_s) {
+    decide(undecided_);
+    ++undecided_;
+    while (window_.front().time_s < window_[undecided_ - 1].time_s - kHalfWindow_s) {
+      window_.pop_front();
+      --undecided_;
+    }
+  }
+  return std::exchange(ended_, {});
+}
+
+std::vector<Sweep> PositionSegmenter::finish() {
+  for (; undecided_ < window_.size(); ++undecided_) decide(undecided_);
+  close();
+  window_.clear();
+  undecided_ = 0;
+  moves_ = false;
+  velocity_.clear();
+  return std::exchange(ended_, {});
+}
+
+PositionSegmenter::Slope PositionSegmenter::slope_at(std::size_t centre) const {
+  // A margin for times that are rounded.
+  constexpr double kMargin_s = 1e-9;
+  const double at = window_[centre].time_s;
+  struct Fit {
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();  // of 1, t, t^2
+    Eigen::Matrix3d right = Eigen::Matrix3d::Zero();   // columns: x, y, z
+    double squares = 0;
+    int count = 0;
+    Vector3d origin_mm = Vector3d::Zero();
+  };
+  std::map<std::size_t, Fit> fits;
+  for (const Frame& frame : window_) {
+    const double t = frame.time_s - at;
+    if (std::abs(t) > kHalfWindow_s + kMargin_s) continue;
+    const Vector3d powers(1, t / kHalfWindow_s, t * t / (kHalfWindow_s * kHalfWindow_s));
+    for (const Seen& seen : frame.seen) {
+      Fit& fit = fits[seen.target];
+      if (fit.count++ == 0) fit.origin_mm = seen.sample.position_mm;
+      const Vector3d off = seen.sample.position_mm - fit.origin_mm;
+      fit.normal += powers * powers.transpose();
+      fit.right += powers * off.transpose();
+      fit.squares += off.squaredNorm();
+    }
+  }
+  Slope slope;
+  double speeds = 0, left = 0, variances = 0;
+  int freedom = 0, used = 0;
+  for (const auto& [target, fit] : fits) {
+    if (fit.count < 2) continue;
+    // The mean speed is a straight line's; the parabola tells what is noise.
+    const Eigen::Matrix2d straight = fit.normal.topLeftCorner<2, 2>();
+    if (!(straight.determinant() > 1e-12)) continue;
+    const Eigen::Matrix2d inverse = straight.inverse();
+    const Vector3d velocity = (inverse.row(1) * fit.right.topRows<2>()).transpose() / kHalfWindow_s;
+    slope.velocity_mm_s[target] = velocity;
+    speeds += velocity.squaredNorm();
+    variances += 3 * inverse(1, 1) / (kHalfWindow_s * kHalfWindow_s);
+    ++used;
+    if (fit.count < 6) continue;
+    const Eigen::Matrix3d found = fit.normal.ldlt().solve(fit.right);
+    left += std::max(0.0, fit.squares - found.cwiseProduct(fit.right).sum());
+    freedom += 3 * (fit.count - 3);
+  }
+  if (used > 0) {
+    slope.speed_mm_s = std::sqrt(speeds / used);
+    // The mean square of several targets' speeds scatters less, by the root of their number.
+    slope.sigma_mm_s = std::sqrt(variances / used / std::sqrt(used));
+  }
+  if (freedom > 0) slope.noise_mm = std::sqrt(left / freedom);
+  return slope;
+}
+
+void PositionSegmenter::learn(const Slope& slope) {
+  const double size = std::log2(std::max(slope.noise_mm, kFirstSize_mm) / kFirstSize_mm);
+  const auto bin = static_cast<std::size_t>(kSizesPerOctave * size);
+  ++sizes_[std::min(bin, sizes_.size() - 1)];
+  ++learnt_;
+}
+
+std::optional<MotionLimit> PositionSegmenter::limit() const {
+  const double noise = noise_mm();
+  if (noise == 0) return std::nullopt;
+  return MotionLimit{noise, moves_above(sigma_mm_s_ * noise, step_mm_), shortest(noise)};
+}
+
+double PositionSegmenter::noise_mm() const {
+  auto quiet = static_cast<std::size_t>(kQuiet * static_cast<double>(learnt_));
+  if (learnt_ == 0) return 0;
+  std::size_t bin = 0;
+  for (; bin + 1 < sizes_.size() && quiet >= sizes_[bin]; ++bin) quiet -= sizes_[bin];
+  return kFirstSize_mm * std::exp2((static_cast<double>(bin) + 0.5) / kSizesPerOctave);
+}
+
+void PositionSegmenter::decide(std::size_t centre) {
+  const Slope slope = slope_at(centre);
+  if (slope.noise_mm > 0) learn(slope);
+  // At the ends of a stream half a window is seen: that tells less than the others.
+  const double time_s = window_[centre].time_s;
+  const bool whole = time_s - window_.front().time_s > 0.9 * kHalfWindow_s &&
+                     window_.back().time_s - time_s > 0.9 * kHalfWindow_s;
+  if (whole || sigma_mm_s_ == 0) sigma_mm_s_ = slope.sigma_mm_s;
+  const double sigma = slope.sigma_mm_s * noise_mm();
+  const bool moves =
+      slope.speed_mm_s > (moves_ ? rests_below(sigma, step_mm_) : moves_above(sigma, step_mm_));
+  double along = 0;
+  for (const auto& [target, velocity] : slope.velocity_mm_s)
+    if (const auto before = velocity_.find(target); before != velocity_.end())
+      along += velocity.dot(before->second);
+  // A reversal without a rest begins another stroke.
+  if (!moves || along < 0 || stroke_.size() >= kMostSamples) close();
+  moves_ = moves;
+  velocity_ = slope.velocity_mm_s;
+  if (moves) stroke_.push_back(window_[centre]);
+}
+
+void PositionSegmenter::close() {
+  std::map<std::size_t, std::vector<Sample>> targets;
+  for (const Frame& frame : std::exchange(stroke_, {}))
+    for (const Seen& seen : frame.seen) targets[seen.target].push_back(seen.sample);
+  for (auto& [target, samples] : targets)
+    if (samples.size() > 1) report(target, std::move(samples));
+}
+
+void PositionSegmenter::report(std::size_t target, std::vector<Sample> samples) {
+  const double noise = noise_mm();
+  const auto travel = [](const Sample& from, const Sample& to) {
+    return (to.position_mm - from.position_mm).norm();
+  };
+  const Sample first = samples.front(), last = samples.back();
+  const double rest = std::max({kRest * travel(first, last), 1.5 * step_mm_, 4 * noise});
+  auto begin = samples.begin(), end = samples.end();
+  while (end - begin > 2 && travel(first, *(begin + 1)) <= rest) ++begin;
+  while (end - begin > 2 && travel(last, *(end - 2)) <= rest) --end;
+  samples.erase(end, samples.end());
+  samples.erase(samples.begin(), begin);
+
+  Sweep sweep;
+  sweep.target = target;
+  sweep.samples = std::make_shared<const std::vector<Sample>>(std::move(samples));
+  const auto points = positions(*sweep.samples);
+  auto circle = fit_circle(points);
+  // A move of two joints leaves the circle by millimetres; measuring noise does not.
+  constexpr double kNoise_mm = 0.05;
+  constexpr double kNoisePerLength = 2e-4;
+  constexpr double kNoiseSigmas = 1.5;
+  const auto allowed = [&](const CircleFit& one) {
+    return std::max(kNoise_mm, kNoiseSigmas * noise) +
+           kNoisePerLength * one.arc_rad * one.radius_mm + step_mm_;
+  };
+  const auto misfit = [](const CircleFit& one) {
+    return std::max(one.plane_rms_mm, one.radial_rms_mm);
+  };
+  if (!circle) {
+    sweep.range_rad = kShortestStroke_rad;
+    sweep.defect = SweepDefect::not_an_arc;
+  } else {
+    sweep.range_rad = circle->arc_rad;
+    const double half_turn = std::min(circle->arc_rad, 180 * kDegree);
+    const double extent = 2 * circle->radius_mm * std::sin(half_turn / 2);
+    if (sweep.samples->size() < kFewestSamples) sweep.defect = SweepDefect::too_few_samples;
+    if (sweep.range_rad < kShortestRange_rad || extent < shortest(noise))
+      sweep.defect = SweepDefect::too_short;
+    if (misfit(*circle) > allowed(*circle)) sweep.defect = SweepDefect::not_an_arc;
+  }
+  if (sweep.range_rad >= kShortestStroke_rad) ended_.push_back(std::move(sweep));
+}
+
+}  // namespace identify

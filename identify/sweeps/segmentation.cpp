@@ -1,0 +1,141 @@
+#include "identify/sweeps/segmentation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "identify/geometry/angle.hpp"
+#include "identify/sweeps/motion_window.hpp"
+
+namespace identify {
+namespace {
+
+/// A locked joint may sag or wobble by so much.
+constexpr double kStill_rad = 0.03 * kDegree;
+/// Speeds above the first are motion, until they fall below the second.
+constexpr double kJointStarts_rad_s = 0.2 * kDegree;
+constexpr double kJointStops_rad_s = 0.1 * kDegree;
+
+/// A flicker of one unit of the last decimal within the window is no motion: two units are.
+double starts(double usual, double unit) {
+  return std::max(usual, 2.0 * unit / (2 * kHalfWindow_s));
+}
+double stops(double usual, double unit) {
+  return std::max(usual, 1.2 * unit / (2 * kHalfWindow_s));
+}
+
+}  // namespace
+
+Segmenter::Segmenter(std::size_t joints) : joints_(std::min(joints, kMostJoints)) {}
+
+std::vector<Sweep> Segmenter::push(const Sample& sample) {
+  if (!with_angles_) with_angles_ = sample.joints > 0;
+  if (!*with_angles_) return by_positions_.push({{0, sample}});
+  if (sample.joints < joints_) return {};
+  if (!window_.empty() && sample.time_s <= window_.back().time_s) return {};
+
+  if (!window_.empty() && sample.time_s - window_.back().time_s > kLongestGap_s) ended_ = finish();
+  window_.push_back(sample);
+  while (window_[undecided_].time_s + kHalfWindow_s <= window_.back().time_s) {
+    decide(window_[undecided_]);
+    ++undecided_;
+    while (window_.front().time_s < window_[undecided_ - 1].time_s - kHalfWindow_s) {
+      window_.pop_front();
+      --undecided_;
+    }
+  }
+  return std::exchange(ended_, {});
+}
+
+std::vector<Sweep> Segmenter::finish() {
+  if (with_angles_ && !*with_angles_) return by_positions_.finish();
+  for (; undecided_ < window_.size(); ++undecided_) decide(window_[undecided_]);
+  close();
+  window_.clear();
+  undecided_ = 0;
+  joint_moves_.fill(false);
+  return std::exchange(ended_, {});
+}
+
+void Segmenter::decide(const Sample& centre) {
+  const auto first = std::find_if(window_.begin(), window_.end(), [&](const Sample& s) {
+    return s.time_s >= centre.time_s - kHalfWindow_s;
+  });
+  auto last = std::prev(window_.end());
+  while (last->time_s > centre.time_s + kHalfWindow_s) --last;
+  Motion motion;
+  if (last->time_s > first->time_s) motion = joint_motion(*first, *last);
+
+  if (motion != motion_ || stroke_.size() >= kMostSamples) {
+    close();
+    motion_ = motion;
+  }
+  if (motion_.joint != kNothing) stroke_.push_back(centre);
+}
+
+Segmenter::Motion Segmenter::joint_motion(const Sample& first, const Sample& last) {
+  const double seconds = last.time_s - first.time_s;
+  Motion motion;
+  int moving = 0;
+  for (std::size_t j = 0; j < joints_; ++j) {
+    const double speed = (last.angles_rad[j] - first.angles_rad[j]) / seconds;
+    const double threshold = joint_moves_[j] ? stops(kJointStops_rad_s, resolution_.angle_rad)
+                                             : starts(kJointStarts_rad_s, resolution_.angle_rad);
+    joint_moves_[j] = std::abs(speed) > threshold;
+    if (!joint_moves_[j]) continue;
+    ++moving;
+    motion = {static_cast<int>(j), speed > 0 ? 1 : -1};
+  }
+  return moving == 1 ? motion : Motion{};
+}
+
+void Segmenter::close() {
+  if (motion_.joint != kNothing && stroke_.size() > 1) {
+    trim();
+    Sweep sweep;
+    sweep.samples = std::make_shared<const std::vector<Sample>>(std::exchange(stroke_, {}));
+    sweep.joint = static_cast<std::size_t>(motion_.joint);
+    sweep.direction = motion_.sign;
+    judge_by_angles(sweep);
+    if (sweep.range_rad >= kShortestStroke_rad) ended_.push_back(std::move(sweep));
+  }
+  stroke_.clear();
+  motion_ = {};
+}
+
+void Segmenter::trim() {
+  const Sample first = stroke_.front();
+  const Sample last = stroke_.back();
+  const double rest = std::max(kRest * travel(first, last), 1.5 * resolution_.angle_rad);
+  auto begin = stroke_.begin();
+  auto end = stroke_.end();
+  while (end - begin > 2 && travel(first, *(begin + 1)) <= rest) ++begin;
+  while (end - begin > 2 && travel(last, *(end - 2)) <= rest) --end;
+  stroke_.erase(end, stroke_.end());
+  stroke_.erase(stroke_.begin(), begin);
+}
+
+double Segmenter::travel(const Sample& from, const Sample& to) const {
+  const auto j = static_cast<std::size_t>(motion_.joint);
+  return std::abs(to.angles_rad[j] - from.angles_rad[j]);
+}
+
+void Segmenter::judge_by_angles(Sweep& sweep) const {
+  const auto moved = [&](std::size_t j) {
+    double lowest = sweep.first().angles_rad[j];
+    double highest = lowest;
+    for (const Sample& sample : *sweep.samples) {
+      lowest = std::min(lowest, sample.angles_rad[j]);
+      highest = std::max(highest, sample.angles_rad[j]);
+    }
+    return highest - lowest;
+  };
+  sweep.range_rad = moved(*sweep.joint);
+  const double still = std::max(kStill_rad, 2.5 * resolution_.angle_rad);
+  for (std::size_t j = 0; j < joints_; ++j)
+    if (j != *sweep.joint && moved(j) > still) sweep.defect = SweepDefect::other_joint_moved;
+  if (sweep.samples->size() < kFewestSamples) sweep.defect = SweepDefect::too_few_samples;
+  if (sweep.range_rad < kShortestRange_rad) sweep.defect = SweepDefect::too_short;
+}
+
+}  // namespace identify

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <array>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "identify/geometry/angle.hpp"
+#include "identify/sweeps/position_segmentation.hpp"
+#include "identify/sweeps/sample.hpp"
+#include "identify/sweeps/sweep.hpp"
+
+namespace identify {
+
+/// Recognises single-joint strokes in a stream of samples, one sample at a time.
+///
+/// With angles, a stroke is where exactly one joint moves, without turning back; without, see
+/// PositionSegmenter. Motion is judged by the speed over a window of +-0.1 s with hysteresis, so a
+/// stroke is reported that long after its end. Strokes of less than half a degree are motion, but
+/// never reported.
+///
+/// The stream is one kind or the other: the first sample decides. Bounded memory while nothing
+/// moves; a stroke that outgrows `kMostSamples` is ended there and goes on as another.
+class Segmenter {
+ public:
+  /// The first `joints` angles of each sample count (at most kMostJoints).
+  explicit Segmenter(std::size_t joints);
+
+  /// How finely the numbers are printed, as far as is known by now: thresholds never lie below it.
+  void set_resolution(const Resolution& resolution) {
+    resolution_ = resolution;
+    by_positions_.set_step(resolution.position_mm);
+  }
+
+  /// Samples in strict order of time; others are ignored. Returns the strokes, hardly ever more
+  /// than one, that have just proved to be over. A gap of more than a quarter second ends a stroke.
+  [[nodiscard]] std::vector<Sweep> push(const Sample& sample);
+
+  /// The stream has ended or broken off: returns what was under way.
+  [[nodiscard]] std::vector<Sweep> finish();
+
+  /// Of a stream without angles, as far as is known by now.
+  [[nodiscard]] std::optional<MotionLimit> limit() const { return by_positions_.limit(); }
+
+  static constexpr std::size_t kMostSamples = 200'000;
+
+ private:
+  /// What moves: nothing of use, or one joint in one direction.
+  struct Motion {
+    int joint = kNothing;
+    int sign = 0;
+    friend bool operator==(const Motion&, const Motion&) = default;
+  };
+  static constexpr int kNothing = -1;
+
+  void decide(const Sample& centre);
+  [[nodiscard]] Motion joint_motion(const Sample& first, const Sample& last);
+  void close();
+  void trim();
+  [[nodiscard]] double travel(const Sample& from, const Sample& to) const;
+  void judge_by_angles(Sweep& sweep) const;
+
+  std::size_t joints_;
+  Resolution resolution_;
+  std::optional<bool> with_angles_;
+  std::deque<Sample> window_;
+  std::size_t undecided_ = 0;  // index in window_ of the first sample without a verdict
+  std::array<bool, kMostJoints> joint_moves_{};
+  Motion motion_;
+  std::vector<Sample> stroke_;
+  std::vector<Sweep> ended_;
+  PositionSegmenter by_positions_;
+};
+
+/// Strokes below this range or number of samples are reported as defective.
+inline constexpr double kShortestRange_rad = 5 * kDegree;
+inline constexpr std::size_t kFewestSamples = 20;
+
+}  // namespace identify

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "identify/sweeps/reference_motion.hpp"
+#include "identify/sweeps/sweep.hpp"
+
+namespace identify {
+
+/// What of a stroke's samples the moments take up.
+struct StrokeContent {
+  std::size_t joint = 0;   ///< the one that turns
+  std::size_t joints = 0;  ///< whose angles every sample has; 0: no angles
+  bool orientation = false;
+  bool linear = false;  ///< it moves along a line
+};
+
+/// The errors that tell how the samples' noise is correlated: radial and axial.
+inline constexpr int kBlockDirections = 2;
+
+/// A stroke in so few numbers that no sample is needed again: sums over its samples, at nodes of
+/// the turn, from which the weighted sum of any smooth function of the turn follows.
+///
+/// Along a stroke all that a model says is a smooth function f of the turn x. With the Lagrange
+/// polynomials L_k of the nodes x_k, sum_i w_i f(x_i) z_i z_i^T = sum_k f(x_k) S_k with
+/// S_k = sum_i w_i L_k(x_i) z_i z_i^T, exactly for f up to the polynomials' degree (Berrut &
+/// Trefethen, SIAM Review 46, 2004, eq. 4.2, for the L_k). z is (1, e, v):
+///  - e, its departure from the stroke's reference motion: radial, axial, tangential (mm; the last
+///    along the arc at the reference radius, from where the told angle says), and where measured
+///    the rotation vector (rad) in these three directions;
+///  - v, where angles are known, each locked joint's angle minus its mean over the stroke (rad); 0
+///    for the joint that turns.
+/// w is a robust weight: a sample far from the stroke's own smooth curve has none.
+///
+/// x is the angle about the reference circle (rad), from the joint's zero where its angle as told
+/// follows the arc. Where the circle is too small to see the angle, x is what is told. Lengths in
+/// mm in the measurement frame.
+struct StrokeMoments : ReferenceMotion {
+  struct Node {
+    double turn_rad = 0;  ///< x
+    Eigen::MatrixXd sums;
+  };
+
+  StrokeContent content;
+  std::size_t target = 0;
+  bool told = false;     ///< the angle as told follows the arc
+  bool about = true;     ///< x is the angle about the circle
+  bool falling = false;  ///< the stroke's direction
+  double begin_s = 0;
+  double end_s = 0;
+  /// How many successive samples are worth one independent one.
+  double correlation = 1;
+  std::size_t samples = 0;
+  std::size_t outliers = 0;  ///< of them: given less than half their weight
+  double weight = 0;         ///< sum of all w
+
+  std::array<double, kMostJoints> locked_rad{};  ///< mean angle as told; of the turning one nothing
+  std::array<bool, kMostJoints> dithers{};       ///< whether the angle told changed at all
+
+  Eigen::Vector3d extent_mm = Eigen::Vector3d::Zero();  ///< greatest minus least coordinate
+  double from_rad = 0;                                  ///< least x
+  double to_rad = 0;                                    ///< greatest x
+  std::vector<Node> nodes;
+
+  /// Of the errors left by the stroke's own curve, radial and axial: the mean square of sums over
+  /// 2^b successive samples, divided by 2^b. White noise gives the same for all b.
+  struct Blocks {
+    std::vector<double> variance_mm2;
+    std::size_t curve_orders = 0;  ///< how many orders were taken out of each direction
+  };
+  Blocks blocks;
+};
+
+/// Two passes over the samples. Nothing where they lie on no circle (or line).
+[[nodiscard]] std::optional<StrokeMoments> moments_of(const Sweep& sweep,
+                                                      const StrokeContent& content);
+
+}  // namespace identify

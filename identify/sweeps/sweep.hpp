@@ -1,0 +1,42 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "identify/sweeps/sample.hpp"
+
+namespace identify {
+
+/// Why a stroke cannot be used as a sweep.
+enum class SweepDefect {
+  none,
+  too_short,  ///< its arc says nothing about an axis
+  too_few_samples,
+  other_joint_moved,  ///< a second joint crept along
+  not_an_arc,         ///< no angles, and the positions do not lie on a circle
+};
+
+/// A stroke of one joint from rest (or turning point) to rest, while the others stood.
+/// Copies share the samples.
+struct Sweep {
+  std::shared_ptr<const std::vector<Sample>> samples;  ///< in the order of time; never empty
+  std::optional<std::size_t> joint;  ///< counted from 0; nothing where no angles tell it
+  std::size_t target = 0;            ///< which of several target points was measured
+  int direction = 0;                 ///< +1: the controller's angle rises; -1: it falls; 0: unknown
+  double range_rad = 0;  ///< the angle that was turned, positive; of a linear joint mm * kDegree
+  SweepDefect defect = SweepDefect::none;
+  /// Leads to the start of a sweep, or from its end back home: known once all strokes are.
+  bool positioning = false;
+
+  [[nodiscard]] const Sample& first() const { return samples->front(); }
+  [[nodiscard]] const Sample& last() const { return samples->back(); }
+};
+
+/// The code of the warning that a joint whose sweeps are like that gets.
+[[nodiscard]] std::string_view code(SweepDefect defect) noexcept;
+/// What is wrong with them, and what to do. `linear`: the joint is known to be.
+[[nodiscard]] std::string_view remedy(SweepDefect defect, bool linear) noexcept;
+
+}  // namespace identify

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+#include "rsi/datagram.hpp"
+#include "rsi/link/latency_histogram.hpp"
+#include "rsi/link/link_statistics.hpp"
+#include "rsi/link/worst_places.hpp"
+
+namespace rsi {
+
+/// What became of the telegrams, each counted once however often it came or was answered.
+struct ReplyCounts {
+  std::uint64_t sent = 0;  ///< replies seen, of any kind; with none the rest is zero too
+  std::uint64_t in_time = 0;
+  std::uint64_t late = 0;        ///< answered later than one cycle after the telegram came
+  std::uint64_t superseded = 0;  ///< no reply of its own, but one to a newer telegram within two
+                                 ///< cycles: a server answers only the newest of those that wait
+  std::uint64_t unanswered = 0;  ///< no reply at all, or long after
+  std::uint64_t untimed = 0;   ///< among those in time: the clock was set meanwhile, or the stamps
+                               ///< of telegram and reply contradict each other
+  std::uint64_t repeated = 0;  ///< replies to what was answered already
+  std::uint64_t stray = 0;     ///< replies whose IPOC no telegram had
+  /// Not answered on purpose, since the beginning of their stream was not seen; in none of the
+  /// above.
+  std::uint64_t withheld = 0;
+
+  [[nodiscard]] std::uint64_t not_in_time() const { return late + superseded + unanswered; }
+};
+
+/// How the link between a controller and its RSI server did, seen from where the datagrams were
+/// stamped: mostly the server's machine.
+struct LinkReport {
+  Timestamp start{};                    ///< of the first telegram, by the clock of that machine
+  std::chrono::nanoseconds duration{};  ///< to the last telegram; setting the clock does not count
+
+  bool same_machine = false;  ///< telegrams did not come over a network: loopback, one address
+
+  // From the controller.
+  LinkCounts link;
+  std::uint64_t malformed = 0;        ///< datagrams that are no whole telegram
+  std::uint64_t unanswerable = 0;     ///< of these, without an IPOC that could be found
+  std::optional<std::uint64_t> step;  ///< of the IPOC, per cycle
+  std::chrono::nanoseconds cycle{};   ///< zero before two telegrams came in order
+  bool ipoc_counts_ms = true;         ///< else the cycle is the median time between telegrams
+  Place longest_gap;      ///< most telegrams that did not come in a row: `amount`, before `ipoc`
+  WorstPlaces late_runs;  ///< runs of late replies by the controller's Delay: `amount` replies
+  /// Size of the difference between the time from telegram to telegram and the rise of the IPOC.
+  LatencyHistogram jitter;
+  std::chrono::nanoseconds earliest{};  ///< the least such difference, negative
+  std::chrono::nanoseconds latest{};    ///< the greatest
+
+  // To the controller.
+  ReplyCounts replies;
+  LatencyHistogram latency;  ///< from a telegram's reception to its reply
+  WorstPlaces slowest;       ///< replies: `amount` in nanoseconds
+  WorstPlaces silent_runs;   ///< telegrams in a row without a reply in time: `amount` of them
+
+  /// The machine's clock and the IPOC parted for good: the clock was set, or the sender paused with
+  /// its IPOC. Neither jitter nor latency contain it.
+  std::uint64_t clock_steps = 0;
+  std::uint64_t clock_steps_back = 0;             ///< of these: to an earlier time
+  std::chrono::nanoseconds largest_clock_step{};  ///< negative: backwards
+};
+
+}  // namespace rsi

@@ -1,0 +1,144 @@
+#include "rsi/link/link_statistics.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <string_view>
+
+#include "rsi/link/ipoc_unit.hpp"
+
+namespace rsi {
+namespace {
+
+/// Whether `ipoc` was counted before `other`. By their difference, so that 0 follows the greatest
+/// number.
+bool older(std::uint64_t ipoc, std::uint64_t other) {
+  return other - ipoc - 1 < std::uint64_t{1} << 63;
+}
+
+}  // namespace
+
+Arrival LinkStatistics::add(const Datagram& datagram, std::uint64_t ipoc,
+                            std::optional<std::uint64_t> delay) {
+  Seen came{ipoc, {}, datagram.time};
+  if (!datagram.cut) came.content = std::hash<std::string_view>()(datagram.payload);
+  ++counts_.telegrams;
+  if (delay && !counts_.late_replies) counts_.late_replies = 0;
+  const Arrival arrival = run_.distinct == 0 ? Arrival::in_order : judge(came, datagram.source);
+  if (arrival == Arrival::duplicate) {
+    ++counts_.duplicated;
+    return arrival;
+  }
+  if (arrival == Arrival::reordered) ++counts_.reordered;
+  if (arrival == Arrival::restart) {
+    ++counts_.restarts;
+    counts_.lost += lost_in(run_);
+    run_ = {};
+    delay_ = 0;
+  }
+  if (run_.distinct == 0) {
+    run_ = {ipoc, ipoc, 0, 0};
+    milestones_.fill({ipoc, datagram.time});
+  } else if (arrival == Arrival::in_order) {
+    learn_pace(ipoc - run_.newest, {ipoc, datagram.time});
+  }
+  source_ = datagram.source;
+  same_machine_ = source_.address == datagram.destination.address || source_.address >> 24 == 127;
+  recent_[run_.distinct++ % kRecent] = came;
+  if (older(ipoc, run_.oldest)) run_.oldest = ipoc;
+  if (older(run_.newest, ipoc)) run_.newest = ipoc;
+  if (delay && arrival != Arrival::reordered) count_late(ipoc, *delay);
+  return arrival;
+}
+
+LinkCounts LinkStatistics::counts() const {
+  LinkCounts counts = counts_;
+  counts.lost += lost_in(run_);
+  return counts;
+}
+
+std::optional<std::uint64_t> LinkStatistics::step() const {
+  if (steps_[usual_step_] == 0) return std::nullopt;
+  return usual_step_;
+}
+
+std::chrono::nanoseconds LinkStatistics::unit() const {
+  auto per_count = per_count_;
+  return ipoc_unit({per_count.data(),
+                    static_cast<std::size_t>(std::min<std::uint64_t>(paces_, per_count.size()))});
+}
+
+std::optional<std::chrono::nanoseconds> LinkStatistics::cycle() const {
+  const auto step = this->step();
+  if (!step || (*step == 1 && !has_times_)) return std::nullopt;
+  return static_cast<std::int64_t>(*step) * unit();
+}
+
+std::uint64_t LinkStatistics::lost_in(const Run& run) const {
+  const auto step = this->step();
+  if (!step || run.distinct == 0) return 0;
+  const std::uint64_t cycles = (run.newest - run.oldest) / *step + 1;
+  return cycles > run.distinct ? cycles - run.distinct : 0;
+}
+
+Arrival LinkStatistics::judge(const Seen& came, const Endpoint& source) const {
+  if (!older(run_.newest, came.ipoc))
+    return source == source_ ? judge_fallen(came) : Arrival::restart;
+  const std::uint64_t rise = came.ipoc - run_.newest;
+  return rise > kLongestGap || (source != source_ && rise != step()) ? Arrival::restart
+                                                                     : Arrival::in_order;
+}
+
+Arrival LinkStatistics::judge_fallen(const Seen& came) const {
+  const std::uint64_t step = this->step().value_or(1);
+  if (const Seen* before = seen(came.ipoc)) {
+    const bool other = before->content && came.content && *before->content != *came.content;
+    const bool long_ago = std::chrono::abs(came.time - before->time) > kCopyWithin;
+    // An IPOC that only stands still has not begun anew.
+    const bool fell = came.ipoc != run_.newest;
+    return (fell ? other || long_ago : other && long_ago) ? Arrival::restart : Arrival::duplicate;
+  }
+  const std::uint64_t fall = run_.newest - came.ipoc;
+  const bool sure = run_.in_step >= kSureOfStep && 2 * run_.in_step > run_.distinct;
+  const bool in_step = !sure || fall % step == 0;
+  const bool recent = fall / step < kRecent;
+  const bool before_first =
+      older(came.ipoc, run_.oldest) && (run_.oldest - came.ipoc) / step > kBeforeFirst;
+  return in_step && recent && !before_first ? Arrival::reordered : Arrival::restart;
+}
+
+const LinkStatistics::Seen* LinkStatistics::seen(std::uint64_t ipoc) const {
+  const auto end = recent_.begin() + static_cast<std::ptrdiff_t>(std::min(run_.distinct, kRecent));
+  const auto found =
+      std::find_if(recent_.begin(), end, [&](const Seen& seen) { return seen.ipoc == ipoc; });
+  return found == end ? nullptr : &*found;
+}
+
+void LinkStatistics::learn_pace(std::uint64_t rise, const Milestone& now) {
+  Milestone& before = milestones_[next_milestone_++ % milestones_.size()];
+  const auto since = now.time - before.time;
+  has_times_ = has_times_ || since != std::chrono::nanoseconds(0);
+  if (since >= std::chrono::nanoseconds(0))
+    per_count_[paces_++ % kPaces] = since / static_cast<std::int64_t>(now.ipoc - before.ipoc);
+  before = now;
+  if (rise > kLargestStep) return;
+  const std::uint64_t lead = steps_[usual_step_];
+  if (++steps_[rise] > lead || (steps_[rise] == lead && rise < usual_step_)) usual_step_ = rise;
+  if (rise == usual_step_) ++run_.in_step;
+}
+
+void LinkStatistics::count_late(std::uint64_t ipoc, std::uint64_t delay) {
+  // Within a run of late replies Delay rises with each cycle. Where it rose by less it was 0 in
+  // between, and a new run has begun.
+  if (delay > 0) {
+    const std::uint64_t cycles =
+        std::max<std::uint64_t>(1, (ipoc - delay_ipoc_) / step().value_or(1));
+    const bool goes_on = delay_ > 0 && delay >= delay_ + cycles;
+    *counts_.late_replies += goes_on ? delay - delay_ : delay;
+    if (!goes_on) ++counts_.late_runs;
+    counts_.longest_late_run = std::max(counts_.longest_late_run, delay);
+  }
+  delay_ = delay;
+  delay_ipoc_ = ipoc;
+}
+
+}  // namespace rsi

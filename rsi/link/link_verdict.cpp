@@ -1,0 +1,286 @@
+#include "rsi/link/link_verdict.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+#include "rsi/counted.hpp"
+
+namespace rsi {
+namespace {
+
+using Limits = VerdictLimits;
+using std::chrono::nanoseconds;
+
+std::string fixed(double value, int decimals) {
+  std::array<char, 400> digits;
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value,
+                                 std::chars_format::fixed, decimals);
+  return {digits.data(), end.ptr};
+}
+
+std::string ms(nanoseconds time) {
+  return fixed(static_cast<double>(time.count()) / 1e6, 2) + " ms";
+}
+
+std::string where(const Place& place) {
+  return "at " + fixed(static_cast<double>(place.at.count()) / 1e9, 3) + " s, IPOC " +
+         std::to_string(place.ipoc);
+}
+
+double share(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+/// "1 reply (0.01 %)", "12 replies (0.18 %)".
+std::string counted(std::uint64_t count, std::uint64_t whole, const char* one, const char* many) {
+  const double percent = 100 * share(count, whole);
+  return rsi::counted(count, one, many) + " (" +
+         (percent < 0.005 ? "under 0.01" : fixed(percent, 2)) + " %)";
+}
+
+nanoseconds part(nanoseconds cycle, double share) {
+  return nanoseconds(static_cast<std::int64_t>(static_cast<double>(cycle.count()) * share));
+}
+
+class Judge {
+ public:
+  explicit Judge(const LinkReport& report) : report_(report), cycles_(report.link.telegrams) {}
+
+  Verdict judged() {
+    withheld();
+    controllers_delay();
+    telegrams_without_reply();
+    lost();
+    malformed();
+    doubled_and_overtaken();
+    wrong_replies();
+    latency();
+    jitter();
+    good_to_know();
+    std::stable_sort(verdict_.reasons.begin(), verdict_.reasons.end(),
+                     [](const Reason& a, const Reason& b) { return a.grade > b.grade; });
+    if (!verdict_.reasons.empty()) verdict_.grade = verdict_.reasons.front().grade;
+    return std::move(verdict_);
+  }
+
+ private:
+  void add(Grade grade, std::string_view code, std::string message) {
+    verdict_.reasons.push_back({grade, code, std::move(message)});
+  }
+  [[nodiscard]] Grade grade(std::uint64_t count, std::int64_t longest) const {
+    const bool bad = longest >= Limits::kBadRun || share(count, cycles_) > Limits::kBadShare;
+    return bad ? Grade::bad : Grade::marginal;
+  }
+
+  void withheld() {
+    const auto count = report_.replies.withheld;
+    if (count == 0) return;
+    add(Grade::bad, "not_begun",
+        counted(count, cycles_, "telegram", "telegrams") +
+            " got no answer on purpose: this stream had begun before sweepd listened, perhaps "
+            "with another server, and zeros might have moved the robot: switch RSI off, and on "
+            "again after a second or more");
+  }
+
+  void controllers_delay() {
+    const LinkCounts& link = report_.link;
+    const std::uint64_t late = link.late_replies.value_or(0);
+    if (late <= report_.replies.withheld) return;
+    const auto longest = static_cast<std::int64_t>(link.longest_late_run);
+    std::string message = counted(late, cycles_, "reply", "replies") +
+                          " missed the controller's cycle by its own Delay, in " +
+                          rsi::counted(link.late_runs, "run");
+    if (!report_.late_runs.empty())
+      message += ", at most " + std::to_string(longest) + " in a row (" +
+                 where(report_.late_runs.worst()) + ")";
+    message += ": ";
+    const auto here = report_.replies.not_in_time();
+    if (report_.replies.sent == 0)
+      message +=
+          "this capture has no replies, so record both directions to see whether the server or "
+          "the network is slow";
+    else if (here == 0 && link.lost == 0)
+      message += report_.same_machine
+                     ? "all were answered within a cycle of their coming, so see what keeps the "
+                       "sender busy, which runs on the same machine"
+                     : "all were answered within a cycle of their coming here, so the time went on "
+                       "the way from or to the controller: cable, switch, other load on its port";
+    else if (here >= late)
+      message += "the server did not answer these in time, see below";
+    else
+      message +=
+          rsi::counted(here, "telegram was", "telegrams were") + " not answered in time here and " +
+          std::to_string(link.lost) + " never came; for the rest " +
+          (report_.same_machine ? "see what keeps the sender busy, which runs on the same machine"
+                                : "look at the way from and to the controller: cable, switch");
+    add(grade(late, longest), "late_at_controller", std::move(message));
+  }
+
+  void telegrams_without_reply() {
+    const ReplyCounts& replies = report_.replies;
+    const auto count = replies.not_in_time();
+    if (count == 0) return;
+    const Place& worst = report_.silent_runs.worst();
+    std::string message = counted(count, cycles_, "telegram", "telegrams") +
+                          " got no reply within a cycle (" + std::to_string(replies.late) +
+                          " late, " + std::to_string(replies.superseded) + " superseded, " +
+                          std::to_string(replies.unanswered) + " unanswered), at most " +
+                          std::to_string(worst.amount) + " in a row (" + where(worst) +
+                          "): see what kept the server's machine busy then, and run sweepd with "
+                          "realtime scheduling";
+    add(grade(count, worst.amount), "not_answered_in_time", std::move(message));
+  }
+
+  void lost() {
+    constexpr std::int64_t kLongGap = 1000;
+    const auto lost = report_.link.lost;
+    if (lost == 0) return;
+    const auto gap = std::min(report_.longest_gap.amount, static_cast<std::int64_t>(lost));
+    std::string message = counted(lost, cycles_ + lost, "telegram", "telegrams") +
+                          " never came, at most " + std::to_string(gap) + " in a row";
+    if (gap > 0) message += " (" + where(report_.longest_gap) + ")";
+    constexpr const char* kBuffer = "receive buffer (`netstat -su`, receive buffer errors)";
+    if (report_.same_machine)
+      message += std::string(": the sender left them out, or the ") + kBuffer +
+                 " was full: see what keeps this machine busy, since both run on it";
+    else if (gap >= kLongGap)
+      message += ": the cable was out, or this machine was suspended or recorded nothing";
+    else
+      message += std::string(": check cable, connectors and switch, and this machine's ") +
+                 kBuffer + "; a simulator may have left them out";
+    add(grade(lost, gap), "lost", std::move(message));
+  }
+
+  void malformed() {
+    if (report_.malformed == 0) return;
+    const auto all = cycles_ + report_.unanswerable;
+    const auto grade =
+        share(report_.malformed, all) > Limits::kBadShare ? Grade::bad : Grade::marginal;
+    add(grade, "malformed",
+        counted(report_.malformed, all, "datagram", "datagrams") + " held no whole telegram, and " +
+            std::to_string(report_.unanswerable) +
+            " of them could not even be answered: see whether another program on the "
+            "controller's address uses this port, and whether the capture was cut (tcpdump -s 0)");
+  }
+
+  void doubled_and_overtaken() {
+    const LinkCounts& link = report_.link;
+    if (link.duplicated > 0)
+      add(Grade::marginal, "duplicated",
+          counted(link.duplicated, cycles_, "telegram", "telegrams") + " came twice: " +
+              (report_.same_machine ? "the sender sent them twice"
+                                    : "look for a loop in the network") +
+              ", or the capture is one of two interfaces at once");
+    if (link.reordered > 0)
+      add(Grade::marginal, "reordered",
+          counted(link.reordered, cycles_, "telegram", "telegrams") + " came after a later one: " +
+              (report_.same_machine ? "the sender sent them so"
+                                    : "take out what has two ways to choose from (bonded links, "
+                                      "wireless bridges)"));
+  }
+
+  void wrong_replies() {
+    const ReplyCounts& replies = report_.replies;
+    if (replies.stray > 0)
+      add(share(replies.stray, replies.sent) > Limits::kBadShare ? Grade::bad : Grade::marginal,
+          "stray_replies",
+          counted(replies.stray, replies.sent, "reply", "replies") +
+              " had an IPOC that no telegram before had: the controller refuses these; correct "
+              "the server, unless the capture itself lost telegrams");
+    if (replies.repeated > report_.link.duplicated)
+      add(Grade::marginal, "repeated_replies",
+          counted(replies.repeated, replies.sent, "reply", "replies") +
+              " repeated one that was sent already: see whether two servers answer this "
+              "controller");
+  }
+
+  void latency() {
+    const LatencyHistogram& latency = report_.latency;
+    const auto limit = part(report_.cycle, Limits::kLatencyShare);
+    if (report_.cycle == nanoseconds(0) || latency.quantile(0.999) <= limit) return;
+    const bool bad = latency.quantile(0.5) > limit;
+    add(bad ? Grade::bad : Grade::marginal, "latency",
+        std::string(bad ? "half" : "one in 1000") + " of the replies took longer than " +
+            ms(latency.quantile(bad ? 0.5 : 0.999)) + " of a cycle of " + ms(report_.cycle) +
+            ", the slowest " + ms(latency.max()) + " (" + where(report_.slowest.worst()) +
+            "): free the server's machine, give sweepd realtime scheduling and a processor of "
+            "its own, switch power saving off");
+  }
+
+  void jitter() {
+    const LatencyHistogram& jitter = report_.jitter;
+    const bool bad = jitter.quantile(0.99) > report_.cycle;
+    if (!bad && jitter.quantile(0.999) <= part(report_.cycle, Limits::kJitterShare)) return;
+    add(bad ? Grade::bad : Grade::marginal, "jitter",
+        std::string(bad ? "one in 100" : "one in 1000") + " of the telegrams came more than " +
+            ms(jitter.quantile(bad ? 0.99 : 0.999)) + " too early or too late (cycle " +
+            ms(report_.cycle) + "): " +
+            (report_.same_machine
+                 ? "the sender does not keep the pace: see what keeps this machine busy, since it "
+                   "runs here"
+                 : "the sender, or the way from it, does not keep the pace; give the robot a "
+                   "network card and cable of its own, without other load on the switch; without "
+                   "time stamps of the kernel a busy machine here looks like that too"));
+  }
+
+  void good_to_know() {
+    const LinkCounts& link = report_.link;
+    if (link.restarts > 0)
+      add(Grade::good, "restarts",
+          "RSI began anew " + rsi::counted(link.restarts, "time") +
+              ": if no program on the controller did that, look there for why it stopped");
+    if (report_.clock_steps > 0) clock_steps();
+    if (report_.replies.sent > 0 && !report_.link.late_replies)
+      add(Grade::good, "no_delay",
+          "the telegrams carry no Delay, so what reached the controller too late cannot be seen: "
+          "add DEF_Delay to SEND in its Ethernet file");
+    if (!report_.ipoc_counts_ms)
+      add(Grade::good, "ipoc_no_clock",
+          "the IPOC does not count milliseconds of this machine's clock: a simulator, or a "
+          "capture that was not made in real time; the cycle is the median time between telegrams");
+  }
+
+  /// A clock that goes back was set. Of one that runs ahead of the IPOC nothing tells whether it
+  /// was set, or the sender paused.
+  void clock_steps() {
+    const auto ahead = report_.clock_steps - report_.clock_steps_back;
+    const std::string size =
+        fixed(static_cast<double>(report_.largest_clock_step.count()) / 1e9, 3) + " s";
+    std::string message;
+    if (report_.clock_steps_back > 0)
+      message = "the clock of the machine was set back " +
+                rsi::counted(report_.clock_steps_back, "time") + " (let chrony slew it instead)" +
+                (ahead > 0 ? ", and " : "");
+    if (ahead > 0)
+      message += rsi::counted(ahead, "time") +
+                 " the clock of the machine ran ahead of the IPOC and stayed there: it was set, or "
+                 "the sender paused with its IPOC (a simulator, a machine that was suspended)";
+    add(Grade::good, "clock_steps",
+        message + "; by at most " + size + ", and replies around it are not timed");
+  }
+
+  const LinkReport& report_;
+  std::uint64_t cycles_;
+  Verdict verdict_;
+};
+
+}  // namespace
+
+std::string_view text(Grade grade) noexcept {
+  switch (grade) {
+    case Grade::good:
+      return "good";
+    case Grade::marginal:
+      return "marginal";
+    case Grade::bad:
+      return "bad";
+  }
+  return "";
+}
+
+Verdict verdict(const LinkReport& report) {
+  return Judge(report).judged();
+}
+
+}  // namespace rsi

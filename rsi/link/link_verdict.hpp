@@ -1,0 +1,52 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "rsi/link/link_report.hpp"
+
+namespace rsi {
+
+/// How fit a link is for a robot that moves.
+enum class Grade {
+  good,
+  marginal,  ///< it holds, with less in reserve than a cell should have
+  bad,       ///< a controller that waits for replies is likely to stop
+};
+[[nodiscard]] std::string_view text(Grade grade) noexcept;
+
+/// One sentence: what, how many, what to do. `code` names it for programs and does not change.
+struct Reason {
+  Grade grade = Grade::good;  ///< that this alone would give; good: only good to know
+  std::string_view code;
+  std::string message;
+};
+
+struct Verdict {
+  Grade grade = Grade::good;    ///< the worst of the reasons
+  std::vector<Reason> reasons;  ///< the worst first
+};
+
+/// Where marginal and bad begin. "Not in time" is what the controller says in Delay, what had no
+/// reply or a late one, and what got lost: in each the controller goes without an answer.
+struct VerdictLimits {
+  /// Telegrams in a row not in time: half of 10, the Timeout at which the controller stops unless
+  /// its ETHERNET object says otherwise. A single one is marginal: with HOLDON="0" and absolute
+  /// corrections it can stop the robot.
+  static constexpr std::int64_t kBadRun = 5;
+  /// Share of telegrams not in time, lost or malformed: 1 % of them at random is a row of five once
+  /// in 10^10, but no wired link of a cell has so many. Our choice.
+  static constexpr double kBadShare = 0.01;
+  /// Of a cycle, for the reply: KR C2's fast cycle takes 12 ms and wants its answer within 2 to
+  /// 10 ms; the way to the controller needs its part. Marginal from there at 99.9 %, bad at 50 %.
+  static constexpr double kLatencyShare = 0.5;
+  /// Of a cycle, for the jitter: what comes late leaves as much less time for the reply. Marginal
+  /// at 99.9 %. Bad where 99 % are not within a whole cycle: telegrams then come in bunches. Our
+  /// choice.
+  static constexpr double kJitterShare = 0.5;
+};
+
+[[nodiscard]] Verdict verdict(const LinkReport& report);
+
+}  // namespace rsi

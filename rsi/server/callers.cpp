@@ -1,0 +1,88 @@
+#include "rsi/server/callers.hpp"
+
+#include <algorithm>
+
+#include "rsi/telegram/ipoc.hpp"
+
+namespace rsi {
+
+void Callers::deaf_until(Time time) noexcept {
+  unknown_until_ = time;
+  for (auto& caller : callers_)
+    if (caller.address != 0) caller.heard = time;
+}
+
+bool Callers::hear(std::uint32_t address, Time now) noexcept {
+  const bool may_be = may_be_controller(address);
+  Caller& caller = place_of(address);
+  if (heard_all_ - caller.heard >= kSilence) {
+    caller.began = true;
+    caller.spoke = false;
+  }
+  caller.heard = now;
+  return may_be;
+}
+
+bool Callers::may_be_controller(std::uint32_t address) const noexcept {
+  if (controller_ == 0 || controller_ == address) return true;
+  const Caller* const controller = find(controller_);
+  return controller == nullptr || heard_all_ - controller->streamed >= kSilence;
+}
+
+void Callers::telegram(std::uint32_t address, std::uint64_t ipoc, Time now) noexcept {
+  Caller& caller = place_of(address);
+  if (caller.spoke && was_overtaken(caller.ipoc, ipoc)) return;
+  const auto rise = ipoc - caller.ipoc;
+  const bool in_step = caller.spoke && rise < kNoLatecomer;
+  // One that is out of step may be damaged, two have begun anew.
+  caller.odd = caller.spoke && !in_step && !caller.odd;
+  if (caller.odd) return;
+  caller.spoke = true;
+  caller.ipoc = ipoc;
+  if (!in_step || now - caller.first > kSilence) {
+    caller.steps = 0;
+    caller.first = now;
+  } else if (rise > 0) {
+    ++caller.steps;
+  }
+  if (caller.steps < kSteps) return;
+  caller.steps = 0;
+  caller.first = caller.streamed = now;
+  if (may_be_controller(address)) controller_ = address;
+}
+
+std::optional<unsigned> Callers::rank(std::uint32_t address) const noexcept {
+  const Caller* const caller = find(address);
+  if (caller == nullptr || !caller->spoke) return std::nullopt;
+  return caller->heard - caller->streamed < kSilence ? kSteps : caller->steps;
+}
+
+bool Callers::began(std::uint32_t address) const noexcept {
+  const Caller* const caller = find(address);
+  return caller != nullptr && caller->began;
+}
+
+const Callers::Caller* Callers::find(std::uint32_t address) const noexcept {
+  for (const auto& caller : callers_)
+    if (caller.address == address) return &caller;
+  return nullptr;
+}
+
+Callers::Caller& Callers::place_of(std::uint32_t address) noexcept {
+  const auto is_kept = [&](const Caller& caller) {
+    return controller_ != 0 && caller.address == controller_;
+  };
+  Caller* longest_unheard = &callers_[is_kept(callers_[0]) ? 1 : 0];
+  for (auto& caller : callers_) {
+    if (caller.address == address) return caller;
+    if (!is_kept(caller) && caller.heard < longest_unheard->heard) longest_unheard = &caller;
+  }
+  if (longest_unheard->address != 0)
+    unknown_until_ = std::max(unknown_until_, longest_unheard->heard);
+  *longest_unheard = {};
+  longest_unheard->address = address;
+  longest_unheard->heard = unknown_until_;
+  return *longest_unheard;
+}
+
+}  // namespace rsi

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "rsi/server/server.hpp"
+#include "rsi/server/socket.hpp"
+#include "rsi/telegram/tcp_framer.hpp"
+
+namespace rsi {
+
+/// A server for telegrams that come over TCP, as from RSI 2.x on KR C2 (port 6008). The controller
+/// connects, and its stream is cut into telegrams (see tcp_framer.hpp); a reply has a length before
+/// it if the telegram had one.
+///
+/// One connection is served. A new one waits, and takes its place with its first telegram: a
+/// controller that was switched off leaves the old one behind, and one that says nothing must not
+/// end a stream. One waits at most, and no longer than ten seconds beside one that speaks. Those of
+/// strangers are closed and counted as foreign. A connection on which a reply does not leave whole
+/// and at once is closed, since what follows could not be told apart.
+///
+/// A telegram is handed over as a datagram from the controller's end of the connection to local(),
+/// with the time at which it was read: recordings hold UDP packets between these two, without
+/// lengths and without what is between telegrams. What waits is read at once, and the drain rule of
+/// Server holds for it.
+class TcpServer : public Server {
+ public:
+  /// Listens; no other program can then have the port. Throws std::runtime_error with what to do.
+  explicit TcpServer(Options options);
+
+  [[nodiscard]] Transport transport() const noexcept override { return Transport::tcp; }
+  void warm() noexcept override;
+  void run() noexcept override;
+
+ private:
+  struct Connection {
+    Socket socket;
+    Endpoint peer{};
+    Endpoint local{};
+    bool broken = false;  // a reply did not leave: what has come is taken, then it is closed
+    TcpFramer framer{};
+  };
+
+  void accept_connections() noexcept;
+  /// How many bytes came; nothing if the connection is to be closed.
+  [[nodiscard]] static std::optional<std::size_t> read(Connection& connection) noexcept;
+  void receive() noexcept;
+  void receive_next() noexcept;
+  /// All that has come whole; `first` was taken from the framer before.
+  void serve_received(std::string_view first = {}) noexcept;
+  void close(Connection& connection) noexcept;
+  [[nodiscard]] bool send(std::string_view reply, const Datagram& telegram) noexcept override;
+
+  Socket listener_;
+  Connection served_;
+  Connection next_;  // waits
+  Callers::Time looking_;
+  Callers::Time next_since_;
+  Callers::Time spoke_;  // the one that is served
+  std::array<Datagram, kMostAtOnce> datagrams_;
+  std::chrono::steady_clock::time_point accept_after_;
+};
+
+}  // namespace rsi

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "rsi/server/server.hpp"
+#include "rsi/server/socket.hpp"
+
+namespace rsi {
+
+/// A server for telegrams that come over UDP, which is how RSI 2.3 and later send them.
+///
+/// Speaks to the system directly: one recvmmsg takes all that waits, each datagram with the time at
+/// which the kernel got it (SO_TIMESTAMPNS) and the number that found the receive buffer full
+/// (SO_RXQ_OVFL). Asio hands out none of these three.
+///
+/// Where it listens on all addresses of this machine, a reply leaves from the address and by the
+/// interface that the telegram came to. Where a controller is configured, what others send does not
+/// get into the receive buffer.
+class UdpServer : public Server {
+ public:
+  /// Binds the socket, which no other program can then share. Throws std::runtime_error with what
+  /// to do.
+  explicit UdpServer(Options options);
+  ~UdpServer() override;
+
+  [[nodiscard]] Transport transport() const noexcept override { return Transport::udp; }
+  void warm() noexcept override;
+  void run() noexcept override;
+
+ private:
+  struct Buffers;
+
+  [[nodiscard]] bool send(std::string_view reply, const Datagram& telegram) noexcept override;
+  /// How many datagrams there were; nothing if the system did not say.
+  [[nodiscard]] std::optional<std::size_t> receive(int flags) noexcept;
+
+  /// The system's count of datagrams that it dropped before this one.
+  void count_dropped(std::uint32_t until_this_datagram) noexcept;
+
+  Socket socket_;
+  bool filtered_ = false;    // strangers do not get into the receive buffer
+  bool everywhere_ = false;  // listens on all addresses of this machine
+  std::unique_ptr<Buffers> buffers_;
+};
+
+}  // namespace rsi

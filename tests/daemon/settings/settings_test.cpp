@@ -1,0 +1,351 @@
+#include "daemon/settings/settings.hpp"
+
+#include <fstream>
+#include <sstream>
+
+#include <unistd.h>
+
+#include "daemon/settings/config_error.hpp"
+#include "tests/catch.hpp"
+#include "tests/daemon/texts.hpp"
+
+using sweepd::load_settings;
+using sweepd::test::replaced;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A settings file in a folder of its own, which goes when the test ends.
+struct SettingsFile {
+  fs::path folder = fs::temp_directory_path() / ("sweepd-settings-" + std::to_string(getpid()));
+  fs::path path = folder / "sweepd.toml";
+
+  explicit SettingsFile(const std::string& text) {
+    fs::create_directories(folder);
+    std::ofstream(path, std::ios::binary) << text;
+  }
+  SettingsFile(const SettingsFile&) = delete;
+  SettingsFile& operator=(const SettingsFile&) = delete;
+  ~SettingsFile() { fs::remove_all(folder); }
+};
+
+/// The four keys that every robot must have, each in a line of its own after [[robot]].
+const std::string kRobotText =
+    "[[robot]]\nname = \"a\"\ndescription = \"a.toml\"\nlisten = \"0.0.0.0:49152\"\n"
+    "output = \"out\"\n";
+
+/// The error without the file's name; "no error" if the settings are fine.
+std::string settings_error(const std::string& text) {
+  const SettingsFile file(text);
+  try {
+    (void)load_settings(file.path);
+  } catch (const sweepd::ConfigError& error) {
+    const std::string what = error.what();
+    const std::string prefix = file.path.string() + ':';
+    REQUIRE(what.starts_with(prefix));
+    return what.substr(prefix.size());
+  }
+  return "no error";
+}
+
+}  // namespace
+
+TEST_CASE("a robot needs four keys, and the rest has defaults", "[settings]") {
+  const SettingsFile file(kRobotText);
+  const auto settings = load_settings(file.path);
+  CHECK(settings.file == file.path);
+  REQUIRE(settings.robots.size() == 1);
+  const auto& robot = settings.robots[0];
+  CHECK(robot.name == "a");
+  CHECK(robot.listen == rsi::parse_endpoint("0.0.0.0:49152"));
+  CHECK_FALSE(robot.controller);
+  CHECK_FALSE(robot.ethernet_config);
+  CHECK_FALSE(robot.plan);
+  CHECK(robot.record);
+  CHECK(robot.silence == std::chrono::seconds(2));
+  CHECK(robot.queue_bytes == 4u * 1024 * 1024);
+  CHECK(robot.signals.position[2] == "RIst.Z");
+  CHECK(robot.signals.orientation[0] == "RIst.A");
+  CHECK(robot.signals.angles.size() == 6);
+}
+
+TEST_CASE("every option of a robot can be set", "[settings]") {
+  const SettingsFile file(
+      kRobotText +
+      "controller = \"192.168.1.20\"\nethernet_config = \"e.xml\"\nplan = \"p.toml\"\n"
+      "record = false\nsilence_ms = 500\nqueue_bytes = 65536\nanswers_with_zeros = [\"DiO\"]\n"
+      "[robot.signals]\nposition = [\"Act_X\", \"Act_Y\", \"Pos.Z\"]\n"
+      "orientation = [\"A\", \"B\", \"C\"]\nangles = [\"GPIO.01\"]\n");
+  const auto robot = load_settings(file.path).robots.at(0);
+  CHECK(robot.controller == rsi::parse_address("192.168.1.20"));
+  CHECK(robot.ethernet_config == file.folder / "e.xml");
+  CHECK(robot.plan == file.folder / "p.toml");
+  CHECK_FALSE(robot.record);
+  CHECK(robot.silence == std::chrono::milliseconds(500));
+  CHECK(robot.queue_bytes == 65536);
+  CHECK(robot.answers_with_zeros.names == std::vector<std::string>{"DiO"});
+  CHECK(robot.signals.position == std::array<std::string, 3>{"Act_X", "Act_Y", "Pos.Z"});
+  CHECK(robot.signals.orientation == std::array<std::string, 3>{"A", "B", "C"});
+  CHECK(robot.signals.angles == std::vector<std::string>{"GPIO.01"});
+}
+
+TEST_CASE("a relative path starts at the folder of the settings, an absolute one stays",
+          "[settings]") {
+  const SettingsFile file(replaced(replaced(kRobotText, "\"a.toml\"", "\"../x/./a.toml\""),
+                                   "\"out\"", "\"/var/lib/sweepd\""));
+  const auto robot = load_settings(file.path).robots.at(0);
+  CHECK(robot.description == file.folder.parent_path() / "x" / "a.toml");
+  CHECK(robot.output == "/var/lib/sweepd");
+}
+
+TEST_CASE("a required option that is missing is named with what it is for", "[settings]") {
+  for (const std::string key : {"name", "description", "listen", "output"}) {
+    std::string text = kRobotText;
+    const auto begin = text.find(key + " =");
+    text.erase(begin, text.find('\n', begin) + 1 - begin);
+    CHECK_THAT(settings_error(text),
+               Catch::Matchers::StartsWith("1:1: robot." + key + ": missing: add it ("));
+  }
+}
+
+TEST_CASE("a misspelt option is found in the robot, its signals and the file", "[settings]") {
+  CHECK(settings_error(kRobotText + "recrod = true\n") ==
+        "6:1: robot.recrod: unknown key: did you mean \"record\"?");
+  CHECK(settings_error(kRobotText + "[robot.signal]\n") ==
+        "6:8: robot.signal: unknown key: did you mean \"signals\"?");
+  CHECK(settings_error(kRobotText + "[robot.signals]\nangels = [\"a\"]\n") ==
+        "7:1: robot.signals.angels: unknown key: did you mean \"angles\"?");
+  CHECK(settings_error("[[robots]]\n") == "1:3: robots: unknown key: did you mean \"robot\"?");
+  SECTION("a misspelt required option is reported as misspelt rather than missing") {
+    CHECK(settings_error(replaced(kRobotText, "listen", "lisen")) ==
+          "4:1: robot.lisen: unknown key: did you mean \"listen\"?");
+  }
+}
+
+TEST_CASE("a name that could not name a folder is refused", "[settings]") {
+  const std::vector<std::string> wrong{"a/b", "..",   ".hidden", "-x",
+                                       "a b", "a\\b", "ä",       std::string(65, 'x')};
+  for (const auto& name : wrong)
+    CHECK_THAT(settings_error(replaced(kRobotText, "\"a\"", '"' + name + '"')),
+               Catch::Matchers::StartsWith("2:8: robot.name: expected a name"));
+  CHECK(settings_error(replaced(kRobotText, "\"a\"", "\"KR5_arc-2.b\"")) == "no error");
+}
+
+TEST_CASE("addresses are checked", "[settings]") {
+  CHECK(settings_error(replaced(kRobotText, "0.0.0.0:49152", "localhost:49152")) ==
+        "4:10: robot.listen: expected an IPv4 address and a port (1 to 65535), found the string "
+        "\"localhost:49152\": write it like \"0.0.0.0:49152\"");
+  for (const auto* wrong : {"192.168.1.20:1", "0.0.0.0", "robot"})
+    CHECK_THAT(settings_error(kRobotText + "controller = \"" + wrong + "\"\n"),
+               Catch::Matchers::StartsWith(
+                   "6:14: robot.controller: expected the controller's IPv4 address"));
+}
+
+TEST_CASE("times and sizes are whole numbers within their ranges", "[settings]") {
+  CHECK(settings_error(kRobotText + "silence_ms = \"abc\"\n") ==
+        "6:14: robot.silence_ms: expected a whole number of milliseconds, found the string "
+        "\"abc\": write it without quotes");
+  for (const auto* text : {"queue_bytes = 65535", "queue_bytes = 1073741825", "queue_bytes = -1",
+                           "silence_ms = 99", "silence_ms = 0"})
+    CHECK_THAT(settings_error(kRobotText + text + "\n"),
+               Catch::Matchers::ContainsSubstring("choose one in between"));
+  CHECK(settings_error(kRobotText + "queue_bytes = 1073741824\nsilence_ms = 100\n") == "no error");
+}
+
+TEST_CASE("signals are an element, or an element and an attribute", "[settings]") {
+  const auto position = [](const std::string& signals) {
+    return settings_error(kRobotText + "[robot.signals]\nposition = " + signals + "\n");
+  };
+  CHECK_THAT(position("[\"X\", \"Y\"]"),
+             Catch::Matchers::ContainsSubstring("expected three signals, found an array of 2"));
+  CHECK_THAT(position("\"X\""), Catch::Matchers::ContainsSubstring("expected an array of strings"));
+  for (const std::string wrong : {"", ".", "a.", ".a", "a.b.c", "a b", "<a>"})
+    CHECK_THAT(position("[\"X\", \"Y\", \"" + wrong + "\"]"),
+               Catch::Matchers::ContainsSubstring("found \"" + wrong + "\": write the element"));
+  CHECK_THAT(settings_error(kRobotText + "[robot.signals]\nangles = []\n"),
+             Catch::Matchers::ContainsSubstring("expected 1 to 12 signals"));
+}
+
+TEST_CASE("two robots share neither a name nor a port on one address", "[settings]") {
+  std::string second = replaced(replaced(kRobotText, "\"a\"", "\"b\""), "49152", "49153");
+  CHECK(settings_error(kRobotText + second) == "no error");
+  CHECK(settings_error(kRobotText + replaced(second, "\"b\"", "\"a\"")) ==
+        "7:8: robot.name: expected a name of its own, found the name of the robot in line 1: "
+        "change one");
+  CHECK(settings_error(kRobotText + replaced(second, "49153", "49152")) ==
+        "9:10: robot.listen: expected an address and port of its own, found 0.0.0.0:49152, which "
+        "collides with 0.0.0.0:49152 of the robot in line 1: choose another port");
+  SECTION("0.0.0.0 takes a port on every address") {
+    CHECK_THAT(settings_error(kRobotText + replaced(second, "0.0.0.0:49153", "10.0.0.1:49152")),
+               Catch::Matchers::ContainsSubstring("collides with"));
+  }
+  SECTION("one port on two addresses is fine") {
+    CHECK(settings_error(replaced(kRobotText, "0.0.0.0", "10.0.0.1") +
+                         replaced(second, "0.0.0.0:49153", "10.0.0.2:49152")) == "no error");
+  }
+}
+
+TEST_CASE("settings without a robot are refused", "[settings]") {
+  CHECK_THAT(settings_error(""),
+             Catch::Matchers::ContainsSubstring("missing: expected at least one table [[robot]]"));
+}
+
+TEST_CASE("the manual lists every option with its default and range", "[settings]") {
+  const auto options = sweepd::robot_options();
+  const auto option = [&](const std::string& key) {
+    for (const auto& text : options)
+      if (text.key == key) return text;
+    FAIL("no option " + key);
+    return options[0];
+  };
+  CHECK(options.size() == 23);
+  CHECK(option("realtime").fallback == "\"try\"");
+  CHECK(option("recording.keep_days").fallback == "0");
+  CHECK(option("listen").required);
+  CHECK(option("listen").fallback.empty());
+  CHECK_FALSE(option("controller").required);
+  CHECK(option("record").fallback == "true");
+  CHECK(option("silence_ms").fallback == "2000");
+  CHECK(option("queue_bytes").value == "whole number, 65536 to 1073741824");
+  CHECK(option("signals.position").fallback == "[\"RIst.X\", \"RIst.Y\", \"RIst.Z\"]");
+  for (const auto& text : options) CHECK_FALSE(text.help.empty());
+
+  const auto http = sweepd::http_options();
+  REQUIRE(http.size() == 2);
+  CHECK(http[0].key == "listen");
+  CHECK(http[0].value == "\"ADDRESS:PORT\" or \"off\"");
+  CHECK(http[0].fallback == "\"127.0.0.1:19152\"");
+  CHECK_FALSE(http[0].required);
+  CHECK(http[1].key == "hosts");
+  CHECK(http[1].fallback == "[]");
+}
+
+TEST_CASE("the pages are served on the loopback interface unless [http] says otherwise",
+          "[settings]") {
+  const auto http = [](const std::string& text) {
+    const SettingsFile file(kRobotText + text);
+    return load_settings(file.path).http;
+  };
+  CHECK(http("").listen == rsi::parse_endpoint("127.0.0.1:19152"));
+  CHECK(http("").hosts.names.empty());
+  CHECK(http("[http]\n").listen == rsi::parse_endpoint("127.0.0.1:19152"));
+  CHECK_FALSE(http("[http]\nlisten = \"off\"\n").listen);
+  const auto changed =
+      http("[http]\nlisten = \"0.0.0.0:80\"\nhosts = [\"cell-pc\", \"10.0.0.5\"]\n");
+  CHECK(changed.listen == rsi::parse_endpoint("0.0.0.0:80"));
+  CHECK(changed.hosts.names == std::vector<std::string>{"cell-pc", "10.0.0.5"});
+  CHECK(sweepd::change(http(""), http("")).empty());
+  CHECK(sweepd::change(http(""), changed) == std::vector<std::string>{"http.listen", "http.hosts"});
+}
+
+TEST_CASE("mistakes in [http] are found", "[settings]") {
+  CHECK(settings_error("[htp]\n" + kRobotText) == "1:2: htp: unknown key: did you mean \"http\"?");
+  CHECK(settings_error(kRobotText + "[http]\nlissen = \"off\"\n") ==
+        "7:1: http.lissen: unknown key: did you mean \"listen\"?");
+  CHECK(settings_error(kRobotText + "[http]\nlisten = \"localhost:80\"\n") ==
+        "7:10: http.listen: expected an IPv4 address and a port (1 to 65535), or \"off\", found "
+        "the string \"localhost:80\": write it like \"127.0.0.1:19152\"");
+  for (const auto& wrong :
+       std::vector<std::string>{"a b", "http://a", "a:80", "[::1]", std::string(254, 'a')})
+    CHECK_THAT(settings_error(kRobotText + "[http]\nhosts = [\"" + wrong + "\"]\n"),
+               Catch::Matchers::ContainsSubstring("write them without scheme and port"));
+}
+
+TEST_CASE("the shipped settings are valid", "[settings]") {
+  const fs::path config = fs::path(SWEEPD_SOURCE_DIR) / "config";
+  const auto settings = load_settings(config / "sweepd.toml");
+  REQUIRE(settings.robots.size() == 1);
+  const auto& robot = settings.robots[0];
+  CHECK(robot.name == "kr5-arc");
+  CHECK(robot.description == config / "robots" / "kr5_arc.toml");
+  CHECK(robot.ethernet_config == config / "controller" / "krc4" / "sweepd_ethernet.xml");
+  CHECK(robot.output == "/var/lib/sweepd");
+  CHECK(robot.listen == rsi::parse_endpoint("0.0.0.0:49152"));
+}
+
+TEST_CASE("the shipped settings show every option, and the true default of each", "[settings]") {
+  std::ifstream in(fs::path(SWEEPD_SOURCE_DIR) / "config" / "sweepd.toml");
+  std::ostringstream content;
+  content << in.rdbuf();
+  const std::string text = content.str();
+  auto options = sweepd::robot_options();
+  for (auto& option : sweepd::http_options()) options.push_back(std::move(option));
+  for (const auto& option : options) {
+    const std::string key = option.key.substr(option.key.find('.') + 1);
+    INFO(key);
+    if (option.fallback.empty())
+      CHECK_THAT(text, Catch::Matchers::ContainsSubstring("\n" + key + " = ") ||
+                           Catch::Matchers::ContainsSubstring("\n#" + key + " = "));
+    else
+      CHECK_THAT(text, Catch::Matchers::ContainsSubstring("\n#" + key + " = " + option.fallback));
+  }
+  SECTION("and what they show in comments is valid when it is uncommented") {
+    std::string shown;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);)
+      shown += (line.starts_with('#') && !line.starts_with("# ") ? line.substr(1) : line) + '\n';
+    const SettingsFile file(shown);
+    const auto robot = load_settings(file.path).robots.at(0);
+    CHECK(robot.controller == rsi::parse_address("192.168.1.20"));
+    CHECK(robot.plan == file.folder / "plans" / "kr5_arc_90deg.toml");
+    CHECK(robot.signals.angles == sweepd::SignalNames{}.angles);
+  }
+}
+
+TEST_CASE("tags to be answered with zeros need the Ethernet file that has them",
+          "[settings][issue11][point_1]") {
+  CHECK_THAT(settings_error(kRobotText + "answers_with_zeros = [\"RKorr.X\"]\n"),
+             Catch::Matchers::StartsWith("6:") &&
+                 Catch::Matchers::ContainsSubstring("expected `ethernet_config` beside it"));
+  CHECK(settings_error(kRobotText + "answers_with_zeros = []\n") == "no error");
+}
+
+TEST_CASE("real time and recording have keys of their own", "[settings]") {
+  const SettingsFile file(kRobotText +
+                          "realtime = \"require\"\nrealtime_priority = 42\ncpus = [2, 3]\n"
+                          "[robot.recording]\nrotate_bytes = 1048576\nrotate_s = 60\n"
+                          "keep_free_bytes = 0\nkeep_bytes = 5\nkeep_days = 30\n"
+                          "memory_bytes = 2097152\n");
+  const auto robot = load_settings(file.path).robots.front();
+  CHECK(robot.real_time.wish == sweepd::RealTime::require);
+  CHECK(robot.real_time.priority == 42);
+  CHECK(robot.real_time.cpus == std::vector{2, 3});
+  CHECK(robot.recording.rotate_bytes == 1 << 20);
+  CHECK(robot.recording.rotate == std::chrono::seconds(60));
+  CHECK(robot.recording.keep_free_bytes == 0);
+  CHECK(robot.recording.keep_bytes == 5);
+  CHECK(robot.recording.keep == std::chrono::days(30));
+  CHECK(robot.recording.memory_bytes == 2 << 20);
+
+  CHECK_THAT(settings_error(kRobotText + "realtime = \"yes\"\n"),
+             Catch::Matchers::ContainsSubstring("expected \"require\", \"try\" or \"off\""));
+  CHECK_THAT(settings_error(kRobotText + "cpus = [1.5]\n"),
+             Catch::Matchers::ContainsSubstring("expected whole numbers from 0 to 1023"));
+  CHECK_THAT(settings_error(kRobotText + "[robot.recording]\nkeep_dayz = 1\n"),
+             Catch::Matchers::ContainsSubstring("keep_days"));
+}
+
+TEST_CASE("what differs between two settings is told, and what of it needs a restart",
+          "[settings]") {
+  sweepd::RobotSettings from;
+  CHECK(sweepd::change(from, from).live.empty());
+  CHECK(sweepd::change(from, from).after_restart.empty());
+  auto to = from;
+  to.silence = std::chrono::milliseconds(3000);
+  to.plan = "plan.toml";
+  to.signals.angles = {"E1"};
+  to.recording.keep = std::chrono::days(7);
+  to.listen.port = 1;
+  to.controller = 2;
+  to.ethernet_config = "e.xml";
+  to.answers_with_zeros.names = {"RKorr.X"};
+  to.queue_bytes = 1 << 20;
+  to.real_time.wish = sweepd::RealTime::off;
+  to.real_time.cpus = {1};
+  const auto change = sweepd::change(from, to);
+  CHECK(change.live ==
+        std::vector<std::string>{"plan", "silence_ms", "signals.angles", "recording.keep_days"});
+  CHECK(change.after_restart == std::vector<std::string>{"listen", "controller", "ethernet_config",
+                                                         "answers_with_zeros", "queue_bytes",
+                                                         "realtime", "cpus"});
+}

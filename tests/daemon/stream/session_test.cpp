@@ -1,0 +1,91 @@
+#include "daemon/stream/session.hpp"
+
+#include "daemon/results/result_json.hpp"
+#include "tests/catch.hpp"
+#include "tests/daemon/telegrams.hpp"
+
+using Catch::Matchers::StartsWith;
+using sweepd::Session;
+using namespace sweepd::test;
+
+namespace {
+
+sweepd::RobotSetup setup(std::size_t joints = 6) {
+  sweepd::RobotSetup result;
+  result.name = "kr5-arc";
+  result.joints = joints;
+  return result;
+}
+
+void stroke(Session& session, std::uint64_t& ipoc, double from_deg, double to_deg) {
+  for (const double angle : stroke_deg(from_deg, to_deg)) {
+    const auto text = telegram(ipoc, joint_1_at(angle));
+    session.telegram(from_controller(text, std::chrono::milliseconds(ipoc)));
+    ipoc += 4;
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a session recognises sweeps, and identifies from them", "[session]") {
+  int sweeps = 0;
+  Session session(setup(), "trace", {[&](const identify::Sweep&) { ++sweeps; }, {}});
+  std::uint64_t ipoc = 4000;
+  stroke(session, ipoc, 0, 60);
+  session.finish();
+  CHECK(sweeps == 1);
+  const auto outcome = outcome_of(session.snapshot());
+  CHECK(outcome.robot == "kr5-arc");
+  CHECK(outcome.source_kind == "trace");
+  CHECK(outcome.counts.link.telegrams == 400);
+  CHECK(outcome.identification.joints.at(0).circle->radius_mm == Approx(500).margin(1e-3));
+}
+
+TEST_CASE("each sample is a row of samples.csv, a few of them held back for one that was overtaken",
+          "[session]") {
+  std::vector<std::string> rows;
+  Session session(setup(), "live", {{}, [&](std::string_view row) { rows.emplace_back(row); }});
+  CHECK_THAT(session.csv_header(), StartsWith("t_s,ipoc,x_mm,"));
+  for (const auto ipoc : {4000U, 4004U, 4012U, 4008U, 4016U}) {
+    const auto text = telegram(ipoc, joint_1_at(0));
+    session.telegram(from_controller(text, std::chrono::milliseconds(ipoc)));
+  }
+  session.telegram(from_controller("junk"));
+  REQUIRE(rows.size() == 1);
+  CHECK_THAT(rows[0], StartsWith("0.000,4000,500.0000,0.0000,900.0000,"));
+  session.finish();
+  REQUIRE(rows.size() == 5);
+  CHECK_THAT(rows[2], StartsWith("0.008,4008,"));
+  CHECK_THAT(rows[3], StartsWith("0.012,4012,"));
+  CHECK(session.snapshot().source_kind == "live");
+}
+
+TEST_CASE("it is worth identifying once every joint has a stroke", "[session]") {
+  Session session(setup(1), "trace", {});
+  CHECK_FALSE(session.worth_identifying());
+  std::uint64_t ipoc = 4000;
+  stroke(session, ipoc, 0, 2);  // too short for a sweep
+  CHECK(session.snapshot().sweeps.size() == 1);
+  CHECK_FALSE(session.worth_identifying());
+  stroke(session, ipoc, 2, 60);
+  CHECK(session.worth_identifying());
+
+  Session six(setup(6), "trace", {});
+  ipoc = 4000;
+  for (int k = 0; k < 6; ++k) stroke(six, ipoc, k % 2 * 60, 60 - k % 2 * 60);
+  CHECK(six.snapshot().sweeps.size() == 6);
+  CHECK_FALSE(six.worth_identifying());
+}
+
+TEST_CASE("a snapshot does not change with what comes after it, and gives the same bytes again",
+          "[session]") {
+  Session session(setup(), "trace", {});
+  std::uint64_t ipoc = 4000;
+  stroke(session, ipoc, 0, 60);
+  const auto snapshot = session.snapshot();
+  const auto before = result_json(outcome_of(snapshot));
+  stroke(session, ipoc, 60, 0);
+  session.finish();
+  CHECK(result_json(outcome_of(snapshot)) == before);
+  CHECK(result_json(outcome_of(session.snapshot())) != before);
+}

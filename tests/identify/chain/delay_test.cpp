@@ -1,0 +1,114 @@
+#include "identify/chain/delay.hpp"
+
+#include <cmath>
+
+#include "identify/chain/chain_start.hpp"
+#include "identify/circle/circle_estimator.hpp"
+#include "tests/catch.hpp"
+#include "tests/simulation/simulation.hpp"
+
+using namespace identify;
+using simulation::Simulation;
+using simulation::Strokes;
+using simulation::World;
+
+namespace {
+
+World tracker_with_angles(double late_s) {
+  World world;
+  world.angles = world.placed = true;
+  world.noise.range_mm = world.noise.across_mm = 0.02;
+  world.delay.late_s = late_s;
+  return world;
+}
+
+Strokes both_ways(double ramp) {
+  Strokes strokes;
+  strokes.there_and_back = true;
+  strokes.ramp = ramp;
+  return strokes;
+}
+
+std::optional<Delay> found_in(const Simulation& simulation) {
+  const auto circles = estimate_circles(simulation.sweeps(), simulation.campaign());
+  return find_delay(circles, starting_axes(circles));
+}
+
+bool accuses_gears(const Identification& found) {
+  return std::any_of(found.warnings.begin(), found.warnings.end(), [](const Warning& warning) {
+    return warning.code == "backlash" || warning.code == "transmission_error";
+  });
+}
+
+simulation::Robot some_robot(bool seven, std::uint32_t seed) {
+  return simulation::at_random_home(
+      simulation::built(seven ? simulation::iiwa() : simulation::kr5(), seed), seed);
+}
+
+}  // namespace
+
+TEST_CASE("a delay is found to 0.1 ms and within its uncertainty, and no gear is accused of it",
+          "[delay][long]") {
+  const auto late_s = GENERATE(0.0, 0.004, 0.1, 0.5, -0.02);
+  const auto ramp = GENERATE(0.0, 0.1);
+  const auto seven = GENERATE(false, true);
+  CAPTURE(late_s, ramp, seven);
+  double squares = 0;
+  constexpr std::uint32_t kRuns = 6;
+  for (std::uint32_t seed = 1; seed <= kRuns; ++seed) {
+    CAPTURE(seed);
+    const Simulation simulation(some_robot(seven, seed), both_ways(ramp),
+                                tracker_with_angles(late_s), seed);
+    const auto found = identify::identify(simulation.sweeps(), simulation.campaign());
+    REQUIRE(found.delay);
+    CHECK(std::abs(found.delay->late_s - late_s) < 1e-4);
+    CHECK(found.delay->rate == 0);
+    squares += std::pow((found.delay->late_s - late_s) / found.delay->sigma_s, 2);
+    CHECK(is_significant(*found.delay) == (late_s != 0));
+    for (const Warning& warning : found.warnings)
+      UNSCOPED_INFO(warning.code << ": " << warning.message);
+    CHECK_FALSE(accuses_gears(found));
+  }
+  CHECK(std::sqrt(squares / kRuns) < 1.8);
+}
+
+TEST_CASE("gears that err and outliers do not pass for a delay", "[delay]") {
+  const auto seed = GENERATE(1U, 2U, 3U);
+  auto world = tracker_with_angles(0.1);
+  world.gears = {20, 10, 30, {}};
+  world.noise.outlier_share = 0.1;
+  const auto delay = found_in(Simulation(some_robot(false, seed), both_ways(0.1), world, seed));
+  REQUIRE(delay);
+  // 30 arcsec at 20 degrees a second are 0.4 ms, in each joint by another share.
+  CHECK(std::abs(delay->late_s - 0.1) < 3 * delay->sigma_s);
+  CHECK(delay->sigma_s < 2e-4);
+}
+
+TEST_CASE("clocks that differ make the delay grow", "[delay]") {
+  const auto seed = GENERATE(1U, 2U, 3U);
+  auto world = tracker_with_angles(0.1);
+  world.delay.rate_ppm = 50;
+  const Simulation simulation(some_robot(false, seed), both_ways(0.1), world, seed);
+  const auto found = identify::identify(simulation.sweeps(), simulation.campaign());
+  REQUIRE(found.delay);
+  CHECK(found.delay->rate == Approx(50e-6).margin(2e-6));
+  CHECK(std::abs(found.delay->late_s - 0.1 - 50e-6 * found.delay->at_s) < 1e-4);
+  CHECK_FALSE(accuses_gears(found));
+}
+
+TEST_CASE("one way at one speed tells no delay", "[delay]") {
+  const auto seed = GENERATE(1U, 2U, 3U);
+  const auto decimals = GENERATE(1, 4);
+  auto world = tracker_with_angles(0.05);
+  world.decimals = decimals;
+  CHECK_FALSE(found_in(Simulation(some_robot(false, seed), {}, world, seed)));
+}
+
+TEST_CASE("a backlash is told from a delay by what all joints share", "[delay]") {
+  auto world = tracker_with_angles(0.004);
+  world.gears.backlash_arcsec = 120;
+  const Simulation simulation(some_robot(false, 4), both_ways(0.1), world, 4);
+  const auto found = identify::identify(simulation.sweeps(), simulation.campaign());
+  REQUIRE(found.delay);
+  CHECK(std::abs(found.delay->late_s - 0.004) < 3 * found.delay->sigma_s);
+}

@@ -1,0 +1,94 @@
+#include "identify/chain/mixed_model.hpp"
+
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include "tests/catch.hpp"
+#include "tests/identify/random_chain.hpp"
+
+using namespace identify;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using identify::test::Random;
+
+namespace {
+
+/// Five strokes in three groups at two homes, each stroke with its own two effects, each group with
+/// three, each home with one; four parameters, of which each stroke knows three.
+struct Example {
+  static constexpr Index kParameters = 4, kRows = 12;
+  std::vector<StrokeProducts> strokes;
+  std::vector<std::size_t> home_of{0, 0, 1};
+  EffectVariances variances;
+  // All at once: y = X b + Z u + e.
+  MatrixXd x = MatrixXd::Zero(5 * kRows, kParameters),
+           z = MatrixXd::Zero(5 * kRows, 5 * 2 + 3 * 3 + 2);
+  VectorXd y{5 * kRows}, weights{5 * kRows}, effects{5 * 2 + 3 * 3 + 2};
+
+  explicit Example(Random& random, bool zero) {
+    const auto size = [&] {
+      return zero && random.uniform(0, 1) < 0.5 ? 0 : random.uniform(0.1, 3);
+    };
+    const auto sizes = [&](std::size_t count, Index columns) {
+      std::vector<VectorXd> all;
+      for (std::size_t k = 0; k < count; ++k) {
+        VectorXd one(columns);
+        for (double& value : one) value = size();
+        all.push_back(one);
+      }
+      return all;
+    };
+    variances = {sizes(5, 2), sizes(3, 3), sizes(2, 1)};
+    for (std::size_t s = 0; s < 5; ++s) {
+      const std::size_t group = s % 3;
+      const auto row = static_cast<Index>(s) * kRows;
+      MatrixXd columns(kRows, 2 + 3 + 1 + 3 + 1);
+      for (Index r = 0; r < columns.rows(); ++r)
+        for (Index c = 0; c < columns.cols(); ++c) columns(r, c) = random.normal();
+      VectorXd weight(kRows);
+      for (double& value : weight) value = random.uniform(0.2, 4);
+      StrokeProducts stroke;
+      stroke.group = group;
+      for (Index p = 0; p < kParameters; ++p)
+        if (p != static_cast<Index>(s) % 4) stroke.parameters.push_back(p);
+      stroke.products = columns.transpose() * weight.asDiagonal() * columns;
+      strokes.push_back(stroke);
+      z.block(row, static_cast<Index>(2 * s), kRows, 2) = columns.leftCols(2);
+      z.block(row, static_cast<Index>(10 + 3 * group), kRows, 3) = columns.middleCols(2, 3);
+      z.block(row, static_cast<Index>(19 + home_of[group]), kRows, 1) = columns.col(5);
+      for (Index k = 0; k < 3; ++k)
+        x.block(row, stroke.parameters[static_cast<std::size_t>(k)], kRows, 1) = columns.col(6 + k);
+      y.segment(row, kRows) = columns.col(9);
+      weights.segment(row, kRows) = weight;
+    }
+    Index at = 0;
+    for (const auto* level : {&variances.own, &variances.shared, &variances.home})
+      for (const VectorXd& one : *level) {
+        effects.segment(at, one.size()) = one;
+        at += one.size();
+      }
+  }
+};
+
+}  // namespace
+
+TEST_CASE("Effects eliminated step by step are generalised least squares with all at once",
+          "[mixed_model]") {
+  Random random(61);
+  const bool zero = GENERATE(false, true);
+  for (int run = 0; run < 20; ++run) {
+    const Example of(random, zero);
+    MatrixXd covariance = of.z * of.effects.asDiagonal() * of.z.transpose();
+    covariance.diagonal() += of.weights.cwiseInverse();
+    const Eigen::LLT<MatrixXd> solver(covariance);
+    const auto found = eliminate(of.strokes, of.home_of, of.variances, Example::kParameters);
+    CHECK(found.normal.isApprox(of.x.transpose() * solver.solve(of.x), 1e-9));
+    CHECK(found.gradient.isApprox(of.x.transpose() * solver.solve(of.y), 1e-9));
+    CHECK(found.squares == Approx(of.y.dot(solver.solve(of.y))).epsilon(1e-9));
+    const double all = 2 * solver.matrixLLT().diagonal().array().log().sum();
+    CHECK(found.log_determinant == Approx(all + of.weights.array().log().sum()).epsilon(1e-9));
+  }
+}

@@ -1,0 +1,231 @@
+#include "identify/circle/circle_estimator.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "identify/geometry/angle.hpp"
+#include "tests/catch.hpp"
+#include "tests/identify/simulated_campaign.hpp"
+
+using namespace identify;
+using identify::test::find_warning;
+using identify::test::for_kr5;
+using identify::test::segment;
+using identify::test::without_angles;
+
+namespace {
+
+/// Bounds in mm and degrees; b by convention is not compared.
+void check_table(const CircleEstimate& result, double b, double a, double alpha_deg) {
+  REQUIRE(result.circle_dh.size() == 6);
+  for (std::size_t i = 0; i < 5; ++i) {
+    CAPTURE(i);
+    const auto& row = result.circle_dh[i];
+    const auto& wanted = result.specified[i];
+    if (row.b_mm.knowledge == Knowledge::identified)
+      CHECK(std::abs(row.b_mm.value - wanted.b_mm) < b);
+    CHECK(std::abs(row.a_mm.value - wanted.a_mm) < a);
+    CHECK(std::abs(wrapped(row.alpha_rad.value - wanted.alpha_rad)) / kDegree < alpha_deg);
+    CHECK(std::abs(wrapped(row.theta_rad.value - wanted.theta_rad)) / kDegree < 2 * alpha_deg);
+  }
+}
+
+std::size_t axes_of(const CircleEstimate& result) {
+  return static_cast<std::size_t>(
+      std::count_if(result.joints.begin(), result.joints.end(),
+                    [](const JointResult& joint) { return joint.axis.has_value(); }));
+}
+
+}  // namespace
+
+TEST_CASE("the paper's campaign without noise gives the specified table", "[circle_estimator]") {
+  test::Campaign campaign(test::kr5_arc());
+  campaign.sweep_all_90();
+  const auto result = estimate_circles(segment(campaign.samples()), for_kr5());
+  CHECK(axes_of(result) == 6);
+  CHECK(result.warnings.empty());
+  check_table(result, 1e-6, 1e-6, 1e-7);
+  CHECK(result.circle_dh[1].b_mm.knowledge == Knowledge::by_convention);
+  for (std::size_t j = 0; j < 6; ++j)
+    CHECK(*result.home_rad[j] == Approx(test::kr5_arc().home_rad[j]));
+  REQUIRE(result.bounding_box);
+}
+
+TEST_CASE("only the sweeps proper are fitted: moves from and to home are marked",
+          "[circle_estimator]") {
+  test::Campaign campaign(test::kr5_arc());
+  campaign.sweep_all_90();
+  const auto result = estimate_circles(segment(campaign.samples()), for_kr5());
+  const auto& first = result.joints[0];
+  REQUIRE(first.sweeps.size() == 3);
+  CHECK(first.sweeps[0].positioning);
+  CHECK_FALSE(first.sweeps[1].positioning);
+  CHECK(first.sweeps[2].positioning);
+  CHECK(first.used == std::vector<bool>{false, true, false});
+  CHECK(first.circle->arc_rad == Approx(90 * kDegree).margin(0.5 * kDegree));
+  // Joint 6 starts from home: both its strokes are sweeps.
+  CHECK(result.joints[5].used == std::vector<bool>{true, true});
+}
+
+TEST_CASE("axes point along positive rotation of the controller's angles", "[circle_estimator]") {
+  test::Campaign campaign(test::kr5_arc());
+  campaign.sweep_all_90();
+  const auto result = estimate_circles(segment(campaign.samples()), for_kr5());
+  CHECK((result.joints[0].axis->direction - Eigen::Vector3d(0, 0, -1)).norm() < 1e-7);
+  // At A1 = 90 the base's +Y, about which A2 turns at A1 = 0, points along -(-X) of the base.
+  CHECK(std::abs(result.joints[1].axis->direction.x()) == Approx(1));
+}
+
+TEST_CASE("without angles the plan's order alone identifies the same robot", "[circle_estimator]") {
+  for (const bool wide : {true, false}) {
+    test::Campaign campaign(test::kr5_arc(), {0.0001});
+    wide ? campaign.sweep_all_90() : campaign.sweep_all_30();
+    auto known = for_kr5();
+    known.order = {{0, -1}, {1, +1}, {2, +1}, {3, +1}, {4, -1}, {5, +1}};
+    known.declared_home_rad = test::kr5_arc().home_rad;
+    const auto result = estimate_circles(segment(without_angles(campaign.samples())), known);
+    CHECK(axes_of(result) == 6);
+    CHECK(result.warnings.empty());
+    // Wobble of 0.0001 deg moves the target by some 3 um; see the paper's columns for the bounds.
+    wide ? check_table(result, 0.042, 0.009, 0.001) : check_table(result, 0.081, 0.096, 0.01);
+  }
+}
+
+TEST_CASE("without angles and plan the axes point as agrees with the specified table",
+          "[circle_estimator]") {
+  test::Campaign campaign(test::kr5_arc(), {0.0001});
+  campaign.sweep_all_90();
+  const auto result = estimate_circles(segment(without_angles(campaign.samples())), for_kr5());
+  CHECK(axes_of(result) == 6);
+  for (std::size_t i = 0; i < 5; ++i) {
+    CHECK(std::abs(result.circle_dh[i].a_mm.value - result.specified[i].a_mm) < 0.009);
+    CHECK(std::abs(wrapped(result.circle_dh[i].alpha_rad.value - result.specified[i].alpha_rad)) <
+          0.001 * kDegree);
+    if (result.circle_dh[i].b_mm.knowledge == Knowledge::identified)
+      CHECK(std::abs(result.circle_dh[i].b_mm.value - result.specified[i].b_mm) < 0.042);
+  }
+}
+
+TEST_CASE("a robot without a specified table has axes along positive rotation",
+          "[circle_estimator]") {
+  test::Campaign campaign(test::kr5_arc());
+  campaign.sweep_all_90();
+  const auto result = estimate_circles(segment(campaign.samples()), Campaign{});
+  CHECK(axes_of(result) == 6);
+  CHECK(result.specified.empty());
+  // All axes flipped against the paper's table: the same twists, offsets with the other sign.
+  CHECK(result.circle_dh[0].b_mm.value == Approx(-400).margin(1e-6));
+  CHECK(result.circle_dh[0].a_mm.value == Approx(180).margin(1e-6));
+  CHECK(std::abs(result.circle_dh[3].b_mm.value) == Approx(620).margin(1e-6));
+}
+
+TEST_CASE("a joint that was never swept makes the result partial and makes up no number",
+          "[circle_estimator]") {
+  test::Campaign campaign(test::kr5_arc());
+  campaign.rest()
+      .sweep(0, -45, 45)
+      .sweep(1, -60, -130)
+      .sweep(2, 120, 30)
+      .sweep(3, 90, 0)
+      .sweep(4, 90, 0);
+  const auto result = identify::identify(segment(campaign.samples()), for_kr5());
+  CHECK(result.status == Status::partial);
+  CHECK(result.reason == "no axis for joint 6");
+  REQUIRE(find_warning(result, "joint_never_moved"));
+  CHECK(find_warning(result, "joint_never_moved")->joint == 5u);
+  CHECK(result.dh[4].alpha_rad.knowledge == Knowledge::undetermined);
+  CHECK(result.dh[3].alpha_rad.knowledge == Knowledge::identified);
+}
+
+TEST_CASE("a sweep that is too short, or too quick for its samples, is said and not used",
+          "[circle_estimator]") {
+  test::Campaign campaign(test::kr5_arc());
+  campaign.rest()
+      .move(0, 93)
+      .rest()
+      .move(0, 90)
+      .rest()
+      .move(1, -60, 400)
+      .rest()
+      .move(1, -90, 400)
+      .rest();
+  const auto result = identify::identify(segment(campaign.samples()), for_kr5());
+  CHECK(result.status == Status::failed);
+  CHECK(find_warning(result, "sweep_too_short")->joint == 0u);
+  CHECK(find_warning(result, "too_few_samples")->joint == 1u);
+}
+
+TEST_CASE("a target on an axis is said and gives no axis", "[circle_estimator]") {
+  auto arm = test::kr5_arc();
+  arm.tool_mm = {0, 0, 215};
+  test::Campaign campaign(arm, {0.0001});
+  campaign.sweep_all_90();
+  const auto result = identify::identify(segment(campaign.samples()), for_kr5());
+  CHECK(result.status == Status::partial);
+  CHECK_FALSE(result.joints[5].axis);
+  CHECK(result.joints[4].axis);
+  REQUIRE(result.warnings.size() == 1);
+  CHECK(result.warnings[0].joint == 5u);
+}
+
+TEST_CASE("a target near an axis is warned about", "[circle_estimator][long]") {
+  auto arm = test::kr5_arc();
+  arm.tool_mm = {1.7, 0, 215};
+  test::Campaign campaign(arm, {0.0001});
+  campaign.sweep_all_90();
+  const auto result = identify::identify(segment(campaign.samples()), for_kr5());
+  REQUIRE(find_warning(result, "target_near_axis"));
+  CHECK(find_warning(result, "target_near_axis")->joint == 5u);
+  // The prediction covers the error that it warns of.
+  const auto& alpha = result.dh[4].alpha_rad;
+  CHECK(std::abs(wrapped(alpha.value - 90 * kDegree)) < 4 * alpha.sigma);
+}
+
+TEST_CASE("sweeps away from the common home are left out and said", "[circle_estimator]") {
+  test::Campaign campaign(test::kr5_arc());
+  campaign.sweep_all_90();
+  campaign.move(1, -70).rest().move(0, 10).rest().move(0, 90).rest().move(1, -90).rest();
+  auto result = estimate_circles(segment(campaign.samples()), for_kr5());
+  CHECK(axes_of(result) == 6);
+  check_table(result, 1e-6, 1e-6, 1e-7);
+  CHECK(result.joints[0].used == std::vector<bool>{false, true, false, false, false});
+}
+
+TEST_CASE("strokes without positions are counted, and the reason is given", "[circle_estimator]") {
+  test::Campaign campaign(test::kr5_arc());
+  campaign.rest().move(0, 0).rest().move(0, 90).rest();
+  auto samples = campaign.samples();
+  for (auto& sample : samples) sample.has_position = false;
+  const auto result = identify::identify(segment(samples), for_kr5());
+  CHECK(result.status == Status::partial);
+  CHECK(result.reason.find("no positions") != std::string::npos);
+  CHECK(result.joints[0].sweeps.size() == 2);
+  CHECK_FALSE(result.bounding_box);
+}
+
+TEST_CASE("no sweeps at all fail with a reason", "[circle_estimator]") {
+  const auto result = identify::identify({}, for_kr5());
+  CHECK(result.status == Status::failed);
+  CHECK(result.reason == "no sweep of a single joint was seen");
+}
+
+TEST_CASE("coarsely printed positions are warned about", "[circle_estimator][long]") {
+  test::Campaign campaign(test::kr5_arc());
+  campaign.sweep_all_90();
+  auto known = for_kr5();
+  known.resolution = {0.1, 0.1 * kDegree};
+  CHECK(find_warning(identify::identify(segment(campaign.samples()), known), "low_precision"));
+}
+
+TEST_CASE("positions that contradict the angles give no axis", "[circle_estimator]") {
+  test::Campaign campaign(test::kr5_arc());
+  campaign.sweep_all_90();
+  auto samples = campaign.samples();
+  std::mt19937 random(1);
+  std::uniform_real_distribution<> uniform(-1000, 1000);
+  for (auto& sample : samples)
+    sample.position_mm = {uniform(random), uniform(random), uniform(random)};
+  const auto result = identify::identify(segment(samples), for_kr5());
+  CHECK(result.status != Status::complete);
+  CHECK_FALSE(result.warnings.empty());
+}

@@ -1,0 +1,120 @@
+#include "identify/geometry/circle_fit.hpp"
+
+#include <cmath>
+#include <random>
+
+#include <Eigen/Geometry>
+
+#include "identify/geometry/angle.hpp"
+#include "tests/catch.hpp"
+
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+using identify::fit_circle;
+using identify::kDegree;
+
+namespace {
+
+/// Points of a circle about `axis` through `center`, from angle 0 on, with isotropic noise.
+Matrix3Xd arc(const Vector3d& center, const Vector3d& axis, double radius, double degrees,
+              int count, double sigma = 0, unsigned seed = 1) {
+  std::mt19937 random(seed);
+  std::normal_distribution<> normal(0, 1);
+  const Vector3d x = axis.unitOrthogonal();
+  Matrix3Xd points(3, count);
+  for (int i = 0; i < count; ++i) {
+    const double angle = degrees * kDegree * i / (count - 1);
+    points.col(i) = center + radius * (Eigen::AngleAxisd(angle, axis.normalized()) * x);
+    for (int k = 0; k < 3; ++k) points(k, i) += sigma * normal(random);
+  }
+  return points;
+}
+
+const Vector3d kCenter(812.3, -40, 1000);
+const Vector3d kAxis = Vector3d(1, 2, -3).normalized();
+
+}  // namespace
+
+TEST_CASE("a circle without noise is found exactly, for any arc and radius", "[circle_fit]") {
+  for (const double degrees : {15.0, 30.0, 90.0, 360.0})
+    for (const double radius : {1.0, 800.0}) {
+      const auto fit = fit_circle(arc(kCenter, kAxis, radius, degrees, 200));
+      REQUIRE(fit);
+      CHECK((fit->center_mm - kCenter).norm() < 1e-8);
+      CHECK((fit->normal - kAxis).norm() < 1e-9);
+      CHECK(fit->radius_mm == Approx(radius).epsilon(1e-9));
+      CHECK(fit->arc_rad == Approx(degrees * kDegree).epsilon(1e-6));
+      CHECK(fit->plane_rms_mm < 1e-9);
+      CHECK(fit->radial_rms_mm < 1e-9);
+    }
+}
+
+TEST_CASE("the normal follows the motion, also where first and last point tell nothing",
+          "[circle_fit]") {
+  Matrix3Xd there = arc(kCenter, kAxis, 500, 60, 61);
+  CHECK(fit_circle(there)->normal.dot(kAxis) == Approx(1));
+  CHECK(fit_circle(there.rowwise().reverse())->normal.dot(kAxis) == Approx(-1));
+  // More than half a turn: the chord from first to last points backwards.
+  CHECK(fit_circle(arc(kCenter, kAxis, 500, 300, 301))->normal.dot(kAxis) == Approx(1));
+  // There by 60 degrees and back by 20.
+  Matrix3Xd both(3, 81);
+  both << there, there.middleCols(40, 20).rowwise().reverse();
+  CHECK(fit_circle(both)->normal.dot(kAxis) == Approx(1));
+}
+
+TEST_CASE("what is no circle gives none", "[circle_fit]") {
+  CHECK_FALSE(fit_circle(Matrix3Xd(3, 0)));
+  CHECK_FALSE(fit_circle(arc(kCenter, kAxis, 500, 60, 3)));
+  CHECK_FALSE(fit_circle(Matrix3Xd::Zero(3, 50)));
+  Matrix3Xd line(3, 50);
+  for (int i = 0; i < 50; ++i) line.col(i) = Vector3d(1, 2, 3) * i;
+  CHECK_FALSE(fit_circle(line));
+  Matrix3Xd bad = arc(kCenter, kAxis, 500, 60, 50);
+  bad(1, 7) = std::nan("");
+  CHECK_FALSE(fit_circle(bad));
+}
+
+TEST_CASE("the predicted covariance is the scatter that noise causes", "[circle_fit]") {
+  // 400 fits at sigma = 0.02 mm: a sample variance is then within +-7 % (1 sigma) of the truth, and
+  // the mean of the six ratios is within 15 %.
+  constexpr double kSigma = 0.02;
+  constexpr int kRuns = 400;
+  for (const double degrees : {90.0, 30.0}) {
+    const auto clean = arc(kCenter, kAxis, 600, degrees, 300);
+    const auto truth = fit_circle(clean);
+    const auto predicted = identify::axis_covariance(*truth, clean, kSigma, kSigma);
+    identify::Matrix6d scatter = identify::Matrix6d::Zero();
+    for (int run = 0; run < kRuns; ++run) {
+      const auto fit = fit_circle(
+          arc(kCenter, kAxis, 600, degrees, 300, kSigma, 1000U + static_cast<unsigned>(run)));
+      Eigen::Matrix<double, 6, 1> error;
+      error << fit->normal - kAxis, fit->center_mm - kCenter;
+      scatter += error * error.transpose() / kRuns;
+    }
+    CHECK(scatter.topLeftCorner<3, 3>().trace() / predicted.topLeftCorner<3, 3>().trace() ==
+          Approx(1).margin(0.15));
+    CHECK(scatter.bottomRightCorner<3, 3>().trace() / predicted.bottomRightCorner<3, 3>().trace() ==
+          Approx(1).margin(0.15));
+  }
+}
+
+TEST_CASE("a target close to the axis is seen in the covariance, not in the residuals",
+          "[circle_fit]") {
+  const auto far = arc(kCenter, kAxis, 200, 90, 1000, 0.003);
+  const auto near = arc(kCenter, kAxis, 1.7, 90, 1000, 0.003);
+  const auto far_fit = fit_circle(far);
+  const auto near_fit = fit_circle(near);
+  CHECK(near_fit->plane_rms_mm < 1.1 * far_fit->plane_rms_mm);
+  const auto direction = [](const identify::CircleFit& fit, const Matrix3Xd& points) {
+    const identify::Matrix6d covariance = identify::axis_covariance(fit, points, 0.003, 0.003);
+    return std::sqrt(covariance.topLeftCorner<3, 3>().trace());
+  };
+  CHECK(direction(*near_fit, near) > 50 * direction(*far_fit, far));
+}
+
+TEST_CASE("residuals are heights over the plane and distances from the circle", "[circle_fit]") {
+  const auto fit = fit_circle(arc({0, 0, 5}, Vector3d::UnitZ(), 100, 180, 50));
+  const auto residual = identify::residual(*fit, {0, 103, 7});
+  CHECK(std::abs(residual.plane_mm) == Approx(2));
+  CHECK(residual.radial_mm == Approx(3));
+}

@@ -1,0 +1,198 @@
+#include "identify/sweeps/position_segmentation.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+
+#include "identify/sweeps/segmentation.hpp"
+#include "tests/catch.hpp"
+#include "tests/identify/simulated_campaign.hpp"
+
+using namespace identify;
+using identify::test::kr5_arc;
+
+namespace {
+
+struct Stream {
+  std::size_t markers = 1;
+  double noise_mm = 0;
+  double rate_hz = 100;  ///< at most 250
+  std::uint32_t seed = 1;
+  double lost_from_s = 0, lost_to_s = 0;  ///< when the last marker is not seen
+};
+using Moves = std::function<void(test::Campaign&)>;
+
+/// The paper's, after a second of rest.
+void paper_sweeps(test::Campaign& campaign) {
+  campaign.rest(1).sweep_all_90();
+}
+
+/// A KR 5 as a camera sees markers on its tool.
+std::vector<Sweep> strokes_of(const Stream& how, PositionSegmenter& segmenter,
+                              const Moves& moves = paper_sweeps) {
+  const std::array<Eigen::Vector3d, 3> places{
+      Eigen::Vector3d{200, 0, 215}, {60, 150, 180}, {-120, 90, 260}};
+  std::vector<std::vector<Sample>> streams;
+  for (std::size_t marker = 0; marker < how.markers; ++marker) {
+    auto arm = kr5_arc();
+    arm.tool_mm = places[marker];
+    test::Campaign campaign(arm, {.position_mm = how.noise_mm,
+                                  .seed = how.seed + static_cast<std::uint32_t>(10 * marker)});
+    moves(campaign);
+    streams.push_back(campaign.samples());
+  }
+  std::vector<Sweep> strokes;
+  const auto take = [&](std::vector<Sweep> ended) {
+    std::move(ended.begin(), ended.end(), std::back_inserter(strokes));
+  };
+  double next_s = 0;
+  for (std::size_t i = 0; i < streams[0].size(); ++i) {
+    const double time_s = streams[0][i].time_s;
+    if (time_s < next_s) continue;
+    next_s += 1 / how.rate_hz;
+    std::vector<PositionSegmenter::Seen> frame;
+    for (std::size_t marker = 0; marker < how.markers; ++marker) {
+      if (marker + 1 == how.markers && time_s > how.lost_from_s && time_s < how.lost_to_s) continue;
+      frame.push_back({marker, streams[marker][i]});
+      frame.back().sample.joints = 0;
+    }
+    take(segmenter.push(frame));
+  }
+  take(segmenter.finish());
+  return strokes;
+}
+
+std::vector<Sweep> strokes_of(const Stream& how, const Moves& moves = paper_sweeps) {
+  PositionSegmenter segmenter;
+  return strokes_of(how, segmenter, moves);
+}
+
+std::vector<Sweep> good(std::vector<Sweep> strokes, std::size_t target) {
+  std::erase_if(strokes, [&](const Sweep& stroke) {
+    return stroke.target != target || stroke.defect != SweepDefect::none;
+  });
+  return strokes;
+}
+
+double overlap(const Sweep& a, const Sweep& b) {
+  const double both =
+      std::min(a.last().time_s, b.last().time_s) - std::max(a.first().time_s, b.first().time_s);
+  return both / (b.last().time_s - b.first().time_s);
+}
+
+/// From when to when a quiet stroke's target is faster than `speed_mm_s`, over +-0.1 s.
+std::array<double, 2> faster_than(double speed_mm_s, const Sweep& stroke, double rate_hz) {
+  const auto& samples = *stroke.samples;
+  const auto half = static_cast<std::size_t>(0.1 * rate_hz);
+  std::array<double, 2> from_to = {stroke.last().time_s, stroke.first().time_s};
+  for (std::size_t i = half; i + half < samples.size(); ++i) {
+    const Sample &before = samples[i - half], &after = samples[i + half];
+    const double way = (after.position_mm - before.position_mm).norm();
+    if (way < speed_mm_s * (after.time_s - before.time_s)) continue;
+    from_to[0] = std::min(from_to[0], samples[i].time_s);
+    from_to[1] = std::max(from_to[1], samples[i].time_s);
+  }
+  return from_to;
+}
+
+/// Each good stroke is one of the quiet stream, whole but for what is slower than the limit.
+void check_strokes(const Stream& how) {
+  CAPTURE(how.markers, how.noise_mm, how.rate_hz, how.seed);
+  Stream without_noise = how;
+  without_noise.noise_mm = 0;
+  const auto quiet = strokes_of(without_noise);
+  PositionSegmenter segmenter;
+  const auto noisy = strokes_of(how, segmenter);
+  const auto limit = segmenter.limit();
+  REQUIRE(limit);
+  CHECK(limit->noise_mm == Approx(how.noise_mm).epsilon(0.15));
+  for (std::size_t marker = 0; marker < how.markers; ++marker) {
+    CAPTURE(marker);
+    const auto expected = good(quiet, marker), seen = good(noisy, marker);
+    CHECK(seen.size() <= expected.size());
+    // Positioning from near home hardly leaves the noise of 1 mm.
+    CHECK(seen.size() >= (how.noise_mm < 0.5 ? expected.size() : 6));
+    for (const Sweep& stroke : seen) {
+      const auto same = std::find_if(expected.begin(), expected.end(),
+                                     [&](const Sweep& one) { return overlap(stroke, one) > 0.8; });
+      REQUIRE(same != expected.end());
+      const auto clearly = faster_than(1.5 * limit->slowest_mm_s, *same, how.rate_hz);
+      const double window_s = 0.1 + 1 / how.rate_hz;  // and the sample that it ends with
+      CHECK(stroke.first().time_s > same->first().time_s - window_s);
+      CHECK(stroke.first().time_s < clearly[0] + window_s);
+      CHECK(stroke.last().time_s > clearly[1] - window_s);
+      CHECK(stroke.last().time_s < same->last().time_s + window_s);
+      CHECK(std::abs(stroke.range_rad - same->range_rad) < 4 * kDegree);
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("noisy strokes are those of a quiet stream: none is made up, cut or joined",
+          "[position_segmentation]") {
+  const auto noise_mm = GENERATE(0.1, 1.0);
+  check_strokes({.markers = 1, .noise_mm = noise_mm});
+  check_strokes({.markers = 3, .noise_mm = noise_mm});
+}
+
+TEST_CASE("noisy strokes are those of a quiet stream, at all rates and sizes",
+          "[position_segmentation][long]") {
+  const auto markers = GENERATE(std::size_t{1}, std::size_t{3});
+  const auto noise_mm = GENERATE(0.05, 0.1, 0.3, 1.0);
+  const auto rate_hz = GENERATE(100.0, 240.0);
+  for (std::uint32_t seed = 1; seed <= 3; ++seed)
+    check_strokes({.markers = markers, .noise_mm = noise_mm, .rate_hz = rate_hz, .seed = seed});
+}
+
+TEST_CASE("noise says how slow a motion and how short an arc is still seen",
+          "[position_segmentation]") {
+  PositionSegmenter segmenter;
+  CHECK_FALSE(segmenter.limit());
+  (void)strokes_of({.noise_mm = 0.3, .rate_hz = 250}, segmenter);
+  // 51 positions in 0.2 s: 6 sigma, 0.3 mm sqrt(3) / sqrt(sum of t^2).
+  const double slowest = 6 * 0.3 * std::sqrt(3.0) / 0.4204;
+  REQUIRE(segmenter.limit());
+  CHECK(segmenter.limit()->by_noise());
+  CHECK(segmenter.limit()->slowest_mm_s == Approx(slowest).epsilon(0.15));
+  CHECK(segmenter.limit()->shortest_mm == Approx(30 * 0.3).epsilon(0.15));
+  PositionSegmenter quiet;
+  (void)strokes_of({.noise_mm = 0.001}, quiet);
+  REQUIRE(quiet.limit());
+  CHECK_FALSE(quiet.limit()->by_noise());
+
+  // Joint 1 with 820 mm to the target: half the limit, and twice.
+  const auto turning = [&](double speed_mm_s) {
+    return [=](test::Campaign& campaign) {
+      campaign.rest(2).move(0, 90 + 40, speed_mm_s / 820 / kDegree).rest(2);
+    };
+  };
+  const auto slow = strokes_of({.noise_mm = 0.3, .rate_hz = 250}, turning(slowest / 4));
+  CHECK(good(slow, 0).empty());
+  const auto fast = strokes_of({.noise_mm = 0.3, .rate_hz = 250}, turning(2 * slowest));
+  REQUIRE(good(fast, 0).size() == 1);
+  CHECK(good(fast, 0)[0].range_rad > 37 * kDegree);
+}
+
+TEST_CASE("there and back without a rest is two strokes, in noise as well",
+          "[position_segmentation]") {
+  const auto strokes = good(strokes_of({.noise_mm = 0.3},
+                                       [](test::Campaign& campaign) {
+                                         campaign.rest(1).move(0, 90 + 60).move(0, 90 - 30).rest(1);
+                                       }),
+                            0);
+  REQUIRE(strokes.size() == 2);
+  CHECK(strokes[0].range_rad == Approx(60 * kDegree).margin(2 * kDegree));
+  CHECK(strokes[1].range_rad == Approx(90 * kDegree).margin(2 * kDegree));
+}
+
+TEST_CASE("a marker that is not seen for a while cuts no stroke of the others",
+          "[position_segmentation]") {
+  const auto all = strokes_of({.markers = 2, .noise_mm = 0.1});
+  const auto some = strokes_of({.markers = 2, .noise_mm = 0.1, .lost_from_s = 4, .lost_to_s = 20});
+  REQUIRE(good(some, 0).size() == good(all, 0).size());
+  for (std::size_t k = 0; k < good(all, 0).size(); ++k)
+    CHECK(overlap(good(some, 0)[k], good(all, 0)[k]) > 0.97);
+  CHECK(good(some, 1).size() < good(all, 1).size());
+}

@@ -1,0 +1,114 @@
+#include "identify/sweeps/stroke_moments.hpp"
+
+#include <cmath>
+
+#include "identify/geometry/angle.hpp"
+#include "tests/catch.hpp"
+#include "tests/identify/random_chain.hpp"
+
+using namespace identify;
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using identify::test::as_sweeps;
+using identify::test::Measured;
+using identify::test::Random;
+using identify::test::random_chain;
+using identify::test::sweeps_of;
+
+namespace {
+
+Measured measured(double turn_rad, int samples) {
+  Measured how;
+  how.position_mm = 0.02;
+  how.orientation_rad = 2e-5;
+  how.locked_rad = 1e-6;
+  how.from_rad = -turn_rad / 2;
+  how.to_rad = turn_rad / 2;
+  how.samples = samples;
+  return how;
+}
+
+}  // namespace
+
+TEST_CASE("Sums over nodes are sums over samples", "[stroke_moments]") {
+  const bool told = GENERATE(false, true);
+  const double turn_deg = GENERATE(5, 90, 300);
+  CAPTURE(told, turn_deg);
+  Random random(51);
+  const Chain chain = random_chain(3, 1, random);
+  const auto sweeps =
+      as_sweeps(sweeps_of(chain, measured(turn_deg * kDegree, 400), random), 3, told);
+  const auto stroke = moments_of(sweeps[1], {1, told ? std::size_t{3} : 0, true});
+  REQUIRE(stroke);
+  CHECK(stroke->told == told);
+  CHECK(stroke->outliers == 0);
+  // What a model is along a stroke: harmonics of the turn. The weights are those of the samples,
+  // so that all of them is known only where none is an outlier.
+  const auto model = [](double x) { return 1 + 0.5 * x + std::cos(x) - 0.3 * std::sin(2 * x); };
+  double weight = 0;
+  Eigen::Matrix<double, 7, 7> from_samples = Eigen::Matrix<double, 7, 7>::Zero();
+  for (const Sample& sample : *sweeps[1].samples) {
+    const double x = stroke->zero_rad + stroke->sense * stroke->angle_about(sample.position_mm);
+    const auto [a, b, c] = sample.abc_rad;
+    const Matrix3d tool =
+        (Eigen::AngleAxisd(a, Vector3d::UnitZ()) * Eigen::AngleAxisd(b, Vector3d::UnitY()) *
+         Eigen::AngleAxisd(c, Vector3d::UnitX()))
+            .toRotationMatrix();
+    Eigen::Matrix<double, 7, 1> z;
+    z << 1, stroke->departure(sample.position_mm, x),
+        stroke->departure(tool, x, told ? sample.angles_rad[1] : x);
+    z(3) = told ? stroke->circle.radius_mm * stroke->sense * (x - sample.angles_rad[1]) : 0;
+    from_samples += model(x) * z * z.transpose();
+    weight += 1;
+  }
+  CHECK(stroke->weight == Approx(weight).epsilon(0.01));
+  Eigen::Matrix<double, 7, 7> from_nodes = Eigen::Matrix<double, 7, 7>::Zero();
+  for (const StrokeMoments::Node& node : stroke->nodes)
+    from_nodes += model(node.turn_rad) * node.sums.topLeftCorner<7, 7>();
+  // Some samples in a hundred have a little less than their whole weight.
+  for (Index r = 0; r < 7; ++r)
+    for (Index c = 0; c < 7; ++c) {
+      CAPTURE(r, c);
+      const double size = std::sqrt(from_samples(r, r) * from_samples(c, c));
+      CHECK(std::abs(from_nodes(r, c) - from_samples(r, c)) <= 0.03 * size);
+    }
+}
+
+TEST_CASE("Samples five millimetres off lose their weight, good ones keep theirs",
+          "[stroke_moments]") {
+  Random random(24);
+  const Chain chain = random_chain(4, 1, random);
+  auto samples = sweeps_of(chain, measured(1.6, 400), random);
+  for (std::size_t i = 0; i < samples.size(); i += 20)
+    samples[i].position_mm += 5 * random.direction();
+  const bool told = GENERATE(false, true);
+  for (const Sweep& sweep : as_sweeps(samples, 4, told)) {
+    const auto stroke = moments_of(sweep, {*sweep.joint, told ? std::size_t{4} : 0, false});
+    REQUIRE(stroke);
+    CHECK(stroke->samples == 400);
+    // Of 20 some lie along the circle by chance, where a stroke whose turn is not told follows.
+    CHECK(stroke->outliers >= 18);
+    CHECK(stroke->outliers <= 22);
+    CHECK(stroke->weight == Approx(380).margin(6));
+  }
+}
+
+TEST_CASE("A stroke of few samples, and one whose angles tell nothing of it", "[stroke_moments]") {
+  Random random(52);
+  const Chain chain = random_chain(2, 1, random);
+  const auto few = as_sweeps(sweeps_of(chain, measured(1, 5), random), 2);
+  const auto stroke = moments_of(few.front(), {0, 2, true});
+  REQUIRE(stroke);
+  for (const StrokeMoments::Node& node : stroke->nodes) CHECK(node.sums.allFinite());
+
+  auto samples = sweeps_of(chain, measured(1, 400), random);
+  for (ChainObservation& seen : samples) seen.measured_turn = random.uniform(-3, 3);
+  const auto astray = moments_of(as_sweeps(samples, 2).front(), {0, 2, false});
+  REQUIRE(astray);
+  CHECK_FALSE(astray->told);
+
+  auto still = few.front();
+  still.samples = std::make_shared<const std::vector<Sample>>(100, few.front().first());
+  CHECK_FALSE(moments_of(still, {0, 2, true}));
+}

@@ -1,0 +1,96 @@
+#include "rsi/server/callers.hpp"
+
+#include "tests/catch.hpp"
+
+using namespace std::chrono_literals;
+using rsi::Callers;
+
+namespace {
+
+constexpr std::uint32_t kCaller = 0x0a000001;
+constexpr std::uint32_t kOther = 0x0a000002;
+constexpr Callers::Time kBound{100s};
+
+/// A port that is looked at every 20 ms.
+struct Port {
+  Port() { callers.deaf_until(kBound); }
+  void silent_until(Callers::Time end) {
+    for (; now < end; now += 20ms) callers.heard_all_until(now);
+  }
+  bool hear(std::uint32_t address) {
+    callers.hear(address, now);
+    return callers.began(address);
+  }
+  Callers callers;
+  Callers::Time now = kBound;
+};
+
+}  // namespace
+
+TEST_CASE("a stream that is heard at once after the port was bound did not begin there",
+          "[callers][issue11][point_1]") {
+  Port port;
+  for (port.now += 4ms; port.now < kBound + 5s; port.now += 4ms) {
+    CHECK_FALSE(port.hear(kCaller));
+    port.callers.heard_all_until(port.now);
+  }
+}
+
+TEST_CASE("a stream begins behind a second of silence, and goes on after any pause",
+          "[callers][issue11][point_1]") {
+  Port port;
+  SECTION("since the port was bound") {
+    port.silent_until(kBound + 980ms);
+    CHECK_FALSE(port.hear(kCaller));
+  }
+  SECTION("since its last telegram") {
+    port.silent_until(kBound + 200ms);
+    CHECK_FALSE(port.hear(kCaller));
+    port.silent_until(kBound + 1s);
+    CHECK_FALSE(port.hear(kCaller));
+  }
+  const auto last = port.now;
+  port.silent_until(last + 1040ms);
+  CHECK(port.hear(kCaller));
+  port.now += 4ms;
+  CHECK(port.hear(kCaller));
+  port.silent_until(port.now + 500ms);  // RSI is switched off and on
+  CHECK(port.hear(kCaller));
+}
+
+TEST_CASE("a standstill of this program is no silence", "[callers][issue11][point_1]") {
+  Port port;
+  port.silent_until(kBound + 20ms);
+  CHECK_FALSE(port.hear(kCaller));
+  // Nobody has looked for five seconds; what came then waits.
+  port.now += 5s;
+  for (int waiting = 0; waiting < 10; ++waiting) CHECK_FALSE(port.hear(kCaller));
+  // The look that took them began five seconds ago.
+  port.callers.heard_all_until(port.now - 5s);
+  CHECK_FALSE(port.hear(kCaller));
+}
+
+TEST_CASE("who was lost unseen may have spoken", "[callers][issue11][point_1]") {
+  Port port;
+  port.silent_until(kBound + 2s);
+  port.callers.deaf_until(port.now);
+  CHECK_FALSE(port.hear(kCaller));
+  port.silent_until(port.now + 2s);
+  CHECK(port.hear(kCaller));
+  port.callers.deaf_until(port.now);
+  CHECK(port.hear(kCaller));  // it has begun before
+}
+
+TEST_CASE("another's silence tells nothing, and one that was pushed out counts as heard",
+          "[callers][issue11][point_1]") {
+  Port port;
+  port.silent_until(kBound + 20ms);
+  CHECK_FALSE(port.hear(kCaller));
+  for (int k = 0; k < 200; ++k) {
+    port.silent_until(port.now + 20ms);
+    CHECK_FALSE(port.hear(kCaller));
+  }
+  CHECK(port.hear(kOther));
+  for (std::uint32_t many = 1; many <= 8; ++many) port.hear(kOther + many);
+  CHECK_FALSE(port.hear(kCaller));
+}

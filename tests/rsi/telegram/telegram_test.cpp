@@ -1,0 +1,212 @@
+#include "rsi/telegram/telegram.hpp"
+
+#include <cmath>
+#include <random>
+#include <string>
+
+#include "rsi/telegram/ipoc.hpp"
+#include "tests/catch.hpp"
+
+using rsi::Defect;
+using rsi::Telegram;
+
+namespace {
+
+std::string value(const Telegram& telegram, std::string_view element,
+                  std::string_view attribute = {}) {
+  const auto at = telegram.find(element, attribute);
+  return at ? std::string(telegram.signals()[*at].text) : "(missing)";
+}
+
+const std::string kRecorded =
+    R"(<Rob Type="KUKA"><RIst X="812.3456" Y="-0.5" Z="1.0e2" A="0.0" B="90.0" C="-180.0"/>)"
+    R"(<AIPos A1="0.0" A2="-90.0" A3="90.0" A4="0.0" A5="0.0" A6="0.0"/><Delay D="2"/>)"
+    R"(<Tech C15="0.0" C16="0.0"  C17="0.0"/><DiL>7</DiL><Digout o1="0" o2="1"/>)"
+    "<Source1>0.3</Source1><IPOC>237437</IPOC></Rob>\n";
+
+}  // namespace
+
+TEST_CASE("a telegram in the recorded form gives every signal in its order", "[telegram]") {
+  Telegram telegram;
+  REQUIRE(telegram.parse(kRecorded) == Defect::none);
+  CHECK(telegram.ipoc() == 237437u);
+  CHECK(telegram.signals().size() == 6 + 6 + 1 + 3 + 1 + 2 + 1);
+  CHECK(telegram.signals().front().element == "RIst");
+  CHECK(telegram.signals().back().element == "Source1");
+  CHECK(value(telegram, "RIst", "X") == "812.3456");
+  CHECK(value(telegram, "AIPos", "A2") == "-90.0");
+  CHECK(value(telegram, "Delay", "D") == "2");
+  CHECK(value(telegram, "Tech", "C17") == "0.0");
+  CHECK(value(telegram, "DiL") == "7");
+  CHECK(value(telegram, "Digout", "o2") == "1");
+}
+
+TEST_CASE("every known variant of the markup is understood", "[telegram]") {
+  Telegram telegram;
+  SECTION("TYPE in upper case, a blank before the end, single quotes, text elements by name") {
+    REQUIRE(telegram.parse("<Rob TYPE='KUKA'><Act_X >1.5</Act_X><RIst X='1' Y = \"2\" /><IPOC>1"
+                           "</IPOC></Rob>") == Defect::none);
+    CHECK(value(telegram, "Act_X") == "1.5");
+    CHECK(value(telegram, "RIst", "Y") == "2");
+  }
+  SECTION("wrapped in Dat, with tabs and line feeds and elements after the IPOC") {
+    REQUIRE(
+        telegram.parse("<?xml version=\"1.0\"?>\r\n<Rob Type=\"KUKA\">\n\t<Dat TaskType=\"b\">\n"
+                       "\t\t<RIst X=\"1.0\"\n\t\t Y=\"2.0\"/>\n\t\t<IPOC>4711</IPOC>\n"
+                       "\t\t<Late>9</Late>\n\t</Dat>\n</Rob>\n") == Defect::none);
+    CHECK(telegram.ipoc() == 4711u);
+    CHECK(value(telegram, "RIst", "Y") == "2.0");
+    CHECK(value(telegram, "Late") == "9");
+  }
+  SECTION("attribute names that begin with a digit, and everything after them") {
+    REQUIRE(telegram.parse("<Rob Type=\"KUKA\"><GPIO 01=\"1\" 02=\"0\"/><RIst X=\"3.5\"/>"
+                           "<IPOC>8</IPOC></Rob>") == Defect::none);
+    CHECK(value(telegram, "GPIO", "01") == "1");
+    CHECK(value(telegram, "GPIO", "02") == "0");
+    CHECK(value(telegram, "RIst", "X") == "3.5");
+    CHECK(telegram.ipoc() == 8u);
+  }
+  SECTION("the first packet of old controllers") {
+    CHECK(telegram.parse("<Rob Type=\"KUKA\"><Ipoc>0</Ipoc></Rob>") == Defect::none);
+    CHECK(telegram.parse("<ipoc>12</ipoc>") == Defect::none);
+    CHECK(telegram.ipoc() == 12u);
+  }
+  SECTION("comments, a byte order mark, NULs and blanks behind") {
+    const std::string text =
+        "\xef\xbb\xbf<!-- <Rob> --><Rob><!-- <IPOC>1</IPOC> --><A b=\"1\"/>"
+        "<IPOC>2</IPOC></Rob>" +
+        std::string("\0\0 \n\0", 5);
+    CHECK(telegram.parse(text) == Defect::none);
+    CHECK(telegram.ipoc() == 2u);
+    CHECK(telegram.signals().size() == 1);
+  }
+  SECTION("empty elements") {
+    CHECK(telegram.parse("<Rob><EStr></EStr><None/><IPOC>2</IPOC></Rob>") == Defect::none);
+    CHECK(value(telegram, "EStr").empty());
+  }
+}
+
+TEST_CASE("a comment ends at its end, however short it looks", "[telegram]") {
+  Telegram telegram;
+  for (const auto* comment : {"<!-->", "<!--->", "<!---->"}) {
+    CAPTURE(comment);
+    const std::string text =
+        std::string("<Rob>") + comment + "<!-- --><A b=\"1\"/><IPOC>2</IPOC><!-- --></Rob>";
+    REQUIRE(telegram.parse(text) == Defect::none);
+    CHECK(value(telegram, "A", "b") == "1");
+  }
+  CHECK(telegram.parse("<Rob><!--><IPOC>1</IPOC>--></Rob>") == Defect::no_ipoc);
+  CHECK(telegram.parse("<Rob><!---><IPOC>1</IPOC>--></Rob>") == Defect::no_ipoc);
+}
+
+TEST_CASE("of several IPOCs the last that can be read counts, as it is the one that is echoed",
+          "[telegram]") {
+  Telegram telegram;
+  for (const auto* second : {"<IPOC></IPOC>", "<IPOC>x</IPOC>", "<IPOC/>", "<IPOC>-1</IPOC>"}) {
+    CAPTURE(second);
+    const std::string text = std::string("<Rob><IPOC>4</IPOC><IPOC>5</IPOC>") + second + "</Rob>";
+    CHECK(telegram.parse(text) == Defect::none);
+    CHECK(telegram.ipoc() == 5u);
+    CHECK(rsi::find_ipoc(text) == "5");
+  }
+}
+
+TEST_CASE("what is no telegram is told by kind", "[telegram]") {
+  Telegram telegram;
+  CHECK(telegram.parse("") == Defect::empty);
+  CHECK(telegram.parse(std::string("\0\0 \n", 4)) == Defect::empty);
+  CHECK(telegram.parse("hello") == Defect::not_a_telegram);
+  CHECK(telegram.parse("\x7f\x45\x4c\x46\x02") == Defect::not_a_telegram);
+  CHECK(telegram.parse("<Sen Type=\"ImFree\"><IPOC>1</IPOC></Sen>") == Defect::not_a_telegram);
+  CHECK(telegram.parse("<!-- only a comment -->") == Defect::not_a_telegram);
+  CHECK(telegram.parse("<Rob Type=\"KUKA\"><DiL>0</DiL></Rob>") == Defect::no_ipoc);
+  CHECK(telegram.parse("<Rob><IPOC>-1</IPOC></Rob>") == Defect::no_ipoc);
+  CHECK(telegram.parse("<Rob><IPOC>99999999999999999999</IPOC></Rob>") == Defect::no_ipoc);
+}
+
+TEST_CASE("a telegram cut anywhere is truncated, and no half number is taken from it",
+          "[telegram]") {
+  Telegram telegram;
+  const std::string whole = kRecorded.substr(0, kRecorded.rfind('\n'));
+  REQUIRE(telegram.parse(whole) == Defect::none);
+  const auto all = telegram.signals();
+  for (std::size_t size = 4; size < whole.size(); ++size) {
+    CAPTURE(size);
+    const std::string cut = whole.substr(0, size);
+    CHECK(telegram.parse(cut) == Defect::truncated);
+    REQUIRE(telegram.signals().size() <= all.size());
+    for (std::size_t i = 0; i < telegram.signals().size(); ++i) {
+      CHECK(telegram.signals()[i].element == all[i].element);
+      if (!telegram.signals()[i].attribute.empty())
+        CHECK(telegram.signals()[i].text == all[i].text);
+    }
+  }
+}
+
+TEST_CASE("no bytes make the parser fail, whatever they are", "[telegram]") {
+  std::mt19937 random(20130704);
+  Telegram telegram;
+  const std::string alphabet = "<>/=\"' RobIPOC01.-!?\n";
+  for (int run = 0; run < 20000; ++run) {
+    std::string bytes = run % 2 == 0 ? kRecorded : "<Rob>";
+    for (int edit = 0; edit < 30; ++edit) {
+      const char c =
+          run % 3 == 0 ? static_cast<char>(random() & 0xff) : alphabet[random() % alphabet.size()];
+      if (run % 2 == 0)
+        bytes[random() % bytes.size()] = c;
+      else
+        bytes += c;
+    }
+    telegram.parse(bytes);
+    for (const auto& signal : telegram.signals()) {
+      const auto* begin = bytes.data();
+      if (!signal.text.empty()) {
+        REQUIRE(signal.text.data() >= begin);
+        REQUIRE(signal.text.data() + signal.text.size() <= begin + bytes.size());
+      }
+    }
+  }
+}
+
+TEST_CASE("a signal is found at its usual place, or elsewhere, or not", "[telegram]") {
+  Telegram telegram;
+  telegram.parse(kRecorded);
+  CHECK(telegram.find("RIst", "X", 0) == 0u);
+  CHECK(telegram.find("RIst", "X", 5) == 0u);
+  CHECK(telegram.find("AIPos", "A1", 6) == 6u);
+  CHECK(telegram.find("AIPos", "A1", 1000) == 6u);
+  CHECK_FALSE(telegram.find("RSol", "X", 0));
+}
+
+TEST_CASE("numbers are read the same in every locale, and only finite ones", "[telegram]") {
+  CHECK(rsi::number("-90.0") == -90.0);
+  CHECK(rsi::number(" +1.5e-3 ") == 0.0015);
+  for (const auto* text : {"", "1,5", "nan", "inf", "1.5x", "--1", "+-1", "0x10", "1e999"})
+    CHECK_FALSE(rsi::number(text));
+  CHECK(rsi::decimals("-90.0") == 1);
+  CHECK(rsi::decimals("12") == 0);
+  CHECK(rsi::decimals("0.1234e-3") == 4);
+}
+
+TEST_CASE("a printed number is read to the nearest double, with its decimals", "[telegram]") {
+  std::mt19937_64 random(3);
+  for (int round = 0; round < 20'000; ++round) {
+    std::string text = random() % 2 == 0 ? "-" : "";
+    for (auto whole = 1 + random() % 9; whole > 0; --whole)
+      text += static_cast<char>('0' + random() % 10);
+    const auto decimals = random() % 10;
+    if (decimals > 0) text += '.';
+    for (auto left = decimals; left > 0; --left) text += static_cast<char>('0' + random() % 10);
+    CAPTURE(text);
+    const auto read = rsi::decimal(text);
+    REQUIRE(read);
+    REQUIRE(read->value == *rsi::number(text));
+    REQUIRE(read->decimals == static_cast<int>(decimals));
+  }
+  for (const char* text : {"", "-", ".", "-.", "1.2.3", "1-2", "--1", "nan", "inf", "1e999", "0x1"})
+    CHECK_FALSE(rsi::decimal(text));
+  CHECK(rsi::decimal("1.5e2")->value == 150);
+  CHECK(rsi::decimal(" +2.50 ")->value == 2.5);
+  CHECK(rsi::decimal(".5")->value == 0.5);
+  CHECK(std::signbit(rsi::decimal("-0.0000")->value));
+}
