@@ -62,7 +62,7 @@ class Reading {
   void take_over(const HttpSettings& http, Fleet& fleet) {
     try {
       const Settings settings = settings_.get();
-      if (const auto keys = change(http, settings.http); !keys.empty())
+      if (const auto keys = change(http, settings.http).after_restart; !keys.empty())
         Log().warning("only a restart of sweepd takes over {}", fmt::join(keys, ", "));
       fleet.reload(settings.robots);
     } catch (const std::exception& error) {

@@ -1,11 +1,13 @@
 #include "daemon/page/http_pages.hpp"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <utility>
 
 #include "daemon/page/metrics.hpp"
 #include "daemon/page/state_json.hpp"
+#include "daemon/text/text_layout.hpp"
 #include "rsi/ascii.hpp"
 
 namespace sweepd {
@@ -19,14 +21,6 @@ constexpr auto kStale = 10s;
 constexpr std::string_view kScheme = "http://";
 constexpr std::string_view kJson = "application/json";
 constexpr std::string_view kPrometheus = "text/plain; version=0.0.4; charset=utf-8";
-constexpr std::string_view kIndex =
-    "sweepd, beside a robot controller. Its pages:\n"
-    "/healthz      whether its threads move\n"
-    "/readyz       whether it serves all robots\n"
-    "/metrics      counters and histograms for Prometheus\n"
-    "/api/state    how each robot's link, recording and sweeps are, as JSON\n"
-    "/api/result   the newest result.json; ?robot=NAME where there are several\n";
-
 HttpResponse text(int status, std::string line) {
   return {status, HttpResponse{}.type, std::move(line) + '\n'};
 }
@@ -72,6 +66,60 @@ HttpResponse result(const ServiceStatus& status, std::string_view query) {
               "which robot? add ?robot=NAME with one of:" + names);
 }
 
+HttpResponse health(const ServiceStatus& status, std::chrono::nanoseconds age) {
+  // At the start and the end nobody looks.
+  if (status.phase != ServiceStatus::Phase::serving) return text(200, "ok");
+  std::string trouble;
+  for (const auto& sentence : status.standstills) trouble += sentence + '\n';
+  if (age > kStale)
+    trouble += "sweepd: the main thread has not looked for " +
+               std::to_string(std::chrono::duration_cast<std::chrono::seconds>(age).count()) +
+               " s\n";
+  if (trouble.empty()) return text(200, "ok");
+  return {503, HttpResponse{}.type, trouble};
+}
+
+/// What a page is made of.
+struct Asked {
+  const ServiceStatus& status;
+  std::string_view query;        ///< behind the question mark
+  std::chrono::nanoseconds age;  ///< of the status
+};
+
+struct Page {
+  std::string_view path;
+  std::string_view what;  ///< for the list of pages; empty: it is not on it
+  HttpResponse (*answer)(const Asked& asked);
+};
+
+HttpResponse index(const Asked& asked);
+
+constexpr std::array<Page, 6> kPages{{
+    {"/", "", index},
+    {"/healthz", "whether its threads move",
+     [](const Asked& asked) { return health(asked.status, asked.age); }},
+    {"/readyz", "whether it serves all robots",
+     [](const Asked& asked) { return readiness(asked.status); }},
+    {"/metrics", "counters and histograms for Prometheus",
+     [](const Asked& asked) -> HttpResponse {
+       return {200, kPrometheus, metrics(asked.status, newest(asked.status), process_state())};
+     }},
+    {"/api/state", "how each robot's link, recording and sweeps are, as JSON",
+     [](const Asked& asked) -> HttpResponse {
+       return {200, kJson, state_json(asked.status, newest(asked.status), process_state())};
+     }},
+    {"/api/result", "the newest result.json; ?robot=NAME where there are several",
+     [](const Asked& asked) { return result(asked.status, asked.query); }},
+}};
+
+HttpResponse index(const Asked&) {
+  std::string list = "sweepd, beside a robot controller. Its pages:\n";
+  for (const Page& page : kPages)
+    if (!page.what.empty())
+      list += left(std::string(page.path), 14) + std::string(page.what) + '\n';
+  return {200, HttpResponse{}.type, list};
+}
+
 }  // namespace
 
 HttpPages::HttpPages(const Published<ServiceStatus>& status, const HttpSettings& settings,
@@ -113,28 +161,11 @@ bool HttpPages::is_ours(std::string_view authority) const {
 }
 
 HttpResponse HttpPages::page(std::string_view path, std::string_view query) const {
+  const auto found = std::find_if(kPages.begin(), kPages.end(),
+                                  [&](const Page& page) { return page.path == path; });
+  if (found == kPages.end()) return text(404, "no such page: / lists them");
   const auto status = status_.newest();
-  if (path == "/api/result") return result(*status, query);
-  if (path == "/healthz") return health(*status);
-  if (path == "/readyz") return readiness(*status);
-  const auto process = process_state();
-  if (path == "/metrics") return {200, kPrometheus, metrics(*status, newest(*status), process)};
-  if (path == "/api/state") return {200, kJson, state_json(*status, newest(*status), process)};
-  if (path == "/") return {200, HttpResponse{}.type, std::string(kIndex)};
-  return text(404, "no such page: / lists them");
-}
-
-HttpResponse HttpPages::health(const ServiceStatus& status) const {
-  // At the start and the end nobody looks.
-  if (status.phase != ServiceStatus::Phase::serving) return text(200, "ok");
-  std::string trouble;
-  for (const auto& sentence : status.standstills) trouble += sentence + '\n';
-  if (const auto age = now_() - status.looked; age > kStale)
-    trouble += "sweepd: the main thread has not looked for " +
-               std::to_string(std::chrono::duration_cast<std::chrono::seconds>(age).count()) +
-               " s\n";
-  if (trouble.empty()) return text(200, "ok");
-  return {503, HttpResponse{}.type, trouble};
+  return found->answer({*status, query, now_() - status->looked});
 }
 
 }  // namespace sweepd

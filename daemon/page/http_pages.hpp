@@ -45,7 +45,6 @@ class HttpPages {
   /// A host and perhaps a port.
   [[nodiscard]] bool is_ours(std::string_view authority) const;
   [[nodiscard]] HttpResponse page(std::string_view path, std::string_view query) const;
-  [[nodiscard]] HttpResponse health(const ServiceStatus& status) const;
 
   const Published<ServiceStatus>& status_;
   std::vector<std::string> hosts_;

@@ -107,13 +107,7 @@ void RobotService::take_over() {
   const std::lock_guard lock(reload_mutex_);
   if (!reloaded_) return;
   auto& [settings, setup] = *reloaded_;
-  settings_.description = settings.description;
-  settings_.plan = settings.plan;
-  settings_.output = settings.output;
-  settings_.record = settings.record;
-  settings_.silence = settings.silence;
-  settings_.recording = settings.recording;
-  settings_.signals = settings.signals;
+  take_over_live(settings_, std::move(settings));
   setup_ = std::move(setup);
   reloaded_.reset();
 }

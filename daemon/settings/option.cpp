@@ -238,16 +238,29 @@ std::vector<OptionText> option_texts(const Options& options, const std::string& 
   return texts;
 }
 
-std::vector<std::string> differing(const Options& from, const Options& to,
-                                   const std::string& prefix) {
-  std::vector<std::string> keys;
+Option after_restart(Option option) {
+  option.live = false;
+  return option;
+}
+
+SettingsChange differing(const Options& from, const Options& to, const std::string& prefix) {
+  SettingsChange change;
   for (std::size_t i = 0; i < from.size(); ++i) {
     const bool same =
         std::visit([&](auto* value) { return *value == *std::get<decltype(value)>(to[i].field); },
                    from[i].field);
-    if (!same) keys.push_back(prefix + std::string(from[i].key));
+    if (!same)
+      (from[i].live ? change.live : change.after_restart)
+          .push_back(prefix + std::string(from[i].key));
   }
-  return keys;
+  return change;
+}
+
+void take_over_live(const Options& to, const Options& from) {
+  for (std::size_t i = 0; i < to.size(); ++i)
+    if (to[i].live)
+      std::visit([&](auto* value) { *value = *std::get<decltype(value)>(from[i].field); },
+                 to[i].field);
 }
 
 }  // namespace sweepd

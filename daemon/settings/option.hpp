@@ -31,8 +31,12 @@ struct Option {
   std::string_view help;
   std::int64_t least = 0;  ///< of a whole number
   std::int64_t most = 0;
+  /// A sweepd that runs takes it over; else it belongs to what is made once, at the start.
+  bool live = true;
 };
 using Options = std::vector<Option>;
+
+[[nodiscard]] Option after_restart(Option option);
 
 /// Fills the fields of what `table` holds; there may also be `more_keys` in it, which are somebody
 /// else's. Relative paths start at `folder`. Throws ConfigError.
@@ -45,7 +49,10 @@ void read_options(const TomlTable& table, const Options& options,
                                                    const std::string& prefix = {});
 
 /// The keys, after `prefix`, of which the two values differ. Both are of the same options.
-[[nodiscard]] std::vector<std::string> differing(const Options& from, const Options& to,
-                                                 const std::string& prefix = {});
+[[nodiscard]] SettingsChange differing(const Options& from, const Options& to,
+                                       const std::string& prefix = {});
+
+/// Sets those that are live to what `from` has. Both are of the same options.
+void take_over_live(const Options& to, const Options& from);
 
 }  // namespace sweepd

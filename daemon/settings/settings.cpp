@@ -1,7 +1,6 @@
 #include "daemon/settings/settings.hpp"
 
 #include <algorithm>
-#include <array>
 #include <iterator>
 #include <string_view>
 #include <utility>
@@ -20,25 +19,28 @@ constexpr std::string_view kSignals = "signals";
 constexpr std::string_view kRecording = "recording";
 constexpr std::int64_t kTebibyte = std::int64_t{1} << 40;
 
-/// What the socket and the reply thread are made of; all else may change while a robot is served.
-constexpr std::array<std::string_view, 8> kAfterRestart{
-    "listen",      "controller", "ethernet_config",   "answers_with_zeros",
-    "queue_bytes", "realtime",   "realtime_priority", "cpus"};
+template <typename T>
+void append(std::vector<T>& to, std::vector<T> from) {
+  std::move(from.begin(), from.end(), std::back_inserter(to));
+}
 
+/// What the socket and the reply thread are made of needs a restart.
 Options options_of(RobotSettings& robot) {
   return {
       {"name", &robot.name,
        "names the robot in logs and the folder of its results: letters, digits, - _ ."},
       {"description", &robot.description, "the robot: joints, limits, specified DH table"},
-      {"listen", &robot.listen,
-       "address and port of this machine that the controller sends to; 0.0.0.0 is any"},
-      {"controller", &robot.controller,
-       "only this address is answered; left out: the first that streams"},
-      {"ethernet_config", &robot.ethernet_config,
-       "the very Ethernet file that lies on the controller"},
-      {"answers_with_zeros", &robot.answers_with_zeros,
-       "tags of RECEIVE that can move the robot or switch something, and may all the same be "
-       "answered with zeros"},
+      after_restart(
+          {"listen", &robot.listen,
+           "address and port of this machine that the controller sends to; 0.0.0.0 is any"}),
+      after_restart({"controller", &robot.controller,
+                     "only this address is answered; left out: the first that streams"}),
+      after_restart({"ethernet_config", &robot.ethernet_config,
+                     "the very Ethernet file that lies on the controller"}),
+      after_restart(
+          {"answers_with_zeros", &robot.answers_with_zeros,
+           "tags of RECEIVE that can move the robot or switch something, and may all the same be "
+           "answered with zeros"}),
       {"output", &robot.output,
        "folder under which recordings and results are kept, in OUTPUT/NAME/START"},
       {"plan", &robot.plan,
@@ -46,15 +48,18 @@ Options options_of(RobotSettings& robot) {
       {"record", &robot.record, "whether every datagram is kept in trace.pcap"},
       {"silence_ms", &robot.silence, "the stream has ended when nothing came for so long", 100,
        3'600'000},
-      {"queue_bytes", &robot.queue_bytes,
-       "room for datagrams that are answered but not yet processed", 64 << 10, 1 << 30},
-      {"realtime", &robot.real_time.wish,
-       "locked memory and SCHED_FIFO for the reply thread: required, tried, or left alone"},
-      {"realtime_priority", &robot.real_time.priority, "of the reply thread under SCHED_FIFO", 1,
-       98},
-      {"cpus", &robot.real_time.cpus,
-       "the reply thread runs on these processors only, and all others keep off; left out: any", 0,
-       1023},
+      after_restart({"queue_bytes", &robot.queue_bytes,
+                     "room for datagrams that are answered but not yet processed", 64 << 10,
+                     1 << 30}),
+      after_restart(
+          {"realtime", &robot.real_time.wish,
+           "locked memory and SCHED_FIFO for the reply thread: required, tried, or left alone"}),
+      after_restart({"realtime_priority", &robot.real_time.priority,
+                     "of the reply thread under SCHED_FIFO", 1, 98}),
+      after_restart(
+          {"cpus", &robot.real_time.cpus,
+           "the reply thread runs on these processors only, and all others keep off; left out: any",
+           0, 1023}),
   };
 }
 
@@ -86,25 +91,49 @@ Options options_of(SignalNames& signals) {
 
 Options options_of(HttpSettings& http) {
   return {
-      {"listen", &http.listen,
-       "address and port of the pages /metrics, /healthz, /readyz, /api/state, /api/result"},
-      {"hosts", &http.hosts,
-       "names of this machine that a request may use beside localhost and that address"},
+      after_restart({"listen", &http.listen, "address and port of the pages; / lists them"}),
+      after_restart(
+          {"hosts", &http.hosts,
+           "names of this machine that a request may use beside localhost and that address"}),
   };
 }
 
-std::string prefix(std::string_view table) {
-  return std::string(table) + '.';
+/// A table of the file, and what it holds. The robot's own has no name.
+struct Section {
+  std::string_view table;
+  Options options;
+
+  [[nodiscard]] std::string prefix() const {
+    return table.empty() ? std::string() : std::string(table) + '.';
+  }
+};
+
+std::vector<Section> sections_of(RobotSettings& robot) {
+  return {{"", options_of(robot)},
+          {kSignals, options_of(robot.signals)},
+          {kRecording, options_of(robot.recording)}};
+}
+
+std::vector<Section> sections_of(HttpSettings& http) {
+  return {{kHttp, options_of(http)}};
+}
+
+template <typename T>
+SettingsChange change_between(T& from, T& to) {
+  const auto before = sections_of(from);
+  const auto after = sections_of(to);
+  SettingsChange all;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    auto some = differing(before[i].options, after[i].options, before[i].prefix());
+    append(all.live, std::move(some.live));
+    append(all.after_restart, std::move(some.after_restart));
+  }
+  return all;
 }
 
 /// A socket on 0.0.0.0 takes the port on every address.
 bool collide(const rsi::Endpoint& a, const rsi::Endpoint& b) {
   return a.port == b.port && (a.address == b.address || a.address == 0 || b.address == 0);
-}
-
-template <typename T>
-void append(std::vector<T>& to, std::vector<T> from) {
-  std::move(from.begin(), from.end(), std::back_inserter(to));
 }
 
 }  // namespace
@@ -118,11 +147,12 @@ Settings load_settings(const fs::path& file) {
   Settings settings{file, {}, {}};
   for (const TomlTable& table : tables) {
     RobotSettings robot;
-    read_options(table, options_of(robot), {kSignals, kRecording}, folder);
-    if (const auto signals = table.table(kSignals))
-      read_options(*signals, options_of(robot.signals), {}, folder);
-    if (const auto recording = table.table(kRecording))
-      read_options(*recording, options_of(robot.recording), {}, folder);
+    for (const Section& section : sections_of(robot)) {
+      if (section.table.empty())
+        read_options(table, section.options, {kSignals, kRecording}, folder);
+      else if (const auto inner = table.table(section.table))
+        read_options(*inner, section.options, {}, folder);
+    }
     if (!robot.answers_with_zeros.names.empty() && !robot.ethernet_config)
       table.fail("answers_with_zeros",
                  "expected `ethernet_config` beside it, whose tags it names, found nothing: add "
@@ -146,26 +176,24 @@ Settings load_settings(const fs::path& file) {
 }
 
 SettingsChange change(RobotSettings from, RobotSettings to) {
-  std::vector<std::string> keys = differing(options_of(from), options_of(to));
-  append(keys, differing(options_of(from.signals), options_of(to.signals), prefix(kSignals)));
-  append(keys, differing(options_of(from.recording), options_of(to.recording), prefix(kRecording)));
-  SettingsChange change;
-  for (std::string& key : keys) {
-    const bool fixed = std::count(kAfterRestart.begin(), kAfterRestart.end(), key) > 0;
-    (fixed ? change.after_restart : change.live).push_back(std::move(key));
-  }
-  return change;
+  return change_between(from, to);
 }
 
-std::vector<std::string> change(HttpSettings from, HttpSettings to) {
-  return differing(options_of(from), options_of(to), prefix(kHttp));
+SettingsChange change(HttpSettings from, HttpSettings to) {
+  return change_between(from, to);
+}
+
+void take_over_live(RobotSettings& robot, RobotSettings from) {
+  const auto to = sections_of(robot);
+  const auto read = sections_of(from);
+  for (std::size_t i = 0; i < to.size(); ++i) take_over_live(to[i].options, read[i].options);
 }
 
 std::vector<OptionText> robot_options() {
   RobotSettings defaults;
-  std::vector<OptionText> texts = option_texts(options_of(defaults));
-  append(texts, option_texts(options_of(defaults.signals), prefix(kSignals)));
-  append(texts, option_texts(options_of(defaults.recording), prefix(kRecording)));
+  std::vector<OptionText> texts;
+  for (const Section& section : sections_of(defaults))
+    append(texts, option_texts(section.options, section.prefix()));
   return texts;
 }
 

@@ -88,8 +88,9 @@ struct SettingsChange {
   std::vector<std::string> after_restart;  ///< the server's own: need a new one
 };
 [[nodiscard]] SettingsChange change(RobotSettings from, RobotSettings to);
-/// The keys of [http] that differ. All of them need a restart.
-[[nodiscard]] std::vector<std::string> change(HttpSettings from, HttpSettings to);
+[[nodiscard]] SettingsChange change(HttpSettings from, HttpSettings to);
+/// What is live of `from`, another reading of the same robot's settings.
+void take_over_live(RobotSettings& robot, RobotSettings from);
 
 /// An option in words, for a manual.
 struct OptionText {

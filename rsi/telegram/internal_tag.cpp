@@ -1,5 +1,8 @@
 #include "rsi/telegram/internal_tag.hpp"
 
+#include <algorithm>
+#include <array>
+
 namespace rsi {
 namespace {
 
@@ -7,10 +10,60 @@ using Type = EthernetConfig::Element::Type;
 
 constexpr std::string_view kInternal = "DEF_";
 
+/// What a tag's attributes are called.
+enum class Names { none, pose, axes, external_axes, delay, parameters };
+
+struct Known {
+  std::string_view name;  ///< without DEF_; of Tech.C and Tech.T, a digit follows
+  Type type;
+  Names names;
+  bool only_sent;  ///< measured by the controller
+};
+
+constexpr std::array<Known, 12> kTags{{
+    {"RIst", Type::DOUBLE, Names::pose, true},
+    {"RSol", Type::DOUBLE, Names::pose, true},
+    {"AIPos", Type::DOUBLE, Names::axes, true},
+    {"ASPos", Type::DOUBLE, Names::axes, true},
+    {"MACur", Type::DOUBLE, Names::axes, true},
+    {"EIPos", Type::DOUBLE, Names::external_axes, true},
+    {"ESPos", Type::DOUBLE, Names::external_axes, true},
+    {"MECur", Type::DOUBLE, Names::external_axes, true},
+    {"Delay", Type::LONG, Names::delay, true},
+    {"EStr", Type::STRING, Names::none, false},
+    {"Tech.C", Type::DOUBLE, Names::parameters, false},
+    {"Tech.T", Type::DOUBLE, Names::parameters, false},
+}};
+
 std::vector<std::string> numbered(std::string_view prefix, int count) {
   std::vector<std::string> names;
   for (int i = 1; i <= count; ++i) names.push_back(std::string(prefix) + std::to_string(i));
   return names;
+}
+
+/// `name` is without DEF_.
+std::vector<std::string> attributes(Names names, std::string_view name) {
+  switch (names) {
+    case Names::none:
+      return {};
+    case Names::pose:
+      return {"X", "Y", "Z", "A", "B", "C"};
+    case Names::axes:
+      return numbered("A", 6);
+    case Names::external_axes:
+      return numbered("E", 6);
+    case Names::delay:
+      return {"D"};
+    case Names::parameters:
+      return numbered(name.substr(name.size() - 2), 10);  // DEF_Tech.C1: C11 to C110
+  }
+  return {};
+}
+
+/// The six of Tech.C and Tech.T go by one row.
+std::string_view row_of(std::string_view name) {
+  const bool is_numbered = name.starts_with("Tech.") && name.back() >= '1' && name.back() <= '6';
+  return is_numbered ? name.substr(0, name.size() - 1) : name;
 }
 
 }  // namespace
@@ -26,18 +79,11 @@ std::string_view wire_name(std::string_view tag) {
 std::optional<InternalTag> internal_tag(std::string_view tag) {
   if (!is_internal(tag)) return std::nullopt;
   const auto name = wire_name(tag);
-  const auto measured = [](std::vector<std::string> attributes) {
-    return InternalTag{Type::DOUBLE, std::move(attributes), true};
-  };
-  if (name == "RIst" || name == "RSol") return measured({"X", "Y", "Z", "A", "B", "C"});
-  if (name == "AIPos" || name == "ASPos" || name == "MACur") return measured(numbered("A", 6));
-  if (name == "EIPos" || name == "ESPos" || name == "MECur") return measured(numbered("E", 6));
-  if (name == "Delay") return InternalTag{Type::LONG, {"D"}, true};
-  if (name == "EStr") return InternalTag{Type::STRING, {}, false};
-  if (name.size() == 7 && name.starts_with("Tech.") && (name[5] == 'C' || name[5] == 'T') &&
-      name[6] >= '1' && name[6] <= '6')
-    return InternalTag{Type::DOUBLE, numbered(name.substr(5), 10), false};
-  return std::nullopt;
+  const auto known = std::find_if(kTags.begin(), kTags.end(),
+                                  [&](const Known& one) { return one.name == row_of(name); });
+  if (known == kTags.end() || (known->names == Names::parameters && known->name == name))
+    return std::nullopt;
+  return InternalTag{known->type, attributes(known->names, name), known->only_sent};
 }
 
 }  // namespace rsi

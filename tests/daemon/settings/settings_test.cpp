@@ -234,8 +234,9 @@ TEST_CASE("the pages are served on the loopback interface unless [http] says oth
       http("[http]\nlisten = \"0.0.0.0:80\"\nhosts = [\"cell-pc\", \"10.0.0.5\"]\n");
   CHECK(changed.listen == rsi::parse_endpoint("0.0.0.0:80"));
   CHECK(changed.hosts.names == std::vector<std::string>{"cell-pc", "10.0.0.5"});
-  CHECK(sweepd::change(http(""), http("")).empty());
-  CHECK(sweepd::change(http(""), changed) == std::vector<std::string>{"http.listen", "http.hosts"});
+  CHECK(sweepd::change(http(""), http("")).after_restart.empty());
+  CHECK(sweepd::change(http(""), changed).after_restart ==
+        std::vector<std::string>{"http.listen", "http.hosts"});
 }
 
 TEST_CASE("mistakes in [http] are found", "[settings]") {
@@ -348,4 +349,12 @@ TEST_CASE("what differs between two settings is told, and what of it needs a res
   CHECK(change.after_restart == std::vector<std::string>{"listen", "controller", "ethernet_config",
                                                          "answers_with_zeros", "queue_bytes",
                                                          "realtime", "cpus"});
+
+  // What is said to be live is what a sweepd that runs takes over.
+  auto running = from;
+  sweepd::take_over_live(running, to);
+  CHECK(sweepd::change(running, to).live.empty());
+  CHECK(sweepd::change(running, to).after_restart == change.after_restart);
+  CHECK(running.silence == to.silence);
+  CHECK(running.listen == from.listen);
 }
