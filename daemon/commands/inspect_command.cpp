@@ -5,7 +5,7 @@
 #include "daemon/results/link_text.hpp"
 #include "daemon/stream/traces.hpp"
 #include "rsi/capture/capture_order.hpp"
-#include "rsi/link/link_monitor.hpp"
+#include "rsi/link/link.hpp"
 #include "rsi/link/link_verdict.hpp"
 
 namespace sweepd {
@@ -18,7 +18,7 @@ int inspect(const InspectOptions& options, std::ostream& out, std::ostream& erro
   const auto search = rsi::find_conversation(traces, options.filter);
   if (!search.note.empty()) errors << "sweepd: " << search.note << '\n';
   if (!search.chosen) return 1;
-  rsi::LinkMonitor monitor;
+  rsi::Link monitor;
   read_traces(traces, "inspect", options.quiet, errors, [&](const rsi::Datagram& datagram) {
     const auto direction = search.chosen->direction(datagram);
     if (direction == rsi::Direction::from_controller) monitor.telegram(datagram);

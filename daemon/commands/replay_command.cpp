@@ -69,6 +69,17 @@ void write_run_file(const ReplayOptions& options, const rsi::ConversationSearch&
   write_atomically(*options.output / "run.json", run_json("replay", given));
 }
 
+class Rows : public StreamSink {
+ public:
+  explicit Rows(std::optional<LineFile>& file) : file_(file) {}
+  void sample(const identify::Sample&, std::string_view row) override {
+    if (file_) file_->append(row);
+  }
+
+ private:
+  std::optional<LineFile>& file_;
+};
+
 }  // namespace
 
 int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) {
@@ -85,9 +96,8 @@ int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) 
     write_run_file(options, search);
     samples.emplace(samples_file.emplace(*options.output / "samples.csv").beside());
   }
-  Session session(setup, "trace", {{}, [&](std::string_view row) {
-                                     if (samples) samples->append(row);
-                                   }});
+  Rows rows(samples);
+  Session session(setup, "trace", rows);
   if (samples) samples->append(session.csv_header());
   if (search.chosen)
     read_traces(options.traces, "replay", options.quiet, errors, [&](const auto& datagram) {

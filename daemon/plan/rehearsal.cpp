@@ -60,6 +60,15 @@ std::vector<std::optional<std::size_t>> strokes_of_sweeps(const SweepPlan& plan,
   return found;
 }
 
+class Strokes : public StreamSink {
+ public:
+  explicit Strokes(std::vector<Sweep>& strokes) : strokes_(strokes) {}
+  void sweep(const Sweep& sweep) override { strokes_.push_back(sweep); }
+
+ private:
+  std::vector<Sweep>& strokes_;
+};
+
 }  // namespace
 
 Rehearsal rehearse(const RobotDescription& robot, const SweepPlan& plan,
@@ -71,8 +80,8 @@ Rehearsal rehearse(const RobotDescription& robot, const SweepPlan& plan,
                             .tool_mm = {}});
   const rsi::TelegramWriter writer = telegram_writer(measurement.precision);
   Rehearsal rehearsal;
-  Pipeline pipeline(robot.joints(), {},
-                    {{}, [&](const Sweep& sweep) { rehearsal.strokes.push_back(sweep); }});
+  Strokes strokes(rehearsal.strokes);
+  Pipeline pipeline(robot.joints(), {}, strokes);
   rsi::Datagram datagram;
   rsi::SignalValues values;
   std::string telegram;

@@ -5,44 +5,33 @@
 #include "daemon/results/link_json.hpp"
 #include "daemon/results/link_text.hpp"
 #include "daemon/system/atomic_file.hpp"
+#include "rsi/link/last_cycles.hpp"
 #include "rsi/link/link_verdict.hpp"
 
 namespace sweepd {
 
-void LinkWatch::telegram(const rsi::Datagram& datagram, const rsi::Telegram& telegram,
-                         rsi::Defect defect) {
-  monitor_.telegram(datagram, telegram, defect);
-  flight_.telegram(datagram, telegram, defect);
-}
-
-void LinkWatch::reply(const rsi::Datagram& datagram) {
-  if (datagram.payload.empty()) return flight_.send_failed();
-  answered_ = true;
-  monitor_.reply(datagram);
-  flight_.reply(datagram);
-}
-
-rsi::LinkReport LinkWatch::report() const {
-  auto report = monitor_.report();
-  report.replies.withheld = withheld_;
-  report.replies.unanswered -= std::min(report.replies.unanswered, withheld_);
+rsi::LinkReport LinkWatch::report(const rsi::Link& link) const {
+  auto report = link.report();
+  report.replies.withheld = withheld;
+  report.replies.unanswered -= std::min(report.replies.unanswered, withheld);
   return report;
 }
 
-LinkFiles LinkWatch::files(bool at_end) const {
-  const auto report = this->report();
+LinkFiles LinkWatch::files(const rsi::Link& link, bool at_end) const {
+  const auto report = this->report(link);
   const auto verdict = rsi::verdict(report);
   LinkFiles files;
   files.good = verdict.grade == rsi::Grade::good;
   files.verdict = rsi::text(verdict.grade);
   if (!files.good) files.verdict += ": " + verdict.reasons.front().message;
-  files.text = link_text(conversation_, report);
-  files.json = link_json(conversation_, report);
+  files.text = link_text(conversation, report);
+  files.json = link_json(conversation, report);
   if (!at_end) return files;
-  files.bad_end = flight_.reason();
-  if (withheld_ > 0 && !answered_)
+  const rsi::LastCycles last(link, expects_replies);
+  files.bad_end = last.reason();
+  if (withheld > 0 && report.replies.sent == 0)
     files.bad_end = "it was not answered, since it had begun before sweepd listened";
-  if (!files.bad_end.empty()) files.last_cycles = flight_.csv();
+  if (!files.bad_end.empty()) files.last_cycles = last.csv();
   return files;
 }
 

@@ -1,11 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
-#include "daemon/service/flight_recorder.hpp"
 #include "rsi/capture/conversation.hpp"
-#include "rsi/link/link_monitor.hpp"
+#include "rsi/link/link.hpp"
 
 namespace sweepd {
 
@@ -19,30 +19,16 @@ struct LinkFiles {
   std::string last_cycles;  ///< last_cycles.csv; empty if the stream did not end badly
 };
 
-/// Watches the link of one session. Constant memory, some 250 kB. One thread.
-class LinkWatch {
- public:
-  /// `expects_replies`: false for a controller with ONLYSEND.
-  LinkWatch(const rsi::Conversation& conversation, bool expects_replies)
-      : conversation_(conversation), flight_(expects_replies) {}
-
-  void telegram(const rsi::Datagram& datagram, const rsi::Telegram& telegram, rsi::Defect defect);
-  /// An empty payload: the system refused to send it.
-  void reply(const rsi::Datagram& datagram);
-
+/// What is known of one session besides its link's datagrams.
+struct LinkWatch {
+  rsi::Conversation conversation;
+  bool expects_replies = true;  ///< false for a controller with ONLYSEND
   /// So many telegrams of this session were not answered on purpose.
-  void withheld(std::uint64_t telegrams) { withheld_ = telegrams; }
+  std::uint64_t withheld = 0;
 
+  [[nodiscard]] rsi::LinkReport report(const rsi::Link& link) const;
   /// How the link does so far; `at_end`: and how it ended.
-  [[nodiscard]] LinkFiles files(bool at_end) const;
-  [[nodiscard]] rsi::LinkReport report() const;
-
- private:
-  rsi::Conversation conversation_;
-  rsi::LinkMonitor monitor_;
-  FlightRecorder flight_;
-  std::uint64_t withheld_ = 0;
-  bool answered_ = false;
+  [[nodiscard]] LinkFiles files(const rsi::Link& link, bool at_end) const;
 };
 
 /// Writes link.txt and link.json, and last_cycles.csv if there is one, each as a whole. Throws

@@ -184,7 +184,7 @@ void RobotService::drain() {
     ++acquisition_beats_;
   }
   const auto counts = server_->counts();
-  if (session_) watch_->withheld(counts.not_begun - not_begun_);
+  if (session_) watch_.withheld = counts.not_begun - not_begun_;
   for (const auto& complaint : complaints_.about(counts, Steady::now()))
     session_log_.error("{}", complaint);
 }
@@ -200,7 +200,7 @@ void RobotService::take(const rsi::Datagram& datagram, rsi::Handling handling) {
   }
   const bool left = !sent || !datagram.payload.empty();
   if (left) recorder_.datagram(datagram);
-  if (sent) return watch_->reply(datagram);
+  if (sent) return session_->reply(datagram);
   // Noise on the port does not keep a stream alive.
   if (const auto ipoc = rsi::find_ipoc(datagram.payload); !ipoc.empty()) {
     last_datagram_ = Steady::now();
@@ -231,14 +231,8 @@ void RobotService::take_waiting() {
 void RobotService::begin_session(const rsi::Datagram& first) {
   controller_ = first.source.address;
   started_ = utc_name(rsi::now());
-  watch_ = std::make_unique<LinkWatch>(rsi::Conversation{controller_, first.destination},
-                                       server_->replies());
-  session_.emplace(setup_, settings_.record ? "trace" : "live",
-                   Session::Events{[this](const identify::Sweep& sweep) { on_sweep(sweep); },
-                                   [this](std::string_view row) { recorder_.line(row); },
-                                   [watch = watch_.get()](const auto&... telegram) {
-                                     watch->telegram(telegram...);
-                                   }});
+  watch_ = {rsi::Conversation{controller_, first.destination}, server_->replies()};
+  session_.emplace(setup_, settings_.record ? "trace" : "live", static_cast<StreamSink&>(*this));
   turns_ = PlannedTurns(campaign(setup_, {}).order);
   complaints_.new_stream();
   session_log_.about(started_, rsi::find_ipoc(first.payload));
@@ -271,22 +265,21 @@ void RobotService::end_session() {
                     recording_,
                     {},
                     session_->snapshot(),
-                    watch_->files(true),
+                    watch_.files(session_->link(), true),
                     [run = std::move(run), recording = recording_](const auto& folder) mutable {
                       run.folder = folder;
                       run.recording = recording->counts();
                       return run_json(run);
                     },
                     session_log_});
-  tally_.end_session(watch_->report());
+  tally_.end_session(watch_.report(session_->link()));
   published_ = {};
   session_.reset();
   session_log_.about({}, {});
-  watch_.reset();
   not_begun_ = server_->counts().not_begun;
 }
 
-void RobotService::on_sweep(const identify::Sweep& sweep) {
+void RobotService::sweep(const identify::Sweep& sweep) {
   const std::string words = sweep_line(sweep, turns_.joint_of(sweep), setup_.limits()) +
                             (sweep.defect == identify::SweepDefect::none ? "" : " (not usable)");
   session_log_.note("{}", words);
@@ -301,7 +294,7 @@ void RobotService::on_sweep(const identify::Sweep& sweep) {
 
 void RobotService::say_link() {
   if (session_)
-    identifier_.link(recording_, watch_->files(false), session_log_);
+    identifier_.link(recording_, watch_.files(session_->link(), false), session_log_);
   else
     session_log_.note("no RSI at the moment, so there is no link to tell of");
 }
@@ -318,7 +311,7 @@ RobotState RobotService::first_state() const {
 
 void RobotService::publish() {
   std::optional<rsi::LinkReport> under_way;
-  if (session_) under_way = watch_->report();
+  if (session_) under_way = watch_.report(session_->link());
   tally_.results(identifier_.results());
   const RobotState& state =
       tally_.state(server_->counts(), recorder_.paused(), under_way ? &*under_way : nullptr);

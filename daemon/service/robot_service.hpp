@@ -30,7 +30,7 @@ namespace sweepd {
 
 /// Serves one controller: the reply thread answers, the acquisition thread does all the rest but
 /// the identification and the work on files, which have threads of their own.
-class RobotService {
+class RobotService : private StreamSink {
  public:
   /// Reads the robot's files, makes its output folder, binds the socket. Throws ConfigError or
   /// std::runtime_error.
@@ -76,7 +76,8 @@ class RobotService {
   void take_waiting();
   void begin_session(const rsi::Datagram& first);
   void end_session();
-  void on_sweep(const identify::Sweep& sweep);
+  void sample(const identify::Sample&, std::string_view row) override { recorder_.line(row); }
+  void sweep(const identify::Sweep& sweep) override;
   void say_link();
   [[nodiscard]] RobotState first_state() const;
   void publish();
@@ -109,7 +110,7 @@ class RobotService {
   Log session_log_;
   std::optional<Session> session_;
   PlannedTurns turns_;                          // of the session
-  std::unique_ptr<LinkWatch> watch_;            // of the session
+  LinkWatch watch_;                             // of the session
   std::shared_ptr<const Recording> recording_;  // of the session
   std::string started_;
   std::uint32_t controller_ = 0;  // address

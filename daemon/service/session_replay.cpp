@@ -45,7 +45,7 @@ SessionReplay::SessionReplay(fs::path folder, const RobotSetup& setup)
   const auto search = rsi::find_conversation(traces_);
   if (search.chosen) conversation_ = *search.chosen;
   std::reverse(traces_.begin(), traces_.end());
-  session_ = std::make_unique<Session>(setup, "trace", Session::Events{});
+  session_ = std::make_unique<Session>(setup, "trace", nobody_);
 }
 
 bool SessionReplay::step() {

@@ -30,6 +30,7 @@ class SessionReplay {
   FolderLock lock_;
   std::vector<std::filesystem::path> traces_;  // the next one is at the end
   rsi::Conversation conversation_;
+  StreamSink nobody_;
   std::unique_ptr<Session> session_;
   std::optional<rsi::CaptureReader> trace_;
   rsi::Timestamp newest_{};

@@ -27,26 +27,24 @@ std::uint64_t SourceCounts::malformed_in_all() const {
   return std::accumulate(malformed.begin(), malformed.end(), std::uint64_t{0});
 }
 
-Pipeline::Pipeline(std::size_t joints, const SignalNames& signals, Observer observer)
-    : observer_(std::move(observer)),
-      reader_(signals, joints),
-      segmenter_(std::min(joints, signals.angles.size())) {}
+Pipeline::Pipeline(std::size_t joints, const SignalNames& signals, StreamSink& sink)
+    : sink_(sink), reader_(signals, joints), segmenter_(std::min(joints, signals.angles.size())) {}
 
 bool Pipeline::telegram(const rsi::Datagram& datagram) {
   auto defect = telegram_.parse(datagram.payload);
   if (datagram.cut && defect == rsi::Defect::none) defect = rsi::Defect::truncated;
-  if (observer_.on_telegram) observer_.on_telegram(datagram, telegram_, defect);
+  const auto arrival = link_.telegram(datagram, telegram_, defect);
   if (defect != rsi::Defect::none) {
     ++malformed_[static_cast<std::size_t>(defect)];
     return false;
   }
-  const auto arrival = link_.add(datagram, telegram_.ipoc(), reader_.delay(telegram_));
   if (arrival == rsi::Arrival::duplicate) return true;
   const bool restarted = arrival == rsi::Arrival::restart;
   if (restarted) finish();
 
   Waiting waiting{reader_.read(telegram_), std::move(spare_row_)};
-  waiting.sample.time_s = clock_.seconds(telegram_.ipoc(), datagram.time, link_.step(), restarted);
+  waiting.sample.time_s =
+      clock_.seconds(telegram_.ipoc(), datagram.time, link_.statistics().step(), restarted);
   start_row(waiting.row, waiting.sample.time_s, telegram_.ipoc());
   reader_.append_csv(waiting.row);
   hold(std::move(waiting));
@@ -60,7 +58,7 @@ void Pipeline::finish() {
 }
 
 SourceCounts Pipeline::counts() const {
-  return {link_.counts(), malformed_, reader_.unusable(), link_.cycle()};
+  return {link_.statistics().counts(), malformed_, reader_.unusable(), link_.statistics().cycle()};
 }
 
 void Pipeline::hold(Waiting waiting) {
@@ -73,7 +71,7 @@ void Pipeline::hold(Waiting waiting) {
 void Pipeline::release(std::size_t keep) {
   for (; waiting_.size() > keep; waiting_.pop_front()) {
     Waiting& next = waiting_.front();
-    if (observer_.on_sample) observer_.on_sample(next.sample, next.row);
+    sink_.sample(next.sample, next.row);
     segmenter_.set_resolution(reader_.resolution());
     report(segmenter_.push(next.sample));
     spare_row_ = std::move(next.row);
@@ -81,8 +79,7 @@ void Pipeline::release(std::size_t keep) {
 }
 
 void Pipeline::report(const std::vector<identify::Sweep>& sweeps) const {
-  if (!observer_.on_sweep) return;
-  for (const auto& sweep : sweeps) observer_.on_sweep(sweep);
+  for (const auto& sweep : sweeps) sink_.sweep(sweep);
 }
 
 }  // namespace sweepd

@@ -4,16 +4,16 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "daemon/stream/sample_clock.hpp"
 #include "daemon/stream/sample_reader.hpp"
+#include "daemon/stream/sink.hpp"
 #include "identify/sweeps/segmentation.hpp"
 #include "rsi/datagram.hpp"
-#include "rsi/link/link_statistics.hpp"
+#include "rsi/link/link.hpp"
 #include "rsi/telegram/telegram.hpp"
 
 namespace sweepd {
@@ -30,29 +30,24 @@ struct SourceCounts {
 
 /// From datagrams of the controller to sweeps: the one path of live and replayed data.
 ///
-/// Each telegram is parsed, counted, put in order and given a time; its sample goes to `on_sample`
-/// and to the segmentation, whose strokes go to `on_sweep`. One thread. No files, no log.
+/// Each telegram is parsed, counted, put in order and given a time; its sample goes to the sink and
+/// to the segmentation, whose strokes go to the sink. One thread. No files, no log.
 class Pipeline {
  public:
-  struct Observer {
-    /// A sample in its order, and its row "t_s,ipoc,x,y,z,…" without an end of line.
-    std::function<void(const identify::Sample&, std::string_view row)> on_sample;
-    std::function<void(const identify::Sweep&)> on_sweep;
-    /// Whatever came, and what it was parsed to.
-    std::function<void(const rsi::Datagram&, const rsi::Telegram&, rsi::Defect)> on_telegram = {};
-  };
-
   /// The first `joints` axis angles count.
-  Pipeline(std::size_t joints, const SignalNames& signals, Observer observer);
+  Pipeline(std::size_t joints, const SignalNames& signals, StreamSink& sink);
 
   /// A datagram that came from the controller, whatever it holds. False, and counted, if it is no
   /// usable telegram.
   bool telegram(const rsi::Datagram& datagram);
+  /// What went to the controller: for the link alone.
+  void reply(const rsi::Datagram& datagram) { link_.reply(datagram); }
 
   /// The stream has ended: what was held back goes through.
   void finish();
 
   [[nodiscard]] SourceCounts counts() const;
+  [[nodiscard]] const rsi::Link& link() const { return link_; }
   [[nodiscard]] const identify::Resolution& resolution() const { return reader_.resolution(); }
   /// What noise hides where telegrams carry no angles.
   [[nodiscard]] std::optional<identify::MotionLimit> motion_limit() const {
@@ -70,9 +65,9 @@ class Pipeline {
   void release(std::size_t keep);
   void report(const std::vector<identify::Sweep>& sweeps) const;
 
-  Observer observer_;
+  StreamSink& sink_;
   rsi::Telegram telegram_;
-  rsi::LinkStatistics link_;
+  rsi::Link link_;
   SampleReader reader_;
   SampleClock clock_;
   identify::Segmenter segmenter_;

@@ -95,13 +95,6 @@ void SampleReader::follow_external_axes(const rsi::Telegram& telegram) {
   }
 }
 
-std::optional<std::uint64_t> SampleReader::delay(const rsi::Telegram& telegram) {
-  const auto at = telegram.find(delay_.element, delay_.attribute, delay_.hint);
-  if (!at) return std::nullopt;
-  delay_.hint = *at;
-  return rsi::ipoc_number(telegram.signals()[*at].text);
-}
-
 void SampleReader::append_csv(std::string& row) const {
   const auto append = [&](const Source& source) {
     row += ',';

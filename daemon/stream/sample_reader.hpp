@@ -21,9 +21,6 @@ class SampleReader {
   /// time is left to the caller.
   [[nodiscard]] identify::Sample read(const rsi::Telegram& telegram);
 
-  /// The telegram's <Delay D=>.
-  [[nodiscard]] std::optional<std::uint64_t> delay(const rsi::Telegram& telegram);
-
   /// Appends ",x,y,z,a,b,c,a1,…" of the telegram last read, as the controller printed them; nothing
   /// between the commas for what is missing or no number that can be measured.
   void append_csv(std::string& row) const;
@@ -50,7 +47,6 @@ class SampleReader {
 
   std::vector<Source> pose_;  // X Y Z A B C
   std::vector<Source> angles_;
-  Source delay_{"Delay", "D"};
   /// The controller's external axes, and how often one was seen to move.
   struct ExternalAxis {
     Source source;

@@ -5,15 +5,11 @@
 
 namespace sweepd {
 
-Session::Session(const RobotSetup& setup, std::string source_kind, Events events)
+Session::Session(const RobotSetup& setup, std::string source_kind, StreamSink& sink)
     : setup_(setup),
       source_kind_(std::move(source_kind)),
-      events_(std::move(events)),
-      pipeline_(setup.joints, setup.signals,
-                {[this](const identify::Sample&, std::string_view row) {
-                   if (events_.on_row) events_.on_row(row);
-                 },
-                 [this](const identify::Sweep& sweep) { keep(sweep); }, events_.on_telegram}) {}
+      sink_(sink),
+      pipeline_(setup.joints, setup.signals, *this) {}
 
 Snapshot Session::snapshot() const {
   auto known = campaign(setup_, pipeline_.resolution());
@@ -35,8 +31,8 @@ bool Session::worth_identifying() const {
   return joints.size() >= setup_.joints || without_joint >= setup_.joints;
 }
 
-void Session::keep(const identify::Sweep& sweep) {
-  if (events_.on_sweep) events_.on_sweep(sweep);
+void Session::sweep(const identify::Sweep& sweep) {
+  sink_.sweep(sweep);
   if (kept_samples_ + sweep.samples->size() > kMostSamples) {
     ++left_out_;
     return;

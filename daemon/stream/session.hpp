@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,41 +22,39 @@ struct Snapshot {
   std::vector<JointLimits> limits = {};  ///< of the joints, where the description has them
 };
 
-/// One stream of a controller, from its first telegram to its end. No files. One thread.
-class Session {
+/// One stream of a controller, from its first telegram to its end. No files. One thread. What it
+/// finds it passes on to its sink.
+class Session : private StreamSink {
  public:
-  struct Events {
-    std::function<void(const identify::Sweep&)> on_sweep;
-    /// A row of samples.csv, without its end.
-    std::function<void(std::string_view)> on_row;
-    /// Whatever came, and what it was parsed to.
-    std::function<void(const rsi::Datagram&, const rsi::Telegram&, rsi::Defect)> on_telegram = {};
-  };
-
   /// `source_kind` is for the result. A recorded live stream is "trace" too: its result is that of
   /// its own trace, to the byte.
-  Session(const RobotSetup& setup, std::string source_kind, Events events);
+  Session(const RobotSetup& setup, std::string source_kind, StreamSink& sink);
 
   /// What came from the controller, whatever it holds.
   void telegram(const rsi::Datagram& datagram) { pipeline_.telegram(datagram); }
+  void reply(const rsi::Datagram& datagram) { pipeline_.reply(datagram); }
   /// The stream is over: the last stroke ends.
   void finish() { pipeline_.finish(); }
 
   /// What samples.csv begins with, without its end of line.
   [[nodiscard]] std::string csv_header() const { return pipeline_.csv_header(); }
   [[nodiscard]] Snapshot snapshot() const;
+  [[nodiscard]] const rsi::Link& link() const { return pipeline_.link(); }
   /// Whether as many strokes were seen as an identification needs.
   [[nodiscard]] bool worth_identifying() const;
 
  private:
-  void keep(const identify::Sweep& sweep);
+  void sample(const identify::Sample& sample, std::string_view row) override {
+    sink_.sample(sample, row);
+  }
+  void sweep(const identify::Sweep& sweep) override;
 
   /// Samples that are kept for identification: some 80 MB, more than half an hour of sweeps.
   static constexpr std::size_t kMostSamples = 500'000;
 
   RobotSetup setup_;
   std::string source_kind_;
-  Events events_;
+  StreamSink& sink_;
   Pipeline pipeline_;
   std::vector<identify::Sweep> sweeps_;
   std::size_t kept_samples_ = 0;

@@ -21,9 +21,10 @@ Arrival LinkStatistics::add(const Datagram& datagram, std::uint64_t ipoc,
                             std::optional<std::uint64_t> delay) {
   Seen came{ipoc, {}, datagram.time};
   if (!datagram.cut) came.content = std::hash<std::string_view>()(datagram.payload);
+  const Arrival arrival = run_.distinct == 0 ? Arrival::in_order : judge(came, datagram.source);
+  if (arrival == Arrival::restart && datagram.cut && run_.whole > 0) return Arrival::stray;
   ++counts_.telegrams;
   if (delay && !counts_.late_replies) counts_.late_replies = 0;
-  const Arrival arrival = run_.distinct == 0 ? Arrival::in_order : judge(came, datagram.source);
   if (arrival == Arrival::duplicate) {
     ++counts_.duplicated;
     return arrival;
@@ -36,7 +37,7 @@ Arrival LinkStatistics::add(const Datagram& datagram, std::uint64_t ipoc,
     delay_ = 0;
   }
   if (run_.distinct == 0) {
-    run_ = {ipoc, ipoc, 0, 0};
+    run_ = {.oldest = ipoc, .newest = ipoc};
     milestones_.fill({ipoc, datagram.time});
   } else if (arrival == Arrival::in_order) {
     learn_pace(ipoc - run_.newest, {ipoc, datagram.time});
@@ -44,6 +45,7 @@ Arrival LinkStatistics::add(const Datagram& datagram, std::uint64_t ipoc,
   source_ = datagram.source;
   same_machine_ = source_.address == datagram.destination.address || source_.address >> 24 == 127;
   recent_[run_.distinct++ % kRecent] = came;
+  if (!datagram.cut) ++run_.whole;
   if (older(ipoc, run_.oldest)) run_.oldest = ipoc;
   if (older(run_.newest, ipoc)) run_.newest = ipoc;
   if (delay && arrival != Arrival::reordered) count_late(ipoc, *delay);

@@ -16,11 +16,12 @@ enum class Arrival {
   reordered,  ///< older than the newest one, seen for the first time
   restart,    ///< the controller's RSI began anew: its IPOC or its port jumped, or its IPOC fell
               ///< back to one that another telegram had
+  stray,      ///< no whole telegram, and its IPOC would be a restart: it is not believed
 };
 
 /// What happened to a controller's telegrams on the way. Counts since the first of them.
 struct LinkCounts {
-  std::uint64_t telegrams = 0;   ///< received with an IPOC, duplicates included
+  std::uint64_t telegrams = 0;   ///< received with an IPOC, duplicates included, strays not
   std::uint64_t lost = 0;        ///< cycles between first and last of which no telegram came
   std::uint64_t duplicated = 0;  ///< telegrams that came again
   std::uint64_t reordered = 0;   ///< telegrams overtaken by a later one
@@ -37,7 +38,8 @@ struct LinkCounts {
 ///
 /// An IPOC that falls back is that of a copy, of a latecomer or of an RSI that began anew. A copy
 /// has the content of what was seen, and comes within a second of it. A latecomer fills a gap among
-/// the last 256 telegrams. All else is a restart.
+/// the last 256 telegrams. All else is a restart, but what is `cut` restarts no stream of whole
+/// telegrams.
 class LinkStatistics {
  public:
   /// `delay`: the telegram's <Delay D=>, where it has one. What a datagram holds that is `cut` is
@@ -63,6 +65,7 @@ class LinkStatistics {
     std::uint64_t oldest = 0;  ///< IPOC
     std::uint64_t newest = 0;
     std::uint64_t distinct = 0;
+    std::uint64_t whole = 0;    ///< of these, not cut
     std::uint64_t in_step = 0;  ///< that came a usual step after the one before
   };
   struct Seen {

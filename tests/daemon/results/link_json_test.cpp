@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "rsi/link/link_monitor.hpp"
+#include "rsi/link/link.hpp"
 #include "tests/catch.hpp"
 #include "tests/rsi/link_stream.hpp"
 
@@ -11,14 +11,14 @@ using Json = nlohmann::json;
 
 namespace {
 
-Json json_of(const rsi::LinkMonitor& monitor) {
+Json json_of(const rsi::Link& monitor) {
   return Json::parse(sweepd::link_json({kController.address, kServer}, monitor.report()));
 }
 
 }  // namespace
 
 TEST_CASE("the JSON of a link holds every figure with its unit", "[link_json]") {
-  rsi::LinkMonitor monitor;
+  rsi::Link monitor;
   LinkStream stream(monitor);
   stream.cycles(0, 500, 50us);
   stream.telegram(stream.at(500), stream.ipoc(500), 2);
@@ -67,7 +67,7 @@ TEST_CASE("the JSON of a link holds every figure with its unit", "[link_json]") 
 }
 
 TEST_CASE("what was not seen is absent from the JSON", "[link_json]") {
-  rsi::LinkMonitor monitor;
+  rsi::Link monitor;
   LinkStream stream(monitor);
   stream.telegram(0ms, 7, {});
   const Json json = json_of(monitor);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "rsi/link/link_monitor.hpp"
+#include "rsi/link/link.hpp"
 #include "tests/catch.hpp"
 #include "tests/rsi/link_stream.hpp"
 
@@ -14,7 +14,7 @@ namespace {
 
 const rsi::Conversation kConversation{kController.address, kServer};
 
-std::string text_of(const rsi::LinkMonitor& monitor) {
+std::string text_of(const rsi::Link& monitor) {
   return sweepd::link_text(kConversation, monitor.report());
 }
 
@@ -33,7 +33,7 @@ std::size_t widest_line(const std::string& text) {
 }  // namespace
 
 TEST_CASE("a flawless link is reported in lined up figures", "[link_text]") {
-  rsi::LinkMonitor monitor;
+  rsi::Link monitor;
   LinkStream stream(monitor);
   stream.cycles(0, 1000, 50us);
   stream.cycles(1000, 1002, 120us);
@@ -87,7 +87,7 @@ TEST_CASE("a flawless link is reported in lined up figures", "[link_text]") {
 }
 
 TEST_CASE("a link with every fault fits the terminal and says each one", "[link_text]") {
-  rsi::LinkMonitor monitor;
+  rsi::Link monitor;
   LinkStream stream(monitor);
   stream.reply(-1ms, 5);
   stream.cycles(0, 300);
@@ -118,7 +118,7 @@ TEST_CASE("a link with every fault fits the terminal and says each one", "[link_
 
 TEST_CASE("a stream that is only listened to has no replies to report, and no complaint",
           "[link_text]") {
-  rsi::LinkMonitor monitor;
+  rsi::Link monitor;
   LinkStream stream(monitor);
   for (std::uint64_t k = 0; k < 500; ++k) stream.telegram(stream.at(k), stream.ipoc(k), {});
   const auto text = text_of(monitor);
@@ -129,7 +129,7 @@ TEST_CASE("a stream that is only listened to has no replies to report, and no co
 }
 
 TEST_CASE("one telegram is enough for a report", "[link_text]") {
-  rsi::LinkMonitor monitor;
+  rsi::Link monitor;
   LinkStream stream(monitor);
   stream.telegram(0ms, 7);
   const auto text = text_of(monitor);

@@ -14,15 +14,15 @@ using namespace std::chrono_literals;
 namespace {
 
 /// A pipeline, and all that came out of it.
-class Watched {
+class Watched : public sweepd::StreamSink {
  public:
-  explicit Watched(const SignalNames& signals = {})
-      : pipeline(6, signals,
-                 {[this](const identify::Sample& sample, std::string_view row) {
-                    samples.push_back(sample);
-                    rows.emplace_back(row);
-                  },
-                  [this](const identify::Sweep& sweep) { sweeps.push_back(sweep); }}) {}
+  explicit Watched(const SignalNames& signals = {}) : pipeline(6, signals, *this) {}
+
+  void sample(const identify::Sample& sample, std::string_view row) override {
+    samples.push_back(sample);
+    rows.emplace_back(row);
+  }
+  void sweep(const identify::Sweep& sweep) override { sweeps.push_back(sweep); }
 
   bool add(std::string_view payload, rsi::Timestamp time = {}, rsi::Endpoint from = kController) {
     auto datagram = from_controller(payload, time);
@@ -337,8 +337,9 @@ TEST_CASE("whether replies were late is not known where telegrams carry no Delay
   CHECK(watched.pipeline.counts().link.late_replies == 1U);
 }
 
-TEST_CASE("an observer that wants nothing is not called", "[pipeline]") {
-  Pipeline pipeline(6, SignalNames{}, {});
+TEST_CASE("a sink may listen to nothing", "[pipeline]") {
+  sweepd::StreamSink nobody;
+  Pipeline pipeline(6, SignalNames{}, nobody);
   std::uint64_t ipoc = 4000;
   for (const double angle : stroke_deg(0, 30)) {
     const auto text = telegram(ipoc += 4, joint_1_at(angle));
@@ -346,4 +347,28 @@ TEST_CASE("an observer that wants nothing is not called", "[pipeline]") {
   }
   pipeline.finish();
   CHECK(pipeline.counts().link.telegrams == 400);
+}
+
+TEST_CASE("what is no whole telegram counts in the link, and cuts no stroke", "[pipeline]") {
+  Watched watched;
+  std::uint64_t ipoc = 4000;
+  int k = 0;
+  for (const double angle : stroke_deg(0, 30)) {
+    const auto text = telegram(ipoc, joint_1_at(angle));
+    ++k;
+    if (k == 100) {  // cut short, but answered: it came
+      CHECK_FALSE(watched.add("<Rob><IPOC>" + std::to_string(ipoc) + "</IPOC>"));
+    } else {
+      if (k == 200) CHECK_FALSE(watched.add("<Rob><IPOC>77</IPOC>"));  // of no stream
+      CHECK(watched.add(text));
+    }
+    ipoc += 4;
+  }
+  watched.pipeline.finish();
+  const auto counts = watched.pipeline.counts();
+  CHECK(counts.link.telegrams == 400);
+  CHECK(counts.link.lost == 0);
+  CHECK(counts.link.restarts == 0);
+  CHECK(counts.malformed_in_all() == 2);
+  CHECK(watched.sweeps.size() == 1);
 }

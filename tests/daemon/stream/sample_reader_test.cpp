@@ -177,11 +177,3 @@ TEST_CASE("the resolution is one unit of the last decimal of the finest telegram
   static_cast<void>(reader.read(Parsed(kPosition)));
   CHECK(reader.resolution().position_mm == Approx(1e-4));
 }
-
-TEST_CASE("Delay is what the controller says of its late packets", "[sample_reader]") {
-  SampleReader reader(SignalNames{}, 6);
-  CHECK(reader.delay(Parsed("<Delay D=\"3\"/>")) == 3U);
-  CHECK(reader.delay(Parsed("<Delay D=\"-1\"/>")) == std::nullopt);
-  CHECK(reader.delay(Parsed("<Delay D=\"x\"/>")) == std::nullopt);
-  CHECK(reader.delay(Parsed("<DiL>0</DiL>")) == std::nullopt);
-}

@@ -25,15 +25,23 @@ void stroke(Session& session, std::uint64_t& ipoc, double from_deg, double to_de
   }
 }
 
+struct Heard : sweepd::StreamSink {
+  void sample(const identify::Sample&, std::string_view row) override { rows.emplace_back(row); }
+  void sweep(const identify::Sweep&) override { ++sweeps; }
+
+  std::vector<std::string> rows;
+  int sweeps = 0;
+};
+
 }  // namespace
 
 TEST_CASE("a session recognises sweeps, and identifies from them", "[session]") {
-  int sweeps = 0;
-  Session session(setup(), "trace", {[&](const identify::Sweep&) { ++sweeps; }, {}});
+  Heard heard;
+  Session session(setup(), "trace", heard);
   std::uint64_t ipoc = 4000;
   stroke(session, ipoc, 0, 60);
   session.finish();
-  CHECK(sweeps == 1);
+  CHECK(heard.sweeps == 1);
   const auto outcome = outcome_of(session.snapshot());
   CHECK(outcome.robot == "kr5-arc");
   CHECK(outcome.source_kind == "trace");
@@ -43,8 +51,9 @@ TEST_CASE("a session recognises sweeps, and identifies from them", "[session]") 
 
 TEST_CASE("each sample is a row of samples.csv, a few of them held back for one that was overtaken",
           "[session]") {
-  std::vector<std::string> rows;
-  Session session(setup(), "live", {{}, [&](std::string_view row) { rows.emplace_back(row); }});
+  Heard heard;
+  const auto& rows = heard.rows;
+  Session session(setup(), "live", heard);
   CHECK_THAT(session.csv_header(), StartsWith("t_s,ipoc,x_mm,"));
   for (const auto ipoc : {4000U, 4004U, 4012U, 4008U, 4016U}) {
     const auto text = telegram(ipoc, joint_1_at(0));
@@ -61,7 +70,8 @@ TEST_CASE("each sample is a row of samples.csv, a few of them held back for one 
 }
 
 TEST_CASE("it is worth identifying once every joint has a stroke", "[session]") {
-  Session session(setup(1), "trace", {});
+  Heard heard;
+  Session session(setup(1), "trace", heard);
   CHECK_FALSE(session.worth_identifying());
   std::uint64_t ipoc = 4000;
   stroke(session, ipoc, 0, 2);  // too short for a sweep
@@ -70,7 +80,7 @@ TEST_CASE("it is worth identifying once every joint has a stroke", "[session]") 
   stroke(session, ipoc, 2, 60);
   CHECK(session.worth_identifying());
 
-  Session six(setup(6), "trace", {});
+  Session six(setup(6), "trace", heard);
   ipoc = 4000;
   for (int k = 0; k < 6; ++k) stroke(six, ipoc, k % 2 * 60, 60 - k % 2 * 60);
   CHECK(six.snapshot().sweeps.size() == 6);
@@ -79,7 +89,8 @@ TEST_CASE("it is worth identifying once every joint has a stroke", "[session]") 
 
 TEST_CASE("a snapshot does not change with what comes after it, and gives the same bytes again",
           "[session]") {
-  Session session(setup(), "trace", {});
+  Heard heard;
+  Session session(setup(), "trace", heard);
   std::uint64_t ipoc = 4000;
   stroke(session, ipoc, 0, 60);
   const auto snapshot = session.snapshot();

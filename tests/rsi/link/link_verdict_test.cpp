@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "rsi/link/link_monitor.hpp"
+#include "rsi/link/link.hpp"
 #include "tests/catch.hpp"
 #include "tests/rsi/link_stream.hpp"
 
@@ -15,7 +15,7 @@ namespace {
 
 /// 10,000 cycles of 4 ms, each answered after 50 us.
 LinkReport flawless() {
-  rsi::LinkMonitor monitor;
+  rsi::Link monitor;
   LinkStream stream(monitor);
   stream.cycles(0, 10'000);
   return monitor.report();
@@ -198,7 +198,7 @@ TEST_CASE("restarts, clock steps and missing Delay are good to know, and no faul
 TEST_CASE("only a clock that goes back was set for certain: else the sender may have paused",
           "[link_verdict][issue11][point_16]") {
   const auto message = [](std::chrono::nanoseconds jump) {
-    rsi::LinkMonitor monitor;
+    rsi::Link monitor;
     LinkStream stream(monitor);
     stream.cycles(0, 100);
     stream.clock_off = jump;
@@ -219,7 +219,7 @@ TEST_CASE("no cable, switch or loop is blamed for telegrams that never left the 
           "[link_verdict][issue11][point_16]") {
   for (const bool loopback : {true, false}) {
     CAPTURE(loopback);
-    rsi::LinkMonitor monitor;
+    rsi::Link monitor;
     LinkStream stream(monitor);
     if (loopback) stream.controller = {0x7f000001, 49153};
     stream.cycles(0, 300);

@@ -1,4 +1,4 @@
-#include "rsi/link/link_monitor.hpp"
+#include "rsi/link/link.hpp"
 
 #include <algorithm>
 
@@ -21,56 +21,66 @@ std::chrono::nanoseconds later(std::chrono::nanoseconds time, std::chrono::nanos
 
 }  // namespace
 
-void LinkMonitor::telegram(const Datagram& datagram) {
+std::optional<Arrival> Link::telegram(const Datagram& datagram) {
   const Defect defect = telegram_.parse(datagram.payload);
-  telegram(datagram, telegram_, defect);
+  return telegram(datagram, telegram_, defect);
 }
 
-void LinkMonitor::telegram(const Datagram& datagram, const Telegram& telegram, Defect defect) {
-  const auto ipoc =
-      defect == Defect::none ? telegram.ipoc() : ipoc_number(find_ipoc(datagram.payload));
-  if (defect != Defect::none || datagram.cut) ++report_.malformed;
-  if (!ipoc) {
-    ++report_.unanswerable;
-    return;
-  }
-  std::optional<std::uint64_t> delay;
+std::optional<Arrival> Link::telegram(const Datagram& datagram, const Telegram& telegram,
+                                      Defect defect) {
+  Kept cycle;
+  cycle.received = datagram.time;
+  cycle.malformed = defect != Defect::none || datagram.cut;
+  cycle.ipoc = defect == Defect::none ? telegram.ipoc() : ipoc_number(find_ipoc(datagram.payload));
   if (const auto at = telegram.find("Delay", "D", delay_hint_)) {
     delay_hint_ = *at;
-    delay = ipoc_number(telegram.signals()[*at].text);
+    cycle.delay = ipoc_number(telegram.signals()[*at].text);
   }
-  Cycle cycle;
-  cycle.ipoc = *ipoc;
-  cycle.received = datagram.time;
+  if (cycle.malformed) ++report_.malformed;
+  if (!cycle.ipoc) {
+    ++report_.unanswerable;
+    keep(cycle);
+    return std::nullopt;
+  }
   Datagram whole = datagram;
-  whole.cut = datagram.cut || defect != Defect::none;
-  cycle.arrival = link_.add(whole, *ipoc, delay);
-  if (cycle.arrival == Arrival::duplicate) return;
-  if (newest_) {
-    cycle.since = std::clamp(datagram.time - newest_->received, -kLongest, kLongest);
-    if (cycle.arrival == Arrival::in_order) cycle.rise = *ipoc - newest_->ipoc;
-  } else {
-    report_.start = datagram.time;
+  whole.cut = cycle.malformed;
+  cycle.arrival = statistics_.add(whole, *cycle.ipoc, cycle.delay);
+  if (cycle.counts()) {
+    if (newest_) {
+      cycle.since = std::clamp(datagram.time - newest_->received, -kLongest, kLongest);
+      if (cycle.arrival == Arrival::in_order) cycle.rise = *cycle.ipoc - *newest_->ipoc;
+    } else {
+      report_.start = datagram.time;
+    }
+    if (cycle.arrival != Arrival::reordered) {
+      const auto late_runs = statistics_.counts().late_runs;
+      cycle.begins_late_run = late_runs != late_runs_;
+      late_runs_ = late_runs;
+      newest_ = cycle;
+    }
   }
-  if (cycle.arrival != Arrival::reordered) {
-    newest_ = cycle;
-    cycle.delay = delay.value_or(0);
-    const auto late_runs = link_.counts().late_runs;
-    cycle.begins_late_run = late_runs != late_runs_;
-    late_runs_ = late_runs;
-  }
+  keep(cycle);
+  return cycle.arrival;
+}
+
+void Link::keep(const Kept& cycle) {
   if (size_ == kMost) settle(kBatch, false);
   cycles_[size_++] = cycle;
 }
 
-void LinkMonitor::reply(const Datagram& datagram) {
+void Link::reply(const Datagram& datagram) {
+  const auto begin =
+      std::make_reverse_iterator(cycles_.begin() + static_cast<std::ptrdiff_t>(size_));
+  const auto end = std::make_reverse_iterator(cycles_.begin());
+  if (datagram.payload.empty()) {
+    if (size_ > 0) begin->send_failed = true;
+    return;
+  }
   ++report_.replies.sent;
   if (!newest_) return;  // the capture began between a telegram and its reply
   const auto ipoc = ipoc_number(find_ipoc(datagram.payload));
-  const auto end = std::make_reverse_iterator(cycles_.begin());
-  const auto found =
-      std::find_if(std::make_reverse_iterator(cycles_.begin() + static_cast<std::ptrdiff_t>(size_)),
-                   end, [&](const Cycle& cycle) { return cycle.ipoc == ipoc; });
+  const auto found = std::find_if(
+      begin, end, [&](const Kept& cycle) { return cycle.counts() && cycle.ipoc == ipoc; });
   if (found == end)
     ++report_.replies.stray;
   else if (found->replied)
@@ -79,15 +89,21 @@ void LinkMonitor::reply(const Datagram& datagram) {
     found->replied = datagram.time;
 }
 
-LinkReport LinkMonitor::report() const {
-  LinkMonitor end = *this;
+std::vector<Cycle> Link::last() const {
+  const std::size_t count = std::min(size_, kLast);
+  const auto end = cycles_.begin() + static_cast<std::ptrdiff_t>(size_);
+  return {end - static_cast<std::ptrdiff_t>(count), end};
+}
+
+LinkReport Link::report() const {
+  Link end = *this;
   end.settle(end.size_, true);
   end.end_run(end.late_run_, end.report_.late_runs);
   end.end_run(end.silent_run_, end.report_.silent_runs);
   LinkReport report = end.report_;
-  report.same_machine = link_.same_machine();
-  report.link = link_.counts();
-  report.step = link_.step();
+  report.same_machine = statistics_.same_machine();
+  report.link = statistics_.counts();
+  report.step = statistics_.step();
   report.duration = end.settled_until_;
   report.cycle = end.cycle_;
   report.ipoc_counts_ms = end.unit_ == 1ms;
@@ -98,11 +114,12 @@ LinkReport LinkMonitor::report() const {
   return report;
 }
 
-void LinkMonitor::settle(std::size_t count, bool at_end) {
-  unit_ = link_.unit();
-  cycle_ = link_.cycle().value_or(0ns);
+void Link::settle(std::size_t count, bool at_end) {
+  unit_ = statistics_.unit();
+  cycle_ = statistics_.cycle().value_or(0ns);
   lay_out();
   for (std::size_t i = 0; i < count; ++i) {
+    if (!cycles_[i].counts()) continue;
     score_arrival(cycles_[i]);
     score_late_run(cycles_[i]);
     score_reply(cycles_[i], at_end);
@@ -113,10 +130,11 @@ void LinkMonitor::settle(std::size_t count, bool at_end) {
   size_ -= count;
 }
 
-void LinkMonitor::lay_out() {
+void Link::lay_out() {
   Nanoseconds before = settled_until_;
   for (std::size_t i = 0; i < size_; ++i) {
-    Cycle& cycle = cycles_[i];
+    Kept& cycle = cycles_[i];
+    if (!cycle.counts()) continue;
     cycle.clock_stepped = clock_stepped(i);
     cycle.at = later(before, cycle.clock_stepped ? cycle.since - deviation(cycle) : cycle.since);
     if (cycle.arrival != Arrival::reordered) before = cycle.at;
@@ -124,7 +142,8 @@ void LinkMonitor::lay_out() {
   bool step_follows = false;
   std::optional<Nanoseconds> next_reply;
   for (std::size_t i = size_; i-- > 0;) {
-    Cycle& cycle = cycles_[i];
+    Kept& cycle = cycles_[i];
+    if (!cycle.counts()) continue;
     cycle.next_reply = next_reply;
     const auto latency = cycle.replied.value_or(cycle.received) - cycle.received;
     cycle.timed = cycle.replied && !step_follows && latency >= 0ns && latency < kTooLong;
@@ -136,10 +155,10 @@ void LinkMonitor::lay_out() {
   }
 }
 
-bool LinkMonitor::clock_stepped(std::size_t index) const {
+bool Link::clock_stepped(std::size_t index) const {
   constexpr int kLeastCycles = 3;
   constexpr int kLookAhead = 2;
-  const Cycle& cycle = cycles_[index];
+  const Kept& cycle = cycles_[index];
   if (cycle.rise == 0) return false;
   if (cycle.since < 0ns || cycle.since >= kTooLong) return true;
   if (unit_ != 1ms || deviation(cycle) <= kLeastCycles * cycle_) return false;
@@ -154,11 +173,11 @@ bool LinkMonitor::clock_stepped(std::size_t index) const {
   return followed > 0 && caught_up > -cycle_ / 2;
 }
 
-LinkMonitor::Nanoseconds LinkMonitor::deviation(const Cycle& cycle) const {
+Link::Nanoseconds Link::deviation(const Kept& cycle) const {
   return cycle.since - static_cast<std::int64_t>(cycle.rise) * unit_;
 }
 
-void LinkMonitor::score_arrival(const Cycle& cycle) {
+void Link::score_arrival(const Kept& cycle) {
   if (cycle.rise == 0) return;
   const Nanoseconds deviation = this->deviation(cycle);
   if (cycle.clock_stepped) {
@@ -171,31 +190,33 @@ void LinkMonitor::score_arrival(const Cycle& cycle) {
     report_.earliest = std::min(report_.earliest, deviation);
     report_.latest = std::max(report_.latest, deviation);
   }
-  const auto missing = static_cast<std::int64_t>(cycle.rise / link_.step().value_or(1)) - 1;
-  if (missing > report_.longest_gap.amount) report_.longest_gap = {cycle.at, cycle.ipoc, missing};
+  const auto missing = static_cast<std::int64_t>(cycle.rise / statistics_.step().value_or(1)) - 1;
+  if (missing > report_.longest_gap.amount) report_.longest_gap = {cycle.at, *cycle.ipoc, missing};
 }
 
-void LinkMonitor::score_late_run(const Cycle& cycle) {
+void Link::score_late_run(const Kept& cycle) {
   if (cycle.arrival == Arrival::reordered) return;
-  if (cycle.begins_late_run || cycle.delay == 0) end_run(late_run_, report_.late_runs);
-  if (cycle.begins_late_run) late_run_ = {cycle.at, cycle.ipoc, 0};
-  late_run_.amount = std::max(late_run_.amount, static_cast<std::int64_t>(cycle.delay));
+  if (cycle.begins_late_run || cycle.delay.value_or(0) == 0) end_run(late_run_, report_.late_runs);
+  if (cycle.begins_late_run) late_run_ = {cycle.at, *cycle.ipoc, 0};
+  late_run_.amount = std::max(late_run_.amount, static_cast<std::int64_t>(cycle.delay.value_or(0)));
 }
 
-void LinkMonitor::score_reply(const Cycle& cycle, bool at_end) {
+void Link::score_reply(const Kept& cycle, bool at_end) {
   if (cycle.arrival == Arrival::restart) end_run(silent_run_, report_.silent_runs);
-  const Cycle& last = cycles_[size_ - 1];
+  const Kept& last = *std::find_if(
+      std::make_reverse_iterator(cycles_.begin() + static_cast<std::ptrdiff_t>(size_)),
+      std::make_reverse_iterator(cycles_.begin()), [](const Kept& one) { return one.counts(); });
   if (at_end && !cycle.replied && !cycle.next_reply && last.at - cycle.at < cycle_) return;
   if (at_end && &cycle == &last && !cycle.replied) return;
   if (replied_in_time(cycle)) {
     end_run(silent_run_, report_.silent_runs);
   } else {
-    if (silent_run_.amount == 0) silent_run_ = {cycle.at, cycle.ipoc, 0};
+    if (silent_run_.amount == 0) silent_run_ = {cycle.at, *cycle.ipoc, 0};
     ++silent_run_.amount;
   }
 }
 
-bool LinkMonitor::replied_in_time(const Cycle& cycle) {
+bool Link::replied_in_time(const Kept& cycle) {
   ReplyCounts& counts = report_.replies;
   if (!cycle.replied) {
     const bool soon = cycle.next_reply && *cycle.next_reply - cycle.at <= 2 * cycle_;
@@ -209,13 +230,13 @@ bool LinkMonitor::replied_in_time(const Cycle& cycle) {
   }
   const Nanoseconds latency = *cycle.replied - cycle.received;
   report_.latency.add(latency);
-  report_.slowest.add({cycle.at, cycle.ipoc, latency.count()});
+  report_.slowest.add({cycle.at, *cycle.ipoc, latency.count()});
   const bool late = cycle_ > 0ns && latency > cycle_;
   ++(late ? counts.late : counts.in_time);
   return !late;
 }
 
-void LinkMonitor::end_run(Place& run, WorstPlaces& runs) {
+void Link::end_run(Place& run, WorstPlaces& runs) {
   if (run.amount > 0) runs.add(run);
   run = {};
 }

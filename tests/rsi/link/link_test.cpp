@@ -1,4 +1,4 @@
-#include "rsi/link/link_monitor.hpp"
+#include "rsi/link/link.hpp"
 
 #include <memory>
 #include <random>
@@ -14,8 +14,8 @@ using std::chrono::nanoseconds;
 namespace {
 
 struct MonitoredLink {
-  rsi::LinkMonitor monitor;
-  LinkStream<rsi::LinkMonitor> stream{monitor};
+  rsi::Link monitor;
+  LinkStream<rsi::Link> stream{monitor};
   [[nodiscard]] LinkReport report() const { return monitor.report(); }
 };
 
@@ -31,8 +31,8 @@ std::uint64_t fates(const rsi::ReplyCounts& replies) {
 
 }  // namespace
 
-TEST_CASE("nothing seen is an empty report", "[link_monitor]") {
-  const auto report = rsi::LinkMonitor().report();
+TEST_CASE("nothing seen is an empty report", "[link]") {
+  const auto report = rsi::Link().report();
   CHECK(report.link.telegrams == 0);
   CHECK(report.duration == 0ns);
   CHECK_FALSE(report.step);
@@ -40,8 +40,7 @@ TEST_CASE("nothing seen is an empty report", "[link_monitor]") {
   CHECK(report.jitter.count() == 0);
 }
 
-TEST_CASE("a flawless link has a cycle, no jitter, and the latency of its replies",
-          "[link_monitor]") {
+TEST_CASE("a flawless link has a cycle, no jitter, and the latency of its replies", "[link]") {
   MonitoredLink link;
   // More than the monitor keeps, so that most is settled on the way.
   link.stream.cycles(0, 5000, 70us);
@@ -64,7 +63,7 @@ TEST_CASE("a flawless link has a cycle, no jitter, and the latency of its replie
   CHECK(report.clock_steps == 0);
 }
 
-TEST_CASE("a report on the way changes nothing", "[link_monitor]") {
+TEST_CASE("a report on the way changes nothing", "[link]") {
   MonitoredLink link;
   MonitoredLink undisturbed;
   for (std::uint64_t k = 0; k < 3000; ++k) {
@@ -76,7 +75,7 @@ TEST_CASE("a report on the way changes nothing", "[link_monitor]") {
 }
 
 TEST_CASE("the cycle is 4 or 12 ms by the IPOC, and by the clock where IPOC rises by one",
-          "[link_monitor]") {
+          "[link]") {
   std::mt19937 random(7);
   std::normal_distribution<> jitter_us(0, 30);
   struct Kind {
@@ -107,11 +106,10 @@ TEST_CASE("the cycle is 4 or 12 ms by the IPOC, and by the clock where IPOC rise
   }
 }
 
-TEST_CASE("jitter is the time between telegrams minus the IPOC's rise, early and late",
-          "[link_monitor]") {
+TEST_CASE("jitter is the time between telegrams minus the IPOC's rise, early and late", "[link]") {
   MonitoredLink link;
   link.stream.cycles(0, 100);
-  link.stream.telegram(LinkStream<rsi::LinkMonitor>::at(100) + 1500us, 1'000'400);
+  link.stream.telegram(LinkStream<rsi::Link>::at(100) + 1500us, 1'000'400);
   link.stream.reply(402ms, 1'000'400);
   link.stream.cycles(101, 200);
   const auto report = link.report();
@@ -122,8 +120,7 @@ TEST_CASE("jitter is the time between telegrams minus the IPOC's rise, early and
   CHECK(report.jitter.quantile(197.0 / 199) == 0ns);
 }
 
-TEST_CASE("quantiles of the latency are those put in, and the ten slowest are named",
-          "[link_monitor]") {
+TEST_CASE("quantiles of the latency are those put in, and the ten slowest are named", "[link]") {
   MonitoredLink link;
   // 1000 latencies of 1 to 1000 us, in a mixed order.
   for (std::uint64_t k = 0; k < 1000; ++k)
@@ -146,7 +143,7 @@ TEST_CASE("quantiles of the latency are those put in, and the ten slowest are na
 }
 
 TEST_CASE("a reply later than a cycle is late, and counts in the run of those not in time",
-          "[link_monitor]") {
+          "[link]") {
   MonitoredLink link;
   link.stream.cycles(0, 50);
   link.stream.cycles(50, 53, 4001us);
@@ -158,8 +155,7 @@ TEST_CASE("a reply later than a cycle is late, and counts in the run of those no
   check_place(report.silent_runs.worst(), 200ms, 1'000'200, 3);
 }
 
-TEST_CASE("after a stall the newest is answered: the last before it are superseded",
-          "[link_monitor]") {
+TEST_CASE("after a stall the newest is answered: the last before it are superseded", "[link]") {
   MonitoredLink link;
   link.stream.cycles(0, 20);
   for (std::uint64_t k = 20; k < 25; ++k)
@@ -175,7 +171,7 @@ TEST_CASE("after a stall the newest is answered: the last before it are supersed
   check_place(report.silent_runs.worst(), 80ms, 1'000'080, 4);
 }
 
-TEST_CASE("telegrams that come in a bunch are superseded by the newest of it", "[link_monitor]") {
+TEST_CASE("telegrams that come in a bunch are superseded by the newest of it", "[link]") {
   MonitoredLink link;
   link.stream.cycles(0, 20);
   for (const std::uint64_t k : {20u, 21u, 22u})
@@ -190,7 +186,7 @@ TEST_CASE("telegrams that come in a bunch are superseded by the newest of it", "
 }
 
 TEST_CASE("the last telegram before the end is not missing its reply yet, the ones before it are",
-          "[link_monitor]") {
+          "[link]") {
   MonitoredLink link;
   link.stream.cycles(0, 20);
   for (std::uint64_t k = 20; k < 24; ++k)
@@ -200,7 +196,7 @@ TEST_CASE("the last telegram before the end is not missing its reply yet, the on
   CHECK(fates(report.replies) == 23);
 }
 
-TEST_CASE("a controller with ONLYSEND misses nothing", "[link_monitor]") {
+TEST_CASE("a controller with ONLYSEND misses nothing", "[link]") {
   MonitoredLink link;
   for (std::uint64_t k = 0; k < 3000; ++k)
     link.stream.telegram(link.stream.at(k), link.stream.ipoc(k), {});
@@ -214,7 +210,7 @@ TEST_CASE("a controller with ONLYSEND misses nothing", "[link_monitor]") {
 }
 
 TEST_CASE("replies that the capture begins or ends with, repeated and wrong ones are told apart",
-          "[link_monitor]") {
+          "[link]") {
   MonitoredLink link;
   link.stream.reply(0ms, 999'996);  // its telegram came before the capture
   link.stream.cycles(1, 10);
@@ -229,7 +225,7 @@ TEST_CASE("replies that the capture begins or ends with, repeated and wrong ones
   CHECK(report.replies.in_time == 19);
 }
 
-TEST_CASE("duplicates and latecomers are counted, and have one fate each", "[link_monitor]") {
+TEST_CASE("duplicates and latecomers are counted, and have one fate each", "[link]") {
   MonitoredLink link;
   link.stream.cycles(0, 10);
   link.stream.telegram(40ms, link.stream.ipoc(10));
@@ -249,7 +245,7 @@ TEST_CASE("duplicates and latecomers are counted, and have one fate each", "[lin
   CHECK(report.jitter.max() == 0ns);  // neither says anything of the controller's pace
 }
 
-TEST_CASE("a gap is lost telegrams and no jitter, and its place is named", "[link_monitor]") {
+TEST_CASE("a gap is lost telegrams and no jitter, and its place is named", "[link]") {
   MonitoredLink link;
   link.stream.cycles(0, 10);
   link.stream.cycles(12, 600);
@@ -264,7 +260,7 @@ TEST_CASE("a gap is lost telegrams and no jitter, and its place is named", "[lin
 }
 
 TEST_CASE("the clock set forwards is neither jitter nor latency, wherever in the cycle it is set",
-          "[link_monitor]") {
+          "[link]") {
   for (const bool before_reply : {false, true}) {
     CAPTURE(before_reply);
     MonitoredLink link;
@@ -286,7 +282,7 @@ TEST_CASE("the clock set forwards is neither jitter nor latency, wherever in the
 }
 
 TEST_CASE("the clock set backwards is neither jitter nor latency, wherever in the cycle it is set",
-          "[link_monitor]") {
+          "[link]") {
   for (const bool before_reply : {false, true}) {
     CAPTURE(before_reply);
     MonitoredLink link;
@@ -307,8 +303,7 @@ TEST_CASE("the clock set backwards is neither jitter nor latency, wherever in th
   }
 }
 
-TEST_CASE("telegrams held up by the network are jitter, not a clock that was set",
-          "[link_monitor]") {
+TEST_CASE("telegrams held up by the network are jitter, not a clock that was set", "[link]") {
   MonitoredLink link;
   link.stream.cycles(0, 100);
   // Numbers 100 to 119 were held up until number 120 was due.
@@ -323,8 +318,7 @@ TEST_CASE("telegrams held up by the network are jitter, not a clock that was set
   CHECK(report.link.lost == 1);
 }
 
-TEST_CASE("RSI that begins anew on another port is a restart; so is an IPOC that wraps",
-          "[link_monitor]") {
+TEST_CASE("RSI that begins anew on another port is a restart; so is an IPOC that wraps", "[link]") {
   MonitoredLink link;
   constexpr std::uint64_t kWrap = std::uint64_t{1} << 32;
   for (std::uint64_t k = 0; k < 100; ++k) {
@@ -347,7 +341,7 @@ TEST_CASE("RSI that begins anew on another port is a restart; so is an IPOC that
   CHECK(report.duration == 3s + 199 * 4ms);
 }
 
-TEST_CASE("what is no telegram is malformed; with an IPOC it came all the same", "[link_monitor]") {
+TEST_CASE("what is no telegram is malformed; with an IPOC it came all the same", "[link]") {
   MonitoredLink link;
   link.stream.cycles(0, 10);
   link.stream.datagram(40ms, "<Rob><A>1</A><IPOC>1000040</IPOC>");  // ends too early
@@ -365,7 +359,7 @@ TEST_CASE("what is no telegram is malformed; with an IPOC it came all the same",
 }
 
 TEST_CASE("runs of late replies by the controller's Delay have their places, the longest first",
-          "[link_monitor]") {
+          "[link]") {
   MonitoredLink link;
   const std::vector<std::uint64_t> delays{0, 1, 2, 0, 0, 1, 0, 1, 2, 3, 1, 0, 2};
   for (std::uint64_t k = 0; k < delays.size(); ++k)
@@ -382,7 +376,7 @@ TEST_CASE("runs of late replies by the controller's Delay have their places, the
   check_place(runs[4], 40ms, 1'000'040, 1);
 }
 
-TEST_CASE("faults at random are counted exactly over a long stream", "[link_monitor]") {
+TEST_CASE("faults at random are counted exactly over a long stream", "[link]") {
   std::mt19937 random(11);
   std::uniform_real_distribution<> chance;
   constexpr std::uint64_t kCycles = 100'000;
@@ -427,7 +421,7 @@ TEST_CASE("faults at random are counted exactly over a long stream", "[link_moni
   CHECK(report.jitter.max() == 0ns);
 }
 
-TEST_CASE("time stamps of any value are taken", "[link_monitor]") {
+TEST_CASE("time stamps of any value are taken", "[link]") {
   std::mt19937_64 random(13);
   MonitoredLink link;
   // From 1970 to 2262, as captures can have them.
@@ -443,4 +437,40 @@ TEST_CASE("time stamps of any value are taken", "[link_monitor]") {
   CHECK(report.replies.in_time == 5000);
   CHECK(report.latency.count() < 10);  // less than an hour apart: one in a million
   CHECK(report.duration > 0ns);
+}
+
+TEST_CASE("Delay is what the controller says of its late packets", "[link]") {
+  const auto told = [](const std::string& element) {
+    rsi::Link link;
+    LinkStream<rsi::Link>(link).datagram(
+        0ms, "<Rob Type=\"KUKA\">" + element + "<IPOC>1000</IPOC></Rob>");
+    return link.last().at(0).delay;
+  };
+  CHECK(told("<Delay D=\"3\"/>") == 3U);
+  CHECK(told("<Delay D=\"-1\"/>") == std::nullopt);
+  CHECK(told("<Delay D=\"x\"/>") == std::nullopt);
+  CHECK(told("<DiL>0</DiL>") == std::nullopt);
+}
+
+TEST_CASE("what is no whole telegram begins no stream anew, but may carry one by itself",
+          "[link]") {
+  const auto broken = [](std::uint64_t ipoc) {
+    return "<Rob Type=\"KUKA\"><IPOC>" + std::to_string(ipoc) + "</IPOC>";
+  };
+  rsi::Link whole;
+  LinkStream<rsi::Link> stream(whole);
+  stream.cycles(0, 20);
+  stream.datagram(79ms, broken(7));
+  stream.cycles(20, 30);
+  CHECK(whole.report().link.telegrams == 30);
+  CHECK(whole.report().link.restarts == 0);
+  CHECK(whole.report().link.lost == 0);
+  CHECK(whole.report().malformed == 1);
+
+  rsi::Link other;  // of a controller whose telegrams sweepd cannot read
+  LinkStream<rsi::Link> unread(other);
+  for (std::uint64_t k = 0; k < 20; ++k) unread.datagram(unread.at(k), broken(unread.ipoc(k)));
+  for (std::uint64_t k = 20; k < 40; ++k) unread.datagram(unread.at(k), broken(k * 4));
+  CHECK(other.report().link.telegrams == 40);
+  CHECK(other.report().link.restarts == 1);
 }
