@@ -12,6 +12,9 @@ namespace {
 
 constexpr std::size_t kHeldBack = 4;
 
+/// A longer stroke is ended and goes on as another: two minutes of motion at 4 ms, 5 MB.
+constexpr std::size_t kLongestStroke = 32'768;
+
 void start_row(std::string& row, double time_s, std::uint64_t ipoc) {
   // Milliseconds are what IPOC counts; microseconds are more than a reception deserves.
   row.clear();
@@ -28,7 +31,9 @@ std::uint64_t SourceCounts::malformed_in_all() const {
 }
 
 Pipeline::Pipeline(std::size_t joints, const SignalNames& signals, StreamSink& sink)
-    : sink_(sink), reader_(signals, joints), segmenter_(std::min(joints, signals.angles.size())) {}
+    : sink_(sink),
+      reader_(signals, joints),
+      segmenter_(std::min(joints, signals.angles.size()), kLongestStroke) {}
 
 bool Pipeline::telegram(const rsi::Datagram& datagram) {
   auto defect = telegram_.parse(datagram.payload);

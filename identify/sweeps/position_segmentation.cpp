@@ -166,7 +166,7 @@ void PositionSegmenter::decide(std::size_t centre) {
     if (const auto before = velocity_.find(target); before != velocity_.end())
       along += velocity.dot(before->second);
   // A reversal without a rest begins another stroke.
-  if (!moves || along < 0 || stroke_.size() >= kMostSamples) close();
+  if (!moves || along < 0 || stroke_.size() >= most_samples_) close();
   moves_ = moves;
   velocity_ = slope.velocity_mm_s;
   if (moves) stroke_.push_back(window_[centre]);
@@ -192,6 +192,7 @@ void PositionSegmenter::report(std::size_t target, std::vector<Sample> samples) 
   while (end - begin > 2 && travel(last, *(end - 2)) <= rest) --end;
   samples.erase(end, samples.end());
   samples.erase(samples.begin(), begin);
+  samples.shrink_to_fit();  // they are kept: what they grew to is up to twice of that
 
   Sweep sweep;
   sweep.target = target;

@@ -20,9 +20,13 @@ namespace identify {
 /// positions over +-0.1 s, against what measuring noise makes of rest: the noise is seen while the
 /// stream runs, as what a parabola leaves of each window. Strokes of less than half a degree are
 /// motion, but never reported. Bounded memory while nothing moves; a stroke that outgrows
-/// `kMostSamples` is ended there and goes on as another.
+/// `most_samples` is ended there and goes on as another.
 class PositionSegmenter {
  public:
+  static constexpr std::size_t kMostSamples = 200'000;
+  explicit PositionSegmenter(std::size_t most_samples = kMostSamples)
+      : most_samples_(most_samples) {}
+
   /// How finely the positions are printed: thresholds never lie below it.
   void set_step(double position_mm) { step_mm_ = position_mm; }
 
@@ -37,8 +41,6 @@ class PositionSegmenter {
 
   /// As the stream has shown it so far; nothing before a few pictures within 0.2 s were seen.
   [[nodiscard]] std::optional<MotionLimit> limit() const;
-
-  static constexpr std::size_t kMostSamples = 200'000;
 
  private:
   struct Frame {
@@ -60,6 +62,7 @@ class PositionSegmenter {
   void close();
   void report(std::size_t target, std::vector<Sample> samples);
 
+  std::size_t most_samples_;
   double step_mm_ = 0;
   std::deque<Frame> window_;
   std::size_t undecided_ = 0;

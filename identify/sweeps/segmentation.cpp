@@ -26,7 +26,10 @@ double stops(double usual, double unit) {
 
 }  // namespace
 
-Segmenter::Segmenter(std::size_t joints) : joints_(std::min(joints, kMostJoints)) {}
+Segmenter::Segmenter(std::size_t joints, std::size_t most_samples)
+    : joints_(std::min(joints, kMostJoints)),
+      most_samples_(most_samples),
+      by_positions_(most_samples) {}
 
 std::vector<Sweep> Segmenter::push(const Sample& sample) {
   if (!with_angles_) with_angles_ = sample.joints > 0;
@@ -66,7 +69,7 @@ void Segmenter::decide(const Sample& centre) {
   Motion motion;
   if (last->time_s > first->time_s) motion = joint_motion(*first, *last);
 
-  if (motion != motion_ || stroke_.size() >= kMostSamples) {
+  if (motion != motion_ || stroke_.size() >= most_samples_) {
     close();
     motion_ = motion;
   }
@@ -113,6 +116,7 @@ void Segmenter::trim() {
   while (end - begin > 2 && travel(last, *(end - 2)) <= rest) --end;
   stroke_.erase(end, stroke_.end());
   stroke_.erase(stroke_.begin(), begin);
+  stroke_.shrink_to_fit();  // it is kept: what it grew to is up to twice of that
 }
 
 double Segmenter::travel(const Sample& from, const Sample& to) const {

@@ -20,11 +20,12 @@ namespace identify {
 /// never reported.
 ///
 /// The stream is one kind or the other: the first sample decides. Bounded memory while nothing
-/// moves; a stroke that outgrows `kMostSamples` is ended there and goes on as another.
+/// moves; a stroke that outgrows `most_samples` is ended there and goes on as another.
 class Segmenter {
  public:
   /// The first `joints` angles of each sample count (at most kMostJoints).
-  explicit Segmenter(std::size_t joints);
+  explicit Segmenter(std::size_t joints,
+                     std::size_t most_samples = PositionSegmenter::kMostSamples);
 
   /// How finely the numbers are printed, as far as is known by now: thresholds never lie below it.
   void set_resolution(const Resolution& resolution) {
@@ -41,8 +42,6 @@ class Segmenter {
 
   /// Of a stream without angles, as far as is known by now.
   [[nodiscard]] std::optional<MotionLimit> limit() const { return by_positions_.limit(); }
-
-  static constexpr std::size_t kMostSamples = 200'000;
 
  private:
   /// What moves: nothing of use, or one joint in one direction.
@@ -61,6 +60,7 @@ class Segmenter {
   void judge_by_angles(Sweep& sweep) const;
 
   std::size_t joints_;
+  std::size_t most_samples_;
   Resolution resolution_;
   std::optional<bool> with_angles_;
   std::deque<Sample> window_;
