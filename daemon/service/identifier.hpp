@@ -39,7 +39,7 @@ class Identifier {
 
   static constexpr std::size_t kMostWaiting = 64;
   /// Of all sessions that wait, as many as one session may have; the newest is always kept.
-  static constexpr std::size_t kMostSamples = 500'000;
+  static constexpr std::size_t kMostSamples = Session::kMostSamples;
 
   /// `status` learns of each result.
   explicit Identifier(std::shared_ptr<RobotStatus> status) : status_(std::move(status)) {}

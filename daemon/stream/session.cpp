@@ -1,6 +1,5 @@
 #include "daemon/stream/session.hpp"
 
-#include <set>
 #include <utility>
 
 namespace sweepd {
@@ -14,31 +13,23 @@ Session::Session(const RobotSetup& setup, std::string source_kind, StreamSink& s
 Snapshot Session::snapshot() const {
   auto known = campaign(setup_, pipeline_.resolution());
   known.motion_limit = pipeline_.motion_limit();
-  return {setup_.name, source_kind_, pipeline_.counts(), std::move(known),
-          sweeps_,     left_out_,    setup_.limits()};
+  return {setup_.name,    source_kind_,     pipeline_.counts(), std::move(known),
+          kept_.sweeps(), kept_.left_out(), setup_.limits()};
 }
 
 bool Session::worth_identifying() const {
-  std::set<std::size_t> joints;
-  std::size_t without_joint = 0;
-  for (const auto& sweep : sweeps_) {
-    if (sweep.defect != identify::SweepDefect::none) continue;
-    if (sweep.joint)
-      joints.insert(*sweep.joint);
-    else
-      ++without_joint;
-  }
-  return joints.size() >= setup_.joints || without_joint >= setup_.joints;
+  return swept_joints_.size() >= setup_.joints || without_joint_ >= setup_.joints;
 }
 
 void Session::sweep(const identify::Sweep& sweep) {
   sink_.sweep(sweep);
-  if (kept_samples_ + sweep.samples->size() > kMostSamples) {
-    ++left_out_;
-    return;
+  kept_.keep(sweep);
+  if (sweep.defect == identify::SweepDefect::none) {
+    if (sweep.joint)
+      swept_joints_.insert(*sweep.joint);
+    else
+      ++without_joint_;
   }
-  kept_samples_ += sweep.samples->size();
-  sweeps_.push_back(sweep);
 }
 
 }  // namespace sweepd

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "daemon/settings/robot_setup.hpp"
+#include "daemon/stream/kept_sweeps.hpp"
 #include "daemon/stream/pipeline.hpp"
 #include "rsi/datagram.hpp"
 
@@ -18,7 +20,7 @@ struct Snapshot {
   SourceCounts counts;
   identify::Campaign campaign;
   std::vector<identify::Sweep> sweeps;
-  std::size_t sweeps_left_out = 0;       ///< beyond what memory is set aside for
+  KeptSweeps::LeftOut left_out = {};     ///< what there was no memory for
   std::vector<JointLimits> limits = {};  ///< of the joints, where the description has them
 };
 
@@ -43,22 +45,23 @@ class Session : private StreamSink {
   /// Whether as many strokes were seen as an identification needs.
   [[nodiscard]] bool worth_identifying() const;
 
+  /// Samples that memory is set aside for, 160 bytes each: five minutes of sweeps at 4 ms. An
+  /// identification takes about as much again.
+  static constexpr std::size_t kMostSamples = 80'000;
+
  private:
   void sample(const identify::Sample& sample, std::string_view row) override {
     sink_.sample(sample, row);
   }
   void sweep(const identify::Sweep& sweep) override;
 
-  /// Samples that are kept for identification: some 80 MB, more than half an hour of sweeps.
-  static constexpr std::size_t kMostSamples = 500'000;
-
   RobotSetup setup_;
   std::string source_kind_;
   StreamSink& sink_;
   Pipeline pipeline_;
-  std::vector<identify::Sweep> sweeps_;
-  std::size_t kept_samples_ = 0;
-  std::size_t left_out_ = 0;
+  KeptSweeps kept_{kMostSamples};
+  std::set<std::size_t> swept_joints_;  // by sweeps without a defect
+  std::size_t without_joint_ = 0;       // such sweeps
 };
 
 }  // namespace sweepd

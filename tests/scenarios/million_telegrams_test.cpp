@@ -87,12 +87,13 @@ bool memory_was_full(const Json& result) {
 }
 
 void check_sweeps(const Json& found, const Json& clean) {
+  // Lost samples let the memory be full a little later: then other rounds of the program are kept.
+  const bool full = memory_was_full(clean) || memory_was_full(found);
   for (std::size_t j = 0; j < 6; ++j) {
     const auto& sweeps = found["joints"][j]["sweeps"];
     const auto& expected = clean["joints"][j]["sweeps"];
     const auto count = std::min(sweeps.size(), expected.size());
-    // With lost samples the memory is full a little later.
-    if (!memory_was_full(clean)) REQUIRE(sweeps.size() == expected.size());
+    if (!full) REQUIRE(sweeps.size() == expected.size());
     CHECK(count > 0);
     for (std::size_t s = 0; s < count; ++s) {
       INFO("joint " << j + 1 << ", sweep " << s + 1);

@@ -1,5 +1,7 @@
 #include "daemon/stream/session.hpp"
 
+#include <algorithm>
+
 #include "daemon/results/result_json.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/telegrams.hpp"
@@ -85,6 +87,34 @@ TEST_CASE("it is worth identifying once every joint has a stroke", "[session]") 
   for (int k = 0; k < 6; ++k) stroke(six, ipoc, k % 2 * 60, 60 - k % 2 * 60);
   CHECK(six.snapshot().sweeps.size() == 6);
   CHECK_FALSE(six.worth_identifying());
+}
+
+TEST_CASE("of a stream without end sweeps of all of it are used, and how many is said",
+          "[session]") {
+  sweepd::StreamSink nobody;
+  Session session(setup(1), "trace", nobody);
+  std::uint64_t ipoc = 4000;
+  constexpr std::size_t kSweeps = 500;
+  for (std::size_t k = 0; k < kSweeps; ++k) {
+    stroke(session, ipoc, k % 2 == 0 ? 0 : 60, k % 2 == 0 ? 60 : 0);
+    // No matter how many are left out.
+    if (k % 50 == 0) CHECK(session.worth_identifying());
+  }
+  session.finish();
+  const auto snapshot = session.snapshot();
+  std::size_t samples = 0;
+  for (const auto& sweep : snapshot.sweeps) samples += sweep.samples->size();
+  CHECK(samples <= Session::kMostSamples);
+  CHECK(samples > Session::kMostSamples / 3);
+  CHECK(snapshot.sweeps.size() + snapshot.left_out.sweeps == kSweeps);
+  CHECK(snapshot.sweeps.back().last().time_s > 0.95 * kSweeps * 1.6);  // seconds of a stroke
+  const auto warnings = outcome_of(snapshot).identification.warnings;
+  const auto warning = std::find_if(warnings.begin(), warnings.end(),
+                                    [](const auto& one) { return one.code == "memory_limit"; });
+  REQUIRE(warning != warnings.end());
+  CHECK_THAT(warning->message,
+             StartsWith(std::to_string(snapshot.sweeps.size()) +
+                        " of 500 sweeps were used, spread over the whole stream"));
 }
 
 TEST_CASE("a snapshot does not change with what comes after it, and gives the same bytes again",
