@@ -2,6 +2,10 @@
 // to do: libpcap takes the packets from the file, pugixml parses each telegram, nothing is looked
 // at.
 //
+// Each replay is a process of its own, as `sweepd replay` is, so that what it takes in memory at
+// most is its own. A stream as long as a day's has 21,600,000 telegrams and takes 10 GB on the
+// disk.
+//
 // The capture is what `sweepd simulate` writes with the shipped Ethernet file while the robot
 // repeats the 90-degree plan: it hardly ever rests, so most telegrams end in a sweep, and all that
 // do in sweeps.csv.
@@ -19,6 +23,9 @@
 #include <CLI/CLI.hpp>
 #include <pcap/pcap.h>
 #include <pugixml.hpp>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "daemon/commands/replay_command.hpp"
 #include "daemon/commands/simulate_command.hpp"
@@ -35,6 +42,7 @@ using std::filesystem::path;
 
 constexpr double kRatioAim = 0.5;
 constexpr double kSpeedAim = 300'000;  // telegrams per second
+constexpr std::uintmax_t kMemoryAim = 64'000'000;
 
 const path kConfig = path(SWEEPD_SOURCE_DIR) / "config";
 const path kRobot = kConfig / "robots/kr5_arc.toml";
@@ -87,6 +95,27 @@ void replay(const path& capture, const path& output) {
   if (sweepd::replay(options) != 0) throw std::runtime_error("replay found no axis");
 }
 
+/// Does the work in a process of its own. Returns the bytes that it had in memory at most.
+template <typename Work>
+std::uintmax_t apart(const Work& work) {
+  const pid_t child = fork();
+  if (child < 0) throw std::runtime_error("cannot start a process");
+  if (child == 0) {
+    try {
+      work();
+    } catch (const std::exception& error) {
+      std::cerr << "bench_replay: " << error.what() << std::endl;
+      _exit(1);
+    }
+    _exit(0);
+  }
+  int status = 0;
+  rusage used{};
+  if (wait4(child, &status, 0, &used) != child || status != 0)
+    throw std::runtime_error("what was to be measured failed");
+  return static_cast<std::uintmax_t>(used.ru_maxrss) * 1024;  // Linux counts kilobytes
+}
+
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const auto half = values.size() / 2;
@@ -107,8 +136,10 @@ void measure(std::uint64_t wanted, int rounds) {
   const sweepd::test::TemporaryFolder temporary;
   const path capture = temporary / "long.pcap";
   const path output = temporary / "results";
-  write_long_plan(temporary / "long.toml", wanted);
-  write_capture(capture, temporary / "long.toml");
+  apart([&] {
+    write_long_plan(temporary / "long.toml", wanted);
+    write_capture(capture, temporary / "long.toml");
+  });
   // Also brings the capture into the page cache.
   const auto telegrams = parse_barely(capture);
   std::cout << "replay of " << telegrams << " telegrams (" << megabytes(file_size(capture))
@@ -124,9 +155,11 @@ void measure(std::uint64_t wanted, int rounds) {
     const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
     return static_cast<double>(telegrams) / time.count();
   };
+  std::uintmax_t memory = 0;
   for (int round = 1; round <= rounds; ++round) {
     bare.push_back(speed([&] { parse_barely(capture); }));
-    full.push_back(speed([&] { replay(capture, output); }));
+    full.push_back(
+        speed([&] { memory = std::max(memory, apart([&] { replay(capture, output); })); }));
     ratios.push_back(full.back() / bare.back());
     std::cout << row(std::to_string(round), bare.back(), full.back(), ratios.back()) << std::endl;
   }
@@ -136,7 +169,9 @@ void measure(std::uint64_t wanted, int rounds) {
   std::cout << row("median", median(bare), median(full), median(ratios)) << '\n'
             << "aim" << bench::right(kSpeedAim / 1000, 0, 38) << bench::right(kRatioAim, 2, 9)
             << '\n'
-            << "result files of each replay: " << megabytes(written) << '\n';
+            << "result files of each replay: " << megabytes(written) << '\n'
+            << "memory of a replay at most: " << megabytes(memory) << " (aim "
+            << megabytes(kMemoryAim) << ")\n";
 }
 
 }  // namespace
