@@ -111,7 +111,8 @@ LastCycles::Event LastCycles::event(std::size_t index) const {
     const bool late = cycle_time_.count() > 0 && *seen.replied - seen.received > cycle_time_;
     return late ? Event::late : Event::answered;
   }
-  if (seen.arrival == Arrival::duplicate) return Event::duplicate;
+  if (seen.arrival == Arrival::duplicate || seen.arrival == Arrival::completed)
+    return Event::duplicate;
   if (!expects_replies_) return Event::received;
   const nanoseconds since = cycles_.back().received - seen.received;
   for (std::size_t later = index + 1; later < cycles_.size(); ++later)

@@ -66,9 +66,10 @@ class Link {
     Nanoseconds at{};                         // since the first telegram, without clock steps
     std::optional<Nanoseconds> next_reply{};  // when the next one to a newer telegram left
 
-    /// Copies, strays and what has no IPOC are only kept for who looks at the last cycles.
+    /// What begins no cycle is only kept for who looks at the last ones.
     [[nodiscard]] bool counts() const {
-      return ipoc && arrival != Arrival::duplicate && arrival != Arrival::stray;
+      return ipoc && arrival != Arrival::duplicate && arrival != Arrival::completed &&
+             arrival != Arrival::stray;
     }
   };
 

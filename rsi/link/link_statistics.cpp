@@ -29,6 +29,10 @@ Arrival LinkStatistics::add(const Datagram& datagram, std::uint64_t ipoc,
     ++counts_.duplicated;
     return arrival;
   }
+  if (arrival == Arrival::completed) {
+    complete(came);
+    return arrival;
+  }
   if (arrival == Arrival::reordered) ++counts_.reordered;
   if (arrival == Arrival::restart) {
     ++counts_.restarts;
@@ -93,6 +97,7 @@ Arrival LinkStatistics::judge(const Seen& came, const Endpoint& source) const {
 Arrival LinkStatistics::judge_fallen(const Seen& came) const {
   const std::uint64_t step = this->step().value_or(1);
   if (const Seen* before = seen(came.ipoc)) {
+    if (!before->content && came.content) return Arrival::completed;
     const bool other = before->content && came.content && *before->content != *came.content;
     const bool long_ago = std::chrono::abs(came.time - before->time) > kCopyWithin;
     // An IPOC that only stands still has not begun anew.
@@ -113,6 +118,14 @@ const LinkStatistics::Seen* LinkStatistics::seen(std::uint64_t ipoc) const {
   const auto found =
       std::find_if(recent_.begin(), end, [&](const Seen& seen) { return seen.ipoc == ipoc; });
   return found == end ? nullptr : &*found;
+}
+
+void LinkStatistics::complete(const Seen& came) {
+  const auto place = std::find_if(recent_.begin(), recent_.end(), [&](const Seen& seen) {
+    return seen.ipoc == came.ipoc && !seen.content;
+  });
+  if (place != recent_.end()) *place = came;
+  ++run_.whole;
 }
 
 void LinkStatistics::learn_pace(std::uint64_t rise, const Milestone& now) {

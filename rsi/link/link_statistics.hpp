@@ -16,6 +16,7 @@ enum class Arrival {
   reordered,  ///< older than the newest one, seen for the first time
   restart,    ///< the controller's RSI began anew: its IPOC or its port jumped, or its IPOC fell
               ///< back to one that another telegram had
+  completed,  ///< the whole telegram of a cycle of which something else came before
   stray,      ///< no whole telegram, and its IPOC would be a restart: it is not believed
 };
 
@@ -83,6 +84,7 @@ class LinkStatistics {
   [[nodiscard]] Arrival judge(const Seen& came, const Endpoint& source) const;
   [[nodiscard]] Arrival judge_fallen(const Seen& came) const;
   [[nodiscard]] const Seen* seen(std::uint64_t ipoc) const;
+  void complete(const Seen& came);
   void learn_pace(std::uint64_t rise, const Milestone& now);
   void count_late(std::uint64_t ipoc, std::uint64_t delay);
 

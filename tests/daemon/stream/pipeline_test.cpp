@@ -152,7 +152,8 @@ TEST_CASE("what is no telegram is counted by its kind and changes nothing else",
   CHECK(of(rsi::Defect::truncated) == 1);
   CHECK(of(rsi::Defect::no_ipoc) == 2);
   CHECK(counts.malformed_in_all() == 8);
-  CHECK(counts.link.telegrams == 2);
+  CHECK(counts.link.telegrams == 3);  // one was a reply's text, which has an IPOC
+  CHECK(counts.link.duplicated == 0);
   CHECK(counts.link.lost == 0);
   CHECK(watched.samples.size() == 2);
 }
@@ -166,7 +167,8 @@ TEST_CASE("a datagram that was cut is truncated, even where the rest makes a tel
   CHECK_FALSE(watched.pipeline.telegram(datagram));
   const auto counts = watched.pipeline.counts();
   CHECK(counts.malformed[static_cast<std::size_t>(rsi::Defect::truncated)] == 1);
-  CHECK(counts.link.telegrams == 0);
+  CHECK(counts.link.telegrams == 1);  // it came, and can be answered
+  CHECK(watched.samples.empty());
 }
 
 TEST_CASE("values that are no numbers are counted, and the telegram still counts", "[pipeline]") {
