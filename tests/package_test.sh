@@ -55,9 +55,13 @@ for path in usr/bin/sweepd usr/lib/systemd/system/sweepd.service usr/lib/sysuser
   etc/sweepd/sweepd.toml etc/needrestart/conf.d/sweepd.conf \
   usr/share/man/man1/sweepd.1.gz usr/share/man/man5/sweepd.toml.5.gz \
   usr/share/bash-completion/completions/sweepd usr/share/doc/sweepd/copyright \
-  usr/share/doc/sweepd/changelog.gz usr/share/doc/sweepd/README.md.gz; do
+  usr/share/doc/sweepd/changelog.gz usr/share/doc/sweepd/README.md usr/share/doc/sweepd/SECURITY.md; do
   check "no /$path" grep -q " \./$path$" "$work/contents"
 done
+# So are the pages, with what they show and link to.
+while IFS= read -r file; do
+  check "no /usr/share/doc/sweepd/$file" grep -q " \./usr/share/doc/sweepd/$file$" "$work/contents"
+done < <(cd "$source" && find docs -type f)
 # All that the settings can name is shipped.
 for folder in robots plans controller; do
   while IFS= read -r file; do

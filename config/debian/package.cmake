@@ -33,17 +33,23 @@ set(CPACK_VERBATIM_VARIABLES ON)
 file(WRITE ${CPACK_SWEEPD_CONFFILES} "")  # to be filled in then
 include(CPack)
 
-# What every Debian package has in its documentation folder.
+# What every Debian package has in its documentation folder, and the pages: not compressed, since they
+# link to each other.
 find_program(GZIP gzip REQUIRED)
 set(documentation ${PROJECT_BINARY_DIR}/documentation)
 file(MAKE_DIRECTORY ${documentation})
 add_custom_command(
-  OUTPUT ${documentation}/changelog.gz ${documentation}/README.md.gz
+  OUTPUT ${documentation}/changelog.gz
   COMMAND ${GZIP} -9nc ${debian}/changelog > ${documentation}/changelog.gz
-  COMMAND ${GZIP} -9nc ${PROJECT_SOURCE_DIR}/README.md > ${documentation}/README.md.gz
-  DEPENDS ${debian}/changelog ${PROJECT_SOURCE_DIR}/README.md)
+  DEPENDS ${debian}/changelog)
 add_custom_target(documentation ALL DEPENDS ${documentation}/changelog.gz)
-install(FILES ${PROJECT_SOURCE_DIR}/docs/result.schema.json ${documentation}/changelog.gz ${documentation}/README.md.gz ${debian}/copyright
+install(FILES ${documentation}/changelog.gz ${debian}/copyright
+              ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md
+              ${PROJECT_SOURCE_DIR}/CONTRIBUTING.md ${PROJECT_SOURCE_DIR}/SECURITY.md
         DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION ${CMAKE_INSTALL_DOCDIR}
+        FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.json" PATTERN "*.py" PATTERN "*.m")
+install(FILES ${PROJECT_SOURCE_DIR}/config/controller/README.md
+        DESTINATION ${CMAKE_INSTALL_DOCDIR}/config/controller)
 install(FILES ${debian}/lintian-overrides DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides
         RENAME sweepd)

@@ -1,0 +1,414 @@
+#!/usr/bin/env python3
+"""What the documents say is so: commands run, options exist, links lead somewhere, settings, fields,
+metrics and codes are those of the program.
+
+    docs_test.py SWEEPD SOURCE_FOLDER SETTINGS_MANUAL
+
+SETTINGS_MANUAL is sweepd.toml.5, which the build writes from the table of settings. First the checks
+have to find what is planted in folders of their own, then nothing in the documents.
+"""
+import csv
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+MOST_LINES_OF_README = 150
+COMMAND = r"(?:build/release/daemon/)?sweepd"
+EXAMPLE = "python3 docs/examples"
+SOURCES = r"(?:rsi|identify|daemon|tests|config|scripts|docs)/[\w./-]+"
+
+
+def documents(root):
+    names = [*root.glob("*.md"), *root.glob("docs/**/*.md"), *root.glob("config/**/*.md")]
+    return sorted(names)
+
+
+def split(text):
+    """The lines of code blocks, as (language, logical line), and the text without the blocks."""
+    code, prose, language = [], [], None
+    for line in text.splitlines():
+        fence = re.match(r"\s*```(\w*)\s*$", line)
+        if fence:
+            language = fence[1] if language is None else None
+        elif language is None:
+            prose.append(line)
+        elif code and code[-1][1].endswith("\\"):
+            code[-1] = (language, code[-1][1][:-1].rstrip() + " " + line.strip())
+        else:
+            code.append((language, line.strip()))
+    return code, "\n".join(prose)
+
+
+# Links
+
+def anchors(path):
+    """Of a document's headings, as the sites that show Markdown make them."""
+    seen, found = {}, set()
+    for line in split(path.read_text(encoding="utf-8"))[1].splitlines():
+        heading = re.match(r"#+ +(.*)", line)
+        if heading:
+            text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading[1]).lower()
+            slug = re.sub(r"[^\w\- ]", "", text).replace(" ", "-")
+            seen[slug] = seen.get(slug, -1) + 1
+            found.add(slug + (f"-{seen[slug]}" if seen[slug] else ""))
+    return found
+
+
+def wrong_links(path, text):
+    prose = re.sub(r"`[^`]*`", "``", split(text)[1])
+    for target in re.findall(r"\]\(([^)\s]+)\)", prose):
+        if re.match(r"[a-z]+:", target):
+            continue
+        name, _, anchor = target.partition("#")
+        to = (path.parent / name) if name else path
+        if not to.exists():
+            yield f"there is no {name}"
+        elif anchor and (to.suffix != ".md" or anchor not in anchors(to)):
+            yield f"{name or 'this document'} has no heading #{anchor}"
+
+
+def wrong_paths(root, text):
+    """Files of the source tree that are named in backticks."""
+    for name in re.findall(rf"`({SOURCES})`", text):
+        if "NAME" not in name and not (root / name).exists():
+            yield f"there is no {name}"
+
+
+# Commands
+
+def commands_in(text):
+    """(line, whether it can be run): those of code blocks, and those in backticks."""
+    code, prose = split(text)
+    for language, line in code:
+        line = re.sub(r"^sudo (-u \w+ )?", "", line)
+        if language in ("", "sh") and re.match(rf"({COMMAND}|{EXAMPLE})\b", line):
+            yield line, True
+    for line in re.findall(rf"`(?:sudo (?:-u \w+ )?)?({COMMAND} [^`]+)`", prose):
+        yield line, False
+
+
+class Program:
+    def __init__(self, sweepd):
+        self.sweepd = sweepd
+        self.options = {}
+        listed = self.help().split("Subcommands:")[1]
+        for name in re.findall(r"^  ([a-z]+) ", listed, re.M):
+            self.options[name] = set(re.findall(r"--[a-z][a-z-]*", self.help(name)))
+
+    def help(self, *command):
+        return subprocess.run([self.sweepd, *command, "--help"], capture_output=True, text=True,
+                              check=True).stdout
+
+    def wrong_options(self, line):
+        """`line` begins with sweepd."""
+        line = re.split(r"[|;]", line.split(" #")[0])[0]
+        words = line.split()[1:]
+        if not words or words[0].startswith("-") or not words[0].islower():
+            return
+        if words[0] not in self.options:
+            yield f"sweepd has no command {words[0]}: {line}"
+            return
+        for option in re.findall(r"(?<=\s)\[?(--[a-z][a-z-]*)", line):
+            if option not in self.options[words[0]] | {"--help"}:
+                yield f"sweepd {words[0]} has no {option}: {line}"
+
+
+def fixtures(root, sweepd, folder):
+    """What the commands of the documents need."""
+    def run(*arguments):
+        subprocess.run([sweepd, *map(str, arguments), "--quiet"], cwd=folder, check=True)
+
+    shutil.copytree(root / "config", folder / "config")
+    shutil.copytree(root / "docs", folder / "docs")
+    shutil.copytree(root / "config", folder / "etc/sweepd")
+    robot, plan = "config/robots/kr5_arc.toml", "config/plans/kr5_arc_90deg.toml"
+    run("simulate", "--robot", robot, "--plan", plan, "--write", "trace.pcap")
+    run("replay", "trace.pcap", "--robot", robot, "--plan", plan, "--output", "result")
+    session = folder / "out/run/kr5-arc/20260101T000000Z"
+    session.mkdir(parents=True)
+    shutil.copy(folder / "trace.pcap", session)
+    with (folder / "result/sweeps.csv").open(newline="") as file:
+        points = [[row[name] for name in ("joint", "x_mm", "y_mm", "z_mm")]
+                  for row in csv.DictReader(file)]
+    write(folder / "points.csv", [["joint", "x_mm", "y_mm", "z_mm"], *points])
+    write(folder / "bare.csv", [[*row, 0] for row in points])
+    result = json.loads((folder / "result/result.json").read_text())
+    write(folder / "axes.csv", [["joint", "x_mm", "y_mm", "z_mm", "dx", "dy", "dz"],
+                                *([joint["joint"], *joint["axis"]["point"],
+                                   *joint["axis"]["direction"]] for joint in result["joints"])])
+    (folder / "build/release/daemon").mkdir(parents=True)
+    (folder / "bin").mkdir()
+    for name in ("bin/sweepd", "build/release/daemon/sweepd"):
+        (folder / name).symlink_to(sweepd)
+
+
+def write(path, rows):
+    with path.open("w", newline="") as file:
+        csv.writer(file).writerows(rows)
+
+
+def is_live(line):
+    words = line.split()
+    return words[1] == "run" or (words[1] == "simulate" and "--to" in words)
+
+
+def failures(lines, folder):
+    """Runs lines one after the other in `folder`; a line may end with `# exit code N`."""
+    environment = {**os.environ, "PATH": f"{folder}/bin:{os.environ['PATH']}", "LC_ALL": "C.UTF-8",
+                   "PYTHONDONTWRITEBYTECODE": "1"}
+    for line in lines:
+        if line.startswith(EXAMPLE):
+            program = folder / line.split()[1]
+            if not program.exists():
+                yield f"there is no {line.split()[1]}"
+                continue
+            compile(program.read_text(encoding="utf-8"), str(program), "exec")
+            if "import matplotlib" in program.read_text() and not has_matplotlib():
+                print(f"not run, as matplotlib is not here: {line}")
+                continue
+        elif is_live(line):
+            continue
+        expected = int((re.search(r"# exit code (\d+)", line) or [0, 0])[1])
+        command = re.sub(r"(?<![\w.])/etc/sweepd", f"{folder}/etc/sweepd", line)
+        command = command.replace("/var/lib/sweepd", f"{folder}/var")
+        if re.match(rf"{COMMAND} check\b", command):
+            command = re.sub(r"( check\b)", r"\1 --files-only", command, count=1)
+        done = subprocess.run(["bash", "-c", command], cwd=folder, env=environment,
+                              capture_output=True, text=True, timeout=120)
+        if done.returncode != expected:
+            yield f"exit code {done.returncode} instead of {expected}: {line}\n{done.stderr.strip()}"
+
+
+def has_matplotlib():
+    return subprocess.run(["python3", "-c", "import matplotlib"], capture_output=True).returncode == 0
+
+
+# Settings
+
+def settings_of_manual(text):
+    """{(table, key): default}; "required", or empty where there is neither."""
+    found, table, key = {}, None, None
+    for line in text.replace("\\-", "-").splitlines():
+        if line.startswith(".SH"):
+            table = None
+        elif line.startswith(".SS "):
+            table = line[4:]
+        elif table and (name := re.match(r"\\fB(\w+)\\fR = ", line)):
+            key = (table, name[1])
+            found[key] = ""
+        elif table and key and line.startswith("Default: "):
+            found[key] = line.removeprefix("Default: ")
+        elif table and key and line == "Required.":
+            found[key] = "required"
+    return found
+
+
+def settings_of_document(text):
+    """The same from tables below headings such as ### `[http]`."""
+    found, table = {}, None
+    for line in text.splitlines():
+        if line.startswith("#"):
+            heading = re.match(r"#+ `(\[+[\w.]+\]+)`$", line)
+            table = heading[1] if heading else None
+        elif table and (row := re.match(r"\| `(\w+)` \|", line)):
+            default = line.split("|")[3].strip().strip("`")
+            found[table, row[1]] = "" if default in ("none", "any") else default
+    return found
+
+
+def wrong_settings(document, manual):
+    told, real = settings_of_document(document), settings_of_manual(manual)
+    if not real:
+        yield "no settings found in the manual"
+    for table, key in sorted(told.keys() - real.keys()):
+        yield f"{table} has no key {key}"
+    for table, key in sorted(real.keys() - told.keys()):
+        yield f"the key {key} of {table} is missing"
+    for place in sorted(told.keys() & real.keys()):
+        if told[place] != real[place]:
+            yield f"the default of {place[1]} in {place[0]} is {real[place]}, not {told[place]}"
+
+
+# Names
+
+def property_names(schema):
+    if isinstance(schema, dict):
+        if isinstance(schema.get("properties"), dict):
+            yield from schema["properties"]
+        for value in schema.values():
+            yield from property_names(value)
+    elif isinstance(schema, list):
+        for value in schema:
+            yield from property_names(value)
+
+
+def keys_of(value):
+    if isinstance(value, dict):
+        yield from value
+        for inner in value.values():
+            yield from keys_of(inner)
+    elif isinstance(value, list):
+        for inner in value:
+            yield from keys_of(inner)
+
+
+def missing_names(text, names, what):
+    words = set(re.findall(r"\w+", text))
+    for name in sorted(set(names) - words):
+        yield f"{name}, {what}, is not described"
+
+
+def wrong_metrics(text, source):
+    for name in sorted(set(re.findall(r"`(sweepd_[a-z_]+)`", text))):
+        if f'"{name}"' not in source:
+            yield f"there is no metric {name}"
+
+
+def wrong_codes(text, source):
+    """Warnings and doubts: all of the engine, and no others."""
+    told = set()
+    for line in text.splitlines():
+        if row := re.match(r"\| (`[a-z_]+`(?:, `[a-z_]+`)*) \|", line):
+            told.update(re.findall(r"`([a-z_]+)`", row[1]))
+    real = set(re.findall(r'(?:\b(?:warn|doubt)\(|Warning\{|(?:warnings|doubts)\.push_back\(\{)\s*"([a-z]+(?:_[a-z]+)*)"', source))
+    for code in sorted(real - told):
+        yield f"the code {code} is not described"
+    for code in sorted(told):
+        if f'"{code}"' not in source:
+            yield f"there is no code {code}"
+
+
+def wrong_benches(text, script):
+    known = set(re.search(r"^  ([a-z_| ]+)\)$", script, re.M)[1].replace("|", " ").split())
+    for name in re.findall(r"scripts/bench ([a-z_]+)", text):
+        if name not in known:
+            yield f"scripts/bench has no {name}"
+
+
+def too_long(text):
+    lines = len(text.splitlines())
+    if lines > MOST_LINES_OF_README:
+        yield f"it has {lines} lines, more than {MOST_LINES_OF_README}"
+
+
+# All of it
+
+def problems(root, program, manual):
+    def read(name):
+        return (root / name).read_text(encoding="utf-8")
+
+    def told(path, found):
+        name = path if isinstance(path, str) else path.relative_to(root)
+        return (f"{name}: {problem}" for problem in found)
+
+    bench = read("scripts/bench")
+    yield from told("README.md", too_long(read("README.md")))
+    yield from told("docs/install.md", wrong_settings(read("docs/install.md"), manual))
+    yield from told("docs/install.md", wrong_metrics(read("docs/install.md"), read("daemon/page/metrics.cpp")))
+    engine = "".join(path.read_text() for path in sorted((root / "identify").rglob("*.cpp")))
+    yield from told("docs/troubleshooting.md", wrong_codes(read("docs/troubleshooting.md"), engine))
+    scripts = "".join(path.read_text() for path in sorted((root / "scripts").iterdir()))
+    any_option = set().union(*program.options.values()) | set(re.findall(r"--[a-z][a-z-]*", scripts))
+    with tempfile.TemporaryDirectory() as name:
+        base = pathlib.Path(name) / "base"
+        base.mkdir()
+        fixtures(root, program.sweepd, base)
+        ran = 0
+        for number, path in enumerate(documents(root)):
+            text = path.read_text(encoding="utf-8")
+            yield from told(path, wrong_links(path, text))
+            yield from told(path, wrong_paths(root, text))
+            yield from told(path, wrong_benches(text, bench))
+            found = list(commands_in(text))
+            for line, _ in found:
+                if not line.startswith(EXAMPLE):
+                    yield from told(path, program.wrong_options(line))
+            for option in re.findall(r"`(--[a-z][a-z-]*)", text):
+                if option not in any_option:
+                    yield f"{path.relative_to(root)}: nothing has an option {option}"
+            lines = [line for line, can_run in found if can_run]
+            if lines:
+                folder = pathlib.Path(name) / str(number)
+                shutil.copytree(base, folder, symlinks=True)
+                yield from told(path, failures(lines, folder))
+                ran += len(lines)
+        if ran < 10:
+            yield f"only {ran} commands found in the documents"
+        results = read("docs/results.md")
+        names = set(property_names(json.loads(read("docs/result.schema.json"))))
+        yield from told("docs/results.md", missing_names(results, names, "of result.json"))
+        for file in ("dh.csv", "models.csv", "sweeps.csv", "samples.csv"):
+            with (base / "result" / file).open(newline="") as rows:
+                columns = [column for column in next(csv.reader(rows))
+                           if not re.fullmatch(r"a[3-9]_deg", column)]
+            yield from told("docs/results.md", missing_names(results, columns, f"of {file}"))
+        subprocess.run([program.sweepd, "inspect", "trace.pcap", "--json", "link.json", "--quiet"],
+                       cwd=base, check=True)
+        link = keys_of(json.loads((base / "link.json").read_text()))
+        link = [key for key in link if not re.fullmatch(r"p\d+(_\d)?_us|above_us|to_us", key)]
+        yield from told("docs/link.md", missing_names(read("docs/link.md"), link, "of link.json"))
+
+
+def planted(program):
+    """What the checks do not see as they should."""
+    manual = (".SS [http]\n.TP\n\\fBlisten\\fR = x\nDefault: \"off\"\n.TP\n\\fBhosts\\fR = x\nRequired.\n"
+              ".SH EXAMPLE\n\\fBother\\fR = x\n")
+    table = "### `[http]`\n| `listen` | a | `\"off\"` |\n| `hosts` | a | required |\n"
+    bench = "case x in\n  link | box)\n"
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        here = folder / "README.md"
+        here.write_text("# Some where\n\n## Some where\n\n```sh\n# no heading\n```\n")
+        (folder / "rsi").mkdir()
+        (folder / "bin").mkdir()
+        (folder / "bin/sweepd").symlink_to(program.sweepd)
+        cases = [
+            (0, wrong_links(here, "[a](README.md) [b](#some-where-1) [c](README.md#some-where) [d](https://x)")),
+            (0, wrong_links(here, "`[a](missing.md)`\n```\n[a](missing.md)\n```")),
+            (1, wrong_links(here, "[a](missing.md)")),
+            (1, wrong_links(here, "![a](docs/missing.svg)")),
+            (1, wrong_links(here, "[a](#no-heading)")),
+            (1, wrong_links(here, "[a](README.md#some-where-2)")),
+            (1, wrong_paths(folder, "`rsi/missing.hpp` rsi/other.hpp")),
+            (0, wrong_paths(folder, "`rsi/NAME_test.cpp` `other/missing`")),
+            (1, wrong_settings(table.replace("hosts", "host") + "| `hosts` | a | required |\n", manual)),
+            (1, wrong_settings(table.replace("| `hosts` | a | required |\n", ""), manual)),
+            (1, wrong_settings(table.replace("off", "on"), manual)),
+            (0, wrong_settings(table, manual)),
+            (1, missing_names("a_mm_x `b`", ["a_mm", "b"], "x")),
+            (1, wrong_metrics("`sweepd_a` `sweepd_b`", '{"sweepd_a", 1}')),
+            (1, wrong_codes("| `one_a` | x |", 'warn("one_a", 1); doubt("two", 2)')),
+            (1, wrong_codes("| `one_a`, `gone_b` | x |", 'warn("one_a", 1)')),
+            (1, wrong_benches("scripts/bench link a; scripts/bench lnk", bench)),
+            (1, too_long("a\n" * (MOST_LINES_OF_README + 1))),
+            (0, too_long("a\n" * MOST_LINES_OF_README)),
+            (1, program.wrong_options("sweepd plan --robot a --propos")),
+            (1, program.wrong_options("sweepd inspect a [--csv FILE]")),
+            (1, program.wrong_options("build/release/daemon/sweepd fly")),
+            (0, program.wrong_options("sweepd replay a --robot b | grep --count c")),
+            (0, program.wrong_options("sweepd --version")),
+            (1, failures(["sweepd inspect missing.pcap"], folder)),
+            (1, failures(["sweepd --version  # exit code 3"], folder)),
+            (0, failures(["sweepd inspect missing.pcap  # exit code 1", "sweepd --version",
+                          "sweepd run --config missing.toml"], folder)),
+            (1, failures([f"{EXAMPLE}/missing.py a"], folder)),
+            (3, commands_in("```sh\nsudo -u x sweepd check\nls\nsweepd plan \\\n  --propose\n"
+                            "```\n```text\nsweepd run\n```\n`sweepd inspect a` `sweepd.toml`")),
+        ]
+        for number, (wanted, found) in enumerate(cases):
+            seen = list(found)
+            if len(seen) != wanted:
+                yield f"planted case {number}: {seen} found instead of {wanted}"
+
+
+sweepd, source, manual_file = sys.argv[1:]
+real = Program(str(pathlib.Path(sweepd).resolve()))
+wrong = list(planted(real))
+wrong += problems(pathlib.Path(source).resolve(), real, pathlib.Path(manual_file).read_text(encoding="utf-8"))
+print("\n".join(wrong))
+sys.exit(bool(wrong))
