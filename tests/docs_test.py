@@ -79,6 +79,13 @@ def wrong_paths(root, text):
             yield f"there is no {name}"
 
 
+def wrong_names(text, source):
+    """Functions, constants and types of the sources that are named in backticks."""
+    for name in re.findall(r"`((?:\w+::)*\w+\(\)|k[A-Z]\w+|(?:rsi|identify|sweepd)::\w+)`", text):
+        if not re.search(rf"\b{name.removesuffix('()').split('::')[-1]}\b", source):
+            yield f"nothing in the sources is called {name}"
+
+
 # Commands
 
 def commands_in(text):
@@ -310,6 +317,9 @@ def problems(root, program, manual):
     yield from told("README.md", too_long(read("README.md")))
     yield from told("docs/install.md", wrong_settings(read("docs/install.md"), manual))
     yield from told("docs/install.md", wrong_metrics(read("docs/install.md"), read("daemon/page/metrics.cpp")))
+    sources = "".join(path.read_text() for layer in ("rsi", "identify", "daemon")
+                      for path in sorted((root / layer).rglob("*.?pp")))
+    yield from told("docs/architecture.md", wrong_names(read("docs/architecture.md"), sources))
     engine = "".join(path.read_text() for path in sorted((root / "identify").rglob("*.cpp")))
     yield from told("docs/troubleshooting.md", wrong_codes(read("docs/troubleshooting.md"), engine))
     scripts = "".join(path.read_text() for path in sorted((root / "scripts").iterdir()))
@@ -376,6 +386,7 @@ def planted(program):
             (1, wrong_links(here, "[a](README.md#some-where-2)")),
             (1, wrong_paths(folder, "`rsi/missing.hpp` rsi/other.hpp")),
             (0, wrong_paths(folder, "`rsi/NAME_test.cpp` `other/missing`")),
+            (2, wrong_names("`kGone` `kHere` `Some::gone()` `here()` `rsi::Here`", "kHere here Here")),
             (1, wrong_settings(table.replace("hosts", "host") + "| `hosts` | a | required |\n", manual)),
             (1, wrong_settings(table.replace("| `hosts` | a | required |\n", ""), manual)),
             (1, wrong_settings(table.replace("off", "on"), manual)),
