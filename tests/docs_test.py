@@ -79,6 +79,23 @@ def wrong_paths(root, text):
             yield f"there is no {name}"
 
 
+def rooms_of(root):
+    """Of the three folders, from the ground up."""
+    return [f"{layer}/{room}" for layer in ("rsi", "identify", "daemon")
+            for room in re.findall(r"^add_subdirectory\((\w+)\)",
+                                   (root / layer / "CMakeLists.txt").read_text(), re.M)]
+
+
+def wrong_rooms(text, picture, rooms):
+    told = re.findall(r"^\| `((?:rsi|identify|daemon)/\w+)` \|", text, re.M)
+    if told != rooms:
+        yield f"the rooms are {', '.join(rooms)}, not {', '.join(told)}"
+    drawn = re.findall(r">(\w+)/</text>", picture)
+    drawn = [name for name in drawn if name not in ("rsi", "identify", "daemon")]
+    if drawn != [room.split("/")[1] for room in rooms]:
+        yield f"the picture has the rooms {', '.join(drawn)}"
+
+
 def wrong_names(text, source):
     """Functions, constants and types of the sources that are named in backticks."""
     for name in re.findall(r"`((?:\w+::)*\w+\(\)|k[A-Z]\w+|(?:rsi|identify|sweepd)::\w+)`", text):
@@ -320,6 +337,8 @@ def problems(root, program, manual):
     sources = "".join(path.read_text() for layer in ("rsi", "identify", "daemon")
                       for path in sorted((root / layer).rglob("*.?pp")))
     yield from told("docs/architecture.md", wrong_names(read("docs/architecture.md"), sources))
+    yield from told("docs/architecture.md", wrong_rooms(
+        read("docs/architecture.md"), read("docs/architecture.svg"), rooms_of(root)))
     engine = "".join(path.read_text() for path in sorted((root / "identify").rglob("*.cpp")))
     yield from told("docs/troubleshooting.md", wrong_codes(read("docs/troubleshooting.md"), engine))
     scripts = "".join(path.read_text() for path in sorted((root / "scripts").iterdir()))
@@ -386,6 +405,10 @@ def planted(program):
             (1, wrong_links(here, "[a](README.md#some-where-2)")),
             (1, wrong_paths(folder, "`rsi/missing.hpp` rsi/other.hpp")),
             (0, wrong_paths(folder, "`rsi/NAME_test.cpp` `other/missing`")),
+            (0, wrong_rooms("| `rsi/low` | x |\n| `rsi/high` | x |", ">low/</text>>high/</text>",
+                            ["rsi/low", "rsi/high"])),
+            (2, wrong_rooms("| `rsi/high` | x |\n| `rsi/low` | x |", ">low/</text>",
+                            ["rsi/low", "rsi/high"])),
             (2, wrong_names("`kGone` `kHere` `Some::gone()` `here()` `rsi::Here`", "kHere here Here")),
             (1, wrong_settings(table.replace("hosts", "host") + "| `hosts` | a | required |\n", manual)),
             (1, wrong_settings(table.replace("| `hosts` | a | required |\n", ""), manual)),
