@@ -16,13 +16,13 @@ using Axes = std::vector<std::optional<Axis>>;
 /// The largest distance between the given points and the feet of common normals. Feet of axes that
 /// are nearly parallel lie anywhere and say nothing about size.
 double size_mm(const std::vector<Axis>& axes) {
-  const double kParallel = 1 * kDegree;
+  const double kNearlyParallel = 1 * kDegree;
   std::vector<Eigen::Vector3d> places;
   for (std::size_t j = 0; j < axes.size(); ++j) {
     places.push_back(axes[j].point_mm);
     if (j == 0) continue;
     const auto pair = relate(axes[j - 1].line(), axes[j].line());
-    if (pair.sine < kParallel) continue;
+    if (pair.sine < kNearlyParallel) continue;
     places.push_back(pair.first_foot_mm);
     places.push_back(pair.second_foot_mm);
   }

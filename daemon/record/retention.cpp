@@ -51,7 +51,7 @@ class Folder {
   DIR* entries_;
 };
 
-std::optional<unsigned> number(std::string_view text) {
+std::optional<unsigned> whole_number(std::string_view text) {
   unsigned value = 0;
   if (!all_digits(text)) return std::nullopt;
   const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -67,8 +67,9 @@ std::optional<unsigned> part_of(std::string_view name) {
     if (!name.starts_with(stem) || !name.ends_with(ending)) continue;
     unsigned part = 1;
     if (name.size() > stem.size() + ending.size())
-      part = number(name.substr(stem.size() + 1, name.size() - stem.size() - ending.size() - 1))
-                 .value_or(1);
+      part =
+          whole_number(name.substr(stem.size() + 1, name.size() - stem.size() - ending.size() - 1))
+              .value_or(1);
     if (name == part_name(stem, ending, part)) return part;
   }
   constexpr std::array<std::string_view, 4> kBesideResults{"sweeps.csv", "link.txt", "link.json",

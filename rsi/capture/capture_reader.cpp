@@ -18,8 +18,8 @@ Timestamp timestamp(const timeval& time) {
   constexpr std::int64_t limit = 9'000'000'000;
   const std::int64_t wrapped = time.tv_sec < 0 ? std::int64_t{1} << 32 : 0;
   const auto seconds = std::clamp<std::int64_t>(time.tv_sec + wrapped, 0, limit);
-  const auto nanoseconds = std::clamp<std::int64_t>(time.tv_usec, 0, limit);
-  return std::chrono::seconds(seconds) + Timestamp(nanoseconds);
+  const auto fraction_ns = std::clamp<std::int64_t>(time.tv_usec, 0, limit);
+  return std::chrono::seconds(seconds) + Timestamp(fraction_ns);
 }
 
 std::string link_type_name(int link_type) {

@@ -33,7 +33,8 @@ double share(std::uint64_t part, std::uint64_t whole) {
 }
 
 /// "1 reply (0.01 %)", "12 replies (0.18 %)".
-std::string counted(std::uint64_t count, std::uint64_t whole, const char* one, const char* many) {
+std::string counted_of(std::uint64_t count, std::uint64_t whole, const char* one,
+                       const char* many) {
   const double percent = 100 * share(count, whole);
   return rsi::counted(count, one, many) + " (" +
          (percent < 0.005 ? "under 0.01" : fixed(percent, 2)) + " %)";
@@ -77,7 +78,7 @@ class Judge {
     const auto count = report_.replies.withheld;
     if (count == 0) return;
     add(Grade::bad, "not_begun",
-        counted(count, cycles_, "telegram", "telegrams") +
+        counted_of(count, cycles_, "telegram", "telegrams") +
             " got no answer on purpose: this stream had begun before sweepd listened, perhaps "
             "with another server, and zeros might have moved the robot: switch RSI off, and on "
             "again after a second or more");
@@ -88,7 +89,7 @@ class Judge {
     const std::uint64_t late = link.late_replies.value_or(0);
     if (late <= report_.replies.withheld) return;
     const auto longest = static_cast<std::int64_t>(link.longest_late_run);
-    std::string message = counted(late, cycles_, "reply", "replies") +
+    std::string message = counted_of(late, cycles_, "reply", "replies") +
                           " missed the controller's cycle by its own Delay, in " +
                           rsi::counted(link.late_runs, "run");
     if (!report_.late_runs.empty())
@@ -122,7 +123,7 @@ class Judge {
     const auto count = replies.not_in_time();
     if (count == 0) return;
     const Place& worst = report_.silent_runs.worst();
-    std::string message = counted(count, cycles_, "telegram", "telegrams") +
+    std::string message = counted_of(count, cycles_, "telegram", "telegrams") +
                           " got no reply within a cycle (" + std::to_string(replies.late) +
                           " late, " + std::to_string(replies.superseded) + " superseded, " +
                           std::to_string(replies.unanswered) + " unanswered), at most " +
@@ -137,7 +138,7 @@ class Judge {
     const auto lost = report_.link.lost;
     if (lost == 0) return;
     const auto gap = std::min(report_.longest_gap.amount, static_cast<std::int64_t>(lost));
-    std::string message = counted(lost, cycles_ + lost, "telegram", "telegrams") +
+    std::string message = counted_of(lost, cycles_ + lost, "telegram", "telegrams") +
                           " never came, at most " + std::to_string(gap) + " in a row";
     if (gap > 0) message += " (" + where(report_.longest_gap) + ")";
     constexpr const char* kBuffer = "receive buffer (`netstat -su`, receive buffer errors)";
@@ -158,8 +159,8 @@ class Judge {
     const auto grade =
         share(report_.malformed, all) > Limits::kBadShare ? Grade::bad : Grade::marginal;
     add(grade, "malformed",
-        counted(report_.malformed, all, "datagram", "datagrams") + " held no whole telegram, and " +
-            std::to_string(report_.unanswerable) +
+        counted_of(report_.malformed, all, "datagram", "datagrams") +
+            " held no whole telegram, and " + std::to_string(report_.unanswerable) +
             " of them could not even be answered: see whether another program on the "
             "controller's address uses this port, and whether the capture was cut (tcpdump -s 0)");
   }
@@ -168,13 +169,14 @@ class Judge {
     const LinkCounts& link = report_.link;
     if (link.duplicated > 0)
       add(Grade::marginal, "duplicated",
-          counted(link.duplicated, cycles_, "telegram", "telegrams") + " came twice: " +
+          counted_of(link.duplicated, cycles_, "telegram", "telegrams") + " came twice: " +
               (report_.same_machine ? "the sender sent them twice"
                                     : "look for a loop in the network") +
               ", or the capture is one of two interfaces at once");
     if (link.reordered > 0)
       add(Grade::marginal, "reordered",
-          counted(link.reordered, cycles_, "telegram", "telegrams") + " came after a later one: " +
+          counted_of(link.reordered, cycles_, "telegram", "telegrams") +
+              " came after a later one: " +
               (report_.same_machine ? "the sender sent them so"
                                     : "take out what has two ways to choose from (bonded links, "
                                       "wireless bridges)"));
@@ -185,12 +187,12 @@ class Judge {
     if (replies.stray > 0)
       add(share(replies.stray, replies.sent) > Limits::kBadShare ? Grade::bad : Grade::marginal,
           "stray_replies",
-          counted(replies.stray, replies.sent, "reply", "replies") +
+          counted_of(replies.stray, replies.sent, "reply", "replies") +
               " had an IPOC that no telegram before had: the controller refuses these; correct "
               "the server, unless the capture itself lost telegrams");
     if (replies.repeated > report_.link.duplicated)
       add(Grade::marginal, "repeated_replies",
-          counted(replies.repeated, replies.sent, "reply", "replies") +
+          counted_of(replies.repeated, replies.sent, "reply", "replies") +
               " repeated one that was sent already: see whether two servers answer this "
               "controller");
   }

@@ -11,28 +11,28 @@ using Type = EthernetConfig::Element::Type;
 constexpr std::string_view kInternal = "DEF_";
 
 /// What a tag's attributes are called.
-enum class Names { none, pose, axes, external_axes, delay, parameters };
+enum class TagAttributes { none, pose, axes, external_axes, delay, parameters };
 
-struct Known {
+struct InternalRow {
   std::string_view name;  ///< without DEF_; of Tech.C and Tech.T, a digit follows
   Type type;
-  Names names;
+  TagAttributes names;
   bool only_sent;  ///< measured by the controller
 };
 
-constexpr std::array<Known, 12> kTags{{
-    {"RIst", Type::DOUBLE, Names::pose, true},
-    {"RSol", Type::DOUBLE, Names::pose, true},
-    {"AIPos", Type::DOUBLE, Names::axes, true},
-    {"ASPos", Type::DOUBLE, Names::axes, true},
-    {"MACur", Type::DOUBLE, Names::axes, true},
-    {"EIPos", Type::DOUBLE, Names::external_axes, true},
-    {"ESPos", Type::DOUBLE, Names::external_axes, true},
-    {"MECur", Type::DOUBLE, Names::external_axes, true},
-    {"Delay", Type::LONG, Names::delay, true},
-    {"EStr", Type::STRING, Names::none, false},
-    {"Tech.C", Type::DOUBLE, Names::parameters, false},
-    {"Tech.T", Type::DOUBLE, Names::parameters, false},
+constexpr std::array<InternalRow, 12> kInternalTags{{
+    {"RIst", Type::DOUBLE, TagAttributes::pose, true},
+    {"RSol", Type::DOUBLE, TagAttributes::pose, true},
+    {"AIPos", Type::DOUBLE, TagAttributes::axes, true},
+    {"ASPos", Type::DOUBLE, TagAttributes::axes, true},
+    {"MACur", Type::DOUBLE, TagAttributes::axes, true},
+    {"EIPos", Type::DOUBLE, TagAttributes::external_axes, true},
+    {"ESPos", Type::DOUBLE, TagAttributes::external_axes, true},
+    {"MECur", Type::DOUBLE, TagAttributes::external_axes, true},
+    {"Delay", Type::LONG, TagAttributes::delay, true},
+    {"EStr", Type::STRING, TagAttributes::none, false},
+    {"Tech.C", Type::DOUBLE, TagAttributes::parameters, false},
+    {"Tech.T", Type::DOUBLE, TagAttributes::parameters, false},
 }};
 
 std::vector<std::string> numbered(std::string_view prefix, int count) {
@@ -42,26 +42,26 @@ std::vector<std::string> numbered(std::string_view prefix, int count) {
 }
 
 /// `name` is without DEF_.
-std::vector<std::string> attributes(Names names, std::string_view name) {
+std::vector<std::string> attributes_of(TagAttributes names, std::string_view name) {
   switch (names) {
-    case Names::none:
+    case TagAttributes::none:
       return {};
-    case Names::pose:
+    case TagAttributes::pose:
       return {"X", "Y", "Z", "A", "B", "C"};
-    case Names::axes:
+    case TagAttributes::axes:
       return numbered("A", 6);
-    case Names::external_axes:
+    case TagAttributes::external_axes:
       return numbered("E", 6);
-    case Names::delay:
+    case TagAttributes::delay:
       return {"D"};
-    case Names::parameters:
+    case TagAttributes::parameters:
       return numbered(name.substr(name.size() - 2), 10);  // DEF_Tech.C1: C11 to C110
   }
   return {};
 }
 
 /// The six of Tech.C and Tech.T go by one row.
-std::string_view row_of(std::string_view name) {
+std::string_view row_name(std::string_view name) {
   const bool is_numbered = name.starts_with("Tech.") && name.back() >= '1' && name.back() <= '6';
   return is_numbered ? name.substr(0, name.size() - 1) : name;
 }
@@ -79,11 +79,13 @@ std::string_view wire_name(std::string_view tag) {
 std::optional<InternalTag> internal_tag(std::string_view tag) {
   if (!is_internal(tag)) return std::nullopt;
   const auto name = wire_name(tag);
-  const auto known = std::find_if(kTags.begin(), kTags.end(),
-                                  [&](const Known& one) { return one.name == row_of(name); });
-  if (known == kTags.end() || (known->names == Names::parameters && known->name == name))
+  const auto known =
+      std::find_if(kInternalTags.begin(), kInternalTags.end(),
+                   [&](const InternalRow& one) { return one.name == row_name(name); });
+  if (known == kInternalTags.end() ||
+      (known->names == TagAttributes::parameters && known->name == name))
     return std::nullopt;
-  return InternalTag{known->type, attributes(known->names, name), known->only_sent};
+  return InternalTag{known->type, attributes_of(known->names, name), known->only_sent};
 }
 
 }  // namespace rsi

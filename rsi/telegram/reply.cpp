@@ -153,12 +153,12 @@ std::string_view Reply::with_ipoc(std::string_view ipoc_digits, Form form) noexc
 
 Form form_of(std::string_view telegram) noexcept {
   constexpr std::size_t kSearched = 256;  // room for an XML declaration and name spaces
-  constexpr std::string_view kTag = "<Dat";
+  constexpr std::string_view kDat = "<Dat";
   constexpr std::string_view kAttribute = "TaskType";
   telegram = telegram.substr(0, kSearched);
   for (auto at = telegram.find('<'); at != telegram.npos; at = telegram.find('<', at + 1)) {
-    if (!equal_ignoring_case(telegram.substr(at, kTag.size()), kTag)) continue;
-    auto rest = telegram.substr(at + kTag.size());
+    if (!equal_ignoring_case(telegram.substr(at, kDat.size()), kTag)) continue;
+    auto rest = telegram.substr(at + kDat.size());
     if (rest.empty() || !is_blank(rest.front())) continue;
     while (!rest.empty() && is_blank(rest.front())) rest.remove_prefix(1);
     if (equal_ignoring_case(rest.substr(0, kAttribute.size()), kAttribute)) return Form::wrapped;

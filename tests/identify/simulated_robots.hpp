@@ -8,7 +8,7 @@
 #include "identify/geometry/angle.hpp"
 #include "tests/simulation/simulation.hpp"
 
-namespace simulation::test {
+namespace simulation::robots {
 
 using identify::kArcsec;
 using identify::kDegree;
@@ -52,4 +52,4 @@ inline World exact_angles() {
   return world;
 }
 
-}  // namespace simulation::test
+}  // namespace simulation::robots

@@ -9,7 +9,7 @@
 #include "tests/simulation/truth.hpp"
 
 using namespace simulation;
-using namespace simulation::test;
+using namespace simulation::robots;
 using Catch::Matchers::WithinAbs;
 using Catch::Matchers::WithinRel;
 using Eigen::Vector3d;

@@ -29,9 +29,8 @@ namespace {
 using Steady = std::chrono::steady_clock;
 constexpr std::uint64_t kMebibyte = 1 << 20;
 
-/// Waits for the work of another thread; false if it takes unreasonably long.
 /// What the recorder said.
-class Log {
+class Said {
  public:
   void add(Importance importance, const std::string& text) {
     const std::lock_guard lock(mutex_);
@@ -92,7 +91,7 @@ class RecorderBench {
   }
 
   TemporaryFolder folder;
-  Log log;
+  Said log;
   std::atomic<int> seconds{0};
   std::atomic<std::uint64_t> free{900 * kMebibyte};
   std::atomic<int> room_asked{0};

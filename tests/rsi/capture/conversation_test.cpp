@@ -18,7 +18,7 @@ namespace {
 
 const Endpoint other_controller{0xc0a80115, 1027};
 const Endpoint other_sweepd{0xc0a8010a, 59152};
-const Endpoint stranger{0xc0a80163, 5353};
+const Endpoint kOtherMachine{0xc0a80163, 5353};
 
 const std::string kTelegram = "<Rob Type=\"KUKA\"><RIst X=\"1.0\"/><IPOC>123</IPOC></Rob>\n";
 const std::string kReply = "<Sen Type=\"ImFree\"><IPOC>123</IPOC></Sen>";
@@ -80,10 +80,11 @@ TEST_CASE("the direction follows from addresses, whatever the controller's port 
         Direction::from_controller);
   CHECK(direction(conversation, kServer, kController) == Direction::to_controller);
   CHECK(direction(conversation, kServer, {kController.address, 2000}) == Direction::to_controller);
-  CHECK(direction(conversation, stranger, kServer) == Direction::other);
-  CHECK(direction(conversation, kServer, stranger) == Direction::other);
+  CHECK(direction(conversation, kOtherMachine, kServer) == Direction::other);
+  CHECK(direction(conversation, kServer, kOtherMachine) == Direction::other);
   CHECK(direction(conversation, kController, other_sweepd) == Direction::other);
-  CHECK(direction(conversation, kController, {stranger.address, kServer.port}) == Direction::other);
+  CHECK(direction(conversation, kController, {kOtherMachine.address, kServer.port}) ==
+        Direction::other);
 }
 
 TEST_CASE("on loopback the direction follows from the port", "[conversation]") {
@@ -99,8 +100,8 @@ TEST_CASE("on loopback the direction follows from the port", "[conversation]") {
 
 TEST_CASE("the RSI conversation is found among other traffic", "[conversation]") {
   Traffic traffic;
-  traffic.add(100, stranger, kServer, "something else").talk(5, kController, kServer);
-  traffic.add(100, kController, stranger, "<Robots are not telegrams/>");
+  traffic.add(100, kOtherMachine, kServer, "something else").talk(5, kController, kServer);
+  traffic.add(100, kController, kOtherMachine, "<Robots are not telegrams/>");
   const auto found = search(traffic);
   REQUIRE(found.chosen);
   CHECK(*found.chosen == Conversation{kController.address, kServer});
@@ -184,7 +185,7 @@ TEST_CASE("a choice that is not there is answered with what is there", "[convers
 }
 
 TEST_CASE("captures without RSI are said to be so", "[conversation]") {
-  const auto found = search(Traffic().add(7, stranger, kServer, "something else"));
+  const auto found = search(Traffic().add(7, kOtherMachine, kServer, "something else"));
   CHECK_FALSE(found.chosen);
   CHECK(found.found.empty());
   CHECK_THAT(found.note,
