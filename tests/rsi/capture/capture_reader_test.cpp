@@ -89,11 +89,11 @@ void check_refused(std::string_view content, const std::string& reason) {
 TEST_CASE("captures of every format, byte order and link type are read", "[capture_reader]") {
   for (const auto& [type, frame] : links)
     for (const auto order : {Order::little_endian, Order::big_endian})
-      for (const bool nanoseconds : {true, false}) {
-        CAPTURE(type, order == Order::big_endian, nanoseconds);
-        const auto resolution = nanoseconds ? Timestamp(1ns) : Timestamp(1us);
-        check_reads_two(PcapBytes(type, nanoseconds, order), frame, resolution);
-        check_reads_two(PcapngBytes(order).add_interface(type, nanoseconds), frame, resolution);
+      for (const bool fine : {true, false}) {
+        CAPTURE(type, order == Order::big_endian, fine);
+        const auto resolution = fine ? Timestamp(1ns) : Timestamp(1us);
+        check_reads_two(PcapBytes(type, fine, order), frame, resolution);
+        check_reads_two(PcapngBytes(order).add_interface(type, fine), frame, resolution);
       }
 }
 
