@@ -157,7 +157,7 @@ Form form_of(std::string_view telegram) noexcept {
   constexpr std::string_view kAttribute = "TaskType";
   telegram = telegram.substr(0, kSearched);
   for (auto at = telegram.find('<'); at != telegram.npos; at = telegram.find('<', at + 1)) {
-    if (!equal_ignoring_case(telegram.substr(at, kDat.size()), kTag)) continue;
+    if (!equal_ignoring_case(telegram.substr(at, kDat.size()), kDat)) continue;
     auto rest = telegram.substr(at + kDat.size());
     if (rest.empty() || !is_blank(rest.front())) continue;
     while (!rest.empty() && is_blank(rest.front())) rest.remove_prefix(1);
