@@ -139,6 +139,8 @@ inline std::uint64_t delay_in(std::string_view telegram) {
 /// What went out, counted here.
 struct SentCounts {
   std::uint64_t whole = 0;
+  std::uint64_t cut_known = 0;  ///< cut, but their IPOC says which they are
+  std::uint64_t lost = 0;       ///< nothing tells of them, and later ones of their run do
   std::uint64_t restarts = 0;
   std::uint64_t answered = 0;
   std::uint64_t unanswerable = 0;
@@ -176,6 +178,7 @@ class FaultyCampaign {
         ++expected_.restarts;
       }
       const auto telegram = controller_.telegram();
+      known_.push_back(false);
       send(wire_.pass(telegram));
     }
     end_run();
@@ -191,6 +194,10 @@ class FaultyCampaign {
     --number_;  // one that was held back is the last of this run
     send(wire_.flush());
     ++number_;
+    auto end = known_.end();
+    while (end != known_.begin() && !end[-1]) --end;
+    expected_.lost += static_cast<std::uint64_t>(std::count(known_.begin(), end, false));
+    known_.clear();
     controller_.rsi().finish();
     CHECK(peer_->waiting() == 0);
   }
@@ -208,10 +215,15 @@ class FaultyCampaign {
         const bool overtaken = i > 0 && !again && datagrams[0].what == rsi::Sent::What::telegram;
         ++expected_.whole;
         expected_.came[overtaken ? number_ - 1 : number_] = true;
+        known_.end()[overtaken ? -2 : -1] = true;
         if (!again && !overtaken) count_late(delay_in(sent.payload));
       } else {
         auto& kind = expected_.malformed[kind_of(sent)];
         kind = kind.is_null() ? 1 : kind.get<int>() + 1;
+        if (sent.what == rsi::Sent::What::cut && has_ipoc(sent.payload)) {
+          ++expected_.cut_known;
+          known_.back() = true;
+        }
       }
       peer_->send(sent.payload);
       if (has_ipoc(sent.payload))
@@ -244,6 +256,7 @@ class FaultyCampaign {
   std::unique_ptr<LockstepPeer> peer_;
   LockstepPeer stranger_;
   std::uint64_t number_ = 0;
+  std::vector<bool> known_;  ///< of the telegrams of this run: sweepd got their IPOC
   SentCounts expected_;
 };
 
