@@ -122,10 +122,10 @@ inline const char* kind_of(const rsi::Sent& sent) {
   return sent.payload.starts_with("<Rob") ? "truncated" : "not a telegram";
 }
 
-/// sweepd answers what has an IPOC that something follows.
+/// sweepd answers what has an IPOC whose end tag begins.
 inline bool has_ipoc(std::string_view payload) {
   const auto ipoc = payload.find("<IPOC>");
-  return ipoc != std::string_view::npos && payload.find('<', ipoc + 1) != std::string_view::npos;
+  return ipoc != std::string_view::npos && payload.find("</", ipoc) != std::string_view::npos;
 }
 
 inline std::uint64_t delay_in(std::string_view telegram) {
@@ -144,7 +144,7 @@ struct SentCounts {
   std::uint64_t restarts = 0;
   std::uint64_t answered = 0;
   std::uint64_t unanswerable = 0;
-  std::uint64_t late = 0;  ///< by the Delay of the telegrams that came whole and in order
+  std::uint64_t late = 0;  ///< by the Delay of the telegrams whose IPOC came, in order
   std::uint64_t late_runs = 0;
   std::uint64_t longest_late_run = 0;
   nlohmann::json malformed = nlohmann::json::object();
@@ -223,6 +223,7 @@ class FaultyCampaign {
         if (sent.what == rsi::Sent::What::cut && has_ipoc(sent.payload)) {
           ++expected_.cut_known;
           known_.back() = true;
+          count_late(delay_in(sent.payload));
         }
       }
       peer_->send(sent.payload);
@@ -233,8 +234,17 @@ class FaultyCampaign {
     }
   }
 
+  std::string_view reply_to(std::string_view telegram) {
+    try {
+      return peer_->reply();
+    } catch (const std::exception& error) {
+      FAIL("telegram " << number_ << ", " << telegram << ": " << error.what());
+    }
+    return {};
+  }
+
   void take_reply(std::string_view telegram) {
-    const auto reply = peer_->reply();
+    const auto reply = reply_to(telegram);
     // Not a CHECK for each of a million.
     if (rsi::find_ipoc(reply) != rsi::find_ipoc(telegram))
       FAIL("to " << telegram << " the reply " << reply);
