@@ -104,8 +104,8 @@ std::size_t joints_in(const IdentifyOptions& options, const Points& points) {
 void check_file(const PointsFile& file, const IdentifyOptions& options, std::size_t joints) {
   const std::string name = file.path.string();
   if (file.angles > 0 && file.angles < joints)
-    throw CsvError(name + ": expected angles of all " + std::to_string(joints) +
-                   " joints, found those of " + std::to_string(file.angles) +
+    throw CsvError(name + ": expected angles of " + rsi::counted(joints, "joint") +
+                   ", found those of " + std::to_string(file.angles) +
                    ": add the others, or skip all with --columns");
   if (options.per_joint && file.with_joints)
     throw CsvError(name +

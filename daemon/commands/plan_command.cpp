@@ -11,6 +11,7 @@
 #include "daemon/results/result_files.hpp"
 #include "daemon/settings/config_error.hpp"
 #include "daemon/text/progress.hpp"
+#include "rsi/counted.hpp"
 
 namespace sweepd {
 namespace {
@@ -51,9 +52,9 @@ void check_krl(const SweepPlan& plan, const KrlOptions& krl) {
 }
 
 std::string remark(const PlanOptions& options, const Proposal& proposal) {
-  return "Proposed by `sweepd plan` from " + options.plan.filename().string() + ": the sweeps of " +
-         std::to_string(proposal.steps.size()) +
-         " joints are wider.\nsweepd knows joint limits, but neither the cell nor the robot's own "
+  return "Proposed by `sweepd plan` from " + options.plan.filename().string() +
+         ", with wider sweeps of " + rsi::counted(proposal.steps.size(), "joint") +
+         ".\nsweepd knows joint limits, but neither the cell nor the robot's own "
          "body:\ndrive every new range by hand in T1 first.";
 }
 

@@ -149,9 +149,8 @@ std::string text(const SimulationReport& report) {
     text +=
         report_row("cycles overslept", link.skipped, "by this machine: no telegrams, IPOC went on");
   if (link.send_failures != 0)
-    text += report_row(
-        "not sent", link.send_failures,
-        (link.send_failures == 1 ? "datagram: " : "datagrams: ") + link.first_send_failure);
+    text +=
+        report_row("datagrams not sent", link.send_failures, "first: " + link.first_send_failure);
   return text + reply_rows(report) + latency_rows(link.latency);
 }
 

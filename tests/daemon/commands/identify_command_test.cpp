@@ -343,7 +343,7 @@ TEST_CASE("options that contradict each other or the files are told", "[identify
   check_csv_error(points_options({bare}, folder / "out"),
                   "bare.csv: expected a column t_s or joint, found neither");
   check_csv_error(points_options({angles}, folder / "out"),
-                  "angles.csv: expected angles of all 6 joints, found those of 2");
+                  "angles.csv: expected angles of 6 joints, found those of 2");
   check_csv_error(points_options({folder / "missing.csv"}, folder / "out"),
                   "missing.csv: cannot be read");
   wanted = points_options({listed}, folder / "out");

@@ -238,9 +238,8 @@ TEST_CASE("what this machine could not send or slept over is said", "[simulation
   CHECK(problem(report).empty());
   report.link.send_failures = 1;
   report.link.first_send_failure = "Network is unreachable";
-  CHECK_THAT(
-      text(report),
-      ContainsSubstring("not sent                         1 datagram: Network is unreachable"));
+  CHECK_THAT(text(report),
+             ContainsSubstring("datagrams not sent               1 first: Network is unreachable"));
   CHECK_THAT(problem(report),
              ContainsSubstring("1 datagram could not be sent to 127.0.0.1:49152: Network"));
 }
