@@ -2,10 +2,9 @@
 """What the documents say is so: commands run, options exist, links lead somewhere, settings, fields,
 metrics and codes are those of the program.
 
-    docs_test.py SWEEPD SOURCE_FOLDER SETTINGS_MANUAL
+    docs_test.py SWEEPD SOURCE_FOLDER
 
-SETTINGS_MANUAL is sweepd.toml.5, which the build writes from the table of settings. First the checks
-have to find what is planted in folders of their own, then nothing in the documents.
+First the checks have to find what is planted in folders of their own, then nothing in the documents.
 """
 import csv
 import json
@@ -120,13 +119,16 @@ class Program:
     def __init__(self, sweepd):
         self.sweepd = sweepd
         self.options = {}
-        listed = self.help().split("Subcommands:")[1]
+        listed = self.help().split("Commands:")[1]
         for name in re.findall(r"^  ([a-z]+) ", listed, re.M):
             self.options[name] = set(re.findall(r"--[a-z][a-z-]*", self.help(name)))
 
-    def help(self, *command):
-        return subprocess.run([self.sweepd, *command, "--help"], capture_output=True, text=True,
+    def run(self, *arguments):
+        return subprocess.run([self.sweepd, *arguments], capture_output=True, text=True,
                               check=True).stdout
+
+    def help(self, *command):
+        return self.run(*command, "--help")
 
     def wrong_options(self, line):
         """`line` begins with sweepd."""
@@ -214,21 +216,16 @@ def has_matplotlib():
 
 # Settings
 
-def settings_of_manual(text):
+def settings_of_help(text):
     """{(table, key): default}; "required", or empty where there is neither."""
-    found, table, key = {}, None, None
-    for line in text.replace("\\-", "-").splitlines():
-        if line.startswith(".SH"):
-            table = None
-        elif line.startswith(".SS "):
-            table = line[4:]
-        elif table and (name := re.match(r"\\fB(\w+)\\fR = ", line)):
-            key = (table, name[1])
-            found[key] = ""
-        elif table and key and line.startswith("Default: "):
-            found[key] = line.removeprefix("Default: ")
-        elif table and key and line == "Required.":
-            found[key] = "required"
+    found, table = {}, None
+    for line in re.sub(r"\n {20,}", "\t", text).splitlines():
+        if heading := re.match(r"(\[.*\]):$", line):
+            table = heading[1]
+        elif table and (key := re.match(r"  (\w+) = ", line)):
+            words = line.replace("\t", " ")
+            default = re.search(r"(?<= Default: ).*", words)
+            found[table, key[1]] = default[0] if default else "required" if words.endswith(" Required.") else ""
     return found
 
 
@@ -245,10 +242,10 @@ def settings_of_document(text):
     return found
 
 
-def wrong_settings(document, manual):
-    told, real = settings_of_document(document), settings_of_manual(manual)
+def wrong_settings(document, settings):
+    told, real = settings_of_document(document), settings_of_help(settings)
     if not real:
-        yield "no settings found in the manual"
+        yield "no settings found in the help"
     for table, key in sorted(told.keys() - real.keys()):
         yield f"{table} has no key {key}"
     for table, key in sorted(real.keys() - told.keys()):
@@ -322,7 +319,7 @@ def too_long(text):
 
 # All of it
 
-def problems(root, program, manual):
+def problems(root, program):
     def read(name):
         return (root / name).read_text(encoding="utf-8")
 
@@ -332,7 +329,8 @@ def problems(root, program, manual):
 
     bench = read("scripts/bench")
     yield from told("README.md", too_long(read("README.md")))
-    yield from told("docs/install.md", wrong_settings(read("docs/install.md"), manual))
+    yield from told("docs/install.md", wrong_settings(
+        read("docs/install.md"), program.run("run", "--help-settings")))
     yield from told("docs/install.md", wrong_metrics(read("docs/install.md"), read("daemon/page/metrics.cpp")))
     sources = "".join(path.read_text() for layer in ("rsi", "identify", "daemon")
                       for path in sorted((root / layer).rglob("*.?pp")))
@@ -386,8 +384,8 @@ def problems(root, program, manual):
 
 def planted(program):
     """What the checks do not see as they should."""
-    manual = (".SS [http]\n.TP\n\\fBlisten\\fR = x\nDefault: \"off\"\n.TP\n\\fBhosts\\fR = x\nRequired.\n"
-              ".SH EXAMPLE\n\\fBother\\fR = x\n")
+    gap = "\n" + 26 * " "
+    settings = f'a = x\n\n[http]:\n  listen = x{gap}A. Default:{gap}"off"\n  hosts = x{gap}A. Required.\n'
     table = "### `[http]`\n| `listen` | a | `\"off\"` |\n| `hosts` | a | required |\n"
     bench = "case x in\n  link | box)\n"
     with tempfile.TemporaryDirectory() as name:
@@ -411,10 +409,10 @@ def planted(program):
             (2, wrong_rooms("| `rsi/high` | x |\n| `rsi/low` | x |", ">low/</text>",
                             ["rsi/low", "rsi/high"])),
             (2, wrong_names("`kGone` `kHere` `Some::gone()` `here()` `rsi::Here`", "kHere here Here")),
-            (1, wrong_settings(table.replace("hosts", "host") + "| `hosts` | a | required |\n", manual)),
-            (1, wrong_settings(table.replace("| `hosts` | a | required |\n", ""), manual)),
-            (1, wrong_settings(table.replace("off", "on"), manual)),
-            (0, wrong_settings(table, manual)),
+            (1, wrong_settings(table.replace("hosts", "host") + "| `hosts` | a | required |\n", settings)),
+            (1, wrong_settings(table.replace("| `hosts` | a | required |\n", ""), settings)),
+            (1, wrong_settings(table.replace("off", "on"), settings)),
+            (0, wrong_settings(table, settings)),
             (1, missing_names("a_mm_x `b`", ["a_mm", "b"], "x")),
             (1, wrong_metrics("`sweepd_a` `sweepd_b`", '{"sweepd_a", 1}')),
             (1, wrong_codes("| `one_a` | x |", 'warn("one_a", 1); doubt("two", 2)')),
@@ -441,9 +439,9 @@ def planted(program):
                 yield f"planted case {number}: {seen} found instead of {wanted}"
 
 
-sweepd, source, manual_file = sys.argv[1:]
+sweepd, source = sys.argv[1:]
 real = Program(str(pathlib.Path(sweepd).resolve()))
 wrong = list(planted(real))
-wrong += problems(pathlib.Path(source).resolve(), real, pathlib.Path(manual_file).read_text(encoding="utf-8"))
+wrong += problems(pathlib.Path(source).resolve(), real)
 print("\n".join(wrong))
 sys.exit(bool(wrong))

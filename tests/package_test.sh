@@ -53,7 +53,8 @@ done < <(field Description)
 dpkg-deb -c "$package" | awk '{print $1, $2, $6}' >"$work/contents"
 for path in usr/bin/sweepd usr/lib/systemd/system/sweepd.service usr/lib/sysusers.d/sweepd.conf \
   etc/sweepd/sweepd.toml etc/needrestart/conf.d/sweepd.conf \
-  usr/share/man/man1/sweepd.1.gz usr/share/man/man5/sweepd.toml.5.gz \
+  usr/share/man/man1/sweepd.1.gz usr/share/man/man1/sweepd-{run,replay,inspect,identify}.1.gz \
+  usr/share/man/man1/sweepd-{simulate,plan,export,check}.1.gz usr/share/man/man5/sweepd.toml.5.gz \
   usr/share/bash-completion/completions/sweepd usr/share/doc/sweepd/copyright \
   usr/share/doc/sweepd/changelog.gz usr/share/doc/sweepd/README.md usr/share/doc/sweepd/SECURITY.md; do
   check "no /$path" grep -q " \./$path$" "$work/contents"

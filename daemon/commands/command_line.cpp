@@ -1,12 +1,17 @@
 #include "daemon/commands/command_line.hpp"
 
 #include <functional>
+#include <iostream>
 #include <stdexcept>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
+#include "daemon/commands/bash_completion.hpp"
 #include "daemon/commands/command_options.hpp"
+#include "daemon/commands/command_text.hpp"
+#include "daemon/commands/exit_codes.hpp"
+#include "daemon/commands/help_text.hpp"
 
 namespace sweepd {
 
@@ -24,16 +29,31 @@ struct CommandLine::Options {
 CommandLine::CommandLine()
     : options_(std::make_unique<Options>()),
       app_(std::make_unique<CLI::App>(
-          "Answers a KUKA controller's RSI telegrams, records them, and identifies the robot's "
-          "Denavit-Hartenberg parameters from single-joint sweeps.",
+          "Answer a KUKA controller's RSI telegrams, record them, and identify the robot's "
+          "Denavit-Hartenberg parameters from sweeps of single joints\n"
+          "`sweepd COMMAND --help` tells the options of a command.",
           "sweepd")) {
   auto& app = *app_;
-  app.set_version_flag("--version", "sweepd " SWEEPD_VERSION);
+  app.formatter_fn([](const CLI::App* command, const std::string& called, CLI::AppFormatMode) {
+    return help_text(command_text(*command), called);
+  });
+  app.set_help_flag("-h,--help", "Print this help and exit");
+  app.set_version_flag("--version", "sweepd " SWEEPD_VERSION, "Print the version and exit");
+  // For the build, which installs it. An option without a group is hidden.
+  app.add_flag_callback("--bash-completion",
+                        [&app] {
+                          std::cout << bash_completion(command_text(app));
+                          throw CLI::Success();
+                        })
+      ->group("");
   app.require_subcommand(1);
-  app.footer(
-      "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 the result is doubtful (identify, replay) or "
-      "replies were right but late (simulate), 78 wrong configuration.\n"
-      "`sweepd COMMAND --help` tells the options of a command.");
+  app.footer(exit_status(
+      {{0, "Done."},
+       {kFailed, "Failed. A line on standard error says why, and what to do."},
+       {kUsage, "The command line is wrong. Standard error says where."},
+       {3, "The result is doubtful (identify, replay), or replies were right but late (simulate)."},
+       {kConfigError,
+        "A configuration file is wrong. Standard error names the file and the line."}}));
 
   const auto on = [this](CLI::App* command, const std::function<int()>& work) {
     command->callback([this, work] { exit_code_ = work(); });
@@ -60,12 +80,8 @@ int CommandLine::execute(int argc, const char* const* argv) {
   try {
     app_->parse(argc, argv);
     return exit_code_;
-  } catch (const CLI::CallForHelp& help) {
-    return app_->exit(help);
-  } catch (const CLI::CallForAllHelp& help) {
-    return app_->exit(help);
-  } catch (const CLI::CallForVersion& version) {
-    return app_->exit(version);
+  } catch (const CLI::Success& printed) {  // help, version
+    return app_->exit(printed);
   } catch (const CLI::ParseError& problem) {
     const auto commands = app_->get_subcommands();
     const bool unknown = commands.empty() && argc > 1 && argv[1][0] != '-';

@@ -8,8 +8,8 @@ class App;
 
 namespace sweepd {
 
-/// Every command of sweepd with its options: the one table that parses, and that the manual and the
-/// shell completion are written from.
+/// Every command of sweepd with its options: the one table that parses, and that help, manual pages
+/// and shell completion are made of.
 class CommandLine {
  public:
   CommandLine();

@@ -1,16 +1,22 @@
 #include "daemon/commands/command_options.hpp"
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
+#include <iostream>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
+#include "daemon/commands/exit_codes.hpp"
+#include "daemon/commands/help_text.hpp"
 #include "daemon/points/axes_file.hpp"
 #include "daemon/points/point_columns.hpp"
+#include "daemon/text/text_layout.hpp"
 #include "identify/sweeps/sample.hpp"
 
 namespace sweepd {
@@ -26,168 +32,255 @@ CLI::callback_t parsed(std::optional<Value>& into, const Parse& parse) {
   };
 }
 
+constexpr ExitCode kOk{0, "Done."};
+constexpr ExitCode kError{kFailed, "Failed. A line on standard error says why, and what to do."};
+constexpr ExitCode kWrongUsage{kUsage, "The command line is wrong. Standard error says where."};
+constexpr ExitCode kDoubtful{
+    3,
+    "The result is doubtful: the data contradict themselves, or what a built robot can be. The "
+    "result files are written. The first lines of the report say why."};
+constexpr ExitCode kWrongFile{
+    kConfigError, "A configuration file is wrong. Standard error names the file and the line."};
+
 void add_filter(CLI::App& command, rsi::ConversationFilter& filter) {
-  command.add_option("--port", filter.port,
-                     "The conversation whose RSI server has this port (default: the busiest)");
+  command.add_option("--port", filter.port, "Take the conversation whose RSI server has this port")
+      ->type_name("PORT")
+      ->default_str("that of the busiest conversation");
   command
       .add_option("--controller", parsed(filter.controller, rsi::parse_address),
-                  "The conversation of the controller with this address (default: the busiest)")
-      ->type_name("ADDRESS");
+                  "Take the conversation of the controller with this IPv4 address")
+      ->type_name("ADDRESS")
+      ->default_str("that of the busiest conversation");
 }
 
 void add_force(CLI::App& command, bool& force) {
-  command.add_flag("--force", force,
-                   "Overwrite what is not of sweepd, or was edited; never what is read");
+  command.add_flag(
+      "--force", force,
+      "Overwrite also files that sweepd did not write or that somebody has edited, but "
+      "never an input file");
 }
 
 void add_traces(CLI::App& command, std::vector<std::filesystem::path>& traces) {
-  command.add_option("TRACE", traces, "Captures of one stream: all parts of a trace, in any order")
+  command.add_option("TRACE", traces, "Capture files (pcap or pcapng) of one stream, in any order")
       ->required()
       ->type_name("");
+}
+
+void add_quiet(CLI::App& command, bool& quiet) {
+  command.add_flag("--quiet", quiet, "Print no progress and no report");
+}
+
+void add_robot_and_plan(CLI::App& command, std::filesystem::path& robot,
+                        std::filesystem::path& plan) {
+  command.add_option("--robot", robot, "Read the robot description from this file")
+      ->required()
+      ->type_name("FILE");
+  command.add_option("--plan", plan, "Read the sweep plan from this file")
+      ->required()
+      ->type_name("FILE");
+}
+
+void add_tool(CLI::App& command, std::optional<std::array<double, 3>>& tool_mm) {
+  command
+      .add_option("--tool-mm", tool_mm,
+                  "Place the target at this point, in mm, of the frame after the last DH row")
+      ->type_name("X,Y,Z")
+      ->delimiter(',')
+      ->default_str("that of the robot description");
 }
 
 }  // namespace
 
 CLI::App* add_run(CLI::App& app, RunOptions& options) {
-  auto* command = app.add_subcommand("run", "The daemon, in the foreground: serve the controllers");
-  command->add_option("--config", options.config, "Settings")
+  auto* command = app.add_subcommand(
+      "run",
+      "Serve robot controllers: answer and record their RSI telegrams, identify the robots\n"
+      "The command stays in the foreground until SIGTERM or SIGINT. SIGHUP makes it read the "
+      "settings again.");
+  command->add_option("--config", options.config, "Read the settings from this file")
       ->capture_default_str()
       ->type_name("FILE");
-  command
-      ->add_option("--output", options.output,
-                   "Folder for recordings and results (default: settings)")
-      ->type_name("DIR");
+  command->add_option("--output", options.output, "Keep recordings and results below this folder")
+      ->type_name("DIR")
+      ->default_str("the `output` of each robot's settings");
   command
       ->add_option("--listen", parsed(options.listen, rsi::parse_endpoint),
-                   "Address and port of the one robot (default: settings)")
-      ->type_name("ADDRESS:PORT");
+                   "Receive telegrams on this IPv4 address and port, where the settings have one "
+                   "robot")
+      ->type_name("ADDRESS:PORT")
+      ->default_str("the `listen` of the robot's settings");
+  command->add_flag_callback(
+      "--help-settings",
+      [] {
+        std::cout << settings_text();
+        throw CLI::Success();
+      },
+      "Print every key of the settings file with its meaning and default, and exit");
+  command->footer(exit_status({kOk, kError, kWrongUsage, kWrongFile}));
   return command;
 }
 
 CLI::App* add_replay(CLI::App& app, ReplayOptions& options) {
-  auto* command =
-      app.add_subcommand("replay", "The same on captures (pcap, pcapng), as fast as it goes");
+  auto* command = app.add_subcommand(
+      "replay",
+      "Identify a robot from captures of its RSI telegrams (pcap, pcapng)\n"
+      "The captures may be sweepd's own recordings, or come from Wireshark or tcpdump. The result "
+      "files are those that `sweepd run` would have written.");
   add_traces(*command, options.traces);
-  command->add_option("--config", options.config, "Settings")->type_name("FILE");
-  command->add_option("--robot", options.robot, "Robot description (default: settings)")
-      ->type_name("FILE");
+  command->add_option("--config", options.config, "Read the settings from this file")
+      ->type_name("FILE")
+      ->default_str("no settings");
+  command->add_option("--robot", options.robot, "Read the robot description from this file")
+      ->type_name("FILE")
+      ->default_str("that of the settings");
   command
       ->add_option("--plan", options.plan,
-                   "Sweep plan: the order of joints where telegrams carry no angles (default: "
-                   "settings)")
-      ->type_name("FILE");
-  command->add_option("--output", options.output, "Folder for the result files (default: none)")
-      ->type_name("DIR");
+                   "Read the sweep plan from this file. Telegrams without angles need its order of "
+                   "joints")
+      ->type_name("FILE")
+      ->default_str("that of the settings");
+  command->add_option("--output", options.output, "Write the result files into this folder")
+      ->type_name("DIR")
+      ->default_str("no result files");
   add_filter(*command, options.filter);
-  command->add_flag("--quiet", options.quiet, "No progress, no report");
+  add_quiet(*command, options.quiet);
   add_force(*command, options.force);
+  command->footer(exit_status({kOk, kError, kWrongUsage, kDoubtful, kWrongFile}));
   return command;
 }
 
 CLI::App* add_inspect(CLI::App& app, InspectOptions& options) {
   auto* command = app.add_subcommand(
-      "inspect", "How the link did: loss, jitter, reply latency, late replies, with a verdict");
+      "inspect",
+      "Judge the RSI link in captures by its loss, jitter, reply latency and late replies\n"
+      "The verdict is good, marginal or bad. Each reason comes with what to do about it. The "
+      "captures may be of any RSI server.");
   add_traces(*command, options.traces);
   add_filter(*command, options.filter);
   command
       ->add_option("--json", options.json,
-                   "Write the report as JSON too; - is standard output, in place of the text")
+                   "Write the report to this file as JSON too. With -, print JSON in place of the "
+                   "text")
       ->type_name("FILE");
-  command->add_flag("--quiet", options.quiet, "No progress, no text");
+  add_quiet(*command, options.quiet);
   add_force(*command, options.force);
-  command->footer(
-      "The verdict is good, marginal or bad, each reason with what to do about it.\n"
-      "Exit codes: 0 good or marginal, 1 bad, or no RSI in the captures.");
+  command->footer(exit_status(
+      {{0, "The link is good or marginal."},
+       {kFailed,
+        "The link is bad, or the captures have no RSI, or a file cannot be read or written."},
+       kWrongUsage}));
   return command;
 }
 
 CLI::App* add_identify(CLI::App& app, IdentifyOptions& options) {
-  auto* command = app.add_subcommand("identify", "From points that another device measured (CSV)");
-  command->add_option("FILE", options.points, "Measured points")->type_name("");
+  auto* command = app.add_subcommand(
+      "identify", "Identify a robot from points or joint axes that another device measured (CSV)");
+  command->add_option("FILE", options.points, "Files of measured points")->type_name("");
   command
       ->add_option("--axes", options.axes,
-                   "Joint axes as lines, in place of points: straight to DH")
+                   "Read joint axes from this file in place of points, and make the DH table of "
+                   "them")
       ->type_name("FILE");
   command
       ->add_option(
           "--columns", options.columns,
-          "Names of the columns, with commas between, where no header tells them or a wrong "
-          "one; - or _ for one to skip (a list that begins with -: --columns=-,...)")
+          "Name the columns, with commas between, where a file has no header or a wrong one. The "
+          "name - or _ skips a column. Write --columns=-,x_mm where the first name is -")
       ->type_name("NAMES");
-  command->add_flag("--per-joint", options.per_joint, "One file a joint: joint 1 first");
+  command->add_flag("--per-joint", options.per_joint,
+                    "Take each file as the points of one joint, beginning with joint 1");
   command
       ->add_option("--robot", options.robot,
-                   "Robot description, to compare with (default: none, nothing is compared)")
-      ->type_name("FILE");
+                   "Read the robot description from this file, and compare the result with it")
+      ->type_name("FILE")
+      ->default_str("no comparison");
   command
       ->add_option("--plan", options.plan,
-                   "Sweep plan: home, directions and order of joints where no angles tell them")
+                   "Read home, directions and order of joints from this sweep plan, for points "
+                   "without angles")
       ->type_name("FILE");
-  command
-      ->add_option(
-          "--joints", options.joints,
-          "Of the arm (default: of the description or plan, or as many as the points name, "
-          "or 6)")
-      ->check(CLI::Range(std::size_t{1}, identify::kMostJoints));
+  command->add_option("--joints", options.joints, "Set the number of joints of the arm")
+      ->check(CLI::Range(std::size_t{1}, identify::kMostJoints))
+      ->default_str("that of the description, the plan or the points, else 6");
   command
       ->add_option_function<std::string>(
           "--frame",
           [&options](const std::string& frame) { options.device_frame = frame == "device"; },
-          "Whose frame the points are in: where the robot stands in a device's is found out "
-          "(default: device)")
+          "Say whose frame the points are in. The robot's place in a device's frame is identified "
+          "too")
       ->type_name("device|robot")
-      ->check(CLI::IsMember({"device", "robot"}));
-  command->add_option("--output", options.output, "Folder for the result files (default: none)")
-      ->type_name("DIR");
-  command->add_flag("--quiet", options.quiet, "No progress, no report");
+      ->check(CLI::IsMember({"device", "robot"}))
+      ->default_str("device");
+  command->add_option("--output", options.output, "Write the result files into this folder")
+      ->type_name("DIR")
+      ->default_str("no result files");
+  add_quiet(*command, options.quiet);
   add_force(*command, options.force);
+  const auto text = [](std::string_view words) { return paragraph("  ", words); };
   command->footer(
-      R"(Points: text with commas, semicolons, tabs or blanks between columns; lines that begin
-with # are passed over. The header names columns and units, in any order:
-  )" + std::string(kPointColumns) +
-      R"(
-A column target (number or name) tells target points apart. samples.csv and sweeps.csv
-of sweepd are understood as they are.
-
-Either a stream with t_s, in which sweeps are found as in a live one; or a column joint:
-each run of lines with the same joint is a sweep; or one file a joint with --per-joint,
-which with t_s may hold rests and several strokes.
-
-Axes: a header as above, and a line a joint with a point of its axis and the direction:
-  )" + std::string(kAxisColumns));
+      exit_status({kOk, kError, kWrongUsage, kDoubtful, kWrongFile}) + "\nFiles:\n" +
+      text("A file of points is text with commas, semicolons, tabs or blanks between its columns. "
+           "Lines that begin with # are passed over. The header names columns and units, in any "
+           "order:") +
+      '\n' + text(std::string(kPointColumns) + '.') + '\n' +
+      text("The column target has a number or a name for each target point. sweepd's own "
+           "samples.csv and sweeps.csv are such files.") +
+      '\n' +
+      text("Points make sweeps in one of three ways. With times t_s, sweeps are found as in live "
+           "data. With a column joint, each run of lines of the same joint is a sweep. With "
+           "--per-joint, each file is a sweep, or with times several strokes and rests.") +
+      '\n' +
+      text("A file of axes has a line for each joint, with a point of its axis and the direction. "
+           "Its header names these columns: " +
+           std::string(kAxisColumns) + '.'));
   return command;
 }
 
 CLI::App* add_simulate(CLI::App& app, SimulateOptions& options) {
   auto* command = app.add_subcommand(
-      "simulate", "Stands in for a controller whose robot runs a sweep plan; checks every reply");
-  command->add_option("--robot", options.robot, "Robot description")->required()->type_name("FILE");
-  command->add_option("--plan", options.plan, "Sweep plan")->required()->type_name("FILE");
-  auto* target = command->add_option_group("Target", "Where the telegrams go: one of");
+      "simulate",
+      "Simulate a controller whose robot runs a sweep plan, and check an RSI server's replies\n"
+      "The telegrams go to a server in real time, or into a capture. The same options make the "
+      "same telegrams.");
+  add_robot_and_plan(*command, options.robot, options.plan);
+  auto* target = command->add_option_group("Target");
   target
       ->add_option("--to", parsed(options.to, rsi::parse_endpoint),
-                   "An RSI server, in real time; over TCP if the Ethernet file says so")
+                   "Send the telegrams to the RSI server at this IPv4 address and port in real "
+                   "time, over TCP where the Ethernet file says so and else over UDP")
       ->type_name("ADDRESS:PORT");
-  target->add_option("--write", options.write, "A capture, as fast as it goes")
+  target
+      ->add_option("--write", options.write,
+                   "Write the telegrams to this capture as fast as possible")
       ->type_name("TRACE.pcap");
   target->require_option(1);
   command
       ->add_option("--ethernet-config", options.ethernet_config,
-                   "The controller's Ethernet file (default: the shipped one)")
-      ->type_name("FILE");
-  command->add_option("--seed", options.seed, "Of wobble and faults")->capture_default_str();
-  command->add_option("--wobble-deg", options.wobble_deg, "Servo wobble of every joint, sigma")
+                   "Read the controller's Ethernet file from here")
+      ->type_name("FILE")
+      ->default_str("the one that sweepd ships");
+  command
+      ->add_option("--seed", options.seed,
+                   "Start the random numbers of wobble and faults from this number")
+      ->capture_default_str();
+  command
+      ->add_option("--wobble-deg", options.wobble_deg,
+                   "Let every joint wobble with this standard deviation, in degrees")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  command->add_option("--precision", options.precision, "Decimals, as at the ETHERNET object")
+  command
+      ->add_option("--precision", options.precision,
+                   "Write numbers with this many decimals, as set at the ETHERNET object")
       ->check(CLI::Range(0, 15))
       ->capture_default_str();
-  command->add_option("--cycle-ms", options.cycle_ms, "4 on IPO_FAST, 12 on IPO")
+  command
+      ->add_option("--cycle-ms", options.cycle_ms,
+                   "Send a telegram every so many milliseconds: 4 on IPO_FAST, 12 on IPO")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   command
       ->add_option("--timeout-cycles", options.timeout_cycles,
-                   "Unanswered cycles in a row until the controller stops")
+                   "Stop after this many unanswered cycles in a row, as a controller does")
       ->capture_default_str();
   command
       ->add_option_function<std::string>(
@@ -195,62 +288,75 @@ CLI::App* add_simulate(CLI::App& app, SimulateOptions& options) {
           [&options](const std::string& rule) {
             options.check = rule == "sweepd" ? rsi::ReplyRule::sweepd : rsi::ReplyRule::controller;
           },
-          "What replies must be: what a controller accepts (Type and IPOC are right, tags may be "
-          "missing), or what sweepd promises (every tag of RECEIVE is there and zero) (default: "
-          "controller)")
+          "Accept what a controller accepts (Type and IPOC are right, tags may be missing), or "
+          "only what sweepd promises (every tag of RECEIVE is there and zero)")
       ->type_name("controller|sweepd")
-      ->check(CLI::IsMember({"controller", "sweepd"}));
-  command->add_option("--first-ipoc", options.first_ipoc, "IPOC of the first telegram")
+      ->check(CLI::IsMember({"controller", "sweepd"}))
+      ->default_str("controller");
+  command->add_option("--first-ipoc", options.first_ipoc, "Give the first telegram this IPOC")
       ->capture_default_str();
   for (const auto& [name, value, help] :
-       {std::tuple{"--lose-percent", &options.lose_percent, "Telegrams lost on purpose"},
-        std::tuple{"--duplicate-percent", &options.duplicate_percent, "Telegrams sent twice"},
+       {std::tuple{"--lose-percent", &options.lose_percent,
+                   "Lose this share of the telegrams on purpose, in percent"},
+        std::tuple{"--duplicate-percent", &options.duplicate_percent,
+                   "Send this share of the telegrams twice, in percent"},
         std::tuple{"--swap-percent", &options.swap_percent,
-                   "Telegrams exchanged with the next one"}})
+                   "Exchange this share of the telegrams with the next one, in percent"}})
     command->add_option(name, *value, help)->check(CLI::Range(0.0, 100.0))->capture_default_str();
-  command
-      ->add_option("--tool-mm", options.tool_mm,
-                   "Target point in the frame after the last row (default: the description's)")
-      ->type_name("X,Y,Z")
-      ->delimiter(',');
-  command->add_flag("--quiet", options.quiet, "No progress, no report");
+  add_tool(*command, options.tool_mm);
+  add_quiet(*command, options.quiet);
   add_force(*command, options.force);
+  command->footer(
+      exit_status({{0, "The plan was played to its end, and every reply was right and in time."},
+                   kError,
+                   kWrongUsage,
+                   {kLate,
+                    "Every reply was right, but some came late or not at all, as from a busy "
+                    "machine."},
+                   kWrongFile}));
   return command;
 }
 
 CLI::App* add_plan(CLI::App& app, PlanOptions& options) {
   auto* command = app.add_subcommand(
       "plan",
-      "Before the robot moves: checks a sweep plan, predicts the uncertainty of every DH "
-      "parameter, proposes better ranges, writes the robot's program");
-  command->add_option("--robot", options.robot, "Robot description")->required()->type_name("FILE");
-  command->add_option("--plan", options.plan, "Sweep plan")->required()->type_name("FILE");
-  command->add_option("--cycle-ms", options.cycle_ms, "4 on IPO_FAST, 12 on IPO")
+      "Check a sweep plan before the robot moves: predict uncertainties, propose better ranges, "
+      "write the KRL program\n"
+      "A simulated robot rehearses the plan. The uncertainties are those of the Fisher information "
+      "of the samples that the estimator would use.\n"
+      "sweepd knows joint limits, but neither the cell nor the robot's own body: run every new "
+      "plan in T1 first.");
+  add_robot_and_plan(*command, options.robot, options.plan);
+  command
+      ->add_option("--cycle-ms", options.cycle_ms,
+                   "Assume a telegram every so many milliseconds: 4 on IPO_FAST, 12 on IPO")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command->add_option("--precision", options.precision, "Decimals, as at the ETHERNET object")
+  command
+      ->add_option("--precision", options.precision,
+                   "Assume numbers with this many decimals, as set at the ETHERNET object")
       ->check(CLI::Range(0, 15))
       ->capture_default_str();
-  command->add_option("--wobble-deg", options.wobble_deg, "Servo wobble of every joint, sigma")
+  command
+      ->add_option("--wobble-deg", options.wobble_deg,
+                   "Assume that every joint wobbles with this standard deviation, in degrees")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command
       ->add_option("--position-sigma-mm", options.position_sigma_mm,
-                   "Another device measures positions, so well in each coordinate, and no angles "
-                   "(default: the controller's own numbers are used)")
-      ->check(CLI::Range(1e-6, 100.0));
-  command
-      ->add_option("--tool-mm", options.tool_mm,
-                   "Target point in the frame after the last row (default: the description's)")
-      ->type_name("X,Y,Z")
-      ->delimiter(',');
+                   "Assume that another device measures positions and no angles, with this "
+                   "standard deviation of each coordinate in mm")
+      ->check(CLI::Range(1e-6, 100.0))
+      ->default_str("positions and angles are the controller's");
+  add_tool(*command, options.tool_mm);
   auto* propose = command->add_flag("--propose", options.propose,
-                                    "Look for better ranges within the joint limits");
+                                    "Look for better sweep ranges within the joint limits");
   command
-      ->add_option("--margin-deg", options.margin_deg, "Proposed ranges keep so far off the limits")
+      ->add_option("--margin-deg", options.margin_deg,
+                   "Keep proposed ranges this many degrees off the joint limits")
       ->check(CLI::Range(0.0, 90.0))
       ->capture_default_str();
-  command->add_option("--write-plan", options.write_plan, "Write the proposed plan")
+  command->add_option("--write-plan", options.write_plan, "Write the proposed plan to this file")
       ->type_name("FILE")
       ->needs(propose);
   auto* krl = command
@@ -261,70 +367,85 @@ CLI::App* add_plan(CLI::App& app, PlanOptions& options) {
                                       : dialect == "krc4" ? KrlDialect::krc4
                                                           : KrlDialect::iiqka;
                       },
-                      "Write the KRL program of --plan: for KR C2 (RSI 2), KR C4 and KR C5 with "
-                      "KSS (RSI 3 to 5), or KR C5 with iiQKA (RSI 6)")
+                      "Write the KRL program of the plan that was given, for a KR C2 (krc2: RSI "
+                      "2), a KR C4 or KR C5 with KSS (krc4: RSI 3 to 5), or a KR C5 with iiQKA "
+                      "(iiqka: RSI 6)")
                   ->type_name("krc2|krc4|iiqka")
                   ->check(CLI::IsMember({"krc2", "krc4", "iiqka"}));
-  auto* output = command->add_option("--output", options.output, "Folder for NAME.src, NAME.dat")
-                     ->type_name("DIR")
-                     ->needs(krl);
+  auto* output =
+      command
+          ->add_option("--output", options.output,
+                       "Write the KRL program into this folder, as NAME.src and NAME.dat")
+          ->type_name("DIR")
+          ->needs(krl);
   krl->needs(output);
-  command->add_option("--name", options.name, "Of the KRL program")
+  command->add_option("--name", options.name, "Give the KRL program this name")
       ->capture_default_str()
       ->type_name("NAME");
   command
       ->add_option("--krl-tool", options.krl_tool,
-                   "Number of the controller's tool whose point is the target")
+                   "Use the controller's tool of this number in the KRL program, whose point is "
+                   "the target")
       ->capture_default_str();
   command
       ->add_option("--rsi-file", options.rsi_file,
-                   "Ethernet file (krc2) or RSI context (krc4, iiqka) that the KRL program names "
-                   "(default: sweepd_udp.xml, sweepd.rsi, sweepd)")
-      ->type_name("NAME");
+                   "Let the KRL program load this Ethernet file (krc2) or RSI context (krc4, "
+                   "iiqka)")
+      ->type_name("NAME")
+      ->default_str("sweepd_udp.xml, sweepd.rsi or sweepd");
   add_force(*command, options.force);
-  command->footer(
-      "The plan is rehearsed by a simulated robot; the uncertainties are those of the Fisher\n"
-      "information of the samples that the estimator would use.\n"
-      "sweepd knows joint limits, but neither the cell nor the robot's own body: run every new\n"
-      "plan in T1 first.\n"
-      "Exit codes: 0 done; 1 refused, and nothing is written: an axis would not be determined, or\n"
-      "a sweep not be recognised; 78 beyond the limits of the robot, all findings are listed.");
+  command->footer(exit_status(
+      {kOk,
+       {kFailed,
+        "The plan is refused and nothing is written: an axis would not be determined, or a sweep "
+        "not be recognised. Or a file cannot be written."},
+       kWrongUsage,
+       {kConfigError,
+        "A configuration file is wrong, or the plan goes beyond the limits of the robot. All "
+        "findings are listed."}}));
   return command;
 }
 
 CLI::App* add_export(CLI::App& app, ExportOptions& options) {
-  auto* command =
-      app.add_subcommand("export", "Every signal of a capture as CSV, a row a telegram");
+  auto* command = app.add_subcommand(
+      "export", "Write every signal of the telegrams in captures as CSV, one row a telegram");
   add_traces(*command, options.traces);
-  command->add_option("--csv", options.csv, "The file to write; - is standard output")
+  command->add_option("--csv", options.csv, "Write the table to this file. With -, print it")
       ->required()
       ->type_name("FILE");
   add_filter(*command, options.filter);
   add_force(*command, options.force);
+  command->footer(exit_status({kOk, kError, kWrongUsage}));
   return command;
 }
 
 CLI::App* add_check(CLI::App& app, CheckOptions& options) {
   auto* command = app.add_subcommand(
-      "check", "Settings, robot, plan, the controller's files and this machine against each other");
+      "check",
+      "Check settings, robot, plan, the controller's files and this machine against each other\n"
+      "Run it as the user that serves: `sudo -u sweepd sweepd check`. It prints the reply that "
+      "the controller would get.");
   command
-      ->add_option("--config", options.config,
-                   "Settings, and all files that they name (default, unless other files are given: "
-                   "those of `run`)")
-      ->type_name("FILE");
-  command->add_option("--ethernet-config", options.ethernet_configs, "Ethernet files by themselves")
+      ->add_option("--config", options.config, "Check these settings and all files that they name")
+      ->type_name("FILE")
+      ->default_str("those of `sweepd run`, where no other file is given");
+  command
+      ->add_option("--ethernet-config", options.ethernet_configs,
+                   "Check these Ethernet files by themselves")
       ->type_name("FILE");
   command
       ->add_option("--context", options.contexts,
-                   "RSI contexts of the controller (.rsi.xml or .rsix), to be held against the "
+                   "Check these RSI contexts of the controller (.rsi.xml or .rsix) against the "
                    "Ethernet files")
       ->type_name("FILE");
   command->add_flag("--files-only", options.files_only,
-                    "Leave this machine alone: port, addresses, real time, disk");
+                    "Check files only, and not the port, addresses, real time and disk of this "
+                    "machine");
   command->footer(
-      "Best as the user that serves: sudo -u sweepd sweepd check.\n"
-      "Exit codes: 0 nothing wrong (there may be warnings), 78 a file is wrong, 1 the files are\n"
-      "right but this machine cannot do what they say.");
+      exit_status({{0, "Nothing is wrong. There may be warnings."},
+                   {kFailed, "The files are right, but this machine cannot do what they say."},
+                   kWrongUsage,
+                   {kConfigError, "A file is wrong."}}));
   return command;
 }
 

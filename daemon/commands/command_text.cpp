@@ -8,10 +8,10 @@ namespace sweepd {
 
 namespace {
 
-std::vector<std::string> split(const std::string& text) {
+std::vector<std::string> split(const std::string& text, char at) {
   std::vector<std::string> parts;
   std::istringstream stream(text);
-  for (std::string part; std::getline(stream, part, ',');) parts.push_back(part);
+  for (std::string part; std::getline(stream, part, at);) parts.push_back(part);
   return parts;
 }
 
@@ -21,7 +21,7 @@ void describe_value(const std::string& type, CommandOption& option) {
   option.value = type;
   if (const auto set = type.find(":{"); set != type.npos) {
     option.value = type.substr(0, set);
-    option.choices = split(type.substr(set + 2, type.size() - set - 3));
+    option.choices = split(type.substr(set + 2, type.size() - set - 3), ',');
   } else if (const auto range = type.find(" in ["); range != type.npos) {
     option.value = type.substr(0, type.rfind(':', range));
     const auto limits = type.substr(range + 5, type.size() - range - 6);
@@ -53,10 +53,14 @@ CommandOption option_text(const CLI::Option& option) {
 }  // namespace
 
 CommandText command_text(const CLI::App& app) {
-  CommandText text{app.get_name(), app.get_description(), app.get_footer(), {}, {}};
-  const auto* parent = app.get_parent();
-  if (parent != nullptr && parent->get_footer() == text.footer) text.footer.clear();
-  for (const auto* option : app.get_options()) text.options.push_back(option_text(*option));
+  CommandText text{app.get_name(),   "", split(app.get_description(), '\n'),
+                   app.get_footer(), {}, {}};
+  if (!text.details.empty()) {
+    text.help = text.details.front();
+    text.details.erase(text.details.begin());
+  }
+  for (const auto* option : app.get_options())
+    if (!option->get_group().empty()) text.options.push_back(option_text(*option));
   int alternative = 0;
   for (const auto* part : app.get_subcommands({})) {
     if (!part->get_name().empty()) {

@@ -9,13 +9,13 @@ class App;
 
 namespace sweepd {
 
-/// A command's option or file argument in words, for a manual and for completion.
+/// A command's option or file argument in words, for its help and for completion.
 struct CommandOption {
   std::vector<std::string> names;    ///< "--help", "-h"; an argument without dashes: its own, TRACE
   std::string value;                 ///< what is written after it: FILE, DIR; empty: a flag
   std::vector<std::string> choices;  ///< the only values, if they are a fixed set
   std::string range;                 ///< the only values: "1 to 12"
-  std::string fallback;              ///< the default; may stand in `help` instead
+  std::string fallback;              ///< the default
   bool required = false;
   bool repeated = false;           ///< takes several values
   std::vector<std::string> needs;  ///< options that have to be given with it
@@ -28,13 +28,15 @@ struct CommandOption {
 /// A command in words, and the program itself, which has commands.
 struct CommandText {
   std::string name;
-  std::string help;
-  std::string footer;  ///< lines as in --help, empty if it is the program's own
+  std::string help;                  ///< what it does: a phrase that begins with a verb
+  std::vector<std::string> details;  ///< paragraphs
+  std::string footer;                ///< sections that stand below the options, in lines
   std::vector<CommandOption> options;
   std::vector<CommandText> commands;
 };
 
-/// What a command line parser knows of its options.
+/// What a command line parser knows of its options, but for those that are hidden (without a
+/// group). A description's paragraphs are parted by line ends: help first, then the details.
 [[nodiscard]] CommandText command_text(const CLI::App& app);
 
 }  // namespace sweepd

@@ -37,11 +37,11 @@ expect() {
 }
 
 # The commands and options that --help tells are those that are offered.
-commands=$("$sweepd" --help | sed -n '/^Subcommands:/,/^$/s/^  \([a-z]*\) .*/\1/p')
+commands=$("$sweepd" --help | sed -n '/^Commands:/,/^$/s/^  \([a-z]*\) .*/\1/p')
 [[ $commands == *simulate* ]]
 expect "$(printf '%s\n' $commands --help --version | sort | paste -sd '|')" ''
 for command in $commands; do
-  options=$("$sweepd" "$command" --help | sed -n 's/^ *\(-h,\)\?\(--[a-z-]*\).*/\2/p' | sort -u | paste -sd '|')
+  options=$("$sweepd" "$command" --help | sed -n 's/^  \(-h, \)\?\(--[a-z-]*\).*/\2/p' | sort -u | paste -sd '|')
   expect "$options" "$command" --
 done
 

@@ -1,15 +1,40 @@
 #!/usr/bin/env bash
-# The manual pages are sound for groff and for mandoc, whichever is there.
+# Every command has a manual page, and the pages are sound for groff and for mandoc, whichever is there.
 #
-#   manual_lint_test.sh PAGE…
+#   manual_lint_test.sh SWEEPD FOLDER_OF_PAGES
 set -euo pipefail
+sweepd=$1
+folder=$2
+
+fail() {
+  echo "$*"
+  exit 1
+}
+
+pages=("$folder/sweepd.1" "$folder/sweepd.toml.5")
+for command in $("$sweepd" --help | sed -n '/^Commands:/,/^$/s/^  \([a-z]*\) .*/\1/p'); do
+  pages+=("$folder/sweepd-$command.1")
+done
+((${#pages[@]} >= 9)) || fail "only ${#pages[@]} pages"
+
+for page in "${pages[@]}"; do
+  [[ -f $page ]] || fail "there is no $page"
+  sections='NAME SYNOPSIS DESCRIPTION OPTIONS "EXIT STATUS" "SEE ALSO"'
+  [[ $page == *.5 ]] && sections='NAME SYNOPSIS DESCRIPTION EXAMPLE FILES "SEE ALSO"'
+  while IFS= read -r section; do
+    grep -qx "\.SH $section" "$page" || fail "$page has no section $section"
+  done < <(xargs -n 1 <<<"$sections" | sed 's/.* .*/"&"/')
+  # What stands in backticks is set in bold, and each heading of --help became one of the page.
+  ! grep -n '`' "$page" || fail "$page has backticks"
+  ! grep -n '^\.S[HS] .*:"\?$' "$page" || fail "$page has a heading with a colon"
+done
 
 looked=false
-for page in "$@"; do
+for page in "${pages[@]}"; do
   if command -v groff >/dev/null; then
     looked=true
     said=$(groff -man -Tutf8 -ww -rCHECKSTYLE=3 -z "$page" 2>&1)
-    [[ -z $said ]] || { echo "$said"; exit 1; }
+    [[ -z $said ]] || fail "$said"
   fi
   if command -v mandoc >/dev/null; then
     looked=true

@@ -1,0 +1,109 @@
+#include "daemon/commands/help_text.hpp"
+
+#include <cctype>
+#include <functional>
+
+#include "daemon/settings/settings.hpp"
+#include "daemon/text/text_layout.hpp"
+
+namespace sweepd {
+
+namespace {
+
+/// Where explanations begin. help2man takes those on a line of their own from column 20 on.
+constexpr std::size_t kExplained = 26;
+
+std::string entry(const std::string& name, const std::string& text) {
+  const auto label = left("  " + name, kExplained);
+  // Two blanks at least part them.
+  if (label[kExplained - 2] == ' ' && label[kExplained - 1] == ' ') return paragraph(label, text);
+  return "  " + name + '\n' + paragraph(std::string(kExplained, ' '), text);
+}
+
+std::string joined(const std::vector<std::string>& parts) {
+  std::string text;
+  for (const auto& part : parts) text += (text.empty() ? "" : ", ") + part;
+  return text;
+}
+
+std::string option_entry(const CommandOption& option) {
+  // -h, --help: the short one is first.
+  const std::vector<std::string> names(option.names.rbegin(), option.names.rend());
+  std::vector<std::string> notes;
+  if (option.required && !option.positional()) notes.emplace_back("required");
+  if (!option.needs.empty()) notes.push_back("together with " + joined(option.needs));
+  if (!option.range.empty()) notes.push_back(option.range);
+  if (!option.fallback.empty()) notes.push_back("default: " + option.fallback);
+  return entry(joined(names) + (option.value.empty() ? "" : ' ' + option.value) +
+                   (option.repeated ? "..." : ""),
+               option.help + (notes.empty() ? "" : " (" + joined(notes) + ')'));
+}
+
+/// The entries of those options that `belong`, below a heading.
+std::string section(const std::string& heading, const CommandText& command,
+                    const std::function<bool(const CommandOption&)>& belong) {
+  std::string text;
+  for (const auto& option : command.options)
+    if (belong(option)) text += option_entry(option);
+  return text.empty() ? text : '\n' + heading + ":\n" + text;
+}
+
+std::string usage(const CommandText& command, const std::string& called) {
+  std::string text = "Usage: " + called;
+  if (!command.commands.empty()) text += " COMMAND";
+  text += " [OPTION]...";
+  for (const auto& option : command.options)
+    if (option.positional())
+      text += (option.required ? ' ' + option.names.front() : " [" + option.names.front() + ']') +
+              (option.repeated ? "..." : "");
+  return text + '\n';
+}
+
+std::string settings_section(const std::string& table, const std::vector<OptionText>& options) {
+  std::string text;
+  std::string last = "none";
+  for (const auto& option : options) {
+    const auto dot = option.key.find('.');
+    const auto within = dot == option.key.npos ? "" : option.key.substr(0, dot);
+    if (within != last) text += '\n' + (within.empty() ? table : "[robot." + within + ']') + ":\n";
+    last = within;
+    auto help = option.help;
+    help.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(help.front())));
+    help += help.back() == '.' ? "" : ".";
+    if (option.required) help += " Required.";
+    if (!option.fallback.empty()) help += " Default: " + option.fallback;
+    text += "  " + (dot == option.key.npos ? option.key : option.key.substr(dot + 1)) + " = " +
+            option.value + '\n' + paragraph(std::string(kExplained, ' '), help);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string help_text(const CommandText& command, const std::string& called) {
+  std::string text = usage(command, called) + '\n' + paragraph("", command.help + '.');
+  for (const auto& details : command.details) text += '\n' + paragraph("", details);
+  if (!command.commands.empty()) text += "\nCommands:\n";
+  for (const auto& inner : command.commands) text += entry(inner.name, inner.help);
+  text += section("Arguments", command, [](const auto& option) { return option.positional(); });
+  text += section("Options", command, [](const auto& option) {
+    return !option.positional() && option.alternative == 0;
+  });
+  text += section("One of these options has to be given", command,
+                  [](const auto& option) { return option.alternative != 0; });
+  return text + (command.footer.empty() ? "" : '\n' + command.footer);
+}
+
+std::string exit_status(const std::vector<ExitCode>& codes) {
+  std::string text = "Exit status:\n";
+  for (const auto& [code, meaning] : codes)
+    text += paragraph(left("  " + std::to_string(code), 6), meaning);
+  return text;
+}
+
+std::string settings_text() {
+  return "Every key, by its table.\n" + settings_section("[[robot]]", robot_options()) +
+         settings_section("[http]", http_options());
+}
+
+}  // namespace sweepd

@@ -1,0 +1,140 @@
+#include "daemon/commands/help_text.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <regex>
+#include <sstream>
+
+#include <CLI/CLI.hpp>
+
+#include "daemon/commands/command_line.hpp"
+#include "daemon/settings/settings.hpp"
+#include "tests/catch.hpp"
+#include "tests/daemon/temporary_folder.hpp"
+
+using namespace sweepd;
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::StartsWith;
+
+namespace {
+
+const std::filesystem::path kSource = SWEEPD_SOURCE_DIR;
+
+/// In columns: what continues a character in UTF-8 takes none.
+std::size_t widest_line(const std::string& text) {
+  std::istringstream lines(text);
+  std::ptrdiff_t widest = 0;
+  for (std::string line; std::getline(lines, line);)
+    widest = std::max(widest, std::count_if(line.begin(), line.end(),
+                                            [](unsigned char c) { return (c & 0xc0U) != 0x80U; }));
+  return static_cast<std::size_t>(widest);
+}
+
+/// Each entry in one line, with one blank between words.
+std::string flowing(const std::string& text) {
+  return std::regex_replace(text, std::regex("\n +| +"), " ");
+}
+
+}  // namespace
+
+TEST_CASE("the help of a command has an entry for each of its options, in 80 columns",
+          "[help_text]") {
+  const CommandLine line;
+  const auto commands = line.app().get_subcommands({});
+  CHECK(commands.size() >= 7);
+  for (const auto* command : commands) {
+    INFO(command->get_name());
+    const auto help = command->help("sweepd");
+    CHECK_THAT(help, StartsWith("Usage: sweepd " + command->get_name() + " [OPTION]..."));
+    CHECK_THAT(help, ContainsSubstring("\n\nExit status:\n  0   "));
+    CHECK(widest_line(help) <= 80);
+    for (const auto* option : command->get_options()) {
+      INFO(option->get_name());
+      const auto label = option->nonpositional() ? "--" + option->get_lnames().front()
+                                                 : option->get_name() + R"(\.\.\.)";
+      // Two blanks part it from its text, or a line of its own does.
+      CHECK(std::regex_search(
+          help, std::regex("\n  (-h, )?" + label + "( [^ \n]+)?(  +|\n {26})[A-Z][a-z]+ ")));
+    }
+  }
+  CHECK(widest_line(line.app().help()) <= 80);
+}
+
+TEST_CASE("every text of the help is a phrase that begins with a capital and has no full stop",
+          "[help_text]") {
+  const auto check = [](const std::string& text) {
+    INFO(text);
+    REQUIRE(text.size() > 10);
+    CHECK(std::isupper(static_cast<unsigned char>(text.front())) != 0);
+    CHECK(text.back() != '.');
+    CHECK(text.find(';') == std::string::npos);
+  };
+  for (const auto& command : command_text(CommandLine().app()).commands) {
+    check(command.help);
+    for (const auto& option : command.options) check(option.help);
+  }
+}
+
+TEST_CASE("what an option needs, its limits and its default stand behind its text", "[help_text]") {
+  const CommandLine line;
+  const auto help = [&](const char* command) {
+    return flowing(line.app().get_subcommand(command)->help("sweepd"));
+  };
+  CHECK_THAT(help("simulate"), ContainsSubstring("--robot FILE Read the robot description from "
+                                                 "this file (required)"));
+  CHECK_THAT(help("simulate"), ContainsSubstring("(0 to 15, default: 4)"));
+  CHECK_THAT(help("simulate"),
+             ContainsSubstring("\nOne of these options has to be given: --to ADDRESS:PORT "));
+  CHECK_THAT(help("plan"), ContainsSubstring("(together with --propose)"));
+  CHECK_THAT(help("replay"), StartsWith("Usage: sweepd replay [OPTION]... TRACE...\n"));
+  CHECK_THAT(help("identify"), StartsWith("Usage: sweepd identify [OPTION]... [FILE]...\n"));
+}
+
+TEST_CASE("the program's help lists its commands, each with what it does", "[help_text]") {
+  const CommandLine line;
+  const auto help = flowing(line.app().help());
+  CHECK_THAT(help, StartsWith("Usage: sweepd COMMAND [OPTION]..."));
+  for (const auto& command : command_text(line.app()).commands)
+    CHECK_THAT(help, ContainsSubstring(' ' + command.name + ' ' + command.help));
+  CHECK_THAT(help, !ContainsSubstring("--bash-completion"));
+}
+
+TEST_CASE("every key of the settings stands in the section of its table, with range and default",
+          "[help_text]") {
+  CHECK(widest_line(settings_text()) <= 80);
+  const auto page = flowing(settings_text());
+  const auto check = [&](const std::string& table, const std::vector<OptionText>& options) {
+    CHECK_FALSE(options.empty());
+    for (const auto& option : options) {
+      INFO(option.key);
+      const auto dot = option.key.find('.');
+      const auto within =
+          dot == std::string::npos ? table : "[robot." + option.key.substr(0, dot) + "]";
+      const auto begin = page.find('\n' + within + ':');
+      REQUIRE(begin != std::string::npos);
+      const auto section = page.substr(begin, page.find("\n\n", begin) - begin);
+      auto entry = ' ' + option.key.substr(dot + 1) + " = " + option.value + ' ';
+      const auto at = section.find(entry);
+      REQUIRE(at != std::string::npos);
+      entry = section.substr(at + entry.size());
+      entry.resize(std::min(entry.size(), entry.find(" = ")));
+      CHECK_THAT(entry, ContainsSubstring(option.help.substr(1)));
+      CHECK((entry.find("Required.") != std::string::npos) == option.required);
+      if (!option.fallback.empty())
+        CHECK_THAT(entry, ContainsSubstring("Default: " + option.fallback));
+    }
+  };
+  check("[[robot]]", robot_options());
+  check("[http]", http_options());
+}
+
+TEST_CASE("the example of sweepd.toml(5) is valid", "[help_text]") {
+  auto page = test::content(kSource / "daemon/commands/sweepd.toml.5.in");
+  const auto begin = page.find(".RS 4\n", page.find("[EXAMPLE]")) + 6;
+  page = page.substr(begin, page.find(".RE", begin) - begin);
+  page = std::regex_replace(page, std::regex(R"(\\&)"), "");
+  const test::TemporaryFolder folder;
+  const auto settings = load_settings(folder.write("sweepd.toml", page));
+  CHECK(settings.robots.size() == 2);
+  CHECK(settings.robots.at(1).recording.keep.count() == 30);
+}
