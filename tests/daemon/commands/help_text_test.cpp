@@ -21,7 +21,7 @@ namespace {
 const std::filesystem::path kSource = SWEEPD_SOURCE_DIR;
 
 /// In columns: what continues a character in UTF-8 takes none.
-std::size_t widest_line(const std::string& text) {
+std::size_t help_width(const std::string& text) {
   std::istringstream lines(text);
   std::ptrdiff_t widest = 0;
   for (std::string line; std::getline(lines, line);)
@@ -31,7 +31,7 @@ std::size_t widest_line(const std::string& text) {
 }
 
 /// Each entry in one line, with one blank between words.
-std::string flowing(const std::string& text) {
+std::string in_one_line(const std::string& text) {
   return std::regex_replace(text, std::regex("\n +| +"), " ");
 }
 
@@ -47,7 +47,7 @@ TEST_CASE("the help of a command has an entry for each of its options, in 80 col
     const auto help = command->help("sweepd");
     CHECK_THAT(help, StartsWith("Usage: sweepd " + command->get_name() + " [OPTION]..."));
     CHECK_THAT(help, ContainsSubstring("\n\nExit status:\n  0   "));
-    CHECK(widest_line(help) <= 80);
+    CHECK(help_width(help) <= 80);
     for (const auto* option : command->get_options()) {
       INFO(option->get_name());
       const auto label = option->nonpositional() ? "--" + option->get_lnames().front()
@@ -57,7 +57,7 @@ TEST_CASE("the help of a command has an entry for each of its options, in 80 col
           help, std::regex("\n  (-h, )?" + label + "( [^ \n]+)?(  +|\n {26})[A-Z][a-z]+ ")));
     }
   }
-  CHECK(widest_line(line.app().help()) <= 80);
+  CHECK(help_width(line.app().help()) <= 80);
 }
 
 TEST_CASE("every text of the help is a phrase that begins with a capital and has no full stop",
@@ -78,7 +78,7 @@ TEST_CASE("every text of the help is a phrase that begins with a capital and has
 TEST_CASE("what an option needs, its limits and its default stand behind its text", "[help_text]") {
   const CommandLine line;
   const auto help = [&](const char* command) {
-    return flowing(line.app().get_subcommand(command)->help("sweepd"));
+    return in_one_line(line.app().get_subcommand(command)->help("sweepd"));
   };
   CHECK_THAT(help("simulate"), ContainsSubstring("--robot FILE Read the robot description from "
                                                  "this file (required)"));
@@ -92,7 +92,7 @@ TEST_CASE("what an option needs, its limits and its default stand behind its tex
 
 TEST_CASE("the program's help lists its commands, each with what it does", "[help_text]") {
   const CommandLine line;
-  const auto help = flowing(line.app().help());
+  const auto help = in_one_line(line.app().help());
   CHECK_THAT(help, StartsWith("Usage: sweepd COMMAND [OPTION]..."));
   for (const auto& command : command_text(line.app()).commands)
     CHECK_THAT(help, ContainsSubstring(' ' + command.name + ' ' + command.help));
@@ -101,8 +101,8 @@ TEST_CASE("the program's help lists its commands, each with what it does", "[hel
 
 TEST_CASE("every key of the settings stands in the section of its table, with range and default",
           "[help_text]") {
-  CHECK(widest_line(settings_text()) <= 80);
-  const auto page = flowing(settings_text());
+  CHECK(help_width(settings_text()) <= 80);
+  const auto page = in_one_line(settings_text());
   const auto check = [&](const std::string& table, const std::vector<OptionText>& options) {
     CHECK_FALSE(options.empty());
     for (const auto& option : options) {
