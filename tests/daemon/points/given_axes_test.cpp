@@ -225,7 +225,7 @@ TEST_CASE("axes whose directions are not known have no table, and the result say
 TEST_CASE(
     "whatever axes are given, no file holds a number that is none, and what is not known is "
     "not called complete",
-    "[given_axes][issue11][point_21]") {
+    "[given_axes][issue11][point_21][long]") {
   std::mt19937 random(21);
   std::size_t complete = 0;
   constexpr std::size_t kRuns = 2000;

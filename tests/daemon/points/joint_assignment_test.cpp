@@ -185,7 +185,7 @@ TEST_CASE(
 }
 
 TEST_CASE("an arm as it is built, near its home, is still the one that is described",
-          "[joint_assignment][issue11][point_22]") {
+          "[joint_assignment][issue11][point_22][long]") {
   std::mt19937 random(23);
   std::uniform_real_distribution<> uniform(-1, 1);
   const auto described = identify::test::kr5_arc();

@@ -183,7 +183,7 @@ void check_noisy_stream(std::size_t markers, double noise_mm, std::uint32_t seed
 }  // namespace
 
 TEST_CASE("noisy positions of one marker or three give the arm, and the noise that they have",
-          "[point_sweeps]") {
+          "[point_sweeps][long]") {
   check_noisy_stream(1, 0.1, 1);
   check_noisy_stream(3, 0.1, 4);
 }

@@ -90,7 +90,7 @@ TEST_CASE("it is worth identifying once every joint has a stroke", "[session]") 
 }
 
 TEST_CASE("of a stream without end sweeps of all of it are used, and how many is said",
-          "[session]") {
+          "[session][long]") {
   sweepd::StreamSink nobody;
   Session session(setup(1), "trace", nobody);
   std::uint64_t ipoc = 4000;
