@@ -1,5 +1,6 @@
 #include "daemon/commands/command_line.hpp"
 
+#include <algorithm>
 #include <functional>
 #include <iostream>
 #include <stdexcept>
@@ -22,6 +23,7 @@ struct CommandLine::Options {
   IdentifyOptions identify;
   SimulateOptions simulate;
   PlanOptions plan;
+  ReportOptions report;
   ExportOptions exported;
   CheckOptions check;
 };
@@ -65,6 +67,7 @@ CommandLine::CommandLine()
   on(add_identify(app, options.identify), [&options] { return identify_points(options.identify); });
   on(add_simulate(app, options.simulate), [&options] { return simulate(options.simulate); });
   on(add_plan(app, options.plan), [&options] { return plan(options.plan); });
+  on(add_report(app, options.report), [&options] { return make_report(options.report); });
   on(add_export(app, options.exported), [&options] { return export_csv(options.exported); });
   on(add_check(app, options.check), [&options] {
     if (!options.check.config && options.check.ethernet_configs.empty() &&
@@ -77,6 +80,8 @@ CommandLine::CommandLine()
 CommandLine::~CommandLine() = default;
 
 int CommandLine::execute(int argc, const char* const* argv) {
+  options_->replay.arguments.assign(argv + std::min(argc, 1), argv + argc);
+  options_->identify.arguments = options_->replay.arguments;
   try {
     app_->parse(argc, argv);
     return exit_code_;

@@ -406,6 +406,35 @@ CLI::App* add_plan(CLI::App& app, PlanOptions& options) {
   return command;
 }
 
+CLI::App* add_report(CLI::App& app, ReportOptions& options) {
+  auto* command =
+      app.add_subcommand("report",
+                         "Make the measurement report of result folders, with pictures\n"
+                         "Every run writes one by itself, as report.html. This command makes it "
+                         "again: with facts that "
+                         "data cannot know, as a PDF, or of several folders side by side.");
+  command->add_option("DIR", options.folders, "Folders that run, replay or identify has written")
+      ->required()
+      ->type_name("");
+  command
+      ->add_option("--facts", options.facts,
+                   "Print what this file states: serial_number, controller, payload, temperature, "
+                   "device, certificate, place, date, operator, customer, remarks. Each is a text")
+      ->type_name("FILE");
+  command->add_option("--output", options.output, "Write the report to this file")
+      ->type_name("FILE")
+      ->default_str("report.html in DIR, or here where there are several");
+  command->add_flag("--pdf", options.pdf,
+                    "Print it as a PDF, too, beside it. This needs Debian's package chromium");
+  add_force(*command, options.force);
+  command->footer(exit_status(
+      {kOk,
+       kError,
+       kWrongUsage,
+       {kConfigError, "The file of --facts is wrong. Standard error names the line."}}));
+  return command;
+}
+
 CLI::App* add_export(CLI::App& app, ExportOptions& options) {
   auto* command = app.add_subcommand(
       "export", "Write every signal of the telegrams in captures as CSV, one row a telegram");

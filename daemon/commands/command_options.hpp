@@ -6,6 +6,7 @@
 #include "daemon/commands/inspect_command.hpp"
 #include "daemon/commands/plan_command.hpp"
 #include "daemon/commands/replay_command.hpp"
+#include "daemon/commands/report_command.hpp"
 #include "daemon/commands/run_command.hpp"
 #include "daemon/commands/simulate_command.hpp"
 
@@ -22,6 +23,7 @@ CLI::App* add_inspect(CLI::App& app, InspectOptions& options);
 CLI::App* add_identify(CLI::App& app, IdentifyOptions& options);
 CLI::App* add_simulate(CLI::App& app, SimulateOptions& options);
 CLI::App* add_plan(CLI::App& app, PlanOptions& options);
+CLI::App* add_report(CLI::App& app, ReportOptions& options);
 CLI::App* add_export(CLI::App& app, ExportOptions& options);
 CLI::App* add_check(CLI::App& app, CheckOptions& options);
 

@@ -194,13 +194,17 @@ Outcome identified_axes(const IdentifyOptions& options, RobotSetup setup) {
   return outcome;
 }
 
-void check_output(const IdentifyOptions& options) {
+std::vector<std::filesystem::path> inputs_of(const IdentifyOptions& options) {
   auto inputs = options.points;
   for (const auto& file : {options.axes, options.robot, options.plan})
     if (file) inputs.push_back(*file);
+  return inputs;
+}
+
+void check_output(const IdentifyOptions& options) {
   auto names = result_file_names();
   names.emplace_back("run.json");
-  Outputs(std::move(inputs), options.force).check_results(*options.output, names);
+  Outputs(inputs_of(options), options.force).check_results(*options.output, names);
 }
 
 void write_run_file(const IdentifyOptions& options) {
@@ -212,7 +216,8 @@ void write_run_file(const IdentifyOptions& options) {
   given["frame"] = options.device_frame ? "device" : "robot";
   if (options.robot) given["description"] = options.robot->string();
   if (options.plan) given["plan"] = options.plan->string();
-  write_atomically(*options.output / "run.json", run_json("identify", given));
+  write_atomically(*options.output / "run.json",
+                   run_json("identify", given, options.arguments, hashes_of(inputs_of(options))));
 }
 
 }  // namespace

@@ -19,8 +19,9 @@ struct IdentifyOptions {
   std::optional<std::size_t> joints;  ///< where neither robot nor plan tells
   bool device_frame = true;           ///< points are not in the robot's own frame
   std::optional<std::filesystem::path> output;
-  bool quiet = false;  ///< no progress, no report
-  bool force = false;  ///< over any files but those that are read
+  bool quiet = false;                       ///< no progress, no report
+  bool force = false;                       ///< over any files but those that are read
+  std::vector<std::string> arguments = {};  ///< as it was called, for run.json
 };
 
 /// Identifies from points that another device than the controller measured, or takes axes as lines,

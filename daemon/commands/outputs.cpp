@@ -64,11 +64,15 @@ bool Outputs::in_the_way(const fs::path& file) const {
   return !force_ && fs::file_size(file, error) > 0;
 }
 
-void Outputs::check(const fs::path& file, std::string_view ours) const {
-  if (!in_the_way(file)) return;
-  if (beginning(file, ours.size()) != ours)
+void Outputs::check_made_again(const fs::path& file, std::string_view ours) const {
+  if (in_the_way(file) && beginning(file, ours.size()) != ours)
     refuse(file, "it is there already, and not of this command", kAnotherFile);
-  if (command_of(file.parent_path()) == kRunCommand) refuse(file, kOfRecording, kAnotherFile);
+}
+
+void Outputs::check(const fs::path& file, std::string_view ours) const {
+  check_made_again(file, ours);
+  if (in_the_way(file) && command_of(file.parent_path()) == kRunCommand)
+    refuse(file, kOfRecording, kAnotherFile);
 }
 
 void Outputs::check_same(const fs::path& file, std::string_view content) const {

@@ -17,6 +17,8 @@ class Outputs {
   /// `ours`: what such a file begins with where sweepd wrote it; those of a recording's folder are
   /// not for commands to write. An empty file is anybody's.
   void check(const std::filesystem::path& file, std::string_view ours) const;
+  /// The same of what can be made again from its folder: a recording's, too.
+  void check_made_again(const std::filesystem::path& file, std::string_view ours) const;
   /// For files that people edit: only what is the same to the byte may be written again.
   void check_same(const std::filesystem::path& file, std::string_view content) const;
   /// The files of these names in a folder for results, which may be written again where its

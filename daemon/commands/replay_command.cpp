@@ -1,5 +1,7 @@
 #include "daemon/commands/replay_command.hpp"
 
+#include <future>
+
 #include <nlohmann/json.hpp>
 
 #include "daemon/commands/outputs.hpp"
@@ -50,23 +52,30 @@ RobotSetup setup_for(const ReplayOptions& options,
   return setup;
 }
 
-void check_output(const ReplayOptions& options) {
+std::vector<std::filesystem::path> inputs_of(const ReplayOptions& options) {
   auto inputs = options.traces;
   for (const auto& file : {options.config, options.robot, options.plan})
     if (file) inputs.push_back(*file);
-  auto names = result_file_names();
-  names.insert(names.end(), {"samples.csv", "run.json"});
-  Outputs(std::move(inputs), options.force).check_results(*options.output, names);
+  return inputs;
 }
 
-void write_run_file(const ReplayOptions& options, const rsi::ConversationSearch& search) {
+void check_output(const ReplayOptions& options) {
+  auto names = result_file_names();
+  names.insert(names.end(), {"samples.csv", "run.json"});
+  Outputs(inputs_of(options), options.force).check_results(*options.output, names);
+}
+
+/// First what marks the folder as that of results; with `inputs` once they are known.
+void write_run_file(const ReplayOptions& options, const rsi::ConversationSearch& search,
+                    const std::vector<FileHash>& inputs) {
   auto given = nlohmann::ordered_json::object();
   for (const auto& trace : options.traces) given["traces"].push_back(trace.string());
   if (options.config) given["settings"] = options.config->string();
   if (options.robot) given["description"] = options.robot->string();
   if (options.plan) given["plan"] = options.plan->string();
   if (search.chosen) given["conversation"] = text(*search.chosen);
-  write_atomically(*options.output / "run.json", run_json("replay", given));
+  write_atomically(*options.output / "run.json",
+                   run_json("replay", given, options.arguments, inputs));
 }
 
 class Rows : public StreamSink {
@@ -91,9 +100,11 @@ int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) 
   const RobotSetup setup = setup_for(options, search.chosen);
   std::optional<OutputFile> samples_file;
   std::optional<LineFile> samples;
+  std::future<std::vector<FileHash>> hashes;  // made beside the reading
   if (options.output) {
     make_folder(*options.output);
-    write_run_file(options, search);
+    write_run_file(options, search, {});
+    hashes = std::async(std::launch::async, hashes_of, inputs_of(options));
     samples.emplace(samples_file.emplace(*options.output / "samples.csv").beside());
   }
   Rows rows(samples);
@@ -112,7 +123,10 @@ int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) 
   if (samples_file && all_written) samples_file->commit();
   Outcome outcome = outcome_of(session.snapshot());
   if (!search.chosen) outcome.identification.reason = "no RSI telegrams in the capture";
-  if (options.output) write_result(*options.output, outcome);
+  if (options.output) {
+    write_run_file(options, search, hashes.get());
+    write_result(*options.output, outcome);
+  }
   if (!options.quiet) out << report(outcome);
   return all_written ? exit_code(outcome) : 1;
 }

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <iostream>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "rsi/capture/conversation.hpp"
@@ -16,8 +17,9 @@ struct ReplayOptions {
   std::optional<std::filesystem::path> plan;   ///< in place of the settings' own
   std::optional<std::filesystem::path> output;
   rsi::ConversationFilter filter;
-  bool quiet = false;  ///< no progress, no report
-  bool force = false;  ///< over any files but those that are read
+  bool quiet = false;                       ///< no progress, no report
+  bool force = false;                       ///< over any files but those that are read
+  std::vector<std::string> arguments = {};  ///< as it was called, for run.json
 };
 
 /// The live path on captures, as fast as it goes: the same samples give the same result files. The

@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "daemon/report/html_report.hpp"
 #include "daemon/results/dh_latex.hpp"
 #include "daemon/results/models.hpp"
 #include "daemon/results/models_csv.hpp"
@@ -21,34 +22,42 @@ using Content = std::optional<std::string>;  // nothing: there is no such file
 
 struct ResultFile {
   const char* name;
-  Content (*content)(const Outcome& outcome);
-  bool interim = false;  ///< while the session goes on, too
+  Content (*content)(const Outcome& outcome, const std::filesystem::path& folder);
+  bool interim = false;   ///< while the session goes on, too
+  bool of_files = false;  ///< made of the others: only once all of them are written
 };
 
 template <std::string (*text)(const Outcome&)>
-Content always(const Outcome& outcome) {
+Content always(const Outcome& outcome, const std::filesystem::path&) {
   return text(outcome);
 }
 
-const std::array<ResultFile, 7> kFiles{{
+const std::array<ResultFile, 8> kFiles{{
     {"result.json", always<result_json>, true},
     {"report.txt", always<report>, true},
     {"dh.csv", always<dh_csv>},
     {"robot.urdf",
-     [](const Outcome& outcome) -> Content {
+     [](const Outcome& outcome, const std::filesystem::path&) -> Content {
        const auto models = models_of(outcome);
        return models.empty() ? Content() : urdf(models.back(), outcome);
      }},
     {"dh.tex",
-     [](const Outcome& outcome) -> Content {
+     [](const Outcome& outcome, const std::filesystem::path&) -> Content {
        return models_of(outcome).empty() ? Content() : dh_latex(outcome);
      }},
     {"models.csv",
-     [](const Outcome& outcome) -> Content {
+     [](const Outcome& outcome, const std::filesystem::path&) -> Content {
        const auto models = models_of(outcome);
        return models.empty() ? Content() : models_csv(models);
      }},
     {"sweeps.csv", always<sweeps_csv>},
+    // Made of the files above and of what else is in the folder.
+    {"report.html",
+     [](const Outcome&, const std::filesystem::path& folder) -> Content {
+       const ReportFolder read = read_report_folder(folder);
+       return html_report(std::span(&read, 1));
+     },
+     false, true},
 }};
 
 void write_or_remove(const std::filesystem::path& file, const Content& content) {
@@ -79,9 +88,9 @@ void write_result(const std::filesystem::path& folder, const Outcome& outcome,
                   std::set<std::string>& written) {
   std::exception_ptr failure;
   for (const ResultFile& file : kFiles) {
-    if (written.contains(file.name)) continue;
+    if (written.contains(file.name) || (file.of_files && failure)) continue;
     try {
-      write_or_remove(folder / file.name, file.content(outcome));
+      write_or_remove(folder / file.name, file.content(outcome, folder));
       written.insert(file.name);
     } catch (const std::exception&) {
       if (!failure) failure = std::current_exception();

@@ -12,8 +12,8 @@ namespace sweepd {
 /// For results, with all folders above it; it may be there already. Throws std::runtime_error.
 void make_folder(const std::filesystem::path& folder);
 
-/// Names of the files that write_result() writes, in its order: what matters most first, what is
-/// largest last.
+/// Names of the files that write_result() writes, in its order: what matters most first, then what
+/// is largest, and last the report, which is made of them.
 [[nodiscard]] std::vector<std::string> result_file_names();
 
 /// Writes the files of an outcome into `folder`, which must exist; robot.urdf, dh.tex and

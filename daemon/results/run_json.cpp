@@ -32,6 +32,14 @@ std::string text(const Json& run) {
   return run.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+Json json(const std::vector<FileHash>& inputs) {
+  Json list = Json::array();
+  for (const FileHash& input : inputs)
+    list.push_back(
+        {{"file", input.file.string()}, {"bytes", input.bytes}, {"sha256", input.sha256}});
+  return list;
+}
+
 Json begun(std::string_view command) {
   return {{"schema", "sweepd.run/1"}, {"sweepd", SWEEPD_VERSION}, {"command", command}};
 }
@@ -46,6 +54,7 @@ std::string run_json(const RunFacts& facts) {
   run["folder"] = facts.folder.string();
   run["description"] = facts.description.string();
   if (facts.ethernet_config) run["ethernet_config"] = facts.ethernet_config->string();
+  if (!facts.inputs.empty()) run["inputs"] = json(facts.inputs);
   run["listen"] = rsi::text(facts.listen);
   run["since_start_of_sweepd"] = {{"answered", facts.link.answered},
                                   {"superseded", facts.link.superseded},
@@ -62,9 +71,13 @@ std::string run_json(const RunFacts& facts) {
   return text(run);
 }
 
-std::string run_json(std::string_view command, const Json& given) {
+std::string run_json(std::string_view command, const Json& given,
+                     const std::vector<std::string>& arguments,
+                     const std::vector<FileHash>& inputs) {
   Json run = begun(command);
   run.update(given);
+  if (!arguments.empty()) run["arguments"] = arguments;
+  if (!inputs.empty()) run["inputs"] = json(inputs);
   return text(run);
 }
 

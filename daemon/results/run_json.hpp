@@ -8,6 +8,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "daemon/record/recording.hpp"
+#include "daemon/system/file_hash.hpp"
 #include "rsi/server/server.hpp"
 
 namespace sweepd {
@@ -20,6 +21,7 @@ struct RunFacts {
   std::filesystem::path folder;
   std::filesystem::path description;
   std::optional<std::filesystem::path> ethernet_config;
+  std::vector<FileHash> inputs;  ///< description, plan, Ethernet file, as they were read
   rsi::Endpoint listen;
   rsi::Server::Counts link;                    ///< since the start of sweepd
   std::optional<Recording::Counts> recording;  ///< once it ended
@@ -27,8 +29,11 @@ struct RunFacts {
 
 [[nodiscard]] std::string run_json(const RunFacts& facts);
 
-/// The same of a command that ends with its result: what it was given.
-[[nodiscard]] std::string run_json(std::string_view command, const nlohmann::ordered_json& given);
+/// The same of a command that ends with its result: what it was given, how it was called (without
+/// the program's name), and what it read.
+[[nodiscard]] std::string run_json(std::string_view command, const nlohmann::ordered_json& given,
+                                   const std::vector<std::string>& arguments,
+                                   const std::vector<FileHash>& inputs);
 
 /// What run.json of `folder` becomes once the files of a session that was cut are final: as it is,
 /// with "ended" and, where the result was made from the recording, "from_recording". Made anew

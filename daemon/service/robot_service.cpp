@@ -39,6 +39,13 @@ Say say_for(const std::string& name) {
   };
 }
 
+std::vector<std::filesystem::path> inputs_of(const RobotSettings& settings) {
+  std::vector<std::filesystem::path> inputs{settings.description};
+  for (const auto& file : {settings.plan, settings.ethernet_config})
+    if (file) inputs.push_back(*file);
+  return inputs;
+}
+
 /// Empty if there is no file.
 std::string content(const std::optional<std::filesystem::path>& file) {
   std::ostringstream text;
@@ -59,6 +66,7 @@ RobotService::RobotService(const RobotSettings& settings)
       identifier_(status_),
       given_(settings),
       ethernet_xml_(content(settings.ethernet_config)),
+      inputs_(hashes_of(inputs_of(settings))),
       session_log_(settings.name),
       tally_(first_state()) {
   status_->state.publish(first_state());
@@ -99,16 +107,18 @@ void RobotService::reload(const RobotSettings& settings) {
                       : fmt::format("taken over for the next session: {}",
                                     fmt::join(changed.live, ", ")));
   recorder_.reconfigure(settings.recording);
+  auto inputs = hashes_of(inputs_of(settings));
   const std::lock_guard lock(reload_mutex_);
-  reloaded_ = {settings, std::move(setup)};
+  reloaded_ = {settings, std::move(setup), std::move(inputs)};
 }
 
 void RobotService::take_over() {
   const std::lock_guard lock(reload_mutex_);
   if (!reloaded_) return;
-  auto& [settings, setup] = *reloaded_;
+  auto& [settings, setup, inputs] = *reloaded_;
   take_over_live(settings_, std::move(settings));
   setup_ = std::move(setup);
+  inputs_ = std::move(inputs);
   reloaded_.reset();
 }
 
@@ -325,6 +335,7 @@ RunFacts RobotService::run_facts() const {
   facts.started = started_;
   facts.description = settings_.description;
   facts.ethernet_config = settings_.ethernet_config;
+  facts.inputs = inputs_;
   facts.listen = server_->local();
   facts.link = server_->counts();
   return facts;

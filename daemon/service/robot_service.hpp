@@ -99,9 +99,11 @@ class RobotService : private StreamSink {
 
   RobotSettings given_;       // by the last reload; of the thread that calls it
   std::string ethernet_xml_;  // what the Ethernet file held at the start
+  std::vector<FileHash> inputs_;
   struct Reloaded {
     RobotSettings settings;
     RobotSetup setup;
+    std::vector<FileHash> inputs;
   };
   std::mutex reload_mutex_;
   std::optional<Reloaded> reloaded_;  // waits for the acquisition thread

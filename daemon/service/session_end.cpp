@@ -39,7 +39,6 @@ void SessionEnd::write() {
   if (!all)
     for (const auto& name : result_file_names())
       if (name != "result.json") written.insert(name);
-  attempt([&] { write_result(folder, *outcome, written); });
   attempt([&] {
     // The trace tells the rest. What was written by SIGUSR1 has to become final.
     const bool worth_it = link && (all || !link->good || !link->bad_end.empty() ||
@@ -47,6 +46,7 @@ void SessionEnd::write() {
     if (worth_it && !link_written) write_link(folder, *link);
     link_written = true;
   });
+  attempt([&] { write_result(folder, *outcome, written); });
   if (failure) std::rethrow_exception(failure);
   write_atomically(folder / "run.json", run(folder));
 }

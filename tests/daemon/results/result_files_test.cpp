@@ -14,17 +14,19 @@ TEST_CASE("a file that cannot be written keeps no other from it, and is all that
   const Outcome outcome = partial_outcome();
   const auto names = result_file_names();
   CHECK(names.front() == "result.json");
-  CHECK(names.back() == "sweeps.csv");  // the largest
+  CHECK(names.back() == "report.html");  // made of the others
   fs::create_directory(folder / "result.json.tmp");
   std::set<std::string> written;
   CHECK_THROWS_WITH(write_result(folder.path(), outcome, written),
                     Catch::Matchers::ContainsSubstring("result.json"));
   for (const char* name : {"report.txt", "dh.csv", "sweeps.csv"}) CHECK(fs::exists(folder / name));
   CHECK_FALSE(fs::exists(folder / "result.json"));
+  CHECK_FALSE(fs::exists(folder / "report.html"));  // it would tell of an earlier result
 
   fs::remove(folder / "dh.csv");
   fs::remove(folder / "result.json.tmp");
   write_result(folder.path(), outcome, written);
   CHECK(fs::exists(folder / "result.json"));
+  CHECK(fs::exists(folder / "report.html"));
   CHECK_FALSE(fs::exists(folder / "dh.csv"));  // it was written before
 }

@@ -1,0 +1,144 @@
+#include "daemon/report/first_page.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "daemon/report/report_table.hpp"
+#include "daemon/text/numbers.hpp"
+#include "rsi/counted.hpp"
+
+namespace sweepd {
+namespace {
+
+std::size_t joints_of(const Json& result) {
+  return list(result, "joints").size();
+}
+
+/// How many joints have an axis.
+std::size_t axes_of(const Json& result) {
+  const Json joints = list(result, "joints");
+  return static_cast<std::size_t>(
+      std::count_if(joints.begin(), joints.end(),
+                    [](const Json& joint) { return part(joint, "axis").is_object(); }));
+}
+
+std::string because(const Json& result) {
+  const std::string reason = words(result, "reason");
+  if (reason.empty()) return ".";
+  const bool ended = std::string_view(".?!").find(reason.back()) != std::string_view::npos;
+  return ": " + reason + (ended ? "" : ".");
+}
+
+void add_fact(Markup list, const std::string& name, const std::string& text,
+              const char* kind = "stated") {
+  auto line = list.add("p");
+  line.put("span", name);
+  line.add("bdi", {{"class", kind}}).text(text);
+}
+
+std::string source_text(const Json& source) {
+  const auto count = [&](const char* key) {
+    return part(source, key).is_number() ? part(source, key).get<std::uint64_t>() : 0;
+  };
+  if (part(source, "points").is_number())
+    return rsi::counted(count("points"), "point") + " in " + rsi::counted(count("files"), "file");
+  std::string text = rsi::counted(count("telegrams"), "telegram");
+  if (const double cycle_ms = number(source, "cycle_ms"); cycle_ms > 0)
+    text += ", one every " + fixed(cycle_ms, 3) + " ms";
+  return text + ", " + std::to_string(count("lost")) + " lost, " +
+         std::to_string(count("malformed")) + " malformed";
+}
+
+std::string home_text(const Json& result) {
+  std::string text;
+  const Json home = list(result, "home_deg");
+  for (std::size_t j = 0; j < home.size(); ++j)
+    if (home[j].is_number())
+      text += (text.empty() ? "A" : ", A") + std::to_string(j + 1) + " " +
+              fixed(home[j].get<double>(), 3);
+  return text.empty() ? "not known" : text + " deg";
+}
+
+void add_messages(Markup parent, const char* title, const Json& messages) {
+  if (!messages.is_array() || messages.empty()) return;
+  auto part = parent.add("div", {{"class", "messages"}});
+  part.put("h3", title);
+  auto list = part.add("ul");
+  for (const Json& one : messages)
+    list.add("li").text(words(one, "message")).put("code", " " + words(one, "code"));
+}
+
+std::string describes_text(const Json& result) {
+  if (words(result, "describes") == "arm")
+    return "The numbers describe the arm as a device measured it.";
+  return "The numbers describe the controller's model: it computes the positions that it sends "
+         "from "
+         "its own angles. They do not tell how the arm itself is. For that, measure the arm with a "
+         "device.";
+}
+
+std::string departures_text(const std::vector<DhLine>& lines) {
+  const Departures found = departures(lines);
+  if (found.numbers == 0) return {};
+  if (found.beyond == 0)
+    return "None of " + std::to_string(found.numbers) +
+           " numbers differs from the specification by more than its expanded uncertainty.";
+  std::string text = std::to_string(found.beyond) + " of " + std::to_string(found.numbers) +
+                     (found.beyond == 1 ? " numbers differs" : " numbers differ") +
+                     " from the specification by more than the expanded uncertainty; by chance it "
+                     "would be about " +
+                     std::to_string((found.numbers + 10) / 20) + ".";
+  if (const auto& largest = found.largest)
+    text += " The clearest is " + largest->symbol + " of joint " + std::to_string(largest->joint) +
+            ": " + told(*largest->difference, *largest) + " " + largest->unit + ".";
+  return text;
+}
+
+}  // namespace
+
+std::string verdict_sentence(const ReportFolder& folder) {
+  const Json& result = folder.result;
+  const std::string status = words(result, "status");
+  const std::size_t joints = joints_of(result);
+  if (status == "complete")
+    return "All " + rsi::counted(joints, "joint") +
+           " are identified, and nothing in the data contradicts the result.";
+  if (status == "partial")
+    return std::to_string(axes_of(result)) + " of " + rsi::counted(joints, "joint") +
+           (axes_of(result) == 1 ? " has" : " have") + " an axis; the result is not complete" +
+           because(result);
+  if (status == "doubtful")
+    return "The data contradict the result. Do not use it" + because(result);
+  return "Nothing is identified" + because(result);
+}
+
+void add_first_page(Markup parent, const ReportFolder& folder, const ReportFacts& facts) {
+  const Json& result = folder.result;
+  auto page = parent.add("section", {{"class", "front"}});
+  page.put("p", "Measurement report", {{"class", "kind"}});
+  page.add("h1").add("bdi").text(words(result, "robot"));
+  const std::string status = words(result, "status");
+  auto verdict = page.add("p", {{"class", "verdict " + clean_text(status)}});
+  verdict.put("b", status + ". ").text(verdict_sentence(folder));
+  if (status != "failed") page.put("p", describes_text(result));
+  const auto lines = dh_lines(folder);
+  if (const auto text = departures_text(lines); !text.empty() && status != "failed")
+    page.put("p", text);
+  add_messages(page, "What contradicts", list(result, "doubts"));
+  if (!lines.empty() && status != "failed") add_dh_table(page, lines);
+  add_messages(page, "Warnings", list(result, "warnings"));
+  page.put("h3", "What was measured");
+  auto list = page.add("div", {{"class", "facts"}});
+  add_fact(list, "Folder", folder.name);
+  if (!words(folder.run, "started").empty())
+    add_fact(list, "Started", words(folder.run, "started"));
+  add_fact(list, "Data", source_text(part(result, "source")));
+  add_fact(list, "Home", home_text(result));
+  for (const auto& [name, text] : facts)
+    add_fact(list, name, text.empty() ? "not stated" : text, text.empty() ? "missing" : "given");
+  page.put("p", "sweepd cannot know what is in italics. It is printed as it was given (--facts).",
+           {{"class", "note"}});
+}
+
+}  // namespace sweepd

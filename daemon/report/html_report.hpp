@@ -1,0 +1,23 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "daemon/report/report_facts.hpp"
+#include "daemon/report/report_folder.hpp"
+
+namespace sweepd {
+
+/// The measurement report as one file of HTML: pictures and style within, no script, nothing from
+/// elsewhere. Of several folders the ranges stand beside each other first, then each has its part.
+/// The same files give the same bytes.
+[[nodiscard]] std::string html_report(std::span<const ReportFolder> folders,
+                                      const ReportFacts& facts = no_facts());
+
+/// Its name in a folder of results, and what it begins with.
+inline constexpr const char* kHtmlReport = "report.html";
+inline constexpr std::string_view kHtmlBegin =
+    "<!DOCTYPE html>\n<!-- sweepd measurement report -->\n";
+
+}  // namespace sweepd

@@ -1,0 +1,177 @@
+#include "daemon/report/report_folder.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+#include <string_view>
+#include <tuple>
+
+namespace sweepd {
+namespace {
+
+constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+
+std::optional<std::string> content(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) return std::nullopt;
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return std::move(text).str();
+}
+
+Json json_of(const std::filesystem::path& file) {
+  const auto text = content(file);
+  Json json = text ? Json::parse(*text, nullptr, false) : Json();
+  return json.is_object() ? json : Json();
+}
+
+std::string_view take_line(std::string_view& text) {
+  const auto end = std::min(text.find('\n'), text.size());
+  const auto line = text.substr(0, end);
+  text.remove_prefix(std::min(end + 1, text.size()));
+  return line;
+}
+
+double number(std::string_view cell) {
+  double value = kNothing;
+  std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  return value;
+}
+
+/// Cells of a line, in place; those that are not there are empty.
+class Cells {
+ public:
+  void split(std::string_view line) {
+    cells_.clear();
+    for (std::size_t begin = 0; begin <= line.size();) {
+      const auto end = std::min(line.find(',', begin), line.size());
+      cells_.push_back(line.substr(begin, end - begin));
+      begin = end + 1;
+    }
+  }
+  [[nodiscard]] std::string_view operator[](std::size_t at) const {
+    return at < cells_.size() ? cells_[at] : std::string_view();
+  }
+  /// Beyond every line where there is none.
+  [[nodiscard]] std::size_t find(std::string_view name) const {
+    const auto place = std::find(cells_.begin(), cells_.end(), name);
+    return place == cells_.end() ? std::string_view::npos
+                                 : static_cast<std::size_t>(place - cells_.begin());
+  }
+
+ private:
+  std::vector<std::string_view> cells_;
+};
+
+struct Columns {
+  explicit Columns(const Cells& head)
+      : joint(head.find("joint")),
+        sweep(head.find("sweep")),
+        target(head.find("target")),
+        time(head.find("t_s")),
+        position{head.find("x_mm"), head.find("y_mm"), head.find("z_mm")},
+        plane(head.find("plane_residual_mm")),
+        radial(head.find("radial_residual_mm")),
+        chain_axial(head.find("chain_axial_residual_mm")),
+        chain_radial(head.find("chain_radial_residual_mm")),
+        error(head.find("angle_error_arcsec")),
+        curve(head.find("curve_error_arcsec")) {
+    for (std::size_t j = 0;; ++j) {
+      const auto name = "a" + std::to_string(j + 1);
+      auto at = head.find(name + "_deg");
+      if (head[at].empty()) at = head.find(name + "_mm");
+      if (head[at].empty()) break;
+      angles.push_back(at);
+    }
+  }
+  std::size_t joint, sweep, target, time;
+  std::array<std::size_t, 3> position;
+  std::size_t plane, radial, chain_axial, chain_radial, error, curve;
+  std::vector<std::size_t> angles;
+};
+
+void add(PointSums& sums, const Eigen::Vector3d& position) {
+  if (sums.count++ == 0) sums.origin = position;
+  const Eigen::Vector3d from = position - sums.origin;
+  sums.sum += from;
+  sums.products += from * from.transpose();
+}
+
+/// From the chain where it has one, else from the circle.
+double either(double chain, double circle) {
+  return chain == chain ? chain : circle;
+}
+
+}  // namespace
+
+void read_strokes(std::string_view text, ReportFolder& folder) {
+  Cells cells;
+  cells.split(take_line(text));
+  const Columns at(cells);
+  // A first look: how many rows each stroke has.
+  std::map<std::tuple<std::size_t, std::size_t, std::size_t>, std::size_t> places;
+  std::vector<std::size_t> rows;
+  std::vector<std::size_t> seen;
+  const auto stroke_of = [&]() -> std::size_t {
+    const auto index = [&](std::size_t column) {
+      const double value = number(cells[column]);
+      return value >= 1 && value < 1e9 ? static_cast<std::size_t>(value) - 1 : 0;
+    };
+    const auto key = std::tuple(index(at.joint), index(at.sweep), index(at.target));
+    const auto [place, is_new] = places.try_emplace(key, folder.strokes.size());
+    if (is_new) {
+      folder.strokes.push_back({std::get<0>(key), std::get<1>(key), std::get<2>(key), {}});
+      rows.push_back(0);
+    }
+    return place->second;
+  };
+  for (auto rest = text; !rest.empty();) {
+    cells.split(take_line(rest));
+    ++rows[stroke_of()];
+  }
+  seen.assign(rows.size(), 0);
+  for (auto rest = text; !rest.empty();) {
+    cells.split(take_line(rest));
+    const std::size_t s = stroke_of();
+    Stroke& stroke = folder.strokes[s];
+    const Eigen::Vector3d position(number(cells[at.position[0]]), number(cells[at.position[1]]),
+                                   number(cells[at.position[2]]));
+    const std::size_t row = seen[s]++;
+    if (!position.allFinite()) continue;
+    if (folder.sums.size() <= stroke.joint && stroke.joint < 64)
+      folder.sums.resize(stroke.joint + 1);
+    if (stroke.joint < folder.sums.size()) add(folder.sums[stroke.joint], position);
+    // Evenly spread, the first and the last row among them.
+    const std::size_t step = (rows[s] + ReportFolder::kMostPoints - 1) / ReportFolder::kMostPoints;
+    if (row % step != 0 && row + 1 != rows[s]) continue;
+    stroke.points.push_back(
+        {position, number(cells[at.time]),
+         stroke.joint < at.angles.size() ? number(cells[at.angles[stroke.joint]]) : kNothing,
+         either(number(cells[at.chain_axial]), number(cells[at.plane])),
+         either(number(cells[at.chain_radial]), number(cells[at.radial])), number(cells[at.error]),
+         number(cells[at.curve])});
+  }
+}
+
+ReportFolder read_report_folder(const std::filesystem::path& path) {
+  ReportFolder folder;
+  const auto file = path / "result.json";
+  folder.result = json_of(file);
+  if (words(folder.result, "schema") != "sweepd.result/1")
+    throw std::runtime_error(
+        file.string() +
+        (std::filesystem::exists(file) ? " holds no result of sweepd" : " is not there") +
+        ": give a folder that run, replay or identify has written");
+  folder.run = json_of(path / "run.json");
+  folder.link = json_of(path / "link.json");
+  folder.dh_csv = content(path / "dh.csv").value_or("");
+  folder.name = std::filesystem::weakly_canonical(path).filename().string();
+  read_strokes(content(path / "sweeps.csv").value_or(""), folder);
+  return folder;
+}
+
+}  // namespace sweepd

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "daemon/report/json_part.hpp"
+
+namespace sweepd {
+
+/// One row of sweeps.csv, as far as a picture needs it. Not a number where the file has nothing.
+struct StrokePoint {
+  Eigen::Vector3d position_mm;
+  double time_s;
+  double angle;         ///< of the joint that moves, degrees; of a linear joint mm
+  double axial_mm;      ///< off the plane of its circle
+  double radial_mm;     ///< off its circle, away from the axis
+  double along_arcsec;  ///< error of the angle
+  double curve_arcsec;  ///< that part of it which repeats
+};
+
+/// The rows of one sweep and target.
+struct Stroke {
+  std::size_t joint = 0;            ///< from 0
+  std::size_t sweep = 0;            ///< from 0
+  std::size_t target = 0;           ///< from 0
+  std::vector<StrokePoint> points;  ///< in the order of the file, at most kMostPoints of them
+};
+
+/// What all points of a joint have in common, not only those that are drawn.
+struct PointSums {
+  std::size_t count = 0;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d products = Eigen::Matrix3d::Zero();  ///< of positions, from `origin`
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();    ///< the first point
+};
+
+/// The files of a folder that a report is made of.
+struct ReportFolder {
+  static constexpr std::size_t kMostPoints = 2000;
+
+  Json result;                  ///< sweepd.result/1
+  Json run;                     ///< run.json; null where there is none
+  Json link;                    ///< link.json; null where there is none
+  std::string dh_csv;           ///< empty where there is none
+  std::vector<Stroke> strokes;  ///< in the order of sweeps.csv
+  std::vector<PointSums> sums;  ///< one a joint
+  std::string name;             ///< of the folder, for titles
+};
+
+/// Throws std::runtime_error where there is no result.json, or none that can be read. What else is
+/// missing is left out.
+[[nodiscard]] ReportFolder read_report_folder(const std::filesystem::path& folder);
+
+/// The same of texts, for who has them already.
+void read_strokes(std::string_view sweeps_csv, ReportFolder& folder);
+
+}  // namespace sweepd

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sweepd {
+
+/// Which file it was that a program read.
+struct FileHash {
+  std::filesystem::path file;
+  std::uint64_t bytes = 0;
+  std::string sha256;  ///< 64 digits
+};
+
+/// Nothing of what is no regular file, or cannot be read. Reads the whole file: a second for some
+/// hundred megabytes.
+[[nodiscard]] std::optional<FileHash> hash_of(const std::filesystem::path& file);
+
+/// Those that there are, in the order of `files`.
+[[nodiscard]] std::vector<FileHash> hashes_of(const std::vector<std::filesystem::path>& files);
+
+}  // namespace sweepd

@@ -1,0 +1,207 @@
+#include "daemon/report/html_report.hpp"
+
+#include <algorithm>
+#include <sstream>
+
+#include <Eigen/Dense>
+#include <pugixml.hpp>
+
+#include "daemon/results/result_files.hpp"
+#include "daemon/text/numbers.hpp"
+#include "tests/catch.hpp"
+#include "tests/daemon/chain_outcomes.hpp"
+#include "tests/daemon/outcomes.hpp"
+#include "tests/daemon/scara.hpp"
+#include "tests/daemon/temporary_folder.hpp"
+#include "tests/daemon/texts.hpp"
+
+using namespace sweepd;
+using namespace sweepd::test;
+using Catch::Matchers::ContainsSubstring;
+
+namespace {
+
+/// The report of an outcome, as a run leaves it.
+std::string report_html(const Outcome& outcome) {
+  const TemporaryFolder folder;
+  write_result(folder.path(), outcome);
+  return content(folder / kHtmlReport);
+}
+
+/// Without what is markup: what a reader can find in it.
+std::string words_of(const std::string& html) {
+  std::string text;
+  bool inside = false;
+  for (const char c : html) {
+    if (c == '<') inside = true;
+    if (!inside) text += c;
+    if (c == '>') {
+      inside = false;
+      text += ' ';
+    }
+  }
+  return text;
+}
+
+/// Whether a browser gets what was meant: all that is opened is closed, in order.
+void check_whole(const std::string& html) {
+  REQUIRE(html.starts_with(kHtmlBegin));
+  std::string xml = html.substr(kHtmlBegin.size());
+  for (std::size_t at = 0; (at = xml.find("<meta", at)) != std::string::npos; ++at)
+    xml.insert(xml.find('>', at), "/");
+  pugi::xml_document document;
+  CHECK(document.load_string(xml.c_str()).status == pugi::status_ok);
+  CHECK(document.select_nodes("//script | //img | //link | //iframe | //a").empty());
+  constexpr std::string_view kNamespace = "http://www.w3.org/2000/svg";
+  for (std::size_t at = 0; (at = xml.find(kNamespace, at)) != std::string::npos;)
+    xml.erase(at, kNamespace.size());
+  CHECK(xml.find("http:") == std::string::npos);
+  CHECK(xml.find("https:") == std::string::npos);
+  CHECK(xml.find("url(") == std::string::npos);
+  CHECK(xml.find("nan") == std::string::npos);
+  CHECK(xml.find("inf") == std::string::npos);
+}
+
+}  // namespace
+
+TEST_CASE("the report of a complete run has the paper's figures and all numbers of dh.csv",
+          "[html_report]") {
+  const TemporaryFolder folder;
+  write_result(folder.path(), complete_outcome());
+  const auto html = content(folder / kHtmlReport);
+  check_whole(html);
+  CHECK(html.size() < 600'000);
+  const auto words = words_of(html);
+  for (const char* const figure :
+       {"Fitted circle for each joint motion.", "Range of motion provided to each joint.",
+        "Circle, centre and normal of each joint.", "Spread of the points of each joint.",
+        "Residuals along each arc.", "What the uncertainties come from.", "Sweeps on a time line."})
+    CHECK_THAT(words, ContainsSubstring(figure));
+  CHECK_THAT(words, ContainsSubstring("All 6 joints are identified"));
+  CHECK_THAT(words, ContainsSubstring("The numbers describe the controller's model"));
+  CHECK_THAT(words, ContainsSubstring("not stated"));
+  std::istringstream csv(content(folder / "dh.csv"));
+  std::string line;
+  std::getline(csv, line);
+  while (std::getline(csv, line)) {
+    std::istringstream cells(line);
+    for (std::string cell; std::getline(cells, cell, ',');)
+      if (!cell.empty()) CHECK_THAT(words, ContainsSubstring(" " + cell + " "));
+  }
+}
+
+TEST_CASE("the same files give the same bytes", "[html_report]") {
+  const TemporaryFolder folder;
+  write_result(folder.path(), complete_outcome());
+  const auto first = content(folder / kHtmlReport);
+  const ReportFolder read = read_report_folder(folder.path());
+  CHECK(html_report(std::span(&read, 1)) == first);
+}
+
+TEST_CASE("singular values in figure 4 are those of the points", "[html_report]") {
+  const Outcome outcome = complete_outcome();
+  const auto words = words_of(report_html(outcome));
+  const auto& joint = outcome.identification.joints[2];
+  std::vector<Eigen::Vector3d> points;
+  for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
+    if (joint.used[s])
+      for (const auto& sample : *joint.sweeps[s].samples) points.push_back(sample.position_mm);
+  Eigen::MatrixXd n(points.size(), 3);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    n.row(static_cast<Eigen::Index>(i)) = points[i].transpose();
+  n.rowwise() -= n.colwise().mean().eval();
+  const Eigen::Vector3d sigma = Eigen::JacobiSVD<Eigen::MatrixXd>(n).singularValues();
+  CHECK_THAT(words, ContainsSubstring("σ₁ " + fixed(sigma(0), 1)));
+  CHECK_THAT(words, ContainsSubstring("σ₂ " + fixed(sigma(1), 1)));
+}
+
+TEST_CASE("whatever a run was, its report says so", "[html_report]") {
+  SECTION("partial") {
+    const auto html = report_html(partial_outcome());
+    check_whole(html);
+    CHECK_THAT(words_of(html), ContainsSubstring("3 of 6 joints have an axis"));
+  }
+  SECTION("failed") {
+    const auto html = report_html(failed_outcome());
+    check_whole(html);
+    CHECK_THAT(words_of(html), ContainsSubstring("Nothing is identified"));
+    CHECK_THAT(words_of(html), !ContainsSubstring("The circles"));
+  }
+  SECTION("doubtful") {
+    Outcome outcome = complete_outcome();
+    outcome.identification.status = identify::Status::doubtful;
+    outcome.identification.reason = "is it this robot?";
+    outcome.identification.doubts.push_back({"off_home", 0, "a circle passes 10 mm off"});
+    const auto html = report_html(outcome);
+    check_whole(html);
+    CHECK_THAT(words_of(html), ContainsSubstring("Do not use it: is it this robot?"));
+    CHECK_THAT(words_of(html), ContainsSubstring("a circle passes 10 mm off"));
+  }
+  SECTION("nothing specified") {
+    const auto html = report_html(unspecified_outcome());
+    check_whole(html);
+    CHECK_THAT(html, !ContainsSubstring("difference ± U"));
+  }
+  SECTION("linear joints") {
+    const auto html = report_html(scara_outcome());
+    check_whole(html);
+    CHECK_THAT(words_of(html), ContainsSubstring("place, mm"));
+  }
+  SECTION("the frame of a device, and no sweeps kept") {
+    check_whole(report_html(chain_outcome()));
+  }
+  SECTION("twelve joints") {
+    const TemporaryFolder folder;
+    write_result(folder.path(), complete_outcome());
+    auto read = read_report_folder(folder.path());
+    for (const char* const table : {"joints", "dh"})
+      for (int k = 0; k < 6; ++k) read.result[table].push_back(read.result[table][0]);
+    const auto html = html_report(std::span(&read, 1));
+    check_whole(html);
+    CHECK_THAT(words_of(html), ContainsSubstring("All 12 joints"));
+  }
+}
+
+TEST_CASE("names and facts from outside are never markup", "[html_report]") {
+  Outcome outcome = partial_outcome();
+  outcome.robot = "<script>alert(1)</script>\"'&\n\u202Erobot\xFF";
+  const TemporaryFolder folder;
+  write_result(folder.path(), outcome);
+  check_whole(content(folder / kHtmlReport));
+  const ReportFolder read = read_report_folder(folder.path());
+  const auto facts =
+      read_facts(folder.write("facts.toml", "customer = \"<img src=x onerror=y>\"\n"));
+  const auto html = html_report(std::span(&read, 1), facts);
+  check_whole(html);
+  CHECK_THAT(html, ContainsSubstring("&lt;img src=x"));
+}
+
+TEST_CASE("two folders stand beside each other, with table 4 under them", "[html_report]") {
+  const TemporaryFolder folder;
+  for (const char* const name : {"ninety", "thirty"}) {
+    std::filesystem::create_directory(folder / name);
+    write_result(folder / name, complete_outcome());
+  }
+  const std::array both{read_report_folder(folder / "ninety"),
+                        read_report_folder(folder / "thirty")};
+  const auto html = html_report(both);
+  check_whole(html);
+  const auto words = words_of(html);
+  CHECK_THAT(words, ContainsSubstring("ninety: sweeps of"));
+  CHECK_THAT(words, ContainsSubstring("thirty: sweeps of"));
+  CHECK_THAT(words, ContainsSubstring("volume, m³"));
+}
+
+TEST_CASE("a result that others wrote, with less in it, still makes a report", "[html_report]") {
+  for (const char* const result :
+       {"{\"schema\": \"sweepd.result/1\"}",
+        "{\"schema\": \"sweepd.result/1\", \"joints\": [{}, {\"joint\": 2, \"circle\": {}}], "
+        "\"dh\": [{}], \"uncertainty_budget\": [], \"warnings\": []}",
+        "{\"schema\": \"sweepd.result/1\", \"joints\": [{\"sweeps\": [{\"start_s\": 1, \"end_s\": "
+        "2}]}], \"bounding_box\": {\"center\": [1, 2]}}"}) {
+    const TemporaryFolder folder;
+    (void)folder.write("result.json", result);
+    const ReportFolder read = read_report_folder(folder.path());
+    check_whole(html_report(std::span(&read, 1)));
+  }
+}
