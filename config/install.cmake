@@ -9,7 +9,7 @@ set(settings ${sysconfdir}/sweepd)
 set(config ${CMAKE_CURRENT_LIST_DIR})
 
 file(GLOB_RECURSE files RELATIVE ${config}
-     ${config}/sweepd.toml ${config}/robots/* ${config}/plans/* ${config}/controller/*)
+     ${config}/sweepd.toml ${config}/facts.toml ${config}/robots/* ${config}/plans/* ${config}/controller/*)
 foreach(file IN LISTS files)
   if(EXISTS "$ENV{DESTDIR}${settings}/${file}")
     message(STATUS "Left as it is: $ENV{DESTDIR}${settings}/${file}")

@@ -155,6 +155,8 @@ def fixtures(root, sweepd, folder):
     robot, plan = "config/robots/kr5_arc.toml", "config/plans/kr5_arc_90deg.toml"
     run("simulate", "--robot", robot, "--plan", plan, "--write", "trace.pcap")
     run("replay", "trace.pcap", "--robot", robot, "--plan", plan, "--output", "result")
+    for name in ("90", "30"):
+        shutil.copytree(folder / "result", folder / "out" / name)
     session = folder / "out/run/kr5-arc/20260101T000000Z"
     session.mkdir(parents=True)
     shutil.copy(folder / "trace.pcap", session)

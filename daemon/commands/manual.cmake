@@ -3,7 +3,7 @@ find_program(HELP2MAN help2man REQUIRED)
 set(manual ${PROJECT_BINARY_DIR}/manual)
 file(MAKE_DIRECTORY ${manual})
 # A page for each command.
-set(commands run replay inspect identify simulate plan export check)
+set(commands run replay inspect identify simulate plan report export check)
 list(TRANSFORM commands REPLACE "(.+)" "${manual}/sweepd-\\1.1.gz" OUTPUT_VARIABLE pages)
 list(PREPEND pages ${manual}/sweepd.1.gz)
 # They are dated as the newest entry of the changelog.

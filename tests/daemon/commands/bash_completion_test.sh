@@ -45,7 +45,7 @@ for command in $commands; do
   expect "$options" "$command" --
 done
 
-expect 'replay' re
+expect 'replay|report' re
 expect '--version' --v
 expect '--listen' run --l
 expect 'device|robot' identify --frame ''
