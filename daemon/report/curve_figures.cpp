@@ -228,7 +228,7 @@ void add_residual_figures(Markup parent, const ReportFolder& folder) {
     for (const Stroke& stroke : folder.strokes)
       if (stroke.joint == j) fill_in_angles(folder, strokes.emplace_back(stroke));
     const std::string name = "Joint " + std::to_string(j + 1);
-    Picture picture(figure, kWidth, kRow, "residuals of joint " + std::to_string(j + 1));
+    Picture picture(figure, kWidth + 16, kRow, "residuals of joint " + std::to_string(j + 1));
     const bool linear = is_linear(folder, j);
     const char* const x_title = linear ? "place, mm" : "angle, deg";
     const Curve axial = curve_of(strokes, [](const auto& point) { return 1000 * point.axial_mm; });
@@ -298,7 +298,7 @@ void add_link_figure(Markup parent, const ReportFolder& folder) {
   auto figure = add_figure(parent, "The link.",
                            "How long replies took, and how far telegrams came from their cycle. "
                            "Both axes are logarithmic.");
-  Picture picture(figure, kWidth, 190, "latency and jitter");
+  Picture picture(figure, kWidth + 16, 190, "latency and jitter");
   draw_histogram(picture, {56, 20, 280, 130}, part(folder.link, "latency"),
                  "Latency of the replies", cycle_us);
   draw_histogram(picture, {412, 20, 280, 130}, part(folder.link, "jitter"),

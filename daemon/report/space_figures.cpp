@@ -391,7 +391,7 @@ void add_axes_figure(Markup parent, const ReportFolder& folder) {
     if (shape.radius > 0 && 2 * shape.radius * whole.scale() < kTooSmall_px) small.push_back(shape);
   constexpr double kInset = 130;
   const double height = 46 + 2 * kHeight + 50 + 40 + (small.empty() ? 0 : kInset + 30);
-  Picture picture(figure, kSecond + kWidth + 6, height,
+  Picture picture(figure, kSecond + kWidth + 20, height,
                   "fitted circles of all joints from above, front, side and in perspective");
   draw_flat_view(picture, View::top(), {kLeft, 20, kWidth, kHeight}, "From above",
                  {"X, mm", "Y, mm"}, shapes, arm, extent, axis_length);
