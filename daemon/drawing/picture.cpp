@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cmath>
+#include <set>
+#include <utility>
 
 #include "daemon/text/numbers.hpp"
 
@@ -93,13 +95,14 @@ void Picture::path(std::span<const Spot> spots, std::string_view kind, bool clos
 
 void Picture::dots(std::span<const Spot> spots, std::string_view kind) {
   std::string way;
-  Spot before(-1e9, -1e9);
+  std::set<std::pair<long, long>> taken;
   for (const Spot& spot : spots) {
-    if (!spot.allFinite() || (spot - before).norm() < 2 * kTold_px) continue;
+    if (!spot.allFinite()) continue;
+    const Spot cell = spot / (2 * kTold_px);
+    if (!taken.emplace(std::lround(cell.x()), std::lround(cell.y())).second) continue;
     way += "M";
     append(way, spot);
     way += "h0";
-    before = spot;
   }
   if (!way.empty()) svg_.add("path", {{"d", way}, {"class", kind}});
 }
@@ -185,7 +188,7 @@ std::string drawing_style() {
     const std::string colour(kLooks[i].colour);
     css += "." + look('l', i) + "{stroke:" + colour +
            ";stroke-width:1.3;stroke-dasharray:" + std::string(kLooks[i].dash) + "}." +
-           look('d', i) + "{stroke:" + colour + ";stroke-width:1.6;stroke-linecap:round}." +
+           look('d', i) + "{stroke:" + colour + ";stroke-width:3.2;stroke-linecap:round}." +
            look('f', i) + "{fill:" + colour + "}";
   }
   return css +

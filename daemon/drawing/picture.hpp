@@ -38,7 +38,7 @@ class Picture {
   void line(const Spot& from, const Spot& to, std::string_view kind);
   /// Not a number is a gap. Spots that nobody could tell apart are left out.
   void path(std::span<const Spot> spots, std::string_view kind, bool closed = false);
-  /// Each a dot as wide as the stroke.
+  /// Each a dot as wide as the stroke. One dot where many would lie on each other.
   void dots(std::span<const Spot> spots, std::string_view kind);
   void bar(const Frame& bar, std::string_view kind);
   void circle(const Spot& middle, double radius, std::string_view kind);

@@ -21,8 +21,8 @@ using Eigen::Vector3d;
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 constexpr double kWidth = 700;
 
-/// What is drawn of a stroke's points: means of so many neighbours at most.
-constexpr std::size_t kBins = 160;
+/// What is drawn of the points of a joint: about so many means of neighbours.
+constexpr std::size_t kBins = 320;
 
 std::size_t joints_of(const ReportFolder& folder) {
   return list(folder.result, "joints").size();
@@ -61,8 +61,8 @@ void fill_in_angles(const ReportFolder& folder, Stroke& stroke) {
 
 /// A stroke's values over the joint's angle, thinned to means; a gap at the end of each stroke.
 template <typename Value>
-void append(Series& series, const Stroke& stroke, const Value& value) {
-  const std::size_t step = std::max<std::size_t>(1, stroke.points.size() / kBins);
+void append(Series& series, const Stroke& stroke, std::size_t bins, const Value& value) {
+  const std::size_t step = std::max<std::size_t>(1, stroke.points.size() / bins);
   for (std::size_t i = 0; i < stroke.points.size(); i += step) {
     double x = 0;
     double y = 0;
@@ -82,26 +82,15 @@ void append(Series& series, const Stroke& stroke, const Value& value) {
 
 struct Curve {
   Series series;
-  double squares = 0;  // of all points, not only of the means
-  std::size_t count = 0;
-
-  [[nodiscard]] double rms() const {
-    return count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0;
-  }
+  double rms = 0;  // of all points, not only of those that are drawn
 };
 
 template <typename Value>
-Curve curve_of(const std::vector<Stroke>& strokes, const Value& value) {
-  Curve curve;
-  for (const Stroke& stroke : strokes) {
-    append(curve.series, stroke, value);
-    for (const StrokePoint& point : stroke.points) {
-      const double one = value(point);
-      if (!std::isfinite(one)) continue;
-      curve.squares += one * one;
-      ++curve.count;
-    }
-  }
+Curve curve_of(const std::vector<Stroke>& strokes, double rms, const Value& value) {
+  Curve curve{{}, rms};
+  const std::size_t bins =
+      std::max<std::size_t>(kBins / std::max<std::size_t>(strokes.size(), 1), 2);
+  for (const Stroke& stroke : strokes) append(curve.series, stroke, bins, value);
   return curve;
 }
 
@@ -110,8 +99,8 @@ void include(Range& x, Range& y, const Curve& curve) {
     x.include(at);
     y.include(value);
   }
-  y.include(2 * curve.rms());
-  y.include(-2 * curve.rms());
+  y.include(2 * curve.rms);
+  y.include(-2 * curve.rms);
 }
 
 struct Drawn {
@@ -135,7 +124,7 @@ void draw_curves(Picture& picture, const Frame& frame, const std::string& title,
             {y.widened(0.08), y_title, false, 4});
   plot.level(0, "zero");
   for (const Drawn& drawn : curves) {
-    const double band = 2 * drawn.curve->rms();
+    const double band = 2 * drawn.curve->rms;
     if (band > 0) {
       plot.level(band, drawn.kind + " hair");
       plot.level(-band, drawn.kind + " hair");
@@ -219,7 +208,8 @@ void add_residual_figures(Markup parent, const ReportFolder& folder) {
   constexpr double kHeight = 84;
   std::vector<std::size_t> joints;
   for (std::size_t j = 0; j < joints_of(folder); ++j)
-    if (std::any_of(folder.strokes.begin(), folder.strokes.end(),
+    if (j < folder.sums.size() &&
+        std::any_of(folder.strokes.begin(), folder.strokes.end(),
                     [&](const Stroke& stroke) { return stroke.joint == j; }))
       joints.push_back(j);
   // A picture a joint: a page may end between them.
@@ -231,20 +221,23 @@ void add_residual_figures(Markup parent, const ReportFolder& folder) {
     Picture picture(figure, kWidth + 16, kRow, "residuals of joint " + std::to_string(j + 1));
     const bool linear = is_linear(folder, j);
     const char* const x_title = linear ? "place, mm" : "angle, deg";
-    const Curve axial = curve_of(strokes, [](const auto& point) { return 1000 * point.axial_mm; });
-    const Curve radial =
-        curve_of(strokes, [](const auto& point) { return 1000 * point.radial_mm; });
-    const Curve error = curve_of(strokes, [](const auto& point) { return point.along_arcsec; });
-    const Curve curve = curve_of(strokes, [](const auto& point) { return point.curve_arcsec; });
-    draw_curves(picture, {56, 16, 280, kHeight},
-                name + ": rms axial " + fixed(axial.rms(), 2) + ", radial " +
-                    fixed(radial.rms(), 2) + " µm",
-                x_title, "µm", {{&axial, joint_line(0)}, {&radial, joint_line(1)}});
+    const PointSums& sums = folder.sums[j];
+    const Curve axial = curve_of(strokes, 1000 * sums.axial_mm.root(),
+                                 [](const auto& point) { return 1000 * point.axial_mm; });
+    const Curve radial = curve_of(strokes, 1000 * sums.radial_mm.root(),
+                                  [](const auto& point) { return 1000 * point.radial_mm; });
+    const Curve error = curve_of(strokes, sums.along_arcsec.root(),
+                                 [](const auto& point) { return point.along_arcsec; });
+    const Curve curve = curve_of(strokes, 0, [](const auto& point) { return point.curve_arcsec; });
     draw_curves(
-        picture, {412, 16, 280, kHeight},
-        name + (error.count > 0 ? ": rms of the angle's error " + fixed(error.rms(), 2) + " arcsec"
-                                : ": error of the angle"),
-        x_title, "arcsec", {{&error, joint_line(0)}, {&curve, joint_line(1)}});
+        picture, {56, 16, 280, kHeight},
+        name + ": rms axial " + fixed(axial.rms, 2) + ", radial " + fixed(radial.rms, 2) + " µm",
+        x_title, "µm", {{&axial, joint_line(0)}, {&radial, joint_line(1)}});
+    draw_curves(picture, {412, 16, 280, kHeight},
+                name + (sums.along_arcsec.count > 0
+                            ? ": rms of the angle's error " + fixed(error.rms, 2) + " arcsec"
+                            : ": error of the angle"),
+                x_title, "arcsec", {{&error, joint_line(0)}, {&curve, joint_line(1)}});
   }
 }
 

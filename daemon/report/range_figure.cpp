@@ -53,21 +53,21 @@ void draw_range(Picture& picture, const ReportFolder& folder, const Frame& frame
                  frame.height - 2 * kRoom});
   if (whole) draw_box(picture, view, *whole, "axis");
   std::size_t index = 0;
-  std::vector<bool> named;
   for (const Json& joint : list(folder.result, "joints")) {
     if (const auto box = corners_of(part(joint, "bounding_box")))
       draw_box(picture, view, *box, joint_line(index) + " hair whole");
     ++index;
   }
-  named.resize(index);
-  for (const Stroke& stroke : folder.strokes) {
+  for (std::size_t j = 0; j < index; ++j) {
     std::vector<Spot> spots;
-    for (const StrokePoint& point : stroke.points) spots.push_back(view.spot(point.position_mm));
-    picture.path(spots, joint_line(stroke.joint) + " thick");
-    if (stroke.joint >= named.size() || named[stroke.joint] || spots.empty()) continue;
-    named[stroke.joint] = true;
-    picture.words(spots[spots.size() / 2] + Spot(6, -5), "A" + std::to_string(stroke.joint + 1),
-                  Anchor::start, "strong");
+    for (const Stroke& stroke : folder.strokes)
+      if (stroke.joint == j)
+        for (const StrokePoint& point : stroke.points)
+          spots.push_back(view.spot(point.position_mm));
+    picture.dots(spots, joint_dots(j));
+    if (!spots.empty())
+      picture.words(spots[spots.size() / 2] + Spot(6, -5), "A" + std::to_string(j + 1),
+                    Anchor::start, "strong");
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <fstream>
 #include <limits>
 #include <map>
@@ -108,6 +109,16 @@ double either(double chain, double circle) {
 
 }  // namespace
 
+void MeanSquare::add(double value) {
+  if (!std::isfinite(value)) return;
+  ++count;
+  squares += value * value;
+}
+
+double MeanSquare::root() const {
+  return count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0;
+}
+
 void read_strokes(std::string_view text, ReportFolder& folder) {
   Cells cells;
   cells.split(take_line(text));
@@ -134,6 +145,8 @@ void read_strokes(std::string_view text, ReportFolder& folder) {
     ++rows[stroke_of()];
   }
   seen.assign(rows.size(), 0);
+  std::map<std::size_t, std::size_t> of_joint;
+  for (std::size_t s = 0; s < rows.size(); ++s) of_joint[folder.strokes[s].joint] += rows[s];
   for (auto rest = text; !rest.empty();) {
     cells.split(take_line(rest));
     const std::size_t s = stroke_of();
@@ -145,15 +158,22 @@ void read_strokes(std::string_view text, ReportFolder& folder) {
     if (folder.sums.size() <= stroke.joint && stroke.joint < 64)
       folder.sums.resize(stroke.joint + 1);
     if (stroke.joint < folder.sums.size()) add(folder.sums[stroke.joint], position);
+    const double axial = either(number(cells[at.chain_axial]), number(cells[at.plane]));
+    const double radial = either(number(cells[at.chain_radial]), number(cells[at.radial]));
+    const double along = number(cells[at.error]);
+    if (stroke.joint < folder.sums.size()) {
+      folder.sums[stroke.joint].axial_mm.add(axial);
+      folder.sums[stroke.joint].radial_mm.add(radial);
+      folder.sums[stroke.joint].along_arcsec.add(along);
+    }
     // Evenly spread, the first and the last row among them.
-    const std::size_t step = (rows[s] + ReportFolder::kMostPoints - 1) / ReportFolder::kMostPoints;
+    const std::size_t step =
+        (of_joint[stroke.joint] + ReportFolder::kMostPoints - 1) / ReportFolder::kMostPoints;
     if (row % step != 0 && row + 1 != rows[s]) continue;
     stroke.points.push_back(
         {position, number(cells[at.time]),
-         stroke.joint < at.angles.size() ? number(cells[at.angles[stroke.joint]]) : kNothing,
-         either(number(cells[at.chain_axial]), number(cells[at.plane])),
-         either(number(cells[at.chain_radial]), number(cells[at.radial])), number(cells[at.error]),
-         number(cells[at.curve])});
+         stroke.joint < at.angles.size() ? number(cells[at.angles[stroke.joint]]) : kNothing, axial,
+         radial, along, number(cells[at.curve])});
   }
 }
 

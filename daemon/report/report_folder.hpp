@@ -27,11 +27,23 @@ struct Stroke {
   std::size_t joint = 0;            ///< from 0
   std::size_t sweep = 0;            ///< from 0
   std::size_t target = 0;           ///< from 0
-  std::vector<StrokePoint> points;  ///< in the order of the file, at most kMostPoints of them
+  std::vector<StrokePoint> points;  ///< in the order of the file, evenly thinned
+};
+
+/// The mean square of something.
+struct MeanSquare {
+  std::size_t count = 0;
+  double squares = 0;
+
+  void add(double value);  ///< not a number is nothing
+  [[nodiscard]] double root() const;
 };
 
 /// What all points of a joint have in common, not only those that are drawn.
 struct PointSums {
+  MeanSquare axial_mm;
+  MeanSquare radial_mm;
+  MeanSquare along_arcsec;
   std::size_t count = 0;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   Eigen::Matrix3d products = Eigen::Matrix3d::Zero();  ///< of positions, from `origin`
@@ -40,7 +52,9 @@ struct PointSums {
 
 /// The files of a folder that a report is made of.
 struct ReportFolder {
-  static constexpr std::size_t kMostPoints = 2000;
+  /// Of a joint's points so many are kept for drawing, and one more a stroke, whatever was
+  /// recorded: the report of a day is as long as that of a minute.
+  static constexpr std::size_t kMostPoints = 1600;
 
   Json result;                  ///< sweepd.result/1
   Json run;                     ///< run.json; null where there is none

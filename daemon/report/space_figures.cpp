@@ -35,7 +35,7 @@ struct JointShape {
   Vector3d on_axis = kNowhere;
   Vector3d along_axis = kNowhere;
   Points circle;
-  std::vector<Points> moved;  // one a stroke
+  Points moved;  // of all strokes
 };
 
 Points whole_circle(const Vector3d& centre, const Vector3d& normal, double radius) {
@@ -71,8 +71,7 @@ std::vector<JointShape> shapes_of(const ReportFolder& folder) {
     shape.along_axis = vector_of(part(part(joint, "axis"), "direction"));
     for (const Stroke& stroke : folder.strokes) {
       if (stroke.joint != shape.index) continue;
-      Points& points = shape.moved.emplace_back();
-      for (const StrokePoint& point : stroke.points) points.push_back(point.position_mm);
+      for (const StrokePoint& point : stroke.points) shape.moved.push_back(point.position_mm);
     }
     shapes.push_back(std::move(shape));
   }
@@ -121,7 +120,7 @@ Points extent_of(const std::vector<JointShape>& shapes, const Points& arm) {
   Points all = arm;
   for (const JointShape& shape : shapes) {
     all.insert(all.end(), shape.circle.begin(), shape.circle.end());
-    for (const auto& stroke : shape.moved) all.insert(all.end(), stroke.begin(), stroke.end());
+    all.insert(all.end(), shape.moved.begin(), shape.moved.end());
     if (shape.circle.empty() && shape.on_axis.allFinite()) all.push_back(shape.on_axis);
   }
   return all;
@@ -146,7 +145,7 @@ Ball ball_around(const Points& points) {
 void draw_joint(Picture& picture, const View& view, const JointShape& shape, double axis_length) {
   const auto kind = joint_line(shape.index);
   picture.path(view.spots(shape.circle), kind);
-  for (const Points& stroke : shape.moved) picture.path(view.spots(stroke), kind + " thick");
+  picture.dots(view.spots(shape.moved), joint_dots(shape.index));
   if (shape.on_axis.allFinite()) {
     const Vector3d foot =
         shape.centre.allFinite()
@@ -282,14 +281,14 @@ void draw_circle_panel(Picture& picture, const JointShape& shape, const Frame& f
                 Anchor::start, "strong");
   picture.bar(frame, "hollow axis");
   Points all = shape.circle;
-  for (const auto& stroke : shape.moved) all.insert(all.end(), stroke.begin(), stroke.end());
+  all.insert(all.end(), shape.moved.begin(), shape.moved.end());
   const double size = shape.radius > 0 ? shape.radius : std::max(shape.length / 2, 1e-6);
   const Vector3d tip = shape.centre + 0.9 * size * shape.normal;
   all.push_back(shape.centre);
   all.push_back(tip);
   View view = View::oblique();
   view.fit(all, within(frame, 26));
-  for (const auto& stroke : shape.moved) picture.dots(view.spots(stroke), "d1 thick");
+  picture.dots(view.spots(shape.moved), joint_dots(0));
   picture.path(view.spots(shape.circle), "axis");
   if (shape.length > 0)
     picture.line(view.spot(shape.centre - 0.5 * shape.length * shape.normal),
@@ -313,11 +312,10 @@ void draw_decomposition_panel(Picture& picture, const JointShape& shape, const D
   // The longest axis is drawn as long as the points reach, the others in proportion.
   Points places;
   double reach = 0;
-  for (const auto& stroke : shape.moved)
-    for (const Vector3d& point : stroke) {
-      places.emplace_back(found.axes.transpose() * (point - found.mean));
-      reach = std::max(reach, std::abs(places.back().x()));
-    }
+  for (const Vector3d& point : shape.moved) {
+    places.emplace_back(found.axes.transpose() * (point - found.mean));
+    reach = std::max(reach, std::abs(places.back().x()));
+  }
   const double scale = found.singular(0) > 0 ? 1.15 * reach / found.singular(0) : 0;
   Points all = places;
   std::array<Vector3d, 3> tips;
@@ -328,7 +326,7 @@ void draw_decomposition_panel(Picture& picture, const JointShape& shape, const D
   }
   View view = View::nearly_flat();
   view.fit(all, within({frame.left, frame.top, frame.width, frame.height - 38}, 22));
-  picture.dots(view.spots(places), "d1 thick");
+  picture.dots(view.spots(places), joint_dots(0));
   const Spot mean = view.spot(Vector3d::Zero());
   picture.circle(mean, 2, "");
   static constexpr std::array<const char*, 3> kNames{"V₁", "V₂", "V₃"};
