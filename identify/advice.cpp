@@ -10,7 +10,7 @@
 #include "identify/circle/joint_motion.hpp"
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/median.hpp"
-#include "identify/geometry/number_text.hpp"
+#include "identify/geometry/warning.hpp"
 #include "identify/linear_advice.hpp"
 
 namespace identify {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "identify/geometry/angle.hpp"
-#include "identify/undetermined.hpp"
+#include "identify/identification.hpp"
 
 namespace identify {
 namespace {

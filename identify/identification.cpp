@@ -1,6 +1,7 @@
 #include "identify/identification.hpp"
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <utility>
 
@@ -11,12 +12,37 @@
 #include "identify/chain/delay.hpp"
 #include "identify/circle/circle_estimator.hpp"
 #include "identify/dh/placed_axes.hpp"
-#include "identify/dh_budget.hpp"
 #include "identify/plausibility.hpp"
-#include "identify/undetermined.hpp"
 
 namespace identify {
 namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+// Sets `dh_covariance` and `dh_budget` of a result whose `dh` is the chain's, from the axes of
+// that table.
+void set_budget(Identification& found, const TableAxes& axes) {
+  const std::size_t joints = found.dh.size();
+  const auto count = static_cast<Index>(6 * joints);
+  const std::vector<std::optional<Axis>> of_joints(
+      axes.z.begin(), axes.z.begin() + static_cast<std::ptrdiff_t>(joints));
+  MatrixXd jacobian = dh_jacobian(of_joints, axes.size_mm, found.specified);
+  for (std::size_t i = 0; i < joints; ++i) {
+    const auto numbers = numbers_of(found.dh[i]);
+    for (std::size_t k = 0; k < numbers.size(); ++k)
+      if (numbers[k]->knowledge != Knowledge::identified)
+        jacobian.row(static_cast<Index>(5 * i + k)).setZero();
+  }
+  jacobian *= axes.by_estimate.topRows(count);
+  const auto of_numbers = [&](const MatrixXd& covariance) -> MatrixXd {
+    return jacobian * covariance * jacobian.transpose();
+  };
+  found.dh_covariance = of_numbers(found.chain->covariance);
+  found.dh_budget.clear();
+  for (const ChainEstimate::Part& part : found.chain->parts)
+    found.dh_budget.push_back({part.cause, of_numbers(part.covariance).diagonal()});
+}
 
 /// Counted from 1, as a list.
 std::string without_axis(const Identification& found) {
@@ -128,6 +154,42 @@ std::string_view text(Estimator estimator) noexcept {
       return "axes";
   }
   return "";
+}
+
+namespace {
+
+/// As in "theta, a of row 2"; empty where all of the row is known.
+std::string undetermined_in(const DhEstimate& row, std::size_t index) {
+  const std::array<std::pair<const char*, const DhNumber*>, 5> numbers{{{"b", &row.b_mm},
+                                                                        {"theta", &row.theta_rad},
+                                                                        {"a", &row.a_mm},
+                                                                        {"alpha", &row.alpha_rad},
+                                                                        {"beta", &row.beta_rad}}};
+  const bool parallel = row.relation == Relation::parallel || row.relation == Relation::coincident;
+  std::string names;
+  for (const auto& [name, number] : numbers)
+    if (number->knowledge == Knowledge::undetermined && (parallel || number != &row.beta_rad))
+      names += (names.empty() ? "" : ", ") + std::string(name);
+  return names.empty() ? names : names + " of row " + std::to_string(index + 1);
+}
+
+}  // namespace
+
+void name_undetermined(Identification& found) {
+  if (found.status != Status::complete) return;
+  std::string all;
+  for (std::size_t i = 0; i < found.dh.size(); ++i) {
+    const std::string names = undetermined_in(found.dh[i], i);
+    if (!names.empty()) all += (all.empty() ? "" : "; ") + names;
+  }
+  if (all.empty()) return;
+  found.status = Status::partial;
+  found.reason = "not determined: " + all;
+  found.warnings.push_back({"undetermined",
+                            {},
+                            "the axes are too uncertain to tell " + all +
+                                ": these numbers are left out; state or measure the axes more "
+                                "closely"});
 }
 
 }  // namespace identify

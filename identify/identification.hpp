@@ -61,4 +61,8 @@ void apply_doubts(Identification& found);
 /// hold. The same sweeps give the same bits.
 [[nodiscard]] Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign);
 
+/// A table is complete where every number of it is known. Where one is undetermined though no axis
+/// is missing, the status becomes partial, and the reason and a warning (`undetermined`) name it.
+void name_undetermined(Identification& found);
+
 }  // namespace identify

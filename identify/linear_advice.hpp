@@ -14,4 +14,8 @@ namespace identify {
                                                     const Resolution& resolution,
                                                     double by_delay_rad);
 
+/// Adds to the doubts where a linear joint's strokes contradict themselves: they run along
+/// different lines, on no straight line, or by another way than was told.
+void judge_linear_joints(Identification& found);
+
 }  // namespace identify

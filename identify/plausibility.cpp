@@ -8,12 +8,12 @@
 #include "identify/chain/meeting_point.hpp"
 #include "identify/circle/seen_circle.hpp"
 #include "identify/geometry/angle.hpp"
+#include "identify/geometry/circle_fit.hpp"
 #include "identify/geometry/median.hpp"
-#include "identify/geometry/number_text.hpp"
-#include "identify/geometry/robust_circle.hpp"
-#include "identify/linear_plausibility.hpp"
+#include "identify/geometry/warning.hpp"
+#include "identify/linear_advice.hpp"
 #include "identify/specified_fit.hpp"
-#include "identify/sweeps/points.hpp"
+#include "identify/sweeps/sample.hpp"
 
 namespace identify {
 namespace {

@@ -6,7 +6,6 @@
 #include "identify/chain/chain_fit.hpp"
 #include "identify/chain/chain_start.hpp"
 #include "identify/chain/chain_table.hpp"
-#include "identify/chain/fitted_axes.hpp"
 #include "identify/dh/placed_axes.hpp"
 #include "identify/geometry/angle.hpp"
 

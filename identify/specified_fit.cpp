@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "identify/geometry/number_text.hpp"
+#include "identify/geometry/warning.hpp"
 
 namespace identify {
 namespace {

@@ -9,7 +9,6 @@
 #include "daemon/stream/sample_clock.hpp"
 #include "daemon/system/line_file.hpp"
 #include "daemon/text/numbers.hpp"
-#include "rsi/capture/capture_order.hpp"
 #include "rsi/capture/capture_reader.hpp"
 #include "rsi/counted.hpp"
 #include "rsi/link/link_statistics.hpp"

@@ -4,7 +4,7 @@
 #include "daemon/results/link_json.hpp"
 #include "daemon/results/link_text.hpp"
 #include "daemon/stream/traces.hpp"
-#include "rsi/capture/capture_order.hpp"
+#include "rsi/capture/capture_reader.hpp"
 #include "rsi/link/link.hpp"
 #include "rsi/link/link_verdict.hpp"
 

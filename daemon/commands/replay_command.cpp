@@ -15,7 +15,7 @@
 #include "daemon/stream/traces.hpp"
 #include "daemon/system/atomic_file.hpp"
 #include "daemon/system/line_file.hpp"
-#include "rsi/capture/capture_order.hpp"
+#include "rsi/capture/capture_reader.hpp"
 
 namespace sweepd {
 namespace {

@@ -12,7 +12,6 @@
 #include "daemon/commands/simulation_report.hpp"
 #include "daemon/plan/simulated_robot.hpp"
 #include "daemon/text/progress.hpp"
-#include "rsi/capture/capture_record.hpp"
 #include "rsi/capture/capture_writer.hpp"
 
 namespace sweepd {

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "daemon/settings/toml_table.hpp"
-#include "daemon/text/ascii.hpp"
 #include "rsi/ascii.hpp"
 
 namespace sweepd {
@@ -29,9 +28,10 @@ constexpr std::array kTaken = {
     "trigger",      "true",       "until",  "wait",      "when",   "while",   "xor"};
 
 void check_name(const std::string& name, std::vector<std::string>& findings) {
-  const bool valid = !name.empty() && name.size() <= kLongestName && is_letter(name.front()) &&
-                     std::all_of(name.begin(), name.end(),
-                                 [](char c) { return is_letter(c) || is_digit(c) || c == '_'; });
+  const bool valid = !name.empty() && name.size() <= kLongestName && rsi::is_letter(name.front()) &&
+                     std::all_of(name.begin(), name.end(), [](char c) {
+                       return rsi::is_letter(c) || rsi::is_digit(c) || c == '_';
+                     });
   if (!valid)
     findings.push_back(
         "name: expected a letter, then letters, digits and underscores, 24 characters at most, "
@@ -89,7 +89,7 @@ std::vector<std::string> krl_findings(const SweepPlan& plan, const KrlOptions& o
                        ": give the number of the tool whose point is off axis 6");
   const std::string file = krl_rsi_file(options);
   if (file.size() > 60 || !std::all_of(file.begin(), file.end(), [](char c) {
-        return is_letter(c) || is_digit(c) || c == '_' || c == '.' || c == '-';
+        return rsi::is_letter(c) || rsi::is_digit(c) || c == '_' || c == '.' || c == '-';
       }))
     findings.push_back(
         "rsi_file: expected a file name of letters, digits, _ . and -, 60 at most, found '" +

@@ -9,9 +9,9 @@
 #include "daemon/points/csv_file.hpp"
 #include "daemon/text/units.hpp"
 #include "identify/geometry/circle_fit.hpp"
-#include "identify/sweeps/points.hpp"
+#include "identify/sweeps/position_segmentation.hpp"
+#include "identify/sweeps/sample.hpp"
 #include "identify/sweeps/segmentation.hpp"
-#include "identify/sweeps/turning_points.hpp"
 
 namespace sweepd {
 namespace {

@@ -7,7 +7,7 @@
 #include "daemon/points/points_file.hpp"
 #include "daemon/settings/sweep_plan.hpp"
 #include "identify/sweeps/joint_assignment.hpp"
-#include "identify/sweeps/motion_limit.hpp"
+#include "identify/sweeps/sample.hpp"
 #include "identify/sweeps/sweep.hpp"
 
 namespace sweepd {

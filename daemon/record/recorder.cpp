@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "daemon/system/realtime.hpp"
-#include "rsi/capture/capture_record.hpp"
+#include "rsi/capture/capture_writer.hpp"
 #include "rsi/capture/packet.hpp"
 
 namespace sweepd {

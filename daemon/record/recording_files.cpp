@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "rsi/capture/capture_record.hpp"
+#include "rsi/capture/capture_writer.hpp"
 
 namespace sweepd {
 namespace {

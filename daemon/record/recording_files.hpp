@@ -12,7 +12,7 @@ namespace sweepd {
 
 /// Some records in the form that they have in the files. Whole ones only.
 struct Records {
-  std::string trace;    ///< see rsi/capture_record.hpp
+  std::string trace;    ///< see rsi/capture/capture_writer.hpp
   std::string samples;  ///< lines
 
   [[nodiscard]] std::size_t bytes() const { return trace.size() + samples.size(); }

@@ -20,7 +20,7 @@
 
 #include "daemon/record/recording_files.hpp"
 #include "daemon/record/session_folder.hpp"
-#include "daemon/text/ascii.hpp"
+#include "rsi/ascii.hpp"
 
 namespace sweepd {
 namespace {
@@ -53,7 +53,7 @@ class Folder {
 
 std::optional<unsigned> whole_number(std::string_view text) {
   unsigned value = 0;
-  if (!all_digits(text)) return std::nullopt;
+  if (!rsi::all_digits(text)) return std::nullopt;
   const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
   return end.ec == std::errc{} ? std::optional(value) : std::nullopt;
 }

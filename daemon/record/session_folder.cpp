@@ -14,7 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "daemon/text/ascii.hpp"
+#include "rsi/ascii.hpp"
 
 namespace sweepd {
 namespace {
@@ -37,14 +37,14 @@ bool is_unfinished(const fs::path& folder) {
 std::optional<SessionName> session_name(std::string_view name) {
   constexpr std::size_t kLength = 16;
   if (name.size() < kLength || name[8] != 'T' || name[15] != 'Z' ||
-      !all_digits(name.substr(0, 8)) || !all_digits(name.substr(9, 6)))
+      !rsi::all_digits(name.substr(0, 8)) || !rsi::all_digits(name.substr(9, 6)))
     return std::nullopt;
   const auto start = std::string(name.substr(0, kLength));
   if (name.size() == kLength) return SessionName{start, 1};
   const auto number = name.substr(std::min(kLength + 1, name.size()));
   unsigned again = 0;
   const auto end = std::from_chars(number.data(), number.data() + number.size(), again);
-  if (!all_digits(number) || end.ec != std::errc{} || again < 2 ||
+  if (!rsi::all_digits(number) || end.ec != std::errc{} || again < 2 ||
       name != start + '-' + std::to_string(again))
     return std::nullopt;
   return SessionName{start, again};

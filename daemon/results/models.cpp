@@ -1,7 +1,7 @@
 #include "daemon/results/models.hpp"
 
 #include "daemon/text/units.hpp"
-#include "identify/models/kinematic_models.hpp"
+#include "identify/models/kinematic_model.hpp"
 
 namespace sweepd {
 

@@ -12,7 +12,7 @@
 #include "daemon/results/result_files.hpp"
 #include "daemon/results/run_json.hpp"
 #include "daemon/text/utc.hpp"
-#include "rsi/capture/capture_order.hpp"
+#include "rsi/capture/capture_reader.hpp"
 
 namespace sweepd {
 namespace {

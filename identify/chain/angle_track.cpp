@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "identify/geometry/circle_fit.hpp"
 #include "identify/geometry/median.hpp"
-#include "identify/geometry/robust_circle.hpp"
 
 namespace identify {
 namespace {

@@ -26,7 +26,7 @@ struct ChainAxis {
 };
 
 /// What a joint gives way under a load farther out: `rad` times the load's lever about it, in
-/// `reach_mm`, beyond what it gives way at home (chain_sag.hpp).
+/// `reach_mm`, beyond what it gives way at home (see sagged()).
 struct ChainSag {
   std::size_t joint = 0;
   std::size_t load = 0;  ///< hangs on this axis; on the first target where there is no such axis
@@ -97,5 +97,19 @@ class ChainPose {
   const Chain* chain_;
   std::array<Eigen::Matrix<double, 3, 2>, kMostJoints> across_;  ///< of each axis
 };
+
+/// A chain's sags for joints that give way by `sag_rad`, one a joint: each joint by the loads that
+/// it carries, which are taken to hang on the axes behind it and on the first target, in shares
+/// that nobody knows. Nothing where the first joint that turns is not `known`: it stands upright,
+/// and tells which way weights pull. Linear joints do not give way.
+[[nodiscard]] std::vector<ChainSag> sags_of(const Chain& chain, const std::vector<bool>& known,
+                                            const std::vector<double>& sag_rad);
+
+/// Of each sag of the chain: the load's lever about the joint when the joints turned so far, less
+/// that at home, in its reach. By virtual work it is how fast the load rises as the joint turns.
+[[nodiscard]] std::vector<double> sag_levers(const Chain& chain, const Turns& turns);
+
+/// How far the joints really turned, those that give way with what they sag by.
+[[nodiscard]] Turns sagged(const Chain& chain, const Turns& turns);
 
 }  // namespace identify

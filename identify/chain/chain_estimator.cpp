@@ -5,12 +5,10 @@
 #include <utility>
 
 #include "identify/chain/angle_trust.hpp"
+#include "identify/chain/chain.hpp"
 #include "identify/chain/chain_fit.hpp"
 #include "identify/chain/chain_noise.hpp"
-#include "identify/chain/chain_sag.hpp"
 #include "identify/chain/chain_start.hpp"
-#include "identify/chain/effect_sizes.hpp"
-#include "identify/chain/fitted_axes.hpp"
 #include "identify/chain/linearised_chain.hpp"
 #include "identify/geometry/angle.hpp"
 

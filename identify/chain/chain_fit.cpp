@@ -136,4 +136,96 @@ ChainFit fit_chain(const Chain& start, ChainNodes& nodes, const ChainNoise& nois
                           : Fitting<3>(start, nodes, noise, effects).run(most_iterations);
 }
 
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+void set_fitted_axes(ChainEstimate& estimate, const ChainFit& fit, const std::vector<bool>& known,
+                     std::size_t targets) {
+  const std::size_t joints = known.size();
+  estimate.chain = fit.chain;
+  // The pose at which each angle as told is home's: the joints turned by what they stand off it.
+  Turns zero{};
+  std::copy(fit.chain.zero_rad.begin(), fit.chain.zero_rad.end(), zero.begin());
+  for (std::size_t j = 0; j < joints; ++j) {
+    Turns before{};
+    std::copy_n(zero.begin(), j, before.begin());
+    const Eigen::Isometry3d moved = fit.chain.displacement(before);
+    estimate.chain.axes[j].direction = moved.linear() * fit.chain.axes[j].direction;
+    estimate.chain.axes[j].point_mm = moved * fit.chain.axes[j].point_mm;
+  }
+  const Eigen::Isometry3d at_home = fit.chain.displacement(zero);
+  for (Eigen::Vector3d& target : estimate.chain.targets_mm) target = at_home * target;
+  estimate.chain.tool = at_home.linear() * fit.chain.tool;
+  estimate.chain.zero_rad.clear();
+  estimate.chain.sags.clear();  // at home there is none
+  const ChainParameters parameters{joints, fit.chain.targets_mm.size()};
+  const auto tool = static_cast<Index>(6 * joints + 3 * targets);
+  const auto rows = tool + (estimate.with_orientation ? 3 : 0);
+  MatrixXd by_parameter = MatrixXd::Zero(rows, fit.covariance.rows());
+  estimate.axes.assign(joints, std::nullopt);
+  for (std::size_t j = 0; j < joints; ++j) {
+    if (!known[j]) continue;
+    ChainAxis& axis = estimate.chain.axes[j];
+    const auto basis = across(axis.direction);
+    if (axis.linear) {  // its place: where the target passes, until convention gives it one
+      axis.point_mm = estimate.chain.targets_mm.front();
+      by_parameter.block<3, 2>(static_cast<Index>(6 * j), parameters.axis(j)) = basis;
+      by_parameter.block<3, 3>(static_cast<Index>(6 * j + 3), parameters.target(0)).setIdentity();
+      continue;
+    }
+    const double along = axis.direction.dot(estimate.chain.targets_mm.front() - axis.point_mm);
+    const auto row = static_cast<Index>(6 * j);
+    by_parameter.block<3, 2>(row, parameters.axis(j)) = basis;
+    by_parameter.block<3, 2>(row + 3, parameters.axis(j)) = along * basis;
+    by_parameter.block<3, 2>(row + 3, parameters.axis(j) + 2) = basis;
+    axis.point_mm += along * axis.direction;
+  }
+  const Index zeros = parameters.count(estimate.with_orientation);
+  for (std::size_t k = 0; k < fit.chain.zero_rad.size(); ++k) {
+    const ChainAxis& turning = fit.chain.axes[k];
+    const auto column = zeros + static_cast<Index>(k);
+    const auto moves = [&](const Eigen::Vector3d& point) -> Eigen::Vector3d {
+      if (turning.linear) return kLinear_mm * turning.direction;
+      return turning.direction.cross(point - turning.point_mm);
+    };
+    const Eigen::Vector3d turns =
+        turning.linear ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : turning.direction;
+    for (std::size_t j = k + 1; j < joints; ++j) {
+      const auto row = static_cast<Index>(6 * j);
+      const ChainAxis& axis = estimate.chain.axes[j];
+      by_parameter.block<3, 1>(row, column) = turns.cross(axis.direction);
+      by_parameter.block<3, 1>(row + 3, column) = moves(axis.point_mm);
+    }
+    for (std::size_t t = 0; t < targets; ++t)
+      by_parameter.block<3, 1>(static_cast<Index>(6 * joints + 3 * t), column) =
+          moves(estimate.chain.targets_mm[t]);
+    for (std::size_t j = 0; j < std::min(k + 1, joints); ++j)
+      if (known[j] && estimate.chain.axes[j].linear)
+        by_parameter.block<3, 1>(static_cast<Index>(6 * j + 3), column) =
+            moves(estimate.chain.targets_mm.front());
+    if (estimate.with_orientation) by_parameter.block<3, 1>(tool, column) = turns;
+  }
+  for (std::size_t t = 0; t < targets; ++t)
+    by_parameter.block<3, 3>(static_cast<Index>(6 * joints + 3 * t), parameters.target(t)) =
+        Eigen::Matrix3d::Identity();
+  if (estimate.with_orientation)
+    by_parameter.block<3, 3>(tool, parameters.tool()) = Eigen::Matrix3d::Identity();
+  const auto of_axes = [&](const MatrixXd& covariance) -> MatrixXd {
+    return by_parameter.lazyProduct(MatrixXd(covariance.lazyProduct(by_parameter.transpose())));
+  };
+  estimate.covariance = of_axes(fit.covariance);
+  estimate.parts.clear();
+  for (const ChainEstimate::Part& part : fit.parts)
+    estimate.parts.push_back({part.cause, of_axes(part.covariance)});
+  estimate.chain.targets_mm.resize(targets);
+  for (std::size_t j = 0; j < joints; ++j) {
+    if (!known[j]) continue;
+    const auto row = static_cast<Index>(6 * j);
+    const Axis axis{estimate.chain.axes[j].direction, estimate.chain.axes[j].point_mm,
+                    estimate.covariance.block<6, 6>(row, row), estimate.chain.axes[j].linear};
+    const bool finite = axis.direction.allFinite() && axis.point_mm.allFinite();
+    if (finite && axis.direction_sigma_rad() < kWorstDirection_rad) estimate.axes[j] = axis;
+  }
+}
+
 }  // namespace identify

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "identify/chain/chain_residual.hpp"
 #include "identify/circle/circle_estimate.hpp"
@@ -44,5 +47,70 @@ struct ChainNodes {
 /// are never turned.
 [[nodiscard]] ChainNodes chain_nodes(const CircleEstimate& circles,
                                      const std::vector<std::optional<ChainAxis>>& axes);
+
+/// What a node's samples scatter by about it, and what its mean is off by.
+template <int Size>
+struct NodeScatter {
+  using Square = typename ChainResidual<Size>::Square;
+  using Vector = typename ChainResidual<Size>::Vector;
+  ChainResidual<Size> residual;
+  Square within = Square::Zero();  ///< sum of squares about the mean
+  Square by_locked = Square::Zero();
+  double samples = 0;
+};
+
+/// Rotates the measurement frame's vectors, positions and rotations, into the stroke's directions.
+template <int Size>
+Eigen::Matrix<double, Size, Size> turned_to(const Eigen::Matrix3d& directions) {
+  Eigen::Matrix<double, Size, Size> turned = Eigen::Matrix<double, Size, Size>::Zero();
+  turned.template topLeftCorner<3, 3>() = directions;
+  if constexpr (Size == 6) turned.template bottomRightCorner<3, 3>() = directions;
+  return turned;
+}
+
+/// Calls `see` with each stroke and its nodes' scatter.
+template <int Size, class See>
+void visit_nodes(const Chain& chain, const ChainNodes& nodes, const ChainNoise& noise,
+                 const See& see) {
+  ChainPose pose(chain);
+  std::vector<NodeScatter<Size>> scatter;
+  for (std::size_t s = 0; s < nodes.strokes.size(); ++s) {
+    const StrokeMoments& stroke = nodes.strokes[s];
+    scatter.assign(stroke.nodes.size(), {});
+    const Eigen::Index errors = stroke.content.orientation ? 6 : 3;
+    const auto wobbles = static_cast<Eigen::Index>(stroke.content.joints);
+    for (std::size_t n = 0; n < stroke.nodes.size(); ++n) {
+      const ChainObservation& seen = nodes.observations[nodes.first[s] + n];
+      pose.set(seen.target, turns_of(chain, seen, noise), false);
+      NodeScatter<Size>& at = scatter[n];
+      at.residual.set(chain, seen, pose, noise);
+      at.samples = seen.weight;
+      for (std::size_t k = 0; k < chain.axes.size(); ++k)
+        if (k != seen.joint)
+          at.by_locked.noalias() += pose.by_turn[k].template head<Size>() *
+                                    pose.by_turn[k].template head<Size>().transpose();
+      // e - sum_k J_k v_k, all in the measurement frame.
+      const auto back =
+          turned_to<Size>(stroke.directions(stroke.nodes[n].turn_rad)).transpose().eval();
+      constexpr int kMost = 6 + static_cast<int>(kMostJoints);
+      Eigen::Matrix<double, Size, Eigen::Dynamic, 0, Size, kMost> combined =
+          decltype(combined)::Zero(Size, errors + wobbles);
+      combined.template leftCols<Size>() = back;
+      for (Eigen::Index k = 0; k < wobbles; ++k)
+        if (static_cast<std::size_t>(k) != seen.joint && nodes.known[static_cast<std::size_t>(k)])
+          combined.col(errors + k) =
+              -pose.by_turn[static_cast<std::size_t>(k)].template head<Size>();
+      const auto& sums = stroke.nodes[n].sums;
+      const Eigen::Index rest = sums.rows() - 1;
+      decltype(combined) weighted(Size, rest);
+      weighted.noalias() = combined.lazyProduct(sums.bottomRightCorner(rest, rest));
+      const typename NodeScatter<Size>::Vector sum =
+          combined.lazyProduct(sums.bottomLeftCorner(rest, 1));
+      at.within.noalias() = weighted.lazyProduct(combined.transpose());
+      if (at.samples != 0) at.within.noalias() -= sum * sum.transpose() / at.samples;
+    }
+    see(s, scatter);
+  }
+}
 
 }  // namespace identify

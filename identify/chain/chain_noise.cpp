@@ -7,7 +7,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "identify/chain/node_scatter.hpp"
+#include "identify/chain/chain_nodes.hpp"
 #include "identify/geometry/angle.hpp"
 
 namespace identify {

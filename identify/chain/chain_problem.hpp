@@ -8,7 +8,6 @@
 #include "identify/chain/chain_effects.hpp"
 #include "identify/chain/chain_nodes.hpp"
 #include "identify/chain/chain_residual.hpp"
-#include "identify/chain/mixed_model.hpp"
 
 namespace identify {
 

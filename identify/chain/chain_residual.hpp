@@ -8,7 +8,6 @@
 
 #include "identify/chain/chain.hpp"
 #include "identify/chain/chain_estimate.hpp"
-#include "identify/chain/chain_sag.hpp"
 
 namespace identify {
 

@@ -8,8 +8,7 @@
 
 #include "identify/chain/meeting_point.hpp"
 #include "identify/geometry/angle.hpp"
-#include "identify/geometry/robust_circle.hpp"
-#include "identify/sweeps/points.hpp"
+#include "identify/geometry/circle_fit.hpp"
 #include "identify/sweeps/sample.hpp"
 
 namespace identify {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "identify/dh/placed_axes.hpp"
-#include "identify/geometry/cross_matrix.hpp"
+#include "identify/geometry/line.hpp"
 
 namespace identify {
 namespace {

@@ -5,12 +5,14 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "identify/dh/axis_senses.hpp"
 #include "identify/dh/dh.hpp"
 #include "identify/dh/dh_extraction.hpp"
-#include "identify/geometry/axis.hpp"
 #include "identify/geometry/bounding_box.hpp"
 #include "identify/geometry/circle_fit.hpp"
+#include "identify/geometry/line.hpp"
 #include "identify/geometry/line_fit.hpp"
 #include "identify/geometry/warning.hpp"
 #include "identify/sweeps/sweep.hpp"
@@ -47,5 +49,17 @@ struct CircleEstimate {
   std::vector<Warning> doubts;
   std::vector<Warning> warnings;
 };
+
+/// Positions of the joint's used sweeps of one target, or of all, in the order of time.
+[[nodiscard]] Eigen::Matrix3Xd used_points(const JointResult& joint,
+                                           std::optional<std::size_t> target = std::nullopt);
+
+/// The joints' axes by their circles, and of linear joints by their lines, where the direction is
+/// certain enough. The noise of a joint's fit counts as no smaller than its neighbours': a target
+/// near an axis leaves small residuals and a wrong normal.
+void set_circle_axes(CircleEstimate& found, const Resolution& resolution);
+
+/// An upper estimate of the robot's size, for where it matters, by the points.
+[[nodiscard]] double size_by_circles_mm(const CircleEstimate& found);
 
 }  // namespace identify

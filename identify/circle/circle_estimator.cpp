@@ -5,15 +5,15 @@
 
 #include <Eigen/Geometry>
 
-#include "identify/circle/circle_axes.hpp"
+#include "identify/circle/circle_estimate.hpp"
 #include "identify/dh/axis_senses.hpp"
 #include "identify/dh/dh_comparison.hpp"
 #include "identify/dh/placed_axes.hpp"
-#include "identify/geometry/number_text.hpp"
+#include "identify/geometry/warning.hpp"
 #include "identify/sweeps/home.hpp"
 #include "identify/sweeps/joint_assignment.hpp"
 #include "identify/sweeps/linear_joint.hpp"
-#include "identify/sweeps/points.hpp"
+#include "identify/sweeps/sample.hpp"
 
 namespace identify {
 namespace {

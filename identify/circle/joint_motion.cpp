@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "identify/geometry/median.hpp"
-#include "identify/geometry/number_text.hpp"
+#include "identify/geometry/warning.hpp"
 
 namespace identify {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "identify/circle/circle_estimate.hpp"
 #include "identify/geometry/warning.hpp"
-#include "identify/sweeps/motion_limit.hpp"
+#include "identify/sweeps/sample.hpp"
 
 namespace identify {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "identify/geometry/angle.hpp"
+#include "identify/geometry/circle_fit.hpp"
 #include "identify/geometry/median.hpp"
-#include "identify/geometry/robust_circle.hpp"
 
 namespace identify {
 namespace {

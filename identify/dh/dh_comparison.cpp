@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "identify/geometry/angle.hpp"
-#include "identify/geometry/number_text.hpp"
+#include "identify/geometry/warning.hpp"
 
 namespace identify {
 

@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "identify/dh/dh.hpp"
-#include "identify/geometry/axis.hpp"
+#include "identify/geometry/line.hpp"
 
 namespace identify {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "identify/dh/dh.hpp"
-#include "identify/geometry/axis.hpp"
+#include "identify/geometry/line.hpp"
 
 namespace identify {
 

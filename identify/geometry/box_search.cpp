@@ -9,7 +9,7 @@
 #include <queue>
 #include <vector>
 
-#include "identify/geometry/cross_matrix.hpp"
+#include "identify/geometry/line.hpp"
 
 namespace identify {
 namespace {

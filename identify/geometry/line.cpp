@@ -1,7 +1,10 @@
 #include "identify/geometry/line.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 namespace identify {
@@ -52,6 +55,92 @@ Eigen::Matrix<double, 3, 2> across(const Eigen::Vector3d& direction) {
   both.col(0) = direction.unitOrthogonal();
   both.col(1) = direction.cross(both.col(0));
   return both;
+}
+
+namespace {
+
+using Eigen::Matrix3d;
+
+constexpr double kUncertainFoot = 0.02;  // of the arm's size
+constexpr double kReach = 2;             // in sizes of the arm
+constexpr double kRelationSigmas = 3;
+constexpr double kAlmostParallel = 0.0175;  // sine of a degree
+constexpr double kNoDirection_rad = 0.25;   // of two axes together: nothing tells how they lie
+constexpr double kDirectionRounding_rad = 1e-15;  // no direction is better known
+
+double largest_sigma(const Matrix3d& covariance) {
+  if (!covariance.allFinite()) return std::numeric_limits<double>::infinity();
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, solver.eigenvalues()(2)));
+}
+
+}  // namespace
+
+std::string_view text(Relation relation) noexcept {
+  switch (relation) {
+    case Relation::skew:
+      return "skew";
+    case Relation::parallel:
+      return "parallel";
+    case Relation::intersecting:
+      return "intersecting";
+    case Relation::coincident:
+      return "coincident";
+    case Relation::last:
+      return "last";
+    case Relation::unknown:
+      return "unknown";
+  }
+  return "";
+}
+
+Axis Axis::reversed() const {
+  Axis axis = *this;
+  axis.direction = -direction;
+  axis.covariance.topRightCorner<3, 3>() *= -1;
+  axis.covariance.bottomLeftCorner<3, 3>() *= -1;
+  return axis;
+}
+
+double Axis::direction_sigma_rad() const {
+  return largest_sigma(covariance.topLeftCorner<3, 3>());
+}
+
+double Axis::point_sigma_mm() const {
+  const Matrix3d across_it = Matrix3d::Identity() - direction * direction.transpose();
+  return largest_sigma(across_it * covariance.bottomRightCorner<3, 3>() * across_it);
+}
+
+Relation relation_between(const Axis& first, const Axis& second, double size) {
+  const LinePair pair = relate(first.line(), second.line());
+  const double direction_sigma =
+      std::hypot(first.direction_sigma_rad(), second.direction_sigma_rad(), kDirectionRounding_rad);
+  const double point_sigma = std::hypot(first.point_sigma_mm(), second.point_sigma_mm());
+  if (!(direction_sigma < kNoDirection_rad) || !std::isfinite(point_sigma))
+    return Relation::unknown;
+  const double offset = first.direction.cross(second.point_mm - first.point_mm).norm();
+
+  bool parallel = pair.sine < kExact;
+  double lever = size;
+  if (!parallel) {
+    // The foot moves by a sigma_dir / sin^2 where the axes are apart, sigma_point / sin where they
+    // meet.
+    const double foot_sigma =
+        std::hypot(point_sigma, size * direction_sigma) / pair.sine +
+        std::abs(pair.distance_mm) * direction_sigma / (pair.sine * pair.sine);
+    lever = std::max((pair.first_foot_mm - first.point_mm).norm(),
+                     (pair.second_foot_mm - second.point_mm).norm());
+    const bool almost = pair.sine < std::max(kAlmostParallel, kRelationSigmas * direction_sigma);
+    // Where a linear joint's axis has its common normal is a convention.
+    parallel =
+        almost && (first.linear || foot_sigma > kUncertainFoot * size || lever > kReach * size);
+  }
+  if (parallel) lever = size;
+  const double distance = parallel ? offset : std::abs(pair.distance_mm);
+  const double distance_sigma = std::hypot(point_sigma, lever * direction_sigma);
+  const bool touching = distance < std::max(kRelationSigmas * distance_sigma, kExact * size);
+  if (parallel) return touching ? Relation::coincident : Relation::parallel;
+  return touching ? Relation::intersecting : Relation::skew;
 }
 
 }  // namespace identify

@@ -1,6 +1,11 @@
 #include "identify/models/kinematic_model.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <set>
+#include <string_view>
+
+#include "identify/models/model_forms.hpp"
 
 namespace identify {
 namespace {
@@ -115,6 +120,126 @@ Isometry3d forward_kinematics_without_tool(const KinematicModel& model, const Tu
 
 Isometry3d forward_kinematics(const KinematicModel& model, const Turns& turns) {
   return forward_kinematics_without_tool(model, turns) * placement(model.groups.back(), model.form);
+}
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+
+bool complete(const std::vector<DhEstimate>& table) {
+  return !table.empty() && std::none_of(table.begin(), table.end(), [](const DhEstimate& row) {
+    const auto unknown = [](const DhNumber& number) {
+      return number.knowledge == Knowledge::undetermined;
+    };
+    return unknown(row.b_mm) || unknown(row.theta_rad) || unknown(row.a_mm) ||
+           unknown(row.alpha_rad) || unknown(row.beta_rad);
+  });
+}
+
+template <typename Model, typename Visit>
+void for_each_number(Model& model, Visit visit) {
+  for (auto& group : model.groups)
+    for (auto& entry : group) visit(entry);
+}
+
+/// The chain moved by `by` along one of the coordinates in which `covariance` is given.
+Chain moved_along(const Chain& chain, Index coordinate, double by) {
+  Chain moved = chain;
+  const auto axes = static_cast<Index>(6 * chain.axes.size());
+  const auto targets = static_cast<Index>(3 * chain.targets_mm.size());
+  if (coordinate < axes) {
+    ChainAxis& axis = moved.axes[static_cast<std::size_t>(coordinate / 6)];
+    const Index k = coordinate % 6;
+    (k < 3 ? axis.direction(k) : axis.point_mm(k - 3)) += by;
+  } else if (coordinate < axes + targets) {
+    const Index k = coordinate - axes;
+    moved.targets_mm[static_cast<std::size_t>(k / 3)](k % 3) += by;
+  } else {
+    moved.tool = Eigen::AngleAxisd(by, Vector3d::Unit(coordinate - axes - targets)) * chain.tool;
+  }
+  return moved;
+}
+
+bool is_length(const Chain& chain, Index coordinate) {
+  const auto axes = static_cast<Index>(6 * chain.axes.size());
+  const auto targets = static_cast<Index>(3 * chain.targets_mm.size());
+  return coordinate < axes ? coordinate % 6 >= 3 : coordinate < axes + targets;
+}
+
+void add_uncertainties(KinematicModel& model, const ModelForms& forms, const ModelSource& source) {
+  constexpr double kAngleStep = 1e-6;
+  constexpr double kLengthStep_mm = 1e-3;
+  std::vector<ModelNumber*> numbers;
+  for_each_number(model, [&](ModelNumber& entry) { numbers.push_back(&entry); });
+  const Index columns = source.covariance.cols();
+  MatrixXd jacobian(static_cast<Index>(numbers.size()), columns);
+  for (Index p = 0; p < columns; ++p) {
+    const double step = is_length(source.chain, p) ? kLengthStep_mm : kAngleStep;
+    const auto above = forms.written(moved_along(source.chain, p, step), model.form);
+    const auto below = forms.written(moved_along(source.chain, p, -step), model.form);
+    Index row = 0;
+    for_each_number(above,
+                    [&](const ModelNumber& entry) { jacobian(row++, p) = entry.number.value; });
+    row = 0;
+    for_each_number(below, [&](const ModelNumber& entry) {
+      const double change = jacobian(row, p) - entry.number.value;
+      jacobian(row++, p) =
+          (entry.quantity == Quantity::angle ? wrapped(change) : change) / (2 * step);
+    });
+  }
+  const MatrixXd spread = jacobian.lazyProduct(source.covariance);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    DhNumber& number = numbers[i]->number;
+    const double variance =
+        spread.row(static_cast<Index>(i)).dot(jacobian.row(static_cast<Index>(i)));
+    // The table's own numbers did not change, and keep their uncertainty.
+    if (number.knowledge == Knowledge::identified && !(variance <= 0))
+      number.sigma = std::sqrt(variance);
+  }
+}
+
+bool is_finite(const KinematicModel& model) {
+  bool all = true;
+  for_each_number(model, [&](const ModelNumber& entry) {
+    all = all && std::isfinite(entry.number.value) && std::isfinite(entry.number.sigma);
+  });
+  return all;
+}
+
+/// Where no sweep tells where the target is at home, its place is a convention, and with it that of
+/// frames that are tied to it.
+void doubt_target(KinematicModel& model) {
+  const auto doubt = [](KinematicModel::Group& group, const std::set<std::string_view>& names) {
+    for (ModelNumber& entry : group)
+      if (names.contains(entry.name))
+        entry.number = {entry.number.value, 0, Knowledge::by_convention};
+  };
+  doubt(model.groups.back(), {"x", "y", "z"});
+  if (model.form != ModelForm::s_model) return;
+  for (KinematicModel::Group& group : model.groups)
+    doubt(group, {"x", "y", "z", "r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33",
+                  "beta", "d", "gamma", "b"});
+}
+
+}  // namespace
+
+std::vector<KinematicModel> kinematic_models(const ModelSource& given) {
+  const bool whole = given.chain.axes.size() == given.dh.size() && !given.chain.targets_mm.empty();
+  if (!whole || !complete(given.dh)) return {};
+  ModelSource source = given;
+  source.positive.resize(source.dh.size(), 1);
+  source.home_rad.resize(source.dh.size());
+  const ModelForms forms(source);
+  std::vector<KinematicModel> models;
+  for (const ModelForm form : kModelForms) {
+    KinematicModel& model = models.emplace_back(forms.written(source.chain, form));
+    if (source.covariance.size() > 0) add_uncertainties(model, forms, source);
+    if (!source.target_identified) doubt_target(model);
+    if (!is_finite(model)) return {};
+  }
+  return models;
 }
 
 }  // namespace identify

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "identify/dh/axis_frame.hpp"
-#include "identify/models/kinematic_models.hpp"
+#include "identify/models/kinematic_model.hpp"
 
 namespace identify {
 

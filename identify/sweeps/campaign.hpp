@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "identify/dh/dh.hpp"
-#include "identify/sweeps/motion_limit.hpp"
 #include "identify/sweeps/sample.hpp"
 
 namespace identify {

@@ -9,7 +9,7 @@
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/circle_fit.hpp"
 #include "identify/sweeps/linear_joint.hpp"
-#include "identify/sweeps/points.hpp"
+#include "identify/sweeps/sample.hpp"
 
 namespace identify {
 namespace {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "identify/geometry/angle.hpp"
-#include "identify/geometry/number_text.hpp"
-#include "identify/sweeps/points.hpp"
+#include "identify/geometry/warning.hpp"
+#include "identify/sweeps/sample.hpp"
 #include "identify/sweeps/segmentation.hpp"
 
 namespace identify {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <deque>
 #include <map>
 #include <optional>
@@ -8,7 +9,6 @@
 
 #include <Eigen/Core>
 
-#include "identify/sweeps/motion_limit.hpp"
 #include "identify/sweeps/sample.hpp"
 #include "identify/sweeps/sweep.hpp"
 
@@ -75,5 +75,10 @@ class PositionSegmenter {
   std::array<std::size_t, 320> sizes_{};
   std::size_t learnt_ = 0;
 };
+
+/// Where positions on an arc, in the order of time, turn round: the first sample of each stroke but
+/// the first. Sways below two degrees, and what noise could feign, are none. Nothing where the
+/// samples lie on no circle, or turn so often that they are in no order.
+[[nodiscard]] std::vector<std::size_t> turning_points(const std::vector<Sample>& samples);
 
 }  // namespace identify

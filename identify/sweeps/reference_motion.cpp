@@ -5,8 +5,8 @@
 #include <Eigen/Geometry>
 
 #include "identify/geometry/angle.hpp"
+#include "identify/geometry/circle_fit.hpp"
 #include "identify/geometry/line_fit.hpp"
-#include "identify/geometry/robust_circle.hpp"
 #include "identify/sweeps/sample.hpp"
 
 namespace identify {

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "identify/geometry/angle.hpp"
 
@@ -32,6 +35,51 @@ struct Sample {
 struct Resolution {
   double position_mm = 0;
   double angle_rad = 0;
+};
+
+/// Columns: the positions of those samples that have one, in their order.
+[[nodiscard]] inline Eigen::Matrix3Xd positions(const std::vector<Sample>& samples) {
+  Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(samples.size()));
+  Eigen::Index count = 0;
+  for (const Sample& sample : samples)
+    if (sample.has_position) points.col(count++) = sample.position_mm;
+  points.conservativeResize(3, count);
+  return points;
+}
+
+/// Of the tool, R = Rz(a) Ry(b) Rx(c).
+[[nodiscard]] inline Eigen::Matrix3d orientation(const Sample& sample) {
+  const auto [a, b, c] = sample.abc_rad;
+  return (Eigen::AngleAxisd(a, Eigen::Vector3d::UnitZ()) *
+          Eigen::AngleAxisd(b, Eigen::Vector3d::UnitY()) *
+          Eigen::AngleAxisd(c, Eigen::Vector3d::UnitX()))
+      .toRotationMatrix();
+}
+
+/// Coordinate by coordinate, the median: a few points anywhere do not shift it far. Reorders
+/// `points`, of which there must be one at least.
+[[nodiscard]] inline Eigen::Vector3d median(std::vector<Eigen::Vector3d>& points) {
+  Eigen::Vector3d middle;
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const auto at = points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2);
+    std::nth_element(
+        points.begin(), at, points.end(),
+        [k](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a(k) < b(k); });
+    middle(k) = (*at)(k);
+  }
+  return middle;
+}
+
+/// What noise hides in a stream of positions without angles.
+struct MotionLimit {
+  double noise_mm = 0;      ///< of one coordinate of a position, as the stream showed it
+  double slowest_mm_s = 0;  ///< slower motion of the target is not told from rest
+  double shortest_mm = 0;   ///< arcs of less extent are not told from noise
+
+  /// Whether noise makes it worse than it is at best.
+  [[nodiscard]] bool by_noise() const { return slowest_mm_s > kUsualSlowest_mm_s; }
+  static constexpr double kUsualSlowest_mm_s = 2;
+  static constexpr double kUsualShortest_mm = 3;
 };
 
 }  // namespace identify

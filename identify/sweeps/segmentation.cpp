@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "identify/geometry/angle.hpp"
-#include "identify/sweeps/motion_window.hpp"
 
 namespace identify {
 namespace {

@@ -8,9 +8,8 @@
 #include <Eigen/Geometry>
 
 #include "identify/geometry/angle.hpp"
-#include "identify/geometry/lagrange.hpp"
 #include "identify/geometry/median.hpp"
-#include "identify/sweeps/points.hpp"
+#include "identify/sweeps/sample.hpp"
 #include "identify/sweeps/stroke_curve.hpp"
 
 namespace identify {

@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 
 #include "identify/geometry/circle_fit.hpp"
-#include "identify/sweeps/points.hpp"
+#include "identify/sweeps/sample.hpp"
 
 namespace identify {
 namespace {

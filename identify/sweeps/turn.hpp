@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "identify/geometry/axis.hpp"
+#include "identify/geometry/line.hpp"
 #include "identify/sweeps/sweep.hpp"
 
 namespace identify {

@@ -9,7 +9,7 @@
 #include "rsi/asio.hpp"
 
 #include "rsi/endpoint.hpp"
-#include "rsi/telegram/length_prefix.hpp"
+#include "rsi/telegram/tcp_framer.hpp"
 
 namespace rsi {
 

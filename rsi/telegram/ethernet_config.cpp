@@ -16,8 +16,8 @@
 
 #include "rsi/ascii.hpp"
 #include "rsi/endpoint.hpp"
-#include "rsi/telegram/internal_tag.hpp"
 #include "rsi/telegram/text_positions.hpp"
+#include "rsi/telegram/wire_layout.hpp"
 
 namespace rsi {
 namespace {

@@ -13,7 +13,6 @@
 
 #include "rsi/ascii.hpp"
 #include "rsi/telegram/rsi_object.hpp"
-#include "rsi/telegram/signal_flow.hpp"
 #include "rsi/telegram/text_positions.hpp"
 
 namespace rsi {

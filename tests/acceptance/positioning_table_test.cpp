@@ -5,7 +5,6 @@
 
 #include "daemon/text/units.hpp"
 #include "identify/geometry/circle_fit.hpp"
-#include "identify/sweeps/points.hpp"
 #include "identify/sweeps/sample.hpp"
 #include "tests/acceptance/acceptance.hpp"
 #include "tests/catch.hpp"

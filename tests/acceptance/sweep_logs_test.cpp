@@ -12,7 +12,7 @@
 #include "identify/chain/chain.hpp"
 #include "identify/geometry/circle_fit.hpp"
 #include "identify/identification.hpp"
-#include "identify/sweeps/points.hpp"
+#include "identify/sweeps/sample.hpp"
 #include "identify/sweeps/segmentation.hpp"
 #include "tests/acceptance/acceptance.hpp"
 #include "tests/catch.hpp"

@@ -17,7 +17,7 @@
 #include <CLI/CLI.hpp>
 
 #include "identify/geometry/bounding_box.hpp"
-#include "identify/sweeps/points.hpp"
+#include "identify/sweeps/sample.hpp"
 #include "tests/bench/accuracy_campaign.hpp"
 #include "tests/bench/table.hpp"
 #include "tests/identify/simulated_campaign.hpp"

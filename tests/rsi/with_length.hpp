@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "rsi/telegram/length_prefix.hpp"
+#include "rsi/telegram/tcp_framer.hpp"
 
 namespace rsi::test {
 

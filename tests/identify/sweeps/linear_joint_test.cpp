@@ -5,7 +5,7 @@
 
 #include "identify/chain/chain.hpp"
 #include "identify/identification.hpp"
-#include "identify/models/kinematic_models.hpp"
+#include "identify/models/kinematic_model.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/linear_robots.hpp"
 

@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <random>
 
+#include "identify/geometry/angle.hpp"
 #include "identify/sweeps/segmentation.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/simulated_campaign.hpp"
@@ -195,4 +197,49 @@ TEST_CASE("a marker that is not seen for a while cuts no stroke of the others",
   for (std::size_t k = 0; k < good(all, 0).size(); ++k)
     CHECK(overlap(good(some, 0)[k], good(all, 0)[k]) > 0.97);
   CHECK(good(some, 1).size() < good(all, 1).size());
+}
+
+namespace {
+
+/// A hundred samples a stroke, through these angles, with so much noise.
+std::vector<Sample> along(const std::vector<double>& corners_deg, double noise_mm) {
+  std::mt19937 random(3);
+  std::normal_distribution<> normal(0, noise_mm);
+  std::vector<Sample> samples;
+  for (std::size_t k = 1; k < corners_deg.size(); ++k)
+    for (int i = 0; i < 100; ++i) {
+      const double turn =
+          kDegree * (corners_deg[k - 1] + (corners_deg[k] - corners_deg[k - 1]) * i / 100);
+      Sample sample;
+      sample.position_mm = {400 * std::cos(turn) + normal(random),
+                            400 * std::sin(turn) + normal(random), 70 + normal(random)};
+      sample.has_position = true;
+      samples.push_back(sample);
+    }
+  return samples;
+}
+
+}  // namespace
+
+TEST_CASE("Each turn of the motion is found, where it is and no other", "[position_segmentation]") {
+  for (const double noise_mm : {0.0, 0.02, 1.0}) {
+    CAPTURE(noise_mm);
+    CHECK(turning_points(along({0, 60}, noise_mm)).empty());
+    const auto found = turning_points(along({-50, 40, -50, 10}, noise_mm));
+    REQUIRE(found.size() == 2);
+    CHECK(std::abs(static_cast<int>(found[0]) - 100) < 8);
+    CHECK(std::abs(static_cast<int>(found[1]) - 200) < 8);
+  }
+  // A sway of a degree is none; half of a circle each way is two strokes.
+  CHECK(turning_points(along({0, 30, 29, 60}, 0.02)).empty());
+  CHECK(turning_points(along({-90, 90, -90}, 0.02)).size() == 1);
+}
+
+TEST_CASE("Points in no order, and on no circle, have no turns", "[position_segmentation]") {
+  auto samples = along({0, 90}, 0.02);
+  std::shuffle(samples.begin(), samples.end(), std::mt19937(5));
+  CHECK(turning_points(samples).empty());
+  for (Sample& sample : samples) sample.position_mm = {1, 2, 3};
+  CHECK(turning_points(samples).empty());
+  CHECK(turning_points({}).empty());
 }

@@ -1,4 +1,4 @@
-#include "identify/circle/circle_axes.hpp"
+#include "identify/circle/circle_estimate.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,3 @@
-#include "identify/models/kinematic_models.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -8,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "identify/geometry/angle.hpp"
+#include "identify/models/kinematic_model.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/simulated_campaign.hpp"
 
@@ -168,7 +167,7 @@ constexpr Doubt kTracker{5e-5, 0.01, 0.01};
 
 }  // namespace
 
-TEST_CASE("every form reproduces the exact KR 5", "[kinematic_models]") {
+TEST_CASE("every form reproduces the exact KR 5", "[kinematic_model]") {
   const Arm arm = test::kr5_arc();
   for (const auto& base : {Eigen::Isometry3d::Identity(), somewhere()}) {
     const Chain chain = chain_of(arm.rows, arm.positive, base, arm.tool_mm);
@@ -180,7 +179,7 @@ TEST_CASE("every form reproduces the exact KR 5", "[kinematic_models]") {
 }
 
 TEST_CASE("every form reproduces axes 2 and 3 with a twist from 0 to 1 degree",
-          "[kinematic_models][long]") {
+          "[kinematic_model][long]") {
   const Arm arm = test::kr5_arc();
   const Chain chain = chain_of(arm.rows, arm.positive, somewhere(), arm.tool_mm);
   const Vector3d normal = (chain.axes[2].point_mm - chain.axes[1].point_mm).normalized();
@@ -212,7 +211,7 @@ TEST_CASE("every form reproduces axes 2 and 3 with a twist from 0 to 1 degree",
 }
 
 TEST_CASE("every form reproduces arms of one to seven joints, whatever their relations",
-          "[kinematic_models][long]") {
+          "[kinematic_model][long]") {
   constexpr double kRight = 90 * kDegree;
   const std::vector<std::vector<DhRow>> arms = {
       {{0, 0, 0, 0}},
@@ -253,7 +252,7 @@ TEST_CASE("every form reproduces arms of one to seven joints, whatever their rel
         }
 }
 
-TEST_CASE("every form reproduces axes that are nearly coincident", "[kinematic_models]") {
+TEST_CASE("every form reproduces axes that are nearly coincident", "[kinematic_model]") {
   std::mt19937 random(3);
   std::normal_distribution<> normal;
   for (int run = 0; run < 10; ++run) {
@@ -272,7 +271,7 @@ TEST_CASE("every form reproduces axes that are nearly coincident", "[kinematic_m
   }
 }
 
-TEST_CASE("every form reproduces an arm whose target lies on an axis", "[kinematic_models]") {
+TEST_CASE("every form reproduces an arm whose target lies on an axis", "[kinematic_model]") {
   const Arm arm = test::kr5_arc();
   const ModelSource source =
       source_of(chain_of(arm.rows, arm.positive, somewhere(), {0, 0, 215}), arm.positive, kTracker);
@@ -285,7 +284,7 @@ TEST_CASE("every form reproduces an arm whose target lies on an axis", "[kinemat
 }
 
 TEST_CASE("roll, pitch and yaw reproduce frames whose pitch is at a right angle, or almost",
-          "[kinematic_models]") {
+          "[kinematic_model]") {
   for (const double pitch : {90 * kDegree, -90 * kDegree})
     for (const double off : {0.0, 1e-15, 1e-12, 1e-9, 1e-7, 1e-5, 2e-3, 0.1}) {
       CAPTURE(pitch, off);
@@ -308,7 +307,7 @@ TEST_CASE("roll, pitch and yaw reproduce frames whose pitch is at a right angle,
     }
 }
 
-TEST_CASE("DH numbers and their uncertainties are those of the table", "[kinematic_models]") {
+TEST_CASE("DH numbers and their uncertainties are those of the table", "[kinematic_model]") {
   const Arm arm = test::kr5_arc();
   const ModelSource source =
       source_of(chain_of(arm.rows, arm.positive, somewhere(), arm.tool_mm), arm.positive, kTracker);
@@ -338,7 +337,7 @@ TEST_CASE("DH numbers and their uncertainties are those of the table", "[kinemat
 }
 
 TEST_CASE("a target whose place at home nobody saw is identified in no form",
-          "[kinematic_models]") {
+          "[kinematic_model]") {
   const Arm arm = test::kr5_arc();
   ModelSource source =
       source_of(chain_of(arm.rows, arm.positive, somewhere(), arm.tool_mm), arm.positive, kTracker);
@@ -354,7 +353,7 @@ TEST_CASE("a target whose place at home nobody saw is identified in no form",
   }
 }
 
-TEST_CASE("what the data do not determine is by convention in every form", "[kinematic_models]") {
+TEST_CASE("what the data do not determine is by convention in every form", "[kinematic_model]") {
   const Arm arm = test::kr5_arc();
   ModelSource source =
       source_of(chain_of(arm.rows, arm.positive, somewhere(), arm.tool_mm), arm.positive, kTracker);
@@ -378,7 +377,7 @@ TEST_CASE("what the data do not determine is by convention in every form", "[kin
 }
 
 TEST_CASE("uncertainties of every form are the scatter that uncertain axes cause",
-          "[kinematic_models][long]") {
+          "[kinematic_model][long]") {
   const Arm arm = test::kr5_arc();
   Chain chain = chain_of(arm.rows, arm.positive, somewhere(), arm.tool_mm);
   chain.tool = chain.tool * Eigen::AngleAxisd(1.2, Vector3d(1, -3, 2).normalized()).matrix();
@@ -438,7 +437,7 @@ TEST_CASE("uncertainties of every form are the scatter that uncertain axes cause
 }
 
 TEST_CASE("there are no models of a table with gaps, and no uncertainties without a covariance",
-          "[kinematic_models]") {
+          "[kinematic_model]") {
   const Arm arm = test::kr5_arc();
   ModelSource source =
       source_of(chain_of(arm.rows, arm.positive, somewhere(), arm.tool_mm), arm.positive, kTracker);

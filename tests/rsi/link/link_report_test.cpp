@@ -1,11 +1,10 @@
-#include "rsi/link/worst_places.hpp"
-
 #include <random>
 #include <vector>
 
+#include "rsi/link/link_report.hpp"
 #include "tests/catch.hpp"
 
-TEST_CASE("the ten worst are kept in order, of equals those that came first", "[worst_places]") {
+TEST_CASE("the ten worst are kept in order, of equals those that came first", "[link_report]") {
   std::mt19937 random(3);
   std::uniform_int_distribution<std::int64_t> amount(0, 20);  // many equals
   rsi::WorstPlaces worst;

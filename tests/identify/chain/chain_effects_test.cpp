@@ -1,10 +1,9 @@
-#include "identify/chain/mixed_model.hpp"
-
 #include <cmath>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "identify/chain/chain_effects.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/random_chain.hpp"
 
@@ -76,7 +75,7 @@ struct Example {
 }  // namespace
 
 TEST_CASE("Effects eliminated step by step are generalised least squares with all at once",
-          "[mixed_model]") {
+          "[chain_effects]") {
   Random random(61);
   const bool zero = GENERATE(false, true);
   for (int run = 0; run < 20; ++run) {
