@@ -9,7 +9,7 @@
 
 #include "daemon/commands/command_line.hpp"
 #include "daemon/commands/exit_codes.hpp"
-#include "daemon/settings/config_error.hpp"
+#include "daemon/settings/toml_table.hpp"
 #include "daemon/system/log.hpp"
 #include "rsi/telegram/ethernet_config.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "daemon/commands/command_text.hpp"
+#include "daemon/commands/help_text.hpp"
 
 namespace sweepd {
 

@@ -5,13 +5,12 @@
 #include <string>
 
 #include "daemon/commands/exit_codes.hpp"
-#include "daemon/commands/findings.hpp"
 #include "daemon/commands/machine.hpp"
 #include "daemon/plan/plan_outlook.hpp"
 #include "daemon/settings/answers.hpp"
-#include "daemon/settings/config_error.hpp"
 #include "daemon/settings/robot_setup.hpp"
 #include "daemon/settings/settings.hpp"
+#include "daemon/settings/toml_table.hpp"
 #include "rsi/counted.hpp"
 #include "rsi/server/port_owner.hpp"
 #include "rsi/telegram/ethernet_config.hpp"

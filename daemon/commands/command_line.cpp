@@ -10,7 +10,6 @@
 
 #include "daemon/commands/bash_completion.hpp"
 #include "daemon/commands/command_options.hpp"
-#include "daemon/commands/command_text.hpp"
 #include "daemon/commands/exit_codes.hpp"
 #include "daemon/commands/help_text.hpp"
 
@@ -50,12 +49,11 @@ CommandLine::CommandLine()
       ->group("");
   app.require_subcommand(1);
   app.footer(exit_status(
-      {{0, "Done."},
-       {kFailed, "Failed. A line on standard error says why, and what to do."},
-       {kUsage, "The command line is wrong. Standard error says where."},
+      {kOk,
+       kError,
+       kWrongUsage,
        {3, "The result is doubtful (identify, replay), or replies were right but late (simulate)."},
-       {kConfigError,
-        "A configuration file is wrong. Standard error names the file and the line."}}));
+       kWrongFile}));
 
   const auto on = [this](CLI::App* command, const std::function<int()>& work) {
     command->callback([this, work] { exit_code_ = work(); });

@@ -1,12 +1,26 @@
 #pragma once
 
+#include <string_view>
+
 namespace sweepd {
 
 // How the program ends.
 inline constexpr int kFailed = 1;
 inline constexpr int kUsage = 2;
-inline constexpr int kLate =
-    3;  // every reply was right: a busy machine, perhaps, and not a wrong server
+/// Every reply was right: a busy machine, perhaps, and not a wrong server.
+inline constexpr int kLate = 3;
 inline constexpr int kConfigError = 78;  // EX_CONFIG of sysexits.h
+
+struct ExitCode {
+  int code;
+  std::string_view meaning;
+};
+inline constexpr ExitCode kOk{0, "Done."};
+inline constexpr ExitCode kError{kFailed,
+                                 "Failed. A line on standard error says why, and what to do."};
+inline constexpr ExitCode kWrongUsage{kUsage,
+                                      "The command line is wrong. Standard error says where."};
+inline constexpr ExitCode kWrongFile{
+    kConfigError, "A configuration file is wrong. Standard error names the file and the line."};
 
 }  // namespace sweepd

@@ -9,7 +9,7 @@
 #include "daemon/plan/plan_proposal.hpp"
 #include "daemon/plan/plan_text.hpp"
 #include "daemon/results/result_files.hpp"
-#include "daemon/settings/config_error.hpp"
+#include "daemon/settings/toml_table.hpp"
 #include "daemon/text/progress.hpp"
 #include "rsi/counted.hpp"
 

@@ -5,7 +5,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "daemon/settings/config_error.hpp"
 #include "daemon/settings/toml_table.hpp"
 #include "daemon/text/units.hpp"
 

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "daemon/points/csv_file.hpp"
-#include "daemon/points/point_columns.hpp"
+#include "daemon/points/points_file.hpp"
 
 namespace sweepd {
 namespace {

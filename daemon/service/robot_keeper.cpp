@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "daemon/service/robot_service.hpp"
-#include "daemon/settings/config_error.hpp"
+#include "daemon/settings/toml_table.hpp"
 #include "daemon/system/realtime.hpp"
 #include "rsi/telegram/ethernet_config.hpp"
 

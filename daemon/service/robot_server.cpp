@@ -5,7 +5,7 @@
 #include <spdlog/fmt/ranges.h>
 
 #include "daemon/settings/answers.hpp"
-#include "daemon/settings/config_error.hpp"
+#include "daemon/settings/toml_table.hpp"
 #include "daemon/system/log.hpp"
 #include "rsi/server/tcp_server.hpp"
 #include "rsi/server/udp_server.hpp"

@@ -19,7 +19,6 @@
 #include "daemon/service/robot_tally.hpp"
 #include "daemon/settings/robot_setup.hpp"
 #include "daemon/settings/settings.hpp"
-#include "daemon/stream/planned_turns.hpp"
 #include "daemon/stream/session.hpp"
 #include "daemon/system/heartbeat.hpp"
 #include "daemon/system/log.hpp"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "daemon/settings/config_error.hpp"
+#include "daemon/settings/toml_table.hpp"
 #include "daemon/text/units.hpp"
 
 namespace sweepd {

@@ -10,7 +10,6 @@
 
 #include <toml++/toml.h>
 
-#include "daemon/settings/config_error.hpp"
 #include "daemon/settings/toml_nesting.hpp"
 #include "daemon/text/nearest_word.hpp"
 #include "rsi/ascii.hpp"

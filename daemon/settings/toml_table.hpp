@@ -4,11 +4,21 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace sweepd {
+
+/// Something that a user edits is wrong: settings, a robot description, a sweep plan. The text
+/// reads
+///   FILE:LINE:COLUMN: key: what was expected, what was found: what to do
+/// with as much of the place as is known. The program ends with exit code 78 on it.
+class ConfigError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 /// A table of a TOML file, read strictly: every mistake is a ConfigError that names file, line,
 /// column and key. Copies are cheap and keep the file's content alive.

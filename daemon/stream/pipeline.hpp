@@ -6,17 +6,29 @@
 #include <deque>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "daemon/stream/sample_clock.hpp"
 #include "daemon/stream/sample_reader.hpp"
-#include "daemon/stream/sink.hpp"
 #include "identify/sweeps/segmentation.hpp"
+#include "identify/sweeps/sweep.hpp"
 #include "rsi/datagram.hpp"
 #include "rsi/link/link.hpp"
 #include "rsi/telegram/telegram.hpp"
 
 namespace sweepd {
+
+/// Hears what is found in a stream, in its order: what is not overridden is not listened to. On the
+/// thread that brings the telegrams.
+class StreamSink {
+ public:
+  virtual ~StreamSink() = default;
+
+  /// A sample, and its row of samples.csv ("t_s,ipoc,x,y,z,…") without an end of line.
+  virtual void sample(const identify::Sample& /*sample*/, std::string_view /*row*/) {}
+  virtual void sweep(const identify::Sweep& /*sweep*/) {}
+};
 
 /// What came in, and in what state.
 struct SourceCounts {

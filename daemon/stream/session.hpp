@@ -1,14 +1,19 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "daemon/settings/robot_setup.hpp"
 #include "daemon/stream/kept_sweeps.hpp"
 #include "daemon/stream/pipeline.hpp"
+#include "identify/sweeps/joint_assignment.hpp"
+#include "identify/sweeps/sweep.hpp"
 #include "rsi/datagram.hpp"
 
 namespace sweepd {
@@ -62,6 +67,25 @@ class Session : private StreamSink {
   KeptSweeps kept_{kMostSamples};
   std::set<std::size_t> swept_joints_;  // by sweeps without a defect
   std::size_t without_joint_ = 0;       // such sweeps
+};
+
+/// Names the joint of each stroke as it happens where no angles tell it: strokes about another axis
+/// than the one before are the turn of the plan's next joint. For people who watch; the result
+/// looks at the geometry of all strokes, and may find another order. One thread.
+class PlannedTurns {
+ public:
+  /// In the plan's order; empty: nothing is known.
+  explicit PlannedTurns(std::vector<identify::DeclaredJoint> order = {})
+      : order_(std::move(order)) {}
+
+  /// The joint, counted from 0; nothing where the plan does not tell it, or the stroke has a
+  /// defect.
+  [[nodiscard]] std::optional<std::size_t> joint_of(const identify::Sweep& stroke);
+
+ private:
+  std::vector<identify::DeclaredJoint> order_;
+  std::size_t turn_ = 0;
+  std::optional<identify::Sweep> last_;
 };
 
 }  // namespace sweepd

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "daemon/settings/config_error.hpp"
 #include "daemon/settings/robot_description.hpp"
 #include "daemon/settings/settings.hpp"
 #include "daemon/settings/sweep_plan.hpp"
+#include "daemon/settings/toml_table.hpp"
 #include "tests/fuzz/property.hpp"
 
 using fuzz::expect;

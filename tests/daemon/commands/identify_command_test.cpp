@@ -8,7 +8,7 @@
 #include "daemon/commands/replay_command.hpp"
 #include "daemon/commands/simulate_command.hpp"
 #include "daemon/points/csv_file.hpp"
-#include "daemon/settings/config_error.hpp"
+#include "daemon/settings/toml_table.hpp"
 #include "tests/catch.hpp"
 #include "tests/config_folder.hpp"
 #include "tests/daemon/arm_axes.hpp"

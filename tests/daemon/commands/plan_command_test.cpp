@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "daemon/plan/plan_proposal.hpp"
-#include "daemon/settings/config_error.hpp"
+#include "daemon/settings/toml_table.hpp"
 #include "daemon/text/units.hpp"
 #include "tests/catch.hpp"
 #include "tests/config_folder.hpp"

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/commands/simulate_command.hpp"
-#include "daemon/settings/config_error.hpp"
+#include "daemon/settings/toml_table.hpp"
 #include "rsi/capture/capture_reader.hpp"
 #include "tests/catch.hpp"
 #include "tests/config_folder.hpp"

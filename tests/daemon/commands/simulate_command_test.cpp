@@ -7,7 +7,7 @@
 #include <sys/resource.h>
 
 #include "daemon/plan/simulated_robot.hpp"
-#include "daemon/settings/config_error.hpp"
+#include "daemon/settings/toml_table.hpp"
 #include "daemon/text/units.hpp"
 #include "rsi/capture/capture_reader.hpp"
 #include "rsi/telegram/telegram.hpp"

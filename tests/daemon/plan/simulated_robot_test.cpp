@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <numbers>
 
-#include "daemon/settings/config_error.hpp"
+#include "daemon/settings/toml_table.hpp"
 #include "identify/geometry/angle.hpp"
 #include "tests/catch.hpp"
 #include "tests/config_folder.hpp"

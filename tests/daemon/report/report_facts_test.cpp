@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "daemon/settings/config_error.hpp"
+#include "daemon/settings/toml_table.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/temporary_folder.hpp"
 

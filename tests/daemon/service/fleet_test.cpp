@@ -11,7 +11,7 @@
 
 #include "rsi/asio.hpp"
 
-#include "daemon/settings/config_error.hpp"
+#include "daemon/settings/toml_table.hpp"
 #include "tests/catch.hpp"
 #include "tests/config_folder.hpp"
 #include "tests/daemon/temporary_folder.hpp"

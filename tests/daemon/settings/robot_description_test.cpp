@@ -7,7 +7,7 @@
 
 #include <unistd.h>
 
-#include "daemon/settings/config_error.hpp"
+#include "daemon/settings/toml_table.hpp"
 #include "identify/geometry/angle.hpp"
 #include "tests/catch.hpp"
 

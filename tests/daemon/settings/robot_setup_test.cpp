@@ -1,6 +1,6 @@
 #include "daemon/settings/robot_setup.hpp"
 
-#include "daemon/settings/config_error.hpp"
+#include "daemon/settings/toml_table.hpp"
 #include "daemon/text/units.hpp"
 #include "tests/catch.hpp"
 #include "tests/config_folder.hpp"

@@ -5,7 +5,7 @@
 
 #include <unistd.h>
 
-#include "daemon/settings/config_error.hpp"
+#include "daemon/settings/toml_table.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/texts.hpp"
 

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "daemon/settings/config_error.hpp"
 #include "tests/catch.hpp"
 
 using sweepd::ConfigError;

@@ -1,5 +1,4 @@
-#include "daemon/record/record_file.hpp"
-
+#include "daemon/record/recording_files.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/small_disk.hpp"
 #include "tests/daemon/temporary_folder.hpp"
@@ -10,7 +9,7 @@ using sweepd::RecordFile;
 using sweepd::whole_records;
 using namespace sweepd::test;
 
-TEST_CASE("whole records are counted up to the first that is not whole", "[record_file]") {
+TEST_CASE("whole records are counted up to the first that is not whole", "[recording_files]") {
   CHECK(whole_records("", line_size).count == 0);
   CHECK(whole_records("one", line_size).count == 0);
   const auto whole = whole_records("one\n\nthr", line_size);
@@ -19,7 +18,7 @@ TEST_CASE("whole records are counted up to the first that is not whole", "[recor
 }
 
 TEST_CASE("a record file has its head from the first moment, and what was appended after it",
-          "[record_file]") {
+          "[recording_files]") {
   const TemporaryFolder folder;
   RecordFile file(folder / "samples.csv", "t_s\n", line_size);
   CHECK(content(folder / "samples.csv") == "t_s\n");
@@ -34,7 +33,7 @@ TEST_CASE("a record file has its head from the first moment, and what was append
 }
 
 TEST_CASE("a record that a full disk cut off is taken back, and written once there is room",
-          "[record_file]") {
+          "[recording_files]") {
   const TemporaryFolder folder;
   RecordFile file(folder / "samples.csv", "t_s\n", line_size);
   std::string records = "0.000\n0.004\n0.008\n";
@@ -52,7 +51,7 @@ TEST_CASE("a record that a full disk cut off is taken back, and written once the
   CHECK(file.bytes() == 22);
 }
 
-TEST_CASE("a record file that cannot be made says why, and leaves nothing", "[record_file]") {
+TEST_CASE("a record file that cannot be made says why, and leaves nothing", "[recording_files]") {
   const TemporaryFolder folder;
   CHECK_THROWS_WITH(RecordFile(folder / "none/samples.csv", "t_s\n", line_size),
                     ContainsSubstring("none/samples.csv") && ContainsSubstring("No such file"));
