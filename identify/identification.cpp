@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "identify/chain/delay.hpp"
 #include "identify/circle/circle_estimator.hpp"
 #include "identify/dh/placed_axes.hpp"
+#include "identify/geometry/angle.hpp"
 #include "identify/plausibility.hpp"
 
 namespace identify {
@@ -190,6 +192,60 @@ void name_undetermined(Identification& found) {
                             "the axes are too uncertain to tell " + all +
                                 ": these numbers are left out; state or measure the axes more "
                                 "closely"});
+}
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kFullTurn = 2 * kPi;
+
+}  // namespace
+
+std::optional<SeenTurn> seen_turn(const Identification& found, std::size_t joint,
+                                  std::size_t target, const Sample& sample) {
+  if (!found.chain) return std::nullopt;
+  const ChainEstimate& estimate = *found.chain;
+  if (!estimate.axes[joint] || target >= estimate.chain.targets_mm.size() || !sample.has_position)
+    return std::nullopt;
+  Turns turns{};
+  for (std::size_t k = 0; k < found.joints.size(); ++k)
+    if (estimate.axes[k] && found.home_rad[k] && sample.joints > k)
+      turns[k] = sample.angles_rad[k] - *found.home_rad[k];
+  Turns before{};
+  Turns after = turns;
+  std::copy_n(turns.begin(), joint, before.begin());
+  std::fill_n(after.begin(), joint + 1, 0.0);
+
+  const ChainAxis& axis = estimate.chain.axes[joint];
+  const Vector3d& z = axis.direction;
+  const auto from_axis = [&](const Vector3d& point) -> Vector3d { return point - axis.point_mm; };
+  const Vector3d start = from_axis(estimate.chain.target_mm(target, after));
+  const Vector3d here =
+      from_axis(estimate.chain.displacement(before).inverse(Eigen::Isometry) * sample.position_mm);
+  SeenTurn seen;
+  if (axis.linear) {
+    const Vector3d off = here - start;
+    seen.turn_rad = z.dot(off) / kLinear_mm;
+    const Eigen::Vector2d beside = across(z).transpose() * off;
+    seen.axial_mm = beside(0);
+    seen.radial_mm = beside(1);
+    if (sample.joints > joint && found.home_rad[joint]) {
+      seen.angle_error_rad = turns[joint] - seen.turn_rad;
+      seen.curve_rad = estimate.angles[joint].curve_at(seen.turn_rad);
+    }
+    return seen;
+  }
+  const Vector3d start_arm = start - z * z.dot(start);
+  const Vector3d arm = here - z * z.dot(here);
+  seen.turn_rad = std::atan2(z.dot(start_arm.cross(arm)), start_arm.dot(arm));
+  seen.axial_mm = z.dot(here - start);
+  seen.radial_mm = arm.norm() - start_arm.norm();
+  if (sample.joints > joint && found.home_rad[joint]) {
+    seen.angle_error_rad = std::remainder(turns[joint] - seen.turn_rad, kFullTurn);
+    seen.curve_rad = estimate.angles[joint].curve_at(turns[joint] - *seen.angle_error_rad);
+  }
+  return seen;
 }
 
 }  // namespace identify

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "identify/chain/meeting_point.hpp"
-#include "identify/circle/seen_circle.hpp"
+#include "identify/circle/joint_motion.hpp"
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/circle_fit.hpp"
 #include "identify/geometry/median.hpp"

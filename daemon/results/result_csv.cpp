@@ -8,8 +8,8 @@
 #include "daemon/text/units.hpp"
 #include "identify/dh/dh_comparison.hpp"
 #include "identify/geometry/circle_fit.hpp"
+#include "identify/identification.hpp"
 #include "identify/models/kinematic_model.hpp"
-#include "identify/seen_turn.hpp"
 
 namespace sweepd {
 namespace {

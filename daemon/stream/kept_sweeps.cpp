@@ -7,7 +7,7 @@
 
 #include "identify/geometry/angle.hpp"
 #include "identify/sweeps/segmentation.hpp"
-#include "identify/sweeps/turn.hpp"
+#include "identify/sweeps/sweep.hpp"
 
 namespace sweepd {
 namespace {

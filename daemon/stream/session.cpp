@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "identify/sweeps/turn.hpp"
+#include "identify/sweeps/sweep.hpp"
 
 namespace sweepd {
 

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "identify/chain/chain_problem.hpp"
-#include "identify/chain/information.hpp"
 
 namespace identify {
 namespace {

@@ -12,7 +12,6 @@
 #include <Eigen/Cholesky>
 
 #include "identify/chain/chain_problem.hpp"
-#include "identify/chain/information.hpp"
 
 namespace identify {
 

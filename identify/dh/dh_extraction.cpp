@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "identify/dh/axis_frame.hpp"
+#include "identify/dh/dh.hpp"
 #include "identify/geometry/angle.hpp"
 
 namespace identify {

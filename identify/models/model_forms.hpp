@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "identify/dh/axis_frame.hpp"
+#include "identify/dh/dh.hpp"
 #include "identify/models/kinematic_model.hpp"
 
 namespace identify {

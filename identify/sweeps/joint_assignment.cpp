@@ -9,7 +9,7 @@
 
 #include "identify/dh/joint_order.hpp"
 #include "identify/geometry/angle.hpp"
-#include "identify/sweeps/turn.hpp"
+#include "identify/sweeps/sweep.hpp"
 
 namespace identify {
 namespace {

@@ -1,5 +1,12 @@
 #include "identify/sweeps/sweep.hpp"
 
+#include <algorithm>
+
+#include <Eigen/Geometry>
+
+#include "identify/geometry/circle_fit.hpp"
+#include "identify/sweeps/sample.hpp"
+
 namespace identify {
 
 std::string_view remedy(SweepDefect defect, bool linear) noexcept {
@@ -33,6 +40,113 @@ std::string_view code(SweepDefect defect) noexcept {
       break;
   }
   return "";
+}
+
+namespace {
+
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+
+/// Enough points to tell two circles apart.
+constexpr Eigen::Index kPoints = 200;
+
+Matrix3Xd thinned(const Matrix3Xd& points) {
+  const auto step = std::max<Eigen::Index>(1, points.cols() / kPoints);
+  Matrix3Xd few(3, (points.cols() + step - 1) / step);
+  for (Eigen::Index i = 0; i < few.cols(); ++i) few.col(i) = points.col(i * step);
+  return few;
+}
+
+Matrix3Xd joined(const Matrix3Xd& first, const Matrix3Xd& second) {
+  Matrix3Xd both(3, first.cols() + second.cols());
+  both << first, second;
+  return both;
+}
+
+double misfit(const CircleFit& circle) {
+  return std::max(circle.plane_rms_mm, circle.radial_rms_mm);
+}
+
+/// +1 where the points run about the circle's normal, -1 where against it.
+double sense_of(const Matrix3Xd& points, const CircleFit& circle) {
+  Vector3d turned = Vector3d::Zero();
+  for (Eigen::Index i = 1; i < points.cols(); ++i)
+    turned += (points.col(i - 1) - circle.center_mm).cross(points.col(i) - points.col(i - 1));
+  return turned.dot(circle.normal) < 0 ? -1 : 1;
+}
+
+/// Strokes about one axis.
+struct StrokeGroup {
+  std::vector<std::size_t> strokes;
+  std::vector<Matrix3Xd> points;  // one a stroke
+  Matrix3Xd all = Matrix3Xd(3, 0);
+  double misfit_mm = 0;  // of the circle through all
+};
+
+/// Arcs of one circle fit together as well as each alone; those of two joints, which pass through
+/// the same home point about different axes, miss by millimetres.
+bool same_circle(const StrokeGroup& first, const StrokeGroup& second) {
+  const auto both = fit_circle(joined(first.all, second.all));
+  constexpr double kSlack_mm = 0.05;
+  return both && misfit(*both) <= kSlack_mm + 2 * std::max(first.misfit_mm, second.misfit_mm);
+}
+
+void add(const StrokeGroup& more, StrokeGroup& group) {
+  group.strokes.insert(group.strokes.end(), more.strokes.begin(), more.strokes.end());
+  group.points.insert(group.points.end(), more.points.begin(), more.points.end());
+  if (group.all.cols() >= 4 * kPoints) return;
+  group.all = joined(group.all, more.all);
+  const auto circle = fit_circle(group.all);
+  group.misfit_mm = circle ? misfit(*circle) : group.misfit_mm;
+}
+
+/// Groups to which the motion came back later are one. Of motion that never does so only the first
+/// `most` count: so the time is in proportion to the number of groups.
+std::vector<StrokeGroup> returned(const std::vector<StrokeGroup>& groups, std::size_t most) {
+  std::vector<StrokeGroup> whole;
+  for (const StrokeGroup& group : groups) {
+    const auto same = std::find_if(whole.begin(), whole.end(), [&](const StrokeGroup& known) {
+      return same_circle(known, group);
+    });
+    if (same != whole.end())
+      add(group, *same);
+    else if (whole.size() < most)
+      whole.push_back(group);
+  }
+  return whole;
+}
+
+}  // namespace
+
+std::vector<Turn> turns_in(const std::vector<Sweep>& strokes,
+                           const std::vector<std::size_t>& places, std::size_t joints) {
+  std::vector<StrokeGroup> groups;
+  for (const std::size_t place : places) {
+    const Sweep& stroke = strokes[place];
+    if (stroke.defect != SweepDefect::none) continue;
+    const Matrix3Xd points = thinned(positions(*stroke.samples));
+    const auto circle = fit_circle(points);
+    if (!circle) continue;
+    const StrokeGroup alone{{place}, {points}, points, misfit(*circle)};
+    if (groups.empty() || !same_circle(groups.back(), alone))
+      groups.push_back(alone);
+    else
+      add(alone, groups.back());
+  }
+  if (groups.size() > joints) groups = returned(groups, 2 * joints);
+  std::vector<Turn> turns;
+  for (const StrokeGroup& group : groups) {
+    const auto circle = fit_circle(group.all);
+    if (!circle) continue;
+    Turn turn{group.strokes, {}, {circle->normal, circle->center_mm, {}}};
+    turn.axis.covariance =
+        axis_covariance(*circle, group.all, circle->plane_rms_mm, circle->radial_rms_mm);
+    for (std::size_t s = 0; s < group.strokes.size(); ++s)
+      turn.angles_rad.push_back(sense_of(group.points[s], *circle) *
+                                strokes[group.strokes[s]].range_rad);
+    turns.push_back(std::move(turn));
+  }
+  return turns;
 }
 
 }  // namespace identify
