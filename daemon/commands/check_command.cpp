@@ -4,6 +4,8 @@
 #include <set>
 #include <string>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/commands/exit_codes.hpp"
 #include "daemon/commands/machine.hpp"
 #include "daemon/plan/plan_outlook.hpp"
@@ -110,10 +112,10 @@ class Check {
   std::optional<rsi::EthernetConfig> ethernet(const std::filesystem::path& file) {
     try {
       auto config = rsi::EthernetConfig::load(file);
-      findings_.ok(file.string() + ": sends " + rsi::counted(config.send.size(), "tag") +
-                   ", receives " + rsi::counted(config.receive.size(), "tag") + ", port " +
-                   std::to_string(config.port) + ", " +
-                   (config.protocol == rsi::EthernetConfig::Protocol::TCP ? "TCP" : "UDP"));
+      findings_.ok(fmt::format(
+          "{}: sends {}, receives {}, port {}, {}", file.string(),
+          rsi::counted(config.send.size(), "tag"), rsi::counted(config.receive.size(), "tag"),
+          config.port, config.protocol == rsi::EthernetConfig::Protocol::TCP ? "TCP" : "UDP"));
       for (const auto& text : config.warnings) findings_.warning(text);
       for (const auto& text : warnings_of_answers(config)) findings_.warning(text);
       findings_.line("reply", config.only_send
@@ -130,18 +132,18 @@ class Check {
     const auto objections = objections_to_answers(robot, config);
     for (const auto& objection : objections) findings_.error(objection);
     if (const auto tags = commanding_tags(config); objections.empty() && !tags.empty())
-      findings_.ok(std::to_string(tags.size()) +
-                   " of these tags can move the robot or switch "
-                   "something: they are answered with zeros, as answers_with_zeros wants, and only "
-                   "in streams whose beginning sweepd saw");
+      findings_.ok(fmt::format(
+          "{} of these tags can move the robot or switch something: they are answered with zeros, "
+          "as answers_with_zeros wants, and only in streams whose beginning sweepd saw",
+          tags.size()));
   }
 
   std::optional<rsi::RsiContext> context(const std::filesystem::path& file) {
     try {
       auto context = rsi::RsiContext::load(file);
-      findings_.ok(file.string() + ": Precision " +
-                   (context.precision ? std::to_string(*context.precision) : "not set") +
-                   ", Ethernet file " + context.config_file);
+      findings_.ok(fmt::format("{}: Precision {}, Ethernet file {}", file.string(),
+                               context.precision ? fmt::to_string(*context.precision) : "not set",
+                               context.config_file));
       for (const auto& text : context.warnings) findings_.warning(text);
       return context;
     } catch (const rsi::RsiContextError& problem) {
@@ -158,14 +160,14 @@ class Check {
 
   void compare(const RobotSettings& robot, const rsi::EthernetConfig& config) {
     if (config.port != robot.listen.port)
-      findings_.error(config.name + ": PORT: expected " + std::to_string(robot.listen.port) +
-                      " as in `listen` of robot " + robot.name + ", found " +
-                      std::to_string(config.port) + ": make them equal");
+      findings_.error(
+          fmt::format("{}: PORT: expected {} as in `listen` of robot {}, found {}: make them equal",
+                      config.name, robot.listen.port, robot.name, config.port));
     const auto address = rsi::parse_address(config.ip_number);
     if (address && robot.listen.address != 0 && *address != robot.listen.address)
-      findings_.error(config.name + ": IP_NUMBER: expected " +
-                      rsi::address_text(robot.listen.address) + " as in `listen` of robot " +
-                      robot.name + ", found " + config.ip_number + ": make them equal");
+      findings_.error(fmt::format(
+          "{}: IP_NUMBER: expected {} as in `listen` of robot {}, found {}: make them equal",
+          config.name, rsi::address_text(robot.listen.address), robot.name, config.ip_number));
     std::set<std::string> sent;
     for (const auto& element : rsi::wire_layout(config.send))
       for (const auto& field : element.fields)

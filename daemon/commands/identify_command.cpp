@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <nlohmann/json.hpp>
+#include <spdlog/fmt/fmt.h>
 
 #include "daemon/commands/outputs.hpp"
 #include "daemon/points/axes_file.hpp"
@@ -52,10 +53,10 @@ std::optional<std::size_t> declared_joints(const IdentifyOptions& options,
                                            const RobotSetup& setup) {
   if (!options.robot && !options.plan) return options.joints;
   if (options.joints && *options.joints != setup.joints)
-    throw std::invalid_argument("--joints " + std::to_string(*options.joints) + ": " +
-                                (options.robot ? *options.robot : *options.plan).string() +
-                                " has " + rsi::counted(setup.joints, "joint") +
-                                ": leave --joints out");
+    throw std::invalid_argument(
+        fmt::format("--joints {}: {} has {}: leave --joints out", *options.joints,
+                    (options.robot ? *options.robot : *options.plan).string(),
+                    rsi::counted(setup.joints, "joint")));
   return setup.joints;
 }
 
@@ -104,9 +105,9 @@ std::size_t joints_in(const IdentifyOptions& options, const Points& points) {
 void check_file(const PointsFile& file, const IdentifyOptions& options, std::size_t joints) {
   const std::string name = file.path.string();
   if (file.angles > 0 && file.angles < joints)
-    throw CsvError(name + ": expected angles of " + rsi::counted(joints, "joint") +
-                   ", found those of " + std::to_string(file.angles) +
-                   ": add the others, or skip all with --columns");
+    throw CsvError(fmt::format(
+        "{}: expected angles of {}, found those of {}: add the others, or skip all with --columns",
+        name, rsi::counted(joints, "joint"), file.angles));
   if (options.per_joint && file.with_joints)
     throw CsvError(name +
                    ": expected no column joint, as --per-joint tells the joint, found one: "
@@ -174,15 +175,16 @@ Outcome identified_axes(const IdentifyOptions& options, RobotSetup setup) {
       read_axes(*options.axes, names(options.columns), declared.value_or(identify::kMostJoints));
   setup.joints = declared.value_or(axes.size());
   if (axes.size() != setup.joints)
-    throw CsvError(options.axes->string() + ": expected the axes of " +
-                   rsi::counted(setup.joints, "joint") + ", found those of " +
-                   std::to_string(axes.size()) + ": add the others");
+    throw CsvError(fmt::format("{}: expected the axes of {}, found those of {}: add the others",
+                               options.axes->string(), rsi::counted(setup.joints, "joint"),
+                               axes.size()));
   const auto limits = setup.limits();
   for (std::size_t j = 0; j < limits.size(); ++j)
     if (limits[j].linear)
-      throw std::invalid_argument("--axes: joint " + std::to_string(j + 1) +
-                                  " is linear: its axis has a direction and no place, which lines "
-                                  "cannot say: give measured points");
+      throw std::invalid_argument(
+          fmt::format("--axes: joint {} is linear: its axis has a direction and no place, which "
+                      "lines cannot say: give measured points",
+                      j + 1));
   auto known = campaign(setup, {});
   known.device_frame = options.device_frame;
   Outcome outcome;

@@ -10,6 +10,7 @@
 #include <arpa/inet.h>
 #include <ifaddrs.h>
 #include <netinet/in.h>
+#include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
 #include "daemon/text/numbers.hpp"
@@ -88,8 +89,8 @@ std::string list(const std::vector<std::uint32_t>& addresses) {
 void judge_port(const Machine& machine, const RobotSettings& robot, Findings& findings) {
   const auto place = "listen " + rsi::text(robot.listen);
   if (machine.cannot_listen.empty())
-    findings.ok(place + ": free; receive buffer " + std::to_string(machine.receive_buffer / 1024) +
-                " KiB");
+    findings.ok(
+        fmt::format("{}: free; receive buffer {} KiB", place, machine.receive_buffer / 1024));
   else if (machine.port_taken_by.starts_with("sweepd "))
     findings.ok(place + ": " + machine.port_taken_by + " listens there");
   else
@@ -102,10 +103,10 @@ void judge_addresses(const Machine& machine, const RobotSettings& robot,
   const bool own = named && std::binary_search(machine.addresses.begin(), machine.addresses.end(),
                                                rsi::parse_address(ethernet->ip_number).value_or(0));
   if (named && !own)
-    findings.warning(ethernet->name +
-                     ": IP_NUMBER: this machine has no interface with the address " +
-                     ethernet->ip_number + ", it has " + list(machine.addresses) +
-                     ": correct the file here and on the controller, or the interface");
+    findings.warning(fmt::format(
+        "{}: IP_NUMBER: this machine has no interface with the address {}, it has {}: correct the "
+        "file here and on the controller, or the interface",
+        ethernet->name, ethernet->ip_number, list(machine.addresses)));
   if (!robot.controller) return;
   const auto controller = "controller " + rsi::address_text(*robot.controller);
   if (!machine.towards_controller)
@@ -139,15 +140,16 @@ void judge_disk(const Machine& machine, const RobotSettings& robot, Findings& fi
   const auto free = static_cast<double>(machine.room->free);
   const auto kept = static_cast<double>(recording.keep_free_bytes);
   if (free < kept)
-    return findings.not_ready(folder + ": " + gigabytes(free) +
-                              " free, and recording needs more than " + gigabytes(kept) +
-                              " (keep_free_bytes): make room, or set it lower");
+    return findings.not_ready(fmt::format(
+        "{}: {} free, and recording needs more than {} (keep_free_bytes): make room, or set it "
+        "lower",
+        folder, gigabytes(free), gigabytes(kept)));
   // Telegrams of usual length, their replies and samples.csv: 0.2 MB a second at a cycle of 4 ms.
   constexpr double kADay = 0.2e6 * 86'400;
   const double left = (free - kept) / kADay;
   const bool deletes = recording.keep_bytes > 0 || recording.keep.count() > 0;
-  const auto text = folder + ": " + gigabytes(free) + " free, enough for " + days_text(left) +
-                    " of streaming at 4 ms";
+  const auto text = fmt::format("{}: {} free, enough for {} of streaming at 4 ms", folder,
+                                gigabytes(free), days_text(left));
   if (deletes)
     findings.ok(text + "; the oldest recordings are deleted by keep_bytes and keep_days");
   else if (left < 1)

@@ -4,6 +4,8 @@
 #include <numeric>
 #include <string_view>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/text/numbers.hpp"
 #include "rsi/counted.hpp"
 
@@ -59,7 +61,7 @@ std::string reply_rows(const SimulationReport& report) {
       rows += report_row("  with values not zero", count, "which controllers obey");
     for (const auto& remark : report.link.first_remarks) rows += "  first " + remark + '\n';
     rows += report_row("cycles unanswered", counts.unanswered,
-                       "at most " + std::to_string(counts.longest_unanswered) + " in a row");
+                       fmt::format("at most {} in a row", counts.longest_unanswered));
     rows += report_row("replies late", counts.of(ReplyFault::late));
   }
   bool refused = false;
@@ -135,12 +137,10 @@ std::string link_problem(const SimulationReport& report) {
 std::string text(const SimulationReport& report) {
   const auto& link = report.link;
   const auto telegrams = link.controller.telegrams;
-  std::string text = (report.live ? "Simulated to " : "Simulated into ") + report.target + ", " +
-                     duration_text(cycles(report) * report.cycle) + " of " +
-                     duration_text(report.planned * report.cycle) + ": ";
-  text.append(ending(report)).append(".\n");
-  text += report_row("telegrams", telegrams,
-                     "one each " + std::to_string(report.cycle.count()) + " ms");
+  std::string text = fmt::format("Simulated {} {}, {} of {}: {}.\n", report.live ? "to" : "into",
+                                 report.target, duration_text(cycles(report) * report.cycle),
+                                 duration_text(report.planned * report.cycle), ending(report));
+  text += report_row("telegrams", telegrams, fmt::format("one each {} ms", report.cycle.count()));
   text += report_row("  lost on purpose", link.wire.lost);
   text += report_row("  duplicated on purpose", link.wire.duplicated);
   text += report_row("  swapped on purpose", link.wire.swapped, "pairs");

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/settings/toml_table.hpp"
 #include "rsi/ascii.hpp"
 
@@ -47,10 +49,10 @@ void check_speed(const std::string& key, std::size_t joint, double speed_deg_s,
                  const KrlOptions& options, std::vector<std::string>& findings) {
   const auto max = krl_max_speed(options, joint);
   if (max && speed_deg_s < *max / 100)
-    findings.push_back(key + ": expected " + number_text(*max / 100) +
-                       " deg/s or more, which is 1 % of what joint " + std::to_string(joint) +
-                       " can do and the least that KRL takes, found " + number_text(speed_deg_s) +
-                       ": choose a higher speed");
+    findings.push_back(fmt::format(
+        "{}: expected {} deg/s or more, which is 1 % of what joint {} can do and the least that "
+        "KRL takes, found {}: choose a higher speed",
+        key, number_text(*max / 100), joint, number_text(speed_deg_s)));
 }
 
 void check_angle(const std::string& key, double angle_deg, std::vector<std::string>& findings) {
@@ -84,9 +86,10 @@ std::vector<std::string> krl_findings(const SweepPlan& plan, const KrlOptions& o
   std::vector<std::string> findings;
   check_name(options.name, findings);
   if (options.tool < 1 || options.tool > kMostTools)
-    findings.push_back("tool: expected a number from 1 to 128, found " +
-                       std::to_string(options.tool) +
-                       ": give the number of the tool whose point is off axis 6");
+    findings.push_back(
+        fmt::format("tool: expected a number from 1 to 128, found {}: give the number of the tool "
+                    "whose point is off axis 6",
+                    options.tool));
   const std::string file = krl_rsi_file(options);
   if (file.size() > 60 || !std::all_of(file.begin(), file.end(), [](char c) {
         return rsi::is_letter(c) || rsi::is_digit(c) || c == '_' || c == '.' || c == '-';
@@ -96,8 +99,10 @@ std::vector<std::string> krl_findings(const SweepPlan& plan, const KrlOptions& o
         rsi::printable(file) + "': rename it on the controller");
   const std::size_t joints = plan.home_deg.size();
   if (joints < 1 || joints > kMostJoints) {
-    findings.push_back("home_deg: expected 1 to 6 angles, as KRL's AXIS has, found " +
-                       std::to_string(joints) + ": this robot's program has to be written by hand");
+    findings.push_back(
+        fmt::format("home_deg: expected 1 to 6 angles, as KRL's AXIS has, found {}: this robot's "
+                    "program has to be written by hand",
+                    joints));
     return findings;
   }
   for (const double angle_deg : plan.home_deg) check_angle("home_deg", angle_deg, findings);
@@ -105,8 +110,8 @@ std::vector<std::string> krl_findings(const SweepPlan& plan, const KrlOptions& o
     check_speed("positioning_speed_deg_s", joint, plan.positioning_speed_deg_s, options, findings);
   for (const PlannedSweep& sweep : plan.sweeps) {
     if (sweep.joint < 1 || sweep.joint > joints) {
-      findings.push_back("sweep.joint: expected 1 to " + std::to_string(joints) + ", found " +
-                         std::to_string(sweep.joint) + ": correct the plan");
+      findings.push_back(fmt::format("sweep.joint: expected 1 to {}, found {}: correct the plan",
+                                     joints, sweep.joint));
       continue;
     }
     check_angle("sweep.start_deg", sweep.start_deg, findings);

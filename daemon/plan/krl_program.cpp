@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <string_view>
 
+#include <spdlog/fmt/fmt.h>
+
 namespace sweepd {
 namespace {
 
@@ -108,13 +110,13 @@ class ProgramWriter {
 
  private:
   static std::string name(std::size_t sweep, const char* end) {
-    return "SWEEP" + std::to_string(sweep + 1) + "_" + end;
+    return fmt::format("SWEEP{}_{}", sweep + 1, end);
   }
 
   static std::string pose(const std::vector<double>& angles_deg) {
     std::string text = "{";
     for (std::size_t i = 0; i < angles_deg.size(); ++i)
-      text += (i == 0 ? "A" : ",A") + std::to_string(i + 1) + " " + krl_number(angles_deg[i]);
+      text += fmt::format("{}A{} {}", i == 0 ? "" : ",", i + 1, krl_number(angles_deg[i]));
     return text + "}";
   }
 
@@ -152,33 +154,34 @@ class ProgramWriter {
 
   void frames() {
     line_("; Positions are those of the tool point in the robot's own frame.");
-    line_("BAS (#TOOL," + std::to_string(options_.tool) + " )");
+    line_(fmt::format("BAS (#TOOL,{} )", options_.tool));
     line_("BAS (#BASE,0 )")("$BASE = $NULLFRAME");
     const std::string least = krl_number(kLeastToolRadius_mm);
-    halt_unless("(($TOOL.X*$TOOL.X+$TOOL.Y*$TOOL.Y) < " + least + "*" + least + ")",
-                "the tool point lies on axis 6: choose a tool " + least + " mm or more off it");
+    halt_unless(
+        fmt::format("(($TOOL.X*$TOOL.X+$TOOL.Y*$TOOL.Y) < {0}*{0})", least),
+        fmt::format("the tool point lies on axis 6: choose a tool {} mm or more off it", least));
     line_();
   }
 
   /// The speed of one axis from here on.
   void speed(std::size_t joint, double speed_deg_s) {
     const auto max = krl_max_speed(options_, joint);
-    const std::string axis = "$VEL_AXIS[" + std::to_string(joint) + "] = ";
     if (!max) {
-      line_(axis + std::to_string(kUnknownSpeed_percent) + " ; CHECK: the plan asks for " +
-            krl_number(speed_deg_s) + " deg/s; what 100 % are was not known");
+      line_(fmt::format(
+          "$VEL_AXIS[{}] = {} ; CHECK: the plan asks for {} deg/s; what 100 % are was not known",
+          joint, kUnknownSpeed_percent, krl_number(speed_deg_s)));
       return;
     }
     const auto percent = static_cast<int>(std::min(std::floor(speed_deg_s / *max * 100), 100.0));
-    line_(axis + std::to_string(percent) + " ; per cent of " + krl_number(*max) +
-          " deg/s; the plan asks for " + krl_number(speed_deg_s) + " deg/s");
+    line_(fmt::format("$VEL_AXIS[{}] = {} ; per cent of {} deg/s; the plan asks for {} deg/s",
+                      joint, percent, krl_number(*max), krl_number(speed_deg_s)));
   }
 
   void go_home() {
     line_("; No approximation anywhere: the robot stops at each target.");
     for (std::size_t joint = 1; joint <= plan_.home_deg.size(); ++joint) {
       speed(joint, plan_.positioning_speed_deg_s);
-      line_("$ACC_AXIS[" + std::to_string(joint) + "] = " + std::to_string(kAcceleration_percent));
+      line_(fmt::format("$ACC_AXIS[{}] = {}", joint, kAcceleration_percent));
     }
     line_("PTP HOME_POSE");
     line_("WAIT SEC 0.0 ; the advance run waits here, too")();
@@ -213,8 +216,8 @@ class ProgramWriter {
 
   void sweep(std::size_t index) {
     const PlannedSweep& sweep = plan_.sweeps[index];
-    line_(";FOLD sweep " + std::to_string(index + 1) + ": A" + std::to_string(sweep.joint) +
-          " from " + krl_number(sweep.start_deg) + " to " + krl_number(sweep.end_deg));
+    line_(fmt::format(";FOLD sweep {}: A{} from {} to {}", index + 1, sweep.joint,
+                      krl_number(sweep.start_deg), krl_number(sweep.end_deg)));
     line_.in();
     speed(sweep.joint, plan_.positioning_speed_deg_s);
     line_("PTP " + name(index, "START"))("WAIT SEC REST_S");

@@ -4,6 +4,8 @@
 #include <array>
 #include <string_view>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/settings/toml_table.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
@@ -52,13 +54,12 @@ class Judge {
     const Rehearsal& rehearsal = outlook_.rehearsal;
     const auto stroke = rehearsal.stroke_of_sweep[s];
     const auto defect = stroke ? rehearsal.strokes[*stroke].defect : SweepDefect::none;
-    const std::string what = "sweep " + std::to_string(s + 1) + " (joint " +
-                             std::to_string(sweep.joint) + ", " + number_text(sweep.start_deg) +
-                             " to " + number_text(sweep.end_deg) + " " + std::string(sweep.unit()) +
-                             ")";
+    const auto what =
+        fmt::format("sweep {} (joint {}, {} to {} {})", s + 1, sweep.joint,
+                    number_text(sweep.start_deg), number_text(sweep.end_deg), sweep.unit());
     if (!stroke || defect != SweepDefect::none) {
       outlook_.refusals.push_back(
-          what + " would not be used: " + std::string(change(defect, sweep.linear)));
+          fmt::format("{} would not be used: {}", what, change(defect, sweep.linear)));
       return;
     }
     const auto& joint = rehearsal.identification.joints[sweep.joint - 1];
@@ -83,16 +84,18 @@ class Judge {
     const bool poor = !axis || axis->direction_sigma_rad() > identify::kPoorDirection_rad;
     if (!poor) return near ? AxisOutlook::near : AxisOutlook::good;
     if (axis && !near) return AxisOutlook::vague;
-    const std::string uncertain = axis ? "its direction would be uncertain by " +
-                                             fixed(degrees(axis->direction_sigma_rad()), 2) + " deg"
+    const std::string uncertain = axis ? fmt::format("its direction would be uncertain by {} deg",
+                                                     fixed(degrees(axis->direction_sigma_rad()), 2))
                                        : "it would not be determined";
-    outlook_.refusals.push_back(
-        "joint " + std::to_string(j + 1) +
-        (near ? ": the target point is " + fixed(radius_mm, 2) + " mm from its axis, and " +
-                    uncertain + ": choose a tool point 100 mm or more off axis " +
-                    std::to_string(j + 1) + " (--tool-mm, or tool_mm of the robot description)"
-         : robot_.limits[j].linear ? ": its direction would not be determined: move it further"
-                                   : ": its axis would not be determined: sweep it further"));
+    const std::string why =
+        near ? fmt::format(
+                   "the target point is {} mm from its axis, and {}: choose a tool point "
+                   "100 mm or more off axis {} (--tool-mm, or tool_mm of the robot "
+                   "description)",
+                   fixed(radius_mm, 2), uncertain, j + 1)
+        : robot_.limits[j].linear ? "its direction would not be determined: move it further"
+                                  : "its axis would not be determined: sweep it further";
+    outlook_.refusals.push_back(fmt::format("joint {}: {}", j + 1, why));
     return AxisOutlook::lost;
   }
 

@@ -5,6 +5,8 @@
 #include <charconv>
 #include <cmath>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/text_layout.hpp"
 #include "daemon/text/units.hpp"
@@ -190,13 +192,16 @@ std::string dh_text(const PlanOutlook& outlook) {
 }
 
 std::string measured_text(const Measurement& measurement) {
-  const std::string wobble = ", joints wobble by " + plain(measurement.wobble_deg) + " deg (sigma)";
-  const std::string cycle = std::to_string(measurement.cycle.count()) + " ms";
+  const auto wobble = plain(measurement.wobble_deg);
+  const auto cycle_ms = measurement.cycle.count();
   if (measurement.position_sigma_mm)
-    return "by another device, to " + plain(*measurement.position_sigma_mm) +
-           " mm (sigma) a coordinate, a point every " + cycle + ", no angles" + wobble;
-  return "by the controller, a telegram every " + cycle + ", " +
-         rsi::counted(static_cast<std::uint64_t>(measurement.precision), "decimal") + wobble;
+    return fmt::format(
+        "by another device, to {} mm (sigma) a coordinate, a point every {} ms, no angles, joints "
+        "wobble by {} deg (sigma)",
+        plain(*measurement.position_sigma_mm), cycle_ms, wobble);
+  return fmt::format(
+      "by the controller, a telegram every {} ms, {}, joints wobble by {} deg (sigma)", cycle_ms,
+      rsi::counted(static_cast<std::uint64_t>(measurement.precision), "decimal"), wobble);
 }
 
 }  // namespace
@@ -207,12 +212,12 @@ std::string plan_text(const RobotDescription& robot, const PlanOutlook& outlook,
   const double duration_s = std::chrono::duration<double>(outlook.rehearsal.duration).count();
   std::string text =
       paragraph("robot       ", robot.name) +
-      paragraph("plan        ", outlook.plan.file.string() + ": " +
-                                    rsi::counted(outlook.plan.sweeps.size(), "sweep") + ", takes " +
-                                    fixed(duration_s, 1) + " s") +
+      paragraph("plan        ", fmt::format("{}: {}, takes {} s", outlook.plan.file.string(),
+                                            rsi::counted(outlook.plan.sweeps.size(), "sweep"),
+                                            fixed(duration_s, 1))) +
       paragraph("measured    ", measured_text(measurement)) +
-      paragraph("target      ", plain(tool.x()) + ", " + plain(tool.y()) + ", " + plain(tool.z()) +
-                                    " mm in the frame behind the last row");
+      paragraph("target      ", fmt::format("{}, {}, {} mm in the frame behind the last row",
+                                            plain(tool.x()), plain(tool.y()), plain(tool.z())));
   text += "\n" + sweeps_text(outlook) + "\n" + axes_text(outlook) + "\n" + dh_text(outlook);
   if (!outlook.warnings.empty()) {
     text += "\nWarnings\n";
@@ -225,10 +230,12 @@ std::string plan_text(const RobotDescription& robot, const PlanOutlook& outlook,
 std::string proposal_text(const PlanOutlook& before, const Proposal& proposal, double margin_deg) {
   if (proposal.steps.empty())
     return "\nProposal\n" +
-           paragraph("  ",
-                     "none: wider ranges within the joint limits, " + plain(margin_deg) +
-                         " deg off each, would not lower the uncertainties by 10 %, or the robot "
-                         "description has no limits");
+           paragraph(
+               "  ",
+               fmt::format("none: wider ranges within the joint limits, {} deg off each, would not "
+                           "lower the uncertainties by 10 %, or the robot description has no "
+                           "limits",
+                           plain(margin_deg)));
   std::string text =
       "\nProposal: wider ranges, the sweep that helps most first\n\n"
       "joint    from deg      to deg      instead of                  uncertainties\n";
@@ -260,12 +267,12 @@ std::string proposal_text(const PlanOutlook& before, const Proposal& proposal, d
       if (now.sigma > 0 && then.sigma > 0) text += number(now.sigma / then.sigma, 2, 15);
       text += "\n";
     }
-  text +=
-      "\n" +
-      paragraph("takes       ", fixed(duration_s, 1) + " s instead of " + fixed(now_s, 1) + " s") +
-      paragraph("CAUTION     ",
-                "sweepd knows the joint limits, but neither the cell, nor cables, nor the "
-                "robot's own body and tool: drive every new range by hand in T1 first");
+  text += "\n" +
+          paragraph("takes       ",
+                    fmt::format("{} s instead of {} s", fixed(duration_s, 1), fixed(now_s, 1))) +
+          paragraph("CAUTION     ",
+                    "sweepd knows the joint limits, but neither the cell, nor cables, nor the "
+                    "robot's own body and tool: drive every new range by hand in T1 first");
   if (!proposal.outlook.warnings.empty()) {
     text += "\nWarnings about the proposed plan\n";
     for (const auto& warning : proposal.outlook.warnings)

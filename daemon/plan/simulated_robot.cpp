@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/settings/toml_table.hpp"
 #include "daemon/text/units.hpp"
 
@@ -20,9 +22,10 @@ void check(const RobotDescription& robot, const SweepPlan& plan) {
                       "[[joint]]: expected a specified table to move by, found none: add b_mm, "
                       "theta_deg, a_mm, alpha_deg and positive to every joint");
   if (robot.joints() > kAxesOfRsi)
-    throw ConfigError(name +
-                      "[[joint]]: expected at most 6 joints, as RSI carries no more, found " +
-                      std::to_string(robot.joints()) + ": simulate an arm with fewer");
+    throw ConfigError(
+        fmt::format("{}[[joint]]: expected at most 6 joints, as RSI carries no more, found {}: "
+                    "simulate an arm with fewer",
+                    name, robot.joints()));
   const auto findings = check_plan(plan, robot);
   if (findings.empty()) return;
   std::string text = findings.front();
@@ -34,8 +37,8 @@ void check(const RobotDescription& robot, const SweepPlan& plan) {
 void check(const SimulatedRobot::Options& options) {
   using std::chrono::milliseconds;
   if (options.cycle < milliseconds(1) || options.cycle > milliseconds(1000))
-    throw std::invalid_argument("cycle: expected 1 to 1000 ms, found " +
-                                std::to_string(options.cycle.count()));
+    throw std::invalid_argument(
+        fmt::format("cycle: expected 1 to 1000 ms, found {}", options.cycle.count()));
   if (!(options.wobble_deg >= 0 && std::isfinite(options.wobble_deg)))
     throw std::invalid_argument("wobble: expected 0 degrees or more, found " +
                                 number_text(options.wobble_deg));

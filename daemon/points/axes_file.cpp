@@ -4,6 +4,8 @@
 #include <map>
 #include <optional>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/points/csv_file.hpp"
 #include "daemon/points/points_file.hpp"
 
@@ -102,9 +104,10 @@ std::vector<identify::Axis> read_axes(const std::filesystem::path& path,
     const std::size_t joint = file.whole_number(places.joint, 1, joints);
     const auto [line, is_new] = lines.try_emplace(joint);
     if (!is_new)
-      file.fail(places.joint, "expected each joint once, found joint " + std::to_string(joint) +
-                                  " in line " + std::to_string(line->second.number) +
-                                  " too: leave one of the two out");
+      file.fail(places.joint,
+                fmt::format("expected each joint once, found joint {} in line {} too: leave one "
+                            "of the two out",
+                            joint, line->second.number));
     line->second = {read_axis(file, places), file.line()};
   }
   if (lines.empty())
@@ -112,10 +115,10 @@ std::vector<identify::Axis> read_axes(const std::filesystem::path& path,
   std::vector<identify::Axis> axes;
   for (const auto& [joint, line] : lines) {
     if (joint != axes.size() + 1)
-      throw CsvError(path.string() + ": line " + std::to_string(line.number) +
-                     ": expected the axes of all joints up to joint " + std::to_string(joint) +
-                     ", found none of joint " + std::to_string(axes.size() + 1) +
-                     ": add its line, or count the joints from 1");
+      throw CsvError(fmt::format(
+          "{}: line {}: expected the axes of all joints up to joint {}, found none of joint {}: "
+          "add its line, or count the joints from 1",
+          path.string(), line.number, joint, axes.size() + 1));
     axes.push_back(line.axis);
   }
   return axes;

@@ -9,6 +9,8 @@
 #include <system_error>
 #include <utility>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/text/units.hpp"
 #include "rsi/ascii.hpp"
 #include "rsi/counted.hpp"
@@ -88,10 +90,10 @@ CsvFile::CsvFile(std::filesystem::path path, std::vector<std::string> columns)
 bool CsvFile::next() {
   if (!std::exchange(waiting_, false) && !next_line()) return false;
   if (fields_.size() == columns_.size()) return true;
-  throw CsvError(place() + ": expected " + rsi::counted(columns_.size(), "column") + ", as " +
-                 (declared_ ? "named with --columns" : "in line " + std::to_string(header_line_)) +
-                 ", found " + std::to_string(fields_.size()) +
-                 (declared_ ? ": name all of them, - for one to skip" : ": correct the line"));
+  throw CsvError(fmt::format(
+      "{}: expected {}, as {}, found {}: {}", place(), rsi::counted(columns_.size(), "column"),
+      declared_ ? "named with --columns" : fmt::format("in line {}", header_line_), fields_.size(),
+      declared_ ? "name all of them, - for one to skip" : "correct the line"));
 }
 
 bool CsvFile::next_line() {
@@ -145,8 +147,9 @@ std::string_view CsvFile::quoted_field() {
   const std::size_t first_line = line_;
   while (true) {
     if (at_ == content_.size())
-      throw CsvError(path_.string() + ": line " + std::to_string(first_line) +
-                     ": expected a closing quote, found none up to the end of the file: add it");
+      throw CsvError(fmt::format(
+          "{}: line {}: expected a closing quote, found none up to the end of the file: add it",
+          path_.string(), first_line));
     const char c = content_[at_++];
     if (c == '\n') ++line_;
     if (c == '"') {
@@ -190,13 +193,13 @@ std::size_t CsvFile::whole_number(std::size_t column, std::size_t least, std::si
   if (value == std::floor(value) && value >= static_cast<double>(least) &&
       value <= static_cast<double>(most))
     return static_cast<std::size_t>(value);
-  fail(column, "expected a whole number from " + std::to_string(least) + " to " +
-                   std::to_string(most) + ", found " + quoted(fields_[column]) + ": correct it");
+  fail(column, fmt::format("expected a whole number from {} to {}, found {}: correct it", least,
+                           most, quoted(fields_[column])));
 }
 
 void CsvFile::fail(std::size_t column, const std::string& problem) const {
-  throw CsvError(place() + ", column " + std::to_string(column + 1) + " (" +
-                 rsi::printable(columns_[column]) + "): " + problem);
+  throw CsvError(fmt::format("{}, column {} ({}): {}", place(), column + 1,
+                             rsi::printable(columns_[column]), problem));
 }
 
 void CsvFile::fail_header(const std::string& problem) const {
@@ -206,18 +209,18 @@ void CsvFile::fail_header(const std::string& problem) const {
 }
 
 void CsvFile::fail_header(std::size_t column, const std::string& problem) const {
-  const std::string text = header_place() + ", column " + std::to_string(column + 1) + " (" +
-                           rsi::printable(columns_[column]) + "): " + problem;
+  const auto text = fmt::format("{}, column {} ({}): {}", header_place(), column + 1,
+                                rsi::printable(columns_[column]), problem);
   if (declared_) throw std::invalid_argument(text);
   throw CsvError(text);
 }
 
 std::string CsvFile::place() const {
-  return path_.string() + ": line " + std::to_string(line_);
+  return fmt::format("{}: line {}", path_.string(), line_);
 }
 
 std::string CsvFile::header_place() const {
-  return declared_ ? "--columns" : path_.string() + ": line " + std::to_string(header_line_);
+  return declared_ ? "--columns" : fmt::format("{}: line {}", path_.string(), header_line_);
 }
 
 }  // namespace sweepd

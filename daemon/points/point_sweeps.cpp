@@ -6,6 +6,8 @@
 #include <optional>
 #include <utility>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/points/csv_file.hpp"
 #include "daemon/text/units.hpp"
 #include "identify/geometry/circle_fit.hpp"
@@ -193,11 +195,10 @@ std::vector<Sweep> sweeps_of_joint(const PointsFile& file, std::size_t joint, st
     if (!sweep.joint) sweep.joint = joint;
   if (!sweeps.empty() && std::none_of(sweeps.begin(), sweeps.end(),
                                       [&](const Sweep& sweep) { return sweep.joint == joint; }))
-    throw CsvError(file.path.string() + ": expected sweeps of joint " + std::to_string(joint + 1) +
-                   ", as it is number " + std::to_string(joint + 1) +
-                   " of the files, found angles of joint " +
-                   std::to_string(*sweeps.front().joint + 1) +
-                   " alone: give one file a joint, in the order of the joints");
+    throw CsvError(fmt::format(
+        "{}: expected sweeps of joint {}, as it is number {} of the files, found angles of joint "
+        "{} alone: give one file a joint, in the order of the joints",
+        file.path.string(), joint + 1, joint + 1, *sweeps.front().joint + 1));
   return sweeps;
 }
 

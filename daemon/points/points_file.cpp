@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <Eigen/Geometry>
+#include <spdlog/fmt/fmt.h>
 
 #include "daemon/points/csv_file.hpp"
 #include "daemon/text/units.hpp"
@@ -80,8 +81,9 @@ std::optional<std::array<Place, N>> all_of(const CsvFile& file, const Places& pl
   }
   if (count == 0) return std::nullopt;
   if (count < N)
-    file.fail_header("expected a column for each of " + std::to_string(N) +
-                     " values that belong together, found none for " + missing + ": add it");
+    file.fail_header(fmt::format(
+        "expected a column for each of {} values that belong together, found none for {}: add it",
+        N, missing));
   return found;
 }
 
@@ -122,8 +124,8 @@ PointColumns point_columns(const CsvFile& file) {
   for (std::size_t j = 1; j <= last; ++j) {
     const auto angle = place(places, "a" + std::to_string(j));
     if (!angle)
-      file.fail_header("expected angles of all joints from a1 on, found a" + std::to_string(last) +
-                       " but no a" + std::to_string(j) + ": add it");
+      file.fail_header(fmt::format(
+          "expected angles of all joints from a1 on, found a{} but no a{}: add it", last, j));
     columns.angles.push_back(*angle);
   }
   return columns;

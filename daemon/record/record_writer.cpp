@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/record/retention.hpp"
 #include "daemon/record/session_folder.hpp"
 #include "daemon/text/numbers.hpp"
@@ -138,9 +140,10 @@ void RecordWriter::check_room(const RecordingSettings& settings, Steady::time_po
   if (!room_) return;
   const auto keep = settings.keep_free_bytes;
   if (room_->free < keep + (paused_ && for_room_ ? margin(keep, room_->total) : 0))
-    throw NoRoom("the disk of " + folder.string() + " has " + size_text(room_->free) +
-                 " free, and keep_free_bytes is " + std::to_string(keep) +
-                 ": make room, or lower keep_free_bytes");
+    throw NoRoom(
+        fmt::format("the disk of {} has {} free, and keep_free_bytes is {}: make room, or lower "
+                    "keep_free_bytes",
+                    folder.string(), size_text(room_->free), keep));
 }
 
 void RecordWriter::pause(const std::string& why, bool for_room) {

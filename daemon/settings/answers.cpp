@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string_view>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/text/nearest_word.hpp"
 #include "rsi/ascii.hpp"
 #include "rsi/telegram/reply.hpp"
@@ -16,7 +18,7 @@ constexpr std::size_t kMostDatagramBytes = 65'507;  // of a UDP datagram over IP
 constexpr std::size_t kOneFrame = 1'472;  // of one that fits into an Ethernet frame of 1,500
 
 std::string place(const rsi::EthernetConfig& config, int line) {
-  return config.name + ":" + std::to_string(line) + ": RECEIVE: ";
+  return fmt::format("{}:{}: RECEIVE: ", config.name, line);
 }
 
 /// "RKorr.X, RKorr.Y"; of many the first 64 and how many more.
@@ -25,7 +27,7 @@ std::string listed(const Elements& tags) {
   std::string text;
   for (std::size_t i = 0; i < std::min(tags.size(), kMost); ++i)
     text += (i == 0 ? "" : ", ") + rsi::printable(tags[i].tag);
-  if (tags.size() > kMost) text += " and " + std::to_string(tags.size() - kMost) + " more";
+  if (tags.size() > kMost) text += fmt::format(" and {} more", tags.size() - kMost);
   return text;
 }
 
@@ -41,8 +43,8 @@ std::string oversize(const rsi::EthernetConfig& config, std::size_t limit) {
   if (config.only_send || config.receive.empty()) return {};
   const auto bytes = rsi::Reply(config).with_ipoc("18446744073709551615").size();
   if (bytes <= limit) return {};
-  return place(config, config.receive.front().line) + "expected replies of at most " +
-         std::to_string(limit) + " bytes, found " + std::to_string(bytes) + ": ";
+  return fmt::format("{}expected replies of at most {} bytes, found {}: ",
+                     place(config, config.receive.front().line), limit, bytes);
 }
 
 /// A name of the settings that RECEIVE does not have; empty if it has them all.
@@ -51,8 +53,9 @@ std::string misspelt(const RobotSettings& robot, const rsi::EthernetConfig& conf
   for (const auto& element : config.receive) tags.push_back(element.tag);
   for (const auto& name : robot.answers_with_zeros.names) {
     if (std::count(tags.begin(), tags.end(), name) > 0) continue;
-    std::string text = "answers_with_zeros of robot " + robot.name + ": \"" + rsi::printable(name) +
-                       "\" is no tag in RECEIVE of " + config.name + ": ";
+    const auto text = fmt::format(
+        "answers_with_zeros of robot {}: \"{}\" is no tag in RECEIVE of {}: ", robot.name,
+        rsi::printable(name), config.name);
     if (const auto meant = nearest_word(name, tags); !meant.empty())
       return text + "did you mean \"" + rsi::printable(meant) + "\"?";
     return text +

@@ -5,6 +5,8 @@
 #include <span>
 #include <type_traits>
 
+#include <spdlog/fmt/fmt.h>
+
 namespace sweepd {
 namespace {
 
@@ -114,8 +116,7 @@ struct Reader {
     for (const double number : table.numbers(option.key, static_cast<double>(option.least),
                                              static_cast<double>(option.most))) {
       if (number != std::floor(number))
-        wrong("whole numbers from " + std::to_string(option.least) + " to " +
-                  std::to_string(option.most),
+        wrong(fmt::format("whole numbers from {} to {}", option.least, option.most),
               "write them like [2, 3], as `lscpu -e` counts them");
       numbers->push_back(static_cast<int>(number));
     }
@@ -206,8 +207,7 @@ struct Describer {
   }
 
   void whole_number(std::int64_t value) const {
-    text.value =
-        "whole number, " + std::to_string(option.least) + " to " + std::to_string(option.most);
+    text.value = fmt::format("whole number, {} to {}", option.least, option.most);
     text.fallback = std::to_string(value);
   }
 };

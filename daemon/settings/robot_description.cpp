@@ -6,6 +6,8 @@
 #include <string_view>
 #include <utility>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/settings/toml_table.hpp"
 #include "daemon/text/units.hpp"
 
@@ -97,16 +99,17 @@ void read_row(const TomlTable& joint, identify::Arm& arm) {
 void read_home(const TomlTable& top, RobotDescription& robot) {
   robot.home_deg = top.numbers("home_deg", -kMostTurns_deg, kMostTurns_deg);
   if (robot.home_deg.size() != robot.joints())
-    top.fail("home_deg", "expected " + std::to_string(robot.joints()) +
-                             " angles, one a [[joint]], found " + top.found("home_deg") +
-                             ": make them as many");
+    top.fail("home_deg",
+             fmt::format("expected {} angles, one a [[joint]], found {}: make them as many",
+                         robot.joints(), top.found("home_deg")));
   for (std::size_t i = 0; i < robot.joints(); ++i)
     if (!robot.limits[i].contain(robot.home_deg[i]))
-      top.fail("home_deg", "expected joint " + std::to_string(i + 1) + " from " +
-                               number_text(robot.limits[i].min_deg) + " to " +
-                               number_text(robot.limits[i].max_deg) + ", found " +
-                               number_text(robot.home_deg[i]) +
-                               ": correct it, or the limits of the joint");
+      top.fail(
+          "home_deg",
+          fmt::format(
+              "expected joint {} from {} to {}, found {}: correct it, or the limits of the joint",
+              i + 1, number_text(robot.limits[i].min_deg), number_text(robot.limits[i].max_deg),
+              number_text(robot.home_deg[i])));
 }
 
 Eigen::Vector3d read_tool(const TomlTable& top) {
@@ -124,8 +127,10 @@ RobotDescription load_robot(const std::filesystem::path& file) {
   top.allow_only({"name", "source", "home_deg", "tool_mm", "joint"});
   const std::vector<TomlTable> joints = top.tables("joint");
   if (joints.size() > 12)
-    joints[12].fail("joint", "expected 1 to 12 joints, found " + std::to_string(joints.size()) +
-                                 ": an arm of so many is not supported");
+    joints[12].fail(
+        "joint",
+        fmt::format("expected 1 to 12 joints, found {}: an arm of so many is not supported",
+                    joints.size()));
 
   RobotDescription robot;
   robot.name = top.text("name");

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <utility>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/settings/option.hpp"
 #include "daemon/settings/toml_table.hpp"
 
@@ -159,14 +161,15 @@ Settings load_settings(const fs::path& file) {
                  "that key");
 
     for (std::size_t i = 0; i < settings.robots.size(); ++i) {
-      const std::string other = " of the robot in line " + std::to_string(tables[i].line());
+      const auto other = fmt::format(" of the robot in line {}", tables[i].line());
       if (robot.name == settings.robots[i].name)
         table.fail("name", "expected a name of its own, found the name" + other + ": change one");
       if (collide(robot.listen, settings.robots[i].listen))
-        table.fail("listen", "expected an address and port of its own, found " +
-                                 rsi::text(robot.listen) + ", which collides with " +
-                                 rsi::text(settings.robots[i].listen) + other +
-                                 ": choose another port");
+        table.fail("listen", fmt::format("expected an address and port of its own, found {}, which "
+                                         "collides with {}{}: choose "
+                                         "another port",
+                                         rsi::text(robot.listen),
+                                         rsi::text(settings.robots[i].listen), other));
     }
     settings.robots.push_back(std::move(robot));
   }

@@ -4,6 +4,8 @@
 #include <string_view>
 #include <utility>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/settings/toml_table.hpp"
 
 namespace sweepd {
@@ -73,16 +75,16 @@ std::string plan_toml(const SweepPlan& plan, const std::string& remark) {
   text += "home_deg = [";
   for (std::size_t i = 0; i < plan.home_deg.size(); ++i)
     text += (i > 0 ? ", " : "") + number_text(plan.home_deg[i]);
-  text += "]\npositioning_speed_deg_s = " + number_text(plan.positioning_speed_deg_s) +
-          "\nacceleration_deg_s2 = " + number_text(plan.acceleration_deg_s2) +
-          "\ndwell_ms = " + std::to_string(plan.dwell.count()) + "\n";
+  text += fmt::format("]\npositioning_speed_deg_s = {}\nacceleration_deg_s2 = {}\ndwell_ms = {}\n",
+                      number_text(plan.positioning_speed_deg_s),
+                      number_text(plan.acceleration_deg_s2), plan.dwell.count());
   for (const PlannedSweep& sweep : plan.sweeps) {
-    text += "\n[[sweep]]\njoint = " + std::to_string(sweep.joint) + "\n";
+    text += fmt::format("\n[[sweep]]\njoint = {}\n", sweep.joint);
     const SweepKeys& keys = sweep.linear ? kInMillimetres : kInDegrees;
     for (const auto& [key, value] : {std::pair{keys.start, sweep.start_deg},
                                      {keys.end, sweep.end_deg},
                                      {keys.speed, sweep.speed_deg_s}})
-      text += std::string(key) + " = " + number_text(value) + "\n";
+      text += fmt::format("{} = {}\n", key, number_text(value));
   }
   return text;
 }
@@ -91,43 +93,47 @@ std::vector<std::string> check_plan(const SweepPlan& plan, const RobotDescriptio
   std::vector<std::string> findings;
   const std::string file = plan.file.string();
   if (plan.home_deg.size() != robot.joints()) {
-    findings.push_back(file + ": home_deg: expected " + std::to_string(robot.joints()) +
-                       " angles, as the robot has joints, found " +
-                       std::to_string(plan.home_deg.size()) + ": choose the plan of this robot");
+    findings.push_back(fmt::format(
+        "{}: home_deg: expected {} angles, as the robot has joints, found {}: choose the plan of "
+        "this robot",
+        file, robot.joints(), plan.home_deg.size()));
     return findings;
   }
   const auto check = [&](const std::string& place, std::size_t joint, double angle_deg) {
     const JointLimits& limits = robot.limits[joint - 1];
     if (limits.contain(angle_deg)) return;
-    findings.push_back(place + ": expected joint " + std::to_string(joint) + " from " +
-                       number_text(limits.min_deg) + " to " + number_text(limits.max_deg) + " " +
-                       std::string(limits.unit()) + ", found " + number_text(angle_deg) +
-                       ": correct it, or the limits in the robot description");
+    findings.push_back(fmt::format(
+        "{}: expected joint {} from {} to {} {}, found {}: correct it, or the limits in the robot "
+        "description",
+        place, joint, number_text(limits.min_deg), number_text(limits.max_deg), limits.unit(),
+        number_text(angle_deg)));
   };
   const auto check_speed = [&](const std::string& place, std::size_t joint, double speed_deg_s) {
     const double most_deg_s = robot.limits[joint - 1].max_speed_deg_s;
     if (speed_deg_s <= most_deg_s) return;
-    findings.push_back(place + ": expected at most " + number_text(most_deg_s) + " " +
-                       std::string(robot.limits[joint - 1].unit()) + " per second, as joint " +
-                       std::to_string(joint) + " can do no more, found " +
-                       number_text(speed_deg_s) +
-                       ": sweep slower, or correct the limit in the robot description");
+    findings.push_back(fmt::format(
+        "{}: expected at most {} {} per second, as joint {} can do no more, found {}: sweep "
+        "slower, or correct the limit in the robot description",
+        place, number_text(most_deg_s), robot.limits[joint - 1].unit(), joint,
+        number_text(speed_deg_s)));
   };
   for (std::size_t i = 0; i < plan.home_deg.size(); ++i)
     check(file + ": home_deg", i + 1, plan.home_deg[i]);
   for (const PlannedSweep& sweep : plan.sweeps) {
-    const std::string place = file + ':' + std::to_string(sweep.line);
+    const auto place = fmt::format("{}:{}", file, sweep.line);
     if (sweep.linear != robot.limits[sweep.joint - 1].linear) {
-      findings.push_back(
-          place + ": expected " +
-          (sweep.linear ? "start_deg, end_deg and speed_deg_s, as joint "
-                        : "start_mm, end_mm and speed_mm_s, as joint ") +
-          std::to_string(sweep.joint) + (sweep.linear ? " turns" : " is linear") +
-          ", found those of the other kind: correct the keys, or type in the robot description");
+      findings.push_back(fmt::format(
+          "{}: expected {}, as joint {} {}, found those of the other kind: correct the keys, or "
+          "type in the robot description",
+          place,
+          sweep.linear ? "start_deg, end_deg and speed_deg_s" : "start_mm, end_mm and speed_mm_s",
+          sweep.joint, sweep.linear ? "turns" : "is linear"));
       continue;
     }
     const SweepKeys& keys = sweep.linear ? kInMillimetres : kInDegrees;
-    const auto key = [&](std::string_view name) { return place + ": sweep." + std::string(name); };
+    const auto key = [&](std::string_view name) {
+      return fmt::format("{}: sweep.{}", place, name);
+    };
     check(key(keys.start), sweep.joint, sweep.start_deg);
     check(key(keys.end), sweep.joint, sweep.end_deg);
     check_speed(key(keys.speed), sweep.joint, sweep.speed_deg_s);

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <system_error>
 
+#include <spdlog/fmt/fmt.h>
 #include <toml++/toml.h>
 
 #include "daemon/settings/toml_nesting.hpp"
@@ -58,7 +59,7 @@ std::string unquoted(std::string_view text) {
 std::string in_words(const toml::node* node) {
   if (!node) return "nothing";
   if (const auto* text = node->as_string()) return "the string " + in_quotes(text->get());
-  if (const auto* whole = node->as_integer()) return "the number " + std::to_string(whole->get());
+  if (const auto* whole = node->as_integer()) return fmt::format("the number {}", whole->get());
   if (const auto* number = node->as_floating_point())
     return "the number " + number_text(number->get());
   if (const auto* flag = node->as_boolean()) return flag->get() ? "true" : "false";
@@ -68,7 +69,7 @@ std::string in_words(const toml::node* node) {
 }
 
 std::string place(const std::string& file, const toml::source_position& where) {
-  return file + ':' + std::to_string(where.line) + ':' + std::to_string(where.column) + ": ";
+  return fmt::format("{}:{}:{}: ", file, where.line, where.column);
 }
 
 }  // namespace
@@ -154,10 +155,10 @@ TomlTable TomlTable::load(const std::filesystem::path& file) {
 TomlTable TomlTable::parse(std::string_view text, const std::filesystem::path& file) {
   const std::string name = file.string();
   if (const auto where = too_deep(text, kDeepest))
-    throw ConfigError(name + ':' + std::to_string(where->line) + ':' +
-                      std::to_string(where->column) +
-                      ": keys, tables or arrays are nested more than " + std::to_string(kDeepest) +
-                      " deep: correct the file");
+    throw ConfigError(
+        fmt::format("{}:{}:{}: keys, tables or arrays are nested more than {} deep: correct the "
+                    "file",
+                    name, where->line, where->column, kDeepest));
   try {
     auto root = std::make_shared<const toml::table>(toml::parse(text, name));
     const toml::table* top = root.get();
@@ -220,9 +221,8 @@ std::int64_t TomlTable::whole_number(std::string_view key, std::int64_t least,
   if (!value) node_->wrong_type(key, node, expected);
   if (value->get() < least || value->get() > most)
     node_->fail(key, node,
-                "expected " + expected + " from " + std::to_string(least) + " to " +
-                    std::to_string(most) + ", found " + in_words(&node) +
-                    ": choose one in between");
+                fmt::format("expected {} from {} to {}, found {}: choose one in between", expected,
+                            least, most, in_words(&node)));
   return value->get();
 }
 
