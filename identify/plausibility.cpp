@@ -5,7 +5,7 @@
 #include <string_view>
 #include <utility>
 
-#include "identify/chain/meeting_point.hpp"
+#include "identify/chain/chain_start.hpp"
 #include "identify/circle/joint_motion.hpp"
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/circle_fit.hpp"

@@ -1,4 +1,5 @@
 #include "daemon/record/recording_files.hpp"
+
 #include "tests/catch.hpp"
 #include "tests/daemon/small_disk.hpp"
 #include "tests/daemon/temporary_folder.hpp"

@@ -12,8 +12,8 @@
 #include "tests/identify/simulated_campaign.hpp"
 
 using Catch::Matchers::StartsWith;
-using sweepd::Session;
 using sweepd::PlannedTurns;
+using sweepd::Session;
 using namespace sweepd::test;
 using sweepd::test::kConfig;
 

@@ -1,9 +1,10 @@
+#include "identify/chain/chain_effects.hpp"
+
 #include <cmath>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
-#include "identify/chain/chain_effects.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/random_chain.hpp"
 

@@ -1,3 +1,5 @@
+#include "identify/models/kinematic_model.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -6,7 +8,6 @@
 #include <Eigen/Geometry>
 
 #include "identify/geometry/angle.hpp"
-#include "identify/models/kinematic_model.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/simulated_campaign.hpp"
 
@@ -336,8 +337,7 @@ TEST_CASE("DH numbers and their uncertainties are those of the table", "[kinemat
   }
 }
 
-TEST_CASE("a target whose place at home nobody saw is identified in no form",
-          "[kinematic_model]") {
+TEST_CASE("a target whose place at home nobody saw is identified in no form", "[kinematic_model]") {
   const Arm arm = test::kr5_arc();
   ModelSource source =
       source_of(chain_of(arm.rows, arm.positive, somewhere(), arm.tool_mm), arm.positive, kTracker);

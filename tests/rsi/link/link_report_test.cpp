@@ -1,7 +1,8 @@
+#include "rsi/link/link_report.hpp"
+
 #include <random>
 #include <vector>
 
-#include "rsi/link/link_report.hpp"
 #include "tests/catch.hpp"
 
 TEST_CASE("the ten worst are kept in order, of equals those that came first", "[link_report]") {
