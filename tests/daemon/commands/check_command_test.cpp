@@ -47,7 +47,7 @@ std::string ethernet_text(const std::string& ip = "192.168.1.10", const std::str
 }
 
 /// Settings beside which robot and Ethernet file lie.
-std::string settings_text(const std::string& more = "", const std::string& listen = "0.0.0.0:49152",
+std::string settings_with(const std::string& more = "", const std::string& listen = "0.0.0.0:49152",
                           const std::string& zeros = "\"RKorr.X\", \"DiO\"") {
   return "[[robot]]\nname = \"kr5-arc\"\ndescription = \"robot.toml\"\nlisten = \"" + listen +
          "\"\noutput = \"out\"\nethernet_config = \"ethernet.xml\"\nanswers_with_zeros = [" +
@@ -59,7 +59,7 @@ struct Sound : TemporaryFolder {
   Sound() {
     fs::copy_file(kConfig / "robots/kr5_arc.toml", path() / "robot.toml");
     static_cast<void>(write("ethernet.xml", ethernet_text()));
-    static_cast<void>(write("sweepd.toml", settings_text()));
+    static_cast<void>(write("sweepd.toml", settings_with()));
   }
   [[nodiscard]] Checked check() const { return checked({path() / "sweepd.toml", {}}); }
 };
@@ -88,7 +88,7 @@ TEST_CASE("tags that can move the robot by zeros are refused unless the settings
           "[check_command][issue11][point_1]") {
   const Sound folder;
   const auto refused = [&](const std::string& zeros) {
-    static_cast<void>(folder.write("sweepd.toml", settings_text("", "0.0.0.0:49152", zeros)));
+    static_cast<void>(folder.write("sweepd.toml", settings_with("", "0.0.0.0:49152", zeros)));
     const auto result = folder.check();
     CHECK(result.code == 78);
     return result.text;
@@ -108,7 +108,7 @@ TEST_CASE("tags that can move the robot by zeros are refused unless the settings
     auto text = ethernet_text();
     text.replace(text.find("FALSE"), 5, "TRUE");
     static_cast<void>(folder.write("ethernet.xml", text));
-    static_cast<void>(folder.write("sweepd.toml", settings_text("", "0.0.0.0:49152", "")));
+    static_cast<void>(folder.write("sweepd.toml", settings_with("", "0.0.0.0:49152", "")));
     CHECK(folder.check().code == 0);
   }
   SECTION("without settings that could allow it, a file is warned of") {
@@ -130,7 +130,7 @@ TEST_CASE("replies that no datagram holds are refused, those in pieces are warne
     return folder.write("ethernet.xml", text);
   };
   fs::copy_file(kConfig / "robots/kr5_arc.toml", folder / "robot.toml");
-  static_cast<void>(folder.write("sweepd.toml", settings_text("", "0.0.0.0:49152", "")));
+  static_cast<void>(folder.write("sweepd.toml", settings_with("", "0.0.0.0:49152", "")));
   static_cast<void>(with_string_of(700));
   CHECK_THAT(checked({folder / "sweepd.toml", {}}).text, !ContainsSubstring("bytes"));
   static_cast<void>(with_string_of(800));  // stands in the reply twice
@@ -150,7 +150,7 @@ TEST_CASE("wrong settings are 78, with file and line", "[check_command]") {
     CHECK_THAT(folder.check().text, ContainsSubstring((folder / "sweepd.toml").string() + ":2"));
   }
   SECTION("an unknown key") {
-    static_cast<void>(folder.write("sweepd.toml", settings_text("recrod = false\n")));
+    static_cast<void>(folder.write("sweepd.toml", settings_with("recrod = false\n")));
     CHECK_THAT(folder.check().text, ContainsSubstring((folder / "sweepd.toml").string() + ":8") &&
                                         ContainsSubstring("recrod") && ContainsSubstring("record"));
   }
@@ -193,16 +193,16 @@ TEST_CASE("a placeholder for the address is a warning, not an error", "[check_co
 TEST_CASE("what does not fit together is 78: port, address, plan", "[check_command]") {
   const Sound folder;
   SECTION("port") {
-    static_cast<void>(folder.write("sweepd.toml", settings_text("", "0.0.0.0:59152")));
+    static_cast<void>(folder.write("sweepd.toml", settings_with("", "0.0.0.0:59152")));
     CHECK_THAT(folder.check().text, ContainsSubstring("59152") && ContainsSubstring("49152"));
   }
   SECTION("address") {
-    static_cast<void>(folder.write("sweepd.toml", settings_text("", "192.168.1.11:49152")));
+    static_cast<void>(folder.write("sweepd.toml", settings_with("", "192.168.1.11:49152")));
     CHECK_THAT(folder.check().text,
                ContainsSubstring("192.168.1.11") && ContainsSubstring("IP_NUMBER"));
   }
   SECTION("plan") {
-    static_cast<void>(folder.write("sweepd.toml", settings_text("plan = \"plan.toml\"\n")));
+    static_cast<void>(folder.write("sweepd.toml", settings_with("plan = \"plan.toml\"\n")));
     static_cast<void>(folder.write(
         "plan.toml",
         "home_deg = [90, -90, 90, 0, 90, 0]\npositioning_speed_deg_s = 60\n"
@@ -237,7 +237,7 @@ TEST_CASE("signals that the controller does not send are warned about, once for 
 TEST_CASE("settings without an Ethernet file are fine, with a warning of what that means",
           "[check_command]") {
   const Sound folder;
-  auto text = settings_text();
+  auto text = settings_with();
   text.erase(text.find("ethernet_config"));
   static_cast<void>(folder.write("sweepd.toml", text));
   const auto result = folder.check();
@@ -267,7 +267,7 @@ TEST_CASE("Ethernet files can be looked at by themselves, all of them", "[check_
 TEST_CASE("a plan is looked at beforehand: targets on an axis, ranges that are too short",
           "[check_command][long]") {
   const Sound folder;
-  static_cast<void>(folder.write("sweepd.toml", settings_text("plan = \"plan.toml\"\n")));
+  static_cast<void>(folder.write("sweepd.toml", settings_with("plan = \"plan.toml\"\n")));
   const auto plan = [&](const std::string& end_deg) {
     return "home_deg = [90, -90, 90, 0, 90, 0]\npositioning_speed_deg_s = 60\n"
            "acceleration_deg_s2 = 200\ndwell_ms = 300\n[[sweep]]\njoint = 1\nstart_deg = -45\n"
@@ -312,7 +312,7 @@ TEST_CASE("a port of the pages that another program has is a warning", "[check_c
   const auto port = std::to_string(other.local_endpoint().port());
   const Sound folder;
   static_cast<void>(folder.write(
-      "sweepd.toml", settings_text() + "[http]\nlisten = \"127.0.0.1:" + port + "\"\n"));
+      "sweepd.toml", settings_with() + "[http]\nlisten = \"127.0.0.1:" + port + "\"\n"));
   std::ostringstream out;
   static_cast<void>(check({folder.path() / "sweepd.toml"}, out));
   CHECK_THAT(out.str(), ContainsSubstring("warning  pages on http://127.0.0.1:" + port +

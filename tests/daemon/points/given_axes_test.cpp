@@ -25,7 +25,7 @@ using namespace sweepd::test;
 
 namespace {
 
-identify::Campaign kr5_campaign() {
+identify::Campaign given_campaign() {
   identify::Campaign campaign;
   campaign.specified = identify::test::kr5_arc();
   return campaign;
@@ -69,7 +69,7 @@ TEST_CASE("the axes of a KR 5 give its table, whichever way round they are and w
       axes[j].point_mm += 5000 * axes[j].direction;
     }
   }
-  const auto found = identify_given_axes(axes, kr5_campaign());
+  const auto found = identify_given_axes(axes, given_campaign());
   CHECK(found.status == identify::Status::complete);
   check_specified(found);
   // Positive rotation of a KUKA is about -Z of the paper's table.
@@ -81,7 +81,7 @@ TEST_CASE("the axes of a KR 5 give its table, whichever way round they are and w
 
 TEST_CASE("the pose in which axes were given is known only if it is declared", "[given_axes]") {
   const auto arm = identify::test::kr5_arc();
-  auto campaign = kr5_campaign();
+  auto campaign = given_campaign();
   const auto unknown = identify_given_axes(axes_of(arm), campaign);
   for (const auto& home_rad : unknown.home_rad) CHECK_FALSE(home_rad);
   for (const auto& row : compare_with_specified(unknown.dh, unknown.specified, unknown.home_rad))
@@ -111,7 +111,7 @@ TEST_CASE("uncertainties of given axes end in those of the numbers", "[given_axe
   constexpr double kSigma_mm = 0.1;
   for (Axis& axis : axes)
     axis.covariance.bottomRightCorner<3, 3>() = kSigma_mm * kSigma_mm * Eigen::Matrix3d::Identity();
-  const auto found = identify_given_axes(axes, kr5_campaign());
+  const auto found = identify_given_axes(axes, given_campaign());
   // A distance between two axes whose points are uncertain, each on its own.
   CHECK(found.dh[1].a_mm.sigma == Approx(std::sqrt(2.0) * kSigma_mm).epsilon(1e-6));
 }
@@ -191,7 +191,7 @@ TEST_CASE("perpendicular axes with uncertainties of a degree and a millimetre ar
           "[given_axes][issue11][point_21]") {
   auto axes = axes_of(identify::test::kr5_arc());
   for (Axis& axis : axes) axis = with_sigmas(axis, sweepd::radians(1), 1);
-  const auto found = identify_given_axes(axes, kr5_campaign());
+  const auto found = identify_given_axes(axes, given_campaign());
   CHECK(found.status == identify::Status::complete);
   CHECK(found.dh[0].relation == identify::Relation::skew);
   CHECK(found.dh[1].relation == identify::Relation::parallel);
@@ -210,7 +210,7 @@ TEST_CASE("axes whose directions are not known have no table, and the result say
           "[given_axes][issue11][point_21]") {
   auto axes = axes_of(identify::test::kr5_arc());
   axes[2] = with_sigmas(axes[2], sweepd::radians(30), 1);
-  const auto found = identify_given_axes(axes, kr5_campaign());
+  const auto found = identify_given_axes(axes, given_campaign());
   CHECK(found.status == identify::Status::partial);
   CHECK(found.reason.find("b, theta, a, alpha of row 2; b, theta, a, alpha of row 3") !=
         std::string::npos);
