@@ -75,9 +75,9 @@ class KeptSweeps {
   };
   struct Kind {
     Group group;
-    std::size_t number;  // in its group
+    std::size_t number = 0;  // in its group
     Way way;
-    std::size_t repeat;  // in a turn, see repeats_in_turn()
+    std::size_t repeat = 0;  // in a turn, see repeats_in_turn()
     std::size_t seen = 0;
     std::size_t kept = 0;
     std::size_t stride = 1;
