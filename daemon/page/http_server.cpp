@@ -20,6 +20,7 @@
 #pragma GCC diagnostic pop
 
 #include "daemon/system/realtime.hpp"
+#include "rsi/asio_endpoint.hpp"
 #include "rsi/server/port_owner.hpp"
 
 namespace sweepd {
@@ -49,10 +50,7 @@ class HttpServer::Running {
   Running(const rsi::Endpoint& listen, Answer answer, const Limits& limits);
   ~Running();
 
-  [[nodiscard]] rsi::Endpoint local() const {
-    const auto endpoint = acceptor_.local_endpoint();
-    return {endpoint.address().to_v4().to_uint(), endpoint.port()};
-  }
+  [[nodiscard]] rsi::Endpoint local() const { return rsi::from_asio(acceptor_.local_endpoint()); }
 
  private:
   class Connection;
@@ -192,7 +190,7 @@ class HttpServer::Running::Connection : public std::enable_shared_from_this<Conn
 HttpServer::Running::Running(const rsi::Endpoint& listen, Answer answer, const Limits& limits)
     : answer_(std::move(answer)), limits_(limits) {
   try {
-    const tcp::endpoint endpoint(boost::asio::ip::address_v4(listen.address), listen.port);
+    const auto endpoint = rsi::to_asio<tcp>(listen);
     acceptor_.open(endpoint.protocol());
     acceptor_.set_option(tcp::acceptor::reuse_address(true));
     acceptor_.bind(endpoint);

@@ -8,7 +8,7 @@
 
 #include <poll.h>
 
-#include "rsi/server/socket.hpp"
+#include "rsi/asio_endpoint.hpp"
 #include "rsi/telegram/tcp_framer.hpp"
 
 namespace rsi {
@@ -20,16 +20,6 @@ namespace {
 
 /// Of a flood so much is taken at once, so that it cannot hold up the cycle.
 constexpr int kMostAtOnce = 64;
-
-template <typename Protocol>
-typename Protocol::endpoint to_asio(const Endpoint& endpoint) {
-  return {asio::ip::address_v4(endpoint.address), endpoint.port};
-}
-
-template <typename AsioEndpoint>
-Endpoint from_asio(const AsioEndpoint& endpoint) {
-  return {endpoint.address().to_v4().to_uint(), endpoint.port()};
-}
 
 template <typename AsioSocket>
 void bind_to(AsioSocket& socket, const Endpoint& local) {
@@ -140,10 +130,10 @@ class TcpControllerSocket : public ControllerSocket {
  private:
   void connect() {
     // By hand: Asio's own call, which does not wait, needs the context to run.
-    const auto address = to_system(server_);
+    const auto address = to_asio<asio::ip::tcp>(server_);
     const int descriptor = socket_.native_handle();
     int failure = 0;
-    if (::connect(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+    if (::connect(descriptor, address.data(), static_cast<socklen_t>(address.size())) != 0)
       failure = errno;
     if (failure == EINPROGRESS) {
       constexpr int kLongestWaitMs = 5000;

@@ -3,8 +3,7 @@
 #include <thread>
 #include <utility>
 
-#include "rsi/asio.hpp"
-
+#include "rsi/asio_endpoint.hpp"
 #include "rsi/telegram/correction_gate.hpp"
 #include "rsi/telegram/ipoc.hpp"
 
@@ -23,12 +22,13 @@ Timestamp now() noexcept {
 
 std::optional<std::uint32_t> local_address_towards(const Endpoint& peer) {
   boost::asio::io_context context;
-  boost::asio::ip::udp::socket socket(context);
+  using boost::asio::ip::udp;
+  udp::socket socket(context);
   boost::system::error_code error;
   // Connecting a UDP socket sends nothing: it only asks for the way.
-  socket.connect({boost::asio::ip::address_v4(peer.address), peer.port}, error);
+  socket.connect(to_asio<udp>(peer), error);
   if (error) return std::nullopt;
-  return socket.local_endpoint().address().to_v4().to_uint();
+  return from_asio(socket.local_endpoint()).address;
 }
 
 Server::Server(Options options) : options_(std::move(options)), queue_(options_.queue_bytes) {}

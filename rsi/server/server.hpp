@@ -79,8 +79,11 @@ class Server {
 
   /// Serves until stop(). Does not throw.
   virtual void run() noexcept = 0;
-  /// run() returns within a tenth of a second.
-  void stop() noexcept { stopping_ = true; }
+  /// run() returns at once.
+  void stop() noexcept {
+    stopping_ = true;
+    wake();
+  }
 
   /// Rises at least ten times a second while run() does its work.
   [[nodiscard]] std::uint64_t beats() const noexcept { return beats_; }
@@ -107,6 +110,9 @@ class Server {
   /// Sends to where a telegram came from, one of those given to serve(), from where it went to.
   /// False if the system refuses.
   [[nodiscard]] virtual bool send(std::string_view reply, const Datagram& telegram) noexcept = 0;
+
+  /// run() no longer waits. Any thread.
+  virtual void wake() noexcept = 0;
 
   /// The reply thread's work: answers the newest, then hands over all in their order. At most
   /// kMostAtOnce; the payloads must stay until it returns.

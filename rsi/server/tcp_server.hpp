@@ -1,14 +1,14 @@
 #pragma once
 
 #include <array>
-#include <atomic>
-#include <chrono>
-#include <cstdint>
+#include <cstddef>
+#include <memory_resource>
 #include <optional>
 #include <string_view>
 
+#include "rsi/asio.hpp"
+
 #include "rsi/server/server.hpp"
-#include "rsi/server/socket.hpp"
 #include "rsi/telegram/tcp_framer.hpp"
 
 namespace rsi {
@@ -37,15 +37,20 @@ class TcpServer : public Server {
   void run() noexcept override;
 
  private:
+  using tcp = boost::asio::ip::tcp;
   struct Connection {
-    Socket socket;
+    tcp::socket socket;
     Endpoint peer{};
     Endpoint local{};
     bool broken = false;  // a reply did not leave: what has come is taken, then it is closed
     TcpFramer framer{};
   };
 
-  void accept_connections() noexcept;
+  void accept() noexcept;
+  /// The one that was accepted.
+  void admit() noexcept;
+  /// Takes what comes there, until it is closed.
+  void wait(Connection& connection) noexcept;
   /// How many bytes came; nothing if the connection is to be closed.
   [[nodiscard]] static std::optional<std::size_t> read(Connection& connection) noexcept;
   void receive() noexcept;
@@ -53,16 +58,29 @@ class TcpServer : public Server {
   /// All that has come whole; `first` was taken from the framer before.
   void serve_received(std::string_view first = {}) noexcept;
   void close(Connection& connection) noexcept;
+  void count_skipped() noexcept;
+  void wake() noexcept override { context_.stop(); }
   [[nodiscard]] bool send(std::string_view reply, const Datagram& telegram) noexcept override;
 
-  Socket listener_;
-  Connection served_;
-  Connection next_;  // waits
+  // What Asio waits for is kept here: it takes no other memory.
+  std::array<std::byte, 16 << 10> room_;
+  std::pmr::monotonic_buffer_resource fixed_{room_.data(), room_.size()};
+  std::pmr::unsynchronized_pool_resource memory_{&fixed_};
+  boost::asio::io_context context_{1};
+  tcp::acceptor acceptor_{context_};
+  tcp::endpoint accepted_from_;
+  boost::asio::steady_timer pause_{context_};  // until the next one is accepted
+  bool pausing_ = false;
+  std::array<Connection, 3> connections_{Connection{tcp::socket(context_)},
+                                         Connection{tcp::socket(context_)},
+                                         Connection{tcp::socket(context_)}};
+  Connection* served_ = &connections_[0];
+  Connection* next_ = &connections_[1];      // waits
+  Connection* accepted_ = &connections_[2];  // is to come
   Callers::Time looking_;
   Callers::Time next_since_;
   Callers::Time spoke_;  // the one that is served
   std::array<Datagram, kMostAtOnce> datagrams_;
-  std::chrono::steady_clock::time_point accept_after_;
 };
 
 }  // namespace rsi

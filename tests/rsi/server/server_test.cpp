@@ -48,6 +48,7 @@ class BareServer : public rsi::Server {
   }
 
  private:
+  void wake() noexcept override {}
   static Options with_clock(Options options) {
     options.clock = HandClock::now;
     return options;

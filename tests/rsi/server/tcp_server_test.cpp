@@ -317,20 +317,19 @@ TEST_CASE("a controller that does not read its replies is disconnected, and noth
 
 TEST_CASE("a server stops at once, with or without a connection", "[tcp_server]") {
   const bool connected = GENERATE(false, true);
-  auto running = std::make_unique<TcpRunning>(on_loopback());
-  std::optional<TcpController> controller;
-  if (connected) {
-    controller.emplace(running->server);
-    CHECK(controller->answered(4));
-  }
-  const auto beats = running->server.beats();
-  while (running->server.beats() < beats + 2) std::this_thread::yield();
   const auto start = std::chrono::steady_clock::now();
-  running->stop();
-  CHECK(std::chrono::steady_clock::now() - start <
-        5s);  // a busy machine: ten times 100 ms and more
-  running.reset();
-  if (connected) CHECK(controller->closed_by_server());
+  for (int k = 0; k < 100; ++k) {
+    auto running = std::make_unique<TcpRunning>(on_loopback());
+    std::optional<TcpController> controller;
+    if (connected) {
+      controller.emplace(running->server);
+      REQUIRE(controller->answered(4));
+    }
+    running.reset();
+    if (connected) CHECK(controller->closed_by_server());
+  }
+  // So long as it looks at its port each time would be twice as much.
+  CHECK(std::chrono::steady_clock::now() - start < 5s);
 }
 
 TEST_CASE("a TCP port belongs to one server alone, and is free again after it", "[tcp_server]") {

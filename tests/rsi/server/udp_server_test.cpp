@@ -292,6 +292,24 @@ TEST_CASE("a full queue does not keep a telegram from being answered", "[udp_ser
   CHECK(running.server.counts().overflows > 0);
 }
 
+TEST_CASE("a UDP server stops at once, and hands over nothing that did not come", "[udp_server]") {
+  const auto start = std::chrono::steady_clock::now();
+  for (int k = 0; k < 100; ++k) {
+    UdpRunning running(on_loopback());
+    UdpController controller(running.server);
+    controller.send(telegram(4));
+    CHECK(controller.receive() == reply(4));
+    running.stop();
+    CHECK(running.next().payload == telegram(4));
+    CHECK(running.next().payload == reply(4));
+    Datagram none;
+    CHECK_FALSE(running.server.datagrams().pop(none));
+    CHECK(running.server.counts().foreign + running.server.counts().unanswerable == 0);
+  }
+  // So long as it looks at its port each time would be twice as much.
+  CHECK(std::chrono::steady_clock::now() - start < 5s);
+}
+
 TEST_CASE("a port belongs to one server alone, and the message says what to do", "[udp_server]") {
   UdpServer first(on_loopback());
   auto options = on_loopback();
