@@ -1,5 +1,6 @@
 #include "daemon/commands/run_command.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -22,6 +23,8 @@
 #include "daemon/settings/toml_table.hpp"
 #include "daemon/system/heartbeat.hpp"
 #include "daemon/system/log.hpp"
+#include "daemon/system/process_events.hpp"
+#include "daemon/system/process_state.hpp"
 #include "daemon/system/realtime.hpp"
 #include "daemon/system/service_manager.hpp"
 
@@ -29,6 +32,7 @@ namespace sweepd {
 namespace {
 
 using namespace std::chrono_literals;
+using Steady = std::chrono::steady_clock;
 
 Settings read_settings(const RunOptions& options) {
   Settings settings = load_settings(options.config);
@@ -47,12 +51,22 @@ Settings read_settings(const RunOptions& options) {
 /// Settings that are read while others wait for nothing: a disk may not answer.
 class Reading {
  public:
-  void begin(const RunOptions& options) {
+  Reading() = default;
+  ~Reading() {
+    if (thread_.joinable()) thread_.detach();
+  }
+  Reading(const Reading&) = delete;
+  Reading& operator=(const Reading&) = delete;
+
+  void begin(const RunOptions& options, ProcessEvents& events) {
     Log().note("reading {} again", options.config.string());
     service_manager::reloading();
     std::packaged_task<Settings()> task([options] { return read_settings(options); });
     settings_ = task.get_future();
-    std::thread(std::move(task)).detach();
+    thread_ = std::thread([task = std::move(task), &events]() mutable {
+      task();
+      events.wake();
+    });
   }
   [[nodiscard]] bool under_way() const { return settings_.valid(); }
   [[nodiscard]] bool done() const {
@@ -60,6 +74,7 @@ class Reading {
   }
   /// A file with a mistake changes nothing.
   void take_over(const HttpSettings& http, Fleet& fleet) {
+    thread_.join();
     try {
       const Settings settings = settings_.get();
       if (const auto keys = change(http, settings.http).after_restart; !keys.empty())
@@ -72,6 +87,7 @@ class Reading {
 
  private:
   std::future<Settings> settings_;
+  std::thread thread_;
 };
 
 /// Looks after the robots now and then: systemd hears that they are alive only while they are.
@@ -81,7 +97,7 @@ class Watch {
 
   void look(const Fleet& fleet) {
     log_repeats();
-    const auto now = std::chrono::steady_clock::now();
+    const auto now = Steady::now();
     const auto still = heartbeat_.look(fleet.beats(), now);
     for (const auto& [robot, thread, since] : still)
       Log(robot).error("the {} thread stands still: {}; see what holds up this machine", thread,
@@ -125,42 +141,31 @@ std::unique_ptr<HttpServer> serve(const HttpPages& pages, const HttpSettings& se
 /// What takes longer than this waits for a disk: nobody else does.
 constexpr auto kPatience = 5s;
 constexpr auto kOften = 1s;
-constexpr auto kSoon = 20ms;
 
 /// Waits until all robots have been tried.
-void settle(const Fleet& fleet) {
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
-  while (!fleet.settled() && std::chrono::steady_clock::now() < deadline)
-    std::this_thread::sleep_for(kSoon);
+void settle(const Fleet& fleet, ProcessEvents& events) {
+  events.wait_until(Steady::now() + kPatience, [&] { return fleet.settled(); });
 }
 
 /// All that streams is completed, while systemd hears that sweepd is alive. Returns whether all of
 /// it is.
-bool end(Fleet& fleet) {
+bool end(Fleet& fleet, ProcessEvents& events) {
   fleet.let_all_go();
-  for (auto due = std::chrono::steady_clock::now(); !fleet.gone();) {
-    if (std::chrono::steady_clock::now() >= due) {
-      service_manager::beat();
-      due += kOften;
-    }
-    std::this_thread::sleep_for(kSoon);
-  }
+  do service_manager::beat();
+  while (!events.wait_until(Steady::now() + kOften, [&] { return fleet.gone(); }));
   return fleet.complete();
 }
 
 /// Waits for what the threads of the robots still hold; false if that takes too long.
-bool finish(const Fleet& fleet) {
-  const auto deadline = std::chrono::steady_clock::now() + 1s;
-  while (!fleet.finished() && std::chrono::steady_clock::now() < deadline)
-    std::this_thread::sleep_for(kSoon);
-  return fleet.finished();
+bool finish(const Fleet& fleet, ProcessEvents& events) {
+  return events.wait_until(Steady::now() + 1s, [&] { return fleet.finished(); });
 }
 
 /// Ends what has begun, and throws the problem; nothing happens if there is none.
-void give_up(Fleet& fleet, const std::optional<Problem>& problem) {
+void give_up(Fleet& fleet, ProcessEvents& events, const std::optional<Problem>& problem) {
   if (!problem) return;
-  end(fleet);
-  if (finish(fleet)) {
+  end(fleet, events);
+  if (finish(fleet, events)) {
     if (problem->is_mistake) throw ConfigError(problem->text);
     throw std::runtime_error(problem->text);
   }
@@ -169,72 +174,66 @@ void give_up(Fleet& fleet, const std::optional<Problem>& problem) {
   std::_Exit(EXIT_FAILURE);
 }
 
-/// The next signal; -1 if none comes in time.
-int next_signal(const sigset_t& signals, std::chrono::milliseconds time) {
-  const auto ns = std::chrono::nanoseconds(time).count();
-  const timespec longest{ns / 1'000'000'000, ns % 1'000'000'000};
-  return sigtimedwait(&signals, nullptr, &longest);
-}
-
 }  // namespace
 
 int run(const RunOptions& options) {
   const Settings settings = read_settings(options);
-  // Every thread inherits the mask: the signals are this thread's to wait for.
-  sigset_t signals;
-  sigemptyset(&signals);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) sigaddset(&signals, signal);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  ProcessEvents events{SIGINT, SIGTERM, SIGHUP, SIGUSR1};
+  allow_open_files();
 
   // What all other threads inherit: each reply thread chooses its own.
   for (const RobotSettings& robot : settings.robots) leave_processors(robot.real_time.cpus);
   log_in_background();
   Published<ServiceStatus> status;
   const HttpPages pages(status, settings.http);
-  Fleet fleet(settings.robots);
-  settle(fleet);
-  give_up(fleet, fleet.mistake());
-  give_up(fleet, fleet.all_failed());
+  Fleet fleet(settings.robots, [&events] { events.wake(); });
+  settle(fleet, events);
+  give_up(fleet, events, fleet.mistake());
+  give_up(fleet, events, fleet.all_failed());
   const auto http = serve(pages, settings.http);
   fleet.serve();
-  settle(fleet);
-  give_up(fleet, fleet.all_failed());
+  settle(fleet, events);
+  give_up(fleet, events, fleet.all_failed());
 
   service_manager::ready();
   Watch watch(status);
   Reading reading;
   bool read_again = false;
-  bool reloaded = false;  // and not told yet
-  auto told_by = std::chrono::steady_clock::time_point::max();
-  int signal = 0;
-  while (signal != SIGINT && signal != SIGTERM) {
+  auto told_by = Steady::time_point::max();  // earlier: reloaded, and not told yet
+  std::optional<int> ending;
+  while (!ending) {
     watch.look(fleet);
-    signal = next_signal(signals, reading.under_way() || reloaded ? kSoon : kOften);
-    if (signal == SIGHUP) read_again = true;
-    if (signal == SIGUSR1) fleet.report_link();
-    if (read_again && !reading.under_way()) {
-      read_again = false;
-      reading.begin(options);
+    events.wait_until(std::min(Steady::now() + kOften, told_by));
+    while (const auto signal = events.next_signal()) {
+      if (*signal == SIGHUP)
+        read_again = true;
+      else if (*signal == SIGUSR1)
+        fleet.report_link();
+      else
+        ending = signal;
     }
     if (reading.done()) {
       reading.take_over(settings.http, fleet);
-      reloaded = true;
-      told_by = std::chrono::steady_clock::now() + kPatience;
+      told_by = Steady::now() + kPatience;
     }
-    if (reloaded && (fleet.settled() || std::chrono::steady_clock::now() > told_by)) {
+    if (told_by != Steady::time_point::max() && (fleet.settled() || Steady::now() >= told_by)) {
       service_manager::ready();
-      reloaded = false;
+      told_by = Steady::time_point::max();
+    }
+    if (read_again && !reading.under_way()) {
+      read_again = false;
+      reading.begin(options, events);
     }
     fleet.tidy();
   }
   service_manager::stopping();
   watch.stopping();
-  Log().note("ending on {}", signal == SIGINT ? "SIGINT" : "SIGTERM");
-  const bool complete = end(fleet);
+  Log().note("ending on {}", ending == SIGINT ? "SIGINT" : "SIGTERM");
+  const bool complete = end(fleet, events);
   log_all_repeats();
   // Else a thread waits for a disk or a reader that does not answer, perhaps for ever.
   const bool told = finish_log();
-  if (!finish(fleet) || reading.under_way() || !told) std::_Exit(complete ? 0 : 1);
+  if (!finish(fleet, events) || reading.under_way() || !told) std::_Exit(complete ? 0 : 1);
   return complete ? 0 : 1;
 }
 

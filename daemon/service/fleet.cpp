@@ -10,9 +10,10 @@ namespace sweepd {
 
 using Phase = RobotKeeper::Phase;
 
-Fleet::Fleet(const Robots& robots) {
+Fleet::Fleet(const Robots& robots, std::function<void()> on_change)
+    : on_change_(std::move(on_change)) {
   for (const auto& robot : robots)
-    robots_.emplace(robot.name, std::make_unique<RobotKeeper>(robot));
+    robots_.emplace(robot.name, std::make_unique<RobotKeeper>(robot, on_change_));
 }
 
 void Fleet::serve() {
@@ -37,7 +38,8 @@ void Fleet::reload(const Robots& robots) {
       known->second->reload(robot);
     } else {
       leave_processors(robot.real_time.cpus);
-      const auto [came, is_new] = robots_.emplace(robot.name, std::make_unique<RobotKeeper>(robot));
+      const auto [came, is_new] =
+          robots_.emplace(robot.name, std::make_unique<RobotKeeper>(robot, on_change_));
       came->second->serve();
     }
   }

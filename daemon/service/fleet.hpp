@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -17,8 +18,10 @@ class Fleet {
  public:
   using Robots = std::vector<RobotSettings>;
 
-  /// Tries each robot; serve() lets those be answered that can be.
-  explicit Fleet(const Robots& robots);
+  /// Tries each robot; serve() lets those be answered that can be. `on_change` is called by any
+  /// thread when what is said of the robots here may have changed, and must not call this.
+  explicit Fleet(
+      const Robots& robots, std::function<void()> on_change = [] {});
 
   void serve();
   /// Robots that went are let go, those that came are served, the others take over what they can.
@@ -48,6 +51,7 @@ class Fleet {
  private:
   [[nodiscard]] bool all(bool (RobotKeeper::*is)() const) const;
 
+  const std::function<void()> on_change_;
   std::map<std::string, std::unique_ptr<RobotKeeper>> robots_;
   std::vector<std::unique_ptr<RobotKeeper>> leaving_;
 };

@@ -36,8 +36,11 @@ Problem problem_at_hand() {
 
 }  // namespace
 
-RobotKeeper::RobotKeeper(RobotSettings settings)
-    : log_(settings.name), wanted_(std::move(settings)), keeping_([this] { keep(); }) {}
+RobotKeeper::RobotKeeper(RobotSettings settings, std::function<void()> on_change)
+    : log_(settings.name),
+      on_change_(std::move(on_change)),
+      wanted_(std::move(settings)),
+      keeping_([this] { keep(); }) {}
 
 RobotKeeper::~RobotKeeper() {
   let_go();
@@ -66,7 +69,7 @@ void RobotKeeper::report_link() {
 void RobotKeeper::let_go() {
   const Lock lock(mutex_);
   if (std::exchange(going_, true)) return;
-  changed_.notify_all();
+  tell();
   if (!service_) {
     gone_ = true;
     return;
@@ -109,10 +112,17 @@ void RobotKeeper::end(std::shared_ptr<RobotService> service) {
     const Lock lock(mutex_);
     complete_ = complete;
     gone_ = true;
+    tell();
   }
   service.reset();  // a disk that does not answer is waited for
   const Lock lock(mutex_);
   --threads_;
+  tell();
+}
+
+void RobotKeeper::tell() {
+  changed_.notify_all();
+  on_change_();
 }
 
 void RobotKeeper::keep() {
@@ -127,6 +137,7 @@ void RobotKeeper::keep() {
       changed_.wait(lock, [this] { return going_ || reread_; });
   }
   --threads_;
+  tell();
 }
 
 void RobotKeeper::try_to_serve(Lock& lock) {
@@ -138,6 +149,7 @@ void RobotKeeper::try_to_serve(Lock& lock) {
     service = std::make_shared<RobotService>(settings);
     lock.lock();
     phase_ = Phase::ready;
+    tell();
     changed_.wait(lock, [this] { return going_ || may_serve_; });
     const bool going = going_;
     lock.unlock();
@@ -162,12 +174,14 @@ void RobotKeeper::try_to_serve(Lock& lock) {
   pause_ = {};
   service_ = std::move(service);
   phase_ = Phase::serving;
+  tell();
 }
 
 void RobotKeeper::failed(Lock& lock) {
   const auto now = Steady::now();
   const bool mistake = problem_->is_mistake;
   phase_ = mistake ? Phase::refused : Phase::waiting;
+  tell();
   if (pause_ == 0ms) failing_since_ = now;
   pause_ = std::clamp(2 * pause_, std::chrono::milliseconds(kFirstPause),
                       std::chrono::milliseconds(kLongestPause));
@@ -199,6 +213,7 @@ void RobotKeeper::take_over(Lock& lock) {
   }
   lock.lock();
   busy_ = false;
+  tell();
 }
 
 }  // namespace sweepd

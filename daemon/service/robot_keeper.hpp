@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -29,8 +30,9 @@ struct Problem {
 /// for it, but the destructor before finished().
 class RobotKeeper {
  public:
-  /// Reads the robot's files and takes its port, and waits for serve().
-  explicit RobotKeeper(RobotSettings settings);
+  /// Reads the robot's files and takes its port, and waits for serve(). `on_change` is called by
+  /// any thread when what is said of it here may have changed, and must not call it.
+  RobotKeeper(RobotSettings settings, std::function<void()> on_change);
   ~RobotKeeper();
   RobotKeeper(const RobotKeeper&) = delete;
   RobotKeeper& operator=(const RobotKeeper&) = delete;
@@ -71,12 +73,15 @@ class RobotKeeper {
   using Lock = std::unique_lock<std::mutex>;
 
   void keep();
+  /// Of a change: threads of this, and whoever asks it.
+  void tell();
   void try_to_serve(Lock& lock);
   void failed(Lock& lock);
   void take_over(Lock& lock);
   void end(std::shared_ptr<RobotService> service);
 
   const Log log_;
+  const std::function<void()> on_change_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   RobotSettings wanted_;

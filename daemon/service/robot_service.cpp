@@ -124,7 +124,7 @@ void RobotService::take_over() {
 
 bool RobotService::stop(std::chrono::seconds patience) {
   if (!reply_thread_.joinable()) return true;
-  stopping_ = true;
+  stopping_.set_value();
   acquisition_thread_.join();
   // The result waits for the recording.
   const bool recorded = recorder_.stop(Steady::now() + patience);
@@ -163,8 +163,8 @@ void RobotService::say_real_time(const RealTimeReport& report) {
 
 void RobotService::acquire() {
   name_thread("acquisition");
-  while (!stopping_) {
-    std::this_thread::sleep_for(kTick);
+  const auto stopping = stopping_.get_future();
+  while (stopping.wait_for(kTick) == std::future_status::timeout) {
     ++acquisition_beats_;
     if (!session_) take_over();
     drain();

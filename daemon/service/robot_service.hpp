@@ -92,7 +92,7 @@ class RobotService : private StreamSink {
   Identifier identifier_;
   std::thread reply_thread_;
   std::thread acquisition_thread_;
-  std::atomic<bool> stopping_{false};
+  std::promise<void> stopping_;
   std::atomic<bool> link_wanted_{false};
   std::atomic<std::uint64_t> acquisition_beats_{0};
 

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <string>
 
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "daemon/system/log.hpp"
@@ -30,6 +31,13 @@ std::chrono::nanoseconds start_after_boot() {
 }
 
 }  // namespace
+
+void allow_open_files() noexcept {
+  rlimit files{};
+  getrlimit(RLIMIT_NOFILE, &files);
+  files.rlim_cur = files.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &files);
+}
 
 ProcessState process_state() {
   ProcessState state;

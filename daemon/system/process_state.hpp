@@ -13,6 +13,10 @@ struct ProcessState {
   std::uint64_t log_lines_lost = 0;  ///< that nobody got, as who reads the log stood still
 };
 
+/// Lets this program open as many files as it may: a robot takes some ten, and programs begin with
+/// a limit of 1024.
+void allow_open_files() noexcept;
+
 /// Now. What cannot be read is zero.
 [[nodiscard]] ProcessState process_state();
 

@@ -13,9 +13,8 @@ namespace rsi {
 ///
 /// Asio owns the socket. The reply thread blocks on its native handle: one recvmmsg takes all that
 /// waits, each datagram with the time at which the kernel got it (SO_TIMESTAMPNS) and the number
-/// that found the receive buffer full (SO_RXQ_OVFL). Asio hands out none of these three, and its
-/// wait before recvmmsg makes a reply later than the whole of a plain echo's budget
-/// (docs/benchmarks.md).
+/// that found the receive buffer full (SO_RXQ_OVFL). Asio hands out none of these three, and to
+/// wait by Asio before makes a reply later by a fifth to a third (docs/benchmarks.md).
 ///
 /// Where it listens on all addresses of this machine, a reply leaves from the address and by the
 /// interface that the telegram came to. Where a controller is configured, what others send does not
