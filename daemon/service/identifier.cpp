@@ -96,10 +96,6 @@ void Identifier::interim(std::shared_ptr<const Recording> recording, Snapshot sn
 
 void Identifier::last(SessionEnd end) {
   ++ended_;
-  enqueue(std::move(end));
-}
-
-void Identifier::enqueue(SessionEnd end) {
   ++pending_;
   std::size_t jobs = 0;
   {
@@ -141,7 +137,7 @@ void Identifier::end_next() {
     waiting_.pop_front();
   }
   try {
-    if (!end->outcome) make_outcome(*end);
+    make_outcome(*end);
     write(std::move(end));
   } catch (const std::exception& error) {
     Log().error("{}", error.what());  // no memory
@@ -231,7 +227,8 @@ void Identifier::go_on_with_earlier() {
         if (is_news && !status_->result.newest()->newest) publish(identified, false, end.log);
       }
       end.outcome = std::move(identified.outcome);
-      enqueue(std::move(end));
+      ++pending_;
+      write(std::make_unique<SessionEnd>(std::move(end)));
     }
   } catch (const std::exception& error) {
     earlier.replay.reset();

@@ -23,10 +23,10 @@
 namespace sweepd {
 
 /// Identifies one robot from its sessions and writes what they leave: results, link report,
-/// run.json. On threads of its own: what somebody waits for has a fair share of the processors and
-/// never waits for an interim result, whose share is low. Nobody waits for them but drain(); what
-/// goes wrong there is logged. All robots of this program together make their last results on half
-/// of the processors, and their interim ones: the rest is for replies.
+/// run.json. On threads of its own while there is work: what somebody waits for has a fair share of
+/// the processors and never waits for an interim result, whose share is low. Nobody waits for them
+/// but drain(); what goes wrong there is logged. All robots of this program together make their
+/// last results on half of the processors, and their interim ones: the rest is for replies.
 ///
 /// What cannot be written is tried again until it is. Of sessions that wait for their disk a
 /// bounded number is kept in memory; the oldest is given up then, and made from its recording at
@@ -76,7 +76,6 @@ class Identifier {
   };
   static Identified identify(const Snapshot& snapshot, Share share);
   void publish(const Identified& identified, bool interim, const Log& log);
-  void enqueue(SessionEnd end);
   void limit_waiting();
   void end_next();
   void make_outcome(SessionEnd& end);

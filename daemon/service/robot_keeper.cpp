@@ -37,14 +37,13 @@ Problem problem_at_hand() {
 }  // namespace
 
 RobotKeeper::RobotKeeper(RobotSettings settings, std::function<void()> on_change)
-    : log_(settings.name),
-      on_change_(std::move(on_change)),
-      wanted_(std::move(settings)),
-      keeping_([this] { keep(); }) {}
+    : log_(settings.name), on_change_(std::move(on_change)), wanted_(std::move(settings)) {
+  start_keeping();
+}
 
 RobotKeeper::~RobotKeeper() {
   let_go();
-  keeping_.join();
+  if (keeping_.joinable()) keeping_.join();
   if (ending_.joinable()) ending_.join();
 }
 
@@ -59,6 +58,7 @@ void RobotKeeper::reload(const RobotSettings& settings) {
   wanted_ = settings;
   reread_ = true;
   changed_.notify_all();
+  if (!kept_ && !going_) start_keeping();
 }
 
 void RobotKeeper::report_link() {
@@ -125,17 +125,29 @@ void RobotKeeper::tell() {
   on_change_();
 }
 
+void RobotKeeper::start_keeping() {
+  if (keeping_.joinable()) keeping_.join();  // it has let go of the mutex for good
+  kept_ = true;
+  ++threads_;
+  try {
+    keeping_ = std::thread([this] { keep(); });
+  } catch (...) {
+    kept_ = false;
+    --threads_;
+    throw;
+  }
+}
+
 void RobotKeeper::keep() {
   name_thread("keeper");
   Lock lock(mutex_);
-  while (!going_) {
-    if (!service_)
-      try_to_serve(lock);
-    else if (reread_)
+  while (!going_ && (!service_ || reread_)) {
+    if (service_)
       take_over(lock);
     else
-      changed_.wait(lock, [this] { return going_ || reread_; });
+      try_to_serve(lock);
   }
+  kept_ = false;
   --threads_;
   tell();
 }

@@ -26,8 +26,8 @@ struct Problem {
 
 /// Sees to it that one robot of the settings is served: an address that this machine does not have
 /// yet, a port that another program has, an output that cannot be made are tried again until they
-/// are there. What may wait for a disk or a network has threads of its own here: nobody else waits
-/// for it, but the destructor before finished().
+/// are there. What may wait for a disk or a network has threads of its own here, for as long as it
+/// takes: nobody else waits for it, but the destructor before finished().
 class RobotKeeper {
  public:
   /// Reads the robot's files and takes its port, and waits for serve(). `on_change` is called by
@@ -72,6 +72,7 @@ class RobotKeeper {
  private:
   using Lock = std::unique_lock<std::mutex>;
 
+  void start_keeping();
   void keep();
   /// Of a change: threads of this, and whoever asks it.
   void tell();
@@ -91,7 +92,8 @@ class RobotKeeper {
   bool going_ = false;
   bool gone_ = false;
   bool complete_ = true;
-  int threads_ = 1;
+  bool kept_ = false;  // by its thread
+  int threads_ = 0;
   Phase phase_ = Phase::trying;
   std::optional<Problem> problem_;
   std::string said_;  // of the problem

@@ -1,11 +1,13 @@
 #include "daemon/service/job_thread.hpp"
 
 #include <atomic>
+#include <filesystem>
 #include <future>
 #include <optional>
 #include <vector>
 
 #include "tests/catch.hpp"
+#include "tests/eventually.hpp"
 
 using sweepd::Share;
 
@@ -94,4 +96,21 @@ TEST_CASE("a drain waits for the job under way and for those behind it", "[job_t
   });
   gate.open();
   CHECK(drained.get() == 1);
+}
+
+TEST_CASE("there is a thread while there are jobs, and a new one for those that come later",
+          "[job_thread]") {
+  const auto threads = [] {
+    const auto tasks = std::filesystem::directory_iterator("/proc/self/task");
+    return std::distance(begin(tasks), end(tasks));
+  };
+  const auto before = threads();
+  sweepd::JobThread jobs("test", Share::fair);
+  for (int k = 0; k < 3; ++k) {
+    int done = 0;
+    jobs.submit([&] { ++done; }, false);
+    jobs.drain();
+    CHECK(done == 1);
+    CHECK(sweepd::test::eventually([&] { return threads() == before; }));
+  }
 }
