@@ -5,6 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include "daemon/page/assets.hpp"
+#include "daemon/page/live_stream.hpp"
 #include "daemon/page/metrics.hpp"
 #include "daemon/page/state_json.hpp"
 #include "daemon/text/text_layout.hpp"
@@ -20,6 +22,7 @@ constexpr auto kStale = 10s;
 
 constexpr std::string_view kScheme = "http://";
 constexpr std::string_view kJson = "application/json";
+constexpr std::string_view kEvents = "text/event-stream";
 constexpr std::string_view kPrometheus = "text/plain; version=0.0.4; charset=utf-8";
 HttpResponse text(int status, std::string line) {
   return {status, HttpResponse{}.type, std::move(line) + '\n'};
@@ -49,21 +52,29 @@ HttpResponse readiness(const ServiceStatus& status) {
   return {503, HttpResponse{}.type, trouble};
 }
 
-/// `query` is empty or "robot=NAME".
-HttpResponse result(const ServiceStatus& status, std::string_view query) {
+/// Answers for the robot that is asked for: `query` is empty or "robot=NAME".
+template <typename Answer>
+HttpResponse for_robot(const ServiceStatus& status, std::string_view query, Answer answer) {
   if (!query.empty() && !take(query, "robot=")) return text(400, "expected ?robot=NAME");
   std::string names;
-  for (const auto& [state, result] : newest(status)) {
-    names += ' ' + state->name;
-    if (query.empty() ? status.robots.size() > 1 : query != state->name) continue;
-    if (!result->newest)
-      return text(404, state->name +
-                           ": no result yet: nothing has been identified since sweepd "
-                           "started");
-    return {200, kJson, *result->newest->json};
+  for (const auto& robot : status.robots) {
+    const auto name = robot->state.newest()->name;
+    names += ' ' + name;
+    if (query.empty() ? status.robots.size() == 1 : query == name) return answer(robot, name);
   }
+  for (const auto& [robot, reason] : status.not_served)
+    if (query == robot) return text(404, robot + ": not served: " + reason);
   return text(query.empty() && !names.empty() ? 400 : 404,
-              "which robot? add ?robot=NAME with one of:" + names);
+              names.empty() ? "no robot is served"
+                            : "which robot? add ?robot=NAME with one of:" + names);
+}
+
+HttpResponse result(const ServiceStatus& status, std::string_view query) {
+  return for_robot(status, query, [](const auto& robot, const std::string& name) -> HttpResponse {
+    const auto result = robot->result.newest();
+    if (result->newest) return {200, kJson, *result->newest->json};
+    return text(404, name + ": no result yet: nothing has been identified since sweepd started");
+  });
 }
 
 HttpResponse health(const ServiceStatus& status, std::chrono::nanoseconds age) {
@@ -81,20 +92,39 @@ HttpResponse health(const ServiceStatus& status, std::chrono::nanoseconds age) {
 
 /// What a page is made of.
 struct Asked {
+  const Published<ServiceStatus>& published;
   const ServiceStatus& status;
+  std::string_view path;
   std::string_view query;        ///< behind the question mark
+  bool wants_html;               ///< it is a browser
   std::chrono::nanoseconds age;  ///< of the status
 };
 
+HttpResponse live(const Asked& asked) {
+  return for_robot(asked.status, asked.query, [&](const auto& robot, const std::string&) {
+    HttpResponse response{200, kEvents, {}};
+    const auto stream = std::make_shared<LiveStream>(asked.published, robot);
+    response.more = [stream] { return stream->next(); };
+    return response;
+  });
+}
+
+HttpResponse asset(const Asked& asked) {
+  for (const Asset& asset : assets())
+    if (asset.path == asked.path)
+      return {200, asset.type, std::string(asset.text), "no-cache"};
+  return text(404, "no such page: / lists them");
+}
+
 struct Page {
-  std::string_view path;
+  std::string_view path;  ///< with a / at its end: all that begin with it
   std::string_view what;  ///< for the list of pages; empty: it is not on it
   HttpResponse (*answer)(const Asked& asked);
 };
 
 HttpResponse index(const Asked& asked);
 
-constexpr std::array<Page, 6> kPages{{
+constexpr std::array<Page, 8> kPages{{
     {"/", "", index},
     {"/healthz", "whether its threads move",
      [](const Asked& asked) { return health(asked.status, asked.age); }},
@@ -110,14 +140,32 @@ constexpr std::array<Page, 6> kPages{{
      }},
     {"/api/result", "the newest result.json; ?robot=NAME where there are several",
      [](const Asked& asked) { return result(asked.status, asked.query); }},
+    {"/api/live", "what happens now, as server-sent events; ?robot=NAME likewise", live},
+    {"/assets/", "", asset},
 }};
 
-HttpResponse index(const Asked&) {
+HttpResponse index(const Asked& asked) {
+  if (asked.wants_html)
+    return asset({asked.published, asked.status, "/assets/index.html", {}, true, {}});
   std::string list = "sweepd, beside a robot controller. Its pages:\n";
   for (const Page& page : kPages)
     if (!page.what.empty())
       list += left(std::string(page.path), 14) + std::string(page.what) + '\n';
   return {200, HttpResponse{}.type, list};
+}
+
+/// Whether text/html is among what is accepted. What accepts anything, as curl does, is no browser.
+bool wants_html(const std::vector<std::string_view>& accepts) {
+  for (std::string_view rest : accepts)
+    while (!rest.empty()) {
+      auto range = rest.substr(0, rest.find(','));
+      rest.remove_prefix(std::min(range.size() + 1, rest.size()));
+      range.remove_prefix(std::min(range.find_first_not_of(" \t"), range.size()));
+      if (!take(range, "text/html")) continue;
+      const auto end = range.find_first_not_of(" \t");
+      if (end == range.npos || range[end] == ';') return true;
+    }
+  return false;
 }
 
 }  // namespace
@@ -149,7 +197,8 @@ HttpResponse HttpPages::answer(const HttpRequest& request) const {
       return text(403, "scripts of other pages are not answered");
   }
   const auto end = target.find('?');
-  return page(target.substr(0, end), end == target.npos ? "" : target.substr(end + 1));
+  return page(target.substr(0, end), end == target.npos ? "" : target.substr(end + 1),
+              wants_html(request.accepts));
 }
 
 bool HttpPages::is_ours(std::string_view authority) const {
@@ -160,12 +209,15 @@ bool HttpPages::is_ours(std::string_view authority) const {
                      [&](const std::string& ours) { return rsi::equal_ignoring_case(host, ours); });
 }
 
-HttpResponse HttpPages::page(std::string_view path, std::string_view query) const {
-  const auto found = std::find_if(kPages.begin(), kPages.end(),
-                                  [&](const Page& page) { return page.path == path; });
+HttpResponse HttpPages::page(std::string_view path, std::string_view query,
+                             bool wants_html) const {
+  const auto found = std::find_if(kPages.begin(), kPages.end(), [&](const Page& page) {
+    const bool is_folder = page.path.size() > 1 && page.path.back() == '/';
+    return is_folder ? path.starts_with(page.path) : path == page.path;
+  });
   if (found == kPages.end()) return text(404, "no such page: / lists them");
   const auto status = status_.newest();
-  return found->answer({*status, query, now_() - status->looked});
+  return found->answer({status_, *status, path, query, wants_html, now_() - status->looked});
 }
 
 }  // namespace sweepd

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,12 +19,17 @@ struct HttpRequest {
   std::vector<std::string_view> hosts;    ///< every Host header: one is right
   std::vector<std::string_view> origins;  ///< every Origin header: browsers send one
   bool has_body = false;
+  std::vector<std::string_view> accepts = {};  ///< every Accept header
 };
 
 struct HttpResponse {
   int status = 200;
   std::string_view type = "text/plain; charset=utf-8";
   std::string body;
+  std::string_view cache = "no-store";
+  /// Of an answer that goes on: what is to be sent now, perhaps nothing; no text at its end. Null:
+  /// the body is all.
+  std::function<std::optional<std::string>()> more = {};
 };
 
 /// The pages that tell how sweepd is; they change nothing. Any thread.
@@ -44,7 +50,8 @@ class HttpPages {
  private:
   /// A host and perhaps a port.
   [[nodiscard]] bool is_ours(std::string_view authority) const;
-  [[nodiscard]] HttpResponse page(std::string_view path, std::string_view query) const;
+  [[nodiscard]] HttpResponse page(std::string_view path, std::string_view query,
+                                  bool wants_html) const;
 
   const Published<ServiceStatus>& status_;
   std::vector<std::string> hosts_;

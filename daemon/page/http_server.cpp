@@ -2,9 +2,13 @@
 
 #include <list>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 #include <thread>
 #include <utility>
+
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 
 #include "rsi/asio.hpp"
 
@@ -32,6 +36,14 @@ namespace http = beast::http;
 using boost::asio::ip::tcp;
 using Error = boost::system::error_code;
 
+using UserTimeout =
+    boost::asio::detail::socket_option::integer<IPPROTO_TCP, TCP_USER_TIMEOUT>;
+
+/// A page takes nothing from elsewhere, and runs nothing that is not a file of sweepd.
+constexpr const char* kPolicy =
+    "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self'; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
 std::string_view view(beast::string_view text) {
   return {text.data(), text.size()};
 }
@@ -58,6 +70,7 @@ class HttpServer::Running {
 
   void accept();
   void admit(tcp::socket socket);
+  void tell_viewers();
   void run() noexcept;
 
   const Answer answer_;
@@ -65,7 +78,9 @@ class HttpServer::Running {
   boost::asio::io_context context_{1};
   tcp::acceptor acceptor_{context_};
   boost::asio::steady_timer pause_{context_};
+  boost::asio::steady_timer pace_{context_};
   Connections connections_;  // the one that has waited longest for its client is the first
+  Connections viewers_;      // the one that came first is the first
   std::thread thread_;
 };
 
@@ -81,13 +96,26 @@ class HttpServer::Running::Connection : public std::enable_shared_from_this<Conn
   }
   void close() {
     stream_.close();
-    if (place_) server_.connections_.erase(*std::exchange(place_, std::nullopt));
+    more_ = nullptr;
+    auto& all = is_viewer_ ? server_.viewers_ : server_.connections_;
+    if (place_) all.erase(*std::exchange(place_, std::nullopt));
+  }
+  /// To a viewer, unless the last news are still on their way.
+  void tell() {
+    if (telling_) return;
+    auto news = more_();
+    if (!news) return close();
+    const auto now = std::chrono::steady_clock::now();
+    if (news->empty() && now - told_ < server_.limits_.heartbeat) return;
+    told_ = now;
+    send(news->empty() ? ":\n\n" : std::move(*news));
   }
 
  private:
   static constexpr std::size_t kRoom = 2 * kLargestHeader;
   static constexpr std::size_t kLeftover = 64 << 10;
   static constexpr auto kLinger = 1s;
+  static constexpr int kViewerBuffer = 128 << 10;
 
   /// Goes on if all went well, else the connection is closed.
   template <typename Next>
@@ -134,27 +162,78 @@ class HttpServer::Running::Connection : public std::enable_shared_from_this<Conn
     try {
       response = server_.answer_({view(request.method_string()), view(request.target()),
                                   all(request, http::field::host),
-                                  all(request, http::field::origin), has_body});
+                                  all(request, http::field::origin), has_body,
+                                  all(request, http::field::accept)});
     } catch (const std::exception&) {
       response = {500, HttpResponse{}.type, "this page cannot be made\n"};
     }
-    write(std::move(response), request.version(), request.method() == http::verb::head, last);
+    const bool head = request.method() == http::verb::head;
+    if (response.more && !head) {
+      if (server_.viewers_.size() < server_.limits_.viewers) return go_on(std::move(response));
+      response = {503, HttpResponse{}.type,
+                  std::to_string(server_.limits_.viewers) +
+                      " viewers look already: close one of their pages, or come back later\n"};
+    }
+    write(std::move(response), request.version(), head, last);
+  }
+
+  /// The answer goes on until one of both ends it: chunks would only repeat what events tell.
+  void go_on(HttpResponse response) {
+    auto& viewers = server_.viewers_;
+    viewers.splice(viewers.end(), server_.connections_, *place_);
+    is_viewer_ = true;
+    set_head(response, 11);
+    response_.keep_alive(false);
+    Error ignored;
+    stream_.socket().set_option(boost::asio::socket_base::send_buffer_size(kViewerBuffer), ignored);
+    stream_.socket().set_option(UserTimeout(static_cast<int>(server_.limits_.request.count())),
+                                ignored);  // a viewer whose machine is gone
+    more_ = std::move(response.more);
+    auto head = (std::ostringstream() << response_.base()).str();
+    stream_.expires_never();
+    watch();
+    send(std::move(head));
+    if (viewers.size() == 1) server_.tell_viewers();
+  }
+
+  /// A viewer says nothing more: what comes is its end.
+  void watch() {
+    buffer_.clear();
+    stream_.async_read_some(buffer_.prepare(kRoom), then([this](std::size_t) { watch(); }));
+  }
+
+  void send(std::string news) {
+    telling_ = true;
+    news_ = std::move(news);
+    stream_.expires_after(server_.limits_.request);
+    boost::asio::async_write(stream_, boost::asio::buffer(news_),
+                             then([this](std::size_t) { telling_ = false; }));
   }
 
   void refuse(int status, const char* reason) {
     write({status, HttpResponse{}.type, reason}, 11, false, true);
   }
 
-  void write(HttpResponse response, unsigned version, bool head, bool last) {
+  void set_head(const HttpResponse& response, unsigned version) {
     response_ = {static_cast<http::status>(response.status), version};
     response_.set(http::field::content_type,
                   beast::string_view(response.type.data(), response.type.size()));
-    response_.set(http::field::cache_control, "no-store");
+    response_.set(http::field::cache_control,
+                  beast::string_view(response.cache.data(), response.cache.size()));
+    response_.set(http::field::vary, "Accept");
     response_.set("X-Content-Type-Options", "nosniff");
+    response_.set("Content-Security-Policy", kPolicy);
+  }
+
+  void write(HttpResponse response, unsigned version, bool head, bool last) {
+    set_head(response, version);
     if (response_.result() == http::status::method_not_allowed)
       response_.set(http::field::allow, "GET, HEAD");
     response_.keep_alive(!last);
-    response_.content_length(response.body.size());
+    if (response.more)
+      response_.keep_alive(false);
+    else
+      response_.content_length(response.body.size());
     if (!head) response_.body() = std::move(response.body);
     stream_.expires_after(server_.limits_.request);
     http::async_write(stream_, response_, then([this, last](std::size_t) {
@@ -185,6 +264,13 @@ class HttpServer::Running::Connection : public std::enable_shared_from_this<Conn
   std::optional<Connections::iterator> place_;
   std::size_t requests_ = 0;
   std::size_t drained_ = 0;
+
+  // Of a viewer:
+  bool is_viewer_ = false;
+  bool telling_ = false;
+  std::string news_;  // on its way
+  std::function<std::optional<std::string>()> more_;
+  std::chrono::steady_clock::time_point told_{};
 };
 
 HttpServer::Running::Running(const rsi::Endpoint& listen, Answer answer, const Limits& limits)
@@ -218,6 +304,7 @@ void HttpServer::Running::accept() {
       error = boost::asio::error::no_memory;
     }
     if (!error) return accept();
+    if (!viewers_.empty()) viewers_.front()->close();
     pause_.expires_after(100ms);  // no file or memory left: it would fail again at once
     pause_.async_wait([this](Error) { accept(); });
   });
@@ -227,6 +314,22 @@ void HttpServer::Running::admit(tcp::socket socket) {
   if (connections_.size() >= limits_.connections) connections_.front()->close();
   connections_.push_back(std::make_shared<Connection>(*this, std::move(socket)));
   connections_.back()->wait(std::prev(connections_.end()));
+}
+
+void HttpServer::Running::tell_viewers() {
+  for (auto viewer = viewers_.begin(); viewer != viewers_.end();) {
+    const auto one = *viewer++;  // it may go
+    try {
+      one->tell();
+    } catch (const std::exception&) {
+      one->close();
+    }
+  }
+  if (viewers_.empty()) return;
+  pace_.expires_after(limits_.pace);
+  pace_.async_wait([this](Error error) {
+    if (!error) tell_viewers();
+  });
 }
 
 void HttpServer::Running::run() noexcept {

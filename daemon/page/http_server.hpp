@@ -13,6 +13,10 @@ namespace sweepd {
 
 /// Serves pages over HTTP/1.1 on a thread of its own, which lets all others go first. Whatever
 /// clients do, it takes bounded memory and time; nothing but the answers is shared with them.
+///
+/// An answer that goes on, to a viewer, is asked for more at a steady pace, and not before the
+/// viewer has taken what was sent: who does not in the time of a request is let go. Where files or
+/// memory run out, viewers go first.
 class HttpServer {
  public:
   using Answer = std::function<HttpResponse(const HttpRequest&)>;
@@ -22,6 +26,9 @@ class HttpServer {
     std::size_t requests = 10'000;  ///< on one connection
     std::chrono::milliseconds request{5000};  ///< for one to come whole, or its answer to go
     std::chrono::milliseconds idle{30'000};   ///< from one answer to the next request
+    std::size_t viewers = 8;  ///< of answers that go on, beside the connections; one more gets 503
+    std::chrono::milliseconds pace{100};       ///< of such an answer
+    std::chrono::milliseconds heartbeat{5000};  ///< an empty line where there is nothing to tell
   };
   static constexpr std::size_t kLargestHeader = 8192;  ///< of a request, in bytes
 

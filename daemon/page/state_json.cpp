@@ -110,7 +110,9 @@ Json newest_result(const ResultState& result) {
           {"warnings", newest.warnings}};
 }
 
-Json robot(const RobotMetrics& metrics) {
+}  // namespace
+
+Json robot_state_json(const RobotMetrics& metrics) {
   const RobotState& state = *metrics.state;
   return {{"robot", state.name},
           {"listen", rsi::text(state.listen)},
@@ -132,8 +134,6 @@ Json robot(const RobotMetrics& metrics) {
           {"result", newest_result(*metrics.result)}};
 }
 
-}  // namespace
-
 std::string state_json(const ServiceStatus& status, const std::vector<RobotMetrics>& robots,
                        const ProcessState& process) {
   Json json = {{"schema", "sweepd.state/1"},           {"version", SWEEPD_VERSION},
@@ -142,7 +142,7 @@ std::string state_json(const ServiceStatus& status, const std::vector<RobotMetri
                {"not_served", Json::array()},          {"robots", Json::array()}};
   for (const auto& [robot, reason] : status.not_served)
     json["not_served"].push_back({{"robot", robot}, {"reason", reason}});
-  for (const RobotMetrics& metrics : robots) json["robots"].push_back(robot(metrics));
+  for (const RobotMetrics& metrics : robots) json["robots"].push_back(robot_state_json(metrics));
   return json.dump(2) + "\n";
 }
 

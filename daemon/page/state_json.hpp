@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "daemon/page/metrics.hpp"
 #include "daemon/service/service_status.hpp"
 #include "daemon/system/process_state.hpp"
@@ -14,5 +16,7 @@ namespace sweepd {
 [[nodiscard]] std::string state_json(const ServiceStatus& status,
                                      const std::vector<RobotMetrics>& robots,
                                      const ProcessState& process);
+/// What is told of one robot there.
+[[nodiscard]] nlohmann::ordered_json robot_state_json(const RobotMetrics& robot);
 
 }  // namespace sweepd

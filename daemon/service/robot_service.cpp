@@ -68,7 +68,9 @@ RobotService::RobotService(const RobotSettings& settings)
       ethernet_xml_(content(settings.ethernet_config)),
       inputs_(hashes_of(inputs_of(settings))),
       session_log_(settings.name),
-      tally_(first_state()) {
+      tally_(first_state()),
+      live_(status_->live) {
+  status_->facts.publish(facts());
   status_->state.publish(first_state());
   std::error_code error;
   std::filesystem::create_directories(settings_.output / settings_.name, error);
@@ -119,6 +121,7 @@ void RobotService::take_over() {
   take_over_live(settings_, std::move(settings));
   setup_ = std::move(setup);
   inputs_ = std::move(inputs);
+  facts_told_ = false;
   reloaded_.reset();
 }
 
@@ -177,6 +180,7 @@ void RobotService::acquire() {
       server_->forget_controller();
       take_waiting();
     }
+    show();
     if (now - published_ >= kPublished) publish();
     identifier_.try_again(now);
   }
@@ -216,6 +220,7 @@ void RobotService::take(const rsi::Datagram& datagram, rsi::Handling handling) {
     last_datagram_ = Steady::now();
     session_log_.about(started_, ipoc);
   }
+  live_.telegram();
   session_->telegram(datagram);
 }
 
@@ -261,12 +266,14 @@ void RobotService::begin_session(const rsi::Datagram& first) {
   };
   recording_ = recorder_.begin(std::move(start));
   tally_.begin_session({started_, rsi::now(), first.source.address}, recording_);
+  live_.begin_session();
   published_ = {};
 }
 
 void RobotService::end_session() {
   if (!session_) return;
   session_->finish();
+  show();
   recorder_.end();
   RunFacts run = run_facts();
   run.ended = utc_name(rsi::now());
@@ -290,10 +297,14 @@ void RobotService::end_session() {
 }
 
 void RobotService::sweep(const identify::Sweep& sweep) {
-  const std::string words = sweep_line(sweep, turns_.joint_of(sweep), setup_.limits()) +
+  const auto planned = turns_.joint_of(sweep);
+  const auto limits = setup_.limits();
+  const std::string words = sweep_line(sweep, planned, limits) +
                             (sweep.defect == identify::SweepDefect::none ? "" : " (not usable)");
   session_log_.note("{}", words);
   tally_.sweep(sweep, words);
+  const auto joint = sweep.joint ? sweep.joint : planned;
+  live_.sweep(sweep, joint, joint && *joint < limits.size() && limits[*joint].linear, words);
   // With many sweeps in one stream each identification takes longer: leave most of the time free.
   const auto now = Steady::now();
   if (now - last_identification_ < 10 * identifier_.took()) return;
@@ -319,6 +330,21 @@ RobotState RobotService::first_state() const {
   return state;
 }
 
+RobotFacts RobotService::facts() const {
+  RobotFacts facts{setup_.joints, {}, {}, setup_.limits()};
+  if (setup_.description) {
+    facts.home_deg = setup_.description->home_deg;
+    if (setup_.description->arm) facts.specified = setup_.description->arm->rows;
+  }
+  return facts;
+}
+
+void RobotService::show() {
+  if (!session_) return;
+  const std::chrono::duration<double> since = Steady::now() - began_;
+  live_.tick(session_->link(), watch_.expects_replies, since.count());
+}
+
 void RobotService::publish() {
   std::optional<rsi::LinkReport> under_way;
   if (session_) under_way = watch_.report(session_->link());
@@ -326,6 +352,7 @@ void RobotService::publish() {
   const RobotState& state =
       tally_.state(server_->counts(), recorder_.paused(), under_way ? &*under_way : nullptr);
   // A reader is never waited for: then it is told at the next tick.
+  facts_told_ = facts_told_ || status_->facts.try_publish(facts());
   if (status_->state.try_publish(state)) published_ = Steady::now();
 }
 

@@ -15,6 +15,7 @@
 #include "daemon/service/identifier.hpp"
 #include "daemon/service/link_complaints.hpp"
 #include "daemon/service/link_watch.hpp"
+#include "daemon/service/live_feed.hpp"
 #include "daemon/service/robot_state.hpp"
 #include "daemon/service/robot_tally.hpp"
 #include "daemon/settings/robot_setup.hpp"
@@ -75,11 +76,16 @@ class RobotService : private StreamSink {
   void take_waiting();
   void begin_session(const rsi::Datagram& first);
   void end_session();
-  void sample(const identify::Sample&, std::string_view row) override { recorder_.line(row); }
+  void sample(const identify::Sample& sample, std::string_view row) override {
+    recorder_.line(row);
+    live_.sample(sample);
+  }
   void sweep(const identify::Sweep& sweep) override;
   void say_link();
   [[nodiscard]] RobotState first_state() const;
+  [[nodiscard]] RobotFacts facts() const;
   void publish();
+  void show();  ///< to those who look at the live page
   [[nodiscard]] RunFacts run_facts() const;
 
   RobotSettings settings_;
@@ -125,6 +131,9 @@ class RobotService : private StreamSink {
   LinkComplaints complaints_;
   std::uint64_t not_begun_ = 0;  // telegrams before this session
   RobotTally tally_;
+  LiveFeed live_;
+  bool facts_told_ = true;
+  const Steady::time_point began_ = Steady::now();
   Steady::time_point published_;
   Steady::time_point last_datagram_;
   Steady::time_point last_identification_;

@@ -7,10 +7,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "daemon/record/recording.hpp"
 #include "daemon/results/link_totals.hpp"
+#include "daemon/service/live_slices.hpp"
 #include "daemon/service/published.hpp"
+#include "daemon/settings/robot_description.hpp"
 #include "identify/identification.hpp"
 #include "rsi/server/server.hpp"
 
@@ -78,10 +81,20 @@ struct ResultState {
   std::optional<Newest> newest;
 };
 
+/// What is known of a robot before its first telegram; empty where it is not.
+struct RobotFacts {
+  std::size_t joints = 0;
+  std::vector<identify::DhRow> specified = {};
+  std::vector<double> home_deg = {};     ///< of a linear joint mm
+  std::vector<JointLimits> limits = {};  ///< one a joint
+};
+
 /// Where a robot's threads publish how it is. Any thread; no reply thread comes near it.
 struct RobotStatus {
+  Published<RobotFacts> facts;
   Published<RobotState> state;
   Published<ResultState> result;
+  LiveSlices live;
 };
 
 }  // namespace sweepd
