@@ -1,1 +1,67 @@
-placeholder
+// Small helpers. What sweepd tells becomes text, never markup.
+
+/** An element; `attributes` are set as they are, `children` are nodes or text. */
+export function element(name, attributes = {}, ...children) {
+  const made = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+  made.append(...children.filter((child) => child !== null && child !== undefined));
+  return made;
+}
+
+/** Text of unknown writing direction. */
+export function bdi(text) {
+  return element("bdi", { dir: "auto" }, String(text));
+}
+
+/** Sets the text only where it changes, so that a screen reader is not told again. */
+export function say(node, text) {
+  if (node.textContent !== text) node.textContent = text;
+}
+
+/** A panel with a heading. */
+export function panel(title, ...children) {
+  const heading = element("h2", {}, title);
+  heading.id = "h-" + title.toLowerCase().replace(/[^a-z]+/g, "-");
+  return element("section", { class: "panel", "aria-labelledby": heading.id }, heading, ...children);
+}
+
+export function row(kind, cells, attributes = {}) {
+  return element("tr", attributes, ...cells.map((cell) => cell instanceof Node && /^T[DH]$/.test(cell.nodeName) ? cell : element(kind, {}, cell)));
+}
+
+export function head(...titles) {
+  return element("thead", {}, element("tr", {}, ...titles.map((title) => element("th", { scope: "col" }, title))));
+}
+
+/** Microseconds as a person reads them. */
+export function time_us(us) {
+  if (us === null || us === undefined) return "none";
+  return us < 1000 ? `${Math.round(us)} µs` : `${(us / 1000).toFixed(us < 10000 ? 1 : 0)} ms`;
+}
+
+export const counted = (count, one, many = one + "s") => `${count} ${count === 1 ? one : many}`;
+
+/** A colour of the style sheet, as it is in the scheme of this moment. */
+export function colour(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
+}
+
+/** Beside its colour each joint has its own dashes. */
+const DASHES = [[], [9, 4], [2, 4], [10, 3, 2, 3], [16, 4], [5, 5]];
+export const joint_colour = (joint) => colour(`joint${((joint - 1) % 6) + 1}`);
+export const joint_dash = (joint) => DASHES[(joint - 1 + Math.floor((joint - 1) / 6)) % 6];
+
+export const dark = matchMedia("(prefers-color-scheme: dark)");
+const still = matchMedia("(prefers-reduced-motion: reduce)");
+
+/** Calls `draw` once for all calls in a frame; once a second where motion is not wanted. */
+export function painter(draw) {
+  let due = false;
+  const paint = () => { due = false; draw(); };
+  return () => {
+    if (due) return;
+    due = true;
+    if (still.matches) setTimeout(paint, 1000);
+    else requestAnimationFrame(paint);
+  };
+}
