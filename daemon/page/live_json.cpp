@@ -103,6 +103,7 @@ std::string sweep_json(const LiveSweep& sweep) {
   Json path = Json::array();
   for (const auto& mm : sweep.path) path.push_back(place(mm));
   Json json = {{"session", sweep.session},
+               {"started", sweep.started},
                {"joint", sweep.joint ? Json(*sweep.joint) : Json()},
                {"start_s", Json(rounded(sweep.start_s, 6)).dump()},
                {"end_s", Json(rounded(sweep.end_s, 6)).dump()},

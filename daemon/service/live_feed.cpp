@@ -20,7 +20,8 @@ std::array<float, 3> place(const identify::Sample& sample) {
 
 }  // namespace
 
-void LiveFeed::begin_session() {
+void LiveFeed::begin_session(std::string started) {
+  started_ = std::move(started);
   const auto number = slice_.number;
   slice_ = {};
   slice_.number = number;
@@ -47,6 +48,7 @@ void LiveFeed::sweep(const identify::Sweep& sweep, std::optional<std::size_t> jo
   auto live = std::make_shared<LiveSweep>();
   live->number = ++sweep_number_;
   live->session = session_;
+  live->started = started_;
   if (joint) live->joint = *joint + 1;
   live->start_s = sweep.first().time_s;
   live->end_s = sweep.last().time_s;

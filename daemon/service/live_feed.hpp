@@ -19,7 +19,8 @@ class LiveFeed {
  public:
   explicit LiveFeed(LiveSlices& to) : to_(to) {}
 
-  void begin_session();
+  /// `started`: as its folder is named.
+  void begin_session(std::string started);
   /// One came from the controller, whatever it held.
   void telegram() { ++telegrams_; }
   void sample(const identify::Sample& sample);
@@ -36,6 +37,7 @@ class LiveFeed {
   LiveSlice slice_;  // that is being filled
   std::vector<std::shared_ptr<const LiveSweep>> sweeps_;
   std::uint64_t session_ = 0;
+  std::string started_;
   std::uint64_t sweep_number_ = 0;
   std::size_t telegrams_ = 0;  // not in a slice yet
   double next_point_s_ = 0;

@@ -46,6 +46,7 @@ struct LiveSlice {
 struct LiveSweep {
   std::uint64_t number = 0;  ///< counts up from 1
   std::uint64_t session = 0;
+  std::string started;               ///< the session's name, as its folder has it
   std::optional<std::size_t> joint;  ///< from 1; by the plan where no angles tell it
   double start_s = 0, end_s = 0;
   double range = 0;  ///< degrees, of a linear joint mm

@@ -266,7 +266,7 @@ void RobotService::begin_session(const rsi::Datagram& first) {
   };
   recording_ = recorder_.begin(std::move(start));
   tally_.begin_session({started_, rsi::now(), first.source.address}, recording_);
-  live_.begin_session();
+  live_.begin_session(started_);
   published_ = {};
 }
 

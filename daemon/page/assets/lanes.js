@@ -75,8 +75,9 @@ export function make_lanes() {
     if (!newest) return;
     for (const [index, lane] of joints.entries())
       for (const sweep of lane.sweeps) {
+        if (sweep.started !== newest.session) continue;
         const found = newest.sweeps.find((one) => Number(one.start_s) === Number(sweep.start_s) && one.joint === index + 1);
-        if (found?.used !== true || !newest.is_now) continue;
+        if (found?.used !== true) continue;
         sweep.used = true;
         sweep.range = found.range_deg ?? found.range_mm ?? sweep.range;
       }
@@ -96,7 +97,6 @@ export function make_lanes() {
       joints.forEach(reset);
       last = null;
       now_s = 0;
-      newest = null;
       draw();
     },
     streams() {},
@@ -129,7 +129,7 @@ export function make_lanes() {
       draw();
     },
     result(result) {
-      newest = { ...result, is_now: true };
+      newest = result;
       grow(Math.max(0, ...result.sweeps.map((sweep) => sweep.joint ?? 0)));
       mark_used();
       draw();

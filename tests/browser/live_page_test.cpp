@@ -1,0 +1,176 @@
+#include <csignal>
+#include <iostream>
+
+#include "tests/browser/browser.hpp"
+#include "tests/catch.hpp"
+#include "tests/daemon/http_client.hpp"
+#include "tests/scenarios/sweepd_process.hpp"
+
+using namespace sweepd::test;
+using Json = nlohmann::json;
+
+namespace {
+
+const std::filesystem::path kScreenshots = SWEEPD_SCREENSHOTS;
+
+/// False, and said, where there is no browser.
+bool browser_is_here() {
+  if (Browser::is_here()) return true;
+  std::cout << "not available here: chromium and chromedriver\n";
+  return false;
+}
+
+struct ServedPage {
+  TemporaryFolder folder;
+  std::uint16_t port = free_tcp_port();
+  Daemon daemon{folder.path(), {"silence_ms = 400\n", {}, "127.0.0.1:" + std::to_string(port)}};
+  Browser browser;
+
+  [[nodiscard]] std::string address() const { return "http://127.0.0.1:" + std::to_string(port); }
+  /// A simulated controller that runs the short plan.
+  [[nodiscard]] std::unique_ptr<SweepdProcess> controller() const {
+    return std::make_unique<SweepdProcess>(std::vector<std::string>{
+        "simulate", "--robot", (kConfig / "robots/kr5_arc.toml").string(), "--plan",
+        write_short_plan(folder).string(), "--to", daemon.address(), "--check", "sweepd",
+        "--timeout-cycles", "2500"});
+  }
+  /// The page at both sizes in both schemes.
+  void look(const std::string& moment) {
+    for (const bool phone : {false, true})
+      for (const bool dark : {false, true}) {
+        browser.size(phone ? 360 : 1024, phone ? 740 : 600, phone);
+        browser.scheme(dark);
+        CHECK(browser.becomes("document.documentElement.scrollWidth <= innerWidth"));
+        browser.run("scrollTo(0, 0)");
+        const auto name = moment + (phone ? "_360" : "_1024") + (dark ? "_dark" : "_light");
+        for (const bool whole : {false, true})
+          browser.screenshot(kScreenshots / (name + (whole ? "_whole.png" : ".png")), whole);
+      }
+    browser.size(1024, 600, false);
+    browser.scheme(false);
+  }
+  void check_quiet() {
+    for (const auto& line : browser.console()) {
+      INFO(line);
+      CHECK(false);
+    }
+    const auto requested = browser.requested();
+    CHECK_FALSE(requested.empty());
+    for (const auto& url : requested) {
+      if (url.starts_with("chrome:") || url.starts_with("data:")) continue;  // the browser's own
+      INFO(url);
+      CHECK(url.starts_with(address() + "/"));
+    }
+  }
+};
+
+const std::string kStates =
+    "[...document.querySelectorAll('.lanes .state')].map(cell => cell.dataset.state).join(' ')";
+
+}  // namespace
+
+TEST_CASE("all joints go from moving to used, and the table has the digits of result.json",
+          "[live_page]") {
+  if (!browser_is_here()) return;
+  ServedPage page;
+  auto& browser = page.browser;
+  browser.size(1024, 600, false);
+  browser.open(page.address() + "/");
+  CHECK(browser.becomes("document.querySelector('a[href=\"/?robot=kr5-arc\"]')"));
+  page.look("robots");
+  browser.run("document.querySelector('a[href=\"/?robot=kr5-arc\"]').click()");
+  CHECK(browser.becomes("document.getElementById('connection').dataset.state == 'live'"));
+  CHECK(browser.text(kStates) == "still still still still still still");
+  page.look("before");
+
+  browser.run(
+      "window.moved = new Set();"
+      "new MutationObserver(changes => changes.forEach(({target}) => {"
+      "  if (target.dataset.state == 'moving') moved.add(target.parentNode.dataset.joint);"
+      "})).observe(document.querySelector('.lanes'), {subtree: true, attributes: true});");
+  const auto controller = page.controller();
+  CHECK(browser.becomes("moved.size >= 3"));
+  page.look("meanwhile");
+  CHECK(browser.becomes("moved.size == 6"));
+  CHECK(controller->wait() != 1);
+  CHECK(browser.becomes(kStates + " == 'used used used used used used'"));
+  CHECK(browser.becomes("document.getElementById('result').textContent.startsWith('Last result')"));
+  page.look("after");
+
+  // As text: a number that JavaScript has read has lost its digits.
+  const auto result = HttpClient(page.port).get("/api/result").body;
+  CHECK(eventually([&] { return content(page.daemon.session() / "result.json") == result; }));
+  const auto json = nlohmann::ordered_json::parse(result);
+  std::size_t compared = 0;
+  for (const std::string table : {"dh", "specified", "difference"})
+    for (std::size_t row = 0; row < json[table].size(); ++row)
+      for (const auto& [key, value] : json[table][row].items()) {
+        const auto place = table + "/" + std::to_string(row) + "/" + key;
+        const auto shown = browser.run("return document.querySelector('[data-number=\"" + place +
+                                       "\"]')?.textContent ?? null");
+        if (shown.is_null() || !value.is_number()) continue;
+        INFO(place);
+        CHECK(shown == value.dump());
+        ++compared;
+      }
+  CHECK(compared > 80);
+  for (std::size_t joint = 0; joint < 6; ++joint) {
+    const auto range = browser.text("document.querySelectorAll('.lanes tbody tr')[" +
+                                    std::to_string(joint) + "].cells[3].textContent");
+    const auto& sweeps = json["joints"][joint]["sweeps"];
+    CHECK(std::any_of(sweeps.begin(), sweeps.end(), [&](const auto& sweep) {
+      return sweep["used"] == true && sweep["range_deg"].dump() + " °" == range;
+    }));
+  }
+
+  SECTION("it turns by the keyboard") {
+    const std::string picture = "document.querySelector('canvas.space').toDataURL()";
+    const auto before = browser.text(picture);
+    browser.run("document.querySelector('canvas.space').focus()");
+    browser.key("ArrowLeft");
+    CHECK(eventually([&] { return browser.text(picture) != before; }));
+  }
+  SECTION("whoever comes later sees the same") {
+    const auto states = browser.text(kStates);
+    const auto table = browser.text("document.querySelector('.dh tbody').textContent");
+    browser.open(page.address() + "/?robot=kr5-arc");
+    CHECK(browser.becomes(kStates + " == '" + states + "'"));
+    CHECK(browser.becomes("document.querySelector('.dh tbody').textContent.length > 100"));
+    CHECK(browser.text("document.querySelector('.dh tbody').textContent") == table);
+  }
+  page.check_quiet();
+}
+
+TEST_CASE("a page says when sweepd is gone, and is live again within five seconds",
+          "[live_page]") {
+  if (!browser_is_here()) return;
+  ServedPage page;
+  auto& browser = page.browser;
+  browser.open(page.address() + "/?robot=kr5-arc");
+  const std::string state = "document.getElementById('connection').dataset.state";
+  CHECK(browser.becomes(state + " == 'live'"));
+  page.daemon.process().signal(SIGTERM);
+  CHECK(page.daemon.process().wait() == 0);
+  CHECK(browser.becomes(state + " == 'lost'"));
+  browser.size(1024, 600, false);
+  browser.screenshot(kScreenshots / "lost_1024_light.png");
+  page.daemon.start();
+  CHECK(browser.becomes(state + " == 'live'", 5));
+  CHECK(browser.text("document.getElementById('connection').textContent") == "live again");
+}
+
+TEST_CASE("a robot that does not exist is told in words, and its name is only text",
+          "[live_page]") {
+  if (!browser_is_here()) return;
+  ServedPage page;
+  auto& browser = page.browser;
+  browser.open(page.address() +
+               "/?robot=%3Cscript%3Edocument.title%3D%27x%27%3C%2Fscript%3E%22%0A%D7%A9%D7%9C");
+  const std::string words = "document.getElementById('connection').textContent";
+  CHECK(browser.becomes(words + ".includes('which robot?')"));
+  CHECK(browser.becomes(words + ".includes('one of: kr5-arc')"));
+  CHECK(browser.text("document.querySelectorAll('main script, h1 script').length") == "0");
+  CHECK(browser.text("document.title").starts_with("<script>"));
+  browser.size(1024, 600, false);
+  browser.screenshot(kScreenshots / "unknown_1024_light.png");
+}
