@@ -1,5 +1,5 @@
 // A lane for each joint: what moves, which sweeps are recognised, which the result has used.
-import { counted, element, head, joint_colour, painter, panel, row, say } from "./text.js";
+import { element, head, joint_colour, painter, panel, row, say } from "./text.js";
 
 const MOVES = 0.02; // degrees or mm from one sample to the next
 const STOPPED_S = 0.35;
@@ -7,9 +7,10 @@ const WORDS = { still: "not moved yet", moving: "moving", recognised: "recognise
 
 export function make_lanes() {
   const body = element("tbody");
-  const table = element("table", { class: "lanes" }, head("Joint", "Now", "State", "Last range", "Sweeps in time"), body);
+  const table = element("table", { class: "lanes" }, head("Joint", "Now", "State", "Last range", "In time"), body);
   const legend = element("p", { class: "quiet" },
     "Dashed: moves now. Outline: recognised. Filled: used in the result. Dotted: not usable.");
+  [...table.querySelectorAll("thead th")].forEach((cell, i) => (cell.className = ["", "number now", "", "number", "track"][i]));
   const unknown = element("p", { class: "quiet", hidden: "" }, "The telegrams carry no angles: the plan or the result tells which joint moved.");
   const made = panel("Joints", element("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Joints" }, table), legend, unknown);
   let joints = [];
@@ -43,7 +44,7 @@ export function make_lanes() {
     const state = moving ? "moving" : used.length > 0 ? "used" : usable.length > 0 ? "recognised" : lane.sweeps.length > 0 ? "unusable" : "still";
     if (lane.state.dataset.state !== state) lane.state.dataset.state = state;
     const count = used.length || usable.length;
-    say(lane.state, WORDS[state] + (count > 0 ? `, ${counted(count, "sweep")}` : ""));
+    say(lane.state, (count > 0 && state !== "moving" ? `${count} ` : "") + WORDS[state]);
     say(lane.now, lane.angle === null ? "" : `${lane.angle.toFixed(1)} ${units[joint - 1]}`);
     const shown = (used.length > 0 ? used : usable).at(-1);
     say(lane.range, shown ? `${shown.range} ${shown.unit === "mm" ? "mm" : "°"}` : "");
@@ -56,7 +57,7 @@ export function make_lanes() {
 
   function make_lane(joint) {
     const lane = reset({ angle: null });
-    lane.now = element("td", { class: "number" });
+    lane.now = element("td", { class: "number now" });
     lane.state = element("td", { class: "state", "data-state": "still" }, WORDS.still);
     lane.range = element("td", { class: "number" });
     lane.lane = element("div", { class: "lane", "aria-hidden": "true" });
@@ -99,7 +100,11 @@ export function make_lanes() {
       now_s = 0;
       draw();
     },
-    streams() {},
+    streams(now) {
+      if (now) return;
+      for (const lane of joints) lane.moved = -1;
+      draw();
+    },
     samples(samples) {
       samples.t_s.forEach((t_s, i) => {
         const angles = samples.angles[i];
@@ -124,7 +129,7 @@ export function make_lanes() {
       const lane = joints[sweep.joint - 1];
       lane.sweeps.push(sweep);
       if (lane.sweeps.length > 128) lane.sweeps.shift();
-      lane.moved = Math.min(lane.moved, Number(sweep.end_s));
+      lane.moved = -1;
       mark_used();
       draw();
     },

@@ -24,7 +24,7 @@ export function make_link() {
     cells[name] = element("td", { class: "number", "data-link": name }, "none");
     body.append(row("td", [element("th", { scope: "row" }, label), cells[name]]));
   }
-  const table = element("table", {}, element("caption", {}, "The last 10 s"), body);
+  const table = element("table", { class: "few" }, element("caption", {}, "The last 10 s"), body);
   const made = panel("Link", plot_place, legend, table);
   made.classList.add("wide");
 
@@ -33,7 +33,8 @@ export function make_link() {
   let cycle_us = null;
   let plot = null;
 
-  const log_ticks = (_, splits) => splits.map((us) => ([1, 10, 100, 1e3, 1e4, 1e5, 1e6].includes(us) ? time_us(us) : ""));
+  const log_ticks = (_, splits) => splits.map((us) => (us !== null && [1, 10, 100, 1e3, 1e4, 1e5, 1e6].includes(us) ? (us < 1000 ? `${us} µs` : us < 1e6 ? `${us / 1000} ms` : `${us / 1e6} s`) : ""));
+  const decades = (_, splits) => splits.map((us) => (Number.isInteger(Math.round(1e6 * Math.log10(us)) / 1e6) ? us : null));
 
   function options(width) {
     const line = (name, dash) => ({ stroke: colour(name), width: 2, dash, points: { show: false }, spanGaps: false });
@@ -42,14 +43,14 @@ export function make_link() {
     return {
       width, height: 190,
       legend: { show: false }, cursor: { show: false },
-      padding: [8, 10, 0, 0],
+      padding: [8, 22, 0, 0],
       scales: {
         x: { time: false, range: [-WINDOW_S, 0] },
         y: { distr: 3, range: (_, __, max) => [LEAST_US, Math.max(10000, 2 * (max ?? 0), 2 * (cycle_us ?? 0))] },
       },
       axes: [
         { ...axis, size: 32, values: (_, splits) => splits.map((s) => (s === 0 ? "now" : `${s} s`)) },
-        { ...axis, size: 62, values: log_ticks },
+        { ...axis, size: 62, values: log_ticks, filter: decades },
       ],
       series: [{}, line("joint1"), line("joint3", [8, 4]), line("joint4", [2, 3]), line("text", [14, 5]), marks],
     };

@@ -4,7 +4,7 @@ import { listen } from "./live.js";
 import { make_link } from "./link.js";
 import { make_space } from "./space.js";
 import { make_table } from "./table.js";
-import { bdi, dark, element, say } from "./text.js";
+import { bdi, dark, element, say, utc } from "./text.js";
 
 const DESCRIBES = {
   controller_model:
@@ -15,7 +15,7 @@ const DESCRIBES = {
 function stream_words(link) {
   if (!link.stream) return link.sessions > 0 ? "RSI has ended. What follows is of the last stream." : "RSI does not stream yet.";
   const cycle = link.stream.cycle_ms ? `, with a cycle of ${link.stream.cycle_ms} ms` : "";
-  return `RSI streams from ${link.stream.controller} since ${link.stream.since}${cycle}.`;
+  return `RSI streams from ${link.stream.controller} since ${utc(link.stream.since)}${cycle}.`;
 }
 
 export function show_robot(main, name) {

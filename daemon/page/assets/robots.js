@@ -1,6 +1,6 @@
 // The first page: all robots of this sweepd, asked for every two seconds.
 import { connection } from "./live.js";
-import { bdi, counted, element, head, panel, row, say } from "./text.js";
+import { bdi, counted, element, head, panel, row, say, utc } from "./text.js";
 
 const PAUSE_MS = 2000;
 
@@ -14,13 +14,14 @@ function reply_words(robot) {
   if (!robot.replies_expected) return "none are wanted";
   const { in_time, late, superseded, unanswered } = robot.replies;
   const bad = late + superseded + unanswered;
+  if (in_time + bad === 0) return "none yet";
   return bad === 0 ? `${counted(in_time, "reply", "replies")} in time` : `${bad} of ${in_time + bad} not in time`;
 }
 
 function sweep_words(robot) {
   const of = robot.sweeps.filter((sweep) => sweep.joint);
   const seen = of.filter((sweep) => sweep.usable > 0).length;
-  return of.length === 0 ? "none" : `of ${seen} of ${counted(of.length, "joint")}`;
+  return of.length === 0 ? "none" : `${seen} of ${counted(of.length, "joint")}`;
 }
 
 function result_words(robot) {
@@ -39,7 +40,7 @@ function robot_row(robot) {
 export function show_robots(main) {
   const body = element("tbody");
   const troubles = element("ul", { class: "messages" });
-  const table = element("table", {}, head("Robot", "RSI", "Replies", "Sweeps", "Result"), body);
+  const table = element("table", {}, head("Robot", "RSI", "Replies", "Swept", "Result"), body);
   const facts = element("p", { class: "quiet" });
   main.append(panel("All robots of this sweepd", element("div", { class: "scroll" }, table), troubles, facts));
   let told = "";
@@ -54,7 +55,7 @@ export function show_robots(main) {
     troubles.replaceChildren(
       ...state.not_served.map(({ robot, reason }) => element("li", { class: "bad" }, bdi(robot), ` is not served: ${reason}`)),
       ...state.standstills.map((sentence) => element("li", { class: "bad" }, sentence)));
-    say(facts, state.robots.length + state.not_served.length === 0 ? "No robot is in the settings." : `sweepd ${state.version}, since ${state.started}.`);
+    say(facts, state.robots.length + state.not_served.length === 0 ? "No robot is in the settings." : `sweepd ${state.version}, since ${utc(state.started)}.`);
   };
 
   const ask = async () => {

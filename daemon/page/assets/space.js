@@ -39,7 +39,7 @@ export function make_space() {
   function projection(width, height) {
     const all = trace.concat(...sweeps.map((sweep) => sweep.path_mm));
     const box = bounds(all);
-    const scale = (view.zoom * 0.42 * Math.min(width, height)) / box.radius;
+    const scale = (view.zoom * 0.55 * Math.min(width, height)) / box.radius;
     const [cy, sy, cp, sp] = [Math.cos(view.yaw), Math.sin(view.yaw), Math.cos(view.pitch), Math.sin(view.pitch)];
     const project = (point) => {
       const [x, y, z] = point.map((value, k) => value - box.centre[k]);

@@ -15,7 +15,7 @@ export function make_table() {
   const status = element("p", { id: "result", role: "status" }, "No result yet: it comes once enough joints were swept.");
   const table = element("table", { class: "dh" },
     element("caption", {}, "Identified values with their standard uncertainty; “set” is by convention, not identified."),
-    head("Joint", "", "Identified", "Std. unc.", "Specified", "Difference"), body);
+    head("Joint", "", "Identified", "Std. unc.", "Difference", "Specified"), body);
   for (const cell of [...table.querySelectorAll("thead th")].slice(2)) cell.className = "number";
   const made = panel("DH table", status, element("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "DH table" }, table));
   made.classList.add("wide");
@@ -37,8 +37,8 @@ export function make_table() {
       element("th", { scope: "row" }, `${sign} ${unit}`),
       cell(found[key], `dh/${index}/${key}`),
       cell(by_convention ? "set" : found[`${name}_sigma${suffix}`], `dh/${index}/${name}_sigma${suffix}`),
-      cell(rows.specified[index]?.[key], `specified/${index}/${key}`),
       cell(rows.difference[index]?.[key], `difference/${index}/${key}`),
+      cell(rows.specified[index]?.[key], `specified/${index}/${key}`),
     ];
     if (first > 0) cells.unshift(element("th", { scope: "rowgroup", rowspan: first }, String(index + 1)));
     return row("td", cells, first > 0 ? { class: "first" } : {});

@@ -39,6 +39,9 @@ export function time_us(us) {
   return us < 1000 ? `${Math.round(us)} µs` : `${(us / 1000).toFixed(us < 10000 ? 1 : 0)} ms`;
 }
 
+/** "2026-11-23T01:49:15.511Z" as a person reads it. */
+export const utc = (text) => text.replace("T", " ").replace(/\.\d+Z$/, " UTC");
+
 export const counted = (count, one, many = one + "s") => `${count} ${count === 1 ? one : many}`;
 
 /** A colour of the style sheet, as it is in the scheme of this moment. */
