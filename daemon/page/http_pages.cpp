@@ -64,9 +64,9 @@ HttpResponse for_robot(const ServiceStatus& status, std::string_view query, Answ
   }
   for (const auto& [robot, reason] : status.not_served)
     if (query == robot) return text(404, robot + ": not served: " + reason);
-  return text(query.empty() && !names.empty() ? 400 : 404,
-              names.empty() ? "no robot is served"
-                            : "which robot? add ?robot=NAME with one of:" + names);
+  return text(
+      query.empty() && !names.empty() ? 400 : 404,
+      names.empty() ? "no robot is served" : "which robot? add ?robot=NAME with one of:" + names);
 }
 
 HttpResponse result(const ServiceStatus& status, std::string_view query) {
@@ -111,8 +111,7 @@ HttpResponse live(const Asked& asked) {
 
 HttpResponse asset(const Asked& asked) {
   for (const Asset& asset : assets())
-    if (asset.path == asked.path)
-      return {200, asset.type, std::string(asset.text), "no-cache"};
+    if (asset.path == asked.path) return {200, asset.type, std::string(asset.text), "no-cache"};
   return text(404, "no such page: / lists them");
 }
 
@@ -209,8 +208,7 @@ bool HttpPages::is_ours(std::string_view authority) const {
                      [&](const std::string& ours) { return rsi::equal_ignoring_case(host, ours); });
 }
 
-HttpResponse HttpPages::page(std::string_view path, std::string_view query,
-                             bool wants_html) const {
+HttpResponse HttpPages::page(std::string_view path, std::string_view query, bool wants_html) const {
   const auto found = std::find_if(kPages.begin(), kPages.end(), [&](const Page& page) {
     const bool is_folder = page.path.size() > 1 && page.path.back() == '/';
     return is_folder ? path.starts_with(page.path) : path == page.path;

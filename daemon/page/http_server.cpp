@@ -36,8 +36,7 @@ namespace http = beast::http;
 using boost::asio::ip::tcp;
 using Error = boost::system::error_code;
 
-using UserTimeout =
-    boost::asio::detail::socket_option::integer<IPPROTO_TCP, TCP_USER_TIMEOUT>;
+using UserTimeout = boost::asio::detail::socket_option::integer<IPPROTO_TCP, TCP_USER_TIMEOUT>;
 
 /// A page takes nothing from elsewhere, and runs nothing that is not a file of sweepd.
 constexpr const char* kPolicy =
@@ -157,17 +156,17 @@ class HttpServer::Running::Connection : public std::enable_shared_from_this<Conn
   void answer() {
     const auto& request = parser_->get();
     const bool has_body = parser_->chunked() || parser_->content_length().value_or(0) > 0;
-    const bool last = has_body || !request.keep_alive() || ++requests_ >= server_.limits_.requests;
+    bool last = has_body || !request.keep_alive() || ++requests_ >= server_.limits_.requests;
     HttpResponse response;
     try {
-      response = server_.answer_({view(request.method_string()), view(request.target()),
-                                  all(request, http::field::host),
-                                  all(request, http::field::origin), has_body,
-                                  all(request, http::field::accept)});
+      response = server_.answer_(
+          {view(request.method_string()), view(request.target()), all(request, http::field::host),
+           all(request, http::field::origin), has_body, all(request, http::field::accept)});
     } catch (const std::exception&) {
       response = {500, HttpResponse{}.type, "this page cannot be made\n"};
     }
     const bool head = request.method() == http::verb::head;
+    last = last || response.more;
     if (response.more && !head) {
       if (server_.viewers_.size() < server_.limits_.viewers) return go_on(std::move(response));
       response = {503, HttpResponse{}.type,
@@ -230,10 +229,7 @@ class HttpServer::Running::Connection : public std::enable_shared_from_this<Conn
     if (response_.result() == http::status::method_not_allowed)
       response_.set(http::field::allow, "GET, HEAD");
     response_.keep_alive(!last);
-    if (response.more)
-      response_.keep_alive(false);
-    else
-      response_.content_length(response.body.size());
+    if (!response.more) response_.content_length(response.body.size());
     if (!head) response_.body() = std::move(response.body);
     stream_.expires_after(server_.limits_.request);
     http::async_write(stream_, response_, then([this, last](std::size_t) {

@@ -12,8 +12,8 @@
 namespace sweepd {
 
 /// What one viewer of a robot is sent: server-sent events, schema "sweepd.live/1". It begins with
-/// the last minute. Who asks more seldom than every two seconds misses slices, and is told how many.
-/// One thread at a time.
+/// the last minute. Who asks more seldom than every two seconds misses slices, and is told how
+/// many. One thread at a time.
 class LiveStream {
  public:
   /// `robot` and its name as they are in `status`, which lives longer than this.

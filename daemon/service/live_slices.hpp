@@ -33,8 +33,8 @@ struct LiveSlice {
   std::uint32_t cycles = 0;      ///< telegrams that are settled
   std::uint32_t late = 0;        ///< of these, answered later than a cycle after they came
   std::uint32_t unanswered = 0;  ///< of these, with no reply of their own
-  /// Telegram to reply, the median and the longest; difference from the pace, the largest. Negative:
-  /// there was none.
+  /// Telegram to reply, the median and the longest; difference from the pace, the largest.
+  /// Negative: there was none.
   float latency_us = -1, latency_max_us = -1, jitter_us = -1;
 
   std::uint8_t joints = 0;  ///< how many angles count

@@ -33,7 +33,6 @@ namespace http = boost::beast::http;
 using boost::asio::ip::tcp;
 using Json = Browser::Json;
 
-
 }  // namespace
 
 bool Browser::is_here() {
@@ -134,11 +133,12 @@ void Browser::key(const std::string& name) {
 
 void Browser::screenshot(const std::filesystem::path& file, bool whole) {
   const Json shot = devtools("Page.captureScreenshot",
-                             {{"format", "png"}, {"captureBeyondViewport", whole},
+                             {{"format", "png"},
+                              {"captureBeyondViewport", whole},
                               {"clip", [&]() -> Json {
-                                 const Json size = run(
-                                     "const page = document.documentElement;"
-                                     "return [innerWidth, innerHeight, page.scrollHeight]");
+                                 const Json size =
+                                     run("const page = document.documentElement;"
+                                         "return [innerWidth, innerHeight, page.scrollHeight]");
                                  return {{"x", 0},
                                          {"y", 0},
                                          {"width", size[0]},

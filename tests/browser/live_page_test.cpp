@@ -141,8 +141,7 @@ TEST_CASE("all joints go from moving to used, and the table has the digits of re
   page.check_quiet();
 }
 
-TEST_CASE("a page says when sweepd is gone, and is live again within five seconds",
-          "[live_page]") {
+TEST_CASE("a page says when sweepd is gone, and is live again within five seconds", "[live_page]") {
   if (!browser_is_here()) return;
   ServedPage page;
   auto& browser = page.browser;

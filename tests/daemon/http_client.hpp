@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include <netinet/in.h>
 #include <sys/resource.h>
@@ -84,6 +85,15 @@ class HttpClient {
   HttpAnswer get(std::string_view target, std::string_view more_headers = "Host: localhost\r\n") {
     send("GET " + std::string(target) + " HTTP/1.1\r\n" + std::string(more_headers) + "\r\n");
     return answer();
+  }
+  /// What comes next, until it ends with `end` or the connection is closed.
+  std::string until(std::string_view end) {
+    std::size_t at = 0;
+    while ((at = received_.find(end)) == received_.npos)
+      if (!receive()) return std::exchange(received_, {});
+    auto text = received_.substr(0, at + end.size());
+    received_.erase(0, text.size());
+    return text;
   }
   /// Whether the server has closed the connection; waits for it.
   bool closed() {

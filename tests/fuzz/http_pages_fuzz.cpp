@@ -1,6 +1,7 @@
 // What a client of the pages sends: the first line of the input is the method, the second the
-// target, each further one a Host header, or an Origin header where it begins with "o". Whatever it
-// is, there is an answer, and a page only for who names this machine and comes from nowhere else.
+// target, each further one a Host header, an Origin header where it begins with "o", an Accept
+// header where it begins with "a". Whatever it is, there is an answer, and a page only for who
+// names this machine and comes from nowhere else; what goes on consists of events.
 #include <algorithm>
 #include <array>
 
@@ -31,13 +32,33 @@ bool is_ours(const std::string& host) {
   return false;
 }
 
+/// Server-sent events: lines with a field that is known, and at their end an empty one.
+void expect_events(std::string_view text) {
+  expect(text.ends_with("\n\n"), "the last event is whole");
+  while (!text.empty()) {
+    const auto line = take_line(text);
+    bool known = line.empty();
+    for (const std::string_view field : {"event: ", "data: ", "id: ", "retry: "})
+      known = known || line.starts_with(field);
+    expect(known, "each line is a field of an event");
+  }
+}
+
 struct Service {
   sweepd::Published<sweepd::ServiceStatus> status;
   sweepd::HttpPages pages{status, {rsi::Endpoint{0x7f000001, 19152}, {{"cell-pc"}}}};
 
   Service() {
     sweepd::ServiceStatus serving{sweepd::ServiceStatus::Phase::serving, {}, {}, {}};
-    serving.robots.push_back(std::make_shared<sweepd::RobotStatus>());
+    const auto robot = std::make_shared<sweepd::RobotStatus>();
+    sweepd::RobotState state;
+    state.name = "x";
+    robot->state.publish(state);
+    sweepd::LiveSlice slice;
+    slice.number = 1;
+    expect(robot->live.try_add(slice, {}), "nobody reads");
+    serving.robots.push_back(robot);
+    serving.not_served = {{"y", "no port"}};
     status.publish(serving);
   }
 };
@@ -53,15 +74,18 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   while (!rest.empty()) {
     auto line = take_line(rest);
     const bool origin = line.starts_with('o');
-    if (origin) line.remove_prefix(1);
-    (origin ? request.origins : request.hosts).push_back(line);
+    const bool accept = line.starts_with('a');
+    if (origin || accept) line.remove_prefix(1);
+    (origin ? request.origins : accept ? request.accepts : request.hosts).push_back(line);
   }
   const auto response = service.pages.answer(request);
   constexpr std::array kStatuses{200, 400, 403, 404, 405, 413, 421, 503};
   expect(std::find(kStatuses.begin(), kStatuses.end(), response.status) != kStatuses.end(),
          "the status is one of the documented");
-  expect(!response.body.empty() && !response.type.empty(), "there is an answer");
+  expect(!response.type.empty(), "there is an answer");
+  expect(response.body.empty() == static_cast<bool>(response.more), "of one kind");
   if (response.status != 200) return 0;
+  if (response.more) expect_events(response.more().value());
   expect(request.method == "GET" || request.method == "HEAD", "only reading is served");
   expect(request.hosts.size() == 1, "there is one host");
   const auto target = lower(request.target);

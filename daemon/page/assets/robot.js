@@ -28,7 +28,8 @@ export function show_robot(main, name) {
   const lanes = make_lanes();
   const space = make_space();
   const table = make_table();
-  const panels = element("div", { class: "panels" }, space.panel, lanes.panel, link.panel, table.messages, table.panel);
+  const beside = element("div", { class: "stack" }, lanes.panel, table.messages);
+  const panels = element("div", { class: "panels", hidden: "" }, space.panel, beside, link.panel, table.panel);
   main.append(stream, describes, gaps, panels);
   const parts = [link, lanes, space, table];
   let session = 0;
@@ -47,6 +48,7 @@ export function show_robot(main, name) {
       session = 0;
       missed = 0;
       gaps.hidden = true;
+      panels.hidden = false;
       say(describes, DESCRIBES[hello.describes] ?? "");
       for (const part of parts) part.begin?.(hello);
     },

@@ -11,7 +11,7 @@ function round_length(length) {
   return power * [5, 2, 1].find((factor) => factor * power <= length * 1.0001);
 }
 
-/** The circle's centre and radius that hold all points. */
+/** The box that holds all points, and the sphere around it. */
 function bounds(points) {
   const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
   for (const point of points)
@@ -20,7 +20,7 @@ function bounds(points) {
       high[k] = Math.max(high[k], point[k]);
     }
   const centre = low.map((value, k) => (value + high[k]) / 2);
-  return { low, centre, radius: Math.max(Math.hypot(...high.map((value, k) => value - low[k])) / 2, 50) };
+  return { low, high, centre, radius: Math.max(Math.hypot(...high.map((value, k) => value - low[k])) / 2, 50) };
 }
 
 export function make_space() {
@@ -36,18 +36,22 @@ export function make_space() {
   let trace = [];
   let sweeps = [];
 
+  /** Parallel, along the line of sight; all that is drawn fits at zoom 1. */
   function projection(width, height) {
     const all = trace.concat(...sweeps.map((sweep) => sweep.path_mm));
     const box = bounds(all);
-    const scale = (view.zoom * 0.55 * Math.min(width, height)) / box.radius;
+    const length = round_length(box.radius);
+    const axes = [0, 1, 2].map((k) => box.low.map((value, i) => value + (i === k ? length : 0)));
     const [cy, sy, cp, sp] = [Math.cos(view.yaw), Math.sin(view.yaw), Math.cos(view.pitch), Math.sin(view.pitch)];
+    const flat = ([x, y, z]) => [cy * x + sy * y, -cp * z - sp * (cy * y - sy * x)];
+    const seen = bounds([...all, box.low, ...axes].map((point) => [...flat(point), 0]));
+    const size = seen.high.map((value, k) => value - seen.low[k]);
+    const scale = view.zoom * Math.min((width - 90) / Math.max(size[0], 1), (height - 50) / Math.max(size[1], 1));
     const project = (point) => {
-      const [x, y, z] = point.map((value, k) => value - box.centre[k]);
-      const across = cy * x + sy * y;
-      const depth = -sy * x + cy * y;
-      return [width / 2 + scale * across, height / 2 - scale * (cp * z + sp * depth)];
+      const [across, down] = flat(point);
+      return [width / 2 + scale * (across - seen.centre[0]), height / 2 + scale * (down - seen.centre[1])];
     };
-    return { box, project };
+    return { corner: box.low, axes, length, project };
   }
 
   function line(to, points, stroke, dash, width) {
@@ -60,15 +64,12 @@ export function make_space() {
     to.setLineDash([]);
   }
 
-  function axes(to, { box, project }) {
-    const length = round_length(box.radius);
-    const corner = box.low;
+  function draw_axes(to, { corner, axes, length, project }) {
     const from = project(corner);
     to.font = "13px system-ui, sans-serif";
     to.fillStyle = colour("quiet");
     ["X", "Y", "Z"].forEach((name, k) => {
-      const end = corner.map((value, i) => value + (i === k ? length : 0));
-      const [x, y] = project(end);
+      const [x, y] = project(axes[k]);
       line(to, [from, [x, y]], colour("quiet"), [], 1.5);
       to.fillText(k === 0 ? `${name} ${length} mm` : name, x + 4, y - 4);
     });
@@ -89,12 +90,14 @@ export function make_space() {
     to.fillStyle = colour("quiet");
     if (trace.length === 0 && sweeps.length === 0) return to.fillText("No positions yet.", 14, 26);
     const seen = projection(width, height);
-    axes(to, seen);
+    draw_axes(to, seen);
     line(to, trace.map(seen.project), colour("line"), [], 1.5);
     const labels = new Map();
     for (const sweep of sweeps) {
       if (sweep.path_mm.length === 0) continue;
-      const points = sweep.path_mm.map(seen.project);
+      // Forth and back the same way: the dashes meet.
+      const path = sweep.direction < 0 ? [...sweep.path_mm].reverse() : sweep.path_mm;
+      const points = path.map(seen.project);
       const known = sweep.joint && sweep.usable;
       line(to, points, known ? joint_colour(sweep.joint) : colour("quiet"), known ? joint_dash(sweep.joint) : [1, 5], 3);
       if (sweep.joint) labels.set(sweep.joint, points[points.length >> 1]);

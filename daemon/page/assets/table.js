@@ -22,7 +22,6 @@ export function make_table() {
   const list = element("ul", { class: "messages" });
   const quiet = element("p", { class: "quiet" }, "None.");
   const messages = panel("Warnings", quiet, list);
-  messages.classList.add("wide");
   let specified = [];
   let result = null;
   let session = null;

@@ -1,5 +1,7 @@
 #include "daemon/page/http_pages.hpp"
 
+#include <tuple>
+
 #include <nlohmann/json.hpp>
 
 #include "tests/catch.hpp"
@@ -50,7 +52,8 @@ TEST_CASE("every page has its type, and / lists them all", "[http_pages]") {
   const Service service;
   const auto index = service.get("/");
   CHECK(index.status == 200);
-  for (const std::string path : {"/healthz", "/readyz", "/metrics", "/api/state", "/api/result"}) {
+  for (const std::string path :
+       {"/healthz", "/readyz", "/metrics", "/api/state", "/api/result", "/api/live"}) {
     CHECK(service.get(path).status == 200);
     CHECK_THAT(index.body, ContainsSubstring(path));
   }
@@ -62,6 +65,82 @@ TEST_CASE("every page has its type, and / lists them all", "[http_pages]") {
   CHECK(service.get("/api/state").type == "application/json");
   for (const std::string path : {"/metric", "/metrics/", "//", "/../etc/passwd", "*", "x", ""})
     CHECK(service.get(path).status == 404);
+}
+
+TEST_CASE("a browser gets the page, and curl the list", "[http_pages]") {
+  const Service service;
+  const auto kind = [&](const std::vector<std::string_view>& accepts) {
+    const auto type = service.pages.answer({"GET", "/", {"localhost"}, {}, false, accepts}).type;
+    return std::string(type.substr(0, type.find(';')));
+  };
+  for (const auto* browser :
+       {"text/html", "text/html,application/xhtml+xml,application/xml;q=0.9,*/*;q=0.8",
+        "application/xml , Text/HTML;q=0.9"})
+    CHECK(kind({browser}) == "text/html");
+  for (const auto* other : {"*/*", "", "text/plain", "application/json", "text/htmlx", "text/*"})
+    CHECK(kind({other}) == "text/plain");
+  CHECK(kind({}) == "text/plain");
+  CHECK(kind({"application/json", "text/html"}) == "text/html");
+  SECTION("only the page / has both") {
+    const auto health =
+        service.pages.answer({"GET", "/healthz", {"localhost"}, {}, false, {"text/html"}});
+    CHECK(health.body == "ok\n");
+  }
+}
+
+TEST_CASE("files of the page have their types, and no others are there", "[http_pages]") {
+  const Service service;
+  const auto page = service.get("/assets/index.html");
+  CHECK(page.status == 200);
+  CHECK(page.type == "text/html; charset=utf-8");
+  CHECK(page.cache == "no-cache");
+  CHECK(service.get("/assets/page.js").type == "text/javascript; charset=utf-8");
+  CHECK(service.get("/assets/page.css").type == "text/css; charset=utf-8");
+  CHECK(service.get("/assets/uplot/uPlot.iife.min.js").status == 200);
+  for (const auto* none : {"/assets", "/assets/", "/assets/../sweepd.toml", "/assets/page.js/",
+                           "/assets/uplot/LICENSE", "/ASSETS/page.js", "/page.js"})
+    CHECK(service.get(none).status == 404);
+}
+
+TEST_CASE("the live stream is of a robot that is there", "[http_pages]") {
+  Service service({"a", "b"});
+  service.status.not_served = {{"far", "its port is taken"}};
+  service.published.publish(service.status);
+  const auto live = service.get("/api/live?robot=b");
+  CHECK(live.status == 200);
+  CHECK(live.type == "text/event-stream");
+  REQUIRE(live.more);
+  CHECK_THAT(*live.more(), ContainsSubstring("\"robot\":\"b\""));
+  for (const auto& [target, status, words] : std::vector<std::tuple<std::string, int, std::string>>{
+           {"/api/live", 400, "which robot? add ?robot=NAME with one of: a b\n"},
+           {"/api/live?robot=c", 404, "which robot? add ?robot=NAME with one of: a b\n"},
+           {"/api/live?robot=<script>", 404, "which robot? add ?robot=NAME with one of: a b\n"},
+           {"/api/live?robot=far", 404, "far: not served: its port is taken\n"},
+           {"/api/live?name=a", 400, "expected ?robot=NAME\n"}}) {
+    const auto answer = service.get(target);
+    CHECK(answer.status == status);
+    CHECK(answer.body == words);
+    CHECK_FALSE(answer.more);
+  }
+  CHECK(Service(std::vector<std::string>{}).get("/api/live").body == "no robot is served\n");
+}
+
+TEST_CASE("host, origin and method count for all pages", "[http_pages]") {
+  const Service service;
+  const auto status = [&](const HttpRequest& request) {
+    const auto answer = service.pages.answer(request);
+    CHECK_FALSE(answer.more);
+    return answer.status;
+  };
+  for (const auto* target : {"/", "/assets/page.js", "/api/live", "/api/live?robot=kr5-arc"}) {
+    INFO(target);
+    CHECK(status({"GET", target, {"evil.example"}, {}, false}) == 421);
+    CHECK(status({"GET", target, {}, {}, false}) == 400);
+    CHECK(status({"GET", target, {"localhost"}, {"http://evil.example"}, false}) == 403);
+    CHECK(status({"GET", target, {"localhost"}, {"null"}, false}) == 403);
+    CHECK(status({"POST", target, {"localhost"}, {}, false}) == 405);
+    CHECK(status({"GET", target, {"localhost"}, {}, true}) == 413);
+  }
 }
 
 TEST_CASE("only what reads is answered, without a body", "[http_pages]") {

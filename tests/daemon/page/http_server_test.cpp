@@ -1,6 +1,7 @@
 #include "daemon/page/http_server.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -23,6 +24,9 @@ constexpr rsi::Endpoint kAnyPort{0x7f000001, 0};
 
 /// The real pages of a service without a robot, and two of this test's own.
 struct PagesServer {
+  mutable std::atomic<int> viewers{0};
+  std::atomic<int> talks{1};  ///< blanks an event
+  std::atomic<bool> ended{false};
   sweepd::Published<sweepd::ServiceStatus> status;
   sweepd::HttpPages pages{status, {}};
   HttpServer server;
@@ -32,9 +36,29 @@ struct PagesServer {
             kAnyPort, [this](const auto& request) { return answer(request); }, limits) {}
   sweepd::HttpResponse answer(const sweepd::HttpRequest& request) const {
     if (request.target == "/broken") throw std::runtime_error("broken");
+    if (request.target == "/live") return live();
     if (request.target == "/large") return {200, "text/plain", std::string(64 << 20, 'x')};
     return pages.answer(request);
   }
+  /// "data: 1", "data: 2", … while `talks`.
+  [[nodiscard]] sweepd::HttpResponse live() const {
+    sweepd::HttpResponse response{200, "text/event-stream", {}};
+    response.more = [this, count = 0, viewer = std::make_shared<Viewing>(viewers)]() mutable {
+      if (ended) return std::optional<std::string>();
+      const auto times = static_cast<std::size_t>(talks);
+      return std::optional(times == 0 ? std::string()
+                                      : "data: " + std::to_string(++count) +
+                                            std::string(times, ' ') + "\n\n");
+    };
+    return response;
+  }
+  struct Viewing {
+    explicit Viewing(std::atomic<int>& all) : viewers(all) { ++viewers; }
+    ~Viewing() { --viewers; }
+    Viewing(const Viewing&) = delete;
+    Viewing& operator=(const Viewing&) = delete;
+    std::atomic<int>& viewers;
+  };
   [[nodiscard]] std::uint16_t port() const { return server.local().port; }
   [[nodiscard]] bool answers() const { return HttpClient(port()).get("/healthz").body == "ok\n"; }
 };
@@ -210,4 +234,92 @@ TEST_CASE("when the server ends, so do its connections, and its port is free aga
   server.reset();
   CHECK(client.closed());
   CHECK_NOTHROW(HttpServer(local, [](const auto&) { return sweepd::HttpResponse{}; }));
+}
+
+TEST_CASE("an answer that goes on comes bit by bit, with the policy of all pages",
+          "[http_server]") {
+  HttpServer::Limits limits;
+  limits.pace = 1ms;
+  PagesServer server(limits);
+  HttpClient viewer(server.port());
+  const auto head = viewer.get("/live");
+  CHECK(head.status == 200);
+  CHECK_THAT(head.head, ContainsSubstring("Content-Type: text/event-stream\r\n") &&
+                            ContainsSubstring("Cache-Control: no-store\r\n") &&
+                            ContainsSubstring("Connection: close\r\n") &&
+                            ContainsSubstring("Content-Security-Policy: default-src 'none'; "
+                                              "script-src 'self'; style-src 'self'; connect-src "
+                                              "'self'; img-src 'self'; ") &&
+                            !ContainsSubstring("Content-Length") && !ContainsSubstring("unsafe"));
+  CHECK(viewer.until("\n\n") == "data: 1 \n\n");
+  CHECK(viewer.until("\n\n") == "data: 2 \n\n");
+  CHECK(server.answers());
+  SECTION("until it ends by itself") {
+    server.ended = true;
+    CHECK(viewer.closed());
+  }
+  SECTION("to HEAD only its head") {
+    HttpClient other(server.port());
+    other.send("HEAD /live HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    CHECK(other.answer(true).status == 200);
+    CHECK(other.closed());
+  }
+  CHECK(eventually([&] { return server.viewers <= 1; }));
+}
+
+TEST_CASE("a viewer more than there may be is told so, and others are served", "[http_server]") {
+  HttpServer::Limits limits;
+  limits.pace = 1ms;
+  limits.connections = 2;
+  PagesServer server(limits);
+  std::vector<std::unique_ptr<HttpClient>> viewers;
+  for (std::size_t i = 0; i < limits.viewers; ++i) {
+    viewers.push_back(std::make_unique<HttpClient>(server.port()));
+    CHECK(viewers.back()->get("/live").status == 200);
+  }
+  HttpClient ninth(server.port());
+  const auto refused = ninth.get("/live");
+  CHECK(refused.status == 503);
+  CHECK(refused.body == "8 viewers look already: close one of their pages, or come back later\n");
+  // The connections of the others are no viewers', who lose none by them.
+  for (int i = 0; i < 10; ++i) CHECK(server.answers());
+  for (auto& viewer : viewers) CHECK_THAT(viewer->until("\n\n"), ContainsSubstring("data: "));
+  viewers.pop_back();
+  CHECK(eventually([&] { return HttpClient(server.port()).get("/live").status == 200; }));
+}
+
+TEST_CASE("a viewer that never reads is let go, and keeps nobody else waiting", "[http_server]") {
+  auto limits = impatient();
+  limits.pace = 1ms;
+  PagesServer server(limits);
+  server.talks = 100'000;
+  HttpClient reads(server.port()), never(server.port());
+  CHECK(reads.get("/live").status == 200);
+  never.send("GET /live HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  CHECK(eventually([&] { return server.viewers == 2; }));
+  CHECK(eventually([&] {
+    reads.until("\n\n");
+    return server.viewers == 1;
+  }));
+  CHECK_THAT(reads.until("\n\n"), ContainsSubstring("data: "));
+  CHECK(server.answers());
+}
+
+TEST_CASE("a viewer hears something even where nothing happens", "[http_server]") {
+  HttpServer::Limits limits;
+  limits.pace = 1ms;
+  limits.heartbeat = 10ms;
+  PagesServer server(limits);
+  server.talks = 0;
+  HttpClient viewer(server.port());
+  CHECK(viewer.get("/live").status == 200);
+  CHECK(viewer.until("\n\n") == ":\n\n");
+}
+
+TEST_CASE("when the server ends, so do its viewers", "[http_server]") {
+  auto server = std::make_unique<PagesServer>();
+  HttpClient viewer(server->port());
+  CHECK(viewer.get("/live").status == 200);
+  server.reset();
+  CHECK(viewer.closed());
 }

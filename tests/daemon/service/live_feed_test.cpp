@@ -1,0 +1,143 @@
+#include "daemon/service/live_feed.hpp"
+
+#include <atomic>
+#include <optional>
+#include <thread>
+
+#include "tests/catch.hpp"
+#include "tests/daemon/telegrams.hpp"
+
+using sweepd::LiveFeed;
+using sweepd::LiveSlices;
+using namespace std::chrono_literals;
+
+namespace {
+
+identify::Sample sample_at(double time_s) {
+  identify::Sample sample;
+  sample.time_s = time_s;
+  sample.position_mm = {100 * time_s, 0, 5};
+  sample.has_position = true;
+  sample.joints = 6;
+  sample.angles_rad[2] = identify::kDegree;
+  return sample;
+}
+
+/// 25 samples of 4 ms make a slice.
+void feed(LiveFeed& feed, const rsi::Link& link, int slices) {
+  static double now_s = 0;
+  for (int i = 0; i < slices; ++i) {
+    for (int k = 0; k < 25; ++k) feed.sample(sample_at(now_s += 0.004));
+    feed.tick(link, true, now_s);
+  }
+}
+
+/// A telegram with this IPOC at `time`, and its reply after `latency`, if any.
+void exchange(rsi::Link& link, LiveFeed& feed, std::uint64_t ipoc, std::chrono::microseconds time,
+              std::optional<std::chrono::microseconds> latency) {
+  const auto digits = std::to_string(ipoc);
+  const auto telegram = sweepd::test::telegram(ipoc, "");
+  link.telegram({time, sweepd::test::kController, sweepd::test::kServer, telegram});
+  feed.telegram();
+  if (!latency) return;
+  const auto reply = "<Sen Type=\"x\"><IPOC>" + digits + "</IPOC></Sen>";
+  link.reply({time + *latency, sweepd::test::kServer, sweepd::test::kController, reply});
+}
+
+}  // namespace
+
+TEST_CASE("a slice has one point, and four while somebody looks", "[live_feed]") {
+  LiveSlices slices;
+  LiveFeed live(slices);
+  const rsi::Link link;
+  live.begin_session("s");
+  feed(live, link, 2);
+  {
+    const LiveSlices::Viewer viewer(slices);
+    feed(live, link, 2);
+  }
+  const auto news = slices.after(0, 0, 600);
+  REQUIRE(news.slices.size() == 4);
+  CHECK(news.slices[0].count == 1);
+  CHECK(news.slices[3].count >= 3);
+  CHECK(news.slices[3].joints == 6);
+  CHECK(news.slices[3].points[0].angles_deg[2] == Approx(1));
+  CHECK(news.slices[3].number == 4);
+  CHECK(news.slices[3].session == 1);
+}
+
+TEST_CASE("a reader is never waited for, and nothing is lost by it", "[live_feed]") {
+  LiveSlices slices;
+  LiveFeed live(slices);
+  const rsi::Link link;
+  live.begin_session("s");
+  std::atomic<bool> stop = false;
+  std::thread reader([&] {
+    while (!stop) static_cast<void>(slices.after(0, 0, 600));
+  });
+  feed(live, link, 2000);
+  stop = true;
+  reader.join();
+  feed(live, link, 1);
+  const auto news = slices.after(0, 0, 600);
+  CHECK(news.slices.size() == 600);
+  CHECK(news.slices.back().number <= 2001);
+  for (std::size_t i = 1; i < news.slices.size(); ++i)
+    CHECK(news.slices[i].number == news.slices[i - 1].number + 1);
+}
+
+TEST_CASE("a slice tells latency, jitter, late and missing replies", "[live_feed]") {
+  LiveSlices slices;
+  LiveFeed live(slices);
+  rsi::Link link;
+  live.begin_session("s");
+  std::uint64_t ipoc = 1000;
+  auto time = std::chrono::microseconds(1s);
+  const auto next = [&](std::optional<std::chrono::microseconds> latency,
+                        std::chrono::microseconds pace = 4ms) {
+    time += pace;
+    exchange(link, live, ipoc += 4, time, latency);
+  };
+  for (int i = 0; i < 50; ++i) next(20us);
+  live.tick(link, true, 0.1);
+  for (int i = 0; i < 5; ++i) next(20us);
+  next(5ms, 4300us);
+  next(std::nullopt, 3700us);
+  for (int i = 0; i < 5; ++i) next(20us);
+  next(std::nullopt);  // its reply is on its way
+  live.tick(link, true, 0.2);
+  const auto slice = slices.after(0, 0, 600).slices.back();
+  CHECK(slice.cycles == 12);
+  CHECK(slice.late == 1);
+  CHECK(slice.unanswered == 1);
+  CHECK(slice.latency_us == Approx(20));
+  CHECK(slice.latency_max_us == Approx(5000));
+  CHECK(slice.jitter_us == Approx(300).margin(1));
+}
+
+TEST_CASE("a sweep has its path, and the sweeps of a session before go", "[live_feed]") {
+  LiveSlices slices;
+  LiveFeed live(slices);
+  const rsi::Link link;
+  identify::Sweep sweep;
+  std::vector<identify::Sample> samples;
+  for (int i = 0; i < 500; ++i) samples.push_back(sample_at(0.004 * i));
+  sweep.samples = std::make_shared<const std::vector<identify::Sample>>(samples);
+  sweep.range_rad = 30 * identify::kDegree;
+  live.begin_session("first");
+  for (int i = 0; i < 200; ++i) {
+    live.sweep(sweep, 2, false, "words");
+    live.tick(link, true, 0.1 * i);
+  }
+  auto sweeps = slices.after(0, 0, 600).sweeps;
+  CHECK(sweeps.size() == LiveSlices::kSweeps);
+  CHECK(sweeps.back()->number == 200);
+  CHECK(sweeps.back()->joint == 3U);
+  CHECK(sweeps.back()->range == Approx(30));
+  CHECK(sweeps.back()->path.size() == 32);
+  CHECK(sweeps.back()->path.front()[0] == 0);
+  CHECK(sweeps.back()->path.back()[0] == Approx(199.6));
+  live.begin_session("second");
+  live.tick(link, true, 30);
+  CHECK(slices.after(0, 0, 600).sweeps.empty());
+}
