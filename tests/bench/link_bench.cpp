@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.get_subcommand("endpoint")
-      ->add_option("--seconds", endpoint_seconds, "How long each of the two parts takes")
+      ->add_option("--seconds", endpoint_seconds, "How long each of the four parts takes")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.get_subcommand("fleet")

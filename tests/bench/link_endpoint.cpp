@@ -1,9 +1,13 @@
-// What the pages cost the replies: a controller at 250 Hz in windows of half a second, in turn
-// without requests, with a thousand requests of /metrics a second, and without again. What the two
-// windows without requests differ by is the machine's own.
+// What the pages cost the replies: a controller at 250 Hz in windows, in turn without requests,
+// with them, and without again. What the two windows without requests differ by is the machine's
+// own. Requests are a thousand of /metrics a second in windows of half a second, or eight viewers
+// of the live page and one that never reads in windows of five, at whose beginning each gets the
+// last minute.
 
 #include <atomic>
 #include <exception>
+#include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <iterator>
 #include <stdexcept>
@@ -11,6 +15,7 @@
 
 #include "daemon/page/http_server.hpp"
 #include "daemon/service/robot_service.hpp"
+#include "daemon/system/process_state.hpp"
 #include "daemon/system/realtime.hpp"
 #include "rsi/telegram/ipoc.hpp"
 #include "rsi/telegram/reply.hpp"
@@ -26,7 +31,9 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kWindow = 500ms;
+constexpr auto kScraped = 500ms;
+constexpr auto kViewed = 5000ms;
+constexpr std::size_t kViewers = 8;
 constexpr auto kBetweenRequests = 1ms;
 
 /// Asks for /metrics a thousand times a second while it is told to. In the plant that is another
@@ -67,15 +74,74 @@ class Scraper {
   std::thread thread_;
 };
 
+/// Look at the live page while they are told to; the last one never reads. Likewise.
+class Viewers {
+ public:
+  explicit Viewers(std::uint16_t port) : port_(port) {
+    for (std::size_t i = 0; i < kViewers; ++i) threads_.emplace_back([this] { run(); });
+  }
+  ~Viewers() {
+    stop_ = true;
+    for (auto& thread : threads_) thread.join();
+  }
+  void ask(bool now) {
+    if (now && !looking_) never_reads_ = std::make_unique<sweepd::test::HttpClient>(port_);
+    if (now && !looking_) never_reads_->send(kRequest);
+    if (!now) never_reads_.reset();
+    looking_ = now;
+  }
+  [[nodiscard]] std::uint64_t answers() const { return events_; }
+
+ private:
+  static constexpr const char* kRequest = "GET /api/live HTTP/1.1\r\nHost: localhost\r\n\r\n";
+
+  void run() {
+    sweepd::take(sweepd::Share::low);
+    while (!stop_) {
+      std::this_thread::sleep_for(10ms);
+      if (!looking_) continue;
+      sweepd::test::HttpClient client(port_);
+      client.send(kRequest);
+      while (looking_ && !stop_ && !client.until("\n\n").empty()) ++events_;
+    }
+  }
+
+  const std::uint16_t port_;
+  std::atomic<bool> stop_{false};
+  std::atomic<bool> looking_{false};
+  std::atomic<std::uint64_t> events_{0};
+  std::unique_ptr<sweepd::test::HttpClient> never_reads_;  // of the thread that asks
+  std::vector<std::thread> threads_;
+};
+
+/// Processor time of this process's thread with this name.
+std::chrono::nanoseconds processor_time(const std::string& thread) {
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+    std::string name;
+    std::getline(std::ifstream(task.path() / "comm"), name);
+    std::uint64_t ns = 0;
+    if (name == thread && std::ifstream(task.path() / "schedstat") >> ns)
+      return std::chrono::nanoseconds(ns);
+  }
+  return {};
+}
+
+double resident_mib() {
+  return static_cast<double>(sweepd::process_state().resident_bytes) / (1 << 20);
+}
+
 /// By window: 0 and 2 without requests, 1 with.
 using Windows = std::array<std::vector<std::chrono::nanoseconds>, 3>;
 
 struct Measured {
   Windows windows;
   double requests_per_second = 0;
+  double http_share = 0;               ///< of a processor, while there are requests
+  double early_mib = 0, late_mib = 0;  ///< memory of all, after the first round and at the end
 };
 
-Measured measure(std::chrono::seconds time, bool fifo) {
+template <typename Load>
+Measured measure(std::chrono::seconds time, std::chrono::milliseconds each, bool fifo) {
   const sweepd::test::TemporaryFolder folder;
   auto robot = settings(folder.path(), "bench");
   if (fifo) robot.real_time.wish = sweepd::RealTime::require;
@@ -84,9 +150,12 @@ Measured measure(std::chrono::seconds time, bool fifo) {
   sweepd::Published<sweepd::ServiceStatus> status(
       {sweepd::ServiceStatus::Phase::serving, {service.status()}, {}, Clock::now()});
   const sweepd::HttpPages pages(status, {});
+  sweepd::HttpServer::Limits limits;
+  limits.viewers = kViewers + 1;
   const sweepd::HttpServer server(
-      {kLoopback, 0}, [&](const sweepd::HttpRequest& request) { return pages.answer(request); });
-  Scraper scraper(server.local().port);
+      {kLoopback, 0}, [&](const sweepd::HttpRequest& request) { return pages.answer(request); },
+      limits);
+  Load load(server.local().port);
 
   Measured measured;
   std::exception_ptr failure;
@@ -96,10 +165,12 @@ Measured measure(std::chrono::seconds time, bool fifo) {
       rsi::Reply reply(rsi::EthernetConfig::load(ethernet_file()));
       Client client(service.local().port);
       auto due = Clock::now();
-      for (auto window = time / kWindow; window > 0; --window) {
+      std::chrono::nanoseconds http{};
+      for (auto window = time / each; window > 0; --window) {
         const auto kind = static_cast<std::size_t>(window % 3);
-        scraper.ask(kind == 1);
-        for (auto cycle = kWindow / kCycle; cycle > 0; --cycle) {
+        load.ask(kind == 1);
+        const auto http_before = processor_time("http");
+        for (auto cycle = each / kCycle; cycle > 0; --cycle) {
           const auto telegram = telegrams.next();
           due = std::max(due + kCycle, Clock::now());
           std::this_thread::sleep_until(due);
@@ -109,7 +180,14 @@ Measured measure(std::chrono::seconds time, bool fifo) {
         auto& times = client.turnarounds();
         std::move(times.begin(), times.end(), std::back_inserter(measured.windows[kind]));
         times.clear();
+        if (kind == 1) http += processor_time("http") - http_before;
+        if (measured.early_mib == 0 && !measured.windows[1].empty())
+          measured.early_mib = resident_mib();
       }
+      load.ask(false);
+      measured.late_mib = resident_mib();
+      measured.http_share = std::chrono::duration<double>(http) /
+                            std::chrono::duration<double>(kCycle * measured.windows[1].size());
     } catch (...) {
       failure = std::current_exception();
     }
@@ -117,7 +195,7 @@ Measured measure(std::chrono::seconds time, bool fifo) {
   controller.join();
   if (failure) std::rethrow_exception(failure);
   measured.requests_per_second =
-      static_cast<double>(scraper.answers()) /
+      static_cast<double>(load.answers()) /
       std::chrono::duration<double>(kCycle * measured.windows[1].size()).count();
   service.stop();
   return measured;
@@ -127,7 +205,10 @@ void print(const char* title, Measured measured) {
   auto& [first, asked, second] = measured.windows;
   auto without = first;
   without.insert(without.end(), second.begin(), second.end());
-  std::cout << title << ", " << sweepd::fixed(measured.requests_per_second, 0) << " requests/s\n";
+  std::cout << title << ", " << sweepd::fixed(measured.requests_per_second, 0)
+            << " answers/s, the http thread takes " << sweepd::fixed(100 * measured.http_share, 2)
+            << " % of a processor, memory " << sweepd::fixed(measured.early_mib, 1) << " to "
+            << sweepd::fixed(measured.late_mib, 1) << " MiB\n";
   const std::pair<const char*, double> rows[] = {
       {"  p50", 0.5}, {"  p99", 0.99}, {"  p99.9", 0.999}, {"  max", 1.0}};
   for (const auto& [name, q] : rows) {
@@ -147,9 +228,13 @@ void endpoint(std::chrono::seconds time) {
   std::cout << "reply turnaround at 250 Hz on loopback while the pages are asked for, in us\n"
             << left("", 12) << right("without", 9) << right("with", 10) << right("ratio", 9)
             << right("noise", 9) << "   aim\n";
-  print("usual scheduling", measure(time, false));
+  print("/metrics, usual scheduling", measure<Scraper>(time, kScraped, false));
+  print("8 viewers and one that never reads, usual scheduling",
+        measure<Viewers>(time, kViewed, false));
   try {
-    print("reply thread under SCHED_FIFO", measure(time, true));
+    print("/metrics, reply thread under SCHED_FIFO", measure<Scraper>(time, kScraped, true));
+    print("8 viewers and one that never reads, reply thread under SCHED_FIFO",
+          measure<Viewers>(time, kViewed, true));
   } catch (const std::exception& error) {
     std::cout << "SCHED_FIFO: not measured: " << error.what() << '\n';
   }

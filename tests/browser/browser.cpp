@@ -100,6 +100,10 @@ Json Browser::run(const std::string& script) {
   return in_session("/execute/sync", {{"script", script}, {"args", Json::array()}});
 }
 
+Json Browser::run_later(const std::string& script) {
+  return in_session("/execute/async", {{"script", script}, {"args", Json::array()}});
+}
+
 std::string Browser::text(const std::string& expression) {
   const Json value = run("return String(" + expression + ")");
   return value.get<std::string>();

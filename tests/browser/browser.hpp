@@ -29,7 +29,9 @@ class Browser {
   void open(const std::string& url);
   /// What the body of a function returns.
   Json run(const std::string& script);
-  /// The same, as text.
+  /// What it passes on to the function that is its last argument.
+  Json run_later(const std::string& script);
+  /// What an expression is, as text.
   std::string text(const std::string& expression);
   /// Whether the expression becomes true within `seconds`.
   bool becomes(const std::string& expression, int seconds = 20);

@@ -173,3 +173,36 @@ TEST_CASE("a robot that does not exist is told in words, and its name is only te
   browser.size(1024, 600, false);
   browser.screenshot(kScreenshots / "unknown_1024_light.png");
 }
+
+// By hand: axe-core is large, and nothing else needs it. CONTRIBUTING.md has the command.
+TEST_CASE("axe-core finds nothing serious, in both schemes and sizes", "[.axe]") {
+  const char* file = std::getenv("SWEEPD_AXE");
+  REQUIRE(file != nullptr);  // axe.min.js
+  const std::string axe = content(file);
+  REQUIRE(axe.size() > 100'000);
+  ServedPage page;
+  auto& browser = page.browser;
+  const auto controller = page.controller();
+  CHECK(controller->wait() != 1);
+  CHECK(eventually([&] { return HttpClient(page.port).get("/api/result").status == 200; }));
+  for (const std::string target : {"/", "/?robot=kr5-arc"}) {
+    browser.open(page.address() + target);
+    CHECK(browser.becomes("document.querySelector('tbody tr a, .dh td')"));
+    browser.run("document.querySelectorAll('details').forEach(one => one.open = true)");
+    browser.run(axe);
+    for (const bool phone : {false, true})
+      for (const bool dark : {false, true}) {
+        browser.size(phone ? 360 : 1024, phone ? 740 : 600, phone);
+        browser.scheme(dark);
+        const Json found = browser.run_later(
+            "const done = arguments[arguments.length - 1];"
+            "axe.run().then(result => done({passes: result.passes.length, violations: "
+            "result.violations.map(one => [one.impact, one.id, one.nodes[0].html])}))");
+        std::cout << target << (phone ? ", phone" : ", desk") << (dark ? ", dark" : ", light")
+                  << ": " << found["passes"] << " rules passed; found: " << found["violations"]
+                  << '\n';
+        for (const auto& one : found["violations"])
+          CHECK((one[0] != "serious" && one[0] != "critical"));
+      }
+  }
+}

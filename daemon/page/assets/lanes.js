@@ -12,7 +12,7 @@ export function make_lanes() {
     "Dashed: moves now. Outline: recognised. Filled: used in the result. Dotted: not usable.");
   [...table.querySelectorAll("thead th")].forEach((cell, i) => (cell.className = ["", "number now", "", "number", "track"][i]));
   const unknown = element("p", { class: "quiet", hidden: "" }, "The telegrams carry no angles: the plan or the result tells which joint moved.");
-  const made = panel("Joints", element("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Joints" }, table), legend, unknown);
+  const made = panel("Joints", element("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Table of joints" }, table), legend, unknown);
   let joints = [];
   let units = [];
   let now_s = 0;

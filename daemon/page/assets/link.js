@@ -50,7 +50,7 @@ export function make_link() {
       },
       axes: [
         { ...axis, size: 32, values: (_, splits) => splits.map((s) => (s === 0 ? "now" : `${s} s`)) },
-        { ...axis, size: 62, values: log_ticks, filter: decades },
+        { ...axis, size: 62, values: log_ticks, filter: decades, grid: { ...axis.grid, filter: decades }, ticks: { ...axis.ticks, filter: decades } },
       ],
       series: [{}, line("joint1"), line("joint3", [8, 4]), line("joint4", [2, 3]), line("text", [14, 5]), marks],
     };

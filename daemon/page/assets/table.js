@@ -15,9 +15,9 @@ export function make_table() {
   const status = element("p", { id: "result", role: "status" }, "No result yet: it comes once enough joints were swept.");
   const table = element("table", { class: "dh" },
     element("caption", {}, "Identified values with their standard uncertainty; “set” is by convention, not identified."),
-    head("Joint", "", "Identified", "Std. unc.", "Difference", "Specified"), body);
+    head("Joint", "Number", "Identified", "Std. unc.", "Difference", "Specified"), body);
   for (const cell of [...table.querySelectorAll("thead th")].slice(2)) cell.className = "number";
-  const made = panel("DH table", status, element("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "DH table" }, table));
+  const made = panel("DH table", status, element("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Table of DH numbers" }, table));
   made.classList.add("wide");
   const list = element("ul", { class: "messages" });
   const quiet = element("p", { class: "quiet" }, "None.");
