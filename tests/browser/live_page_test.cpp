@@ -1,6 +1,10 @@
+#include <algorithm>
+#include <cmath>
 #include <csignal>
+#include <cstdlib>
 #include <iostream>
 
+#include "daemon/page/http_server.hpp"
 #include "tests/browser/browser.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/http_client.hpp"
@@ -27,12 +31,13 @@ struct ServedPage {
   Browser browser;
 
   [[nodiscard]] std::string address() const { return "http://127.0.0.1:" + std::to_string(port); }
-  /// A simulated controller that runs the short plan.
+  /// A simulated controller that runs the short plan, or the one that SWEEPD_PLAN names.
   [[nodiscard]] std::unique_ptr<SweepdProcess> controller() const {
+    const char* given = std::getenv("SWEEPD_PLAN");
     return std::make_unique<SweepdProcess>(std::vector<std::string>{
         "simulate", "--robot", (kConfig / "robots/kr5_arc.toml").string(), "--plan",
-        write_short_plan(folder).string(), "--to", daemon.address(), "--check", "sweepd",
-        "--timeout-cycles", "2500"});
+        given != nullptr ? given : write_short_plan(folder).string(), "--to", daemon.address(),
+        "--check", "sweepd", "--timeout-cycles", "2500"});
   }
   /// The page at both sizes in both schemes.
   void look(const std::string& moment) {
@@ -89,11 +94,11 @@ TEST_CASE("all joints go from moving to used, and the table has the digits of re
       "  if (target.dataset.state == 'moving') moved.add(target.parentNode.dataset.joint);"
       "})).observe(document.querySelector('.lanes'), {subtree: true, attributes: true});");
   const auto controller = page.controller();
-  CHECK(browser.becomes("moved.size >= 3"));
+  CHECK(browser.becomes("moved.size >= 3", 60));
   page.look("meanwhile");
-  CHECK(browser.becomes("moved.size == 6"));
+  CHECK(browser.becomes("moved.size == 6", 60));
   CHECK(controller->wait() != 1);
-  CHECK(browser.becomes(kStates + " == 'used used used used used used'"));
+  CHECK(browser.becomes(kStates + " == 'used used used used used used'", 60));
   CHECK(browser.becomes("document.getElementById('result').textContent.startsWith('Last result')"));
   page.look("after");
 
@@ -139,6 +144,111 @@ TEST_CASE("all joints go from moving to used, and the table has the digits of re
     CHECK(browser.text("document.querySelector('.dh tbody').textContent") == table);
   }
   page.check_quiet();
+}
+
+namespace {
+
+const std::string kEvil =
+    "<script>document.title='x'</script>\"'\n<img src=x onerror=alert(1)> שלום";
+
+/// A robot of twelve joints, one of them linear, that says what no robot says.
+std::shared_ptr<sweepd::RobotStatus> odd_robot() {
+  constexpr std::size_t kJoints = 12;
+  const auto robot = std::make_shared<sweepd::RobotStatus>();
+  sweepd::RobotFacts facts{4, {}, {}, {}};  // the result knows more
+  robot->facts.publish(facts);
+  sweepd::RobotState state;
+  state.name = "odd";
+  state.stream = {"20250101T000000Z", std::chrono::seconds(-1), 0, std::chrono::milliseconds(4)};
+  state.sessions = 1;
+  robot->state.publish(state);
+  sweepd::LiveSlice slice;
+  slice.session = 1;
+  slice.joints = kJoints;
+  Json joints = Json::array(), dh = Json::array();
+  for (int i = 0; i < 600; ++i) {
+    const std::size_t moving = static_cast<std::size_t>(i) / 50;
+    ++slice.number;
+    slice.at_s = 1e6 + 0.1 * i;
+    slice.cycles = 25;
+    slice.late = i % 97 == 0 ? 1 : 0;
+    slice.latency_us = static_cast<float>(20 + i % 7);
+    slice.latency_max_us = static_cast<float>(60 + i % 31);
+    slice.jitter_us = static_cast<float>(200 + 3 * (i % 50));
+    slice.count = 1;
+    auto& point = slice.points[0];
+    point.t_s = 0.1 * i;
+    point.has_position = true;
+    const auto turn = static_cast<float>(0.06 * i);
+    point.position_mm = {900 * std::cos(turn), 900 * std::sin(turn), static_cast<float>(2 * i)};
+    point.angles_deg[moving] += 1;
+    std::vector<std::shared_ptr<const sweepd::LiveSweep>> sweeps;
+    if (i % 50 == 49) {
+      auto sweep = std::make_shared<sweepd::LiveSweep>();
+      sweep->number = sweep->joint.emplace(moving + 1);
+      sweep->session = 1;
+      sweep->started = state.stream->session;
+      sweep->start_s = (i - 45) / 10.0;  // few digits, as files have
+      sweep->end_s = (i - 1) / 10.0;
+      sweep->range = 44.5;
+      sweep->linear = moving == 11;
+      sweep->usable = moving != 7;
+      sweep->direction = 1;
+      sweep->words = kEvil;
+      sweep->path = {point.position_mm, {0, 0, 500}};
+      sweeps.push_back(sweep);
+      joints.push_back({{"joint", moving + 1},
+                        {"sweeps", {{{"start_s", sweep->start_s}, {"used", moving < 6}}}}});
+      dh.push_back({{"joint", moving + 1}, {"b_mm", 1e-05 * i}, {"b_sigma_mm", nullptr}});
+    }
+    CHECK(robot->live.try_add(slice, sweeps));
+  }
+  sweepd::ResultState result;
+  const Json warnings = {{{"code", "x"}, {"message", kEvil}}};
+  const Json json = {{"reason", kEvil},  {"doubts", warnings}, {"warnings", warnings},
+                     {"joints", joints}, {"dh", dh},           {"describes", "arm"}};
+  result.newest = {identify::Status::doubtful,
+                   true,
+                   state.stream->session,
+                   {},
+                   {},
+                   1,
+                   std::make_shared<const std::string>(json.dump())};
+  robot->result.publish(result);
+  return robot;
+}
+
+}  // namespace
+
+TEST_CASE("what sweepd tells is only text, and a result may have twelve joints", "[live_page]") {
+  if (!browser_is_here()) return;
+  const auto robot = odd_robot();
+  sweepd::ServiceStatus serving{sweepd::ServiceStatus::Phase::serving, {robot}, {kEvil}, {}};
+  serving.not_served = {{kEvil, kEvil}};
+  sweepd::Published<sweepd::ServiceStatus> status(serving);
+  const sweepd::HttpPages pages(status, {});
+  const sweepd::HttpServer server({0x7f000001, 0},
+                                  [&](const auto& request) { return pages.answer(request); });
+  const auto address = "http://127.0.0.1:" + std::to_string(server.local().port);
+  Browser browser;
+  browser.size(1024, 600, false);
+  for (const std::string target : {"/", "/?robot=odd"}) {
+    browser.open(address + target);
+    CHECK(browser.becomes("document.querySelector('tbody tr a, .dh td')"));
+    CHECK(browser.becomes("document.querySelector('main').textContent.includes('onerror=alert')"));
+    CHECK(browser.text("document.querySelectorAll('main script, main img').length") == "0");
+    CHECK(browser.text("document.title") != "x");
+    browser.screenshot(kScreenshots / (target == "/" ? "odd_robots.png" : "odd_whole.png"), true);
+  }
+  CHECK(browser.text("document.querySelectorAll('.lanes tbody tr').length") == "12");
+  CHECK(browser.text("document.querySelectorAll('.dh tbody .first').length") == "12");
+  CHECK(browser.text("document.querySelectorAll('.lanes .bar.used').length") == "6");
+  CHECK(browser.text("document.querySelectorAll('.lanes .bar.unusable').length") == "1");
+  CHECK(browser.text("document.querySelector('[data-link=late]').textContent") == "1");
+  for (const auto& line : browser.console()) {
+    INFO(line);
+    CHECK(false);
+  }
 }
 
 TEST_CASE("a page says when sweepd is gone, and is live again within five seconds", "[live_page]") {

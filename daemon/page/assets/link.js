@@ -14,10 +14,11 @@ export function make_link() {
     line.style.color = `var(--${name})`;
     return element("li", {}, line, text);
   };
+  const late_key = element("span", { class: "dot" }, "● ");
   const legend = element("ul", { class: "legend" },
     key("", "joint1", "latency, median"), key("dashed", "joint3", "latency, longest"),
     key("dotted", "joint4", "jitter, largest"), key("dashed", "text", "cycle"),
-    element("li", {}, "✕ late or unanswered"));
+    element("li", {}, late_key, "late or unanswered"));
   const body = element("tbody");
   const cells = {};
   for (const [name, label] of [["latency", "Latency, median and longest"], ["jitter", "Jitter, largest"], ["late", "Late or unanswered"], ["lost", "Lost on the way, since sweepd started"]]) {

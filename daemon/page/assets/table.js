@@ -4,7 +4,7 @@ import { bdi, element, head, panel, row, say } from "./text.js";
 const NUMBERS = [["b", "_mm", "b", "mm"], ["theta", "_deg", "θ", "°"], ["a", "_mm", "a", "mm"], ["alpha", "_deg", "α", "°"], ["beta", "_deg", "β", "°"]];
 const STATUS = {
   complete: "Every joint has an axis, and nothing contradicts.",
-  doubtful: "Something contradicts: do not use the numbers before the reasons below are understood.",
+  doubtful: "Something contradicts: do not use the numbers before the reasons under Warnings are understood.",
   partial: "Not every joint has an axis yet.",
   failed: "No axis was found.",
 };
