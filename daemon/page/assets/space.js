@@ -71,7 +71,8 @@ export function make_space() {
     ["X", "Y", "Z"].forEach((name, k) => {
       const [x, y] = project(axes[k]);
       line(to, [from, [x, y]], colour("quiet"), [], 1.5);
-      to.fillText(k === 0 ? `${name} ${length} mm` : name, x + 4, y - 4);
+      const label = k === 0 ? `${name} ${length} mm` : name;
+      to.fillText(label, Math.min(x + 4, to.canvas.clientWidth - to.measureText(label).width - 2), y - 4);
     });
   }
 
