@@ -318,7 +318,7 @@ TEST_CASE("a controller that does not read its replies is disconnected, and noth
 TEST_CASE("a server stops at once, with or without a connection", "[tcp_server]") {
   const bool connected = GENERATE(false, true);
   const auto start = std::chrono::steady_clock::now();
-  for (int k = 0; k < 100; ++k) {
+  for (int k = 0; k < 200; ++k) {
     auto running = std::make_unique<TcpRunning>(on_loopback());
     std::optional<TcpController> controller;
     if (connected) {
@@ -328,8 +328,8 @@ TEST_CASE("a server stops at once, with or without a connection", "[tcp_server]"
     running.reset();
     if (connected) CHECK(controller->closed_by_server());
   }
-  // So long as it looks at its port each time would be twice as much.
-  CHECK(std::chrono::steady_clock::now() - start < 5s);
+  // Where most of them look at their port for as long as they do, it is twice as much.
+  CHECK(std::chrono::steady_clock::now() - start < 4s);
 }
 
 TEST_CASE("a TCP port belongs to one server alone, and is free again after it", "[tcp_server]") {

@@ -294,7 +294,7 @@ TEST_CASE("a full queue does not keep a telegram from being answered", "[udp_ser
 
 TEST_CASE("a UDP server stops at once, and hands over nothing that did not come", "[udp_server]") {
   const auto start = std::chrono::steady_clock::now();
-  for (int k = 0; k < 100; ++k) {
+  for (int k = 0; k < 200; ++k) {
     UdpRunning running(on_loopback());
     UdpController controller(running.server);
     controller.send(telegram(4));
@@ -306,8 +306,8 @@ TEST_CASE("a UDP server stops at once, and hands over nothing that did not come"
     CHECK_FALSE(running.server.datagrams().pop(none));
     CHECK(running.server.counts().foreign + running.server.counts().unanswerable == 0);
   }
-  // So long as it looks at its port each time would be twice as much.
-  CHECK(std::chrono::steady_clock::now() - start < 5s);
+  // Where most of them look at their port for as long as they do, it is twice as much.
+  CHECK(std::chrono::steady_clock::now() - start < 4s);
 }
 
 TEST_CASE("a port belongs to one server alone, and the message says what to do", "[udp_server]") {
