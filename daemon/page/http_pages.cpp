@@ -64,9 +64,9 @@ HttpResponse for_robot(const ServiceStatus& status, std::string_view query, Answ
   }
   for (const auto& [robot, reason] : status.not_served)
     if (query == robot) return text(404, robot + ": not served: " + reason);
-  return text(
-      query.empty() && !names.empty() ? 400 : 404,
-      names.empty() ? "no robot is served" : "which robot? add ?robot=NAME with one of:" + names);
+  if (names.empty()) return text(404, "no robot is served");
+  if (query.empty()) return text(400, "which robot? add ?robot=NAME with one of:" + names);
+  return text(404, "there is no such robot: ?robot=NAME takes one of:" + names);
 }
 
 HttpResponse result(const ServiceStatus& status, std::string_view query) {

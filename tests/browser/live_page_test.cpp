@@ -276,7 +276,7 @@ TEST_CASE("a robot that does not exist is told in words, and its name is only te
   browser.open(page.address() +
                "/?robot=%3Cscript%3Edocument.title%3D%27x%27%3C%2Fscript%3E%22%0A%D7%A9%D7%9C");
   const std::string words = "document.getElementById('connection').textContent";
-  CHECK(browser.becomes(words + ".includes('which robot?')"));
+  CHECK(browser.becomes(words + ".includes('there is no such robot')"));
   CHECK(browser.becomes(words + ".includes('one of: kr5-arc')"));
   CHECK(browser.text("document.querySelectorAll('main script, h1 script').length") == "0");
   CHECK(browser.text("document.title").starts_with("<script>"));

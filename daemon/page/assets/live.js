@@ -31,7 +31,7 @@ export function listen(robot, handlers) {
       const stop = new AbortController();
       const answer = await fetch(url, { signal: stop.signal, headers: { Accept: "text/event-stream" } });
       if (answer.ok) stop.abort();
-      else lose(`${(await answer.text()).trim()}. This page tries again by itself.`);
+      else lose(`sweepd says: ${(await answer.text()).trim()}. This page tries again by itself.`);
     } catch {
       lose("The connection to sweepd is lost. This page tries again by itself.");
     }

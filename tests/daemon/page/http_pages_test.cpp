@@ -113,8 +113,9 @@ TEST_CASE("the live stream is of a robot that is there", "[http_pages]") {
   CHECK_THAT(*live.more(), ContainsSubstring("\"robot\":\"b\""));
   for (const auto& [target, status, words] : std::vector<std::tuple<std::string, int, std::string>>{
            {"/api/live", 400, "which robot? add ?robot=NAME with one of: a b\n"},
-           {"/api/live?robot=c", 404, "which robot? add ?robot=NAME with one of: a b\n"},
-           {"/api/live?robot=<script>", 404, "which robot? add ?robot=NAME with one of: a b\n"},
+           {"/api/live?robot=c", 404, "there is no such robot: ?robot=NAME takes one of: a b\n"},
+           {"/api/live?robot=<script>", 404,
+            "there is no such robot: ?robot=NAME takes one of: a b\n"},
            {"/api/live?robot=far", 404, "far: not served: its port is taken\n"},
            {"/api/live?name=a", 400, "expected ?robot=NAME\n"}}) {
     const auto answer = service.get(target);

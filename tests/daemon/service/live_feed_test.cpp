@@ -1,5 +1,6 @@
 #include "daemon/service/live_feed.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <optional>
 #include <thread>
@@ -80,8 +81,9 @@ TEST_CASE("a reader is never waited for, and nothing is lost by it", "[live_feed
   reader.join();
   feed(live, link, 1);
   const auto news = slices.after(0, 0, 600);
-  CHECK(news.slices.size() == 600);
+  REQUIRE_FALSE(news.slices.empty());
   CHECK(news.slices.back().number <= 2001);
+  CHECK(news.slices.size() == std::min<std::size_t>(news.slices.back().number, 600));
   for (std::size_t i = 1; i < news.slices.size(); ++i)
     CHECK(news.slices[i].number == news.slices[i - 1].number + 1);
 }
