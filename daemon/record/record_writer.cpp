@@ -15,7 +15,6 @@ namespace sweepd {
 namespace {
 
 using namespace std::chrono_literals;
-namespace fs = std::filesystem;
 
 constexpr auto kBetweenRoomChecks = 1s;
 constexpr auto kLongestRetry = 60s;

@@ -43,6 +43,7 @@ class Folder {
   [[nodiscard]] int descriptor() const { return dirfd(entries_); }
   /// The next name; nothing at the end.
   std::optional<std::string> next() {
+    // NOLINTNEXTLINE(concurrency-mt-unsafe): no other thread has this folder's entries
     const dirent* const entry = readdir(entries_);
     return entry == nullptr ? std::nullopt : std::optional<std::string>(entry->d_name);
   }

@@ -93,6 +93,7 @@ std::vector<fs::path> unfinished_sessions(const fs::path& robot_folder) {
       found.emplace(*name, entry->path());
   }
   std::vector<fs::path> folders;
+  folders.reserve(found.size());
   for (const auto& [name, folder] : found) folders.push_back(folder);
   std::reverse(folders.begin(), folders.end());
   return folders;
