@@ -237,6 +237,8 @@ TEST_CASE("from reception to reply the TCP server neither allocates nor asks for
   }
   const auto beats = server.beats();
   while (server.beats() < beats + 3) std::this_thread::yield();  // silence is part of it
+  // A stop takes a lock of Asio's, for which the thread may wait then, and only then.
+  const int asked = system_calls;
   server.stop();
   thread.join();
   CHECK(answered == 1000);
@@ -245,5 +247,5 @@ TEST_CASE("from reception to reply the TCP server neither allocates nor asks for
   CHECK(server.counts().overflows > 0);
   CHECK(allocations == 0);
   INFO("first system call: " << first_system_call);
-  CHECK(system_calls == 0);
+  CHECK(asked == 0);
 }
