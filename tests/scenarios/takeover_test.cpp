@@ -99,14 +99,19 @@ class Takeover {
     REQUIRE(eventually([&] { return cycles_ >= until; }));
     speaks_ = true;
   }
+  [[nodiscard]] std::filesystem::path session() const {
+    for (const auto& session : std::filesystem::directory_iterator(folder_ / "output/kr5-arc"))
+      return session.path();
+    return {};
+  }
   /// What sweepd writes of the link.
   Json end() {
+    daemon_->signal(SIGUSR1);  // of a good link without sweeps nothing is written by itself
+    REQUIRE(eventually([&] { return std::filesystem::exists(session() / "link.txt"); }));
     static_cast<void>(streamer_.stop());
     daemon_->signal(SIGTERM);
     REQUIRE(daemon_->wait() == 0);
-    for (const auto& session : std::filesystem::directory_iterator(folder_ / "output/kr5-arc"))
-      return Json::parse(content(session.path() / "link.json"));
-    return {};
+    return Json::parse(content(session() / "link.json"));
   }
 
  private:
