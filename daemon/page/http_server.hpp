@@ -27,7 +27,7 @@ class HttpServer {
     std::chrono::milliseconds request{5000};  ///< for one to come whole, or its answer to go
     std::chrono::milliseconds idle{30'000};   ///< from one answer to the next request
     std::size_t viewers = 8;  ///< of answers that go on, beside the connections; one more gets 503
-    std::chrono::milliseconds pace{100};        ///< of such an answer
+    std::chrono::milliseconds pace{200};        ///< of such an answer
     std::chrono::milliseconds heartbeat{5000};  ///< an empty line where there is nothing to tell
   };
   static constexpr std::size_t kLargestHeader = 8192;  ///< of a request, in bytes

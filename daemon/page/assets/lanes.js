@@ -3,6 +3,7 @@ import { element, head, joint_colour, painter, panel, row, say } from "./text.js
 
 const MOVES = 0.02; // degrees or mm from one sample to the next
 const STOPPED_S = 0.35;
+const STEP_S = 20;
 const WORDS = { still: "not moved yet", moving: "moving", recognised: "recognised", used: "used", unusable: "not usable" };
 
 export function make_lanes() {
@@ -24,12 +25,13 @@ export function make_lanes() {
 
   const draw = painter(() => {
     const all = joints.flatMap((lane) => lane.sweeps.map((sweep) => Number(sweep.start_s)));
-    from_s = Math.max(Math.min(now_s - 60, ...all), now_s - 600, 0);
-    const span = Math.max(now_s - from_s, 10);
+    // In steps, so that bars stay where they are for a while.
+    from_s = STEP_S * Math.floor(Math.max(Math.min(now_s - 60, ...all), now_s - 600, 0) / STEP_S);
+    const span = STEP_S * Math.ceil((now_s - from_s + 1) / STEP_S);
     joints.forEach((lane, index) => show(lane, index + 1, span));
-  });
+  }, 250);
 
-  function bar(kind, start_s, end_s, span, title) {
+  function bar(span, kind, start_s, end_s, title) {
     const made = element("div", { class: "bar " + kind });
     made.style.left = `${(100 * (start_s - from_s)) / span}%`;
     made.style.width = `${(100 * (end_s - start_s)) / span}%`;
@@ -49,10 +51,13 @@ export function make_lanes() {
     const shown = (used.length > 0 ? used : usable).at(-1);
     say(lane.range, shown ? `${shown.range} ${shown.unit === "mm" ? "mm" : "°"}` : "");
     lane.lane.style.color = joint_colour(joint);
-    const bars = lane.sweeps.map((sweep) =>
-      bar(sweep.used ? "used" : sweep.usable ? "recognised" : "unusable", Number(sweep.start_s), Number(sweep.end_s), span, sweep.words));
-    if (moving) bars.push(bar("moving", Math.max(lane.began, from_s), now_s, span, "moving"));
-    lane.lane.replaceChildren(...bars.filter((one) => parseFloat(one.style.left) > -100));
+    const bars = lane.sweeps.map((sweep) => [sweep.used ? "used" : sweep.usable ? "recognised" : "unusable", Number(sweep.start_s), Number(sweep.end_s), sweep.words]);
+    if (moving) bars.push(["moving", lane.began, now_s, "moving"]);
+    const seen = bars.filter(([, , end_s]) => end_s > from_s);
+    const looks = JSON.stringify([from_s, span, seen]);
+    if (looks === lane.looks) return;
+    lane.looks = looks;
+    lane.lane.replaceChildren(...seen.map((one) => bar(span, ...one)));
   }
 
   function make_lane(joint) {
@@ -139,6 +144,6 @@ export function make_lanes() {
       mark_used();
       draw();
     },
-    recolour: draw,
+    recolour: () => draw(),
   };
 }

@@ -74,7 +74,7 @@ export function make_link() {
     if (!plot && width > 0) plot = new window.uPlot(options(width), columns(), plot_place);
     else plot?.setData(columns());
     table_of_now();
-  });
+  }, 1000);
 
   function table_of_now() {
     const now = data[0].at(-1);

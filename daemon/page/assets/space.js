@@ -118,16 +118,16 @@ export function make_space() {
       to.fillStyle = colour("text");
       to.fill();
     }
-  });
+  }, 500);
 
   function turn(yaw, pitch) {
     view.yaw += yaw;
     view.pitch = Math.max(-Math.PI / 2, Math.min(Math.PI / 2, view.pitch + pitch));
-    draw();
+    draw(true);
   }
   function zoom(factor) {
     view.zoom = Math.max(0.3, Math.min(20, view.zoom * factor));
-    draw();
+    draw(true);
   }
 
   canvas.addEventListener("pointermove", (event) => {
@@ -139,13 +139,13 @@ export function make_space() {
       ArrowLeft: () => turn(-STEP_RAD, 0), ArrowRight: () => turn(STEP_RAD, 0),
       ArrowUp: () => turn(0, -STEP_RAD), ArrowDown: () => turn(0, STEP_RAD),
       "+": () => zoom(1.2), "-": () => zoom(1 / 1.2),
-      Home: () => { view = { ...home }; draw(); },
+      Home: () => { view = { ...home }; draw(true); },
     };
     if (!keys[event.key] || event.ctrlKey || event.metaKey) return;
     event.preventDefault();
     keys[event.key]();
   });
-  new ResizeObserver(draw).observe(canvas);
+  new ResizeObserver(() => draw()).observe(canvas);
 
   const begin = () => {
     trace = [];
@@ -179,6 +179,6 @@ export function make_space() {
       rows.append(row("td", cells.map(String)));
       draw();
     },
-    recolour: draw,
+    recolour: () => draw(),
   };
 }

@@ -44,9 +44,16 @@ export const utc = (text) => text.replace("T", " ").replace(/\.\d+Z$/, " UTC");
 
 export const counted = (count, one, many = one + "s") => `${count} ${count === 1 ? one : many}`;
 
+export const dark = matchMedia("(prefers-color-scheme: dark)");
+const still = matchMedia("(prefers-reduced-motion: reduce)");
+
+const colours = new Map();
+dark.addEventListener("change", () => colours.clear());
+
 /** A colour of the style sheet, as it is in the scheme of this moment. */
 export function colour(name) {
-  return getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
+  if (!colours.has(name)) colours.set(name, getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim());
+  return colours.get(name);
 }
 
 /** Beside its colour each joint has its own dashes. */
@@ -54,17 +61,21 @@ const DASHES = [[], [9, 4], [2, 4], [10, 3, 2, 3], [16, 4], [5, 5]];
 export const joint_colour = (joint) => colour(`joint${((joint - 1) % 6) + 1}`);
 export const joint_dash = (joint) => DASHES[(joint - 1 + Math.floor((joint - 1) / 6)) % 6];
 
-export const dark = matchMedia("(prefers-color-scheme: dark)");
-const still = matchMedia("(prefers-reduced-motion: reduce)");
-
-/** Calls `draw` once for all calls in a frame; once a second where motion is not wanted. */
-export function painter(draw) {
-  let due = false;
-  const paint = () => { due = false; draw(); };
-  return () => {
-    if (due) return;
-    due = true;
-    if (still.matches) setTimeout(paint, 1000);
-    else requestAnimationFrame(paint);
+/**
+ * Calls `draw` once for all calls of a while, in milliseconds; of a second where motion is not
+ * wanted. All draw at the same moments, which saves frames. With `now` it does not wait for that: a
+ * hand turns something.
+ */
+export function painter(draw, pause_ms) {
+  let due = 0;
+  const paint = () => {
+    due = 0;
+    draw();
+  };
+  return (now = false) => {
+    if (due && !now) return;
+    clearTimeout(due);
+    const pause = still.matches ? 1000 : pause_ms;
+    due = setTimeout(() => requestAnimationFrame(paint), now ? 0 : pause - (performance.now() % pause));
   };
 }
