@@ -47,6 +47,7 @@ struct ServedPage {
         browser.scheme(dark);
         CHECK(browser.becomes("document.documentElement.scrollWidth <= innerWidth"));
         browser.run("scrollTo(0, 0)");
+        browser.run_later("const [done] = arguments; setTimeout(done, 100)");  // it is drawn anew
         const auto name = moment + (phone ? "_360" : "_1024") + (dark ? "_dark" : "_light");
         for (const bool whole : {false, true})
           browser.screenshot(kScreenshots / (name + (whole ? "_whole.png" : ".png")), whole);
@@ -242,9 +243,9 @@ TEST_CASE("what sweepd tells is only text, and a result may have twelve joints",
   }
   CHECK(browser.text("document.querySelectorAll('.lanes tbody tr').length") == "12");
   CHECK(browser.text("document.querySelectorAll('.dh tbody .first').length") == "12");
-  CHECK(browser.text("document.querySelectorAll('.lanes .bar.used').length") == "6");
+  CHECK(browser.becomes("document.querySelectorAll('.lanes .bar.used').length == 6"));
   CHECK(browser.text("document.querySelectorAll('.lanes .bar.unusable').length") == "1");
-  CHECK(browser.text("document.querySelector('[data-link=late]').textContent") == "1");
+  CHECK(browser.becomes("document.querySelector('[data-link=late]').textContent == '1'"));
   for (const auto& line : browser.console()) {
     INFO(line);
     CHECK(false);

@@ -1,5 +1,5 @@
 // A lane for each joint: what moves, which sweeps are recognised, which the result has used.
-import { element, head, joint_colour, painter, panel, row, say } from "./text.js";
+import { element, head, painter, panel, row, say } from "./text.js";
 
 const MOVES = 0.02; // degrees or mm from one sample to the next
 const STOPPED_S = 0.35;
@@ -50,7 +50,7 @@ export function make_lanes() {
     say(lane.now, lane.angle === null ? "" : `${lane.angle.toFixed(1)} ${units[joint - 1]}`);
     const shown = (used.length > 0 ? used : usable).at(-1);
     say(lane.range, shown ? `${shown.range} ${shown.unit === "mm" ? "mm" : "°"}` : "");
-    lane.lane.style.color = joint_colour(joint);
+    lane.lane.style.color = `var(--joint${((joint - 1) % 6) + 1})`;
     const bars = lane.sweeps.map((sweep) => [sweep.used ? "used" : sweep.usable ? "recognised" : "unusable", Number(sweep.start_s), Number(sweep.end_s), sweep.words]);
     if (moving) bars.push(["moving", lane.began, now_s, "moving"]);
     const seen = bars.filter(([, , end_s]) => end_s > from_s);
@@ -144,6 +144,5 @@ export function make_lanes() {
       mark_used();
       draw();
     },
-    recolour: () => draw(),
   };
 }

@@ -92,7 +92,7 @@ export function make_link() {
   function recolour() {
     plot?.destroy();
     plot = null;
-    draw();
+    draw(true);
   }
 
   new ResizeObserver(() => {

@@ -179,6 +179,6 @@ export function make_space() {
       rows.append(row("td", cells.map(String)));
       draw();
     },
-    recolour: () => draw(),
+    recolour: () => draw(true),
   };
 }
