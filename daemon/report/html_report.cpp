@@ -57,8 +57,8 @@ constexpr const char* kStyle =
 
 /// A part of the report, if there is anything in it.
 template <typename Fill>
-void add_part(Markup body, const char* title, const Fill& fill) {
-  auto part = body.add("section");
+void add_part(Markup body, const char* id, const char* title, const Fill& fill) {
+  auto part = body.add("section", {{"id", id}});
   part.put("h2", title);
   fill(part);
   if (part.size() == 1) body.drop(part);
@@ -66,18 +66,18 @@ void add_part(Markup body, const char* title, const Fill& fill) {
 
 void add_folder(Markup body, const ReportFolder& folder, const ReportFacts& facts, bool alone) {
   add_first_page(body, folder, facts);
-  add_part(body, "The motions", [&](Markup part) {
+  add_part(body, "motions", "The motions", [&](Markup part) {
     add_axes_figure(part, folder);
     if (alone) add_range_figure(part, std::span(&folder, 1));
   });
-  add_part(body, "The circles", [&](Markup part) { add_circle_figures(part, folder); });
-  add_part(body, "What is left", [&](Markup part) { add_residual_figures(part, folder); });
-  add_part(body, "Uncertainty, link and time", [&](Markup part) {
+  add_part(body, "circles", "The circles", [&](Markup part) { add_circle_figures(part, folder); });
+  add_part(body, "residuals", "What is left", [&](Markup part) { add_residual_figures(part, folder); });
+  add_part(body, "uncertainty", "Uncertainty, link and time", [&](Markup part) {
     add_budget_figure(part, folder);
     add_link_figure(part, folder);
     add_time_figure(part, folder);
   });
-  add_part(body, "Annex", [&](Markup part) { add_annex(part, folder); });
+  add_part(body, "annex", "Annex", [&](Markup part) { add_annex(part, folder); });
 }
 
 }  // namespace
