@@ -71,7 +71,8 @@ void add_folder(Markup body, const ReportFolder& folder, const ReportFacts& fact
     if (alone) add_range_figure(part, std::span(&folder, 1));
   });
   add_part(body, "circles", "The circles", [&](Markup part) { add_circle_figures(part, folder); });
-  add_part(body, "residuals", "What is left", [&](Markup part) { add_residual_figures(part, folder); });
+  add_part(body, "residuals", "What is left",
+           [&](Markup part) { add_residual_figures(part, folder); });
   add_part(body, "uncertainty", "Uncertainty, link and time", [&](Markup part) {
     add_budget_figure(part, folder);
     add_link_figure(part, folder);

@@ -98,13 +98,14 @@ TEST_CASE("a browser that fails leaves no PDF", "[report_command]") {
 TEST_CASE("the annex tells how to make the result again, and of which files", "[report_command]") {
   const TemporaryFolder folder;
   write_result(folder.path(), partial_outcome());
-  (void)folder.write("run.json", nlohmann::json{{"schema", "sweepd.run/1"},
-                                                {"command", "replay"},
-                                                {"arguments", {"replay", "a trace.pcap", "it's"}},
-                                                {"inputs", {{{"file", "a trace.pcap"},
-                                                             {"bytes", 12},
-                                                             {"sha256", "0123abcd"}}}}}
-                                     .dump());
+  (void)folder.write(
+      "run.json",
+      nlohmann::json{
+          {"schema", "sweepd.run/1"},
+          {"command", "replay"},
+          {"arguments", {"replay", "a trace.pcap", "it's"}},
+          {"inputs", {{{"file", "a trace.pcap"}, {"bytes", 12}, {"sha256", "0123abcd"}}}}}
+          .dump());
   ReportOptions options;
   options.folders = {folder.path()};
   CHECK(report_of(options) == 0);
