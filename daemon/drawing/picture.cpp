@@ -14,22 +14,22 @@ constexpr double kTold_px = 0.4;  // what is closer is one spot
 constexpr double kHead_px = 7;
 
 /// Two decimals, none that say nothing.
-void append(std::string& text, double value) {
+void append_px(std::string& text, double value) {
   append_fixed(text, value, 2);
   while (text.back() == '0') text.pop_back();
   if (text.back() == '.') text.pop_back();
 }
 
-std::string number(double value) {
+std::string px(double value) {
   std::string text;
-  append(text, value);
+  append_px(text, value);
   return text;
 }
 
-void append(std::string& text, const Spot& spot) {
-  append(text, spot.x());
+void append_px(std::string& text, const Spot& spot) {
+  append_px(text, spot.x());
   text += ' ';
-  append(text, spot.y());
+  append_px(text, spot.y());
 }
 
 struct Look {
@@ -58,16 +58,16 @@ bool Frame::holds(const Spot& spot) const {
 
 Picture::Picture(Markup parent, double width, double height, std::string_view what)
     : svg_(parent.add("svg", {{"xmlns", "http://www.w3.org/2000/svg"},
-                              {"viewBox", "0 0 " + number(width) + " " + number(height)},
-                              {"width", number(width)},
+                              {"viewBox", "0 0 " + px(width) + " " + px(height)},
+                              {"width", px(width)},
                               {"role", "img"},
                               {"aria-label", what}})) {}
 
 void Picture::line(const Spot& from, const Spot& to, std::string_view kind) {
-  svg_.add("line", {{"x1", number(from.x())},
-                    {"y1", number(from.y())},
-                    {"x2", number(to.x())},
-                    {"y2", number(to.y())},
+  svg_.add("line", {{"x1", px(from.x())},
+                    {"y1", px(from.y())},
+                    {"x2", px(to.x())},
+                    {"y2", px(to.y())},
                     {"class", kind}});
 }
 
@@ -84,7 +84,7 @@ void Picture::path(std::span<const Spot> spots, std::string_view kind, bool clos
     const bool last = i + 1 == spots.size() || !spots[i + 1].allFinite();
     if (begun && !last && (spot - before).norm() < kTold_px) continue;
     way += begun ? "L" : "M";
-    append(way, spot);
+    append_px(way, spot);
     begun = true;
     before = spot;
   }
@@ -101,25 +101,23 @@ void Picture::dots(std::span<const Spot> spots, std::string_view kind) {
     const Spot cell = spot / (2 * kTold_px);
     if (!taken.emplace(std::lround(cell.x()), std::lround(cell.y())).second) continue;
     way += "M";
-    append(way, spot);
+    append_px(way, spot);
     way += "h0";
   }
   if (!way.empty()) svg_.add("path", {{"d", way}, {"class", kind}});
 }
 
 void Picture::bar(const Frame& bar, std::string_view kind) {
-  svg_.add("rect", {{"x", number(bar.left)},
-                    {"y", number(bar.top)},
-                    {"width", number(bar.width)},
-                    {"height", number(bar.height)},
+  svg_.add("rect", {{"x", px(bar.left)},
+                    {"y", px(bar.top)},
+                    {"width", px(bar.width)},
+                    {"height", px(bar.height)},
                     {"class", kind}});
 }
 
 void Picture::circle(const Spot& middle, double radius, std::string_view kind) {
-  svg_.add("circle", {{"cx", number(middle.x())},
-                      {"cy", number(middle.y())},
-                      {"r", number(radius)},
-                      {"class", kind}});
+  svg_.add("circle",
+           {{"cx", px(middle.x())}, {"cy", px(middle.y())}, {"r", px(radius)}, {"class", kind}});
 }
 
 void Picture::arrow(const Spot& from, const Spot& to, std::string_view kind) {
@@ -137,26 +135,24 @@ void Picture::words(const Spot& at, std::string_view text, Anchor anchor, std::s
   const char* const side = anchor == Anchor::start    ? "start"
                            : anchor == Anchor::middle ? "middle"
                                                       : "end";
-  auto words =
-      svg_.add("text", {{"x", number(at.x())}, {"y", number(at.y())}, {"text-anchor", side}});
+  auto words = svg_.add("text", {{"x", px(at.x())}, {"y", px(at.y())}, {"text-anchor", side}});
   if (!kind.empty()) words.set("class", kind);
   words.text(text);
 }
 
 void Picture::words_upwards(const Spot& at, std::string_view text) {
-  svg_.add("text",
-           {{"transform", "translate(" + number(at.x()) + " " + number(at.y()) + ") rotate(-90)"},
-            {"text-anchor", "middle"}})
+  svg_.add("text", {{"transform", "translate(" + px(at.x()) + " " + px(at.y()) + ") rotate(-90)"},
+                    {"text-anchor", "middle"}})
       .text(text);
 }
 
 Picture Picture::inside(const Frame& frame) {
-  auto cut = svg_.add("svg", {{"x", number(frame.left)},
-                              {"y", number(frame.top)},
-                              {"width", number(frame.width)},
-                              {"height", number(frame.height)},
-                              {"viewBox", number(frame.left) + " " + number(frame.top) + " " +
-                                              number(frame.width) + " " + number(frame.height)}});
+  auto cut = svg_.add("svg", {{"x", px(frame.left)},
+                              {"y", px(frame.top)},
+                              {"width", px(frame.width)},
+                              {"height", px(frame.height)},
+                              {"viewBox", px(frame.left) + " " + px(frame.top) + " " +
+                                              px(frame.width) + " " + px(frame.height)}});
   return Picture(cut);
 }
 

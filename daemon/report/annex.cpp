@@ -85,7 +85,7 @@ constexpr std::array<Form, 6> kForms{
      {"urdf", "URDF: origins of the joints."}}};
 
 void add_model(Markup parent, const char* title, const Json& model) {
-  const Json joints = list(model, "joints");
+  const Json joints = list_of(model, "joints");
   std::vector<std::string> names;
   for (const Json& joint : joints)
     for (const auto& [key, value] : joint.items())
@@ -94,11 +94,11 @@ void add_model(Markup parent, const char* title, const Json& model) {
   std::vector<std::vector<std::string>> columns;
   for (const Json& joint : joints) {
     auto& column = columns.emplace_back();
-    for (const auto& name : names) column.push_back(cell(part(joint, name)));
+    for (const auto& name : names) column.push_back(cell(part_of(joint, name)));
   }
   add_columns(parent, title, names, columns);
   for (const char* const name : {"base", "tool"}) {
-    const Json& end = part(model, name);
+    const Json& end = part_of(model, name);
     if (!end.is_object()) continue;
     std::string text = std::string(name) + ":";
     for (const auto& [key, value] : end.items())
@@ -132,9 +132,10 @@ std::string joined(const Json& words) {
 std::string command_of(const ReportFolder& folder) {
   const Json& run = folder.run;
   if (!run.is_object()) return {};
-  if (const Json& words = list(run, "arguments"); !words.empty()) return "sweepd " + joined(words);
-  if (words(run, "command") != "run") return {};
-  const std::string robot = words(run, "description");
+  if (const Json& words = list_of(run, "arguments"); !words.empty())
+    return "sweepd " + joined(words);
+  if (text_of(run, "command") != "run") return {};
+  const std::string robot = text_of(run, "description");
   return "sweepd replay trace.pcap" + (robot.empty() ? "" : " --robot " + quoted(robot)) +
          " --output again";
 }
@@ -143,13 +144,13 @@ void add_origin(Markup parent, const ReportFolder& folder) {
   parent.put("h3", "Where it comes from");
   const Json& run = folder.run;
   if (run.is_object())
-    parent.put("p", "sweepd " + words(run, "sweepd") + ", command " + words(run, "command") +
-                        ". Estimator: " + words(folder.result, "estimator") + ".");
+    parent.put("p", "sweepd " + text_of(run, "sweepd") + ", command " + text_of(run, "command") +
+                        ". Estimator: " + text_of(folder.result, "estimator") + ".");
   if (const auto command = command_of(folder); !command.empty()) {
     parent.put("p", "This command makes the same result.json again:");
     parent.add("pre").add("bdi").text(command);
   }
-  const Json inputs = run.is_object() ? list(run, "inputs") : Json::array();
+  const Json inputs = run.is_object() ? list_of(run, "inputs") : Json::array();
   if (inputs.empty()) return;
   auto table = parent.add("table", {{"class", "inputs"}});
   table.put("caption", "Files that the run has read.");
@@ -159,9 +160,9 @@ void add_origin(Markup parent, const ReportFolder& folder) {
   auto body = table.add("tbody");
   for (const Json& input : inputs) {
     auto row = body.add("tr");
-    row.add("td").add("bdi").text(words(input, "file"));
-    row.put("td", cell(part(input, "bytes")), {{"class", "number"}});
-    row.put("td", words(input, "sha256"), {{"class", "hash"}});
+    row.add("td").add("bdi").text(text_of(input, "file"));
+    row.put("td", cell(part_of(input, "bytes")), {{"class", "number"}});
+    row.put("td", text_of(input, "sha256"), {{"class", "hash"}});
   }
 }
 
@@ -171,11 +172,11 @@ void add_annex(Markup parent, const ReportFolder& folder) {
   add_origin(parent, folder);
   parent.put("h3", "The table in full");
   add_dh_csv(parent, folder.dh_csv);
-  const Json& models = part(folder.result, "models");
+  const Json& models = part_of(folder.result, "models");
   if (!models.is_object()) return;
   parent.put("h3", "The same arm in other forms");
   for (const Form& form : kForms)
-    if (const Json& model = part(models, form.key); model.is_object())
+    if (const Json& model = part_of(models, form.key); model.is_object())
       add_model(parent, form.title, model);
 }
 

@@ -18,36 +18,35 @@ namespace {
 using Series = std::vector<std::pair<double, double>>;
 using Eigen::Vector3d;
 
-constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 constexpr double kWidth = 700;
 
 /// What is drawn of the points of a joint: about so many means of neighbours.
 constexpr std::size_t kBins = 320;
 
 std::size_t joints_of(const ReportFolder& folder) {
-  return list(folder.result, "joints").size();
+  return list_of(folder.result, "joints").size();
 }
 
 const Json& joint_of(const ReportFolder& folder, std::size_t index) {
   static const Json kNone;
-  const Json& joints = list(folder.result, "joints");
+  const Json& joints = list_of(folder.result, "joints");
   return index < joints.size() ? joints.at(index) : kNone;
 }
 
 bool is_linear(const ReportFolder& folder, std::size_t joint) {
-  return words(joint_of(folder, joint), "type") == "linear";
+  return text_of(joint_of(folder, joint), "type") == "linear";
 }
 
 /// The angle about the joint's circle, degrees, where the file has no angles; unwrapped.
 void fill_in_angles(const ReportFolder& folder, Stroke& stroke) {
   if (stroke.points.empty() || std::isfinite(stroke.points.front().angle)) return;
   const Json& joint = joint_of(folder, stroke.joint);
-  if (!part(joint, "circle").is_object()) {
+  if (!part_of(joint, "circle").is_object()) {
     for (StrokePoint& point : stroke.points) point.angle = point.time_s;
     return;
   }
-  const Vector3d centre = vector_of(part(part(joint, "circle"), "center"));
-  const Vector3d normal = vector_of(part(part(joint, "circle"), "normal"));
+  const Vector3d centre = vector_of(part_of(part_of(joint, "circle"), "center"));
+  const Vector3d normal = vector_of(part_of(part_of(joint, "circle"), "normal"));
   const Vector3d u = (stroke.points.front().position_mm - centre).normalized();
   const Vector3d v = normal.cross(u);
   double before = 0;
@@ -160,11 +159,11 @@ void draw_histogram(Picture& picture, const Frame& frame, const Json& histogram,
     double from, to, count;
   };
   std::vector<Bin> bins;
-  for (const Json& bin : list(histogram, "histogram")) {
-    const double to = std::log10(std::max(number(bin, "to_us"), 1e-3));
-    const double above = number(bin, "above_us");
+  for (const Json& bin : list_of(histogram, "histogram")) {
+    const double to = std::log10(std::max(number_of(bin, "to_us"), 1e-3));
+    const double above = number_of(bin, "above_us");
     const double from = above > 0 ? std::log10(above) : to - 0.3;
-    bins.push_back({from, to, number(bin, "count")});
+    bins.push_back({from, to, number_of(bin, "count")});
     x.include(from);
     x.include(to);
     most = std::max(most, bins.back().count);
@@ -242,7 +241,7 @@ void add_residual_figures(Markup parent, const ReportFolder& folder) {
 }
 
 void add_budget_figure(Markup parent, const ReportFolder& folder) {
-  const Json& budget = list(folder.result, "uncertainty_budget");
+  const Json& budget = list_of(folder.result, "uncertainty_budget");
   if (budget.empty()) return;
   auto figure = add_figure(parent, "What the uncertainties come from.",
                            "Shares of the causes in each number's variance, per cent.");
@@ -252,7 +251,7 @@ void add_budget_figure(Markup parent, const ReportFolder& folder) {
   std::vector<std::size_t> causes;
   for (std::size_t c = 0; c < kCauses.size(); ++c)
     if (std::any_of(budget.begin(), budget.end(),
-                    [&](const Json& row) { return number(row, kCauses[c]) > 0; }))
+                    [&](const Json& row) { return number_of(row, kCauses[c]) > 0; }))
       causes.push_back(c);
   const double rows = static_cast<double>(budget.size());
   const double keys = 16 * std::ceil(static_cast<double>(causes.size()) / 3) + 8;
@@ -268,10 +267,10 @@ void add_budget_figure(Markup parent, const ReportFolder& folder) {
             {{0, 1}, {}, false, 0});
   double y = keys + 2;
   for (const Json& row : budget) {
-    picture.words({kLeft - 6, y + 9}, number_name(words(row, "number")), Anchor::end, "small");
+    picture.words({kLeft - 6, y + 9}, number_name(text_of(row, "number")), Anchor::end, "small");
     double x = 0;
     for (std::size_t i = 0; i < causes.size(); ++i) {
-      const double share = 100 * number(row, kCauses[causes[i]]);
+      const double share = 100 * number_of(row, kCauses[causes[i]]);
       if (!(share > 0)) continue;
       const double left = plot.spot(x, 0).x();
       const double right = plot.spot(x + share, 0).x();
@@ -287,24 +286,24 @@ void add_budget_figure(Markup parent, const ReportFolder& folder) {
 
 void add_link_figure(Markup parent, const ReportFolder& folder) {
   if (!folder.link.is_object()) return;
-  const double cycle_us = 1000 * number(folder.link, "cycle_ms");
+  const double cycle_us = 1000 * number_of(folder.link, "cycle_ms");
   auto figure = add_figure(parent, "The link.",
                            "How long replies took, and how far telegrams came from their cycle. "
                            "Both axes are logarithmic.");
   Picture picture(figure, kWidth + 16, 190, "latency and jitter");
-  draw_histogram(picture, {56, 20, 280, 130}, part(folder.link, "latency"),
+  draw_histogram(picture, {56, 20, 280, 130}, part_of(folder.link, "latency"),
                  "Latency of the replies", cycle_us);
-  draw_histogram(picture, {412, 20, 280, 130}, part(folder.link, "jitter"),
+  draw_histogram(picture, {412, 20, 280, 130}, part_of(folder.link, "jitter"),
                  "Jitter of the telegrams", cycle_us);
 }
 
 void add_time_figure(Markup parent, const ReportFolder& folder) {
   Range time = Range::nothing();
-  const Json joints = list(folder.result, "joints");
+  const Json joints = list_of(folder.result, "joints");
   for (const Json& joint : joints)
-    for (const Json& sweep : list(joint, "sweeps")) {
-      time.include(number(sweep, "start_s"));
-      time.include(number(sweep, "end_s"));
+    for (const Json& sweep : list_of(joint, "sweeps")) {
+      time.include(number_of(sweep, "start_s"));
+      time.include(number_of(sweep, "end_s"));
     }
   if (time.empty() || !(time.size() > 0)) return;
   auto figure = add_figure(parent, "Sweeps on a time line.",
@@ -318,12 +317,12 @@ void add_time_figure(Markup parent, const ReportFolder& folder) {
   double y = frame.top;
   for (std::size_t j = 0; j < joints.size(); ++j, y += kLane) {
     picture.words({kLeft - 6, y + 14}, "A" + std::to_string(j + 1), Anchor::end);
-    for (const Json& sweep : list(joints[j], "sweeps")) {
-      const double from = plot.spot(number(sweep, "start_s"), 0).x();
-      const double to = plot.spot(number(sweep, "end_s"), 0).x();
+    for (const Json& sweep : list_of(joints[j], "sweeps")) {
+      const double from = plot.spot(number_of(sweep, "start_s"), 0).x();
+      const double to = plot.spot(number_of(sweep, "end_s"), 0).x();
       if (!std::isfinite(from) || !std::isfinite(to)) continue;
       plot.inside().bar({from, y + 4, std::max(to - from, 1.0), kLane - 8},
-                        flag(sweep, "used") ? joint_fill(j) : "hollow");
+                        flag_of(sweep, "used") ? joint_fill(j) : "hollow");
     }
   }
 }

@@ -12,19 +12,19 @@ namespace sweepd {
 namespace {
 
 std::size_t joints_of(const Json& result) {
-  return list(result, "joints").size();
+  return list_of(result, "joints").size();
 }
 
 /// How many joints have an axis.
 std::size_t axes_of(const Json& result) {
-  const Json joints = list(result, "joints");
+  const Json joints = list_of(result, "joints");
   return static_cast<std::size_t>(
       std::count_if(joints.begin(), joints.end(),
-                    [](const Json& joint) { return part(joint, "axis").is_object(); }));
+                    [](const Json& joint) { return part_of(joint, "axis").is_object(); }));
 }
 
 std::string because(const Json& result) {
-  const std::string reason = words(result, "reason");
+  const std::string reason = text_of(result, "reason");
   if (reason.empty()) return ".";
   const bool ended = std::string_view(".?!").find(reason.back()) != std::string_view::npos;
   return ": " + reason + (ended ? "" : ".");
@@ -39,12 +39,12 @@ void add_fact(Markup list, const std::string& name, const std::string& text,
 
 std::string source_text(const Json& source) {
   const auto count = [&](const char* key) {
-    return part(source, key).is_number() ? part(source, key).get<std::uint64_t>() : 0;
+    return part_of(source, key).is_number() ? part_of(source, key).get<std::uint64_t>() : 0;
   };
-  if (part(source, "points").is_number())
+  if (part_of(source, "points").is_number())
     return rsi::counted(count("points"), "point") + " in " + rsi::counted(count("files"), "file");
   std::string text = rsi::counted(count("telegrams"), "telegram");
-  if (const double cycle_ms = number(source, "cycle_ms"); cycle_ms > 0)
+  if (const double cycle_ms = number_of(source, "cycle_ms"); cycle_ms > 0)
     text += ", one every " + fixed(cycle_ms, 3) + " ms";
   return text + ", " + std::to_string(count("lost")) + " lost, " +
          std::to_string(count("malformed")) + " malformed";
@@ -52,7 +52,7 @@ std::string source_text(const Json& source) {
 
 std::string home_text(const Json& result) {
   std::string text;
-  const Json home = list(result, "home_deg");
+  const Json home = list_of(result, "home_deg");
   for (std::size_t j = 0; j < home.size(); ++j)
     if (home[j].is_number())
       text += (text.empty() ? "A" : ", A") + std::to_string(j + 1) + " " +
@@ -66,11 +66,11 @@ void add_messages(Markup parent, const char* title, const Json& messages) {
   part.put("h3", title);
   auto list = part.add("ul");
   for (const Json& one : messages)
-    list.add("li").text(words(one, "message")).put("code", " " + words(one, "code"));
+    list.add("li").text(text_of(one, "message")).put("code", " " + text_of(one, "code"));
 }
 
 std::string describes_text(const Json& result) {
-  if (words(result, "describes") == "arm")
+  if (text_of(result, "describes") == "arm")
     return "The numbers describe the arm as a device measured it.";
   return "The numbers describe the controller's model: it computes the positions that it sends "
          "from "
@@ -99,7 +99,7 @@ std::string departures_text(const std::vector<DhLine>& lines) {
 
 std::string verdict_sentence(const ReportFolder& folder) {
   const Json& result = folder.result;
-  const std::string status = words(result, "status");
+  const std::string status = text_of(result, "status");
   const std::size_t joints = joints_of(result);
   if (status == "complete")
     return "All " + rsi::counted(joints, "joint") +
@@ -117,23 +117,23 @@ void add_first_page(Markup parent, const ReportFolder& folder, const ReportFacts
   const Json& result = folder.result;
   auto page = parent.add("section", {{"class", "front"}});
   page.put("p", "Measurement report", {{"class", "kind"}});
-  page.add("h1").add("bdi").text(words(result, "robot"));
-  const std::string status = words(result, "status");
+  page.add("h1").add("bdi").text(text_of(result, "robot"));
+  const std::string status = text_of(result, "status");
   auto verdict = page.add("p", {{"class", "verdict " + clean_text(status)}});
   verdict.put("b", status + ". ").text(verdict_sentence(folder));
   if (status != "failed") page.put("p", describes_text(result));
   const auto lines = dh_lines(folder);
   if (const auto text = departures_text(lines); !text.empty() && status != "failed")
     page.put("p", text);
-  add_messages(page, "What contradicts", list(result, "doubts"));
+  add_messages(page, "What contradicts", list_of(result, "doubts"));
   if (!lines.empty() && status != "failed") add_dh_table(page, lines);
-  add_messages(page, "Warnings", list(result, "warnings"));
+  add_messages(page, "Warnings", list_of(result, "warnings"));
   page.put("h3", "What was measured");
   auto list = page.add("div", {{"class", "facts"}});
   add_fact(list, "Folder", folder.name);
-  if (!words(folder.run, "started").empty())
-    add_fact(list, "Started", words(folder.run, "started"));
-  add_fact(list, "Data", source_text(part(result, "source")));
+  if (!text_of(folder.run, "started").empty())
+    add_fact(list, "Started", text_of(folder.run, "started"));
+  add_fact(list, "Data", source_text(part_of(result, "source")));
   add_fact(list, "Home", home_text(result));
   for (const auto& [name, text] : facts)
     add_fact(list, name, text.empty() ? "not stated" : text, text.empty() ? "missing" : "given");

@@ -92,7 +92,7 @@ std::string html_report(std::span<const ReportFolder> folders, const ReportFacts
   head.add("meta", {{"http-equiv", "Content-Security-Policy"},
                     {"content", "default-src 'none'; style-src 'unsafe-inline'"}});
   std::string title = "Measurement report";
-  if (!folders.empty()) title += ": " + words(folders.front().result, "robot");
+  if (!folders.empty()) title += ": " + text_of(folders.front().result, "robot");
   head.put("title", title);
   head.put("style", kStyle + drawing_style());
   auto body = html.add("body").add("main");

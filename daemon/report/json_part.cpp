@@ -5,38 +5,36 @@
 namespace sweepd {
 namespace {
 
-constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
-
 double value(const Json& json) {
   return json.is_number() ? json.get<double>() : kNothing;
 }
 
 }  // namespace
 
-const Json& part(const Json& json, const std::string& key) {
+const Json& part_of(const Json& json, const std::string& key) {
   static const Json kNull;
   if (!json.is_object()) return kNull;
   const auto found = json.find(key);
   return found == json.end() ? kNull : *found;
 }
 
-const Json& list(const Json& json, const std::string& key) {
+const Json& list_of(const Json& json, const std::string& key) {
   static const Json kEmpty = Json::array();
-  const Json& found = part(json, key);
+  const Json& found = part_of(json, key);
   return found.is_array() ? found : kEmpty;
 }
 
-double number(const Json& json, const std::string& key) {
-  return value(part(json, key));
+double number_of(const Json& json, const std::string& key) {
+  return value(part_of(json, key));
 }
 
-std::string words(const Json& json, const std::string& key) {
-  const Json& found = part(json, key);
+std::string text_of(const Json& json, const std::string& key) {
+  const Json& found = part_of(json, key);
   return found.is_string() ? found.get<std::string>() : std::string();
 }
 
-bool flag(const Json& json, const std::string& key) {
-  const Json& found = part(json, key);
+bool flag_of(const Json& json, const std::string& key) {
+  const Json& found = part_of(json, key);
   return found.is_boolean() && found.get<bool>();
 }
 

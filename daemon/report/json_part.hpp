@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string>
 
 #include <Eigen/Core>
@@ -12,16 +13,19 @@ namespace sweepd {
 
 using Json = nlohmann::ordered_json;
 
+/// Not a number.
+inline constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+
 /// What `json` has under `key`; null.
-[[nodiscard]] const Json& part(const Json& json, const std::string& key);
+[[nodiscard]] const Json& part_of(const Json& json, const std::string& key);
 /// An array; an empty one.
-[[nodiscard]] const Json& list(const Json& json, const std::string& key);
+[[nodiscard]] const Json& list_of(const Json& json, const std::string& key);
 /// A number; not a number.
-[[nodiscard]] double number(const Json& json, const std::string& key);
+[[nodiscard]] double number_of(const Json& json, const std::string& key);
 /// A string; an empty one.
-[[nodiscard]] std::string words(const Json& json, const std::string& key);
+[[nodiscard]] std::string text_of(const Json& json, const std::string& key);
 /// Whether there is a true.
-[[nodiscard]] bool flag(const Json& json, const std::string& key);
+[[nodiscard]] bool flag_of(const Json& json, const std::string& key);
 /// Three numbers; not numbers.
 [[nodiscard]] Eigen::Vector3d vector_of(const Json& json);
 

@@ -18,10 +18,10 @@ using Corners = std::array<Vector3d, 8>;
 
 std::optional<Corners> corners_of(const Json& box) {
   if (!box.is_object()) return std::nullopt;
-  const Vector3d centre = vector_of(part(box, "center"));
-  const Vector3d lengths = vector_of(part(box, "lengths_mm"));
+  const Vector3d centre = vector_of(part_of(box, "center"));
+  const Vector3d lengths = vector_of(part_of(box, "lengths_mm"));
   Eigen::Matrix3d axes;
-  const Json rows = part(box, "orientation");
+  const Json rows = part_of(box, "orientation");
   if (!rows.is_array() || rows.size() != 3) return std::nullopt;
   for (int k = 0; k < 3; ++k)
     axes.row(k) = vector_of(rows[static_cast<std::size_t>(k)]).transpose();
@@ -42,7 +42,7 @@ void draw_box(Picture& picture, const View& view, const Corners& corners, std::s
 
 void draw_range(Picture& picture, const ReportFolder& folder, const Frame& frame) {
   picture.bar(frame, "hollow axis");
-  const auto whole = corners_of(part(folder.result, "bounding_box"));
+  const auto whole = corners_of(part_of(folder.result, "bounding_box"));
   std::vector<Vector3d> all;
   if (whole) all.assign(whole->begin(), whole->end());
   for (const Stroke& stroke : folder.strokes)
@@ -53,8 +53,8 @@ void draw_range(Picture& picture, const ReportFolder& folder, const Frame& frame
                  frame.height - 2 * kRoom});
   if (whole) draw_box(picture, view, *whole, "axis");
   std::size_t index = 0;
-  for (const Json& joint : list(folder.result, "joints")) {
-    if (const auto box = corners_of(part(joint, "bounding_box")))
+  for (const Json& joint : list_of(folder.result, "joints")) {
+    if (const auto box = corners_of(part_of(joint, "bounding_box")))
       draw_box(picture, view, *box, joint_line(index) + " hair whole");
     ++index;
   }
@@ -104,18 +104,18 @@ void add_boxes_table(Markup figure, std::span<const ReportFolder> folders) {
     auto line = body.add("tr");
     line.put("th", title, {{"scope", "row"}});
     for (const ReportFolder& folder : folders) {
-      const Json box = part(folder.result, "bounding_box");
+      const Json box = part_of(folder.result, "bounding_box");
       line.put("td", box.is_object() ? text(box) : std::string("–"), {{"class", "number"}});
     }
   };
   static constexpr std::array<const char*, 3> kLengths{"l₁, mm", "l₂, mm", "l₃, mm"};
   for (int k = 0; k < 3; ++k)
     row(kLengths[static_cast<std::size_t>(k)],
-        [&](const Json& box) { return cell(vector_of(part(box, "lengths_mm"))(k), 3); });
-  row("volume, m³", [](const Json& box) { return cell(number(box, "volume_m3"), 6); });
+        [&](const Json& box) { return cell(vector_of(part_of(box, "lengths_mm"))(k), 3); });
+  row("volume, m³", [](const Json& box) { return cell(number_of(box, "volume_m3"), 6); });
   for (std::size_t k = 0; k < 3; ++k)
     row(k == 1 ? "orientation" : "", [&](const Json& box) {
-      const Json rows = part(box, "orientation");
+      const Json rows = part_of(box, "orientation");
       if (!rows.is_array() || rows.size() != 3) return std::string("–");
       const Vector3d line = vector_of(rows[k]);
       return cell(line.x(), 3) + "   " + cell(line.y(), 3) + "   " + cell(line.z(), 3);

@@ -14,8 +14,6 @@
 namespace sweepd {
 namespace {
 
-constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
-
 std::optional<std::string> content(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) return std::nullopt;
@@ -37,7 +35,7 @@ std::string_view take_line(std::string_view& text) {
   return line;
 }
 
-double number(std::string_view cell) {
+double value_in(std::string_view cell) {
   double value = kNothing;
   std::from_chars(cell.data(), cell.data() + cell.size(), value);
   return value;
@@ -129,7 +127,7 @@ void read_strokes(std::string_view text, ReportFolder& folder) {
   std::vector<std::size_t> seen;
   const auto stroke_of = [&]() -> std::size_t {
     const auto index = [&](std::size_t column) {
-      const double value = number(cells[column]);
+      const double value = value_in(cells[column]);
       return value >= 1 && value < 1e9 ? static_cast<std::size_t>(value) - 1 : 0;
     };
     const auto key = std::tuple(index(at.joint), index(at.sweep), index(at.target));
@@ -151,16 +149,16 @@ void read_strokes(std::string_view text, ReportFolder& folder) {
     cells.split(take_line(rest));
     const std::size_t s = stroke_of();
     Stroke& stroke = folder.strokes[s];
-    const Eigen::Vector3d position(number(cells[at.position[0]]), number(cells[at.position[1]]),
-                                   number(cells[at.position[2]]));
+    const Eigen::Vector3d position(value_in(cells[at.position[0]]), value_in(cells[at.position[1]]),
+                                   value_in(cells[at.position[2]]));
     const std::size_t row = seen[s]++;
     if (!position.allFinite()) continue;
     if (folder.sums.size() <= stroke.joint && stroke.joint < 64)
       folder.sums.resize(stroke.joint + 1);
     if (stroke.joint < folder.sums.size()) add(folder.sums[stroke.joint], position);
-    const double axial = either(number(cells[at.chain_axial]), number(cells[at.plane]));
-    const double radial = either(number(cells[at.chain_radial]), number(cells[at.radial]));
-    const double along = number(cells[at.error]);
+    const double axial = either(value_in(cells[at.chain_axial]), value_in(cells[at.plane]));
+    const double radial = either(value_in(cells[at.chain_radial]), value_in(cells[at.radial]));
+    const double along = value_in(cells[at.error]);
     if (stroke.joint < folder.sums.size()) {
       folder.sums[stroke.joint].axial_mm.add(axial);
       folder.sums[stroke.joint].radial_mm.add(radial);
@@ -171,9 +169,9 @@ void read_strokes(std::string_view text, ReportFolder& folder) {
         (of_joint[stroke.joint] + ReportFolder::kMostPoints - 1) / ReportFolder::kMostPoints;
     if (row % step != 0 && row + 1 != rows[s]) continue;
     stroke.points.push_back(
-        {position, number(cells[at.time]),
-         stroke.joint < at.angles.size() ? number(cells[at.angles[stroke.joint]]) : kNothing, axial,
-         radial, along, number(cells[at.curve])});
+        {position, value_in(cells[at.time]),
+         stroke.joint < at.angles.size() ? value_in(cells[at.angles[stroke.joint]]) : kNothing,
+         axial, radial, along, value_in(cells[at.curve])});
   }
 }
 
@@ -181,7 +179,7 @@ ReportFolder read_report_folder(const std::filesystem::path& path) {
   ReportFolder folder;
   const auto file = path / "result.json";
   folder.result = json_of(file);
-  if (words(folder.result, "schema") != "sweepd.result/1")
+  if (text_of(folder.result, "schema") != "sweepd.result/1")
     throw std::runtime_error(
         file.string() +
         (std::filesystem::exists(file) ? " holds no result of sweepd" : " is not there") +

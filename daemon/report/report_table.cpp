@@ -26,18 +26,18 @@ constexpr int kDegDecimals = 7;
 constexpr int kUsualDecimals = 3;
 
 std::optional<double> known(const Json& row, const std::string& key) {
-  const double value = number(row, key);
+  const double value = number_of(row, key);
   return std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
 const Json& row_of(const Json& result, const char* table, std::size_t index) {
   static const Json kNone;
-  const Json& rows = list(result, table);
+  const Json& rows = list_of(result, table);
   return index < rows.size() ? rows.at(index) : kNone;
 }
 
 bool is_set(const Json& row, const std::string& key) {
-  const Json& names = list(row, "by_convention");
+  const Json& names = list_of(row, "by_convention");
   return std::find(names.begin(), names.end(), key) != names.end();
 }
 
@@ -71,7 +71,7 @@ void add_interval(Markup cell, const DhLine& line) {
 
 std::vector<DhLine> dh_lines(const ReportFolder& folder) {
   std::vector<DhLine> lines;
-  const Json& table = list(folder.result, "dh");
+  const Json& table = list_of(folder.result, "dh");
   for (std::size_t i = 0; i < table.size(); ++i) {
     const Json& row = table.at(i);
     const Json& specified = row_of(folder.result, "specified", i);
@@ -84,7 +84,7 @@ std::vector<DhLine> dh_lines(const ReportFolder& folder) {
       line.specified = known(specified, key);
       line.difference = known(difference, key);
       line.by_convention = is_set(row, key);
-      line.relation = words(row, "relation");
+      line.relation = text_of(row, "relation");
       lines.push_back(std::move(line));
     }
   }

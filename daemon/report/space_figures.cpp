@@ -52,23 +52,23 @@ Points whole_circle(const Vector3d& centre, const Vector3d& normal, double radiu
 
 std::vector<JointShape> shapes_of(const ReportFolder& folder) {
   std::vector<JointShape> shapes;
-  for (const Json& joint : list(folder.result, "joints")) {
+  for (const Json& joint : list_of(folder.result, "joints")) {
     JointShape shape;
     shape.index = shapes.size();
-    const Json& circle = part(joint, "circle");
-    const Json& line = part(joint, "line");
+    const Json& circle = part_of(joint, "circle");
+    const Json& line = part_of(joint, "line");
     if (circle.is_object()) {
-      shape.centre = vector_of(part(circle, "center"));
-      shape.normal = vector_of(part(circle, "normal"));
-      shape.radius = number(circle, "radius_mm");
+      shape.centre = vector_of(part_of(circle, "center"));
+      shape.normal = vector_of(part_of(circle, "normal"));
+      shape.radius = number_of(circle, "radius_mm");
       shape.circle = whole_circle(shape.centre, shape.normal, shape.radius);
     } else if (line.is_object()) {
-      shape.centre = vector_of(part(line, "point"));
-      shape.normal = vector_of(part(line, "direction"));
-      shape.length = number(line, "length_mm");
+      shape.centre = vector_of(part_of(line, "point"));
+      shape.normal = vector_of(part_of(line, "direction"));
+      shape.length = number_of(line, "length_mm");
     }
-    shape.on_axis = vector_of(part(part(joint, "axis"), "point"));
-    shape.along_axis = vector_of(part(part(joint, "axis"), "direction"));
+    shape.on_axis = vector_of(part_of(part_of(joint, "axis"), "point"));
+    shape.along_axis = vector_of(part_of(part_of(joint, "axis"), "direction"));
     for (const Stroke& stroke : folder.strokes) {
       if (stroke.joint != shape.index) continue;
       for (const StrokePoint& point : stroke.points) shape.moved.push_back(point.position_mm);
@@ -105,12 +105,12 @@ Points skeleton(const ReportFolder& folder, const std::vector<JointShape>& shape
   if (shapes.empty()) return arm;
   const JointShape& first = shapes.front();
   arm.push_back(first.on_axis - first.along_axis * first.along_axis.dot(first.on_axis));
-  if (words(folder.result, "describes") != "controller_model") arm.clear();
+  if (text_of(folder.result, "describes") != "controller_model") arm.clear();
   if (arm.empty()) arm.push_back(first.on_axis);
   for (std::size_t i = 0; i + 1 < shapes.size(); ++i)
     for (const Vector3d& foot : feet(shapes[i], shapes[i + 1], arm.back())) arm.push_back(foot);
-  const Json& tool = part(part(part(folder.result, "models"), "exponentials"), "tool");
-  const Vector3d target(number(tool, "x_mm"), number(tool, "y_mm"), number(tool, "z_mm"));
+  const Json& tool = part_of(part_of(part_of(folder.result, "models"), "exponentials"), "tool");
+  const Vector3d target(number_of(tool, "x_mm"), number_of(tool, "y_mm"), number_of(tool, "z_mm"));
   if (target.allFinite()) arm.push_back(target);
   return arm;
 }

@@ -52,11 +52,11 @@ std::optional<double> bent_mm(const CircleFit& circle, const Eigen::Matrix3Xd& p
   // Angles from the arc's middle: its ends are far from half a turn away.
   const Vector3d middle = points.rowwise().mean() - circle.center_mm;
   const double centre = std::atan2(middle.dot(y), middle.dot(x));
-  struct Seen {
+  struct Place {
     double turn;
     CircleResidual off;
   };
-  std::vector<Seen> seen;
+  std::vector<Place> seen;
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
     const CircleResidual off = residual(circle, points.col(i));
     if (std::hypot(off.plane_mm, off.radial_mm) > kOutlierDistances * usual_mm) continue;
@@ -64,7 +64,8 @@ std::optional<double> bent_mm(const CircleFit& circle, const Eigen::Matrix3Xd& p
     seen.push_back({wrapped(std::atan2(arm.dot(y), arm.dot(x)) - centre), off});
   }
   if (seen.size() < kSections * kFewestInSection) return std::nullopt;
-  std::sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) { return a.turn < b.turn; });
+  std::sort(seen.begin(), seen.end(),
+            [](const Place& a, const Place& b) { return a.turn < b.turn; });
   double squares = 0;
   for (std::size_t k = 0; k < kSections; ++k) {
     std::vector<double> plane, radial;
