@@ -15,11 +15,11 @@ struct Name {
   const char* key;
   const char* unit;
 };
-constexpr std::array<Name, 5> kNames{{{"b", "b", "mm"},
-                                      {"θ", "theta", "deg"},
-                                      {"a", "a", "mm"},
-                                      {"α", "alpha", "deg"},
-                                      {"β", "beta", "deg"}}};
+constexpr std::array<Name, 5> kNumbers{{{"b", "b", "mm"},
+                                        {"θ", "theta", "deg"},
+                                        {"a", "a", "mm"},
+                                        {"α", "alpha", "deg"},
+                                        {"β", "beta", "deg"}}};
 
 constexpr int kMmDecimals = 6;  // those of the files
 constexpr int kDegDecimals = 7;
@@ -76,7 +76,7 @@ std::vector<DhLine> dh_lines(const ReportFolder& folder) {
     const Json& row = table.at(i);
     const Json& specified = row_of(folder.result, "specified", i);
     const Json& difference = row_of(folder.result, "difference", i);
-    for (const Name& name : kNames) {
+    for (const Name& name : kNumbers) {
       const std::string key = std::string(name.key) + "_" + name.unit;
       if (!row.is_object() || !row.contains(key)) continue;
       DhLine line{i + 1, name.symbol, name.unit, known(row, key), {}, {}, {}};

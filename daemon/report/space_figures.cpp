@@ -329,7 +329,7 @@ void draw_decomposition_panel(Picture& picture, const JointShape& shape, const D
   picture.dots(view.spots(places), joint_dots(0));
   const Spot mean = view.spot(Vector3d::Zero());
   picture.circle(mean, 2, "");
-  static constexpr std::array<const char*, 3> kNames{"V₁", "V₂", "V₃"};
+  static constexpr std::array<const char*, 3> kAxisNames{"V₁", "V₂", "V₃"};
   static constexpr double kShortest_px = 10;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const Spot tip = view.spot(tips[axis]);
@@ -338,7 +338,8 @@ void draw_decomposition_panel(Picture& picture, const JointShape& shape, const D
     const bool seen = (tip - mean).norm() >= kShortest_px;
     const Spot end = seen ? tip : Spot(mean + 22 * way.normalized());
     picture.arrow(mean, end, seen ? "axis whole" : "limit");
-    picture.words(end + 9 * way.normalized() + Spot(0, 3), kNames[axis], Anchor::middle, "small");
+    picture.words(end + 9 * way.normalized() + Spot(0, 3), kAxisNames[axis], Anchor::middle,
+                  "small");
   }
   std::string lengths;
   for (int axis = 0; axis < 3; ++axis)
