@@ -21,8 +21,8 @@ constexpr std::array<Name, 5> kNumbers{{{"b", "b", "mm"},
                                         {"α", "alpha", "deg"},
                                         {"β", "beta", "deg"}}};
 
-constexpr int kMmDecimals = 6;  // those of the files
-constexpr int kDegDecimals = 7;
+constexpr int kMostMmDecimals = 6;  // those of the files
+constexpr int kMostDegDecimals = 7;
 constexpr int kUsualDecimals = 3;
 
 std::optional<double> known(const Json& row, const std::string& key) {
@@ -42,7 +42,7 @@ bool is_set(const Json& row, const std::string& key) {
 }
 
 int most_decimals(const DhLine& line) {
-  return line.unit == "mm" ? kMmDecimals : kDegDecimals;
+  return line.unit == "mm" ? kMostMmDecimals : kMostDegDecimals;
 }
 
 constexpr double kIntervalWidth = 120;
