@@ -8,6 +8,8 @@
 namespace sweepd {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 /// So many joints stand beside each other.
 constexpr std::size_t kColumns = 6;
 

@@ -15,6 +15,8 @@
 namespace sweepd {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 using Series = std::vector<std::pair<double, double>>;
 using Eigen::Vector3d;
 

@@ -11,6 +11,8 @@
 namespace sweepd {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 std::size_t joints_of(const Json& result) {
   return list_of(result, "joints").size();
 }

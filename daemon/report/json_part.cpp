@@ -5,6 +5,8 @@
 namespace sweepd {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 double value(const Json& json) {
   return json.is_number() ? json.get<double>() : kNothing;
 }

@@ -11,6 +11,8 @@
 namespace sweepd {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 using Eigen::Vector3d;
 
 /// The eight corners of a box; bit k of a corner's number tells which end along axis k.

@@ -14,6 +14,8 @@
 namespace sweepd {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 std::optional<std::string> content(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) return std::nullopt;

@@ -56,13 +56,13 @@ struct ReportFolder {
   /// recorded: the report of a day is as long as that of a minute.
   static constexpr std::size_t kMostPoints = 1600;
 
-  Json result;                  ///< sweepd.result/1
-  Json run;                     ///< run.json; null where there is none
-  Json link;                    ///< link.json; null where there is none
-  std::string dh_csv;           ///< empty where there is none
-  std::vector<Stroke> strokes;  ///< in the order of sweeps.csv
-  std::vector<PointSums> sums;  ///< one a joint
-  std::string name;             ///< of the folder, for titles
+  nlohmann::ordered_json result;  ///< sweepd.result/1
+  nlohmann::ordered_json run;     ///< run.json; null where there is none
+  nlohmann::ordered_json link;    ///< link.json; null where there is none
+  std::string dh_csv;             ///< empty where there is none
+  std::vector<Stroke> strokes;    ///< in the order of sweeps.csv
+  std::vector<PointSums> sums;    ///< one a joint
+  std::string name;               ///< of the folder, for titles
 };
 
 /// Throws std::runtime_error where there is no result.json, or none that can be read. What else is

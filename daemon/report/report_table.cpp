@@ -10,6 +10,8 @@
 namespace sweepd {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 struct Name {
   const char* symbol;
   const char* key;

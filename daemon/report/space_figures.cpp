@@ -16,6 +16,8 @@
 namespace sweepd {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 using Eigen::Vector3d;
 using Points = std::vector<Vector3d>;
 

@@ -113,7 +113,7 @@ TEST_CASE("a viewer is told the robot first, then the last minute, then what is 
   CHECK(hello["limits"][1]["max"].is_null());
   CHECK(events[1].second["telegrams"]["received"] == 1010);
   CHECK(slices_in(events) == 600);
-  CHECK(events[2].second["angles"][0] == nlohmann::json{10.0, 20.0});
+  CHECK(events[2].second["angles"][0] == nlohmann::ordered_json{10.0, 20.0});
   CHECK(events[4].second["range"] == "89.9903");
   CHECK(events[4].second["words"] == "joint 2 </script>");
 
