@@ -134,16 +134,16 @@ void add_range_figure(Markup parent, std::span<const ReportFolder> folders) {
       parent, "Range of motion provided to each joint.",
       "As figure 8 of the paper: the measured points of each joint in their smallest box, and the "
       "smallest box that holds all of them. Each picture has a scale of its own.");
-  constexpr double kWidth = 346;
+  constexpr double kPanelWidth = 346;
   constexpr double kHeight = 300;
   constexpr double kGap = 14;
   const std::size_t in_row = std::min<std::size_t>(folders.size(), 2);
   const auto rows = static_cast<double>((folders.size() + 1) / 2);
-  Picture picture(figure, 2 * kWidth + kGap + 2, rows * (kHeight + 30),
+  Picture picture(figure, 2 * kPanelWidth + kGap + 2, rows * (kHeight + 30),
                   "points of all joints in their smallest boxes");
   for (std::size_t i = 0; i < folders.size(); ++i) {
-    const double width = folders.size() == 1 ? 2 * kWidth + kGap : kWidth;
-    const Frame frame{1 + static_cast<double>(i % in_row) * (kWidth + kGap),
+    const double width = folders.size() == 1 ? 2 * kPanelWidth + kGap : kPanelWidth;
+    const Frame frame{1 + static_cast<double>(i % in_row) * (kPanelWidth + kGap),
                       static_cast<double>(i / in_row) * (kHeight + 30) + 18, width, kHeight};
     picture.words({frame.left, frame.top - 5}, range_of(folders[i]), Anchor::start, "strong");
     draw_range(picture, folders[i], frame);
