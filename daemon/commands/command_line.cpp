@@ -1,7 +1,6 @@
 #include "daemon/commands/command_line.hpp"
 
 #include <algorithm>
-#include <functional>
 #include <iostream>
 #include <stdexcept>
 #include <string>
@@ -15,21 +14,8 @@
 
 namespace sweepd {
 
-struct CommandLine::Options {
-  RunOptions run;
-  ReplayOptions replay;
-  InspectOptions inspect;
-  IdentifyOptions identify;
-  SimulateOptions simulate;
-  PlanOptions plan;
-  ReportOptions report;
-  ExportOptions exported;
-  CheckOptions check;
-};
-
 CommandLine::CommandLine()
-    : options_(std::make_unique<Options>()),
-      app_(std::make_unique<CLI::App>(
+    : app_(std::make_unique<CLI::App>(
           "Answer a KUKA controller's RSI telegrams, record them, and identify the robot's "
           "Denavit-Hartenberg parameters from sweeps of single joints\n"
           "`sweepd COMMAND --help` tells the options of a command.",
@@ -55,31 +41,13 @@ CommandLine::CommandLine()
        {3, "The result is doubtful (identify, replay), or replies were right but late (simulate)."},
        kWrongFile}));
 
-  const auto on = [this](CLI::App* command, const std::function<int()>& work) {
-    command->callback([this, work] { exit_code_ = work(); });
-  };
-  auto& options = *options_;
-  on(add_run(app, options.run), [&options] { return run(options.run); });
-  on(add_replay(app, options.replay), [&options] { return replay(options.replay); });
-  on(add_inspect(app, options.inspect), [&options] { return inspect(options.inspect); });
-  on(add_identify(app, options.identify), [&options] { return identify_points(options.identify); });
-  on(add_simulate(app, options.simulate), [&options] { return simulate(options.simulate); });
-  on(add_plan(app, options.plan), [&options] { return plan(options.plan); });
-  on(add_report(app, options.report), [&options] { return make_report(options.report); });
-  on(add_export(app, options.exported), [&options] { return export_csv(options.exported); });
-  on(add_check(app, options.check), [&options] {
-    if (!options.check.config && options.check.ethernet_configs.empty() &&
-        options.check.contexts.empty())
-      options.check.config = options.run.config;
-    return check(options.check);
-  });
+  add_commands(app, arguments_, exit_code_);
 }
 
 CommandLine::~CommandLine() = default;
 
 int CommandLine::execute(int argc, const char* const* argv) {
-  options_->replay.arguments.assign(argv + std::min(argc, 1), argv + argc);
-  options_->identify.arguments = options_->replay.arguments;
+  arguments_.assign(argv + std::min(argc, 1), argv + argc);
   try {
     app_->parse(argc, argv);
     return exit_code_;

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 namespace CLI {  // NOLINT(readability-identifier-naming): theirs
 class App;
@@ -25,10 +27,8 @@ class CommandLine {
   [[nodiscard]] const CLI::App& app() const { return *app_; }
 
  private:
-  struct Options;
-
-  std::unique_ptr<Options> options_;
   std::unique_ptr<CLI::App> app_;
+  std::vector<std::string> arguments_;  // without the program's name
   int exit_code_ = 0;
 };
 

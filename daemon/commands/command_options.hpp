@@ -5,14 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/commands/check_command.hpp"
-#include "daemon/commands/export_command.hpp"
-#include "daemon/commands/identify_command.hpp"
-#include "daemon/commands/inspect_command.hpp"
 #include "daemon/commands/plan_command.hpp"
-#include "daemon/commands/replay_command.hpp"
-#include "daemon/commands/report_command.hpp"
-#include "daemon/commands/run_command.hpp"
 #include "daemon/commands/simulate_command.hpp"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): theirs
@@ -21,15 +14,12 @@ class App;
 
 namespace sweepd {
 
-/// Each adds a command to the program, whose options go into `options`, and returns it.
-CLI::App* add_run(CLI::App& app, RunOptions& options);
-CLI::App* add_replay(CLI::App& app, ReplayOptions& options);
-CLI::App* add_inspect(CLI::App& app, InspectOptions& options);
-CLI::App* add_identify(CLI::App& app, IdentifyOptions& options);
-CLI::App* add_report(CLI::App& app, ReportOptions& options);
-CLI::App* add_export(CLI::App& app, ExportOptions& options);
-CLI::App* add_check(CLI::App& app, CheckOptions& options);
-// planning_options.cpp
+/// Adds every command with its options, in the order of the help. Whichever is called leaves its
+/// exit code in `exit_code`; `arguments` are those of the program, as they stand then. Both must
+/// outlive `app`.
+void add_commands(CLI::App& app, const std::vector<std::string>& arguments, int& exit_code);
+
+// Those that rehearse: planning_options.cpp. Each adds a command whose options go into `options`.
 CLI::App* add_simulate(CLI::App& app, SimulateOptions& options);
 CLI::App* add_plan(CLI::App& app, PlanOptions& options);
 

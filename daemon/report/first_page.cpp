@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string_view>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/report/report_table.hpp"
 #include "daemon/text/numbers.hpp"
 #include "rsi/counted.hpp"
@@ -48,8 +50,7 @@ std::string source_text(const Json& source) {
   std::string text = rsi::counted(count("telegrams"), "telegram");
   if (const double cycle_ms = number_of(source, "cycle_ms"); cycle_ms > 0)
     text += ", one every " + fixed(cycle_ms, 3) + " ms";
-  return text + ", " + std::to_string(count("lost")) + " lost, " +
-         std::to_string(count("malformed")) + " malformed";
+  return fmt::format("{}, {} lost, {} malformed", text, count("lost"), count("malformed"));
 }
 
 std::string home_text(const Json& result) {
@@ -57,8 +58,8 @@ std::string home_text(const Json& result) {
   const Json home = list_of(result, "home_deg");
   for (std::size_t j = 0; j < home.size(); ++j)
     if (home[j].is_number())
-      text += (text.empty() ? "A" : ", A") + std::to_string(j + 1) + " " +
-              fixed(home[j].get<double>(), 3);
+      text +=
+          fmt::format("{}A{} {}", text.empty() ? "" : ", ", j + 1, fixed(home[j].get<double>(), 3));
   return text.empty() ? "not known" : text + " deg";
 }
 
@@ -75,8 +76,8 @@ std::string describes_text(const Json& result) {
   if (text_of(result, "describes") == "arm")
     return "The numbers describe the arm as a device measured it.";
   return "The numbers describe the controller's model: it computes the positions that it sends "
-         "from "
-         "its own angles. They do not tell how the arm itself is. For that, measure the arm with a "
+         "from its own angles. They do not tell how the arm itself is. For that, measure the arm "
+         "with a "
          "device.";
 }
 
@@ -84,16 +85,17 @@ std::string departures_text(const std::vector<DhLine>& lines) {
   const Departures found = departures(lines);
   if (found.numbers == 0) return {};
   if (found.beyond == 0)
-    return "None of " + std::to_string(found.numbers) +
-           " numbers differs from the specification by more than its expanded uncertainty.";
-  std::string text = std::to_string(found.beyond) + " of " + std::to_string(found.numbers) +
-                     (found.beyond == 1 ? " numbers differs" : " numbers differ") +
-                     " from the specification by more than the expanded uncertainty; by chance it "
-                     "would be about " +
-                     std::to_string((found.numbers + 10) / 20) + ".";
+    return fmt::format(
+        "None of {} numbers differs from the specification by more than its expanded uncertainty.",
+        found.numbers);
+  std::string text = fmt::format(
+      "{} of {} numbers {} from the specification by more than the expanded uncertainty. By chance "
+      "it would be about {}.",
+      found.beyond, found.numbers, found.beyond == 1 ? "differs" : "differ",
+      (found.numbers + 10) / 20);
   if (const auto& largest = found.largest)
-    text += " The clearest is " + largest->symbol + " of joint " + std::to_string(largest->joint) +
-            ": " + told(*largest->difference, *largest) + " " + largest->unit + ".";
+    text += fmt::format(" The clearest is {} of joint {}: {} {}.", largest->symbol, largest->joint,
+                        told(*largest->difference, *largest), largest->unit);
   return text;
 }
 
@@ -107,9 +109,9 @@ std::string verdict_sentence(const ReportFolder& folder) {
     return "All " + rsi::counted(joints, "joint") +
            " are identified, and nothing in the data contradicts the result.";
   if (status == "partial")
-    return std::to_string(axes_of(result)) + " of " + rsi::counted(joints, "joint") +
-           (axes_of(result) == 1 ? " has" : " have") + " an axis; the result is not complete" +
-           because(result);
+    return fmt::format("{} of {} {} an axis. The result is not complete{}", axes_of(result),
+                       rsi::counted(joints, "joint"), axes_of(result) == 1 ? "has" : "have",
+                       because(result));
   if (status == "doubtful")
     return "The data contradict the result. Do not use it" + because(result);
   return "Nothing is identified" + because(result);

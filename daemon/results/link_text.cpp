@@ -4,6 +4,8 @@
 #include <array>
 #include <chrono>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/results/link_bins.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/text_layout.hpp"
@@ -55,16 +57,15 @@ std::string percent(std::uint64_t part, std::uint64_t whole) {
 
 std::string cycle_remark(const LinkReport& report) {
   if (!report.step) return {};
-  if (report.cycle == nanoseconds(0)) return "IPOC rises by " + std::to_string(*report.step);
-  return "one each " + fixed(us(report.cycle) / 1e3, report.ipoc_counts_ms ? 0 : 3) +
-         " ms, IPOC rises by " + std::to_string(*report.step);
+  if (report.cycle == nanoseconds(0)) return fmt::format("IPOC rises by {}", *report.step);
+  return fmt::format("one each {} ms, IPOC rises by {}",
+                     fixed(us(report.cycle) / 1e3, report.ipoc_counts_ms ? 0 : 3), *report.step);
 }
 
 std::string delay_remark(const LinkReport& report) {
   if (report.link.late_runs == 0) return "by its Delay";
-  return "by its Delay, in " + rsi::counted(report.link.late_runs, "run") +
-         (report.link.late_runs == 1 ? " of " : " of at most ") +
-         std::to_string(report.link.longest_late_run);
+  return fmt::format("by its Delay, in {} of {}{}", rsi::counted(report.link.late_runs, "run"),
+                     report.link.late_runs == 1 ? "" : "at most ", report.link.longest_late_run);
 }
 
 std::string late_row(const LinkReport& report) {
@@ -82,7 +83,7 @@ std::string telegrams(const LinkReport& report) {
          row("  reordered", link.reordered, of(link.reordered)) +
          row("  malformed", report.malformed,
              report.unanswerable == 0 ? of(report.malformed)
-                                      : std::to_string(report.unanswerable) + " without an IPOC") +
+                                      : fmt::format("{} without an IPOC", report.unanswerable)) +
          row("  restarts of RSI", link.restarts) + late_row(report) +
          (report.clock_steps == 0 ? ""
                                   : row("  clock against IPOC", report.clock_steps,

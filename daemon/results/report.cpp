@@ -5,6 +5,8 @@
 #include <optional>
 #include <string_view>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/results/budget_text.hpp"
 #include "daemon/results/chain_text.hpp"
 #include "daemon/results/described.hpp"
@@ -27,8 +29,8 @@ bool is_given(const Outcome& outcome) {
 }
 
 std::string points_text(const PointCounts& points) {
-  std::string text = std::to_string(points.points) + " in " + counted(points.sweeps, "sweep") +
-                     " of " + counted(points.files, "file");
+  std::string text = fmt::format("{} in {} of {}", points.points, counted(points.sweeps, "sweep"),
+                                 counted(points.files, "file"));
   if (points.targets > 1) text += ", " + counted(points.targets, "target point");
   return paragraph("points      ", text);
 }
@@ -44,40 +46,38 @@ std::string cycle_text(std::chrono::nanoseconds cycle) {
 std::string limit_text(const Outcome& outcome) {
   if (!outcome.motion_limit) return "";
   const auto& limit = *outcome.motion_limit;
-  return paragraph("noise       ",
-                   fixed(limit.noise_mm, 4) +
-                       " mm in each coordinate of a position, as the stream shows it: "
-                       "motion slower than " +
-                       fixed(limit.slowest_mm_s, 1) +
-                       " mm/s is taken for rest, arcs shorter than " + fixed(limit.shortest_mm, 1) +
-                       " mm are not used");
+  return paragraph(
+      "noise       ",
+      fmt::format("{:.4f} mm in each coordinate of a position, as the stream shows it: motion "
+                  "slower than {:.1f} mm/s is taken for rest, arcs shorter than {:.1f} mm are not "
+                  "used",
+                  limit.noise_mm, limit.slowest_mm_s, limit.shortest_mm));
 }
 
 std::string source_text(const Outcome& outcome) {
   if (outcome.points) return points_text(*outcome.points) + limit_text(outcome);
   if (is_given(outcome))
     return paragraph("axes        ",
-                     std::to_string(outcome.identification.joints.size()) + ", given as lines");
+                     fmt::format("{}, given as lines", outcome.identification.joints.size()));
   const auto& counts = outcome.counts;
   const auto& link = counts.link;
   std::string telegrams = std::to_string(link.telegrams);
   if (counts.cycle) telegrams += ", one every " + cycle_text(*counts.cycle);
   std::string late = link.late_replies
-                         ? "late by the controller's count " + std::to_string(*link.late_replies)
+                         ? fmt::format("late by the controller's count {}", *link.late_replies)
                          : "how many were late is not known: the telegrams carry no Delay";
   if (link.late_runs > 0)
-    late += ", in " + counted(link.late_runs, "run") + " of at most " +
-            std::to_string(link.longest_late_run);
+    late +=
+        fmt::format(", in {} of at most {}", counted(link.late_runs, "run"), link.longest_late_run);
   std::string text =
       paragraph("telegrams   ", telegrams) +
-      paragraph("link        ", "lost " + std::to_string(link.lost) + ", duplicated " +
-                                    std::to_string(link.duplicated) + ", reordered " +
-                                    std::to_string(link.reordered) + ", malformed " +
-                                    std::to_string(counts.malformed_in_all()) + ", restarts " +
-                                    std::to_string(link.restarts)) +
+      paragraph(
+          "link        ",
+          fmt::format("lost {}, duplicated {}, reordered {}, malformed {}, restarts {}", link.lost,
+                      link.duplicated, link.reordered, counts.malformed_in_all(), link.restarts)) +
       paragraph("replies     ", late);
   if (counts.unusable_values > 0)
-    text += paragraph("values      ", std::to_string(counts.unusable_values) + " were no numbers");
+    text += paragraph("values      ", fmt::format("{} were no numbers", counts.unusable_values));
   return text + limit_text(outcome);
 }
 
@@ -91,7 +91,7 @@ std::string home_text(const Identification& found) {
     text += (text.empty() ? ""
              : of == unit ? ", "
                           : unit + ", ") +
-            ("A" + std::to_string(j + 1)) + " " + fixed(degrees(*found.home_rad[j]), 3);
+            fmt::format("A{} {}", j + 1, fixed(degrees(*found.home_rad[j]), 3));
     unit = of;
   }
   return text.empty() ? text : paragraph("home        ", text + unit);
@@ -217,8 +217,8 @@ std::string report(const Outcome& outcome) {
 std::string sweep_line(const identify::Sweep& sweep, std::optional<std::size_t> planned,
                        const std::vector<JointLimits>& limits) {
   std::string who = "a joint";
-  if (planned) who = "joint " + std::to_string(*planned + 1) + " by the plan";
-  if (sweep.joint) who = "joint " + std::to_string(*sweep.joint + 1);
+  if (planned) who = fmt::format("joint {} by the plan", *planned + 1);
+  if (sweep.joint) who = fmt::format("joint {}", *sweep.joint + 1);
   const std::optional<std::size_t> joint = sweep.joint ? sweep.joint : planned;
   const bool linear = joint && *joint < limits.size() && limits[*joint].linear;
   return who + ": sweep of " +

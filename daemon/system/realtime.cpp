@@ -9,6 +9,7 @@
 
 #include <pthread.h>
 #include <sched.h>
+#include <spdlog/fmt/fmt.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 
@@ -67,11 +68,12 @@ void set_priority(int priority, RealTimeReport& report) {
   int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
   if (error == 0) error = pthread_getschedparam(pthread_self(), &policy, &parameters);
   if (error == 0 && policy == SCHED_FIFO && parameters.sched_priority == priority)
-    report.granted.push_back("SCHED_FIFO " + std::to_string(priority));
+    report.granted.push_back(fmt::format("SCHED_FIFO {}", priority));
   else
-    report.refused.push_back("SCHED_FIFO " + std::to_string(priority) + " is not permitted (" +
-                             reason(error) + "): set LimitRTPRIO=" + std::to_string(priority) +
-                             " in the unit, or rtprio in /etc/security/limits.d");
+    report.refused.push_back(
+        fmt::format("SCHED_FIFO {0} is not permitted ({1}): set LimitRTPRIO={0} in the unit, or "
+                    "rtprio in /etc/security/limits.d",
+                    priority, reason(error)));
 }
 
 void touch_stack() noexcept {
