@@ -90,10 +90,10 @@ std::optional<std::array<Place, N>> all_of(const CsvFile& file, const Places& pl
 }  // namespace
 
 NameAndUnit name_and_unit(std::string_view column) {
-  constexpr std::array<NameAndUnit, 5> kUnits{
+  constexpr std::array<NameAndUnit, 5> kColumnUnits{
       {{{}, "s", 1}, {{}, "mm", 1}, {{}, "m", 1000}, {{}, "rad", 1}, {{}, "deg", radians(1)}}};
   const auto line = column.rfind('_');
-  for (const auto& unit : kUnits)
+  for (const auto& unit : kColumnUnits)
     if (line != std::string_view::npos && column.substr(line + 1) == unit.unit)
       return {column.substr(0, line), unit.unit, unit.size};
   return {column, {}, 1};
