@@ -72,6 +72,14 @@ void Markup::set(const char* attribute, std::string_view value) {
   node_.append_attribute(attribute).set_value(clean_text(value).c_str());
 }
 
+Markup add_figure(Markup parent, std::string_view title, std::string_view text) {
+  auto figure = parent.add("figure");
+  auto caption = figure.add("figcaption");
+  caption.put("b", title);
+  if (!text.empty()) caption.text(std::string(" ") += text);
+  return figure;
+}
+
 std::string html_text(const pugi::xml_document& document) {
   struct Text : pugi::xml_writer {
     std::string text;

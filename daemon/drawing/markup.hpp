@@ -35,6 +35,9 @@ class Markup {
   pugi::xml_node node_;
 };
 
+/// A figure with a caption: `title` in bold, then `text`.
+[[nodiscard]] Markup add_figure(Markup parent, std::string_view title, std::string_view text);
+
 /// `text` as what XML can hold.
 [[nodiscard]] std::string clean_text(std::string_view text);
 

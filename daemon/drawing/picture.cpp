@@ -52,6 +52,10 @@ std::string look(char letter, std::size_t index) {
 
 }  // namespace
 
+Frame Frame::within(double room) const {
+  return {left + room, top + room, width - 2 * room, height - 2 * room};
+}
+
 bool Frame::holds(const Spot& spot) const {
   return spot.x() >= left && spot.x() <= right() && spot.y() >= top && spot.y() <= bottom();
 }
@@ -175,10 +179,10 @@ std::string drawing_style() {
       "line,path{fill:none;stroke:currentColor;stroke-width:1}"
       ".axis{stroke-width:.8}.grid{stroke-width:.5;opacity:.25}"
       ".zero{stroke-width:.8;opacity:.7}.limit{stroke-dasharray:5 3;opacity:.7}"
-      ".hair{stroke-width:.7;opacity:.55}.thick{stroke-width:2.6}.arm{stroke-width:5;opacity:.3;"
+      ".hair{stroke-width:.7;opacity:.55}.arm{stroke-width:5;opacity:.3;"
       "stroke-linecap:round;stroke-linejoin:round}"
       "rect{stroke:currentColor;stroke-width:.5}.hollow{fill:none;stroke-width:1}"
-      ".plain{fill:currentColor;stroke:none}.faint{fill:currentColor;fill-opacity:.12;stroke:none}"
+      ".plain{fill:currentColor;stroke:none}"
       "circle{fill:currentColor;stroke:none}circle.hollow{fill:none;stroke:currentColor}";
   for (std::size_t i = 0; i < kLooks.size(); ++i) {
     const std::string colour(kLooks[i].colour);
@@ -188,7 +192,7 @@ std::string drawing_style() {
            look('f', i) + "{fill:" + colour + "}";
   }
   return css +
-         ".light{fill:#fff}.dark{fill:#000}.thick{stroke-width:3.2;stroke-dasharray:none}.whole{"
+         ".light{fill:#fff}.dark{fill:#000}.whole{"
          "stroke-dasharray:none}"
          ".hair{stroke-width:.7}";
 }

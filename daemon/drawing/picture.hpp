@@ -23,6 +23,8 @@ struct Frame {
   [[nodiscard]] double right() const { return left + width; }
   [[nodiscard]] double bottom() const { return top + height; }
   [[nodiscard]] Spot middle() const { return {left + width / 2, top + height / 2}; }
+  /// Without so much on each side.
+  [[nodiscard]] Frame within(double room) const;
   [[nodiscard]] bool holds(const Spot& spot) const;
 };
 

@@ -82,4 +82,16 @@ Eigen::Vector2d View::place(const Spot& spot) const {
   return {from_origin.x(), -from_origin.y()};
 }
 
+void draw_triad(Picture& picture, const View& view, const Spot& corner) {
+  constexpr double kLength = 26;
+  const Spot origin = view.spot(Eigen::Vector3d::Zero());
+  for (int axis = 0; axis < 3; ++axis) {
+    const Spot way = view.spot(Eigen::Vector3d::Unit(axis) / view.scale()) - origin;
+    const Spot tip = corner + kLength * way;
+    picture.arrow(corner, tip, "axis");
+    picture.words(tip + 8 * way.normalized() + Spot(0, 3), std::string(1, "XYZ"[axis]),
+                  Anchor::middle, "small");
+  }
+}
+
 }  // namespace sweepd

@@ -48,4 +48,7 @@ class View {
   Spot origin_ = Spot::Zero();
 };
 
+/// X, Y and Z of the frame that is seen, as arrows from `corner`.
+void draw_triad(Picture& picture, const View& view, const Spot& corner);
+
 }  // namespace sweepd

@@ -9,8 +9,8 @@
 #include <Eigen/Geometry>
 
 #include "daemon/drawing/plot.hpp"
-#include "daemon/report/space_figures.hpp"
 #include "daemon/text/numbers.hpp"
+#include "identify/chain/chain_estimate.hpp"
 
 namespace sweepd {
 namespace {
@@ -134,13 +134,14 @@ void draw_curves(Picture& picture, const Frame& frame, const std::string& title,
   }
 }
 
-constexpr std::array<const char*, 7> kCauses{"noise",  "home",  "drift", "figure",
-                                             "offset", "print", "sag"};
-constexpr std::array<const char*, 7> kCauseNames{
-    "noise of the samples",          "locked joints off home",
-    "drift of the device",           "arcs that are not quite circles",
-    "gears and load at other homes", "what printing leaves out",
-    "joints that give way to weight"};
+using identify::Cause;
+
+constexpr std::array kCauses{Cause::noise,  Cause::home,  Cause::drift, Cause::figure,
+                             Cause::offset, Cause::print, Cause::sag};
+
+double share_of(const Json& row, Cause cause) {
+  return number_of(row, std::string(text(cause)));
+}
 
 /// "theta3_deg" as "θ₃" is written elsewhere: θ 3.
 std::string number_name(const std::string& key) {
@@ -253,7 +254,7 @@ void add_budget_figure(Markup parent, const ReportFolder& folder) {
   std::vector<std::size_t> causes;
   for (std::size_t c = 0; c < kCauses.size(); ++c)
     if (std::any_of(budget.begin(), budget.end(),
-                    [&](const Json& row) { return number_of(row, kCauses[c]) > 0; }))
+                    [&](const Json& row) { return share_of(row, kCauses[c]) > 0; }))
       causes.push_back(c);
   const double rows = static_cast<double>(budget.size());
   const double keys = 16 * std::ceil(static_cast<double>(causes.size()) / 3) + 8;
@@ -262,7 +263,7 @@ void add_budget_figure(Markup parent, const ReportFolder& folder) {
     const Spot at(kLeft + 220 * static_cast<double>(i % 3),
                   4 + 16 * std::floor(static_cast<double>(i) / 3));
     picture.bar({at.x(), at.y(), 12, 10}, joint_fill(i));
-    picture.words(at + Spot(17, 9), kCauseNames[causes[i]]);
+    picture.words(at + Spot(17, 9), words(kCauses[causes[i]]));
   }
   const Frame frame{kLeft, keys, kWidth - kLeft - 20, rows * (kBar + 3) + 2};
   Plot plot(picture, frame, {{0, 100}, "share of the variance, %", false, 10},
@@ -272,7 +273,7 @@ void add_budget_figure(Markup parent, const ReportFolder& folder) {
     picture.words({kLeft - 6, y + 9}, number_name(text_of(row, "number")), Anchor::end, "small");
     double x = 0;
     for (std::size_t i = 0; i < causes.size(); ++i) {
-      const double share = 100 * number_of(row, kCauses[causes[i]]);
+      const double share = 100 * share_of(row, kCauses[causes[i]]);
       if (!(share > 0)) continue;
       const double left = plot.spot(x, 0).x();
       const double right = plot.spot(x + share, 0).x();

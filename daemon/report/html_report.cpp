@@ -2,10 +2,11 @@
 
 #include "daemon/drawing/picture.hpp"
 #include "daemon/report/annex.hpp"
+#include "daemon/report/axes_figure.hpp"
+#include "daemon/report/circle_figures.hpp"
 #include "daemon/report/curve_figures.hpp"
 #include "daemon/report/first_page.hpp"
 #include "daemon/report/range_figure.hpp"
-#include "daemon/report/space_figures.hpp"
 
 namespace sweepd {
 namespace {

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "daemon/drawing/view.hpp"
-#include "daemon/report/space_figures.hpp"
 #include "daemon/text/numbers.hpp"
 
 namespace sweepd {
@@ -51,8 +50,7 @@ void draw_range(Picture& picture, const ReportFolder& folder, const Frame& frame
     for (const StrokePoint& point : stroke.points) all.push_back(point.position_mm);
   View view = View::oblique();
   constexpr double kRoom = 22;
-  view.fit(all, {frame.left + kRoom, frame.top + kRoom, frame.width - 2 * kRoom,
-                 frame.height - 2 * kRoom});
+  view.fit(all, frame.within(kRoom));
   if (whole) draw_box(picture, view, *whole, "axis");
   std::size_t index = 0;
   for (const Json& joint : list_of(folder.result, "joints")) {

@@ -16,26 +16,6 @@ namespace {
 using identify::Cause;
 using identify::Identification;
 
-std::string_view name(Cause cause) {
-  switch (cause) {
-    case Cause::noise:
-      return "noise of the samples";
-    case Cause::home:
-      return "locked joints off home";
-    case Cause::drift:
-      return "drift of the measuring device";
-    case Cause::figure:
-      return "arcs that are not quite circles";
-    case Cause::offset:
-      return "gears and load at other homes";
-    case Cause::print:
-      return "what printing leaves out";
-    case Cause::sag:
-      return "joints that give way to weight";
-  }
-  return "";
-}
-
 std::string size(Cause cause, const identify::ChainEstimate& estimate) {
   const auto length = [](double mm) { return fixed(mm, 4) + " mm "; };
   const auto angle = [](double rad) { return fixed(degrees(rad), 5) + " deg"; };
@@ -95,7 +75,7 @@ std::string budget_text(const Identification& found) {
       left("cause", 34) + right("size", 14) + right("usual", 10) + right("largest", 10) + "\n";
   for (const auto& share : found.dh_budget) {
     const Shares of = shares_of(share.variances, found.dh_covariance);
-    text += left(std::string(name(share.cause)), 34) + right(size(share.cause, *found.chain), 14) +
+    text += left(std::string(words(share.cause)), 34) + right(size(share.cause, *found.chain), 14) +
             number(100 * of.usual, 0, 10) + number(100 * of.largest, 0, 10) +
             (of.of.empty() ? "" : "  of " + of.of) + "\n";
   }

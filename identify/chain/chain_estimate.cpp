@@ -34,4 +34,24 @@ std::string_view text(Cause cause) noexcept {
   return "";
 }
 
+std::string_view words(Cause cause) noexcept {
+  switch (cause) {
+    case Cause::noise:
+      return "noise of the samples";
+    case Cause::home:
+      return "locked joints off home";
+    case Cause::drift:
+      return "drift of the measuring device";
+    case Cause::figure:
+      return "arcs that are not quite circles";
+    case Cause::offset:
+      return "gears and load at other homes";
+    case Cause::print:
+      return "what printing leaves out";
+    case Cause::sag:
+      return "joints that give way to weight";
+  }
+  return "";
+}
+
 }  // namespace identify

@@ -53,7 +53,8 @@ struct ChainEffects {
 
 /// What makes an estimate uncertain: the samples' noise, and the effects.
 enum class Cause { noise, home, drift, figure, offset, print, sag };
-[[nodiscard]] std::string_view text(Cause cause) noexcept;
+[[nodiscard]] std::string_view text(Cause cause) noexcept;   ///< one word, for programs
+[[nodiscard]] std::string_view words(Cause cause) noexcept;  ///< for people
 
 /// As the noise of a sweeping joint: its angle is not used.
 inline constexpr double kFreeAngle = std::numeric_limits<double>::infinity();

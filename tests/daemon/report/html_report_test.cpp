@@ -115,6 +115,16 @@ TEST_CASE("singular values in figure 4 are those of the points", "[html_report]"
   CHECK_THAT(words, ContainsSubstring("σ₂ " + fixed(sigma(1), 1)));
 }
 
+TEST_CASE("a circle too small to be seen beside the others has an inset", "[html_report]") {
+  const TemporaryFolder folder;
+  write_result(folder.path(), complete_outcome());
+  auto read = read_report_folder(folder.path());
+  CHECK_THAT(words_of(html_report(std::span(&read, 1))), !ContainsSubstring("-fold"));
+  read.result["joints"][5]["circle"]["radius_mm"] = 10;
+  CHECK_THAT(words_of(html_report(std::span(&read, 1))), ContainsSubstring("Joint 6, "));
+  CHECK_THAT(words_of(html_report(std::span(&read, 1))), ContainsSubstring("-fold"));
+}
+
 TEST_CASE("whatever a run was, its report says so", "[html_report]") {
   SECTION("partial") {
     const auto html = report_html(partial_outcome());

@@ -11,12 +11,4 @@ namespace sweepd {
 /// inset.
 void add_axes_figure(Markup parent, const ReportFolder& folder);
 
-/// Figures 3 and 4 of the paper for each joint: the circle with its centre and normal in the frame
-/// of the measurements, and the points in the frame of their singular value decomposition (eq. 3),
-/// whose axes are as long as the singular values.
-void add_circle_figures(Markup parent, const ReportFolder& folder);
-
-/// A figure with a caption: `title` in bold, then `text`.
-[[nodiscard]] Markup add_figure(Markup parent, std::string_view title, std::string_view text);
-
 }  // namespace sweepd
