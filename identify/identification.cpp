@@ -15,6 +15,7 @@
 #include "identify/dh/placed_axes.hpp"
 #include "identify/geometry/angle.hpp"
 #include "identify/plausibility.hpp"
+#include "identify/poses/pose_doubts.hpp"
 
 namespace identify {
 namespace {
@@ -79,23 +80,12 @@ Identification by_circles(CircleEstimate circles) {
   return found;
 }
 
-Identification estimate(std::vector<Sweep> sweeps, const Campaign& campaign) {
-  Identification found = by_circles(estimate_circles(std::move(sweeps), campaign));
-  if (campaign.timed) {
-    const auto axes = starting_axes(found);
-    found.delay = find_delay(found, axes);
-    if (found.delay && is_significant(*found.delay))
-      found.chain = estimate_chain(in_step(found, axes, *found.delay), campaign);
-  }
-  if (!found.chain) found.chain = estimate_chain(found, campaign);
-  if (!found.chain) return found;
+/// Sets what follows from `found.chain`, which has converged.
+void take_chain(Identification& found, const Campaign& campaign, Estimator estimator) {
   const std::size_t joints = found.joints.size();
-  place_linear_axes(*found.chain, campaign, found.specified);
   const TableAxes axes = table_axes(*found.chain, campaign);
-  found.chain->dh = table_of(axes, joints, found.specified);
-  if (!found.chain->summary.converged) return found;
-  found.estimator = Estimator::chain;
-  found.dh = found.chain->dh;
+  found.estimator = estimator;
+  found.dh = found.chain->dh = table_of(axes, joints, found.specified);
   found.row_to_tool = row_to_tool(axes, joints, found.specified);
   if (campaign.device_frame) {
     found.robot_pose = robot_pose(axes, found.specified);
@@ -108,13 +98,86 @@ Identification estimate(std::vector<Sweep> sweeps, const Campaign& campaign) {
   if (found.status != Status::failed || missing.empty())
     found.status = missing.empty() ? Status::complete : Status::partial;
   found.reason = missing.empty() ? "" : "no axis for joint " + missing;
+}
+
+Identification estimate(std::vector<Sweep> sweeps, const Campaign& campaign) {
+  Identification found = by_circles(estimate_circles(std::move(sweeps), campaign));
+  if (campaign.timed) {
+    const auto axes = starting_axes(found);
+    found.delay = find_delay(found, axes);
+    if (found.delay && is_significant(*found.delay))
+      found.chain = estimate_chain(in_step(found, axes, *found.delay), campaign);
+  }
+  if (!found.chain) found.chain = estimate_chain(found, campaign);
+  if (!found.chain) return found;
+  place_linear_axes(*found.chain, campaign, found.specified);
+  if (found.chain->summary.converged)
+    take_chain(found, campaign, Estimator::chain);
+  else
+    found.chain->dh =
+        table_of(table_axes(*found.chain, campaign), found.joints.size(), found.specified);
   return found;
+}
+
+/// With the poses in place of the chain's estimate, or beside it.
+void take_poses(Identification& found, const std::vector<Pose>& poses, const Campaign& campaign) {
+  std::string reason;
+  found.poses = estimate_poses(poses, campaign, found.chain ? &*found.chain : nullptr,
+                               found.home_rad, reason);
+  if (!found.poses) {
+    found.warnings.push_back({"poses_not_used", {}, reason});
+    if (found.status == Status::failed) found.reason = reason;
+    return;
+  }
+  const PoseModel& model = found.poses->fit.model;
+  for (std::size_t j = 0; j < model.home_rad.size(); ++j) {
+    found.home_rad[j] = model.home_rad[j];
+    if (campaign.specified) {
+      found.specified[j] = campaign.specified->row_at(j, model.home_rad[j]);
+      found.specified[j].theta_rad = wrapped(found.specified[j].theta_rad);
+    }
+  }
+  found.doubt.clear();  // what a sweep alone left open, angles tell
+  const std::optional<ChainEstimate> sweeps = std::move(found.chain);
+  found.chain = found.poses->chain;
+  if (sweeps) {  // what was seen of them stays
+    found.chain->noise = sweeps->noise;
+    found.chain->effects = sweeps->effects;
+    found.chain->angles = sweeps->angles;
+    found.chain->home_scatter_mm = sweeps->home_scatter_mm;
+    found.chain->samples = sweeps->samples;
+    found.chain->outliers = sweeps->outliers;
+    found.chain->samples_per_independent = sweeps->samples_per_independent;
+  }
+  place_linear_axes(*found.chain, campaign, found.specified);
+  if (found.poses->fit.converged) {
+    if (found.status == Status::failed) found.status = Status::partial;
+    take_chain(found, campaign, Estimator::poses);
+  } else {
+    found.status = Status::failed;
+    found.reason =
+        "the fit of the poses did not come to its end: check that angles and positions "
+        "belong together";
+  }
+  std::erase_if(found.warnings, [](const Warning& warning) {  // the poses moved them
+    return warning.code == "joint_never_moved";
+  });
+  for (auto& doubt : doubts_of(*found.poses, poses, campaign))
+    found.doubts.push_back(std::move(doubt));
+  for (auto& advice : advice_on(*found.poses, poses)) found.warnings.push_back(std::move(advice));
 }
 
 }  // namespace
 
-Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign) {
+Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign,
+                        std::vector<Pose> poses) {
   Identification found = estimate(std::move(sweeps), campaign);
+  if (!poses.empty()) {
+    std::vector<Warning> copies;
+    poses = without_copies(std::move(poses), copies);
+    take_poses(found, poses, campaign);
+    found.warnings.insert(found.warnings.end(), copies.begin(), copies.end());
+  }
   name_undetermined(found);
   if (found.status == Status::complete && !found.doubt.empty()) {
     found.status = Status::partial;
@@ -152,6 +215,8 @@ std::string_view text(Estimator estimator) noexcept {
       return "circle";
     case Estimator::chain:
       return "chain";
+    case Estimator::poses:
+      return "poses";
     case Estimator::axes:
       return "axes";
   }

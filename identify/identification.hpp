@@ -9,6 +9,7 @@
 #include "identify/chain/chain_table.hpp"
 #include "identify/chain/delay.hpp"
 #include "identify/circle/circle_estimate.hpp"
+#include "identify/poses/pose_estimate.hpp"
 #include "identify/sweeps/campaign.hpp"
 
 namespace identify {
@@ -21,8 +22,9 @@ enum class Status {
 };
 [[nodiscard]] std::string_view text(Status status) noexcept;
 
-/// Which estimator a result comes from. `axes`: none, the axes were given.
-enum class Estimator { circle, chain, axes };
+/// Which estimator a result comes from: `poses` those of static poses, perhaps with a chain's beside
+/// them. `axes`: none, the axes were given.
+enum class Estimator { circle, chain, poses, axes };
 [[nodiscard]] std::string_view text(Estimator estimator) noexcept;
 
 /// Beside what the circles found, with the joints' axes by the best estimator.
@@ -49,6 +51,7 @@ struct Identification : CircleEstimate {
   /// Nothing where the campaign does not tell it. Where it is significant, the chain had the angles
   /// as they were when the positions were taken; sweeps hold them as they were told.
   std::optional<Delay> delay;
+  std::optional<PoseEstimate> poses;  ///< `chain` is the poses' then
   /// Where the measurement frame is a device's: b and theta of row 1 are by convention then.
   std::optional<RobotPose> robot_pose;
 };
@@ -57,9 +60,11 @@ struct Identification : CircleEstimate {
 void apply_doubts(Identification& found);
 
 /// The engine: circles first, then the chain, which starts from them; `dh` and the joints' axes are
-/// the chain's where it converged. Sweeps in the order of time. Never throws for what the data
-/// hold. The same sweeps give the same bits.
-[[nodiscard]] Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign);
+/// the chain's where it converged. Static `poses` of the same robot in the same frame, if any, are
+/// fitted then, with what the sweeps told beside them. Sweeps in the order of time. Never throws for
+/// what the data hold. The same sweeps and poses give the same bits.
+[[nodiscard]] Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign,
+                                      std::vector<Pose> poses = {});
 
 /// A table is complete where every number of it is known. Where one is undetermined though no axis
 /// is missing, the status becomes partial, and the reason and a warning (`undetermined`) name it.

@@ -162,6 +162,9 @@ CLI::App* add_identify(CLI::App& app, IdentifyOptions& options) {
       ->type_name("NAMES");
   command->add_flag("--per-joint", options.per_joint,
                     "Take each file as the points of one joint, beginning with joint 1");
+  command->add_flag("--poses", options.poses,
+                    "Take each line as a static pose: joint angles and where the target stood. "
+                    "Files without times, or with a column pose, are taken so anyway");
   command
       ->add_option("--robot", options.robot,
                    "Read the robot description from this file, and compare the result with it")

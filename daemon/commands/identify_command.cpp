@@ -60,6 +60,13 @@ std::optional<std::size_t> declared_joints(const IdentifyOptions& options,
   return setup.joints;
 }
 
+/// Whether each line is a static pose: a file says so, or has angles and nothing that would make
+/// sweeps of its lines.
+bool of_poses(const PointsFile& file, const IdentifyOptions& options) {
+  if (options.per_joint || file.with_joints) return false;
+  return options.poses || file.with_poses || (!file.with_times && file.angles > 0);
+}
+
 struct Points {
   std::vector<PointsFile> files;
   identify::Resolution resolution;
@@ -88,7 +95,7 @@ Points read_points(const IdentifyOptions& options, std::size_t most_joints) {
   }
   points.resolution = reader.resolution();
   points.counts.files = points.files.size();
-  points.counts.targets = reader.targets().size();
+  points.counts.targets = reader.targets();
   return points;
 }
 
@@ -112,10 +119,27 @@ void check_file(const PointsFile& file, const IdentifyOptions& options, std::siz
     throw CsvError(name +
                    ": expected no column joint, as --per-joint tells the joint, found one: "
                    "leave out --per-joint, or skip the column with --columns");
-  if (!options.per_joint && !file.with_joints && !file.with_times)
+  if (of_poses(file, options) && file.angles == 0)
+    throw CsvError(name + ": expected joint angles of static poses, found none: add a1_deg and on");
+  if (!options.per_joint && !file.with_joints && !file.with_times && !of_poses(file, options))
     throw CsvError(name +
-                   ": expected a column t_s or joint, found neither: add one, or give one file "
-                   "a joint with --per-joint");
+                   ": expected a column t_s or joint, or joint angles of static poses, found none "
+                   "of them: add one, or give one file a joint with --per-joint");
+}
+
+/// The static poses of all files that hold such; lines without a position or an angle are none.
+std::vector<identify::Pose> poses_in(const Points& points, const IdentifyOptions& options,
+                                     std::size_t joints) {
+  std::vector<identify::Pose> poses;
+  for (const PointsFile& file : points.files) {
+    if (!of_poses(file, options)) continue;
+    check_file(file, options, joints);
+    for (const Point& point : file.points)
+      if (point.sample.has_position && point.sample.joints >= joints)
+        poses.push_back({point.sample, point.target,
+                         fmt::format("{} line {}", file.path.filename().string(), point.line)});
+  }
+  return poses;
 }
 
 /// Whose joint each sweep is; without angles or a column for it, some may be left for the engine.
@@ -125,6 +149,7 @@ std::vector<Sweep> sweeps_in(const Points& points, const IdentifyOptions& option
   std::vector<Sweep> sweeps;
   for (std::size_t k = 0; k < points.files.size(); ++k) {
     const PointsFile& file = points.files[k];
+    if (of_poses(file, options)) continue;
     check_file(file, options, setup.joints);
     auto found =
         options.per_joint
@@ -148,11 +173,14 @@ Outcome identified_points(const IdentifyOptions& options, RobotSetup setup) {
                                 ": give one file a joint");
   auto known = campaign(setup, points.resolution);
   known.device_frame = options.device_frame;
-  known.timed = std::all_of(points.files.begin(), points.files.end(),
-                            [](const PointsFile& file) { return file.with_times; });
+  known.timed = std::all_of(points.files.begin(), points.files.end(), [&](const PointsFile& file) {
+    return file.with_times || of_poses(file, options);
+  });
   Snapshot snapshot;
   snapshot.robot = setup.name;
   snapshot.source_kind = "points";
+  snapshot.poses = poses_in(points, options, setup.joints);
+  points.counts.poses = snapshot.poses.size();
   snapshot.sweeps = sweeps_in(points, options, setup, known);
   snapshot.campaign = known;
   snapshot.limits = setup.limits();
@@ -215,6 +243,7 @@ void write_run_file(const IdentifyOptions& options) {
   if (options.axes) given["axes"] = options.axes->string();
   if (!options.columns.empty()) given["columns"] = options.columns;
   if (options.per_joint) given["per_joint"] = true;
+  if (options.poses) given["poses"] = true;
   given["frame"] = options.device_frame ? "device" : "robot";
   if (options.robot) given["description"] = options.robot->string();
   if (options.plan) given["plan"] = options.plan->string();

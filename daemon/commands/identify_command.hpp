@@ -14,6 +14,7 @@ struct IdentifyOptions {
   std::optional<std::filesystem::path> axes;  ///< or this
   std::string columns;                        ///< names with commas between; empty: the header's
   bool per_joint = false;                     ///< one file of points a joint, in their order
+  bool poses = false;                         ///< each line is a static pose
   std::optional<std::filesystem::path> robot;
   std::optional<std::filesystem::path> plan;
   std::optional<std::size_t> joints;  ///< where neither robot nor plan tells

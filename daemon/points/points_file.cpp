@@ -19,7 +19,8 @@ using Places = std::map<std::string, Place, std::less<>>;
 
 /// What sweepd writes into samples.csv and sweeps.csv and does not ask back.
 bool is_passed_over(std::string_view column) {
-  return column == "ipoc" || column.find("_residual") != std::string_view::npos ||
+  return column == "ipoc" || column == "pose" ||
+         column.find("_residual") != std::string_view::npos ||
          column.find("_error") != std::string_view::npos;
 }
 
@@ -210,7 +211,12 @@ PointsFile PointsReader::read(const std::filesystem::path& path, const OnProgres
   auto columns = point_columns(file);
   if (columns.angles.size() > joints_) columns.angles.resize(joints_);
   PointsFile result{
-      path, columns.joint.has_value(), columns.time.has_value(), columns.angles.size(), {}};
+      path,
+      columns.joint.has_value(),
+      columns.time.has_value(),
+      std::find(file.columns().begin(), file.columns().end(), "pose") != file.columns().end(),
+      columns.angles.size(),
+      {}};
   // A, B, C count only where nothing else tells how finely angles are printed.
   std::optional<double>* const orientation_step =
       columns.angles.empty() ? &angle_step_rad_ : nullptr;
@@ -218,6 +224,7 @@ PointsFile PointsReader::read(const std::filesystem::path& path, const OnProgres
   std::vector<std::optional<Before>> before;
   while (file.next()) {
     Point point;
+    point.line = file.line();
     if (columns.joint) point.joint = file.whole_number(columns.joint->column, 1, joints_);
     if (columns.sweep) point.sweep = file.whole_number(columns.sweep->column, 0, kMostSweeps);
     point.target =

@@ -47,7 +47,8 @@ struct NameAndUnit {
 
 /// The names that point_columns() knows, for a manual.
 inline constexpr std::string_view kPointColumns =
-    "joint, target, t_s, x_mm, y_mm, z_mm (or x_m ...), qx, qy, qz, qw (quaternion of the tool) or "
+    "joint, target, pose, t_s, x_mm, y_mm, z_mm (or x_m ...), qx, qy, qz, qw (quaternion of the "
+    "tool) or "
     "a_deg, b_deg, c_deg (KUKA's A, B, C), a1_deg to a12_deg (or a1_rad ...)";
 
 /// A line of a file of measured points.
@@ -56,12 +57,14 @@ struct Point {
   std::size_t joint = 0;    ///< from 1, that moves; 0: the file does not say
   std::size_t sweep = 0;    ///< tells sweeps of one joint apart
   std::size_t target = 0;   ///< which of PointsReader::targets() was measured
+  std::size_t line = 0;     ///< of the file
 };
 
 struct PointsFile {
   std::filesystem::path path;
   bool with_joints = false;
   bool with_times = false;  ///< without, time counts the points
+  bool with_poses = false;  ///< a column says that each line is a static pose
   std::size_t angles = 0;   ///< so many joint angles a point
   std::vector<Point> points;
 };

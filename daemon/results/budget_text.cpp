@@ -16,7 +16,8 @@ namespace {
 using identify::Cause;
 using identify::Identification;
 
-std::string size(Cause cause, const identify::ChainEstimate& estimate) {
+std::string size(Cause cause, const Identification& found) {
+  const identify::ChainEstimate& estimate = *found.chain;
   const auto length = [](double mm) { return fixed(mm, 4) + " mm "; };
   const auto angle = [](double rad) { return fixed(degrees(rad), 5) + " deg"; };
   const auto& effects = estimate.effects;
@@ -35,6 +36,8 @@ std::string size(Cause cause, const identify::ChainEstimate& estimate) {
       return length(effects.print_mm);
     case Cause::sag:
       return angle(effects.sag_rad);
+    case Cause::angles:
+      return angle(found.poses ? found.poses->fit.noise.joint_rad : 0);
   }
   return "";
 }
@@ -75,7 +78,7 @@ std::string budget_text(const Identification& found) {
       left("cause", 34) + right("size", 14) + right("usual", 10) + right("largest", 10) + "\n";
   for (const auto& share : found.dh_budget) {
     const Shares of = shares_of(share.variances, found.dh_covariance);
-    text += left(std::string(words(share.cause)), 34) + right(size(share.cause, *found.chain), 14) +
+    text += left(std::string(words(share.cause)), 34) + right(size(share.cause, found), 14) +
             number(100 * of.usual, 0, 10) + number(100 * of.largest, 0, 10) +
             (of.of.empty() ? "" : "  of " + of.of) + "\n";
   }

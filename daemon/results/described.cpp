@@ -9,6 +9,7 @@ Described described(const Outcome& outcome) {
   const auto& found = outcome.identification;
   if (found.estimator == identify::Estimator::axes) return Described::arm;
   if (!outcome.points) return Described::controller_model;
+  if (found.poses) return found.poses->computed ? Described::controller_model : Described::arm;
   const bool from_angles =
       found.chain && std::any_of(found.chain->angles.begin(), found.chain->angles.end(),
                                  [](const identify::AngleEvidence& joint) {
@@ -26,6 +27,11 @@ std::string explanation(const Outcome& outcome) {
     return "the controller's model: its positions are computed from its angles. It tells machine "
            "data, TOOL and BASE, and whether an elastic model is active. It does not tell how the "
            "arm itself is: for that, measure it with a device.";
+  if (outcome.identification.poses)
+    return "the arm as a device measured it: for calibration, and to compare with its model. "
+           "Elastic "
+           "deformation is in what is left of the poses, unless loads are described and a joint's "
+           "compliance was found.";
   const auto& chain = outcome.identification.chain;
   return std::string(
              "the arm as a device measured it: for calibration, and to compare with its "

@@ -26,6 +26,8 @@ std::string title(Estimator estimator) {
       return "DH parameters by the chain estimator (all sweeps in one fit)";
     case Estimator::circle:
       return "DH parameters by the paper's circles (estimator circle)";
+    case Estimator::poses:
+      return "DH parameters by the static poses, and sweeps where there are any (one fit)";
     case Estimator::axes:
       return "DH parameters of the given axes";
   }

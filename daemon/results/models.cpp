@@ -7,7 +7,9 @@ namespace sweepd {
 
 std::vector<identify::KinematicModel> models_of(const Outcome& outcome) {
   const auto& found = outcome.identification;
-  if (!found.chain || found.estimator != identify::Estimator::chain) return {};
+  using identify::Estimator;
+  if (!found.chain || (found.estimator != Estimator::chain && found.estimator != Estimator::poses))
+    return {};
   const identify::ChainEstimate& estimate = *found.chain;
   return identify::kinematic_models({estimate.chain, outcome.positive, estimate.dh,
                                      estimate.covariance, found.home_rad, true,

@@ -25,7 +25,7 @@ std::string text(const KeptSweeps::LeftOut& left_out, std::size_t kept) {
 Outcome outcome_of(const Snapshot& snapshot) {
   const identify::Campaign& campaign = snapshot.campaign;
   Outcome outcome{snapshot.robot, snapshot.source_kind, snapshot.counts,
-                  identify::identify(snapshot.sweeps, campaign)};
+                  identify::identify(snapshot.sweeps, campaign, snapshot.poses)};
   if (campaign.specified) outcome.positive = campaign.specified->positive;
   outcome.limits = snapshot.limits;
   outcome.motion_limit = campaign.motion_limit;

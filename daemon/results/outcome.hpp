@@ -17,7 +17,8 @@ struct PointCounts {
   std::size_t points = 0;
   std::size_t sweeps = 0;  ///< found in them that can be used
   std::size_t files = 0;
-  std::size_t targets = 0;
+  std::size_t poses = 0;             ///< static ones, of the points
+  std::vector<std::string> targets;  ///< their names in order of appearance
 };
 
 /// Everything that the result files tell.

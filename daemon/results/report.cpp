@@ -11,6 +11,7 @@
 #include "daemon/results/chain_text.hpp"
 #include "daemon/results/described.hpp"
 #include "daemon/results/dh_text.hpp"
+#include "daemon/results/poses_text.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/text_layout.hpp"
 #include "daemon/text/units.hpp"
@@ -29,9 +30,12 @@ bool is_given(const Outcome& outcome) {
 }
 
 std::string points_text(const PointCounts& points) {
-  std::string text = fmt::format("{} in {} of {}", points.points, counted(points.sweeps, "sweep"),
-                                 counted(points.files, "file"));
-  if (points.targets > 1) text += ", " + counted(points.targets, "target point");
+  std::string text = std::to_string(points.points);
+  if (points.sweeps > 0 || points.poses == 0) text += " in " + counted(points.sweeps, "sweep");
+  if (points.poses > 0)
+    text += (points.sweeps > 0 ? " and " : " in ") + counted(points.poses, "static pose");
+  text += " of " + counted(points.files, "file");
+  if (points.targets.size() > 1) text += ", " + counted(points.targets.size(), "target point");
   return paragraph("points      ", text);
 }
 
@@ -199,13 +203,20 @@ std::string report(const Outcome& outcome) {
   for (std::size_t i = 1; i < found.doubts.size(); ++i)
     text += paragraph("            ", "and " + found.doubts[i].message);
   text += source_text(outcome) + home_text(found) + "\n";
-  if (!is_given(outcome)) text += swept(found);
-  const bool any_axis = found.status != identify::Status::failed && found.bounding_box;
+  const bool any_sweep = std::any_of(found.joints.begin(), found.joints.end(),
+                                     [](const auto& joint) { return !joint.sweeps.empty(); });
+  if (!is_given(outcome) && (any_sweep || !found.poses)) text += swept(found);
+  if (found.poses) text += poses_text(*found.poses) + "\n";
+  const bool any_axis =
+      found.status != identify::Status::failed && (found.bounding_box || found.poses);
   if (any_axis || is_given(outcome)) text += dh_text(found);
   if (const std::string budget = budget_text(found); any_axis && !budget.empty())
     text += "\n" + budget;
-  if (any_axis && found.chain) text += "\n" + places(found) + chain_text(*found.chain);
-  if (any_axis) text += "\n" + boxes(found);
+  if (any_axis && found.chain) {
+    text += "\n" + places(found);
+    if (any_sweep) text += chain_text(*found.chain);
+  }
+  if (any_axis && found.bounding_box) text += "\n" + boxes(found);
   if (!found.warnings.empty()) {
     text += "\nWarnings\n";
     for (const auto& warning : found.warnings)

@@ -65,7 +65,7 @@ void add_seen(std::string& csv, const std::optional<identify::SeenTurn>& seen, b
 bool in_use(const identify::Identification& found, const identify::JointResult& joint,
             std::size_t s) {
   const identify::Sweep& sweep = joint.sweeps[s];
-  return joint.used[s] || (found.estimator == identify::Estimator::chain && !sweep.positioning &&
+  return joint.used[s] || (found.estimator != identify::Estimator::circle && !sweep.positioning &&
                            sweep.first().joints >= found.joints.size());
 }
 
@@ -189,6 +189,25 @@ std::string sweeps_csv(const Outcome& outcome) {
         csv += end;
       }
     }
+  }
+  return csv;
+}
+
+std::string poses_csv(const Outcome& outcome) {
+  const identify::PoseEstimate& found = *outcome.identification.poses;
+  const std::size_t joints = outcome.identification.joints.size();
+  std::string csv = "pose,target,x_mm,y_mm,z_mm";
+  for (std::size_t j = 1; j <= joints; ++j) csv += ",a" + std::to_string(j) + "_deg";
+  csv += ",x_residual_mm,y_residual_mm,z_residual_mm,sigma_residual\n";
+  for (std::size_t i = 0; i < found.poses.size(); ++i) {
+    const identify::Pose& pose = found.poses[i];
+    csv += std::to_string(i + 1) + "," + std::to_string(pose.target + 1);
+    for (const double value : pose.sample.position_mm) append_measured(csv += ',', value);
+    for (std::size_t j = 0; j < joints; ++j)
+      append_measured(csv += ',', degrees(pose.sample.angles_rad[j]));
+    for (const double off : found.fit.rows[i].off.head<3>()) append_fixed(csv += ',', off, 6);
+    append_fixed(csv += ',', found.fit.sigmas_off(i), 3);
+    csv += '\n';
   }
   return csv;
 }

@@ -16,4 +16,8 @@ namespace sweepd {
 /// `target` counts from 1.
 [[nodiscard]] std::string sweeps_csv(const Outcome& outcome);
 
+/// The text of poses.csv: a row for each static pose, as it was given, with where it was seen less
+/// where the fit has it, and the size of that in standard deviations of the noise.
+[[nodiscard]] std::string poses_csv(const Outcome& outcome);
+
 }  // namespace sweepd

@@ -32,7 +32,7 @@ Content always(const Outcome& outcome, const std::filesystem::path&) {
   return text(outcome);
 }
 
-const std::array<ResultFile, 8> kFiles{{
+const std::array<ResultFile, 9> kFiles{{
     {"result.json", always<result_json>, true},
     {"report.txt", always<report>, true},
     {"dh.csv", always<dh_csv>},
@@ -51,6 +51,10 @@ const std::array<ResultFile, 8> kFiles{{
        return models.empty() ? Content() : models_csv(models);
      }},
     {"sweeps.csv", always<sweeps_csv>},
+    {"poses.csv",
+     [](const Outcome& outcome, const std::filesystem::path&) -> Content {
+       return outcome.identification.poses ? poses_csv(outcome) : Content();
+     }},
     // Made of the files above and of what else is in the folder.
     {"report.html",
      [](const Outcome&, const std::filesystem::path& folder) -> Content {

@@ -12,6 +12,7 @@
 #include "daemon/results/json_numbers.hpp"
 #include "daemon/results/models.hpp"
 #include "daemon/results/models_json.hpp"
+#include "daemon/results/poses_json.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
 #include "identify/chain/delay.hpp"
@@ -62,7 +63,8 @@ Json source(const Outcome& outcome) {
   if (outcome.points) {
     json["points"] = outcome.points->points;
     json["files"] = outcome.points->files;
-    json["targets"] = outcome.points->targets;
+    json["targets"] = outcome.points->targets.size();
+    if (outcome.points->poses > 0) json["poses"] = outcome.points->poses;
   }
   if (outcome.motion_limit)
     json["motion_limit"] = {{"noise_mm", json_length(outcome.motion_limit->noise_mm)},
@@ -241,6 +243,7 @@ std::string result_json(const Outcome& outcome) {
         {"orientation", rotation(robot.pose.linear())},
         {"rotation_sigma_deg", vector(degrees(1) * robot.rotation_sigma_rad, kAngleDecimals)}};
   }
+  if (found.poses) json["poses"] = poses_json(outcome);
   if (const auto models = models_of(outcome); !models.empty()) json["models"] = models_json(models);
   if (found.bounding_box) json["bounding_box"] = box(*found.bounding_box);
   if (!found.doubts.empty()) json["doubts"] = messages(found.doubts);

@@ -20,6 +20,7 @@ constexpr double kMostTurns_deg = 1e5;  // endless joints exist
 constexpr double kSlowestJoint_deg_s = 0.1;
 constexpr double kFastestJoint_deg_s = 1e4;
 constexpr double kMostSag_arcsec = 3600;
+constexpr double kHeaviest_kg = 100000;
 
 constexpr std::array<std::string_view, 5> kRowKeys{"b_mm", "theta_deg", "a_mm", "alpha_deg",
                                                    "positive"};
@@ -112,19 +113,26 @@ void read_home(const TomlTable& top, RobotDescription& robot) {
               number_text(robot.home_deg[i])));
 }
 
-Eigen::Vector3d read_tool(const TomlTable& top) {
-  const std::vector<double> tool = top.numbers("tool_mm", -kLongest_mm, kLongest_mm);
-  if (tool.size() != 3)
-    top.fail("tool_mm",
-             "expected [x, y, z], found " + top.found("tool_mm") + ": write three numbers");
-  return {tool[0], tool[1], tool[2]};
+Eigen::Vector3d read_point(const TomlTable& table, std::string_view key) {
+  const std::vector<double> point = table.numbers(key, -kLongest_mm, kLongest_mm);
+  if (point.size() != 3)
+    table.fail(key, "expected [x, y, z], found " + table.found(key) + ": write three numbers");
+  return {point[0], point[1], point[2]};
+}
+
+/// What a joint carries, or the payload: a mass and where its centre is.
+void read_load(const TomlTable& table, std::string_view mass, std::string_view center,
+               std::size_t joint, std::vector<identify::Load>& loads) {
+  if (!table.has(mass) && !table.has(center)) return;
+  loads.push_back({table.number(mass, 0, kHeaviest_kg), joint, read_point(table, center)});
 }
 
 }  // namespace
 
 RobotDescription load_robot(const std::filesystem::path& file) {
   const TomlTable top = TomlTable::load(file);
-  top.allow_only({"name", "source", "home_deg", "tool_mm", "joint"});
+  top.allow_only(
+      {"name", "source", "home_deg", "tool_mm", "payload_kg", "payload_center_mm", "joint"});
   const std::vector<TomlTable> joints = top.tables("joint");
   if (joints.size() > 12)
     joints[12].fail(
@@ -137,7 +145,7 @@ RobotDescription load_robot(const std::filesystem::path& file) {
   if (top.has("source")) robot.source = top.text("source");
 
   std::vector<std::string_view> keys(kRowKeys.begin(), kRowKeys.end());
-  keys.insert(keys.end(), {"type", "sag_arcsec"});
+  keys.insert(keys.end(), {"type", "sag_arcsec", "mass_kg", "center_mm"});
   for (const LimitKeys& of : {kOfTurning, kOfLinear})
     keys.insert(keys.end(), {of.least, of.most, of.speed});
   for (const TomlTable& joint : joints) {
@@ -145,7 +153,9 @@ RobotDescription load_robot(const std::filesystem::path& file) {
     robot.limits.push_back(read_limits(joint));
     robot.sag_arcsec.push_back(
         joint.has("sag_arcsec") ? joint.number("sag_arcsec", 0, kMostSag_arcsec) : 0);
+    read_load(joint, "mass_kg", "center_mm", robot.sag_arcsec.size() - 1, robot.loads);
   }
+  read_load(top, "payload_kg", "payload_center_mm", robot.joints() - 1, robot.loads);
 
   const bool specified = std::any_of(joints.begin(), joints.end(), has_row);
   if (specified || top.has("home_deg")) read_home(top, robot);
@@ -155,7 +165,7 @@ RobotDescription load_robot(const std::filesystem::path& file) {
     for (const double angle_deg : robot.home_deg) arm.home_rad.push_back(angle_deg * kDegree);
     for (const JointLimits& limits : robot.limits) arm.linear.push_back(limits.linear);
     check_linear_rows(joints, arm);
-    if (top.has("tool_mm")) arm.tool_mm = read_tool(top);
+    if (top.has("tool_mm")) arm.tool_mm = read_point(top, "tool_mm");
   } else if (top.has("tool_mm")) {
     top.fail("tool_mm",
              "expected no tool point, as it is given in the frame after the last row "

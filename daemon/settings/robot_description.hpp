@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "identify/dh/dh.hpp"
+#include "identify/sweeps/campaign.hpp"
 
 namespace sweepd {
 
@@ -41,6 +42,8 @@ struct RobotDescription {
   /// Standard deviation of what each joint gives way by under the weight that it carries, at its
   /// worst pose; as many as joints, zero where the file does not say.
   std::vector<double> sag_arcsec;
+  /// What the joints carry, the payload last; empty where the file does not say.
+  std::vector<identify::Load> loads;
 
   [[nodiscard]] std::size_t joints() const { return limits.size(); }
 };

@@ -54,6 +54,7 @@ identify::Campaign campaign(const RobotSetup& setup, const identify::Resolution&
   campaign.resolution = resolution;
   if (setup.description) {
     campaign.specified = setup.description->arm;
+    if (campaign.specified) campaign.loads = setup.description->loads;
     for (const double sag : setup.description->sag_arcsec)
       campaign.sag_rad.push_back(sag * identify::kArcsec);
   }

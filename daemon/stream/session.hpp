@@ -12,6 +12,7 @@
 #include "daemon/settings/robot_setup.hpp"
 #include "daemon/stream/kept_sweeps.hpp"
 #include "daemon/stream/pipeline.hpp"
+#include "identify/poses/pose.hpp"
 #include "identify/sweeps/joint_assignment.hpp"
 #include "identify/sweeps/sweep.hpp"
 #include "rsi/datagram.hpp"
@@ -25,8 +26,9 @@ struct Snapshot {
   SourceCounts counts;
   identify::Campaign campaign;
   std::vector<identify::Sweep> sweeps;
-  KeptSweeps::LeftOut left_out = {};     ///< what there was no memory for
-  std::vector<JointLimits> limits = {};  ///< of the joints, where the description has them
+  KeptSweeps::LeftOut left_out = {};       ///< what there was no memory for
+  std::vector<JointLimits> limits = {};    ///< of the joints, where the description has them
+  std::vector<identify::Pose> poses = {};  ///< static ones, beside the sweeps
 };
 
 /// One stream of a controller, from its first telegram to its end. No files. One thread. What it

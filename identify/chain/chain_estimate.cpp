@@ -30,6 +30,8 @@ std::string_view text(Cause cause) noexcept {
       return "print";
     case Cause::sag:
       return "sag";
+    case Cause::angles:
+      return "angles";
   }
   return "";
 }
@@ -50,6 +52,8 @@ std::string_view words(Cause cause) noexcept {
       return "what printing leaves out";
     case Cause::sag:
       return "joints that give way to weight";
+    case Cause::angles:
+      return "joints off what their angles say";
   }
   return "";
 }

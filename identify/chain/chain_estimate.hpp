@@ -52,7 +52,7 @@ struct ChainEffects {
 };
 
 /// What makes an estimate uncertain: the samples' noise, and the effects.
-enum class Cause { noise, home, drift, figure, offset, print, sag };
+enum class Cause { noise, home, drift, figure, offset, print, sag, angles };
 [[nodiscard]] std::string_view text(Cause cause) noexcept;   ///< one word, for programs
 [[nodiscard]] std::string_view words(Cause cause) noexcept;  ///< for people
 

@@ -59,6 +59,22 @@ class Information {
     return sum;
   }
 
+  /// What the directions without information add to covariance(): one a column, of parameters that
+  /// something depends on; with their transpose it is the rest. Rounding leaves no direction less.
+  [[nodiscard]] Eigen::MatrixXd open() const {
+    constexpr double kRounding = 1e-14;
+    Eigen::MatrixXd all(vectors_.rows(), vectors_.cols());
+    Eigen::Index count = 0;
+    for (Eigen::Index i = 0; i < values_.size(); ++i) {
+      double share = 0;  // of the scaled direction
+      for (Eigen::Index k = 0; k < scale_.size(); ++k)
+        if (scale_(k) > 0) share += std::pow(vectors_(k, i) / scale_(k), 2);
+      if (!informed(i) && share > 0.5)
+        all.col(count++) = vectors_.col(i) / std::sqrt(std::max(values_(i), kRounding));
+    }
+    return all.leftCols(count);
+  }
+
   [[nodiscard]] double condition() const {
     double smallest = values_(values_.size() - 1);
     for (Eigen::Index i = values_.size() - 1; i >= 0 && informed(i); --i) smallest = values_(i);

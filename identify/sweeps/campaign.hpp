@@ -19,6 +19,14 @@ struct DeclaredJoint {
   std::vector<double> strokes_rad = {};
 };
 
+/// A body that hangs on the arm.
+struct Load {
+  double mass_kg = 0;
+  std::size_t joint = 0;  ///< the last one that moves it
+  /// Its centre of mass in the frame after that joint's row.
+  Eigen::Vector3d center_mm = Eigen::Vector3d::Zero();
+};
+
 /// What is known beforehand.
 struct Campaign {
   std::size_t joints = 6;        ///< of the arm, 1 to kMostJoints
@@ -35,6 +43,8 @@ struct Campaign {
   /// Standard deviation of what each joint gives way by under the weight that it carries, at its
   /// worst pose, where a device measures the arm; one a joint, or none: nothing is known.
   std::vector<double> sag_rad;
+  /// Bodies that hang on the arm, where they are known: what gears give way to.
+  std::vector<Load> loads = {};
   /// The samples' times are times; else they are only an order.
   bool timed = true;
 };

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "identify/identification.hpp"
+#include "identify/poses/pose.hpp"
 #include "tests/simulation/gravity.hpp"
 #include "tests/simulation/robot.hpp"
 #include "tests/simulation/strokes.hpp"
@@ -22,6 +23,11 @@ class Simulation {
   /// In the order of time. Every stroke is a sweep whose joint and direction are known; of a stroke
   /// that all targets see, one sweep each.
   [[nodiscard]] std::vector<identify::Sweep> sweeps() const;
+  /// Static poses at random, each joint up to `range_deg` from home, the targets in turn. Joints stand
+  /// off what they tell as they do when locked (HomeError), anew at each pose.
+  [[nodiscard]] std::vector<identify::Pose> poses(std::size_t count, double range_deg = 80) const;
+  /// The robot's links, as a description tells them.
+  [[nodiscard]] std::vector<identify::Load> loads() const;
   /// What is known beforehand: the specified arm, the home that was meant, what is printed.
   [[nodiscard]] identify::Campaign campaign() const;
 

@@ -18,7 +18,8 @@ enum class Source {
   shape,
   built,
   home,
-  homes
+  homes,
+  poses
 };
 
 [[nodiscard]] inline std::mt19937_64 stream(std::uint32_t seed, Source source) {

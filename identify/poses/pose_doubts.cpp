@@ -1,0 +1,282 @@
+#include "identify/poses/pose_doubts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <utility>
+
+#include <Eigen/Cholesky>
+
+#include "identify/geometry/angle.hpp"
+#include "identify/geometry/median.hpp"
+
+namespace identify {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// With its zeros let go, a built arm is not so far from its description.
+constexpr double kMisfit_mm = 8;
+/// A mistake explains the poses where without it so much of the misfit is left, or less.
+constexpr double kExplained = 0.2;
+/// So many of the poses are enough to try it on.
+constexpr std::size_t kTried = 60;
+constexpr double kManyOutliers = 0.2;
+/// A target has moved where a shift explains so much (chi-square, 3 degrees of freedom, at the
+/// worst of all places in the order), and is no smaller than what is left of a pose.
+constexpr double kMoved = 60;
+constexpr std::size_t kMostNamed = 5;
+constexpr double kNearAxis_mm = 20;
+
+struct Mistake {
+  const char* code;
+  std::string text;
+  std::function<void(Pose&)> mend;
+};
+
+std::vector<Mistake> mistakes(std::size_t joints) {
+  std::vector<Mistake> all;
+  const auto scaled = [&](double factor, const char* text) {
+    all.push_back({"unit_factor", text, [=](Pose& pose) { pose.sample.position_mm *= factor; }});
+  };
+  scaled(1000, "the positions are in metres, not in millimetres: correct the header");
+  scaled(1e-3, "the positions are in micrometres, not in millimetres: correct the header");
+  scaled(25.4, "the positions are in inches, not in millimetres: correct them");
+  const auto turned = [&](double factor, const char* text) {
+    all.push_back({"unit_factor", text, [=](Pose& pose) {
+                     for (double& angle : pose.sample.angles_rad) angle *= factor;
+                   }});
+  };
+  turned(1 / kDegree, "the angles are in radians, not in degrees: correct the header");
+  turned(kDegree, "the angles are in degrees, not in radians: correct the header");
+  all.push_back({"frame_mirrored",
+                 "the positions are in a left-handed frame: negate one coordinate, or exchange two",
+                 [](Pose& pose) { pose.sample.position_mm.x() *= -1; }});
+  for (std::size_t j = 0; j < joints; ++j)
+    all.push_back({"angles_negated",
+                   "the angles of " + joint_name(j) +
+                       " have the other sign: negate them, or correct `positive` in the "
+                       "description",
+                   [j](Pose& pose) { pose.sample.angles_rad[j] *= -1; }});
+  for (std::size_t i = 0; i < joints; ++i)
+    for (std::size_t j = i + 1; j < joints; ++j)
+      all.push_back({"joints_exchanged",
+                     "the angles of " + joint_name(i) + " and " + joint_name(j) +
+                         " are exchanged: exchange the columns",
+                     [i, j](Pose& pose) {
+                       std::swap(pose.sample.angles_rad[i], pose.sample.angles_rad[j]);
+                     }});
+  return all;
+}
+
+double misfit(const std::vector<Pose>& poses, const Campaign& campaign, std::size_t targets) {
+  return middle_of(
+      distances_mm(placed_robustly(*campaign.specified, Freedom::zeros, poses, targets), poses));
+}
+
+std::optional<Warning> contradiction(const std::vector<Pose>& poses, const Campaign& campaign) {
+  if (!campaign.specified) return std::nullopt;
+  std::vector<Pose> some;
+  const std::size_t step = std::max<std::size_t>(1, poses.size() / kTried);
+  std::size_t targets = 1;
+  for (std::size_t i = 0; i < poses.size(); i += step) {
+    some.push_back(poses[i]);
+    targets = std::max(targets, poses[i].target + 1);
+  }
+  const double as_is = misfit(some, campaign, targets);
+  if (as_is < kMisfit_mm) return std::nullopt;
+  const Mistake* best = nullptr;
+  double least = kExplained * as_is;
+  const auto all = mistakes(campaign.joints);
+  for (const Mistake& mistake : all) {
+    auto mended = some;
+    for (Pose& pose : mended) mistake.mend(pose);
+    const double left = misfit(mended, campaign, targets);
+    if (left >= least) continue;
+    least = left;
+    best = &mistake;
+  }
+  const std::string off = "the poses lie " + brief(as_is) +
+                          " mm from where the described arm has them, its base, tool and zeros let "
+                          "go";
+  if (best != nullptr) return Warning{best->code, {}, off + "; it looks as if " + best->text};
+  return Warning{"pose_misfit",
+                 {},
+                 off +
+                     ": check the description, the units, the order of the columns, and that "
+                     "angles and positions are of the same poses"};
+}
+
+/// The shift of a target from one pose of the order on that explains most.
+struct Shift {
+  double square = 0;  ///< chi-square
+  std::size_t from = 0;
+  double size_mm = 0;
+  std::size_t at = 0;  ///< of the target's poses
+};
+
+/// Where a target was seen on the tool, less where the fit has it; one column a pose. Medians of
+/// columns tell a shift whatever single poses are like.
+class SeenOnTool {
+ public:
+  SeenOnTool(const PoseEstimate& found, const std::vector<Pose>& poses, std::size_t target) {
+    const Index at = found.fit.model.chain_parameters().target(target);
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      if (poses[i].target != target) continue;
+      of_.push_back(i);
+      const PoseRow& row = found.fit.rows[i];
+      const Matrix3d turned = row.by_parameter.block<3, 3>(0, at);
+      seen_.emplace_back(turned.transpose() * row.off.head<3>());
+    }
+  }
+
+  [[nodiscard]] Shift largest() const {
+    Shift most;
+    if (of_.size() < 2 * kFewest) return most;
+    const std::size_t last = of_.size() - kFewest;
+    const std::size_t step = 1 + (last - kFewest) / kMostTries;
+    for (std::size_t k = kFewest; k <= last; k += step) take(k, most);
+    const std::size_t about = most.at;
+    for (std::size_t k = about > kFewest + step ? about - step : kFewest;
+         k <= std::min(last, about + step); ++k)
+      take(k, most);
+    return most;
+  }
+
+ private:
+  static constexpr std::size_t kFewest = 6;
+  static constexpr std::size_t kMostTries = 64;
+  static constexpr double kSigmaOfMiddle = 1.4826;  // of the median distance from the median
+  static constexpr double kMedianToMean = kPi / 2;  // their variances
+
+  [[nodiscard]] Vector3d middle(std::size_t from, std::size_t to) const {
+    std::vector<Vector3d> part(seen_.begin() + static_cast<std::ptrdiff_t>(from),
+                               seen_.begin() + static_cast<std::ptrdiff_t>(to));
+    return median(part);
+  }
+
+  void take(std::size_t k, Shift& most) const {
+    const Vector3d first = middle(0, k), second = middle(k, seen_.size());
+    std::vector<double> off;
+    for (std::size_t i = 0; i < seen_.size(); ++i) {
+      const Vector3d away = (seen_[i] - (i < k ? first : second)).cwiseAbs();
+      off.insert(off.end(), away.begin(), away.end());
+    }
+    const double sigma = std::max(kSigmaOfMiddle * median_of(std::move(off)), 1e-9);
+    const auto before = static_cast<double>(k);
+    const auto after = static_cast<double>(seen_.size() - k);
+    const double square =
+        (second - first).squaredNorm() / (kMedianToMean * sigma * sigma * (1 / before + 1 / after));
+    if (square > most.square) most = {square, of_[k], (second - first).norm(), k};
+  }
+
+  std::vector<std::size_t> of_;
+  std::vector<Vector3d> seen_;
+};
+
+}  // namespace
+
+std::vector<Pose> without_copies(std::vector<Pose> poses, std::vector<Warning>& warnings) {
+  const auto same = [](const Pose& a, const Pose& b) {
+    return a.target == b.target && a.sample.position_mm == b.sample.position_mm &&
+           a.sample.angles_rad == b.sample.angles_rad;
+  };
+  std::vector<Pose> kept;
+  std::size_t copies = 0;
+  std::string first;
+  for (Pose& pose : poses) {
+    const auto other =
+        std::find_if(kept.begin(), kept.end(), [&](const Pose& one) { return same(one, pose); });
+    if (other == kept.end()) {
+      kept.push_back(std::move(pose));
+      continue;
+    }
+    if (++copies == 1) first = pose.name + " is " + other->name;
+  }
+  if (copies > 0)
+    warnings.push_back({"pose_copies",
+                        {},
+                        std::to_string(copies) + " poses were given before, in every digit (" +
+                            first + "): each was counted once"});
+  return kept;
+}
+
+std::vector<Warning> doubts_of(const PoseEstimate& found, const std::vector<Pose>& poses,
+                               const Campaign& campaign) {
+  std::vector<Warning> doubts;
+  if (auto contradicted = contradiction(poses, campaign)) {
+    doubts.push_back(std::move(*contradicted));
+    return doubts;
+  }
+  for (std::size_t t = 0; t < found.fit.model.chain.targets_mm.size(); ++t) {
+    const Shift shift = SeenOnTool(found, poses, t).largest();
+    if (shift.square < kMoved || shift.size_mm < found.left.rms_mm) continue;
+    doubts.push_back({"target_moved",
+                      {},
+                      "from " + poses[shift.from].name + " on the target is " +
+                          brief(shift.size_mm) +
+                          " mm away from where it was on the tool: give the poses from there on a "
+                          "target name of their own, or measure again"});
+  }
+  const auto outliers = static_cast<double>(found.outliers.size());
+  if (doubts.empty() && outliers > kManyOutliers * static_cast<double>(poses.size()))
+    doubts.push_back({"pose_outliers",
+                      {},
+                      std::to_string(found.outliers.size()) + " of " +
+                          std::to_string(poses.size()) +
+                          " poses lie far off: the angles are not those of the positions, or the "
+                          "target was loose"});
+  return doubts;
+}
+
+std::vector<Warning> advice_on(const PoseEstimate& found, const std::vector<Pose>& poses) {
+  std::vector<Warning> advice;
+  if (!found.outliers.empty()) {
+    std::string names;
+    for (std::size_t k = 0; k < std::min(kMostNamed, found.outliers.size()); ++k) {
+      const std::size_t i = found.outliers[k];
+      names += (names.empty() ? "" : ", ") + poses[i].name + " (" +
+               brief(found.fit.rows[i].off.head<3>().norm()) + " mm)";
+    }
+    if (found.outliers.size() > kMostNamed) names += ", …";
+    advice.push_back({"pose_outliers",
+                      {},
+                      std::to_string(found.outliers.size()) + " of " +
+                          std::to_string(poses.size()) + " poses lie far off and hardly count: " +
+                          names + ": look at them, or measure them again"});
+  }
+  const ChainEstimate& chain = found.chain;
+  for (std::size_t j = 0; j < chain.axes.size(); ++j) {
+    if (chain.axes[j] || chain.chain.axes[j].linear) continue;
+    double radius = 0;
+    for (const Vector3d& target : chain.chain.targets_mm) {
+      const Vector3d arm = target - chain.chain.axes[j].point_mm;
+      radius = std::max(radius, arm.cross(chain.chain.axes[j].direction).norm());
+    }
+    if (radius < kNearAxis_mm)
+      advice.push_back({"target_near_axis", j,
+                        joint_name(j) + ": the target is " + brief(radius) +
+                            " mm from its axis, so that turning it hardly moves the target: put "
+                            "the target 100 mm or more away from the axis"});
+    else
+      advice.push_back({"joint_not_turned", j,
+                        joint_name(j) +
+                            ": the poses leave its axis open: measure poses in which it turns "
+                            "farther"});
+  }
+  const std::size_t rows = 3 * poses.size();
+  const auto unknowns = static_cast<std::size_t>(found.fit.model.parameters());
+  if (!found.with_sweeps && rows < 2 * unknowns)
+    advice.push_back({"few_poses",
+                      {},
+                      std::to_string(poses.size()) + " poses are few for " +
+                          std::to_string(unknowns) +
+                          " unknowns: their noise is hardly known; measure " +
+                          std::to_string((2 * unknowns + 2) / 3) + " or more"});
+  return advice;
+}
+
+}  // namespace identify

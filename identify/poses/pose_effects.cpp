@@ -1,0 +1,157 @@
+#include "identify/poses/pose_effects.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+namespace identify {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Of what an effect does, so much must be left when the others have taken up what they can.
+constexpr double kOwnShare = 1e-3;
+constexpr int kMostRounds = 4;
+
+/// The chance of a larger chi-square of one or two degrees of freedom.
+double chance_above(double square, Index degrees) {
+  return degrees == 1 ? std::erfc(std::sqrt(square / 2)) : std::exp(-square / 2);
+}
+
+std::vector<JointEffect> candidates(const PoseModel& model, const std::vector<Pose>& poses) {
+  std::vector<JointEffect> all;
+  for (std::size_t j = 0; j < model.chain.axes.size(); ++j) {
+    if (model.chain.axes[j].linear) continue;
+    for (const auto kind :
+         {JointEffect::Kind::once, JointEffect::Kind::twice, JointEffect::Kind::compliance}) {
+      if (kind == JointEffect::Kind::compliance && model.loads.empty()) continue;
+      const bool there =
+          std::any_of(model.effects.begin(), model.effects.end(),
+                      [&](const JointEffect& one) { return one.joint == j && one.kind == kind; });
+      if (there) continue;
+      JointEffect effect{kind, j};
+      Eigen::Vector2d sum(0, 0);
+      for (const Pose& pose : poses) sum += model.pattern(effect, model.told(pose.sample));
+      effect.middle = sum / static_cast<double>(poses.size());
+      all.push_back(effect);
+    }
+  }
+  return all;
+}
+
+/// What the candidates do to the poses beyond what the model's parameters can do: a normal matrix
+/// and a gradient, from which effects are taken up one by one.
+class Scores {
+ public:
+  Scores(const PoseFit& fit, const std::vector<Pose>& poses, std::vector<JointEffect> candidates)
+      : candidates_(std::move(candidates)) {
+    Index count = 0;
+    for (const JointEffect& candidate : candidates_) {
+      first_.push_back(count);
+      count += candidate.count();
+    }
+    normal_ = MatrixXd::Zero(count, count);
+    gradient_ = VectorXd::Zero(count);
+    MatrixXd with_parameters = MatrixXd::Zero(count, fit.model.parameters());
+    VectorXd parameters = VectorXd::Zero(fit.model.parameters());
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const double weight = fit.weights(static_cast<Index>(i));
+      if (weight == 0) continue;
+      const PoseRow& row = fit.rows[i];
+      MatrixXd columns(row.off.size(), count);
+      for (std::size_t k = 0; k < candidates_.size(); ++k)
+        columns.middleCols(first_[k], candidates_[k].count()) =
+            effect_columns(fit.model, candidates_[k], poses[i], row);
+      const Eigen::LLT<MatrixXd> noise(fit.noise.covariance(row.by_joint));
+      const MatrixXd weighed = weight * noise.solve(columns);
+      normal_ += columns.transpose() * weighed;
+      gradient_ += weighed.transpose() * row.off;
+      with_parameters += weighed.transpose() * row.by_parameter;
+      parameters += weight * (row.by_parameter.transpose() * noise.solve(row.off));
+    }
+    whole_ = normal_.diagonal();
+    normal_ -= with_parameters * fit.covariance * with_parameters.transpose();
+    gradient_ -= with_parameters * (fit.covariance * parameters);
+  }
+
+  [[nodiscard]] std::size_t count() const { return candidates_.size(); }
+
+  /// The one that poses ask for most; nothing where none is left.
+  [[nodiscard]] std::optional<EffectEvidence> strongest() const {
+    std::optional<EffectEvidence> best;
+    for (std::size_t k = 0; k < candidates_.size(); ++k) {
+      const Index first = first_[k], size = candidates_[k].count();
+      const MatrixXd own = normal_.block(first, first, size, size);
+      if (!(own.diagonal().array() > kOwnShare * whole_.segment(first, size).array()).all() ||
+          !(own.determinant() > kOwnShare * own.diagonal().prod()))
+        continue;
+      const VectorXd pull = gradient_.segment(first, size);
+      const double chance = chance_above(pull.dot(own.llt().solve(pull)), size);
+      if (!best || chance < best->chance)
+        best = EffectEvidence{candidates_[k], Eigen::Vector2d::Zero(), chance};
+    }
+    return best;
+  }
+
+  /// The model has it now: the others are left with what it does not take up.
+  void take_up(const JointEffect& effect) {
+    const auto k = static_cast<std::size_t>(std::find_if(candidates_.begin(), candidates_.end(),
+                                                         [&](const JointEffect& one) {
+                                                           return one.joint == effect.joint &&
+                                                                  one.kind == effect.kind;
+                                                         }) -
+                                            candidates_.begin());
+    const Index first = first_[k], size = effect.count();
+    const MatrixXd inverse = normal_.block(first, first, size, size).inverse();
+    const MatrixXd with = normal_.middleCols(first, size);
+    const VectorXd pull = gradient_.segment(first, size);
+    gradient_ -= with * (inverse * pull);
+    normal_ -= with * inverse * with.transpose();
+  }
+
+ private:
+  std::vector<JointEffect> candidates_;
+  std::vector<Index> first_;
+  MatrixXd normal_;
+  VectorXd gradient_;
+  VectorXd whole_;  // of each, before anything is taken up
+};
+
+}  // namespace
+
+std::vector<EffectEvidence> add_effects(PoseFit& fit, const std::vector<Pose>& poses,
+                                        const std::optional<ChainPrior>& prior) {
+  std::vector<EffectEvidence> added;
+  for (int round = 0; round < kMostRounds && fit.converged; ++round) {
+    Scores scores(fit, poses, candidates(fit.model, poses));
+    PoseModel model = fit.model;
+    for (std::size_t left = scores.count(); left > 0; --left) {
+      const auto best = scores.strongest();
+      if (!best || best->chance * static_cast<double>(left) > kEffectByChance) break;
+      scores.take_up(best->effect);
+      model.effects.push_back(best->effect);
+      added.push_back(*best);
+    }
+    if (model.effects.size() == fit.model.effects.size()) break;
+    const PoseFit before = fit;
+    fit = fitted(model, fit.noise, poses, fit.with_orientation, prior);
+    if (fit.converged) continue;
+    fit = before;
+    added.resize(fit.model.effects.size());
+  }
+  Index at = fit.model.chain_parameters().count(true);
+  for (std::size_t e = 0; e < added.size(); ++e) {
+    added[e].effect = fit.model.effects[e];
+    const Index size = added[e].effect.count();
+    added[e].sigma.head(size) = fit.covariance.diagonal().segment(at, size).cwiseSqrt();
+    at += size;
+  }
+  return added;
+}
+
+}  // namespace identify

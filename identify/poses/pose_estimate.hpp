@@ -1,0 +1,68 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "identify/chain/chain_estimate.hpp"
+#include "identify/poses/arm_fit.hpp"
+#include "identify/poses/pose_effects.hpp"
+#include "identify/poses/pose_fit.hpp"
+#include "identify/sweeps/campaign.hpp"
+
+namespace identify {
+
+/// What is left of poses, in mm: of the distances between seen and predicted.
+struct Left {
+  double mean_mm = 0;
+  double rms_mm = 0;
+  double most_mm = 0;
+};
+[[nodiscard]] Left left_of(const Eigen::VectorXd& distances_mm);
+
+/// What remains when so much of the specified arm is let go.
+struct PoseLevel {
+  Freedom freedom = Freedom::frames;
+  PlacedArm arm;
+  Left left;  ///< of the poses that were fitted, outliers aside
+};
+
+/// How well the poses show the model's numbers. The rows are divided by their noise, angles are in
+/// rad times a metre.
+struct Observability {
+  double largest = 0;   ///< singular value, 1/mm
+  double smallest = 0;  ///< Nahvi & Hollerbach, ICRA 1996: O3
+  double mean = 0;      ///< geometric, over the root of how many poses there are: O1 (Borm & Menq)
+  /// The largest standard uncertainty of a predicted position over the poses, in its worst
+  /// direction.
+  double displacement_mm = 0;
+};
+
+/// What static poses tell of an arm, perhaps with sweeps beside them.
+struct PoseEstimate {
+  std::vector<Pose> poses;  ///< in the order of the fit's rows
+  PoseFit fit;
+  std::vector<EffectEvidence> effects;
+  std::vector<PoseLevel> levels;  ///< from frames on; empty without a specified table
+  Left left;                      ///< by the fit, outliers aside
+  Observability observability;
+  bool with_sweeps = false;
+  /// What is left is no more than printing takes away: the positions were computed from the angles.
+  bool computed = false;
+  std::vector<std::size_t> outliers;  ///< poses that count less than half
+  ChainEstimate chain;                ///< the fit's chain, with the axes that are certain enough
+
+  /// Where a pose is predicted, and the standard uncertainty of what will be seen there: that of
+  /// the model, and the noise of one pose.
+  [[nodiscard]] Eigen::Matrix3d covariance_at(const Pose& pose) const;
+};
+
+/// `sweeps`: the chain of sweeps in the same frame, if there is one, with its `home_rad`. Nothing
+/// where the poses do not allow it; then `reason` says why. Deterministic.
+[[nodiscard]] std::optional<PoseEstimate> estimate_poses(
+    const std::vector<Pose>& poses, const Campaign& campaign, const ChainEstimate* sweeps,
+    const std::vector<std::optional<double>>& home_rad, std::string& reason);
+
+}  // namespace identify

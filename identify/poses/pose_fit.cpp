@@ -1,0 +1,240 @@
+#include "identify/poses/pose_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "identify/chain/chain_problem.hpp"
+#include "identify/geometry/line.hpp"
+
+namespace identify {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr int kMostSteps = 30;
+constexpr int kNoiseSteps = 12;
+/// A step that moves no parameter by more than this share of its standard uncertainty is the last.
+constexpr double kLastStep = 1e-2;
+constexpr double kNoiseSettled = 2e-3;
+/// Below it residuals are those of computing.
+constexpr double kComputed_mm = 1e-6;
+
+/// From one chain to another, as small changes of the first's parameters.
+VectorXd change_between(const Chain& from, const Chain& to) {
+  const ChainParameters parameters{from.axes.size(), from.targets_mm.size()};
+  VectorXd change = VectorXd::Zero(parameters.count(true));
+  for (std::size_t j = 0; j < from.axes.size(); ++j) {
+    const auto basis = across(from.axes[j].direction);
+    change.segment<2>(parameters.axis(j)) =
+        basis.transpose() * (to.axes[j].direction - from.axes[j].direction);
+    if (!from.axes[j].linear)
+      change.segment<2>(parameters.axis(j) + 2) =
+          basis.transpose() * (to.axes[j].point_mm - from.axes[j].point_mm);
+  }
+  for (std::size_t t = 0; t < from.targets_mm.size(); ++t)
+    change.segment<3>(parameters.target(t)) = to.targets_mm[t] - from.targets_mm[t];
+  const Eigen::AngleAxisd turn(Eigen::Matrix3d(to.tool * from.tool.transpose()));
+  change.segment<3>(parameters.tool()) = turn.angle() * turn.axis();
+  return change;
+}
+
+/// 1 up to kWholeWeight, 0 from kNoWeight on, and smooth between.
+double weight_at(double sigmas) {
+  if (sigmas <= kWholeWeight) return 1;
+  if (sigmas >= kNoWeight) return 0;
+  const double share = (sigmas - kWholeWeight) / (kNoWeight - kWholeWeight);
+  return (1 - share * share) * (1 - share * share);
+}
+
+/// The rows of all poses that count, divided by their standard deviations.
+struct Whitened {
+  MatrixXd columns;  // transposed: one column a row of the model
+  VectorXd off;
+};
+
+class Problem {
+ public:
+  Problem(PoseFit& fit, const std::vector<Pose>& poses, const std::optional<ChainPrior>& prior)
+      : fit_(fit), poses_(poses), prior_(prior) {}
+
+  void linearise() {
+    fit_.rows.clear();
+    for (const Pose& pose : poses_)
+      fit_.rows.push_back(pose_row(fit_.model, pose, fit_.with_orientation));
+    step_ = VectorXd::Zero(fit_.model.parameters());
+  }
+
+  /// The step to the least weighted sum of squares, and the noise that belongs to it.
+  void settle() {
+    for (int round = 0; round < kNoiseSteps; ++round) {
+      solve();
+      const PoseNoise before = fit_.noise;
+      weigh();
+      size_noise();
+      const auto still = [](double was, double is) {
+        return std::abs(is - was) <= kNoiseSettled * was;
+      };
+      if (still(before.position_mm, fit_.noise.position_mm) &&
+          still(before.orientation_rad, fit_.noise.orientation_rad) &&
+          // A share that fades away matters no more.
+          (still(before.joint_rad, fit_.noise.joint_rad) || joint_share_ < kNoiseSettled))
+        break;
+    }
+    solve();
+  }
+
+  /// Takes the step; returns its largest share of a standard uncertainty.
+  double take() {
+    const VectorXd sigma = fit_.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+    double largest = 0;
+    for (Index i = 0; i < step_.size(); ++i)
+      if (sigma(i) > 0) largest = std::max(largest, std::abs(step_(i)) / sigma(i));
+    fit_.model = moved(fit_.model, step_);
+    return largest;
+  }
+
+ private:
+  [[nodiscard]] Whitened whitened() const {
+    Index rows = 0;
+    for (std::size_t i = 0; i < poses_.size(); ++i)
+      if (fit_.weights(static_cast<Index>(i)) > 0) rows += fit_.rows[i].off.size();
+    Whitened all{MatrixXd(fit_.model.parameters(), rows), VectorXd(rows)};
+    Index at = 0;
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      const double weight = fit_.weights(static_cast<Index>(i));
+      if (weight == 0) continue;
+      const PoseRow& row = fit_.rows[i];
+      const Eigen::LLT<MatrixXd> root(fit_.noise.covariance(row.by_joint));
+      const Index count = row.off.size();
+      all.columns.middleCols(at, count) =
+          std::sqrt(weight) * root.matrixL().solve(row.by_parameter).transpose();
+      all.off.segment(at, count) = std::sqrt(weight) * root.matrixL().solve(row.off);
+      at += count;
+    }
+    return all;
+  }
+
+  void solve() {
+    white_ = whitened();
+    MatrixXd normal = MatrixXd::Zero(white_.columns.rows(), white_.columns.rows());
+    normal.selfadjointView<Eigen::Lower>().rankUpdate(white_.columns);
+    VectorXd gradient = white_.columns * white_.off;
+    if (prior_) {
+      const Index count = prior_->information.rows();
+      normal.topLeftCorner(count, count).triangularView<Eigen::Lower>() += prior_->information;
+      gradient.head(count) += prior_->information * change_between(fit_.model.chain, prior_->chain);
+    }
+    Index at = fit_.model.chain_parameters().count(true);
+    for (const JointEffect& effect : fit_.model.effects) {
+      const double known = 1 / (effect.prior() * effect.prior());
+      for (Index k = 0; k < effect.count(); ++k, ++at) {
+        normal(at, at) += known;
+        gradient(at) -= known * effect.size(k);
+      }
+    }
+    const Information information(normal);
+    step_ = information.step(gradient, 0);
+    fit_.covariance = information.covariance();
+    fit_.open = information.open();
+    fit_.condition = information.condition();
+  }
+
+  void weigh() {
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      const PoseRow& row = fit_.rows[i];
+      const VectorXd left = row.off - row.by_parameter * step_;
+      const double square = left.dot(fit_.noise.covariance(row.by_joint).llt().solve(left));
+      // As if it had a position alone.
+      fit_.weights(static_cast<Index>(i)) =
+          weight_at(std::sqrt(3 * square / static_cast<double>(left.size())));
+    }
+  }
+
+  /// Each component times the root of what is seen of it over what is expected.
+  void size_noise() {
+    white_ = whitened();
+    const MatrixXd root = [&] {
+      MatrixXd covariance = fit_.covariance;
+      const Eigen::LDLT<MatrixXd> ldlt(covariance);
+      return MatrixXd(ldlt.transpositionsP().transpose() * MatrixXd(ldlt.matrixL()) *
+                      ldlt.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal());
+    }();
+    const MatrixXd taken = root.transpose() * white_.columns;  // what the fit takes up
+    const VectorXd left = white_.off - white_.columns.transpose() * step_;
+    double seen_position = 0, expected_position = 0, seen_joint = 0, expected_joint = 0;
+    double seen_orientation = 0, expected_orientation = 0;
+    Index at = 0;
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      const double weight = fit_.weights(static_cast<Index>(i));
+      if (weight == 0) continue;
+      const PoseRow& row = fit_.rows[i];
+      const Index count = row.off.size();
+      const Eigen::LLT<MatrixXd> factor(fit_.noise.covariance(row.by_joint));
+      const auto back = [&](const MatrixXd& of) -> MatrixXd { return factor.matrixU().solve(of); };
+      const VectorXd weighed = back(left.segment(at, count));
+      const MatrixXd held = taken.middleCols(at, count);
+      const MatrixXd free =
+          back(back(MatrixXd::Identity(count, count) - held.transpose() * held).transpose());
+      // V^-1 less what the fit takes up, in which each component is measured.
+      seen_position += weighed.head<3>().squaredNorm();
+      expected_position += free.topLeftCorner<3, 3>().trace();
+      seen_joint += (row.by_joint.transpose() * weighed).squaredNorm();
+      expected_joint += (free * row.by_joint).cwiseProduct(row.by_joint).sum();
+      if (count == 6) {
+        seen_orientation += weighed.tail<3>().squaredNorm();
+        expected_orientation += free.bottomRightCorner<3, 3>().trace();
+      }
+      at += count;
+    }
+    const auto times = [](double seen, double expected) {
+      return expected > 0 ? std::sqrt(seen / expected) : 1;
+    };
+    const double joint = fit_.noise.joint_rad * fit_.noise.joint_rad * expected_joint;
+    const double rest = fit_.noise.position_mm * fit_.noise.position_mm * expected_position;
+    joint_share_ = joint / (joint + rest);
+    fit_.noise.position_mm =
+        std::max(kComputed_mm, fit_.noise.position_mm * times(seen_position, expected_position));
+    fit_.noise.joint_rad *= times(seen_joint, expected_joint);
+    fit_.noise.orientation_rad *= times(seen_orientation, expected_orientation);
+  }
+
+  PoseFit& fit_;
+  const std::vector<Pose>& poses_;
+  const std::optional<ChainPrior>& prior_;
+  Whitened white_;
+  VectorXd step_;
+  double joint_share_ = 1;
+};
+
+}  // namespace
+
+double PoseFit::sigmas_off(std::size_t pose) const {
+  const PoseRow& row = rows[pose];
+  const double square = row.off.dot(noise.covariance(row.by_joint).llt().solve(row.off));
+  return std::sqrt(3 * square / static_cast<double>(row.off.size()));
+}
+
+PoseFit fitted(const PoseModel& start, const PoseNoise& noise, const std::vector<Pose>& poses,
+               bool with_orientation, const std::optional<ChainPrior>& prior) {
+  PoseFit fit;
+  fit.model = start;
+  fit.noise = noise;
+  fit.with_orientation = with_orientation;
+  fit.weights = VectorXd::Ones(static_cast<Index>(poses.size()));
+  Problem problem(fit, poses, prior);
+  while (fit.iterations < kMostSteps && !fit.converged) {
+    ++fit.iterations;
+    problem.linearise();
+    problem.settle();
+    fit.converged = problem.take() < kLastStep;
+  }
+  problem.linearise();
+  return fit;
+}
+
+}  // namespace identify

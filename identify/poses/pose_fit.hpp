@@ -1,0 +1,57 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "identify/poses/pose_model.hpp"
+#include "identify/poses/pose_rows.hpp"
+
+namespace identify {
+
+/// What sweeps of the same robot in the same measurement frame told of the chain: its estimate, and
+/// what they weigh, the inverse of its covariance, zero for what they left open. In the order of
+/// ChainParameters, with the tool's rotation.
+struct ChainPrior {
+  Chain chain;
+  Eigen::MatrixXd information;
+};
+
+/// Poses off by more than this, in standard deviations, count less, and those off by more than the
+/// second not at all.
+inline constexpr double kWholeWeight = 4;
+inline constexpr double kNoWeight = 7;
+
+/// A model fitted to poses: generalised least squares, Gauss-Newton, with the sizes of the noise by
+/// restricted likelihood (Patterson & Thompson, Biometrika 58, 1971). Each step multiplies a
+/// component's variance by what is seen of it over what is expected: they are equal where the
+/// likelihood is largest.
+struct PoseFit {
+  PoseModel model;
+  PoseNoise noise;
+  Eigen::VectorXd weights;     ///< one a pose, 1 for those that fit
+  std::vector<PoseRow> rows;   ///< one a pose, at the model
+  Eigen::MatrixXd covariance;  ///< of the model's parameters; zero along what is undetermined
+  Eigen::MatrixXd open;        ///< what that lacks: `open` times its transpose
+
+  /// Of all the model's parameters, undetermined ones with what little the poses tell.
+  [[nodiscard]] Eigen::MatrixXd whole_covariance() const {
+    return covariance + open * open.transpose();
+  }
+  double condition = 0;
+  int iterations = 0;
+  bool converged = false;
+  bool with_orientation = false;
+
+  /// How far off a pose is, in standard deviations of its noise: root of the sum of squares.
+  [[nodiscard]] double sigmas_off(std::size_t pose) const;
+};
+
+/// From `start`, whose model may be off by as much as Gauss-Newton bears. The noise starts as large
+/// as `noise` says; what is zero there stays zero.
+[[nodiscard]] PoseFit fitted(const PoseModel& start, const PoseNoise& noise,
+                             const std::vector<Pose>& poses, bool with_orientation,
+                             const std::optional<ChainPrior>& prior);
+
+}  // namespace identify

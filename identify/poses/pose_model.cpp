@@ -1,0 +1,95 @@
+#include "identify/poses/pose_model.hpp"
+
+#include <cmath>
+
+namespace identify {
+
+using Eigen::Index;
+using Eigen::Isometry3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr double kGravity_m_s2 = 9.80665;
+constexpr double kMetre_mm = 1000;
+
+/// Of the weights beyond a joint, about its axis, Nm.
+double torque(const PoseModel& model, std::size_t joint, const Turns& turns) {
+  Isometry3d carried = Isometry3d::Identity();
+  Vector3d axis = Vector3d::Zero(), point = Vector3d::Zero();
+  double sum = 0;
+  for (std::size_t j = 0; j < model.chain.axes.size(); ++j) {
+    if (j == joint) {
+      axis = carried.linear() * model.chain.axes[j].direction;
+      point = carried * model.chain.axes[j].point_mm;
+    }
+    carried = carried * model.chain.axes[j].displacement(turns[j]);
+    if (j < joint) continue;
+    for (const Load& load : model.loads)
+      if (load.joint == j)
+        sum -= load.mass_kg * axis.dot((carried * load.center_mm - point).cross(model.up));
+  }
+  return kGravity_m_s2 * sum / kMetre_mm;
+}
+
+}  // namespace
+
+std::string_view text(JointEffect::Kind kind) noexcept {
+  switch (kind) {
+    case JointEffect::Kind::once:
+      return "once_a_turn";
+    case JointEffect::Kind::twice:
+      return "twice_a_turn";
+    case JointEffect::Kind::compliance:
+      return "compliance";
+  }
+  return "";
+}
+
+Turns PoseModel::told(const Sample& sample) const {
+  Turns turns{};
+  for (std::size_t j = 0; j < chain.axes.size(); ++j) turns[j] = sample.angles_rad[j] - home_rad[j];
+  return turns;
+}
+
+Vector2d PoseModel::pattern(const JointEffect& effect, const Turns& told) const {
+  Vector2d here(0, 0);
+  if (effect.kind == JointEffect::Kind::compliance) {
+    here.x() = torque(*this, effect.joint, told);
+  } else {
+    const double turn = (effect.kind == JointEffect::Kind::once ? 1 : 2) * told[effect.joint];
+    here = {std::cos(turn), std::sin(turn)};
+  }
+  return here - effect.middle;
+}
+
+Turns PoseModel::turned(const Turns& told) const {
+  Turns turns = told;
+  for (const JointEffect& effect : effects)
+    turns[effect.joint] += effect.size.dot(pattern(effect, told));
+  return turns;
+}
+
+Vector3d PoseModel::position_mm(const Pose& pose) const {
+  return chain.target_mm(pose.target, turned(told(pose.sample)));
+}
+
+Index PoseModel::parameters() const {
+  Index count = chain_parameters().count(true);
+  for (const JointEffect& effect : effects) count += effect.count();
+  return count;
+}
+
+PoseModel moved(const PoseModel& model, const Eigen::VectorXd& change) {
+  PoseModel other = model;
+  Index at = model.chain_parameters().count(true);
+  other.chain = moved(model.chain, change.head(at));
+  for (JointEffect& effect : other.effects) {
+    effect.size.head(effect.count()) += change.segment(at, effect.count());
+    at += effect.count();
+  }
+  return other;
+}
+
+}  // namespace identify

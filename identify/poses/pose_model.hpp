@@ -1,0 +1,65 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "identify/chain/chain.hpp"
+#include "identify/geometry/angle.hpp"
+#include "identify/poses/pose.hpp"
+#include "identify/sweeps/campaign.hpp"
+
+namespace identify {
+
+/// What a joint turns by beside what its angle says: an eccentric wheel or encoder, once and twice
+/// a turn, or what its gear gives way by under the weight that it carries.
+struct JointEffect {
+  enum class Kind { once, twice, compliance };
+  Kind kind = Kind::once;
+  std::size_t joint = 0;
+  /// What the pattern below is on average over the poses that were fitted: there the effect is
+  /// zero on average, so that a joint's zero stays the one that fits these poses best.
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  /// Once, twice (k = 1, 2): rad times cos(k t) and times sin(k t), with t the joint's turn from
+  /// home. Compliance: rad/Nm times the torque of the weights about the joint. All less `middle`.
+  Eigen::Vector2d size = Eigen::Vector2d::Zero();
+
+  /// Standard deviation of a size as robots are built, known beforehand: what poses hardly tell
+  /// from lengths and twists does not run away. Wheels are off by a minute of arc or two; a reducer
+  /// gives way by some seconds of arc a newton metre at most.
+  [[nodiscard]] double prior() const { return kind == Kind::compliance ? 1e-4 : 300 * kArcsec; }
+  [[nodiscard]] Eigen::Index count() const { return kind == Kind::compliance ? 1 : 2; }
+  /// Half of what it spreads over, rad; of a compliance rad/Nm.
+  [[nodiscard]] double amplitude() const { return size.head(count()).norm(); }
+};
+[[nodiscard]] std::string_view text(JointEffect::Kind kind) noexcept;
+
+/// A robot as static poses show it: a chain, and what its joints do beside what they tell.
+struct PoseModel {
+  Chain chain;
+  std::vector<double> home_rad;  ///< the controller's angles at which the chain is at home
+  std::vector<JointEffect> effects;
+  std::vector<Load> loads;  ///< centres of mass at home, in the measurement frame
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+
+  /// From home, as the angles tell.
+  [[nodiscard]] Turns told(const Sample& sample) const;
+  /// And as they are.
+  [[nodiscard]] Turns turned(const Turns& told) const;
+  /// What an effect's sizes are multiplied by, 1 or Nm, where the joints turned so far, less its
+  /// middle; two, or one and nothing.
+  [[nodiscard]] Eigen::Vector2d pattern(const JointEffect& effect, const Turns& told) const;
+  [[nodiscard]] Eigen::Vector3d position_mm(const Pose& pose) const;
+
+  /// Of the chain's parameters, with the tool's rotation, and then of the effects'.
+  [[nodiscard]] ChainParameters chain_parameters() const {
+    return {chain.axes.size(), chain.targets_mm.size()};
+  }
+  [[nodiscard]] Eigen::Index parameters() const;
+};
+
+/// The model after a change of its parameters.
+[[nodiscard]] PoseModel moved(const PoseModel& model, const Eigen::VectorXd& change);
+
+}  // namespace identify

@@ -1,0 +1,58 @@
+#include "identify/poses/pose_rows.hpp"
+
+#include <algorithm>
+
+namespace identify {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+
+MatrixXd PoseNoise::covariance(const MatrixXd& by_joint) const {
+  MatrixXd whole = joint_rad * joint_rad * (by_joint * by_joint.transpose());
+  whole.diagonal().head<3>().array() += position_mm * position_mm;
+  whole.diagonal().tail(whole.rows() - 3).array() += orientation_rad * orientation_rad;
+  return whole;
+}
+
+PoseRow pose_row(const PoseModel& model, const Pose& pose, bool with_orientation) {
+  const Turns told = model.told(pose.sample);
+  ChainPose at(model.chain);
+  at.set(pose.target, model.turned(told), true);
+  const Index rows = with_orientation && pose.sample.has_orientation ? 6 : 3;
+  const Index of_chain = model.chain_parameters().count(true);
+  PoseRow row;
+  row.off.resize(rows);
+  row.off.head<3>() = pose.sample.position_mm - at.position_mm;
+  if (rows == 6) {
+    const Eigen::AngleAxisd turn(
+        Matrix3d(orientation(pose.sample) * (at.rotation * model.chain.tool).transpose()));
+    row.off.tail<3>() = turn.angle() * turn.axis();
+  }
+  row.by_joint.resize(rows, static_cast<Index>(model.chain.axes.size()));
+  for (Index j = 0; j < row.by_joint.cols(); ++j)
+    row.by_joint.col(j) = at.by_turn[static_cast<std::size_t>(j)].head(rows);
+  row.by_parameter = MatrixXd::Zero(rows, model.parameters());
+  const ChainParameters parameters = model.chain_parameters();
+  const Index axes = parameters.target(0);
+  row.by_parameter.leftCols(axes) = at.by_parameter.topLeftCorner(rows, axes);
+  const Index target = parameters.target(pose.target);
+  row.by_parameter.middleCols<3>(target) = at.by_parameter.block(0, target, rows, 3);
+  row.by_parameter.middleCols<3>(parameters.tool()) =
+      at.by_parameter.block(0, parameters.tool(), rows, 3);
+  Index column = of_chain;
+  for (const JointEffect& effect : model.effects) {
+    row.by_parameter.middleCols(column, effect.count()) = effect_columns(model, effect, pose, row);
+    column += effect.count();
+  }
+  return row;
+}
+
+MatrixXd effect_columns(const PoseModel& model, const JointEffect& effect, const Pose& pose,
+                        const PoseRow& row) {
+  const auto joint = static_cast<Index>(effect.joint);
+  return row.by_joint.col(joint) *
+         model.pattern(effect, model.told(pose.sample)).head(effect.count()).transpose();
+}
+
+}  // namespace identify

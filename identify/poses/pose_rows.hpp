@@ -1,0 +1,40 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "identify/poses/pose_model.hpp"
+
+namespace identify {
+
+/// Standard deviations of what a pose shows, each a component of its covariance
+///   V = position^2 I + joint^2 J J^T, with the orientation's rows beside it,
+/// where J is how the target moves with the joints' angles.
+struct PoseNoise {
+  double position_mm = 0;      ///< of each coordinate
+  double orientation_rad = 0;  ///< about each direction
+  /// Of each joint's angle from what is told, anew at every pose: backlash, gears, the servo.
+  double joint_rad = 0;
+
+  /// Of what a row shows.
+  [[nodiscard]] Eigen::MatrixXd covariance(const Eigen::MatrixXd& by_joint) const;
+};
+
+/// A pose, linearised at a model. Rows: position (mm), then, where it was measured, a rotation of
+/// the tool in the measurement frame (rad).
+struct PoseRow {
+  Eigen::VectorXd off;           ///< seen less the model's
+  Eigen::MatrixXd by_parameter;  ///< one column a parameter of the model
+  Eigen::MatrixXd by_joint;      ///< one column a joint, as it turns
+};
+
+/// Torques count as those of the chain as it is: how they change with it is of second order.
+/// `with_orientation`: the orientation too, of poses that have one.
+[[nodiscard]] PoseRow pose_row(const PoseModel& model, const Pose& pose, bool with_orientation);
+
+/// How a pose's position changes with one effect's sizes: as many columns.
+[[nodiscard]] Eigen::MatrixXd effect_columns(const PoseModel& model, const JointEffect& effect,
+                                             const Pose& pose, const PoseRow& row);
+
+}  // namespace identify

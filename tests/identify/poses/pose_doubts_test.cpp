@@ -1,0 +1,106 @@
+#include "identify/poses/pose_doubts.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <utility>
+
+#include "identify/identification.hpp"
+#include "tests/catch.hpp"
+#include "tests/identify/poses/simulated_poses.hpp"
+
+using namespace identify;
+using namespace simulation::robots;
+
+namespace {
+
+std::string first_doubt(const simulation::Simulation& built, std::vector<Pose> poses,
+                        const std::function<void(Pose&)>& spoil) {
+  for (Pose& pose : poses) spoil(pose);
+  const auto found = identify::identify({}, built.campaign(), poses);
+  CHECK((found.status == Status::doubtful || found.status == Status::failed));
+  return found.doubts.empty() ? "" : found.doubts.front().code;
+}
+
+bool warned(const Identification& found, const std::string& code) {
+  return std::any_of(found.warnings.begin(), found.warnings.end(),
+                     [&](const Warning& one) { return one.code == code; });
+}
+
+}  // namespace
+
+TEST_CASE("What is wrong with all poses is named", "[pose_doubts]") {
+  const auto built = arm_with(tracker(), 2);
+  const auto poses = built.poses(40);
+  const auto doubt = [&](const std::function<void(Pose&)>& spoil) {
+    return first_doubt(built, poses, spoil);
+  };
+  CHECK(doubt([](Pose& pose) { pose.sample.position_mm /= 1000; }) == "unit_factor");
+  CHECK(doubt([](Pose& pose) {
+          for (double& angle : pose.sample.angles_rad) angle *= kDegree;
+        }) == "unit_factor");
+  CHECK(doubt([](Pose& pose) {
+          std::swap(pose.sample.position_mm.x(), pose.sample.position_mm.y());
+        }) == "frame_mirrored");
+  CHECK(doubt([](Pose& pose) { pose.sample.angles_rad[2] *= -1; }) == "angles_negated");
+  CHECK(doubt([](Pose& pose) {
+          std::swap(pose.sample.angles_rad[3], pose.sample.angles_rad[4]);
+        }) == "joints_exchanged");
+}
+
+TEST_CASE("Angles of other poses are not the arm's", "[pose_doubts]") {
+  const auto built = arm_with(tracker(), 3);
+  auto poses = built.poses(40);
+  for (std::size_t i = 0; i + 1 < poses.size(); ++i)
+    poses[i].sample.angles_rad = poses[i + 1].sample.angles_rad;
+  CHECK(first_doubt(built, poses, [](Pose&) {}) == "pose_misfit");
+}
+
+TEST_CASE("A target that was put back elsewhere is noticed, and where", "[pose_doubts]") {
+  const auto built = arm_with(tracker(0.002), 4);
+  auto poses = built.poses(60);
+  auto robot = built.robot();
+  robot.targets_mm[0] += Eigen::Vector3d(0.5, -0.3, 0.4);
+  const auto after = simulation::Simulation(robot, strokes(50), tracker(0.002), 4).poses(60);
+  std::copy(after.begin() + 25, after.end(), poses.begin() + 25);
+  const auto found = identify::identify({}, built.campaign(), poses);
+  CHECK(found.status == Status::doubtful);
+  REQUIRE_FALSE(found.doubts.empty());
+  CHECK(found.doubts.front().code == "target_moved");
+  CHECK_THAT(found.doubts.front().message, Catch::Matchers::ContainsSubstring("pose 2"));
+}
+
+TEST_CASE("One wrong pose in twenty is left out and named; the others tell the same",
+          "[pose_doubts]") {
+  const auto built = arm_with(tracker(), 5);
+  auto poses = built.poses(60);
+  const auto clean = identify::identify({}, built.campaign(), poses);
+  for (const std::size_t i : std::vector<std::size_t>{3, 24, 50}) poses[i].sample.position_mm += Eigen::Vector3d(2, -3, 1);
+  const auto found = identify::identify({}, built.campaign(), poses);
+  INFO(found.reason);
+  CHECK(found.status == Status::complete);
+  CHECK(found.poses->outliers == std::vector<std::size_t>{3, 24, 50});
+  CHECK(warned(found, "pose_outliers"));
+  for (std::size_t i = 0; i < found.dh.size(); ++i)
+    CHECK(found.dh[i].a_mm.value ==
+          Approx(clean.dh[i].a_mm.value).margin(1e-9 + 2 * clean.dh[i].a_mm.sigma));
+}
+
+TEST_CASE("Copies of poses count once", "[pose_doubts]") {
+  const auto built = arm_with(tracker(), 6);
+  auto poses = built.poses(40);
+  const auto once = identify::identify({}, built.campaign(), poses);
+  for (std::size_t i = 0; i < 40; ++i) poses.push_back(poses[i]);
+  const auto found = identify::identify({}, built.campaign(), poses);
+  CHECK(warned(found, "pose_copies"));
+  CHECK(found.dh[1].a_mm.sigma == once.dh[1].a_mm.sigma);
+}
+
+TEST_CASE("Clean poses of many kinds are not doubted", "[pose_doubts]") {
+  for (std::uint32_t seed = 1; seed <= 20; ++seed) {
+    const auto built = arm_with(tracker(seed % 3 * 0.002), seed, 1 + seed % 2);
+    const auto found = identify::identify({}, built.campaign(), built.poses(50));
+    INFO("seed " << seed << ": " << found.reason);
+    CHECK(found.status == Status::complete);
+    CHECK(found.doubts.empty());
+  }
+}

@@ -1,0 +1,68 @@
+#include "identify/poses/pose_effects.hpp"
+
+#include "tests/catch.hpp"
+#include "tests/identify/poses/simulated_poses.hpp"
+
+using namespace identify;
+using namespace simulation::robots;
+
+namespace {
+
+const EffectEvidence* effect_of(const PoseEstimate& found, std::size_t joint,
+                                JointEffect::Kind kind) {
+  for (const auto& one : found.effects)
+    if (one.effect.joint == joint && one.effect.kind == kind) return &one;
+  return nullptr;
+}
+
+}  // namespace
+
+TEST_CASE("A wheel off by 50 seconds of arc is found, with its size", "[pose_effects]") {
+  auto world = tracker();
+  world.gears.joint = 1;
+  world.gears.first_arcsec = 50;
+  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+    const auto built = arm_with(world, seed);
+    const auto found = estimated(built.poses(120), built.campaign());
+    REQUIRE(found);
+    const auto* effect = effect_of(*found, 1, JointEffect::Kind::once);
+    REQUIRE(effect != nullptr);
+    CHECK(effect->effect.amplitude() / kArcsec == Approx(50).margin(12));
+    CHECK(effect->chance < 1e-6);
+  }
+}
+
+TEST_CASE("Joints that give way by their load are found where the loads are known",
+          "[pose_effects]") {
+  auto world = tracker();
+  world.sag_arcsec = 100;
+  const auto built = arm_with(world, 3);
+  auto campaign = built.campaign();
+  campaign.loads = built.loads();
+  const auto poses = built.poses(120);
+  const auto found = estimated(poses, campaign);
+  REQUIRE(found);
+  const auto* effect = effect_of(*found, 1, JointEffect::Kind::compliance);
+  REQUIRE(effect != nullptr);
+  const simulation::Sag sag(built.robot(), world.sag_arcsec * kArcsec);
+  Turns out{};
+  out[1] = 1;
+  const double truth = sag.at(out)[1] / sag.torques(out)[1];
+  CHECK(effect->effect.size(0) == Approx(truth).margin(4 * effect->sigma(0)));
+  CHECK(effect->sigma(0) < 0.1 * truth);
+  CHECK(mean_off(*found, poses) < 0.045);
+}
+
+TEST_CASE("Arms without such effects have none", "[pose_effects][long]") {
+  int invented = 0;
+  constexpr std::uint32_t kRuns = 200;
+  for (std::uint32_t seed = 1; seed <= kRuns; ++seed) {
+    const auto built = arm_with(tracker(seed % 2 == 0 ? 0.002 : 0), seed);
+    auto campaign = built.campaign();
+    campaign.loads = built.loads();
+    const auto found = estimated(built.poses(40 + seed % 3 * 30), campaign);
+    REQUIRE(found);
+    if (!found->effects.empty()) ++invented;
+  }
+  CHECK(invented <= 10);
+}

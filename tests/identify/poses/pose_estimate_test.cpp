@@ -1,0 +1,144 @@
+#include "identify/poses/pose_estimate.hpp"
+
+#include "identify/identification.hpp"
+#include "tests/catch.hpp"
+#include "tests/identify/poses/simulated_poses.hpp"
+#include "tests/simulation/truth.hpp"
+
+using namespace identify;
+using namespace simulation::robots;
+
+namespace {
+
+struct Judged {
+  int inside = 0;
+  int numbers = 0;
+  double squares = 0;  ///< of errors in standard uncertainties
+};
+
+void judge(const simulation::Simulation& of, const Identification& found, Judged& all) {
+  const auto truth = simulation::true_table(of, found.dh, found.home_rad);
+  for (std::size_t i = 0; i < found.dh.size(); ++i) {
+    const DhRow& row = truth[i];
+    const std::array<double, 5> values{row.b_mm, row.theta_rad, row.a_mm, row.alpha_rad,
+                                       row.beta_rad};
+    const auto numbers = numbers_of(found.dh[i]);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      if (numbers[k]->knowledge != Knowledge::identified) continue;
+      double error = numbers[k]->value - values[k];
+      if (k == 1 || k == 3) error = wrapped(error);
+      const double z = error / numbers[k]->sigma;
+      ++all.numbers;
+      all.squares += z * z;
+      if (std::abs(z) < 1.96) ++all.inside;
+    }
+  }
+}
+
+double error_of(const simulation::Simulation& of, const Identification& found) {
+  Judged all;
+  const auto truth = simulation::true_table(of, found.dh, found.home_rad);
+  double squares = 0;
+  for (std::size_t i = 1; i + 1 < found.dh.size(); ++i) {
+    if (found.dh[i].relation == Relation::parallel ||
+        found.dh[i - 1].relation == Relation::parallel)
+      continue;
+    squares += std::pow(found.dh[i].b_mm.value - truth[i].b_mm, 2) +
+               std::pow(found.dh[i].a_mm.value - truth[i].a_mm, 2);
+  }
+  return squares;
+}
+
+}  // namespace
+
+TEST_CASE("Poses alone tell the table, and their uncertainties hold", "[pose_estimate]") {
+  Judged all;
+  for (std::uint32_t seed = 1; seed <= 25; ++seed) {
+    const auto built = arm_with(tracker(seed % 2 == 0 ? 0.002 : 0), seed);
+    const auto found = identify::identify({}, built.campaign(), built.poses(40));
+    INFO("seed " << seed << ": " << found.reason);
+    REQUIRE(found.status == Status::complete);
+    REQUIRE(found.estimator == Estimator::poses);
+    judge(built, found, all);
+  }
+  const double share = static_cast<double>(all.inside) / all.numbers;
+  CHECK(all.numbers > 400);
+  CHECK(share > 0.92);
+  CHECK(share < 0.98);
+  CHECK(std::sqrt(all.squares / all.numbers) == Approx(1).margin(0.1));
+}
+
+TEST_CASE("Ellipsoids hold what was not fitted", "[pose_estimate]") {
+  int inside = 0, count = 0;
+  for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+    const auto built = arm_with(tracker(0.002), seed);
+    auto poses = built.poses(90);
+    const std::vector<Pose> held(poses.begin() + 40, poses.end());
+    poses.resize(40);
+    const auto found = estimated(poses, built.campaign());
+    REQUIRE(found);
+    for (const Pose& pose : held) {
+      const Eigen::Vector3d off = pose.sample.position_mm - found->fit.model.position_mm(pose);
+      ++count;
+      if (off.dot(found->covariance_at(pose).inverse() * off) < 7.815) ++inside;
+    }
+  }
+  const double share = static_cast<double>(inside) / count;
+  CHECK(share > 0.92);
+  CHECK(share < 0.98);
+}
+
+TEST_CASE("Sweeps and poses together are no worse than either", "[pose_estimate]") {
+  double sweeps = 0, poses = 0, both = 0;
+  Judged all;
+  for (std::uint32_t seed = 1; seed <= 12; ++seed) {
+    const auto built = arm_with(tracker(), seed);
+    const auto static_ones = built.poses(30);
+    sweeps += error_of(built, identify::identify(built.sweeps(), built.campaign()));
+    poses += error_of(built, identify::identify({}, built.campaign(), static_ones));
+    const auto together = identify::identify(built.sweeps(), built.campaign(), static_ones);
+    REQUIRE(together.estimator == Estimator::poses);
+    REQUIRE(together.poses->with_sweeps);
+    both += error_of(built, together);
+    judge(built, together, all);
+  }
+  CHECK(both < 1.05 * sweeps);
+  CHECK(both < 1.05 * poses);
+  CHECK(std::sqrt(all.squares / all.numbers) == Approx(1).margin(0.15));
+}
+
+TEST_CASE("Too few poses, and poses without anything to start from, are refused with the reason",
+          "[pose_estimate]") {
+  const auto built = arm_with(tracker(), 1);
+  auto found = identify::identify({}, built.campaign(), built.poses(8));
+  CHECK(found.status == Status::failed);
+  CHECK_THAT(found.reason, Catch::Matchers::ContainsSubstring("8 poses give 24 numbers"));
+  auto campaign = built.campaign();
+  campaign.specified.reset();
+  found = identify::identify({}, campaign, built.poses(40));
+  CHECK(found.status == Status::failed);
+  CHECK_THAT(found.reason, Catch::Matchers::ContainsSubstring("description"));
+}
+
+TEST_CASE("Poses all alike leave the table open, and say so", "[pose_estimate]") {
+  const auto built = arm_with(tracker(), 1);
+  const auto found = identify::identify({}, built.campaign(), built.poses(40, 0.5));
+  CHECK(found.status != Status::complete);
+  for (const auto& row : found.dh)
+    for (const auto* number : numbers_of(row))
+      if (number->knowledge == Knowledge::identified) CHECK(number->sigma < 1000);
+}
+
+TEST_CASE("A target on the last axis leaves that axis open, and no other", "[pose_estimate]") {
+  auto robot = simulation::built(simulation::kr5(), 2);
+  robot.targets_mm = {{0.1, 0, 215}};
+  const simulation::Simulation built(robot, strokes(10), tracker(), 2);
+  const auto found = identify::identify({}, built.campaign(), built.poses(60));
+  CHECK(found.status == Status::partial);
+  for (std::size_t j = 0; j < 5; ++j) CHECK(found.joints[j].axis);
+  CHECK_FALSE(found.joints[5].axis);
+  const bool said = std::any_of(found.warnings.begin(), found.warnings.end(), [](const auto& one) {
+    return one.code == "target_near_axis" && one.joint == 5;
+  });
+  CHECK(said);
+}
