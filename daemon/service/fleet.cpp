@@ -4,6 +4,7 @@
 #include <set>
 #include <utility>
 
+#include "daemon/service/robot_threads.hpp"
 #include "daemon/system/realtime.hpp"
 
 namespace sweepd {
@@ -11,9 +12,9 @@ namespace sweepd {
 using Phase = RobotKeeper::Phase;
 
 Fleet::Fleet(const Robots& robots, std::function<void()> on_change)
-    : on_change_(std::move(on_change)) {
+    : on_change_(std::move(on_change)), threads_(std::make_shared<RobotThreads>()) {
   for (const auto& robot : robots)
-    robots_.emplace(robot.name, std::make_unique<RobotKeeper>(robot, on_change_));
+    robots_.emplace(robot.name, std::make_unique<RobotKeeper>(robot, threads_, on_change_));
 }
 
 void Fleet::serve() {
@@ -39,7 +40,7 @@ void Fleet::reload(const Robots& robots) {
     } else {
       leave_processors(robot.real_time.cpus);
       const auto [came, is_new] =
-          robots_.emplace(robot.name, std::make_unique<RobotKeeper>(robot, on_change_));
+          robots_.emplace(robot.name, std::make_unique<RobotKeeper>(robot, threads_, on_change_));
       came->second->serve();
     }
   }

@@ -52,6 +52,7 @@ class Fleet {
   [[nodiscard]] bool all(bool (RobotKeeper::*is)() const) const;
 
   const std::function<void()> on_change_;
+  const std::shared_ptr<RobotThreads> threads_;
   std::map<std::string, std::unique_ptr<RobotKeeper>> robots_;
   std::vector<std::unique_ptr<RobotKeeper>> leaving_;
 };

@@ -36,8 +36,12 @@ Problem problem_at_hand() {
 
 }  // namespace
 
-RobotKeeper::RobotKeeper(RobotSettings settings, std::function<void()> on_change)
-    : log_(settings.name), on_change_(std::move(on_change)), wanted_(std::move(settings)) {
+RobotKeeper::RobotKeeper(RobotSettings settings, std::shared_ptr<RobotThreads> shared,
+                         std::function<void()> on_change)
+    : log_(settings.name),
+      shared_(std::move(shared)),
+      on_change_(std::move(on_change)),
+      wanted_(std::move(settings)) {
   start_keeping();
 }
 
@@ -158,7 +162,7 @@ void RobotKeeper::try_to_serve(Lock& lock) {
   lock.unlock();
   std::shared_ptr<RobotService> service;
   try {
-    service = std::make_shared<RobotService>(settings);
+    service = std::make_shared<RobotService>(settings, shared_);
     lock.lock();
     phase_ = Phase::ready;
     tell();

@@ -17,6 +17,7 @@
 namespace sweepd {
 
 class RobotService;
+struct RobotThreads;
 
 /// Why a robot is not served. A value, since threads tell each other of it.
 struct Problem {
@@ -32,7 +33,8 @@ class RobotKeeper {
  public:
   /// Reads the robot's files and takes its port, and waits for serve(). `on_change` is called by
   /// any thread when what is said of it here may have changed, and must not call it.
-  RobotKeeper(RobotSettings settings, std::function<void()> on_change);
+  RobotKeeper(RobotSettings settings, std::shared_ptr<RobotThreads> shared,
+              std::function<void()> on_change);
   ~RobotKeeper();
   RobotKeeper(const RobotKeeper&) = delete;
   RobotKeeper& operator=(const RobotKeeper&) = delete;
@@ -82,6 +84,7 @@ class RobotKeeper {
   void end(std::shared_ptr<RobotService> service);
 
   const Log log_;
+  const std::shared_ptr<RobotThreads> shared_;
   const std::function<void()> on_change_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;

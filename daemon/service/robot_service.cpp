@@ -1,5 +1,6 @@
 #include "daemon/service/robot_service.hpp"
 
+#include <algorithm>
 #include <exception>
 #include <fstream>
 #include <sstream>
@@ -21,6 +22,9 @@ using namespace std::chrono_literals;
 /// Acquisition looks for new telegrams so often. Waking it for each would cost the reply thread a
 /// system call, and the machine a change of threads.
 constexpr auto kTick = 100ms;
+
+/// Other robots wait for their turn meanwhile: some 10 ms.
+constexpr std::size_t kMostInATurn = 2000;
 
 /// And so often it tells how the robot is.
 constexpr auto kPublished = 1s;
@@ -55,7 +59,7 @@ std::string content(const std::optional<std::filesystem::path>& file) {
 
 }  // namespace
 
-RobotService::RobotService(const RobotSettings& settings)
+RobotService::RobotService(const RobotSettings& settings, std::shared_ptr<RobotThreads> threads)
     : settings_(settings),
       setup_(load_setup(settings)),
       server_(make_server(settings)),
@@ -69,7 +73,8 @@ RobotService::RobotService(const RobotSettings& settings)
       inputs_(hashes_of(inputs_of(settings))),
       session_log_(settings.name),
       tally_(first_state()),
-      live_(status_->live) {
+      live_(status_->live),
+      threads_(std::move(threads)) {
   status_->facts.publish(facts());
   status_->state.publish(first_state());
   std::error_code error;
@@ -90,7 +95,9 @@ void RobotService::start() {
   reply_thread_ =
       std::thread([this, ready = std::move(ready)]() mutable { serve(std::move(ready)); });
   say_real_time(report.get());
-  acquisition_thread_ = std::thread([this] { acquire(); });
+  acquisition_ =
+      threads_->acquisition.begin_on_one_of(std::max(1U, std::thread::hardware_concurrency()),
+                                            [this] { return TurnThreads::Next{turn()}; });
   identifier_.finish_earlier(settings_.output / settings_.name, setup_, log_);
   log_.note("listening on {} {}, receive buffer {} KiB", rsi::text(server_->transport()),
             rsi::text(local()), server_->receive_buffer() / 1024);
@@ -127,8 +134,12 @@ void RobotService::take_over() {
 
 bool RobotService::stop(std::chrono::seconds patience) {
   if (!reply_thread_.joinable()) return true;
-  stopping_.set_value();
-  acquisition_thread_.join();
+  acquisition_.reset();
+  server_->settle();
+  while (!drain()) {
+  }
+  end_session();
+  publish();
   // The result waits for the recording.
   const bool recorded = recorder_.stop(Steady::now() + patience);
   const bool written = identifier_.drain(Steady::now() + (recorded ? kLongestResult : patience));
@@ -164,43 +175,39 @@ void RobotService::say_real_time(const RealTimeReport& report) {
   for (const auto& refused : report.refused) log_.warning("{}", refused);
 }
 
-void RobotService::acquire() {
-  name_thread("acquisition");
-  const auto stopping = stopping_.get_future();
-  while (stopping.wait_for(kTick) == std::future_status::timeout) {
-    ++acquisition_beats_;
-    if (!session_) take_over();
-    drain();
-    if (link_wanted_.exchange(false)) say_link();
-    const auto now = Steady::now();
-    if (session_ && now - last_datagram_ > settings_.silence) {
-      session_log_.note("RSI has been silent for {} ms: the stream has ended",
-                        settings_.silence.count());
-      end_session();
-      server_->forget_controller();
-      take_waiting();
-    }
-    show();
-    if (now - published_ >= kPublished) publish();
-    identifier_.try_again(now);
+RobotService::Steady::time_point RobotService::turn() {
+  ++acquisition_beats_;
+  if (!session_) take_over();
+  const bool all = drain();
+  if (link_wanted_.exchange(false)) say_link();
+  const auto now = Steady::now();
+  if (session_ && now - last_datagram_ > settings_.silence) {
+    session_log_.note("RSI has been silent for {} ms: the stream has ended",
+                      settings_.silence.count());
+    end_session();
+    server_->forget_controller();
+    take_waiting();
   }
-  server_->settle();
-  drain();
-  end_session();
-  publish();
+  if (all) show();
+  if (now - published_ >= kPublished) publish();
+  identifier_.try_again(now);
+  return all ? now + kTick : now;
 }
 
-void RobotService::drain() {
+bool RobotService::drain() {
   rsi::Datagram datagram;
   rsi::Handling handling;
-  while (server_->datagrams().pop(datagram, &handling)) {
+  std::size_t taken = 0;
+  while (taken < kMostInATurn && server_->datagrams().pop(datagram, &handling)) {
     take(datagram, handling);
     ++acquisition_beats_;
+    ++taken;
   }
   const auto counts = server_->counts();
   if (session_) watch_.withheld = counts.not_begun - not_begun_;
   for (const auto& complaint : complaints_.about(counts, Steady::now()))
     session_log_.error("{}", complaint);
+  return taken < kMostInATurn;
 }
 
 void RobotService::take(const rsi::Datagram& datagram, rsi::Handling handling) {

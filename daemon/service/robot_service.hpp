@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <deque>
 #include <future>
 #include <memory>
@@ -18,6 +19,7 @@
 #include "daemon/service/live_feed.hpp"
 #include "daemon/service/robot_state.hpp"
 #include "daemon/service/robot_tally.hpp"
+#include "daemon/service/robot_threads.hpp"
 #include "daemon/settings/robot_setup.hpp"
 #include "daemon/settings/settings.hpp"
 #include "daemon/stream/session.hpp"
@@ -28,13 +30,15 @@
 
 namespace sweepd {
 
-/// Serves one controller: the reply thread answers, the acquisition thread does all the rest but
-/// the identification and the work on files, which have threads of their own.
+/// Serves one controller: a reply thread of its own answers, acquisition does all the rest but the
+/// identification and the work on files. Acquisition and recording are on threads that robots
+/// share.
 class RobotService : private StreamSink {
  public:
   /// Reads the robot's files, makes its output folder, binds the socket. Throws ConfigError or
   /// std::runtime_error.
-  explicit RobotService(const RobotSettings& settings);
+  explicit RobotService(const RobotSettings& settings,
+                        std::shared_ptr<RobotThreads> threads = std::make_shared<RobotThreads>());
   ~RobotService();  ///< as stop()
   RobotService(const RobotService&) = delete;
   RobotService& operator=(const RobotService&) = delete;
@@ -67,9 +71,11 @@ class RobotService : private StreamSink {
 
   void serve(std::promise<RealTimeReport> ready);
   void say_real_time(const RealTimeReport& report);
-  void acquire();
+  /// Of acquisition; returns when the next one is due.
+  Steady::time_point turn();
   void take_over();
-  void drain();
+  /// False if there is more.
+  bool drain();
   void take(const rsi::Datagram& datagram, rsi::Handling handling);
   /// The session is not about this one: it waits, unless it streams.
   void take_from_other(const rsi::Datagram& datagram, rsi::Handling handling, std::uint32_t peer);
@@ -97,8 +103,6 @@ class RobotService : private StreamSink {
   Recorder recorder_;
   Identifier identifier_;
   std::thread reply_thread_;
-  std::thread acquisition_thread_;
-  std::promise<void> stopping_;
   std::atomic<bool> link_wanted_{false};
   std::atomic<std::uint64_t> acquisition_beats_{0};
 
@@ -111,9 +115,9 @@ class RobotService : private StreamSink {
     std::vector<FileHash> inputs;
   };
   std::mutex reload_mutex_;
-  std::optional<Reloaded> reloaded_;  // waits for the acquisition thread
+  std::optional<Reloaded> reloaded_;  // waits for acquisition
 
-  // The acquisition thread's own.
+  // Acquisition's own.
   Log session_log_;
   std::optional<Session> session_;
   PlannedTurns turns_;                          // of the session
@@ -137,6 +141,9 @@ class RobotService : private StreamSink {
   Steady::time_point published_;
   Steady::time_point last_datagram_;
   Steady::time_point last_identification_;
+
+  const std::shared_ptr<RobotThreads> threads_;
+  std::unique_ptr<TurnThreads::Work> acquisition_;  // its turns use all of the above
 };
 
 }  // namespace sweepd

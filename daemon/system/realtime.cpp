@@ -112,6 +112,19 @@ void leave_processors(const std::vector<int>& cpus) noexcept {
   if (CPU_COUNT(&left) > 0) pthread_setaffinity_np(pthread_self(), sizeof left, &left);
 }
 
+void leave_processors_too(std::thread& other) noexcept {
+  cpu_set_t mine;
+  cpu_set_t left;
+  CPU_ZERO(&mine);
+  CPU_ZERO(&left);
+  if (pthread_getaffinity_np(pthread_self(), sizeof mine, &mine) != 0 ||
+      pthread_getaffinity_np(other.native_handle(), sizeof left, &left) != 0 ||
+      CPU_EQUAL(&mine, &left))
+    return;
+  CPU_AND(&left, &left, &mine);
+  if (CPU_COUNT(&left) > 0) pthread_setaffinity_np(other.native_handle(), sizeof left, &left);
+}
+
 void name_thread(const char* name) noexcept {
   pthread_setname_np(pthread_self(), name);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace sweepd {
@@ -36,6 +37,9 @@ void enter_real_time(const RealTimeSettings& settings, RealTimeReport& report);
 /// kernels do not interrupt themselves, not even for SCHED_FIFO: a disk's work for one thread would
 /// delay the reply of another on the same processor. Nothing happens if no processor would be left.
 void leave_processors(const std::vector<int>& cpus) noexcept;
+
+/// The other thread, too, keeps off those that the calling one keeps off.
+void leave_processors_too(std::thread& other) noexcept;
 
 /// Names the calling thread for `top -H` and debuggers; 15 letters at most.
 void name_thread(const char* name) noexcept;

@@ -1,5 +1,5 @@
 // Many controllers, each at 250 Hz and all at different moments of the cycle, from one thread and
-// one socket; the servers, one thread each, in a process of their own. First N services, then N
+// one socket; the servers, a reply thread each, in a process of their own. First N services, then N
 // echo servers: what both have in common is the machine's, the rest is sweepd's.
 
 #include <algorithm>
@@ -220,11 +220,12 @@ Cost echoes(std::size_t robots, std::chrono::seconds time) {
 Cost services(std::size_t robots, std::chrono::seconds time) {
   const sweepd::test::TemporaryFolder temporary;
   Child server([&](const Child::Ready& ready) {
+    const auto threads = std::make_shared<sweepd::RobotThreads>();
     std::vector<std::unique_ptr<sweepd::RobotService>> services;
     std::vector<int> numbers;
     for (std::size_t i = 0; i < robots; ++i) {
       services.push_back(std::make_unique<sweepd::RobotService>(
-          settings(temporary.path(), "robot-" + std::to_string(i + 1))));
+          settings(temporary.path(), "robot-" + std::to_string(i + 1)), threads));
       services.back()->start();
       numbers.push_back(services.back()->local().port);
     }
