@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "daemon/system/realtime.hpp"
 #include "rsi/capture/capture_writer.hpp"
 #include "rsi/capture/packet.hpp"
 
@@ -20,17 +19,17 @@ constexpr auto kIdle = 60s;
 
 }  // namespace
 
-Recorder::Recorder(const RecordingSettings& settings, Say say, RecorderOptions options)
+Recorder::Recorder(TurnThreads& threads, TurnThreads::Lane disk, const RecordingSettings& settings,
+                   Say say, RecorderOptions options)
     : say_(std::move(say)),
       period_(options.period),
+      disk_of_(options.disk_of),
       writer_(say_, std::move(options)),
-      settings_(settings) {
-  thread_ = std::thread([this] { run(); });
-}
+      settings_(settings),
+      turns_(threads.begin(disk, [this] { return turn(); })) {}
 
 Recorder::~Recorder() {
   stop(Steady::time_point::max());
-  thread_.join();
 }
 
 std::shared_ptr<const Recording> Recorder::begin(SessionStart start) {
@@ -45,10 +44,9 @@ std::shared_ptr<const Recording> Recorder::begin(SessionStart start) {
       held_.bytes += kSessionBytes;
       unfinished_.push_back(recording_);
       queue_.emplace_back(Begin{recording_, std::move(start)});
-      wake_ = true;
     }
   }
-  changed_.notify_all();
+  turns_->wake();
   return recording_;
 }
 
@@ -87,10 +85,9 @@ bool Recorder::keep(const RecordCount& what, std::size_t bytes, const Append& ap
       held_.records += what;
       half_full = held_.bytes > settings_.memory_bytes / 2;
       wake = half_full && !was_half_full;
-      if (wake) wake_ = true;
     }
   }
-  if (wake) changed_.notify_all();
+  if (wake) turns_->wake();
   if (fits) {
     if (losing_ && !half_full) say_loss(false);
     return true;
@@ -120,23 +117,24 @@ void Recorder::end() {
   if (queued_) {
     const std::lock_guard lock(mutex_);
     queue_.emplace_back(End{});
-    wake_ = true;
   } else {
     recording_->finish();
   }
-  changed_.notify_all();
+  turns_->wake();
   recording_.reset();
 }
 
 bool Recorder::stop(Steady::time_point deadline) {
   end();
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  turns_->wake();
   Held held;
   std::deque<std::shared_ptr<Recording>> unfinished;
   {
     std::unique_lock lock(mutex_);
-    stopping_ = true;
-    wake_ = true;
-    changed_.notify_all();
     if (changed_.wait_until(lock, deadline, [this] { return done_; })) return true;
     if (given_up_.exchange(true)) return false;
     held = held_;
@@ -155,32 +153,31 @@ void Recorder::reconfigure(const RecordingSettings& settings) {
     const std::lock_guard lock(mutex_);
     settings_ = settings;
     reconfigured_ = true;
-    wake_ = true;
   }
-  changed_.notify_all();
+  turns_->wake();
 }
 
-void Recorder::run() {
-  name_thread("recorder");
+TurnThreads::Next Recorder::turn() {
   std::unique_lock lock(mutex_);
-  for (bool last = false; !last;) {
-    const bool busy = writer_.session_open() || !backlog_.empty();
-    changed_.wait_for(lock, busy ? period_ : kIdle, [this] { return wake_; });
-    wake_ = false;
-    last = stopping_;
-    for (Part& part : queue_) backlog_.push_back(std::move(part));
-    queue_.clear();
-    if (std::exchange(reconfigured_, false)) writer_.tidy_soon();
-    const auto settings = settings_;
-    lock.unlock();
-    work(settings);
-    lock.lock();
+  if (done_) return {Steady::time_point::max()};
+  const bool last = stopping_;
+  for (Part& part : queue_) backlog_.push_back(std::move(part));
+  queue_.clear();
+  if (std::exchange(reconfigured_, false)) writer_.tidy_soon();
+  const auto settings = settings_;
+  lock.unlock();
+  const auto other_disk = work(settings);
+  if (other_disk) return {Steady::now(), other_disk};
+  lock.lock();
+  if (last) {
+    done_ = true;
+    changed_.notify_all();
   }
-  done_ = true;
-  changed_.notify_all();
+  const bool busy = writer_.session_open() || !backlog_.empty();
+  return {Steady::now() + (busy ? period_ : kIdle)};
 }
 
-void Recorder::work(const RecordingSettings& settings) {
+std::optional<TurnThreads::Lane> Recorder::work(const RecordingSettings& settings) {
   const auto ends = [this] {
     return std::any_of(backlog_.begin(), backlog_.end(),
                        [](const Part& part) { return std::holds_alternative<End>(part); });
@@ -190,9 +187,17 @@ void Recorder::work(const RecordingSettings& settings) {
   for (; !backlog_.empty(); backlog_.pop_front()) {
     Part& part = backlog_.front();
     if (auto* const begin = std::get_if<Begin>(&part)) {
+      const auto disk = std::exchange(begin->start.disk, std::nullopt);
+      if (disk && *disk != turns_->lane()) return disk;
       current_ = begin->recording;
       writer_.open(begin->recording, std::move(begin->start));
       release({kSessionBytes, {}});
+      const auto folder = current_->folder();
+      if (folder.empty()) continue;
+      if (const auto made_on = disk_of_(folder); made_on != turns_->lane()) {
+        backlog_.pop_front();
+        return made_on;
+      }
     } else if (auto* const records = std::get_if<Records>(&part)) {
       written = write(*records, settings);
       if (written) continue;
@@ -207,6 +212,7 @@ void Recorder::work(const RecordingSettings& settings) {
   }
   if (written && backlog_.empty()) writer_.resume();
   writer_.tidy(settings);
+  return std::nullopt;
 }
 
 bool Recorder::write(Records& records, const RecordingSettings& settings) {

@@ -5,23 +5,26 @@
 #include <condition_variable>
 #include <deque>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <variant>
 
 #include "daemon/record/record_writer.hpp"
 #include "daemon/record/recording.hpp"
 #include "daemon/record/recording_files.hpp"
 #include "daemon/settings/settings.hpp"
+#include "daemon/system/turn_threads.hpp"
 #include "rsi/datagram.hpp"
 
 namespace sweepd {
 
-/// Records the sessions of one robot, in a thread that does all work on the growing files: makes
-/// the session's folder, writes, syncs twice a second, goes on in new files, deletes old ones.
+/// Records the sessions of one robot. All work on the growing files is done in turns of the thread
+/// of their file system: makes the session's folder, writes, syncs twice a second, goes on in new
+/// files, deletes old ones. A disk that stands still thus holds up those who record to it, too.
 ///
 /// begin(), datagram(), line() and end() are one thread's (acquisition). They copy into bounded
 /// memory and never wait for the disk; what finds no room is left out as a whole and counted. Of
@@ -34,8 +37,10 @@ class Recorder {
  public:
   using Steady = std::chrono::steady_clock;
 
-  /// `say` is called once a change, in the recorder's thread or in one that calls the recorder.
-  Recorder(const RecordingSettings& settings, Say say, RecorderOptions options = {});
+  /// On `disk`, a lane of `threads`, until a session's folder is somewhere else. `say` is called
+  /// once a change, in the recorder's thread or in one that calls the recorder.
+  Recorder(TurnThreads& threads, TurnThreads::Lane disk, const RecordingSettings& settings, Say say,
+           RecorderOptions options = {});
   /// As stop(), but however long the disk takes.
   ~Recorder();
   Recorder(const Recorder&) = delete;
@@ -78,14 +83,16 @@ class Recorder {
   bool keep(const RecordCount& what, std::size_t bytes, const Append& append);
   void say_loss(bool losing);
 
-  void run();
-  void work(const RecordingSettings& settings);
+  TurnThreads::Next turn();
+  /// The disk on which it goes on, if it is another one.
+  std::optional<TurnThreads::Lane> work(const RecordingSettings& settings);
   bool write(Records& records, const RecordingSettings& settings);
   void release(const Held& held);
   void close();
 
   const Say say_;
   const std::chrono::milliseconds period_;
+  const std::function<TurnThreads::Lane(const std::filesystem::path&)> disk_of_;
   RecordWriter writer_;
   std::atomic<bool> given_up_{false};
 
@@ -96,7 +103,6 @@ class Recorder {
   Held held_;  // in the queue and in the backlog
   RecordingSettings settings_;
   std::deque<std::shared_ptr<Recording>> unfinished_;
-  bool wake_ = false;
   bool reconfigured_ = false;
   bool stopping_ = false;
   bool done_ = false;
@@ -114,7 +120,7 @@ class Recorder {
   std::deque<Part> backlog_;
   std::shared_ptr<Recording> current_;
 
-  std::thread thread_;
+  std::unique_ptr<TurnThreads::Work> turns_;
 };
 
 }  // namespace sweepd

@@ -66,15 +66,16 @@ RobotService::RobotService(const RobotSettings& settings, std::shared_ptr<RobotT
       local_(server_->local()),
       log_(settings.name),
       status_(std::make_shared<RobotStatus>()),
-      recorder_(settings.recording, say_for(settings.name)),
+      threads_(std::move(threads)),
+      recorder_(threads_->recorders, file_system_of(settings.output / settings.name),
+                settings.recording, say_for(settings.name)),
       identifier_(status_),
       given_(settings),
       ethernet_xml_(content(settings.ethernet_config)),
       inputs_(hashes_of(inputs_of(settings))),
       session_log_(settings.name),
       tally_(first_state()),
-      live_(status_->live),
-      threads_(std::move(threads)) {
+      live_(status_->live) {
   status_->facts.publish(facts());
   status_->state.publish(first_state());
   std::error_code error;
@@ -117,14 +118,16 @@ void RobotService::reload(const RobotSettings& settings) {
                                     fmt::join(changed.live, ", ")));
   recorder_.reconfigure(settings.recording);
   auto inputs = hashes_of(inputs_of(settings));
+  const auto disk = file_system_of(settings.output / settings.name);
   const std::lock_guard lock(reload_mutex_);
-  reloaded_ = {settings, std::move(setup), std::move(inputs)};
+  reloaded_ = {settings, std::move(setup), std::move(inputs), disk};
 }
 
 void RobotService::take_over() {
   const std::lock_guard lock(reload_mutex_);
   if (!reloaded_) return;
-  auto& [settings, setup, inputs] = *reloaded_;
+  auto& [settings, setup, inputs, disk] = *reloaded_;
+  disk_ = disk;
   take_over_live(settings_, std::move(settings));
   setup_ = std::move(setup);
   inputs_ = std::move(inputs);
@@ -259,8 +262,8 @@ void RobotService::begin_session(const rsi::Datagram& first) {
   complaints_.new_stream();
   session_log_.about(started_, rsi::find_ipoc(first.payload));
   session_log_.note("RSI from {}", rsi::text(first.source));
-  SessionStart start{
-      settings_.output / settings_.name, started_, settings_.record, session_->csv_header(), {}};
+  SessionStart start{settings_.output / settings_.name, started_, settings_.record,
+                     session_->csv_header(), std::exchange(disk_, std::nullopt)};
   start.on_folder = [facts = run_facts(), log = session_log_](const std::filesystem::path& folder) {
     auto run = facts;
     run.folder = folder;

@@ -100,6 +100,7 @@ class RobotService : private StreamSink {
   const rsi::Endpoint local_;
   const Log log_;
   const std::shared_ptr<RobotStatus> status_;
+  const std::shared_ptr<RobotThreads> threads_;
   Recorder recorder_;
   Identifier identifier_;
   std::thread reply_thread_;
@@ -113,6 +114,7 @@ class RobotService : private StreamSink {
     RobotSettings settings;
     RobotSetup setup;
     std::vector<FileHash> inputs;
+    TurnThreads::Lane disk;
   };
   std::mutex reload_mutex_;
   std::optional<Reloaded> reloaded_;  // waits for acquisition
@@ -123,6 +125,7 @@ class RobotService : private StreamSink {
   PlannedTurns turns_;                          // of the session
   LinkWatch watch_;                             // of the session
   std::shared_ptr<const Recording> recording_;  // of the session
+  std::optional<TurnThreads::Lane> disk_;       // of the next session, if it may be another one
   std::string started_;
   std::uint32_t controller_ = 0;  // address
   struct Waiting {
@@ -142,7 +145,6 @@ class RobotService : private StreamSink {
   Steady::time_point last_datagram_;
   Steady::time_point last_identification_;
 
-  const std::shared_ptr<RobotThreads> threads_;
   std::unique_ptr<TurnThreads::Work> acquisition_;  // its turns use all of the above
 };
 

@@ -7,6 +7,7 @@ namespace sweepd {
 /// What the robots of this program share. A reply thread is each robot's own.
 struct RobotThreads {
   TurnThreads acquisition{"acquisition"};  ///< a lane a processor
+  TurnThreads recorders{"recorder"};       ///< a lane a file system, see file_system_of()
 };
 
 }  // namespace sweepd

@@ -54,7 +54,18 @@ class Said {
 /// A recorder on a disk and a clock that the test holds.
 class RecorderBench {
  public:
-  explicit RecorderBench(const std::function<void(sweepd::RecordingSettings&)>& change = {}) {
+  explicit RecorderBench(const std::function<void(sweepd::RecordingSettings&)>& change = {})
+      : threads(own_threads) {
+    set_up(change);
+  }
+  /// On a disk of this number, with threads that others use, too.
+  RecorderBench(sweepd::TurnThreads& shared, sweepd::TurnThreads::Lane lane)
+      : disk(lane), threads(shared) {
+    set_up({});
+  }
+
+ private:
+  void set_up(const std::function<void(sweepd::RecordingSettings&)>& change) {
     settings.keep_free_bytes = 0;
     if (change) change(settings);
     sweepd::RecorderOptions options;
@@ -64,16 +75,18 @@ class RecorderBench {
       ++room_asked;
       return DiskRoom{free, 1000 * kMebibyte};
     };
+    options.disk_of = [this](const fs::path&) { return disk.load(); };
     recorder.emplace(
-        settings,
+        threads, disk, settings,
         [this](Importance importance, const std::string& text) { log.add(importance, text); },
         options);
   }
 
+ public:
   std::shared_ptr<const Recording> begin(const std::string& name = "20250101T000000Z",
                                          std::function<void(const fs::path&)> on_folder = {}) {
     sent = 0;
-    return recorder->begin({folder / "robot", name, true, "t_s,ipoc", std::move(on_folder)});
+    return recorder->begin({folder / "robot", name, true, "t_s,ipoc", {}, std::move(on_folder)});
   }
   /// A datagram with its number and a row with the same. How many of the two were taken.
   int send() {
@@ -95,8 +108,11 @@ class RecorderBench {
   std::atomic<int> seconds{0};
   std::atomic<std::uint64_t> free{900 * kMebibyte};
   std::atomic<int> room_asked{0};
+  std::atomic<sweepd::TurnThreads::Lane> disk{1};
   sweepd::RecordingSettings settings;
   int sent = 0;
+  sweepd::TurnThreads own_threads{"recorder"};
+  sweepd::TurnThreads& threads;
   std::optional<Recorder> recorder;
 };
 
@@ -615,4 +631,69 @@ TEST_CASE("a stop gives up a disk that stands still, and says what was lost", "[
   bench.recorder.reset();
   CHECK(recording->counts().disk == RecordCount{100, 100});
   CHECK(files(bench.session()).empty());
+}
+
+TEST_CASE("a disk that stands still holds up those on it, and no other disk's", "[recorder]") {
+  sweepd::TurnThreads threads("recorder");
+  RecorderBench stopped(threads, 1);
+  RecorderBench same(threads, 1);
+  RecorderBench other(threads, 2);
+  StoppedDisk disk;
+  const auto held = stopped.begin("20250101T000000Z", disk.here());
+  disk.wait();
+  const auto behind = same.begin();
+  const auto beside = other.begin();
+  for (auto* bench : {&same, &other}) {
+    bench->send(100);
+    bench->recorder->end();
+  }
+  beside->wait();
+  CHECK(numbers(other.session() / "trace.pcap") == up_to(100));
+  CHECK_FALSE(behind->finished());
+  CHECK_FALSE(same.recorder->stop(Steady::now()));  // it is given up with the disk
+  disk.go_on();
+  stopped.recorder->end();
+  held->wait();
+}
+
+TEST_CASE("a recorder goes to the thread of the disk on which its folder turns out to be",
+          "[recorder]") {
+  sweepd::TurnThreads threads("recorder");
+  RecorderBench moved(threads, 1);
+  moved.disk = 2;
+  const auto first = moved.begin();
+  REQUIRE(eventually([&] { return !first->folder().empty(); }));
+  RecorderBench stopped(threads, 1);
+  StoppedDisk disk;
+  static_cast<void>(stopped.begin("20250101T000000Z", disk.here()));
+  disk.wait();
+  moved.send(100);
+  moved.recorder->end();
+  first->wait();
+  CHECK(numbers(moved.session() / "trace.pcap") == up_to(100));
+  CHECK(first->counts().complete());
+}
+
+TEST_CASE("a session on another disk is begun by that disk's thread, behind the one before",
+          "[recorder]") {
+  sweepd::TurnThreads threads("recorder");
+  RecorderBench bench(threads, 1);
+  const auto first = bench.begin();
+  bench.send(10);
+  bench.recorder->end();
+  first->wait();
+  RecorderBench stopped(threads, 1);
+  StoppedDisk disk;
+  static_cast<void>(stopped.begin("20250101T000000Z", disk.here()));
+  disk.wait();
+  bench.disk = 2;
+  const auto second =
+      bench.recorder->begin({bench.folder / "robot", "20250101T000001Z", true, "t_s,ipoc", 2});
+  bench.sent = 0;
+  bench.send(10);
+  bench.recorder->end();
+  // One turn of its old thread may be over already, and the move with it.
+  disk.go_on();
+  second->wait();
+  CHECK(numbers(bench.session("20250101T000001Z") / "trace.pcap") == up_to(10));
 }
