@@ -1,43 +1,86 @@
 #include "rsi/server/datagram_queue.hpp"
 
-#include <array>
+#include <algorithm>
 #include <cstring>
+#include <limits>
 
 namespace rsi {
+namespace {
 
-DatagramQueue::DatagramQueue(std::size_t bytes) : bytes_(bytes) {
-  // Once round the ring: its pages are there before the first telegram is.
-  const std::array<char, 4096> block{};
-  std::array<char, 4096> out;
-  for (std::size_t done = 0; done < bytes; done += bytes_.pop(out.data(), out.size()))
-    bytes_.push(block.data(), block.size());
+/// A second of telegrams and replies at a cycle of 4 ms.
+constexpr std::size_t kTouched = 256 << 10;
+
+/// In the place of a size: the next datagram is at the beginning of the memory.
+constexpr auto kGoesOnInFront = std::numeric_limits<std::uint32_t>::max();
+
+constexpr std::uint64_t place(std::uint64_t used) {
+  return used >> 32;
+}
+constexpr std::uint64_t bytes(std::uint64_t used) {
+  return used & 0xffffffff;
+}
+
+}  // namespace
+
+// Not set to zero: what is not touched takes no memory.
+DatagramQueue::DatagramQueue(std::size_t bytes) : size_(bytes), bytes_(new char[bytes]) {
+  std::memset(bytes_.get(), 0, std::min(bytes, kTouched));
 }
 
 bool DatagramQueue::push(const Datagram& datagram, Handling handling) noexcept {
-  const Header header{datagram.time,        datagram.source,
-                      datagram.destination, static_cast<std::uint32_t>(datagram.payload.size()),
-                      datagram.cut,         handling};
-  if (bytes_.write_available() < sizeof header + datagram.payload.size()) {
-    overflows_.fetch_add(1, std::memory_order_relaxed);
-    return false;
+  Header header{datagram.time,        datagram.source,
+                datagram.destination, static_cast<std::uint32_t>(datagram.payload.size()),
+                datagram.cut,         handling};
+  const std::uint64_t need = sizeof header + datagram.payload.size();
+  const auto used = used_.load(std::memory_order_acquire);
+  const bool empty = bytes(used) == 0;
+  const auto end = empty ? 0 : place(used) + bytes(used);
+  const bool in_front = end >= size_;
+  auto at = in_front ? end - size_ : end;
+  const auto room = (in_front ? place(used) : size_) - at;
+  std::uint64_t skipped = 0;
+  if (need > room) {
+    if (empty || in_front || need > place(used)) {
+      overflows_.fetch_add(1, std::memory_order_relaxed);
+      return false;
+    }
+    skipped = room;
+    if (room >= sizeof header) {
+      Header mark{};
+      mark.size = kGoesOnInFront;
+      std::memcpy(bytes_.get() + at, &mark, sizeof mark);
+    }
+    at = 0;
   }
-  std::array<char, sizeof header> raw;
-  std::memcpy(raw.data(), &header, sizeof header);
-  bytes_.push(raw.data(), raw.size());
-  bytes_.push(datagram.payload.data(), datagram.payload.size());
+  std::memcpy(bytes_.get() + at, &header, sizeof header);
+  if (header.size > 0)
+    std::memcpy(bytes_.get() + at + sizeof header, datagram.payload.data(), header.size);
+  if (empty)
+    used_.store(need, std::memory_order_release);
+  else
+    used_.fetch_add(skipped + need, std::memory_order_release);
   return true;
 }
 
 bool DatagramQueue::pop(Datagram& datagram, Handling* handling) {
+  const auto used = used_.load(std::memory_order_acquire);
+  if (bytes(used) == 0) return false;
+  auto at = place(used);
+  auto room = size_ - at;
   Header header;
-  if (bytes_.read_available() < sizeof header) return false;
-  std::array<char, sizeof header> raw;
-  bytes_.pop(raw.data(), raw.size());
-  std::memcpy(&header, raw.data(), sizeof header);
-  payload_.resize(header.size);
-  // The producer may be between its two pushes: the rest is a few instructions away.
-  for (std::size_t have = 0; have < header.size;)
-    have += bytes_.pop(payload_.data() + have, header.size - have);
+  header.size = kGoesOnInFront;
+  if (room >= sizeof header) std::memcpy(&header, bytes_.get() + at, sizeof header);
+  if (header.size == kGoesOnInFront) {
+    at = 0;
+    std::memcpy(&header, bytes_.get(), sizeof header);
+  } else {
+    room = 0;
+  }
+  payload_.assign(bytes_.get() + at + sizeof header, header.size);
+  const auto taken = room + sizeof header + header.size;
+  const auto next = (place(used) + taken) % size_;
+  // Modulo 2^64, so that what is less is taken away.
+  used_.fetch_add(((next - place(used)) << 32) - taken, std::memory_order_release);
   datagram = {header.time, header.source, header.destination, payload_, header.cut};
   if (handling != nullptr) *handling = header.handling;
   return true;

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
-
-#include <boost/lockfree/spsc_queue.hpp>
 
 #include "rsi/datagram.hpp"
 
@@ -17,11 +17,15 @@ struct Handling {
 };
 
 /// Bounded queue of datagrams from one thread (the reply thread) to one other (acquisition).
-/// All memory is taken and touched at construction: a push copies into it, without lock, allocation
-/// or system call. The consumer is not woken: it looks every few milliseconds.
+/// All memory is reserved at construction: a push copies into it, without lock, allocation or
+/// system call. The consumer is not woken: it looks every few milliseconds.
+///
+/// A queue that was emptied begins at the beginning of its memory again. So a consumer that keeps
+/// up needs the first part only, which is touched at construction. Behind that the system has to
+/// find a page for some pushes.
 class DatagramQueue {
  public:
-  /// Room for `bytes` of datagrams, each with some 40 bytes of its own.
+  /// Room for `bytes` of datagrams, each with some 40 bytes of its own. Below 4 GiB.
   explicit DatagramQueue(std::size_t bytes);
   DatagramQueue(const DatagramQueue&) = delete;
   DatagramQueue& operator=(const DatagramQueue&) = delete;
@@ -42,12 +46,17 @@ class DatagramQueue {
     Timestamp time;
     Endpoint source;
     Endpoint destination;
-    std::uint32_t size;
+    std::uint32_t size;  // of the payload behind it
     bool cut;
     Handling handling;
   };
 
-  boost::lockfree::spsc_queue<char> bytes_;
+  const std::uint64_t size_;
+  const std::unique_ptr<char[]> bytes_;
+  /// Where the oldest datagram begins (upper half), and how many bytes from there are in use. The
+  /// producer adds to the bytes; the consumer takes from them and moves the place; of an empty
+  /// queue the producer alone changes both.
+  std::atomic<std::uint64_t> used_{0};
   std::atomic<std::uint64_t> overflows_{0};
   std::string payload_;
 };
