@@ -29,8 +29,8 @@ struct RecorderOptions {
   };
   /// Of the disk that a folder is on; nothing if it cannot be told. Default: statvfs.
   std::function<std::optional<DiskRoom>(const std::filesystem::path&)> room = {};
-  /// Which disk that is, as a lane of the threads that record.
-  std::function<TurnThreads::Lane(const std::filesystem::path&)> disk_of = file_system_of;
+  /// Which disk that is, as a group of the threads that record.
+  std::function<TurnThreads::Group(const std::filesystem::path&)> disk_of = file_system_of;
 };
 
 struct SessionStart {
@@ -39,7 +39,7 @@ struct SessionStart {
   bool trace = true;       ///< datagrams are recorded
   std::string csv_header;  ///< of the samples, without an end of line
   /// That folder is to be on this one; nothing: on that of the session before.
-  std::optional<TurnThreads::Lane> disk = {};
+  std::optional<TurnThreads::Group> disk = {};
   /// In the recorder's thread, once the folder is made.
   std::function<void(const std::filesystem::path& folder)> on_folder = {};
 };

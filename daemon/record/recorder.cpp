@@ -19,7 +19,7 @@ constexpr auto kIdle = 60s;
 
 }  // namespace
 
-Recorder::Recorder(TurnThreads& threads, TurnThreads::Lane disk, const RecordingSettings& settings,
+Recorder::Recorder(TurnThreads& threads, TurnThreads::Group disk, const RecordingSettings& settings,
                    Say say, RecorderOptions options)
     : say_(std::move(say)),
       period_(options.period),
@@ -177,7 +177,7 @@ TurnThreads::Next Recorder::turn() {
   return {Steady::now() + (busy ? period_ : kIdle)};
 }
 
-std::optional<TurnThreads::Lane> Recorder::work(const RecordingSettings& settings) {
+std::optional<TurnThreads::Group> Recorder::work(const RecordingSettings& settings) {
   const auto ends = [this] {
     return std::any_of(backlog_.begin(), backlog_.end(),
                        [](const Part& part) { return std::holds_alternative<End>(part); });
@@ -188,13 +188,13 @@ std::optional<TurnThreads::Lane> Recorder::work(const RecordingSettings& setting
     Part& part = backlog_.front();
     if (auto* const begin = std::get_if<Begin>(&part)) {
       const auto disk = std::exchange(begin->start.disk, std::nullopt);
-      if (disk && *disk != turns_->lane()) return disk;
+      if (disk && *disk != turns_->group()) return disk;
       current_ = begin->recording;
       writer_.open(begin->recording, std::move(begin->start));
       release({kSessionBytes, {}});
       const auto folder = current_->folder();
       if (folder.empty()) continue;
-      if (const auto made_on = disk_of_(folder); made_on != turns_->lane()) {
+      if (const auto made_on = disk_of_(folder); made_on != turns_->group()) {
         backlog_.pop_front();
         return made_on;
       }

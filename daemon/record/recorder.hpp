@@ -37,10 +37,10 @@ class Recorder {
  public:
   using Steady = std::chrono::steady_clock;
 
-  /// On `disk`, a lane of `threads`, until a session's folder is somewhere else. `say` is called
+  /// On `disk`, a group of `threads`, until a session's folder is somewhere else. `say` is called
   /// once a change, in the recorder's thread or in one that calls the recorder.
-  Recorder(TurnThreads& threads, TurnThreads::Lane disk, const RecordingSettings& settings, Say say,
-           RecorderOptions options = {});
+  Recorder(TurnThreads& threads, TurnThreads::Group disk, const RecordingSettings& settings,
+           Say say, RecorderOptions options = {});
   /// As stop(), but however long the disk takes.
   ~Recorder();
   Recorder(const Recorder&) = delete;
@@ -85,14 +85,14 @@ class Recorder {
 
   TurnThreads::Next turn();
   /// The disk on which it goes on, if it is another one.
-  std::optional<TurnThreads::Lane> work(const RecordingSettings& settings);
+  std::optional<TurnThreads::Group> work(const RecordingSettings& settings);
   bool write(Records& records, const RecordingSettings& settings);
   void release(const Held& held);
   void close();
 
   const Say say_;
   const std::chrono::milliseconds period_;
-  const std::function<TurnThreads::Lane(const std::filesystem::path&)> disk_of_;
+  const std::function<TurnThreads::Group(const std::filesystem::path&)> disk_of_;
   RecordWriter writer_;
   std::atomic<bool> given_up_{false};
 

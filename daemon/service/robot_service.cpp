@@ -1,6 +1,5 @@
 #include "daemon/service/robot_service.hpp"
 
-#include <algorithm>
 #include <exception>
 #include <fstream>
 #include <sstream>
@@ -96,9 +95,7 @@ void RobotService::start() {
   reply_thread_ =
       std::thread([this, ready = std::move(ready)]() mutable { serve(std::move(ready)); });
   say_real_time(report.get());
-  acquisition_ =
-      threads_->acquisition.begin_on_one_of(std::max(1U, std::thread::hardware_concurrency()),
-                                            [this] { return TurnThreads::Next{turn()}; });
+  acquisition_ = threads_->acquisition.begin(0, [this] { return TurnThreads::Next{turn()}; });
   identifier_.finish_earlier(settings_.output / settings_.name, setup_, log_);
   log_.note("listening on {} {}, receive buffer {} KiB", rsi::text(server_->transport()),
             rsi::text(local()), server_->receive_buffer() / 1024);

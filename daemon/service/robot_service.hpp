@@ -114,7 +114,7 @@ class RobotService : private StreamSink {
     RobotSettings settings;
     RobotSetup setup;
     std::vector<FileHash> inputs;
-    TurnThreads::Lane disk;
+    TurnThreads::Group disk;
   };
   std::mutex reload_mutex_;
   std::optional<Reloaded> reloaded_;  // waits for acquisition
@@ -125,7 +125,7 @@ class RobotService : private StreamSink {
   PlannedTurns turns_;                          // of the session
   LinkWatch watch_;                             // of the session
   std::shared_ptr<const Recording> recording_;  // of the session
-  std::optional<TurnThreads::Lane> disk_;       // of the next session, if it may be another one
+  std::optional<TurnThreads::Group> disk_;      // of the next session, if it may be another one
   std::string started_;
   std::uint32_t controller_ = 0;  // address
   struct Waiting {

@@ -13,32 +13,24 @@ using Steady = std::chrono::steady_clock;
 }  // namespace
 
 TurnThreads::~TurnThreads() {
-  for (auto& [lane, thread] : lanes_)
+  for (auto& [place, thread] : threads_)
     if (thread.thread.joinable()) thread.thread.join();
 }
 
-std::unique_ptr<TurnThreads::Work> TurnThreads::begin(Lane lane, Turn turn) {
+std::unique_ptr<TurnThreads::Work> TurnThreads::begin(Group group, Turn turn) {
   const std::lock_guard lock(mutex_);
-  return add(lane, std::move(turn));
-}
-
-std::unique_ptr<TurnThreads::Work> TurnThreads::begin_on_one_of(std::size_t lanes, Turn turn) {
-  const std::lock_guard lock(mutex_);
-  const auto works = [this](Lane lane) {
-    const auto known = lanes_.find(lane);
-    return known == lanes_.end() ? 0 : known->second.works;
-  };
-  Lane emptiest = 0;
-  for (Lane lane = 1; lane < lanes; ++lane)
-    if (works(lane) < works(emptiest)) emptiest = lane;
-  return add(emptiest, std::move(turn));
+  std::unique_ptr<Work> work(new Work(*this, taken_on(group), std::move(turn)));
+  wait(*work, Steady::now());
+  for (auto& [place, thread] : threads_)
+    if (thread.runs) leave_processors_too(thread.thread);
+  return work;
 }
 
 TurnThreads::Work::~Work() {
   std::unique_lock lock(threads_.mutex_);
   ending_ = true;
   threads_.turn_ended_.wait(lock, [this] { return !in_turn_; });
-  auto& thread = threads_.lanes_.at(lane_);
+  auto& thread = threads_.threads_.at(at_);
   thread.waiting.erase({due_, this});
   threads_.leave(thread);
 }
@@ -48,47 +40,45 @@ void TurnThreads::Work::wake() {
   const auto now = Steady::now();
   woken_ = in_turn_;
   if (in_turn_ || due_ <= now) return;
-  threads_.lanes_.at(lane_).waiting.erase({due_, this});
+  threads_.threads_.at(at_).waiting.erase({due_, this});
   threads_.wait(*this, now);
 }
 
-std::unique_ptr<TurnThreads::Work> TurnThreads::add(Lane lane, Turn turn) {
-  Thread& thread = started(lane);
-  std::unique_ptr<Work> work(new Work(*this, lane, std::move(turn)));
+TurnThreads::Work::Place TurnThreads::taken_on(Group group) {
+  // The first that may have more, else that with the fewest.
+  Work::Place place{group, 0};
+  for (std::size_t number = 0; number < most_; ++number) {
+    const auto works = threads_[{group, number}].works;
+    const auto fewest = threads_[place].works;
+    if (fewest < works_) break;
+    if (works < fewest) place.second = number;
+  }
+  Thread& thread = threads_[place];
+  if (!thread.runs) {
+    if (thread.thread.joinable()) thread.thread.join();  // it has let go of the mutex for good
+    thread.thread = std::thread([this, &thread] { run(thread); });
+    thread.runs = true;
+  }
   ++thread.works;
-  wait(*work, Steady::now());
-  for (auto& [other, each] : lanes_)
-    if (each.runs) leave_processors_too(each.thread);
-  return work;
-}
-
-TurnThreads::Thread& TurnThreads::started(Lane lane) {
-  Thread& thread = lanes_[lane];
-  if (thread.runs) return thread;
-  if (thread.thread.joinable()) thread.thread.join();  // it has let go of the mutex for good
-  thread.thread = std::thread([this, &thread] { run(thread); });
-  thread.runs = true;
-  return thread;
+  return place;
 }
 
 void TurnThreads::wait(Work& work, Time due) {
-  auto& [thread, runs, works, waiting, changed] = lanes_.at(work.lane_);
+  Thread& thread = threads_.at(work.at_);
   work.due_ = due;
-  const auto place = waiting.emplace(due, &work).first;
-  if (place == waiting.begin()) changed.notify_one();
+  const auto place = thread.waiting.emplace(due, &work).first;
+  if (place == thread.waiting.begin()) thread.changed.notify_one();
 }
 
 void TurnThreads::leave(Thread& thread) {
   if (--thread.works == 0) thread.changed.notify_one();
 }
 
-void TurnThreads::move(Work& work, Lane lane) {
+void TurnThreads::move(Work& work, Group group) {
   try {
-    ++started(lane).works;
+    leave(threads_.at(std::exchange(work.at_, taken_on(group))));
   } catch (const std::system_error&) {
-    return;
   }
-  leave(lanes_.at(std::exchange(work.lane_, lane)));
 }
 
 void TurnThreads::run(Thread& self) {
@@ -114,7 +104,7 @@ void TurnThreads::run(Thread& self) {
       turn_ended_.notify_all();
       continue;
     }
-    if (next.lane && *next.lane != work->lane_) move(*work, *next.lane);
+    if (next.group && *next.group != work->group()) move(*work, *next.group);
     wait(*work, std::exchange(work->woken_, false) ? Steady::now() : next.due);
   }
   self.runs = false;

@@ -59,8 +59,8 @@ class RecorderBench {
     set_up(change);
   }
   /// On a disk of this number, with threads that others use, too.
-  RecorderBench(sweepd::TurnThreads& shared, sweepd::TurnThreads::Lane lane)
-      : disk(lane), threads(shared) {
+  RecorderBench(sweepd::TurnThreads& shared, sweepd::TurnThreads::Group its_disk)
+      : disk(its_disk), threads(shared) {
     set_up({});
   }
 
@@ -108,10 +108,10 @@ class RecorderBench {
   std::atomic<int> seconds{0};
   std::atomic<std::uint64_t> free{900 * kMebibyte};
   std::atomic<int> room_asked{0};
-  std::atomic<sweepd::TurnThreads::Lane> disk{1};
+  std::atomic<sweepd::TurnThreads::Group> disk{1};
   sweepd::RecordingSettings settings;
   int sent = 0;
-  sweepd::TurnThreads own_threads{"recorder"};
+  sweepd::TurnThreads own_threads{"recorder", 1, 1};
   sweepd::TurnThreads& threads;
   std::optional<Recorder> recorder;
 };
@@ -634,7 +634,7 @@ TEST_CASE("a stop gives up a disk that stands still, and says what was lost", "[
 }
 
 TEST_CASE("a disk that stands still holds up those on it, and no other disk's", "[recorder]") {
-  sweepd::TurnThreads threads("recorder");
+  sweepd::TurnThreads threads("recorder", 1, 1);
   RecorderBench stopped(threads, 1);
   RecorderBench same(threads, 1);
   RecorderBench other(threads, 2);
@@ -658,7 +658,7 @@ TEST_CASE("a disk that stands still holds up those on it, and no other disk's", 
 
 TEST_CASE("a recorder goes to the thread of the disk on which its folder turns out to be",
           "[recorder]") {
-  sweepd::TurnThreads threads("recorder");
+  sweepd::TurnThreads threads("recorder", 1, 1);
   RecorderBench moved(threads, 1);
   moved.disk = 2;
   const auto first = moved.begin();
@@ -676,7 +676,7 @@ TEST_CASE("a recorder goes to the thread of the disk on which its folder turns o
 
 TEST_CASE("a session on another disk is begun by that disk's thread, behind the one before",
           "[recorder]") {
-  sweepd::TurnThreads threads("recorder");
+  sweepd::TurnThreads threads("recorder", 1, 1);
   RecorderBench bench(threads, 1);
   const auto first = bench.begin();
   bench.send(10);

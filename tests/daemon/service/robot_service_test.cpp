@@ -1,13 +1,17 @@
 #include "daemon/service/robot_service.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <functional>
+#include <memory>
 #include <set>
 #include <sstream>
 #include <thread>
 
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
+
+#include "rsi/asio.hpp"
 
 #include "daemon/commands/replay_command.hpp"
 #include "daemon/record/session_folder.hpp"
@@ -312,6 +316,41 @@ TEST_CASE("a service that is stopped before anything came leaves nothing, and ma
   service.stop();
   service.stop();
   CHECK(sessions(folder / "out").empty());
+}
+
+TEST_CASE("a robot whose port is flooded leaves others their turns of a thread that they share",
+          "[robot_service][live]") {
+  const TemporaryFolder folder;
+  const std::shared_ptr<sweepd::RobotThreads> threads(
+      new sweepd::RobotThreads{.acquisition{"acquisition", 1, 1}});
+  auto flooded = settings(folder / "flooded");
+  flooded.record = false;
+  RobotService first(flooded, threads);
+  RobotService second(settings(folder / "out"), threads);
+  first.start();
+  second.start();
+  std::atomic<bool> ends{false};
+  std::thread flood([&] {
+    boost::asio::io_context context;
+    boost::asio::ip::udp::socket socket(context, {boost::asio::ip::address_v4::loopback(), 0});
+    socket.connect({boost::asio::ip::address_v4::loopback(), first.local().port});
+    boost::system::error_code error;
+    std::string much;  // takes longer to be understood than to be answered
+    for (int k = 0; k < 500; ++k) much += "<Sen" + std::to_string(k) + " A=\"1.0\"/>";
+    for (std::uint64_t ipoc = 1; !ends; ++ipoc)
+      socket.send(boost::asio::buffer(telegram(ipoc, much)), 0, error);
+  });
+  CHECK(eventually([&] { return first.status()->state.newest()->sessions == 1; }));
+  stream(second.local());
+  // Its stream is seen to begin and, by a turn that comes in time, to end.
+  CHECK(eventually([&] {
+    const auto state = second.status()->state.newest();
+    return state->sessions == 1 && !state->stream;
+  }));
+  ends = true;
+  flood.join();
+  CHECK(first.stop());
+  CHECK(second.stop());
 }
 
 TEST_CASE("a folder that cannot be made later costs the files, not the replies",

@@ -60,7 +60,7 @@ int threads_named(const std::string& name) {
 }  // namespace
 
 TEST_CASE("work has a turn at first, when it is due, and when it is woken", "[turn_threads]") {
-  TurnThreads threads("test");
+  TurnThreads threads("test", 1, 1);
   std::atomic<int> turns{0};
   std::atomic<int> at_once{3};
   const auto work = threads.begin(0, [&] {
@@ -72,9 +72,9 @@ TEST_CASE("work has a turn at first, when it is due, and when it is woken", "[tu
   CHECK(eventually([&] { return turns == 5; }));
 }
 
-TEST_CASE("of those on one lane who has waited longest is the next, and turns never overlap",
+TEST_CASE("of those with one thread who has waited longest is the next, and turns never overlap",
           "[turn_threads]") {
-  TurnThreads threads("test");
+  TurnThreads threads("test", 1, 1);
   HeldTurn held;
   const auto first = threads.begin(0, [&] { return held(); });
   held.wait_until_held();
@@ -95,7 +95,7 @@ TEST_CASE("of those on one lane who has waited longest is the next, and turns ne
 }
 
 TEST_CASE("who is woken in its turn has another one", "[turn_threads]") {
-  TurnThreads threads("test");
+  TurnThreads threads("test", 1, 1);
   HeldTurn held;
   std::atomic<int> turns{0};
   const auto work = threads.begin(0, [&] {
@@ -108,8 +108,8 @@ TEST_CASE("who is woken in its turn has another one", "[turn_threads]") {
   CHECK(eventually([&] { return turns == 2; }));
 }
 
-TEST_CASE("a turn that stands still holds up its own lane alone", "[turn_threads]") {
-  TurnThreads threads("test");
+TEST_CASE("a turn that stands still holds up its own group alone", "[turn_threads]") {
+  TurnThreads threads("test", 1, 1);
   HeldTurn held;
   const auto first = threads.begin(7, [&] { return held(); });
   held.wait_until_held();
@@ -131,30 +131,30 @@ TEST_CASE("a turn that stands still holds up its own lane alone", "[turn_threads
   CHECK(eventually([&] { return same == 1; }));
 }
 
-TEST_CASE("work may go to another lane, and leaves a turn that stands still behind",
+TEST_CASE("work may go to another group, and leaves a turn that stands still behind",
           "[turn_threads]") {
-  TurnThreads threads("test");
-  std::atomic<TurnThreads::Lane> lane{0};
+  TurnThreads threads("test", 1, 1);
+  std::atomic<TurnThreads::Group> group{0};
   std::unique_ptr<TurnThreads::Work> work;
   std::promise<void> begun;
   auto ready = begun.get_future().share();
   work = threads.begin(1, [&] {
     ready.wait();
-    lane = work->lane();
+    group = work->group();
     return Next{kNever, 2};
   });
   begun.set_value();
-  REQUIRE(eventually([&] { return lane == 1; }));
+  REQUIRE(eventually([&] { return group == 1; }));
   HeldTurn held;
   const auto old = threads.begin(1, [&] { return held(); });
   held.wait_until_held();
   work->wake();
-  CHECK(eventually([&] { return lane == 2; }));
+  CHECK(eventually([&] { return group == 2; }));
   held.let_go();
 }
 
 TEST_CASE("the end of work waits for its turn, and it has no other", "[turn_threads]") {
-  TurnThreads threads("test");
+  TurnThreads threads("test", 1, 1);
   HeldTurn held;
   std::atomic<int> turns{0};
   auto work = threads.begin(0, [&] {
@@ -172,29 +172,48 @@ TEST_CASE("the end of work waits for its turn, and it has no other", "[turn_thre
   held.let_go();
   end.join();
   const int then = turns;
-  // Another one on the lane has its turns: so would this.
+  // Another one of the group has its turns: so would this.
   std::atomic<int> others{0};
   const auto other = threads.begin(0, [&] { return Next{++others < 3 ? Steady::now() : kNever}; });
   CHECK(eventually([&] { return others == 3; }));
   CHECK(turns == then);
 }
 
-TEST_CASE("work is spread over lanes, and there are threads only for lanes with work",
+TEST_CASE("a group has another thread where there is much work, and none without",
           "[turn_threads]") {
-  TurnThreads threads("test-turns");
-  const auto begin = [&] { return threads.begin_on_one_of(3, [] { return Next{kNever}; }); };
+  TurnThreads threads("test-turns", 3, 2);
+  const auto names = [] { return threads_named("test-turns"); };
+  const auto begin = [&](TurnThreads::Group group) {
+    return threads.begin(group, [] { return Next{kNever}; });
+  };
   std::vector<std::unique_ptr<TurnThreads::Work>> works;
-  works.push_back(begin());
-  CHECK(eventually([&] { return threads_named("test-turns") == 1; }));
-  for (int k = 0; k < 5; ++k) works.push_back(begin());
-  CHECK(eventually([&] { return threads_named("test-turns") == 3; }));
-  std::vector<int> on_lane(3);
-  for (const auto& work : works) ++on_lane.at(work->lane());
-  CHECK(on_lane == std::vector<int>{2, 2, 2});
+  for (const int expected : {1, 1, 2, 2, 3, 3, 3, 3, 3}) {
+    works.push_back(begin(7));
+    CHECK(eventually([&] { return names() == expected; }));
+  }
+  works.push_back(begin(8));
+  CHECK(eventually([&] { return names() == 4; }));
   works.clear();
-  CHECK(eventually([&] { return threads_named("test-turns") == 0; }));
-  works.push_back(begin());  // a lane's second thread
-  CHECK(eventually([&] { return threads_named("test-turns") == 1; }));
+  CHECK(eventually([&] { return names() == 0; }));
+  works.push_back(begin(7));
+  CHECK(eventually([&] { return names() == 1; }));
+}
+
+TEST_CASE("the threads of a group share its work evenly", "[turn_threads]") {
+  TurnThreads threads("test", 2, 1);
+  HeldTurn held;
+  const auto first = threads.begin(0, [&] { return held(); });
+  held.wait_until_held();
+  std::atomic<int> turns{0};
+  std::vector<std::unique_ptr<TurnThreads::Work>> works;
+  for (int k = 0; k < 7; ++k)
+    works.push_back(threads.begin(0, [&] {
+      ++turns;
+      return Next{kNever};
+    }));
+  CHECK(eventually([&] { return turns == 4; }));  // those with the other thread
+  held.let_go();
+  CHECK(eventually([&] { return turns == 7; }));
 }
 
 TEST_CASE("the threads keep off the processors that whoever brings work keeps off",
@@ -204,7 +223,7 @@ TEST_CASE("the threads keep off the processors that whoever brings work keeps of
   if (CPU_COUNT(&all) < 2) return;
   std::size_t first = 0;
   while (!CPU_ISSET(first, &all)) ++first;
-  TurnThreads threads("test");
+  TurnThreads threads("test", 1, 1);
   cpu_set_t seen;
   std::atomic<int> turns{0};
   const auto work = threads.begin(0, [&] {
