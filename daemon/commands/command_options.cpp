@@ -19,6 +19,7 @@
 #include "daemon/commands/replay_command.hpp"
 #include "daemon/commands/report_command.hpp"
 #include "daemon/commands/run_command.hpp"
+#include "daemon/devices/device_formats.hpp"
 #include "daemon/points/axes_file.hpp"
 #include "daemon/points/points_file.hpp"
 #include "daemon/text/text_layout.hpp"
@@ -145,6 +146,15 @@ CLI::App* add_inspect(CLI::App& app, InspectOptions& options) {
   return command;
 }
 
+/// What --format takes.
+std::vector<std::string> format_names() {
+  std::vector<std::string> names;
+  for (const DeviceFormat& format : device_formats()) names.emplace_back(format.name);
+  names.emplace_back(kOwnFormat);
+  names.emplace_back("list");
+  return names;
+}
+
 CLI::App* add_identify(CLI::App& app, IdentifyOptions& options) {
   auto* command = app.add_subcommand(
       "identify", "Identify a robot from points or joint axes that another device measured (CSV)");
@@ -160,6 +170,18 @@ CLI::App* add_identify(CLI::App& app, IdentifyOptions& options) {
           "Name the columns, with commas between, where a file has no header or a wrong one. The "
           "name - or _ skips a column. Write --columns=-,x_mm where the first name is -")
       ->type_name("NAMES");
+  command
+      ->add_option_function<std::string>(
+          "--format",
+          [&options](const std::string& format) {
+            options.list_formats = format == "list";
+            options.format = options.list_formats ? "" : format;
+          },
+          "Read all files of points as this device's, whatever they look like. The word list "
+          "prints the formats")
+      ->type_name("NAME")
+      ->check(CLI::IsMember(format_names()))
+      ->default_str("as each file's content tells");
   command->add_flag("--per-joint", options.per_joint,
                     "Take each file as the points of one joint, beginning with joint 1");
   command->add_flag("--poses", options.poses,
@@ -202,6 +224,9 @@ CLI::App* add_identify(CLI::App& app, IdentifyOptions& options) {
       text("The column target has a number or a name for each target point. sweepd's own "
            "samples.csv and sweeps.csv are such files.") +
       '\n' +
+      text("Files of these devices are read as they are, with their own columns and units. Each is "
+           "recognised by its content:") +
+      format_list() + '\n' +
       text("Points make sweeps in one of three ways. With times t_s, sweeps are found as in live "
            "data. With a column joint, each run of lines of the same joint is a sweep. With "
            "--per-joint, each file is a sweep, or with times several strokes and rests.") +

@@ -8,6 +8,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/commands/outputs.hpp"
+#include "daemon/devices/device_formats.hpp"
 #include "daemon/points/axes_file.hpp"
 #include "daemon/points/csv_file.hpp"
 #include "daemon/points/point_sweeps.hpp"
@@ -44,6 +45,8 @@ void check(const IdentifyOptions& options) {
     throw std::invalid_argument("FILE is required: name files of measured points, or --axes");
   if (!options.points.empty() && options.axes)
     throw std::invalid_argument("--axes takes the place of measured points: leave out one of them");
+  if (options.axes && !options.format.empty())
+    throw std::invalid_argument("--format is for files of points: leave it out with --axes");
   if (options.axes && options.per_joint)
     throw std::invalid_argument("--per-joint is for files of points: leave it out with --axes");
 }
@@ -81,7 +84,7 @@ Points read_points(const IdentifyOptions& options, std::size_t most_joints) {
     if (const auto size = std::filesystem::file_size(path, ignored); !ignored)
       all += static_cast<double>(size);
   }
-  PointsReader reader(names(options.columns), most_joints);
+  PointsReader reader(names(options.columns), most_joints, options.format);
   Points points;
   double before = 0;
   for (const auto& path : options.points) {
@@ -121,7 +124,13 @@ void check_file(const PointsFile& file, const IdentifyOptions& options, std::siz
                    "leave out --per-joint, or skip the column with --columns");
   if (of_poses(file, options) && file.angles == 0)
     throw CsvError(name + ": expected joint angles of static poses, found none: add a1_deg and on");
-  if (!options.per_joint && !file.with_joints && !file.with_times && !of_poses(file, options))
+  const bool is_told =
+      options.per_joint || file.with_joints || file.with_times || of_poses(file, options);
+  if (!is_told && !file.format.empty())
+    throw CsvError(name +
+                   ": expected times of a stream, or groups that are named as joints (Joint 1), "
+                   "found neither: name the groups, or give one file a joint with --per-joint");
+  if (!is_told)
     throw CsvError(name +
                    ": expected a column t_s or joint, or joint angles of static poses, found none "
                    "of them: add one, or give one file a joint with --per-joint");
@@ -163,9 +172,32 @@ std::vector<Sweep> sweeps_in(const Points& points, const IdentifyOptions& option
   return sweeps;
 }
 
-Outcome identified_points(const IdentifyOptions& options, RobotSetup setup) {
+/// Which devices' files were read, a line for each kind, and what was assumed or left out.
+void tell_formats(const std::vector<PointsFile>& files, std::ostream& out) {
+  std::vector<std::string> told;
+  for (const auto& file : files) {
+    if (file.format.empty()) continue;
+    std::string line = "points: " + file.format;
+    for (const auto& note : file.notes) line += "; " + note;
+    if (std::find(told.begin(), told.end(), line) == told.end()) told.push_back(line);
+  }
+  for (const auto& line : told) out << line << '\n';
+}
+
+/// By file, in run.json: those of devices alone.
+nlohmann::ordered_json formats_of(const std::vector<PointsFile>& files) {
+  auto formats = nlohmann::ordered_json::object();
+  for (const auto& file : files)
+    if (!file.format.empty()) formats[file.path.string()] = file.format;
+  return formats;
+}
+
+Outcome identified_points(const IdentifyOptions& options, RobotSetup setup, std::ostream& out,
+                          nlohmann::ordered_json& formats) {
   const auto declared = declared_joints(options, setup);
   Points points = read_points(options, declared.value_or(identify::kMostJoints));
+  if (!options.quiet) tell_formats(points.files, out);
+  formats = formats_of(points.files);
   setup.joints = declared ? *declared : joints_in(options, points);
   if (options.per_joint && points.files.size() > setup.joints)
     throw std::invalid_argument("--per-joint: " + rsi::counted(points.files.size(), "file") +
@@ -237,10 +269,11 @@ void check_output(const IdentifyOptions& options) {
   Outputs(inputs_of(options), options.force).check_results(*options.output, names);
 }
 
-void write_run_file(const IdentifyOptions& options) {
+void write_run_file(const IdentifyOptions& options, const nlohmann::ordered_json& formats) {
   auto given = nlohmann::ordered_json::object();
   for (const auto& file : options.points) given["points"].push_back(file.string());
   if (options.axes) given["axes"] = options.axes->string();
+  if (!formats.empty()) given["formats"] = formats;
   if (!options.columns.empty()) given["columns"] = options.columns;
   if (options.per_joint) given["per_joint"] = true;
   if (options.poses) given["poses"] = true;
@@ -254,14 +287,19 @@ void write_run_file(const IdentifyOptions& options) {
 }  // namespace
 
 int identify_points(const IdentifyOptions& options, std::ostream& out) {
+  if (options.list_formats) {
+    out << format_list();
+    return 0;
+  }
   check(options);
   if (options.output) check_output(options);
   const RobotSetup setup = load_setup(options.robot, options.plan);
-  const Outcome outcome =
-      options.axes ? identified_axes(options, setup) : identified_points(options, setup);
+  auto formats = nlohmann::ordered_json::object();
+  const Outcome outcome = options.axes ? identified_axes(options, setup)
+                                       : identified_points(options, setup, out, formats);
   if (options.output) {
     make_folder(*options.output);
-    write_run_file(options);
+    write_run_file(options, formats);
     write_result(*options.output, outcome);
   }
   if (!options.quiet) out << report(outcome);

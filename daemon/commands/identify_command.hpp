@@ -13,6 +13,8 @@ struct IdentifyOptions {
   std::vector<std::filesystem::path> points;  ///< either these,
   std::optional<std::filesystem::path> axes;  ///< or this
   std::string columns;                        ///< names with commas between; empty: the header's
+  std::string format;                         ///< of all files of points; empty: as each tells
+  bool list_formats = false;                  ///< nothing else is done
   bool per_joint = false;                     ///< one file of points a joint, in their order
   bool poses = false;                         ///< each line is a static pose
   std::optional<std::filesystem::path> robot;

@@ -2,31 +2,18 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
-#include <fstream>
-#include <sstream>
-#include <system_error>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/devices/printed_number.hpp"
 #include "daemon/text/units.hpp"
 #include "rsi/ascii.hpp"
 #include "rsi/counted.hpp"
 
 namespace sweepd {
 namespace {
-
-std::string read(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream content;
-  // A folder can be opened, but not read.
-  if (file && !std::filesystem::is_directory(path)) content << file.rdbuf();
-  if (!file || std::filesystem::is_directory(path))
-    throw CsvError(path.string() + ": cannot be read: give a text file of columns");
-  return std::move(content).str();
-}
 
 /// What stands in quotes separates nothing.
 char separator_of(std::string_view line) {
@@ -41,33 +28,16 @@ char separator_of(std::string_view line) {
   return ' ';
 }
 
-std::string quoted(std::string_view text) {
-  constexpr std::size_t kLongest = 40;
-  if (text.empty()) return "nothing";
-  return '"' + rsi::printable(text.substr(0, kLongest)) + (text.size() > kLongest ? "..." : "") +
-         '"';
-}
-
-/// Digits after the point, were the number written without an exponent.
-int decimals_of(std::string_view text, int decimals) {
-  // A zero may be written with any exponent; no number that is taken has more digits than these.
-  constexpr int kLeastExponent = -400;
-  constexpr int kMostExponent = 12;
-  const auto e = text.find_first_of("eE");
-  if (e == std::string_view::npos) return decimals;
-  const auto digits = text.substr(e + 1 + (text.substr(e + 1).starts_with('+') ? 1 : 0));
-  int exponent = 0;
-  std::from_chars(digits.data(), digits.data() + digits.size(), exponent);
-  return decimals - std::clamp(exponent, kLeastExponent, kMostExponent);
-}
-
 }  // namespace
 
 CsvFile::CsvFile(std::filesystem::path path, std::vector<std::string> columns)
+    : CsvFile(path, bytes_of(path), std::move(columns)) {}
+
+CsvFile::CsvFile(std::filesystem::path path, std::string content, std::vector<std::string> columns)
     : path_(std::move(path)),
       declared_(!columns.empty()),
       columns_(std::move(columns)),
-      content_(read(path_)) {
+      content_(std::move(content)) {
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   if (content_.starts_with(kByteOrderMark)) at_ = kByteOrderMark.size();
   waiting_ = next_line();
@@ -170,15 +140,14 @@ bool CsvFile::any_number() const {
 std::optional<rsi::Decimal> CsvFile::decimal(std::size_t column) const {
   const auto text = fields_[column];
   if (text.empty()) return std::nullopt;
-  auto number = rsi::decimal(text);
+  const auto number = printed_number(text);
   if (!number)
-    fail(column, "expected a number, found " + quoted(text) +
+    fail(column, "expected a number, found " + as_found(text) +
                      (text.find(',') != std::string_view::npos
                           ? ": write a decimal point"
                           : ": correct it, or leave it empty if the value is missing"));
   if (std::abs(number->value) > kLargestMeasured)
-    fail(column, "expected a measured number, found " + quoted(text) + ": correct it");
-  number->decimals = decimals_of(text, number->decimals);
+    fail(column, "expected a measured number, found " + as_found(text) + ": correct it");
   return number;
 }
 
@@ -194,7 +163,7 @@ std::size_t CsvFile::whole_number(std::size_t column, std::size_t least, std::si
       value <= static_cast<double>(most))
     return static_cast<std::size_t>(value);
   fail(column, fmt::format("expected a whole number from {} to {}, found {}: correct it", least,
-                           most, quoted(fields_[column])));
+                           most, as_found(fields_[column])));
 }
 
 void CsvFile::fail(std::size_t column, const std::string& problem) const {

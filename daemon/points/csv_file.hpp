@@ -3,22 +3,14 @@
 #include <cstddef>
 #include <filesystem>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "daemon/devices/device_text.hpp"
 #include "rsi/telegram/telegram.hpp"
 
 namespace sweepd {
-
-/// A file of points or axes is wrong. The text reads
-///   FILE: line L, column C (NAME): what was expected, what was found: what to do
-/// with as much of the place as is known.
-class CsvError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// A text file of columns, read a line at a time.
 ///
@@ -31,6 +23,8 @@ class CsvFile {
   /// Reads the whole file. The first line names the columns, unless `columns` does; then a first
   /// line without any number in the columns that have a name is passed over as a header.
   explicit CsvFile(std::filesystem::path path, std::vector<std::string> columns = {});
+  /// The same of a file whose content was read already.
+  CsvFile(std::filesystem::path path, std::string content, std::vector<std::string> columns);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   /// The columns' names in order; empty where a column is to be skipped (named - or _, or nothing).

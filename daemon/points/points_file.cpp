@@ -8,7 +8,9 @@
 #include <Eigen/Geometry>
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/devices/device_formats.hpp"
 #include "daemon/points/csv_file.hpp"
+#include "daemon/points/device_points.hpp"
 #include "daemon/text/units.hpp"
 #include "identify/sweeps/sample.hpp"
 
@@ -158,14 +160,6 @@ std::optional<std::array<double, N>> values(const CsvFile& file, const std::arra
   return complete ? std::optional(all) : std::nullopt;
 }
 
-/// R = Rz(a) Ry(b) Rx(c).
-std::array<double, 3> abc_of(const Eigen::Matrix3d& r) {
-  const double across = std::hypot(r(0, 0), r(1, 0));
-  const double b = std::atan2(-r(2, 0), across);
-  if (across < 1e-12) return {std::atan2(-r(0, 1), r(1, 1)), b, 0};  // only a and c together count
-  return {std::atan2(r(1, 0), r(0, 0)), b, std::atan2(r(2, 1), r(2, 2))};
-}
-
 void read_orientation(const CsvFile& file, const PointColumns& columns, std::optional<double>* step,
                       identify::Sample& sample) {
   if (columns.abc) {
@@ -181,7 +175,7 @@ void read_orientation(const CsvFile& file, const PointColumns& columns, std::opt
     file.fail(columns.quaternion->front().column,
               "expected a quaternion, found zero in qx, qy, qz and qw: correct it, or leave the "
               "four empty if the orientation is not known");
-  sample.abc_rad = abc_of(quaternion.normalized().toRotationMatrix());
+  sample.abc_rad = identify::abc_of(quaternion.normalized().toRotationMatrix());
   sample.has_orientation = true;
 }
 
@@ -192,22 +186,51 @@ struct Before {
   double time_s = 0;
 };
 
-std::size_t index_of(std::string_view name, std::vector<std::string>& names) {
+const DeviceFormat& format_named(std::string_view name) {
+  for (const DeviceFormat& format : device_formats())
+    if (format.name == name) return format;
+  throw std::invalid_argument(
+      fmt::format("--format {}: no format has this name: see --format list", name));
+}
+
+}  // namespace
+
+std::size_t target_index(std::string_view name, std::vector<std::string>& names) {
   const auto known = std::find(names.begin(), names.end(), name);
   if (known != names.end()) return static_cast<std::size_t>(known - names.begin());
   names.emplace_back(name);
   return names.size() - 1;
 }
 
-}  // namespace
-
-PointsReader::PointsReader(std::vector<std::string> columns, std::size_t joints)
-    : columns_(std::move(columns)), joints_(joints) {}
+PointsReader::PointsReader(std::vector<std::string> columns, std::size_t joints,
+                           std::string_view format)
+    : columns_(std::move(columns)),
+      joints_(joints),
+      is_own_(!columns_.empty() || format == kOwnFormat),
+      forced_(format.empty() || format == kOwnFormat ? nullptr : &format_named(format)) {
+  if (forced_ != nullptr && !columns_.empty())
+    throw std::invalid_argument(fmt::format(
+        "--columns: files of format {} name their own: leave out one of the two", format));
+}
 
 PointsFile PointsReader::read(const std::filesystem::path& path, const OnProgress& on_progress) {
-  constexpr std::size_t kBetweenUpdates = 4096;
+  constexpr std::size_t kHead = 1 << 20;
+  std::string bytes = bytes_of(path);
+  const DeviceFormat* format = forced_;
+  if (format == nullptr && !is_own_) {
+    const bool is_wide = bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff");
+    const DeviceText head(path, is_wide ? bytes : bytes.substr(0, kHead));
+    format = recognised_format(head);
+  }
+  if (format == nullptr) return read_own(path, std::move(bytes), on_progress);
+  return device_points(*format, DeviceText(path, std::move(bytes)), targets_, position_step_mm_,
+                       on_progress);
+}
+
+PointsFile PointsReader::read_own(const std::filesystem::path& path, std::string content,
+                                  const OnProgress& on_progress) {
   constexpr std::size_t kMostSweeps = 1'000'000'000;
-  CsvFile file(path, columns_);
+  CsvFile file(path, std::move(content), columns_);
   auto columns = point_columns(file);
   if (columns.angles.size() > joints_) columns.angles.resize(joints_);
   PointsFile result{
@@ -216,6 +239,7 @@ PointsFile PointsReader::read(const std::filesystem::path& path, const OnProgres
       columns.time.has_value(),
       std::find(file.columns().begin(), file.columns().end(), "pose") != file.columns().end(),
       columns.angles.size(),
+      {},
       {}};
   // A, B, C count only where nothing else tells how finely angles are printed.
   std::optional<double>* const orientation_step =
@@ -227,8 +251,8 @@ PointsFile PointsReader::read(const std::filesystem::path& path, const OnProgres
     point.line = file.line();
     if (columns.joint) point.joint = file.whole_number(columns.joint->column, 1, joints_);
     if (columns.sweep) point.sweep = file.whole_number(columns.sweep->column, 0, kMostSweeps);
-    point.target =
-        index_of(columns.target ? file.text(columns.target->column) : std::string_view(), targets_);
+    point.target = target_index(
+        columns.target ? file.text(columns.target->column) : std::string_view(), targets_);
     if (columns.target && file.text(columns.target->column).empty())
       file.fail(columns.target->column, "expected a name or number, found nothing: fill it in");
 
@@ -255,9 +279,7 @@ PointsFile PointsReader::read(const std::filesystem::path& path, const OnProgres
     auto& last = before[point.target];
     if (last && last->joint == point.joint && last->sweep == point.sweep &&
         sample.time_s < last->time_s)
-      file.fail(columns.time->column,
-                "expected a time no earlier than the line before, found an earlier one: sort the "
-                "lines, or give each recording as a file of its own");
+      file.fail(columns.time->column, std::string(kTimeRunsBackwards));
     last = {point.joint, point.sweep, sample.time_s};
 
     result.points.push_back(point);

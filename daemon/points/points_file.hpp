@@ -14,6 +14,8 @@
 
 namespace sweepd {
 
+struct DeviceFormat;
+
 /// Where in a line a value stands, and what one of its units is in mm, radians or seconds.
 struct Place {
   std::size_t column = 0;
@@ -67,20 +69,37 @@ struct PointsFile {
   bool with_poses = false;  ///< a column says that each line is a static pose
   std::size_t angles = 0;   ///< so many joint angles a point
   std::vector<Point> points;
+  std::string format;  ///< a device's, for people: "OptiTrack Motive CSV"; empty for sweepd's own
+  std::vector<std::string> notes = {};  ///< what was assumed or left out in a device's file
 };
 
-/// Reads files of measured points (CSV; see kPointColumns for what they hold). Target points are
-/// told apart across all files of one reader.
+/// The place of this name, at the end of `names` if it is new.
+[[nodiscard]] std::size_t target_index(std::string_view name, std::vector<std::string>& names);
+
+inline constexpr std::string_view kTimeRunsBackwards =
+    "expected a time no earlier than the line before, found an earlier one: sort the lines, or "
+    "give each recording as a file of its own";
+
+/// Is told how much of a file was read.
+using OnBytesRead = std::function<void(std::size_t bytes_read)>;
+/// After so many points.
+inline constexpr std::size_t kBetweenUpdates = 4096;
+
+/// Reads files of measured points: CSV (see kPointColumns for what they hold), and what programs of
+/// measuring devices write (device_formats()). Target points are told apart across all files of one
+/// reader.
 ///
 /// An empty field is a missing value: the point then has no position, no orientation or no angles.
 /// Time must not run backwards within a sweep, or within a file that names none.
 class PointsReader {
  public:
-  using OnProgress = std::function<void(std::size_t bytes_read)>;
+  using OnProgress = OnBytesRead;
 
   /// `columns` take the place of the files' headers unless empty; `joints` is how many the robot
-  /// has, at most: angles beyond are passed over.
-  PointsReader(std::vector<std::string> columns, std::size_t joints);
+  /// has, at most: angles beyond are passed over. `format` names the one that all files have;
+  /// empty: each file's content tells, unless there are `columns`. Throws std::invalid_argument
+  /// where no format has this name, or where it is a device's and there are `columns`.
+  PointsReader(std::vector<std::string> columns, std::size_t joints, std::string_view format = {});
 
   /// Throws CsvError, and std::invalid_argument where `columns` are wrong.
   [[nodiscard]] PointsFile read(const std::filesystem::path& path, const OnProgress& on_progress);
@@ -92,8 +111,13 @@ class PointsReader {
   [[nodiscard]] const std::vector<std::string>& targets() const { return targets_; }
 
  private:
+  [[nodiscard]] PointsFile read_own(const std::filesystem::path& path, std::string content,
+                                    const OnProgress& on_progress);
+
   std::vector<std::string> columns_;
   std::size_t joints_;
+  bool is_own_;                 // all files
+  const DeviceFormat* forced_;  // for all files
   std::vector<std::string> targets_;
   std::optional<double> position_step_mm_;
   std::optional<double> angle_step_rad_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -54,6 +55,14 @@ struct Resolution {
           Eigen::AngleAxisd(b, Eigen::Vector3d::UnitY()) *
           Eigen::AngleAxisd(c, Eigen::Vector3d::UnitX()))
       .toRotationMatrix();
+}
+
+/// The angles of an orientation, as `abc_rad` has them.
+[[nodiscard]] inline std::array<double, 3> abc_of(const Eigen::Matrix3d& r) {
+  const double across = std::hypot(r(0, 0), r(1, 0));
+  const double b = std::atan2(-r(2, 0), across);
+  if (across < 1e-12) return {std::atan2(-r(0, 1), r(1, 1)), b, 0};  // only a and c together count
+  return {std::atan2(r(1, 0), r(0, 0)), b, std::atan2(r(2, 1), r(2, 2))};
 }
 
 /// Coordinate by coordinate, the median: a few points anywhere do not shift it far. Reorders

@@ -1,0 +1,124 @@
+#include "daemon/devices/column_name.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "daemon/devices/device_text.hpp"
+#include "rsi/ascii.hpp"
+
+namespace sweepd {
+namespace {
+
+using Words = std::pair<std::string_view, std::string_view>;
+
+/// What stands in a name beside X, Y or Z and says nothing more.
+constexpr std::array<std::string_view, 10> kBesideAxis{
+    "coordinates", "coordinate", "coord", "position", "translation",
+    "measured",    "actual",     "pos",   "meas",     "value"};
+
+constexpr std::array<Words, 41> kWords{{
+    {"q0", "rw"},
+    {"q1", "rx"},
+    {"q2", "ry"},
+    {"q3", "rz"},
+    {"qw", "rw"},
+    {"qx", "rx"},
+    {"qy", "ry"},
+    {"qz", "rz"},
+    {"time", "time"},
+    {"date", "time"},
+    {"datetime", "time"},
+    {"timeofday", "time"},
+    {"measurementtime", "time"},
+    {"seconds", "time"},
+    {"elapsedtime", "time"},
+    {"name", "name"},
+    {"point", "name"},
+    {"pointname", "name"},
+    {"pointid", "name"},
+    {"pointnumber", "name"},
+    {"id", "name"},
+    {"target", "name"},
+    {"targetname", "name"},
+    {"label", "name"},
+    {"feature", "name"},
+    {"featurename", "name"},
+    {"object", "name"},
+    {"objectname", "name"},
+    {"no", "name"},
+    {"nr", "name"},
+    {"number", "name"},
+    {"index", "name"},
+    {"measurement", "name"},
+    {"group", "group"},
+    {"groupname", "group"},
+    {"pointgroup", "group"},
+    {"pointgroupname", "group"},
+    {"collection", "collection"},
+    {"collectionname", "collection"},
+    {"reflector", "target"},
+    {"probe", "target"},
+}};
+
+bool is_unit(std::string_view text) {
+  return length_unit_mm(text) > 0 || time_unit_s(text) > 0;
+}
+
+/// Takes the unit off the end of a name in lower case: in brackets, or the last word.
+std::string take_unit(std::string& name) {
+  const auto bracket = name.find_first_of("([");
+  if (bracket != std::string::npos) {
+    const auto end = std::min(name.find_first_of(")]", bracket), name.size());
+    std::string unit(rsi::trimmed(std::string_view(name).substr(bracket + 1, end - bracket - 1)));
+    name.erase(bracket);
+    return unit;
+  }
+  const auto last = name.find_last_of(" _");
+  if (last == std::string::npos || !is_unit(std::string_view(name).substr(last + 1))) return {};
+  std::string unit = name.substr(last + 1);
+  name.erase(last);
+  return unit;
+}
+
+bool take_word(std::string& name, std::string_view word) {
+  const auto at = name.find(word);
+  if (at == std::string::npos) return false;
+  name.erase(at, word.size());
+  return true;
+}
+
+}  // namespace
+
+ColumnName column_name(std::string_view text) {
+  std::string name = lower(rsi::trimmed(text));
+  std::string unit = take_unit(name);
+  std::erase_if(
+      name, [](char c) { return std::string_view(" _-.:/#").find(c) != std::string_view::npos; });
+  if (take_word(name, "quaternion") || take_word(name, "quat")) name = "q" + name;
+  for (const auto& [word, value] : kWords)
+    if (name == word) return {std::string(value), unit};
+  if (name.find("timestamp") != std::string::npos) return {"time", unit};
+  for (const auto word : kBesideAxis) take_word(name, word);
+  if (name == "x" || name == "y" || name == "z") return {name, unit};
+  return {{}, unit};
+}
+
+double time_unit_s(std::string_view name) {
+  static constexpr std::array<std::pair<std::string_view, double>, 10> kUnits{
+      {{"s", 1},
+       {"sec", 1},
+       {"second", 1},
+       {"seconds", 1},
+       {"ms", 1e-3},
+       {"msec", 1e-3},
+       {"us", 1e-6},
+       {"\xc2\xb5s", 1e-6},  // the micro sign
+       {"\xce\xbcs", 1e-6},  // the Greek letter
+       {"ns", 1e-9}}};
+  for (const auto& [unit, seconds] : kUnits)
+    if (rsi::equal_ignoring_case(name, unit)) return seconds;
+  return 0;
+}
+
+}  // namespace sweepd

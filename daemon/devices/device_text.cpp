@@ -1,0 +1,186 @@
+#include "daemon/devices/device_text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "rsi/ascii.hpp"
+
+namespace sweepd {
+namespace {
+
+void append_utf8(std::string& text, char32_t c) {
+  const auto tail = [&](int shift) { text += static_cast<char>(0x80 | ((c >> shift) & 0x3f)); };
+  if (c < 0x80) {
+    text += static_cast<char>(c);
+  } else if (c < 0x800) {
+    text += static_cast<char>(0xc0 | (c >> 6));
+    tail(0);
+  } else if (c < 0x10000) {
+    text += static_cast<char>(0xe0 | (c >> 12));
+    tail(6);
+    tail(0);
+  } else {
+    text += static_cast<char>(0xf0 | (c >> 18));
+    tail(12);
+    tail(6);
+    tail(0);
+  }
+}
+
+/// From the bytes behind the byte order mark. Throws CsvError at half a character.
+std::string from_utf16(const std::filesystem::path& path, std::string_view bytes, bool big) {
+  std::string text;
+  text.reserve(bytes.size() / 2);
+  const auto fail = [&](const char* found) {
+    throw CsvError(fmt::format(
+        "{}: line {}: expected UTF-16 text, found {}: the file is cut or damaged, export it again",
+        path.string(), 1 + std::count(text.begin(), text.end(), '\n'), found));
+  };
+  const auto unit = [&](std::size_t i) {
+    const auto byte = [&](std::size_t k) {
+      return static_cast<char32_t>(static_cast<unsigned char>(bytes[k]));
+    };
+    return big ? (byte(i) << 8) | byte(i + 1) : byte(i) | (byte(i + 1) << 8);
+  };
+  for (std::size_t i = 0; i < bytes.size(); i += 2) {
+    if (i + 1 == bytes.size()) fail("half a character at the end");
+    char32_t c = unit(i);
+    if (c >= 0xd800 && c < 0xe000) {
+      const char32_t low = c < 0xdc00 && i + 3 < bytes.size() ? unit(i + 2) : 0;
+      if (low < 0xdc00 || low >= 0xe000) fail("half of a surrogate pair");
+      c = 0x10000 + ((c - 0xd800) << 10) + (low - 0xdc00);
+      i += 2;
+    }
+    append_utf8(text, c);
+  }
+  return text;
+}
+
+std::string decoded(const std::filesystem::path& path, std::string bytes) {
+  const std::string_view all = bytes;
+  if (all.starts_with("\xff\xfe")) return from_utf16(path, all.substr(2), false);
+  if (all.starts_with("\xfe\xff")) return from_utf16(path, all.substr(2), true);
+  if (all.starts_with("\xef\xbb\xbf")) bytes.erase(0, 3);
+  return bytes;
+}
+
+}  // namespace
+
+std::string bytes_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream content;
+  // A folder can be opened, but not read.
+  if (file && !std::filesystem::is_directory(path)) content << file.rdbuf();
+  if (!file || std::filesystem::is_directory(path))
+    throw CsvError(path.string() + ": cannot be read: give a text file of columns");
+  return std::move(content).str();
+}
+
+DeviceText::DeviceText(std::filesystem::path path, std::string bytes)
+    : path_(std::move(path)), content_(decoded(path_, std::move(bytes))) {
+  const std::string_view all = content_;
+  for (std::size_t at = 0; at < all.size();) {
+    const auto end = all.find('\n', at);
+    auto line = all.substr(at, end == std::string_view::npos ? end : end - at);
+    // A tab at the end separates an empty field.
+    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
+    lines_.push_back(line);
+    is_open_ = end == std::string_view::npos;
+    at = is_open_ ? all.size() : end + 1;
+  }
+}
+
+std::string_view DeviceText::line(std::size_t number) const {
+  return number < lines_.size() ? lines_[number] : std::string_view();
+}
+
+bool DeviceText::is_passed_over(std::size_t number) const {
+  const auto text = rsi::trimmed(line(number));
+  return text.empty() || text.starts_with('#') || text.starts_with("//") ||
+         text.find_first_not_of(",;\t ") == std::string_view::npos;
+}
+
+void DeviceText::fail(std::size_t line, const std::string& problem) const {
+  throw CsvError(fmt::format("{}: line {}: {}", path_.string(), line + 1, problem));
+}
+
+void DeviceText::fail(const std::string& problem) const {
+  throw CsvError(path_.string() + ": " + problem);
+}
+
+Fields fields_of(std::string_view line, char separator) {
+  Fields fields;
+  const auto is_blank = [&](char c) { return c == ' ' || (c == '\t' && separator != '\t'); };
+  std::size_t at = 0;
+  while (true) {
+    while (at < line.size() && is_blank(line[at])) ++at;
+    if (separator == ' ' && at == line.size()) return fields;
+    std::size_t begin = at;
+    std::size_t end = 0;
+    if (at < line.size() && line[at] == '"') {
+      end = std::min(line.find('"', ++begin), line.size());
+      at = std::min(end + 1, line.size());
+      while (at < line.size() && is_blank(line[at])) ++at;
+      if (separator != ' ') at = std::min(line.find(separator, at), line.size());
+    } else {
+      at = separator == ' ' ? line.find_first_of(" \t", at) : line.find(separator, at);
+      at = end = std::min(at, line.size());
+    }
+    fields.push_back(rsi::trimmed(line.substr(begin, end - begin)));
+    if (at == line.size()) return fields;
+    if (separator != ' ') ++at;
+  }
+}
+
+char separator_in(std::string_view line) {
+  for (const char separator : {'\t', ';', ','})
+    if (line.find(separator) != std::string_view::npos) return separator;
+  return ' ';
+}
+
+std::string lower(std::string_view text) {
+  std::string small(text);
+  std::transform(small.begin(), small.end(), small.begin(), rsi::lower);
+  return small;
+}
+
+bool contains(std::string_view text, std::string_view lower_case_word) {
+  return std::search(text.begin(), text.end(), lower_case_word.begin(), lower_case_word.end(),
+                     [](char a, char b) { return rsi::lower(a) == b; }) != text.end();
+}
+
+double length_unit_mm(std::string_view name) {
+  struct Unit {
+    std::string_view name;
+    double mm;
+  };
+  static constexpr std::array<Unit, 19> kUnits{{{"mm", 1},
+                                                {"millimeter", 1},
+                                                {"millimetre", 1},
+                                                {"millimeters", 1},
+                                                {"millimetres", 1},
+                                                {"cm", 10},
+                                                {"centimeters", 10},
+                                                {"centimetres", 10},
+                                                {"m", 1000},
+                                                {"meter", 1000},
+                                                {"metre", 1000},
+                                                {"meters", 1000},
+                                                {"metres", 1000},
+                                                {"in", 25.4},
+                                                {"inch", 25.4},
+                                                {"inches", 25.4},
+                                                {"ft", 304.8},
+                                                {"foot", 304.8},
+                                                {"feet", 304.8}}};
+  for (const auto& unit : kUnits)
+    if (rsi::equal_ignoring_case(name, unit.name)) return unit.mm;
+  return 0;
+}
+
+}  // namespace sweepd

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sweepd {
+
+/// A file of points or axes is wrong. The text reads
+///   FILE: line L, column C (NAME): what was expected, what was found: what to do
+/// with as much of the place as is known.
+class CsvError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// All of a file. Throws CsvError.
+[[nodiscard]] std::string bytes_of(const std::filesystem::path& path);
+
+using Fields = std::vector<std::string_view>;
+
+/// The text that a measuring device's program wrote, by lines. UTF-8 or, with a byte order mark,
+/// UTF-16 in either order; lines end with LF or CR LF.
+class DeviceText {
+ public:
+  /// Throws CsvError at UTF-16 that is none.
+  DeviceText(std::filesystem::path path, std::string bytes);
+  DeviceText(const DeviceText&) = delete;
+  DeviceText& operator=(const DeviceText&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] std::size_t lines() const { return lines_.size(); }
+  /// From 0, without its end and without blanks at its end; empty beyond the last.
+  [[nodiscard]] std::string_view line(std::size_t number) const;
+  /// The file ends without an end of line.
+  [[nodiscard]] bool is_open() const { return is_open_; }
+
+  /// A comment or nothing.
+  [[nodiscard]] bool is_passed_over(std::size_t number) const;
+
+  /// `line` counts from 0, and is told from 1.
+  [[noreturn]] void fail(std::size_t line, const std::string& problem) const;
+  [[noreturn]] void fail(const std::string& problem) const;
+
+ private:
+  std::filesystem::path path_;
+  std::string content_;
+  std::vector<std::string_view> lines_;
+  bool is_open_ = false;
+};
+
+/// The fields of a line, without blanks and quotes around them. Blanks separate as often as they
+/// come; what stands in quotes separates nothing.
+[[nodiscard]] Fields fields_of(std::string_view line, char separator);
+
+/// A tab, a semicolon, a comma or, where `line` has none of them, a blank.
+[[nodiscard]] char separator_in(std::string_view line);
+
+[[nodiscard]] std::string lower(std::string_view text);
+/// Whatever the case of its letters.
+[[nodiscard]] bool contains(std::string_view text, std::string_view lower_case_word);
+
+/// What one of this unit of length is in mm, of whatever case and number ("Meters", "mm"); 0 for
+/// anything else.
+[[nodiscard]] double length_unit_mm(std::string_view name);
+
+}  // namespace sweepd

@@ -1,0 +1,114 @@
+#include "daemon/devices/ros_csv.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "daemon/devices/printed_number.hpp"
+#include "rsi/ascii.hpp"
+
+namespace sweepd {
+namespace {
+
+constexpr double kMetre_mm = 1000;
+constexpr std::size_t kColumnsOfRos2 = 10;
+
+std::optional<std::size_t> column_ending(const Fields& header,
+                                         std::initializer_list<std::string_view> ends) {
+  for (const auto end : ends)
+    for (std::size_t c = 0; c < header.size(); ++c)
+      if (header[c].ends_with(end)) return c;
+  return std::nullopt;
+}
+
+std::optional<std::size_t> position_x(const Fields& header) {
+  return column_ending(header, {"position.x", "translation.x", "point.x"});
+}
+
+/// One of ROS 2: whole seconds, nanoseconds, a frame that is no number, and a pose.
+bool is_ros2(const DeviceText& text) {
+  const auto fields = fields_of(text.line(0), ',');
+  if (fields.size() != kColumnsOfRos2 || !rsi::all_digits(fields[0]) ||
+      !rsi::all_digits(fields[1]) || fields[1].size() > 9 || printed_number(fields[2]))
+    return false;
+  double square = 0;
+  for (std::size_t c = 3; c < kColumnsOfRos2; ++c) {
+    const auto number = printed_number(fields[c]);
+    if (!number && fields[c] != "nan") return false;
+    if (c > 5 && number) square += number->value * number->value;
+  }
+  return std::abs(square - 1) < 0.01 || square == 0;
+}
+
+bool is_zero(std::string_view field) {
+  return field.find_first_not_of("0.") == std::string_view::npos;
+}
+
+TimeColumns time_in(const DeviceText& text, const DeviceLayout& layout, const Fields& header) {
+  auto first = fields_of(text.line(layout.begin), layout.separator);
+  first.resize(header.size());
+  const auto seconds = column_ending(header, {"stamp.secs", "stamp.sec"});
+  const auto parts = column_ending(header, {"stamp.nsecs", "stamp.nanosec"});
+  if (seconds && parts && !is_zero(first[*seconds]))
+    return {TimeColumns::Kind::nanoseconds, {*seconds, *parts}};
+  const auto stamp = column_ending(header, {"header.stamp"});
+  if (stamp && !is_zero(first[*stamp])) return {TimeColumns::Kind::number, {*stamp}, 1e-9};
+  const auto received = column_ending(header, {"%time", "#time"});
+  if (received) return {TimeColumns::Kind::number, {*received}, 1e-9};
+  const auto plain = column_ending(header, {"Time", "time"});  // of converters, in seconds
+  if (plain) return {TimeColumns::Kind::number, {*plain}, 1};
+  text.fail(layout.header,
+            "expected a column header.stamp or %time, found neither: record the topic again");
+}
+
+}  // namespace
+
+bool is_ros_csv(const DeviceText& text) {
+  const auto header = fields_of(text.line(0), separator_in(text.line(0)));
+  const bool is_named = std::any_of(header.begin(), header.end(), [](std::string_view name) {
+    return name.find("header.") != std::string_view::npos || name == "%time";
+  });
+  return (is_named && position_x(header)) || is_ros2(text);
+}
+
+DeviceLayout ros_layout(const DeviceText& text) {
+  DeviceLayout layout;
+  layout.unit_mm = kMetre_mm;
+  layout.end = text.lines();
+  TargetColumns target;
+  if (is_ros2(text)) {
+    layout.columns = kColumnsOfRos2;
+    layout.time = {TimeColumns::Kind::nanoseconds, {0, 1}};
+    target.position = {3, 4, 5};
+    target.rotation = RotationColumns{RotationColumns::Kind::quaternion, {6, 7, 8, 9}};
+    layout.targets.push_back(target);
+    return layout;
+  }
+  layout.separator = separator_in(text.line(0));
+  const auto header = fields_of(text.line(0), layout.separator);
+  layout.begin = 1;
+  layout.columns = header.size();
+  const auto x = position_x(header);
+  const auto has_axes = [&](std::size_t first, std::size_t count, std::string_view axes) {
+    const auto stem = header[first].substr(0, header[first].size() - 1);
+    for (std::size_t k = 0; k < count; ++k)
+      if (first + k >= header.size() || header[first + k] != std::string(stem) + axes[k])
+        return false;
+    return true;
+  };
+  if (!x || !has_axes(*x, 3, "xyz"))
+    text.fail(0,
+              "expected columns position.x, position.y, position.z of a pose, found not all of "
+              "them: record a topic of PoseStamped with rostopic echo -p");
+  target.position = {*x, *x + 1, *x + 2};
+  if (const auto turn = column_ending(header, {"orientation.x", "rotation.x"});
+      turn && has_axes(*turn, 4, "xyzw"))
+    target.rotation = RotationColumns{RotationColumns::Kind::quaternion,
+                                      {*turn, *turn + 1, *turn + 2, *turn + 3}};
+  layout.targets.push_back(target);
+  if (const auto child = column_ending(header, {"child_frame_id"})) layout.name.push_back(*child);
+  layout.time = time_in(text, layout, header);
+  return layout;
+}
+
+}  // namespace sweepd
