@@ -80,22 +80,26 @@ bool DeviceRows::next() {
 
 /// A file that was cut may end within a number, which is another number then.
 void DeviceRows::check_end() const {
-  if (rows_ == 0) return;
+  const auto last = fields_.size() - 1;
+  if (rows_ == 0)
+    fail(last,
+         "expected the end of the line, found the end of the file: the file is cut, copy or "
+         "export it again");
   std::size_t before = line_ - 1;
   while (text_.is_passed_over(before)) --before;
   const auto fields = fields_of(text_.line(before), layout_.separator);
-  const auto last = fields_.size() - 1;
   if (fields.size() <= last) return;
-  const auto mark = fields[last].find_last_of(".,");
-  const auto own = fields_[last].find_last_of(".,");
-  const auto decimals = [](std::string_view field, std::size_t at) {
-    return at == std::string_view::npos ? 0 : field.size() - at - 1;
+  const auto decimals = [](std::string_view field) {
+    const auto mark = field.find_last_of(".,");
+    return mark == std::string_view::npos ? 0 : field.size() - mark - 1;
   };
-  if (fields[last].find_first_not_of("-0123456789.,") == std::string_view::npos &&
-      !fields_[last].empty() && decimals(fields_[last], own) < decimals(fields[last], mark))
-    fail(last, fmt::format("expected {} decimals and the end of the line, found the end of the "
-                           "file: the file is cut, copy or export it again",
-                           decimals(fields[last], mark)));
+  const auto is_number = [](std::string_view field) {
+    return !field.empty() && rsi::is_digit(field.back());
+  };
+  if (is_number(fields[last]) && decimals(fields_[last]) < decimals(fields[last]))
+    fail(last, fmt::format("expected {} decimals and the end of the line, found {} and the end of "
+                           "the file: the file is cut, copy or export it again",
+                           decimals(fields[last]), as_found(fields_[last])));
 }
 
 std::string_view DeviceRows::field(std::size_t column) const {

@@ -1,0 +1,47 @@
+#include "daemon/devices/ros_csv.hpp"
+
+#include "tests/daemon/devices/read_text.hpp"
+
+using namespace sweepd;
+using namespace sweepd::test;
+
+TEST_CASE("messages of ROS that hold a pose are read by the names of their columns", "[ros_csv]") {
+  const auto odometry = read_text(
+      "%time,field.header.seq,field.header.stamp,field.header.frame_id,field.child_frame_id,field."
+      "pose.pose.position.x,field.pose.pose.position.y,field.pose.pose.position.z,field.pose.pose."
+      "orientation.x,field.pose.pose.orientation.y,field.pose.pose.orientation.z,field.pose.pose."
+      "orientation.w,field.pose.covariance0\n"
+      "1710422553000000000,1,1710422552000000000,world,tool,1,2,3,0,0,0,1,0.1\n"
+      "1710422553010000000,2,1710422552004000001,world,tool,nan,nan,nan,0,0,0,1,0.1\n"
+      "1710422553020000000,3,1710422552008000001,world,tool,1,2,4,nan,nan,nan,nan,0.1\n");
+  REQUIRE(odometry.points.size() == 2);
+  // Doubles have no nanoseconds of these.
+  CHECK(odometry.points[1].sample.time_s == Approx(0.008000001).epsilon(1e-12));
+  CHECK(odometry.points[1].sample.position_mm == Eigen::Vector3d(1000, 2000, 4000));
+  CHECK(odometry.points[0].sample.has_orientation);
+  CHECK_FALSE(odometry.points[1].sample.has_orientation);
+  const auto point = read_text(
+      "%time,field.header.seq,field.header.stamp,field.point.x,field.point.y,field.point.z\n"
+      "1000000000,1,0,1,2,3\n1500000000,1,0,1,2,3\n");
+  CHECK(point.points.at(1).sample.time_s == 0.5);  // received: there are no stamps
+  const auto bag = read_text(
+      "Time,header.seq,header.stamp.secs,header.stamp.nsecs,header.frame_id,transform.translation."
+      "x,"
+      "transform.translation.y,transform.translation.z,transform.rotation.x,transform.rotation.y,"
+      "transform.rotation.z,transform.rotation.w\n"
+      "5.5,1,1710422552,999000000,w,1,2,3,0,0,0,1\n5.6,1,1710422553,1000000,w,1,2,3,0,0,0,1\n");
+  CHECK(bag.points.at(1).sample.time_s == Approx(0.002).epsilon(1e-12));
+}
+
+TEST_CASE("what is wrong in a file of ROS is told with its place", "[ros_csv]") {
+  check_text_error("%time,field.header.stamp,field.pose.position.x,field.pose.position.y\n",
+                   "line 1: expected columns position.x, position.y, position.z of a pose");
+  check_text_error("field.header.seq,field.point.x,field.point.y,field.point.z\n1,1,2,3\n",
+                   "line 1: expected a column header.stamp or %time");
+  check_text_error("10,0,w,1,2,3,0,0,0,1\n10,1000000000,w,1,2,3,0,0,0,1\n",
+                   "line 2: column 2 (0): expected nanoseconds from 0 to 999999999");
+  check_text_error("10,0,w,1,2,3,0,0,0,1\n10,1,w,1,2,3,0,0,0,7\n",
+                   "line 2: column 7 (0): expected a rotation");
+  check_text_error("10,5,w,1,2,3,0,0,0,1\n10,1,w,1,2,3,0,0,0,1\n",
+                   "line 2: column 1 (10): expected a time no earlier");
+}
