@@ -251,7 +251,8 @@ inline std::string ros2_file(const Take& take) {
 
 /// Of the time of day 13:22:33 plus `time_s`.
 inline std::string clock_text(double time_s) {
-  return fmt::format("13:22:{:06.3f}", 33 + time_s);
+  const auto ms = std::llround(time_s * 1000) + 33000;
+  return fmt::format("13:{:02}:{:02}.{:03}", 22 + ms / 60000, ms / 1000 % 60, ms % 1000);
 }
 
 /// SpatialAnalyzer: collection, group, target, x, y, z, and the time, behind comments.
