@@ -39,8 +39,8 @@ const DeviceFormat* recognised_format(const DeviceText& head) {
 std::string format_list() {
   std::string list;
   for (const DeviceFormat& format : device_formats())
-    list += fmt::format("  {:<16}{}\n", format.name, format.title);
-  return list + fmt::format("  {:<16}{}\n", kOwnFormat, "sweepd's own columns, or --columns");
+    list += fmt::format("  {:<17}{}\n", format.name, format.title);
+  return list + fmt::format("  {:<17}{}\n", kOwnFormat, "sweepd's own columns, or --columns");
 }
 
 }  // namespace sweepd

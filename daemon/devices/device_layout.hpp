@@ -55,12 +55,13 @@ struct DeviceLayout {
   double unit_mm = 1;               ///< of positions
   TimeColumns time;
   std::vector<TargetColumns> targets;
-  std::vector<std::size_t> name;      ///< these columns name the target of a line
-  std::optional<std::size_t> joint;   ///< a text with the number of the joint that moves
-  bool zero_is_missing = false;       ///< a position of 0, 0, 0 was not measured
-  bool is_list = false;               ///< points one by one: times count only where they are dense
-  std::optional<std::size_t> frames;  ///< so many are told
-  std::vector<std::string> notes;     ///< what was assumed or left out, for people
+  std::vector<std::size_t> name;       ///< these columns name the target of a line
+  std::optional<std::size_t> joint;    ///< a text with the number of the joint that moves
+  bool zero_is_missing = false;        ///< a position of 0, 0, 0 was not measured
+  bool minus_huge_is_missing = false;  ///< a number below -1e20 was not measured
+  bool is_list = false;                ///< points one by one: times count only where they are dense
+  std::optional<std::size_t> frames;   ///< so many are told
+  std::vector<std::string> notes;      ///< what was assumed or left out, for people
 };
 
 }  // namespace sweepd

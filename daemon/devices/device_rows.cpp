@@ -18,7 +18,7 @@
 namespace sweepd {
 namespace {
 
-/// As NDI writes a value that was not measured.
+/// NDI writes less where nothing was measured.
 constexpr double kNotMeasured = -1e20;
 /// A quaternion or matrix is printed to three decimals at least.
 constexpr double kFarFromRotation = 0.02;
@@ -134,7 +134,7 @@ std::optional<rsi::Decimal> DeviceRows::number(std::size_t column, std::string_v
   if (!value)
     fail(column, "expected a number, found " + as_found(field(column)) +
                      ": correct it, or leave it empty if the value is missing");
-  if (value->value < kNotMeasured) return std::nullopt;
+  if (layout_.minus_huge_is_missing && value->value < kNotMeasured) return std::nullopt;
   if (std::abs(value->value) > kLargestMeasured)
     fail(column, "expected a measured number, found " + as_found(field(column)) + ": correct it");
   return value;
@@ -166,6 +166,10 @@ std::optional<Eigen::Matrix3d> DeviceRows::rotation(const RotationColumns& colum
   for (const std::size_t column : columns.columns)
     if (const auto value = decimal(column)) values.push_back(value->value * columns.unit_rad);
   if (values.size() < columns.columns.size()) return std::nullopt;
+  // A body that was not seen.
+  if (std::all_of(values.begin(), values.end(), [](double value) { return value == 0; }) &&
+      columns.kind != RotationColumns::Kind::euler)
+    return std::nullopt;
   const auto check = [&](double off) {
     if (!(off < kFarFromRotation))
       fail(columns.columns.front(),
@@ -266,12 +270,15 @@ void DeviceRows::fail_time(const std::string& problem) const {
 }
 
 void DeviceRows::fail(std::size_t column, const std::string& problem) const {
+  constexpr std::size_t kLongest = 60;
   std::string name(column < header_.size() ? header_[column] : std::string_view());
   for (const TargetColumns& target : layout_.targets)
     if (!target.name.empty() && std::count(target.position.begin(), target.position.end(), column))
       name = target.name + (name.empty() || contains(name, lower(target.name)) ? "" : " " + name);
-  text_.fail(line_, fmt::format("column {}{}: {}", column + 1,
-                                name.empty() ? "" : " (" + rsi::printable(name) + ")", problem));
+  text_.fail(line_,
+             fmt::format("column {}{}: {}", column + 1,
+                         name.empty() ? "" : " (" + rsi::printable(name.substr(0, kLongest)) + ")",
+                         problem));
 }
 
 std::size_t joint_in(std::string_view name) {

@@ -164,7 +164,9 @@ DeviceLayout ndi_layout(const DeviceText& text) {
     text.fail(0,
               "expected Tools and Port, or Number of frames, as NDI's programs write them, found " +
                   as_found(text.line(0)) + ": leave out --format, or export the file again");
-  return is_toolbox(text) ? toolbox_layout(text) : first_principles_layout(text);
+  DeviceLayout layout = is_toolbox(text) ? toolbox_layout(text) : first_principles_layout(text);
+  layout.minus_huge_is_missing = true;
+  return layout;
 }
 
 }  // namespace sweepd

@@ -70,7 +70,9 @@ DeviceLayout qtm_layout(const DeviceText& text) {
   std::size_t begin = header;
   while (begin < text.lines() && text.is_passed_over(begin)) ++begin;
   auto first = fields_of(text.line(begin), '\t');
+  bool has_row = false;  // that names the columns
   if (begin < text.lines() && !is_number(first.front()) && !first.front().empty()) {
+    has_row = true;
     layout.header = begin++;
     while (begin < text.lines() && text.is_passed_over(begin)) ++begin;
     first = fields_of(text.line(begin), '\t');
@@ -86,8 +88,7 @@ DeviceLayout qtm_layout(const DeviceText& text) {
   std::size_t extra = first.size() - std::min(first.size(), each * names->size());
   // A target that was not seen may be empty, the last one too.
   const auto heads = fields_of(text.line(layout.header), '\t');
-  if (layout.header == header && heads.front() == "Frame")
-    extra = heads.size() > 1 && heads[1] == "Time" ? 2 : 1;
+  if (has_row && heads.front() == "Frame") extra = heads.size() > 1 && heads[1] == "Time" ? 2 : 1;
   layout.columns = extra + each * names->size();
   if (extra > 2 || first.size() > layout.columns || (extra == 0 && first.size() < layout.columns))
     text.fail(begin, fmt::format(

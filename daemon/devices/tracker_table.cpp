@@ -197,22 +197,38 @@ bool has_wide_commas(std::string_view line) {
   return commas >= 3;
 }
 
-TimeColumns time_of(const DeviceText& text, const Table& table) {
+TimeColumns time_of(const DeviceText& text, const Table& table, DeviceLayout& layout) {
   if (table.times.empty()) return {};
   const auto first = fields_of(text.line(table.begin), table.separator);
-  std::string date;
-  for (const std::size_t c : table.times)
-    if (c < first.size()) date += std::string(first[c]) + ' ';
-  if (seconds_of_date(date)) return {TimeColumns::Kind::date, table.times};
-  double unit_s = time_unit_s(table.time_unit);
-  const auto since = printed_number(rsi::trimmed(date));
-  // Seconds since 1970 have ten digits.
-  if (unit_s == 0 && since)
-    unit_s = since->value > 1e17   ? 1e-9
-             : since->value > 1e14 ? 1e-6
-             : since->value > 1e11 ? 1e-3
-                                   : 1;
-  return {TimeColumns::Kind::number, {table.times.front()}, unit_s == 0 ? 1 : unit_s};
+  const auto text_at = [&](const std::vector<std::size_t>& columns) {
+    std::string joined;
+    for (const std::size_t c : columns)
+      if (c < first.size()) joined += std::string(first[c]) + ' ';
+    return joined;
+  };
+  // A date and a time of day may be apart, in any order, or stand beside other times.
+  std::vector<std::vector<std::size_t>> ways{table.times,
+                                             {table.times.rbegin(), table.times.rend()}};
+  for (const std::size_t c : table.times) ways.push_back({c});
+  for (const auto& columns : ways)
+    if (seconds_of_date(text_at(columns))) return {TimeColumns::Kind::date, columns};
+  for (const std::size_t c : table.times) {
+    std::string number = text_at({c});
+    std::replace(number.begin(), number.end(), ',', '.');
+    const auto since = printed_number(rsi::trimmed(number));
+    if (!since) continue;
+    double unit_s = time_unit_s(table.time_unit);
+    // Seconds since 1970 have ten digits.
+    if (unit_s == 0)
+      unit_s = since->value > 1e17   ? 1e-9
+               : since->value > 1e14 ? 1e-6
+               : since->value > 1e11 ? 1e-3
+                                     : 1;
+    return {TimeColumns::Kind::number, {c}, unit_s};
+  }
+  layout.notes.push_back("left out: times, as " + as_found(text_at({table.times.front()})) +
+                         " is no date, time of day or number");
+  return {};
 }
 
 /// The different texts of a column, and how many lines there are.
@@ -318,7 +334,7 @@ DeviceLayout tracker_layout(const DeviceText& text) {
   if (layout.unit_mm == 0)
     text.fail(table->header, "expected a unit of length with X, Y and Z, found " + as_found(unit) +
                                  ": export the file again in mm");
-  layout.time = time_of(text, *table);
+  layout.time = time_of(text, *table, layout);
   const auto xyz = *table->places.all({"x", "y", "z"});
   layout.targets.push_back(
       {{}, {xyz[0], xyz[1], xyz[2]}, table->places.quaternion(), std::nullopt});

@@ -100,6 +100,7 @@ DeviceLayout vicon_layout(const DeviceText& text) {
          text.line(layout.end).find_first_not_of(",;\t ") != std::string_view::npos)
     ++layout.end;
   layout.lines_may_be_short = true;
+  layout.zero_is_missing = true;
 
   auto header = fields_of(text.line(axes), layout.separator);
   while (header.back().empty()) header.pop_back();

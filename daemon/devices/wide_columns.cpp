@@ -69,10 +69,11 @@ void WideTargets::into(DeviceLayout& layout) && {
                "file again with markers or rigid bodies");
   layout.targets = std::move(targets_);
   constexpr std::size_t kMostNamed = 4;
+  constexpr std::size_t kLongest = 60;
   for (const auto& [why, all] : left_out_) {
     std::string note = "left out: ";
     for (std::size_t k = 0; k < std::min(all.size(), kMostNamed); ++k)
-      note += (k > 0 ? ", " : "") + rsi::printable(all[k]);
+      note += (k > 0 ? ", " : "") + rsi::printable(all[k].substr(0, kLongest));
     if (all.size() > kMostNamed)
       note += " and " + std::to_string(all.size() - kMostNamed) + " more";
     layout.notes.push_back(note + (why.empty() ? "" : " (" + why + ")"));

@@ -6,7 +6,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/devices/device_rows.hpp"
-#include "rsi/ascii.hpp"
+#include "daemon/devices/printed_number.hpp"
 #include "rsi/counted.hpp"
 
 namespace sweepd {
@@ -14,7 +14,7 @@ namespace {
 
 /// Times of the points of each target come at least so densely, most of them, as a stream's do.
 bool is_dense(const std::vector<Point>& points) {
-  constexpr double kMostApart_s = 0.1;
+  constexpr double kMostApart_s = 0.15;
   std::map<std::size_t, double> before;  // by target
   std::size_t near = 0, all = 0;
   for (const Point& point : points) {
@@ -88,7 +88,7 @@ PointsFile device_points(const DeviceFormat& format, const DeviceText& text,
                                          rsi::counted(rows.rows(), "line")));
   for (std::size_t k = 0; k < known.size(); ++k)
     if (!known[k])
-      result.notes.push_back("left out: " + rsi::printable(layout.targets[k].name) +
+      result.notes.push_back("left out: " + as_found(layout.targets[k].name) +
                              " (it was never seen)");
   if (layout.frames && *layout.frames > rows.rows())
     result.notes.push_back(

@@ -91,6 +91,16 @@ TEST_CASE("a body with three of its markers gives way to them, and one with fewe
                                               "its body is made of it)"));
 }
 
+TEST_CASE("a marker that was never seen is left out, and said to be", "[motive_csv]") {
+  const auto file =
+      read_text(motive_head("Meters") +
+                ",,Marker,Marker,Marker,Marker,Marker,Marker\n,,a,a,a,b,b,b\n,,1,1,1,2,2,2\n"
+                ",,Position,Position,Position,Position,Position,Position\n"
+                "Frame,Time (Seconds),X,Y,Z,X,Y,Z\n0,0.0,,,,1,2,3\n1,0.1,,,,1,2,3\n");
+  CHECK(file.points.size() == 2);
+  CHECK_THAT(notes_of(file), ContainsSubstring("left out: \"a\" (it was never seen)"));
+}
+
 TEST_CASE("what is wrong in a file of Motive is told with its place", "[motive_csv]") {
   const std::string rows =
       ",,Marker,Marker,Marker\n,,a,a,a\n,,1,1,1\n,,Position,Position,Position\n";

@@ -116,6 +116,19 @@ TEST_CASE("numbers of times are seconds, unless a unit or their size tells", "[t
   CHECK(second_time("Timestamp", "1710422553000000000", "1710422553010000000") == Approx(0.01));
 }
 
+TEST_CASE("date and time of day may come in any order, and beside other times", "[tracker_table]") {
+  for (const std::string text :
+       {"FARO\nTime,Date,X,Y,Z\n13:22:33.00,3/14/2024,1,2,3\n13:22:33.01,3/14/2024,1,2,3\n",
+        "FARO\nTime,Timestamp,X,Y,Z\n7,13:22:33.00,1,2,3\n7,13:22:33.01,1,2,3\n",
+        "FARO\nTime;Timestamp;X;Y;Z\nlate;5,00;1;2;3\nlater;5,01;1;2;3\n"}) {
+    INFO(text);
+    CHECK(read_text(text).points.at(1).sample.time_s == Approx(0.01));
+  }
+  const auto none = read_text("FARO\nTime,X,Y,Z\nlate,1,2,3\nlater,1,2,3\n");
+  CHECK_FALSE(none.with_times);
+  CHECK_THAT(notes_of(none), ContainsSubstring("left out: times, as \"late"));
+}
+
 TEST_CASE("what is wrong in a tracker's table is told with its place", "[tracker_table]") {
   check_text_error("FARO\nName,X (mm),Y (mm),Z (mm)\n",
                    "line 2: expected points below the names of the columns");
@@ -133,6 +146,8 @@ TEST_CASE("what is wrong in a tracker's table is told with its place", "[tracker
                    "line 3: column 1 (X): expected a number, found \"1,500.5\"");
   check_text_error("FARO\nDate,Time,X,Y,Z\n3/14/2024,13:22:33,1,2,3\n3/14/2024,13:62:33,1,2,3\n",
                    "line 4: column 1 (Date): expected a date and a time of day");
+  check_text_error("FARO\nX (mm),Y (mm),Z (mm)\n1,-1e25,3\n",
+                   "line 3: column 2 (Y (mm)): expected a measured number, found \"-1e25\"");
   check_text_error("// SA\nA Joint1 p1 1.5 2.5 3.5\nA Base p1 1.5 2.5\n",
                    "line 3: expected 6 columns, as line 2 tells, found 5");
 }

@@ -37,6 +37,15 @@ TEST_CASE("angles that may be Euler's or helical are left out, and so is what ha
                                     ContainsSubstring("the section Objects"));
 }
 
+TEST_CASE("an object at zero was not seen", "[vicon_csv]") {
+  const auto file = read_text(
+      "Objects\n100\n,,Tool,,,,,,\nFrame,Sub Frame,RX,RY,RZ,RW,TX,TY,TZ\n,,,,,,mm,mm,mm\n"
+      "1,0,0,0,0,0,0,0,0\n2,0,0,0,0,1,1.5,2.5,3.5\n3,0,0,0,0,0,1.5,2.5,3.5\n");
+  REQUIRE(file.points.size() == 2);
+  CHECK(file.points[0].sample.has_orientation);
+  CHECK_FALSE(file.points[1].sample.has_orientation);
+}
+
 TEST_CASE("what is wrong in a file of Vicon is told with its place", "[vicon_csv]") {
   check_text_error("Devices\n1000\n,,a,\nFrame,Sub Frame,Fx,Fy\n,,N,N\n1,0,1,2\n",
                    "expected a section Trajectories, Objects or Segments, found none");
