@@ -201,7 +201,7 @@ std::optional<Eigen::Matrix3d> DeviceRows::rotation(const RotationColumns& colum
 std::string DeviceRows::target_name(const TargetColumns& target) const {
   std::string name = target.name;
   for (const std::size_t column : layout_.name)
-    name += (name.empty() ? "" : "::") + std::string(field(column));
+    name.append(name.empty() ? "" : "::").append(field(column));
   return name;
 }
 
@@ -274,7 +274,9 @@ void DeviceRows::fail(std::size_t column, const std::string& problem) const {
   std::string name(column < header_.size() ? header_[column] : std::string_view());
   for (const TargetColumns& target : layout_.targets)
     if (!target.name.empty() && std::count(target.position.begin(), target.position.end(), column))
-      name = target.name + (name.empty() || contains(name, lower(target.name)) ? "" : " " + name);
+      name = name.empty() || contains(name, lower(target.name))
+                 ? target.name
+                 : fmt::format("{} {}", target.name, name);
   text_.fail(line_,
              fmt::format("column {}{}: {}", column + 1,
                          name.empty() ? "" : " (" + rsi::printable(name.substr(0, kLongest)) + ")",

@@ -82,7 +82,7 @@ std::vector<Thing> things_in(const DeviceText& text, const Heads& heads) {
 }
 
 std::optional<RotationColumns> rotation_of(const WideTarget& columns, std::string_view type) {
-  if (const auto quaternion = columns.quaternion()) return quaternion;
+  if (auto quaternion = columns.quaternion()) return quaternion;
   return columns.euler(type, radians(1));
 }
 

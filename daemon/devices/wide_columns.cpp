@@ -73,10 +73,10 @@ void WideTargets::into(DeviceLayout& layout) && {
   for (const auto& [why, all] : left_out_) {
     std::string note = "left out: ";
     for (std::size_t k = 0; k < std::min(all.size(), kMostNamed); ++k)
-      note += (k > 0 ? ", " : "") + rsi::printable(all[k].substr(0, kLongest));
+      note.append(k > 0 ? ", " : "").append(rsi::printable(all[k].substr(0, kLongest)));
     if (all.size() > kMostNamed)
-      note += " and " + std::to_string(all.size() - kMostNamed) + " more";
-    layout.notes.push_back(note + (why.empty() ? "" : " (" + why + ")"));
+      note.append(" and ").append(std::to_string(all.size() - kMostNamed)).append(" more");
+    layout.notes.push_back(why.empty() ? note : note.append(" (").append(why).append(")"));
   }
 }
 

@@ -30,7 +30,7 @@ char separator_of(std::string_view line) {
 
 }  // namespace
 
-CsvFile::CsvFile(std::filesystem::path path, std::vector<std::string> columns)
+CsvFile::CsvFile(const std::filesystem::path& path, std::vector<std::string> columns)
     : CsvFile(path, bytes_of(path), std::move(columns)) {}
 
 CsvFile::CsvFile(std::filesystem::path path, std::string content, std::vector<std::string> columns)

@@ -22,7 +22,7 @@ class CsvFile {
  public:
   /// Reads the whole file. The first line names the columns, unless `columns` does; then a first
   /// line without any number in the columns that have a name is passed over as a header.
-  explicit CsvFile(std::filesystem::path path, std::vector<std::string> columns = {});
+  explicit CsvFile(const std::filesystem::path& path, std::vector<std::string> columns = {});
   /// The same of a file whose content was read already.
   CsvFile(std::filesystem::path path, std::string content, std::vector<std::string> columns);
 
