@@ -155,6 +155,17 @@ std::vector<std::string> format_names() {
   return names;
 }
 
+std::string formats_in_words() {
+  std::string words;
+  for (const DeviceFormat& format : device_formats())
+    words.append(words.empty() ? "" : ", ")
+        .append(format.name)
+        .append(" (")
+        .append(format.title)
+        .append(")");
+  return words;
+}
+
 CLI::App* add_identify(CLI::App& app, IdentifyOptions& options) {
   auto* command = app.add_subcommand(
       "identify", "Identify a robot from points or joint axes that another device measured (CSV)");
@@ -224,9 +235,11 @@ CLI::App* add_identify(CLI::App& app, IdentifyOptions& options) {
       text("The column target has a number or a name for each target point. sweepd's own "
            "samples.csv and sweeps.csv are such files.") +
       '\n' +
-      text("Files of these devices are read as they are, with their own columns and units. Each is "
-           "recognised by its content:") +
-      format_list() + '\n' +
+      text(
+          "Files of measuring devices are read as they are, with their own columns and units. Each "
+          "is recognised by its content. By the names that --format takes, they are " +
+          formats_in_words() + '.') +
+      '\n' +
       text("Points make sweeps in one of three ways. With times t_s, sweeps are found as in live "
            "data. With a column joint, each run of lines of the same joint is a sweep. With "
            "--per-joint, each file is a sweep, or with times several strokes and rests.") +

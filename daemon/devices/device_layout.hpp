@@ -48,6 +48,7 @@ struct TimeColumns {
 struct DeviceLayout {
   char separator = ',';
   std::size_t header = 0;           ///< the line that tells the columns
+  bool has_names = true;            ///< the header names the columns, for messages
   std::size_t begin = 0;            ///< the first line of data
   std::size_t end = 0;              ///< the line after the last one
   std::size_t columns = 0;          ///< of each line; more are empty

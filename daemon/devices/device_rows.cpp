@@ -45,10 +45,11 @@ std::optional<std::int64_t> whole(std::string_view text) {
 
 }  // namespace
 
-DeviceRows::DeviceRows(const DeviceText& text, const DeviceLayout& layout)
+DeviceRows::DeviceRows(const DeviceText& text, const DeviceLayout& layout, std::size_t joints)
     : text_(text),
       layout_(layout),
-      header_(fields_of(text.line(layout.header), layout.separator)),
+      joints_(joints),
+      header_(layout.has_names ? fields_of(text.line(layout.header), layout.separator) : Fields()),
       line_(layout.begin),
       next_(layout.begin) {}
 
@@ -259,9 +260,11 @@ void DeviceRows::read_time() {
 void DeviceRows::read_joint() {
   if (!layout_.joint) return;
   joint_ = joint_in(field(*layout_.joint));
-  if (joint_ == 0)
-    fail(*layout_.joint, "expected the name of a joint as in the first line, found " +
-                             as_found(field(*layout_.joint)) + ": correct it");
+  if (joint_ == 0 || joint_ > joints_)
+    fail(*layout_.joint,
+         fmt::format("expected the name of a joint from 1 to {}, found {}: correct it, or say with "
+                     "--joints how many the arm has",
+                     joints_, as_found(field(*layout_.joint))));
 }
 
 void DeviceRows::fail_time(const std::string& problem) const {

@@ -30,8 +30,8 @@ class DeviceRows {
     double step_mm = 0;  ///< the last decimal of the position
   };
 
-  /// `text` and `layout` outlive the rows.
-  DeviceRows(const DeviceText& text, const DeviceLayout& layout);
+  /// `text` and `layout` outlive the rows. The arm has at most `joints`.
+  DeviceRows(const DeviceText& text, const DeviceLayout& layout, std::size_t joints);
 
   /// Goes to the next line. False at the end.
   bool next();
@@ -59,6 +59,7 @@ class DeviceRows {
 
   const DeviceText& text_;
   const DeviceLayout& layout_;
+  std::size_t joints_;
   Fields header_;
   Fields fields_;
   std::size_t line_;

@@ -95,6 +95,7 @@ DeviceLayout qtm_layout(const DeviceText& text) {
                          "expected {} columns for each of {} names, perhaps with frame and time in "
                          "front, found {}: the file is cut, or was changed: export it again",
                          each, names->size(), first.size()));
+  layout.has_names = has_row;
   layout.begin = begin;
   layout.end = text.lines();
   layout.zero_is_missing = true;

@@ -77,6 +77,7 @@ DeviceLayout ros_layout(const DeviceText& text) {
   layout.end = text.lines();
   TargetColumns target;
   if (is_ros2(text)) {
+    layout.has_names = false;
     layout.columns = kColumnsOfRos2;
     layout.time = {TimeColumns::Kind::nanoseconds, {0, 1}};
     target.position = {3, 4, 5};

@@ -322,6 +322,7 @@ DeviceLayout tracker_layout(const DeviceText& text) {
   DeviceLayout layout;
   layout.separator = table->separator;
   layout.header = table->header;
+  layout.has_names = table->is_named;
   layout.begin = table->begin;
   layout.end = text.lines();
   layout.columns = table->columns;

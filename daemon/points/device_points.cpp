@@ -44,7 +44,7 @@ struct Before {
 
 }  // namespace
 
-PointsFile device_points(const DeviceFormat& format, const DeviceText& text,
+PointsFile device_points(const DeviceFormat& format, const DeviceText& text, std::size_t joints,
                          std::vector<std::string>& targets, std::optional<double>& step_mm,
                          const OnBytesRead& on_progress) {
   const DeviceLayout layout = format.layout(text);
@@ -54,7 +54,7 @@ PointsFile device_points(const DeviceFormat& format, const DeviceText& text,
   result.with_times = layout.time.kind != TimeColumns::Kind::none;
   result.format = format.title;
   result.notes = layout.notes;
-  DeviceRows rows(text, layout);
+  DeviceRows rows(text, layout, joints);
   std::vector<std::optional<Before>> before;
   std::vector<std::optional<std::size_t>> known(layout.targets.size());  // places in `targets`
   std::size_t bytes = 0;

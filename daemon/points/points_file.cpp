@@ -223,8 +223,8 @@ PointsFile PointsReader::read(const std::filesystem::path& path, const OnProgres
     format = recognised_format(head);
   }
   if (format == nullptr) return read_own(path, std::move(bytes), on_progress);
-  return device_points(*format, DeviceText(path, std::move(bytes)), targets_, position_step_mm_,
-                       on_progress);
+  return device_points(*format, DeviceText(path, std::move(bytes)), joints_, targets_,
+                       position_step_mm_, on_progress);
 }
 
 PointsFile PointsReader::read_own(const std::filesystem::path& path, std::string content,

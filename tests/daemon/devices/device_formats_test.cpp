@@ -151,7 +151,7 @@ TEST_CASE("a file that is cut anywhere is an error with its place, or gives the 
           if (format == nullptr) continue;  // too little is left
           std::vector<std::string> targets;
           std::optional<double> step_mm;
-          const auto file = device_points(*format, cut, targets, step_mm, {});
+          const auto file = device_points(*format, cut, 6, targets, step_mm, {});
           DeviceFile left = kind;
           left.has_times = file.with_times;  // dates of one point tell no rate
           check_points(file, targets, take, left);

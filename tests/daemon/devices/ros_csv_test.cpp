@@ -39,9 +39,9 @@ TEST_CASE("what is wrong in a file of ROS is told with its place", "[ros_csv]") 
   check_text_error("field.header.seq,field.point.x,field.point.y,field.point.z\n1,1,2,3\n",
                    "line 1: expected a column header.stamp or %time");
   check_text_error("10,0,w,1,2,3,0,0,0,1\n10,1000000000,w,1,2,3,0,0,0,1\n",
-                   "line 2: column 2 (0): expected nanoseconds from 0 to 999999999");
+                   "line 2: column 2: expected nanoseconds from 0 to 999999999");
   check_text_error("10,0,w,1,2,3,0,0,0,1\n10,1,w,1,2,3,0,0,0,7\n",
-                   "line 2: column 7 (0): expected a rotation");
+                   "line 2: column 7: expected a rotation");
   check_text_error("10,5,w,1,2,3,0,0,0,1\n10,1,w,1,2,3,0,0,0,1\n",
-                   "line 2: column 1 (10): expected a time no earlier");
+                   "line 2: column 1: expected a time no earlier");
 }

@@ -146,6 +146,9 @@ TEST_CASE("what is wrong in a tracker's table is told with its place", "[tracker
                    "line 3: column 1 (X): expected a number, found \"1,500.5\"");
   check_text_error("FARO\nDate,Time,X,Y,Z\n3/14/2024,13:22:33,1,2,3\n3/14/2024,13:62:33,1,2,3\n",
                    "line 4: column 1 (Date): expected a date and a time of day");
+  check_text_error("// SA\nA Joint1 p1 1.5 2.5 3.5\nA Joint7 p1 1.5 2.5 3.5\n",
+                   "line 3: column 2: expected the name of a joint from 1 to 6, found "
+                   "\"Joint7\"");
   check_text_error("FARO\nX (mm),Y (mm),Z (mm)\n1,-1e25,3\n",
                    "line 3: column 2 (Y (mm)): expected a measured number, found \"-1e25\"");
   check_text_error("// SA\nA Joint1 p1 1.5 2.5 3.5\nA Base p1 1.5 2.5\n",
