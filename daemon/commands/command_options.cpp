@@ -19,6 +19,7 @@
 #include "daemon/commands/replay_command.hpp"
 #include "daemon/commands/report_command.hpp"
 #include "daemon/commands/run_command.hpp"
+#include "daemon/commands/validate_command.hpp"
 #include "daemon/devices/device_formats.hpp"
 #include "daemon/points/axes_file.hpp"
 #include "daemon/points/points_file.hpp"
@@ -250,6 +251,30 @@ CLI::App* add_identify(CLI::App& app, IdentifyOptions& options) {
   return command;
 }
 
+CLI::App* add_validate(CLI::App& app, ValidateOptions& options) {
+  auto* command = app.add_subcommand(
+      "validate",
+      "Judge a result by static poses that it was not made of\n"
+      "It tells how far the poses lie from where the result has them, whether the stated "
+      "uncertainties hold, and what each level of correction leaves.");
+  command->add_option("RESULT", options.result, "Folder of a result of static poses")
+      ->required()
+      ->type_name("");
+  command->add_option("FILE", options.points, "Files of static poses, as identify reads them")
+      ->required()
+      ->type_name("");
+  command
+      ->add_option("--columns", options.columns,
+                   "Name the columns, with commas between, where a file has no header")
+      ->type_name("NAMES");
+  command->add_option("--output", options.output, "Write the JSON to this file")
+      ->type_name("FILE")
+      ->default_str("validation.json in RESULT");
+  add_force(*command, options.force);
+  command->footer(exit_status({kOk, kError, kWrongUsage}));
+  return command;
+}
+
 CLI::App* add_report(CLI::App& app, ReportOptions& options) {
   auto* command =
       app.add_subcommand("report",
@@ -357,6 +382,9 @@ void add_commands(CLI::App& app, const std::vector<std::string>& arguments, int&
       app, add_plan, [](const PlanOptions& options) { return plan(options); }, exit_code);
   add(
       app, add_report, [](const ReportOptions& options) { return make_report(options); },
+      exit_code);
+  add(
+      app, add_validate, [](const ValidateOptions& options) { return validate(options); },
       exit_code);
   add(
       app, add_export, [](const ExportOptions& options) { return export_csv(options); }, exit_code);

@@ -11,6 +11,7 @@
 #include "daemon/devices/device_formats.hpp"
 #include "daemon/points/axes_file.hpp"
 #include "daemon/points/csv_file.hpp"
+#include "daemon/points/point_poses.hpp"
 #include "daemon/points/point_sweeps.hpp"
 #include "daemon/points/points_file.hpp"
 #include "daemon/results/outcome.hpp"
@@ -28,17 +29,6 @@ namespace sweepd {
 namespace {
 
 using identify::Sweep;
-
-std::vector<std::string> names(std::string_view columns) {
-  std::vector<std::string> all;
-  while (!columns.empty() || !all.empty()) {
-    const auto end = columns.find(',');
-    all.emplace_back(columns.substr(0, end));
-    if (end == std::string_view::npos) break;
-    columns.remove_prefix(end + 1);
-  }
-  return all;
-}
 
 void check(const IdentifyOptions& options) {
   if (options.points.empty() && !options.axes)
@@ -63,11 +53,8 @@ std::optional<std::size_t> declared_joints(const IdentifyOptions& options,
   return setup.joints;
 }
 
-/// Whether each line is a static pose: a file says so, or has angles and nothing that would make
-/// sweeps of its lines.
 bool of_poses(const PointsFile& file, const IdentifyOptions& options) {
-  if (options.per_joint || file.with_joints) return false;
-  return options.poses || file.with_poses || (!file.with_times && file.angles > 0);
+  return !options.per_joint && (options.poses || holds_poses(file));
 }
 
 struct Points {
@@ -84,7 +71,7 @@ Points read_points(const IdentifyOptions& options, std::size_t most_joints) {
     if (const auto size = std::filesystem::file_size(path, ignored); !ignored)
       all += static_cast<double>(size);
   }
-  PointsReader reader(names(options.columns), most_joints, options.format);
+  PointsReader reader(column_names(options.columns), most_joints, options.format);
   Points points;
   double before = 0;
   for (const auto& path : options.points) {
@@ -122,8 +109,6 @@ void check_file(const PointsFile& file, const IdentifyOptions& options, std::siz
     throw CsvError(name +
                    ": expected no column joint, as --per-joint tells the joint, found one: "
                    "leave out --per-joint, or skip the column with --columns");
-  if (of_poses(file, options) && file.angles == 0)
-    throw CsvError(name + ": expected joint angles of static poses, found none: add a1_deg and on");
   const bool is_told =
       options.per_joint || file.with_joints || file.with_times || of_poses(file, options);
   if (!is_told && !file.format.empty())
@@ -134,21 +119,6 @@ void check_file(const PointsFile& file, const IdentifyOptions& options, std::siz
     throw CsvError(name +
                    ": expected a column t_s or joint, or joint angles of static poses, found none "
                    "of them: add one, or give one file a joint with --per-joint");
-}
-
-/// The static poses of all files that hold such; lines without a position or an angle are none.
-std::vector<identify::Pose> poses_in(const Points& points, const IdentifyOptions& options,
-                                     std::size_t joints) {
-  std::vector<identify::Pose> poses;
-  for (const PointsFile& file : points.files) {
-    if (!of_poses(file, options)) continue;
-    check_file(file, options, joints);
-    for (const Point& point : file.points)
-      if (point.sample.has_position && point.sample.joints >= joints)
-        poses.push_back({point.sample, point.target,
-                         fmt::format("{} line {}", file.path.filename().string(), point.line)});
-  }
-  return poses;
 }
 
 /// Whose joint each sweep is; without angles or a column for it, some may be left for the engine.
@@ -211,7 +181,9 @@ Outcome identified_points(const IdentifyOptions& options, RobotSetup setup, std:
   Snapshot snapshot;
   snapshot.robot = setup.name;
   snapshot.source_kind = "points";
-  snapshot.poses = poses_in(points, options, setup.joints);
+  for (const PointsFile& file : points.files)
+    if (of_poses(file, options))
+      for (auto& pose : static_poses(file, setup.joints)) snapshot.poses.push_back(std::move(pose));
   points.counts.poses = snapshot.poses.size();
   snapshot.sweeps = sweeps_in(points, options, setup, known);
   snapshot.campaign = known;
@@ -231,8 +203,8 @@ Outcome identified_points(const IdentifyOptions& options, RobotSetup setup, std:
 
 Outcome identified_axes(const IdentifyOptions& options, RobotSetup setup) {
   const auto declared = declared_joints(options, setup);
-  const auto axes =
-      read_axes(*options.axes, names(options.columns), declared.value_or(identify::kMostJoints));
+  const auto axes = read_axes(*options.axes, column_names(options.columns),
+                              declared.value_or(identify::kMostJoints));
   setup.joints = declared.value_or(axes.size());
   if (axes.size() != setup.joints)
     throw CsvError(fmt::format("{}: expected the axes of {}, found those of {}: add the others",

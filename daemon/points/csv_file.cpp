@@ -192,4 +192,15 @@ std::string CsvFile::header_place() const {
   return declared_ ? "--columns" : fmt::format("{}: line {}", path_.string(), header_line_);
 }
 
+std::vector<std::string> column_names(std::string_view columns) {
+  std::vector<std::string> all;
+  while (!columns.empty() || !all.empty()) {
+    const auto end = columns.find(',');
+    all.emplace_back(columns.substr(0, end));
+    if (end == std::string_view::npos) break;
+    columns.remove_prefix(end + 1);
+  }
+  return all;
+}
+
 }  // namespace sweepd

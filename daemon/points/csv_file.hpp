@@ -12,6 +12,9 @@
 
 namespace sweepd {
 
+/// What stands between the commas; nothing of an empty text.
+[[nodiscard]] std::vector<std::string> column_names(std::string_view columns);
+
 /// A text file of columns, read a line at a time.
 ///
 /// Commas stand between the fields or, where the first line has none, semicolons, tabs, or blanks.

@@ -1,0 +1,117 @@
+#include "daemon/commands/validate_command.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+#include <spdlog/fmt/fmt.h>
+
+#include "daemon/commands/outputs.hpp"
+#include "daemon/points/point_poses.hpp"
+#include "daemon/points/points_file.hpp"
+#include "daemon/results/validation.hpp"
+#include "daemon/text/text_layout.hpp"
+#include "rsi/counted.hpp"
+
+namespace sweepd {
+namespace {
+
+using identify::Pose;
+
+/// poses.csv has so many decimals.
+constexpr double kSame_mm = 1e-5;
+constexpr double kSame_rad = 1e-7;
+
+PosePredictor read_predictor(const std::filesystem::path& folder) {
+  const auto file = folder / "result.json";
+  std::ifstream in(file, std::ios::binary);
+  if (!in)
+    throw std::runtime_error(file.string() +
+                             ": cannot be read: give a folder that identify has written");
+  nlohmann::ordered_json json;
+  try {
+    json = nlohmann::ordered_json::parse(in);
+    if (json.contains("poses")) return pose_predictor(json.at("poses"));
+  } catch (const std::exception& error) {
+    throw std::runtime_error(file.string() + ": is not as sweepd writes it (" + error.what() +
+                             "): identify again");
+  }
+  throw std::runtime_error(file.string() +
+                           ": was not made of static poses, which alone tell how angles make a "
+                           "position: identify from poses, or from sweeps and poses");
+}
+
+struct Poses {
+  std::vector<Pose> poses;
+  std::vector<std::string> targets;
+};
+
+Poses read_poses(const std::vector<std::filesystem::path>& files, const std::string& columns,
+                 std::size_t joints) {
+  PointsReader reader(column_names(columns), joints);
+  Poses read;
+  for (const auto& path : files)
+    for (auto& pose : static_poses(reader.read(path, {}), joints))
+      read.poses.push_back(std::move(pose));
+  read.targets = reader.targets();
+  return read;
+}
+
+/// Targets as the predictor counts them. One target needs no name.
+void name_targets(Poses& read, const PosePredictor& predictor) {
+  if (read.targets.size() == 1 && predictor.targets.size() == 1) return;
+  std::vector<std::size_t> index;
+  for (const std::string& name : read.targets) {
+    const auto known = std::find(predictor.targets.begin(), predictor.targets.end(), name);
+    if (known == predictor.targets.end())
+      throw std::runtime_error("the result has no target " + name +
+                               ": give poses of targets that it was made of");
+    index.push_back(static_cast<std::size_t>(known - predictor.targets.begin()));
+  }
+  for (Pose& pose : read.poses) pose.target = index[pose.target];
+}
+
+bool same(const Pose& a, const Pose& b) {
+  if ((a.sample.position_mm - b.sample.position_mm).cwiseAbs().maxCoeff() > kSame_mm) return false;
+  for (std::size_t j = 0; j < a.sample.joints; ++j)
+    if (std::abs(a.sample.angles_rad[j] - b.sample.angles_rad[j]) > kSame_rad) return false;
+  return true;
+}
+
+/// A result is not judged by what it was made of.
+void refuse_used(const std::vector<Pose>& poses, const std::filesystem::path& folder,
+                 std::size_t joints) {
+  const auto used = read_poses({folder / "poses.csv"}, "", joints).poses;
+  for (const Pose& pose : poses)
+    for (const Pose& one : used)
+      if (same(pose, one))
+        throw std::runtime_error(pose.name + ": the result was made of this pose (" + one.name +
+                                 "): give poses that were kept back");
+}
+
+}  // namespace
+
+int validate(const ValidateOptions& options, std::ostream& out) {
+  const PosePredictor predictor = read_predictor(options.result);
+  const std::size_t joints = predictor.fit.model.chain.axes.size();
+  Poses read = read_poses(options.points, options.columns, joints);
+  if (read.poses.empty())
+    throw std::runtime_error("no line holds a position and all angles: give static poses");
+  name_targets(read, predictor);
+  refuse_used(read.poses, options.result, joints);
+  const auto file = options.output.value_or(options.result / "validation.json");
+  auto inputs = options.points;
+  inputs.push_back(options.result / "result.json");
+  Outputs(std::move(inputs), options.force).check_made_again(file, R"({
+  "schema": "sweepd.validation/)");
+  const Validation found = validated(predictor, read.poses);
+  write_output(file, validation_json(found).dump(2) + "\n");
+  out << validation_text(found);
+  return 0;
+}
+
+}  // namespace sweepd
