@@ -1,0 +1,164 @@
+#include "identify/change/displacement.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "identify/geometry/angle.hpp"
+#include "identify/models/kinematic_model.hpp"
+
+namespace identify {
+namespace {
+
+using Eigen::Index;
+using Eigen::Isometry3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+/// Number `index` of Halton's sequence in a base: evenly between 0 and 1.
+double halton(std::size_t index, std::size_t base) {
+  double share = 1, value = 0;
+  for (; index > 0; index /= base) {
+    share /= static_cast<double>(base);
+    value += share * static_cast<double>(index % base);
+  }
+  return value;
+}
+
+constexpr std::size_t kStarts = 10;
+
+constexpr std::array<std::size_t, kMostJoints> kPrimes = {2,  3,  5,  7,  11, 13,
+                                                          17, 19, 23, 29, 31, 37};
+
+double& number_in(std::vector<DhRow>& rows, const ArmNumber& number) {
+  DhRow& row = rows[number.joint];
+  switch (number.place() % 5) {
+    case 0:
+      return row.b_mm;
+    case 1:
+      return row.theta_rad;
+    case 2:
+      return row.a_mm;
+    case 3:
+      return row.alpha_rad;
+    default:
+      return row.beta_rad;
+  }
+}
+
+/// Of the frame of the last axis, in the first frame.
+Isometry3d last_pose(std::vector<DhRow> rows, const std::vector<bool>& linear,
+                     const std::vector<double>& turns) {
+  Isometry3d pose = Isometry3d::Identity();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (linear[i])
+      rows[i].b_mm += kLinear_mm * turns[i];
+    else
+      rows[i].theta_rad += turns[i];
+    pose = pose * transform(rows[i]);
+  }
+  return pose;
+}
+
+/// How a tool moves with the numbers of an arm, and with base and tool.
+class ToolMotion {
+ public:
+  using ByFrames = Eigen::Matrix<double, 3, 9>;  // base: shift, turn in mm at a metre; tool
+
+  ToolMotion(const ComparedArms& arms, const ToolReach& reach)
+      : arms_(arms), reach_(reach), tool_(arms.last_frame * reach.tool_mm) {}
+
+  [[nodiscard]] ByFrames by_frames(const std::vector<double>& turns) const {
+    constexpr double kRadian_mm = 1000;
+    const Isometry3d pose = last_pose(arms_.rows, reach_.linear, turns);
+    ByFrames columns;
+    columns << Eigen::Matrix3d::Identity(), -cross_matrix(pose * tool_) / kRadian_mm, pose.linear();
+    return columns;
+  }
+
+  [[nodiscard]] Eigen::Matrix3Xd by_numbers(const std::vector<double>& turns) const {
+    constexpr double kStep_mm = 1e-2, kStep_rad = 1e-5;
+    Eigen::Matrix3Xd columns(3, static_cast<Index>(arms_.numbers.size()));
+    std::vector<DhRow> rows = arms_.rows;
+    for (std::size_t n = 0; n < arms_.numbers.size(); ++n) {
+      double& number = number_in(rows, arms_.numbers[n]);
+      const double value = number;
+      const double step = arms_.numbers[n].length ? kStep_mm : kStep_rad;
+      const auto at = [&](double moved) -> Vector3d {
+        number = moved;
+        return last_pose(rows, reach_.linear, turns) * tool_;
+      };
+      const Vector3d above = at(value + step);
+      columns.col(static_cast<Index>(n)) = (above - at(value - step)) / (2 * step);
+      number = value;
+    }
+    return columns;
+  }
+
+ private:
+  const ComparedArms& arms_;
+  const ToolReach& reach_;
+  Vector3d tool_;
+};
+
+}  // namespace
+
+Displacement largest_displacement(const ComparedArms& arms, const VectorXd& difference,
+                                  const MatrixXd& covariance, const ToolReach& reach,
+                                  std::size_t poses) {
+  const std::size_t joints = arms.rows.size();
+  const ToolMotion motion(arms, reach);
+  std::vector<std::vector<double>> turns(poses, std::vector<double>(joints));
+  Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
+  MatrixXd mixed = MatrixXd::Zero(9, difference.size());
+  for (std::size_t k = 0; k < poses; ++k) {
+    for (std::size_t j = 0; j < joints; ++j) {
+      const auto& [least, most] = reach.ranges[j];
+      turns[k][j] = least + (most - least) * halton(k + 1, kPrimes[j]);
+    }
+    const ToolMotion::ByFrames frames = motion.by_frames(turns[k]);
+    normal += frames.transpose() * frames;
+    mixed += frames.transpose() * motion.by_numbers(turns[k]);
+  }
+  const MatrixXd taken_up =
+      Eigen::CompleteOrthogonalDecomposition<MatrixXd>(MatrixXd(normal)).solve(mixed);
+  const auto left_at = [&](const std::vector<double>& at) -> Eigen::Matrix3Xd {
+    return motion.by_numbers(at) - motion.by_frames(at) * taken_up;
+  };
+
+  // The best of some poses is not yet the largest: on from the best of them, joint by joint.
+  std::vector<std::pair<double, std::vector<double>>> best;
+  for (auto& at : turns) {
+    const double size = (left_at(at) * difference).norm();
+    best.emplace_back(size, std::move(at));
+  }
+  const auto starts = std::min(kStarts, best.size());
+  std::partial_sort(best.begin(), best.begin() + static_cast<std::ptrdiff_t>(starts), best.end(),
+                    [](const auto& one, const auto& other) { return one.first > other.first; });
+  best.resize(starts);
+  for (auto& [largest, turned] : best)
+    for (double share = 0.2; share > 0.002; share /= 2)
+      for (std::size_t j = 0; j < joints; ++j)
+        for (const int way : {1, -1}) {
+          const auto& [least, most] = reach.ranges[j];
+          std::vector<double> at = turned;
+          at[j] = std::clamp(at[j] + way * share * (most - least), least, most);
+          const double size = (left_at(at) * difference).norm();
+          if (size <= largest) continue;
+          largest = size;
+          turned = at;
+        }
+  const auto& [largest, turned] =
+      *std::max_element(best.begin(), best.end(),
+                        [](const auto& one, const auto& other) { return one.first < other.first; });
+  Displacement found{largest, 0, 0, turned};
+  const Eigen::Matrix3Xd left = left_at(found.turns_rad);
+  const VectorXd along = left.transpose() * (left * difference).stableNormalized();
+  const double half = kSigmasOf95Percent * std::sqrt(along.dot(covariance * along));
+  found.low_mm = std::max(0.0, found.largest_mm - half);
+  found.high_mm = found.largest_mm + half;
+  return found;
+}
+
+}  // namespace identify

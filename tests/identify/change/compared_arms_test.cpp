@@ -1,0 +1,128 @@
+#include "identify/change/compared_arms.hpp"
+
+#include <string>
+
+#include "identify/geometry/angle.hpp"
+#include "tests/catch.hpp"
+#include "tests/identify/change/measured_arms.hpp"
+
+using namespace identify;
+using namespace identify::test;
+using simulation::Robot;
+
+namespace {
+
+Robot built_kr5() {
+  return simulation::built(simulation::kr5(), 3);
+}
+
+std::string names(const ComparedArms& arms) {
+  std::string all;
+  for (const ArmNumber& number : arms.numbers)
+    all += std::string(text(number.kind)) + std::to_string(number.joint + 1) + ' ';
+  return all;
+}
+
+/// Of the number, in mm or rad.
+double difference(const ComparedArms& arms, ArmNumberKind kind, std::size_t joint) {
+  for (std::size_t k = 0; k < arms.numbers.size(); ++k)
+    if (arms.numbers[k].kind == kind && arms.numbers[k].joint == joint)
+      return arms.difference(static_cast<Eigen::Index>(k));
+  FAIL("the number is not compared");
+  return 0;
+}
+
+/// What differentiating and rounding leave, in mm and rad.
+constexpr double kNothingLeft = 1e-8;
+
+Eigen::Isometry3d somewhere() {
+  return Eigen::Translation3d(1500, -2500, 300) *
+         Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized());
+}
+
+}  // namespace
+
+TEST_CASE("numbers of an arm do not change with base, home and table", "[compared_arms]") {
+  const Robot robot = built_kr5();
+  const auto first = measured(robot);
+  const auto other = GENERATE(0, 1, 2, 3);
+  Robot elsewhere = robot;
+  Measuring how;
+  if (other == 0 || other == 3) how.base = somewhere();
+  if (other == 1 || other == 3) elsewhere = simulation::at_random_home(robot, 5);
+  if (other == 2 || other == 3) how.specified = false;
+  CAPTURE(other);
+  const auto arms = compared(first, measured(elsewhere, how));
+  CHECK(names(arms) ==
+        "a1 alpha1 zero2 a2 alpha2 beta2 b3 zero3 a3 alpha3 b4 zero4 a4 alpha4 b5 zero5 a5 "
+        "alpha5 ");
+  CHECK(arms.difference.cwiseAbs().maxCoeff() < kNothingLeft);
+  // The axes are as uncertain in whatever form they are written; from other homes they are not.
+  if (other == 0 || other == 2) CHECK(arms.second_covariance.isApprox(arms.first_covariance, 1e-3));
+  CHECK(arms.other_homes.empty());  // gears are perfect
+}
+
+TEST_CASE("a joint that lost its zero shows in that zero alone", "[compared_arms]") {
+  const Robot robot = built_kr5();
+  Robot crashed = robot;
+  crashed.arm.rows[3].theta_rad += 0.02 * kDegree;
+  const auto arms = compared(measured(robot), measured(crashed, {somewhere(), false}));
+  // Angles along positive rotation, which is about -Z of the table.
+  CHECK(difference(arms, ArmNumberKind::zero, 3) == Approx(-0.02 * kDegree).epsilon(1e-6));
+  auto others = arms.difference;
+  for (std::size_t k = 0; k < arms.numbers.size(); ++k)
+    if (arms.numbers[k].kind == ArmNumberKind::zero && arms.numbers[k].joint == 3)
+      others(static_cast<Eigen::Index>(k)) = 0;
+  CHECK(others.cwiseAbs().maxCoeff() < kNothingLeft);
+}
+
+TEST_CASE("axes that only one of two takes for parallel are compared as parallel ones",
+          "[compared_arms]") {
+  Robot robot = built_kr5();
+  robot.arm.rows[1].alpha_rad = 1.2 * kDegree;  // well beyond what passes for parallel
+  Robot closer = robot;
+  closer.arm.rows[1].alpha_rad = 0.5 * kDegree;
+  const auto first = measured(robot), second = measured(closer);
+  REQUIRE(first.dh[1].relation == Relation::skew);
+  REQUIRE(second.dh[1].relation == Relation::parallel);
+  const auto arms = compared(first, second);
+  CHECK(names(arms).find("beta2") != std::string::npos);
+  CHECK(difference(arms, ArmNumberKind::alpha, 1) == Approx(-0.7 * kDegree).epsilon(0.01));
+  CHECK(std::abs(difference(arms, ArmNumberKind::a, 1)) < 0.01);
+  CHECK(std::abs(difference(arms, ArmNumberKind::b, 2)) <
+        0.5);  // it was some 100 mm along skew axes
+  const auto same = compared(second, measured(closer, {somewhere(), true}));
+  CHECK(same.difference.cwiseAbs().maxCoeff() < kNothingLeft);
+}
+
+TEST_CASE("what the homes do not tell is left out, and what gears do there counts",
+          "[compared_arms]") {
+  const Robot robot = built_kr5();
+  const auto first = measured(robot);
+  auto second = measured(simulation::at_random_home(robot, 5));
+  const auto without = compared(first, second);
+  const auto more = [&] {
+    return (compared(first, second).second_covariance - without.second_covariance).eval();
+  };
+  // One joint's gear: as much as all show on average; its own where it shows more.
+  second.gear[3] = 1e-3;
+  const double usual = 1e-6 / 12;
+  double expected = 0;
+  for (const std::size_t j : {1U, 2U, 3U, 4U})
+    expected += (j == 3 ? 1e-6 : usual) * std::pow(*second.home_rad[j] - *first.home_rad[j], 2);
+  CHECK(more().sum() == Approx(expected));
+  CHECK(more().trace() == Approx(expected));
+
+  CHECK(compared(first, second).other_homes.size() == 4);
+
+  second.gear[1].reset();
+  second.home_rad[2].reset();
+  const auto arms = compared(first, second);
+  CHECK(names(arms).find("zero2") == std::string::npos);
+  CHECK(names(arms).find("zero3") == std::string::npos);
+  REQUIRE(arms.left_out.size() == 4);  // b1 and zero1 as ever
+  CHECK(arms.left_out[2].because == LeftOutBecause::other_home);
+  CHECK(arms.left_out[3].because == LeftOutBecause::no_home);
+  second.home_rad[1] = *first.home_rad[1] + 0.4 * kDegree;
+  CHECK(names(compared(first, second)).find("zero2") != std::string::npos);
+}

@@ -1,0 +1,71 @@
+#include "identify/change/displacement.hpp"
+
+#include "identify/geometry/angle.hpp"
+#include "tests/catch.hpp"
+#include "tests/identify/change/measured_arms.hpp"
+
+using namespace identify;
+using namespace identify::test;
+using simulation::Robot;
+
+namespace {
+
+ToolReach reach_of(const Robot& robot) {
+  ToolReach reach;
+  reach.linear.assign(robot.arm.joints(), false);
+  reach.ranges.assign(robot.arm.joints(), {-kPi / 2, kPi / 2});
+  reach.tool_mm = transform(robot.arm.rows.back()) * robot.targets_mm.front();
+  return reach;
+}
+
+}  // namespace
+
+TEST_CASE("a zero that is off moves the tool by its lever", "[displacement]") {
+  const Robot robot = simulation::built(simulation::kr5(), 3);
+  Robot off = robot;
+  constexpr double kOff_rad = 0.02 * kDegree;
+  off.arm.rows[3].theta_rad += kOff_rad;
+  const auto arms = compared(measured(robot), measured(off));
+  const auto reach = reach_of(robot);
+  const auto found = largest_displacement(arms, arms.difference, arms.covariance(), reach);
+  // Whatever base and tool are fitted to, some pose is off by no less than half of what its
+  // joint's lever makes, and none by more than twice.
+  const auto lever = [&](const std::vector<double>& turns) {
+    std::vector<double> angles = robot.arm.home_rad;
+    for (std::size_t j = 0; j < angles.size(); ++j) angles[j] += turns[j];
+    return (forward_kinematics(off.arm, angles) * robot.targets_mm[0] -
+            forward_kinematics(robot.arm, angles) * robot.targets_mm[0])
+        .norm();
+  };
+  CHECK(found.largest_mm > 0.5 * lever(found.turns_rad));
+  CHECK(found.largest_mm < 2 * lever(found.turns_rad));
+  CHECK(found.low_mm < found.largest_mm);
+  CHECK(found.high_mm - found.largest_mm == Approx(found.largest_mm - found.low_mm));
+  // Twice the change, twice the displacement: it is to first order; the band stays.
+  const auto twice = largest_displacement(arms, 2 * arms.difference, arms.covariance(), reach);
+  CHECK(twice.largest_mm == Approx(2 * found.largest_mm));
+  CHECK(twice.high_mm - twice.largest_mm == Approx(found.high_mm - found.largest_mm));
+  // With few poses to search from it is hardly another.
+  const auto few = largest_displacement(arms, arms.difference, arms.covariance(), reach, 300);
+  CHECK(few.largest_mm == Approx(found.largest_mm).epsilon(0.05));
+  const auto none = largest_displacement(arms, 0 * arms.difference, arms.covariance(), reach);
+  CHECK(none.largest_mm == 0);
+}
+
+TEST_CASE("what base and tool can take up is no displacement", "[displacement]") {
+  // The first link of the arm, longer: as if the base stood elsewhere, but for where joint 1 turns.
+  const Robot robot = simulation::kr5();
+  const auto arms = compared(measured(robot), measured(robot));
+  auto reach = reach_of(robot);
+  const auto by = [&](ArmNumberKind kind, std::size_t joint, double size) {
+    Eigen::VectorXd difference = Eigen::VectorXd::Zero(arms.difference.size());
+    for (std::size_t k = 0; k < arms.numbers.size(); ++k)
+      if (arms.numbers[k].kind == kind && arms.numbers[k].joint == joint)
+        difference(static_cast<Eigen::Index>(k)) = size;
+    return largest_displacement(arms, difference, arms.covariance(), reach).largest_mm;
+  };
+  const double turning = by(ArmNumberKind::a, 0, 1);
+  CHECK(turning > 0.3);
+  reach.ranges[0] = {-1e-3, 1e-3};  // joint 1 stands: the link's length is the base's place
+  CHECK(by(ArmNumberKind::a, 0, 1) < 0.01);
+}
