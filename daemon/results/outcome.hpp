@@ -34,6 +34,7 @@ struct Outcome {
   /// Where sweeps were recognised by positions alone.
   std::optional<identify::MotionLimit> motion_limit = {};
   std::vector<JointLimits> limits = {};  ///< one a joint; empty: not known
+  double angle_step_rad = 0;  ///< one unit of the last decimal that angles were told with; 0: none
 };
 
 /// Runs the engine. The same snapshot gives the same outcome.

@@ -73,6 +73,16 @@ Json source(const Outcome& outcome) {
   return json;
 }
 
+/// Of each joint, lowest and highest; null where the description has none.
+Json limits(const std::vector<JointLimits>& all) {
+  Json json = Json::array();
+  for (const JointLimits& limit : all) {
+    const bool known = std::isfinite(limit.min_deg) && std::isfinite(limit.max_deg);
+    json.push_back(known ? Json{limit.min_deg, limit.max_deg} : Json());
+  }
+  return json;
+}
+
 /// Row by row; the columns are the directions of a frame.
 Json rotation(const Eigen::Matrix3d& matrix) {
   Json rows = Json::array();
@@ -207,6 +217,8 @@ std::string result_json(const Outcome& outcome) {
     home.push_back(home_rad ? json_angle(*home_rad) : Json());
   const auto known = [](const Json& angle_deg) { return !angle_deg.is_null(); };
   if (std::any_of(home.begin(), home.end(), known)) json["home_deg"] = std::move(home);
+  if (outcome.angle_step_rad > 0) json["angle_step_deg"] = json_angle(outcome.angle_step_rad);
+  if (!outcome.limits.empty()) json["limits_deg"] = limits(outcome.limits);
   json["source"] = source(outcome);
   json["estimator"] = identify::text(found.estimator);
   json["joints"] = Json::array();
