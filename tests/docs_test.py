@@ -157,6 +157,11 @@ def fixtures(root, sweepd, folder):
     run("replay", "trace.pcap", "--robot", robot, "--plan", plan, "--output", "result")
     for name in ("90", "30"):
         shutil.copytree(folder / "result", folder / "out" / name)
+    for name, theta4 in (("before", 0), ("after", 0.02)):
+        shutil.copytree(folder / "result", folder / name)
+        result = json.loads((folder / name / "result.json").read_text())
+        result["dh"][3]["theta_deg"] += theta4
+        (folder / name / "result.json").write_text(json.dumps(result))
     session = folder / "out/run/kr5-arc/20260101T000000Z"
     session.mkdir(parents=True)
     shutil.copy(folder / "trace.pcap", session)
@@ -372,6 +377,8 @@ def problems(root, program):
         results = read("docs/results.md")
         names = set(property_names(json.loads(read("docs/result.schema.json"))))
         yield from told("docs/results.md", missing_names(results, names, "of result.json"))
+        names = set(property_names(json.loads(read("docs/compare.schema.json"))))
+        yield from told("docs/compare.md", missing_names(read("docs/compare.md"), names, "of compare --json"))
         for file in ("dh.csv", "models.csv", "sweeps.csv", "samples.csv"):
             with (base / "result" / file).open(newline="") as rows:
                 columns = [column for column in next(csv.reader(rows))

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""result.json of all that a run can be is what docs/result.schema.json says.
+"""result.json of all that a run can be is what docs/result.schema.json says, and what compare prints
+is what docs/compare.schema.json says.
 
     result_schema_test.py SWEEPD SOURCE_FOLDER
 """
@@ -117,6 +118,37 @@ with tempfile.TemporaryDirectory() as name:
         work / "scara-device", "--quiet")
     linear = check(work / "scara-device", "complete")["joints"][2]
     assert linear["type"] == "linear" and abs(linear["sweeps"][0]["range_mm"] - 160) < 1
+
+    # A robot whose joint 4 has lost its zero by 0.02 degrees, with another tool, from another home.
+    text = robot.read_text(encoding="utf-8").splitlines()
+    theta = [at for at, line in enumerate(text) if line.startswith("theta_deg")][3]
+    text[theta] = f"theta_deg = {float(text[theta].split('=')[1].split('#')[0]) + 0.02}"
+    (work / "crashed.toml").write_text("\n".join(text))
+    plan = (source / "config/plans/kr5_arc_90deg.toml").read_text(encoding="utf-8")
+    (work / "home.toml").write_text(plan.replace("[90.0, -90.0, 90.0, 0.0, 90.0, 0.0]",
+                                                 "[80.0, -95.0, 85.0, 12.5, 70.0, 5.0]"))
+    assert (work / "home.toml").read_text() != plan
+    for name, moved in (("same", robot), ("crashed", work / "crashed.toml")):
+        run(0, "simulate", "--robot", moved, "--plan", work / "home.toml", "--write",
+            work / f"{name}.pcap", "--tool-mm", "150,40,190", "--seed", "7", "--quiet")
+        run(0, "replay", work / f"{name}.pcap", "--robot", robot, "--output", work / name, "--quiet")
+    comparisons = jsonschema.Draft202012Validator(
+        json.loads((source / "docs/compare.schema.json").read_text(encoding="utf-8")))
+    for code, first, second in ((0, "complete", "same"), (0, "complete", "unspecified"),
+                                (3, "complete", "crashed"), (0, "scara", "scara"), (1, "complete", "device"),
+                                (1, "complete", "partial"), (1, "failed", "complete"),
+                                (1, "axes", "device"), (1, "complete", "scara")):
+        done = subprocess.run([sweepd, "compare", work / first, work / second / "result.json", "--json"],
+                              capture_output=True, text=True)
+        if done.returncode != code:
+            sys.exit(f"compare {first} {second}: exit {done.returncode}, expected {code}\n"
+                     f"{done.stdout}{done.stderr}")
+        if code == 1:
+            continue
+        compared = json.loads(done.stdout)
+        comparisons.validate(compared)
+        changed = [number["name"] for number in compared["numbers"] if number["changed"]]
+        assert changed == (["zero4_deg"] if code == 3 else []), changed
 
     # The schema would see what is missing, unknown or of another kind.
     for change in (lambda r: r.pop("dh"), lambda r: r.update(unheard_of=1),

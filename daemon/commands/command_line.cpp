@@ -38,7 +38,9 @@ CommandLine::CommandLine()
       {kOk,
        kError,
        kWrongUsage,
-       {3, "The result is doubtful (identify, replay), or replies were right but late (simulate)."},
+       {3,
+        "The result is doubtful (identify, replay), replies were right but late (simulate), or the "
+        "robot has changed (compare)."},
        kWrongFile}));
 
   add_commands(app, arguments_, exit_code_);

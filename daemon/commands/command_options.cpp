@@ -12,6 +12,7 @@
 #include <CLI/CLI.hpp>
 
 #include "daemon/commands/check_command.hpp"
+#include "daemon/commands/compare_command.hpp"
 #include "daemon/commands/export_command.hpp"
 #include "daemon/commands/help_text.hpp"
 #include "daemon/commands/identify_command.hpp"
@@ -304,6 +305,35 @@ CLI::App* add_report(CLI::App& app, ReportOptions& options) {
   return command;
 }
 
+CLI::App* add_compare(CLI::App& app, CompareOptions& options) {
+  auto* command = app.add_subcommand(
+      "compare",
+      "Tell whether a robot has changed between two results\n"
+      "It compares the numbers that neither conventions nor the place of base, tool and home "
+      "change. First it tests all of them together, then each of them, and says how large a "
+      "change would have been seen.");
+  command->add_option("A", options.first, "The earlier result: a folder, or its result.json")
+      ->required()
+      ->type_name("");
+  command->add_option("B", options.second, "The later result: a folder, or its result.json")
+      ->required()
+      ->type_name("");
+  command
+      ->add_option("--level", options.level,
+                   "Call this share of unchanged pairs changed, and no more")
+      ->check(CLI::Range(1e-6, 0.5))
+      ->capture_default_str()
+      ->type_name("SHARE");
+  command->add_flag("--json", options.json, "Print JSON in place of the text");
+  command->footer(exit_status({{0, "No change is seen."},
+                               {kChanged, "The robot has changed."},
+                               {kFailed,
+                                "The two cannot be compared. A line on standard error says why, "
+                                "and what to do."},
+                               kWrongUsage}));
+  return command;
+}
+
 CLI::App* add_export(CLI::App& app, ExportOptions& options) {
   auto* command = app.add_subcommand(
       "export", "Write every signal of the telegrams in captures as CSV, one row a telegram");
@@ -386,6 +416,8 @@ void add_commands(CLI::App& app, const std::vector<std::string>& arguments, int&
   add(
       app, add_validate, [](const ValidateOptions& options) { return validate(options); },
       exit_code);
+  add(
+      app, add_compare, [](const CompareOptions& options) { return compare(options); }, exit_code);
   add(
       app, add_export, [](const ExportOptions& options) { return export_csv(options); }, exit_code);
   add(

@@ -9,6 +9,8 @@ inline constexpr int kFailed = 1;
 inline constexpr int kUsage = 2;
 /// Every reply was right: a busy machine, perhaps, and not a wrong server.
 inline constexpr int kLate = 3;
+/// The robot is another than it was.
+inline constexpr int kChanged = 3;
 inline constexpr int kConfigError = 78;  // EX_CONFIG of sysexits.h
 
 struct ExitCode {

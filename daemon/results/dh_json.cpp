@@ -25,10 +25,10 @@ using identify::DhRow;
 using identify::Identification;
 using identify::Knowledge;
 
-/// Six significant digits.
+/// Twelve significant digits: numbers along axes that are nearly parallel are correlated closely.
 Json significant(double value) {
   if (value == 0 || !std::isfinite(value)) return value;
-  return rounded(value, 5 - static_cast<int>(std::floor(std::log10(std::abs(value)))));
+  return rounded(value, 11 - static_cast<int>(std::floor(std::log10(std::abs(value)))));
 }
 
 constexpr std::array<std::string_view, 5> kNumberNames = {"b", "theta", "a", "alpha", "beta"};

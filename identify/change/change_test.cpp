@@ -23,7 +23,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kLeastEigenvalue = 1e-5;  // of correlations that were written with six digits
+constexpr double kLeastEigenvalue = 1e-5;
 
 /// Inverse of a matrix of correlations.
 MatrixXd inverse(const MatrixXd& correlations) {

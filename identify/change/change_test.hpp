@@ -36,7 +36,8 @@ struct ChangeTest {
 /// called changed (Holm 1979): so of unchanged pairs no more than `level` raise any alarm.
 /// `level` is above 0 and below 1.
 ///
-/// Correlations are taken for no closer than files with six digits can tell.
+/// Correlations are taken for no closer than a linearisation can tell: eigenvalues of their matrix
+/// count as 1e-5 at least.
 [[nodiscard]] ChangeTest test_change(const Eigen::VectorXd& difference,
                                      const Eigen::MatrixXd& covariance, double level);
 

@@ -140,6 +140,13 @@ class Rewritten {
   std::vector<DhRow> rows_;
 };
 
+/// Along axes that are so close to parallel, b of two rows hardly tells anything by itself.
+constexpr double kNearlyParallel_rad = 1 * kDegree;
+
+bool nearly_parallel(const DhEstimate& row) {
+  return parallel(row.relation) || std::abs(std::sin(row.alpha_rad.value)) < kNearlyParallel_rad;
+}
+
 /// Parallel where one of the two says so.
 std::vector<Step> shared_steps(const MeasuredArm& first, const MeasuredArm& second) {
   std::vector<Step> steps;
@@ -148,7 +155,7 @@ std::vector<Step> shared_steps(const MeasuredArm& first, const MeasuredArm& seco
     Step step;
     if (a == Relation::coincident || b == Relation::coincident)
       step.relation = Relation::coincident;
-    else if (parallel(a) || parallel(b))
+    else if (nearly_parallel(first.dh[i]) || nearly_parallel(second.dh[i]))
       step.relation = Relation::parallel;
     if (parallel(a))
       step.b_mm = first.positive[i] * first.dh[i].b_mm.value;

@@ -47,7 +47,8 @@ enum class LeftOutBecause {
 };
 
 /// Two arms written down in the same way: axes along positive rotation; axes that one of the two
-/// takes for parallel are parallel (with Hayati's beta) in both; common normals point alike.
+/// takes for parallel, or has within a degree of it, are parallel (with Hayati's beta) in both;
+/// common normals point alike.
 struct ComparedArms {
   struct LeftOut {
     ArmNumber number;

@@ -51,7 +51,7 @@ TEST_CASE("the help of a command has an entry for each of its options, in 80 col
     for (const auto* option : command->get_options()) {
       INFO(option->get_name());
       const auto label = option->nonpositional() ? "--" + option->get_lnames().front()
-                                                 : option->get_name() + R"(\.\.\.)";
+                                                 : option->get_name() + R"((\.\.\.)?)";
       // Two blanks part it from its text, or a line of its own does.
       CHECK(std::regex_search(
           help, std::regex("\n  (-h, )?" + label + "( [^ \n]+)?(  +|\n {26})[A-Z][a-z]+ ")));

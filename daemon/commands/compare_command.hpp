@@ -1,0 +1,20 @@
+#pragma once
+
+#include <filesystem>
+#include <iostream>
+
+namespace sweepd {
+
+struct CompareOptions {
+  std::filesystem::path first;  ///< folders or result.json files
+  std::filesystem::path second;
+  double level = 0.05;
+  bool json = false;
+};
+
+/// Whether the arm of the second result is another than that of the first: says so on `out`.
+/// Returns the exit code: 0 where no change is seen, 3 where there is one. Throws
+/// std::runtime_error where the two cannot be compared.
+[[nodiscard]] int compare(const CompareOptions& options, std::ostream& out = std::cout);
+
+}  // namespace sweepd

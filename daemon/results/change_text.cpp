@@ -1,0 +1,159 @@
+#include "daemon/results/change_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "daemon/results/change.hpp"
+#include "daemon/text/numbers.hpp"
+#include "daemon/text/text_layout.hpp"
+#include "daemon/text/units.hpp"
+#include "rsi/counted.hpp"
+
+namespace sweepd {
+namespace {
+
+using identify::ArmNumber;
+using identify::ArmNumberKind;
+using identify::LeftOutBecause;
+
+double in_unit(const ArmNumber& number, double value) {
+  return number.length ? value : degrees(value);
+}
+
+std::string unit_of(const ArmNumber& number) {
+  return number.length ? "mm" : "deg";
+}
+
+/// As many as show two digits of the smallest uncertainty.
+struct Decimals {
+  explicit Decimals(const Change& change) {
+    double least_length = 1, least_angle = 1;
+    for (std::size_t k = 0; k < change.arms.numbers.size(); ++k) {
+      const ArmNumber& number = change.arms.numbers[k];
+      double& least = number.length ? least_length : least_angle;
+      least = std::min(least, 2 * in_unit(number, change.test.numbers[k].sigma));
+    }
+    const auto digits = [](double value) {
+      return std::clamp(1 - static_cast<int>(std::floor(std::log10(value))), 3, 7);
+    };
+    length = digits(least_length);
+    angle = digits(least_angle);
+  }
+  [[nodiscard]] int of(const ArmNumber& number) const { return number.length ? length : angle; }
+  int length = 0;
+  int angle = 0;
+};
+
+/// "as much in 43 %".
+std::string share_of_pairs(double p) {
+  if (p < 1e-4) return "less than 0.01 %";
+  return fixed(100 * p, p < 0.001 ? 2 : p < 0.1 ? 1 : 0) + " %";
+}
+
+std::string verdict(const Change& change, const Decimals& decimals) {
+  const std::string chance =
+      "of unchanged pairs, " + share_of_pairs(change.test.p) + " differ by as much.";
+  if (!change.test.changed) return "No change seen: " + chance;
+  std::string changed;
+  for (std::size_t k = 0; k < change.arms.numbers.size(); ++k) {
+    const ArmNumber& number = change.arms.numbers[k];
+    if (!change.test.numbers[k].changed) continue;
+    const double difference = in_unit(number, change.arms.difference(static_cast<Eigen::Index>(k)));
+    changed += (changed.empty() ? "" : ", ") + name_of(number) + " by " +
+               (difference > 0 ? "+" : "") + fixed(difference, decimals.of(number)) + ' ' +
+               unit_of(number);
+  }
+  return (changed.empty() ? "Changed, though no number alone tells what: "
+                          : "Changed: " + changed + "; ") +
+         chance;
+}
+
+std::string about(const ToldArm& told) {
+  return told.file.string() + ": " + told.robot + ", " +
+         (told.describes == "arm" ? "the arm" : "the controller's model") + ", " + told.status;
+}
+
+std::string table(const Change& change, const Decimals& decimals) {
+  constexpr std::size_t kName = 7, kUnit = 5, kValue = 13, kDifference = 11, kSize = 10;
+  std::string out = left("number", kName) + left("unit", kUnit) + right("A", kValue) +
+                    right("B", kValue) + right("B - A", kDifference) + right("U", kSize) +
+                    right("smallest", kSize) + "  verdict\n";
+  for (std::size_t k = 0; k < change.arms.numbers.size(); ++k) {
+    const ArmNumber& number = change.arms.numbers[k];
+    const auto at = static_cast<Eigen::Index>(k);
+    const auto cell = [&](double value, std::size_t width) {
+      return sweepd::number(in_unit(number, value), decimals.of(number), width);
+    };
+    const auto& found = change.test.numbers[k];
+    out += left(name_of(number), kName) + left(unit_of(number), kUnit) +
+           cell(change.arms.first(at), kValue) + cell(change.arms.second(at), kValue) +
+           cell(change.arms.difference(at), kDifference) + cell(2 * found.sigma, kSize) +
+           cell(found.smallest, kSize) + (found.changed ? "  changed\n" : "  -\n");
+  }
+  return out;
+}
+
+std::string left_out(const Change& change, LeftOutBecause because) {
+  std::string names;
+  for (const auto& one : change.arms.left_out)
+    if (one.because == because) names += (names.empty() ? "" : ", ") + name_of(one.number);
+  return names;
+}
+
+std::string left_out(const Change& change) {
+  std::string text;
+  const auto add = [&](LeftOutBecause because, const std::string& why) {
+    const std::string names = left_out(change, because);
+    if (!names.empty()) text += names + " (" + why + "), ";
+  };
+  add(LeftOutBecause::frame, "they tell where the base stands");
+  add(LeftOutBecause::no_home, "the controller's angles at home are not known of both");
+  add(LeftOutBecause::other_home,
+      "the homes are apart, and no angles tell what gears are off by there");
+  add(LeftOutBecause::convention, "set by convention");
+  return text + "row " + std::to_string(change.first.joints()) + " (the tool).";
+}
+
+std::string size_of(const identify::Displacement& found) {
+  return fixed(found.largest_mm, 4) + " mm (95 %: " + fixed(found.low_mm, 4) + " to " +
+         fixed(found.high_mm, 4) + ')';
+}
+
+std::string displacement(const Change& change) {
+  std::string text;
+  if (change.changes_displacement)
+    text = "moved by up to " + size_of(*change.changes_displacement) +
+           " by the changes that are named. All differences, noise included, make ";
+  else
+    text = "moved by up to ";
+  return text + size_of(change.displacement) + " at the worst of " +
+         std::to_string(kComparedPoses) + " poses " +
+         (change.first.with_limits ? "within the limits" : "up to 90 deg from home") +
+         ". Base and tool are fitted: what they take up does not count.";
+}
+
+}  // namespace
+
+std::string change_text(const Change& change) {
+  const Decimals decimals(change);
+  std::string out = paragraph("", verdict(change, decimals)) + '\n';
+  out += paragraph("A  ", about(change.first)) + paragraph("B  ", about(change.second));
+  for (const std::string& note : change.notes) out += paragraph("!  ", note);
+  out += '\n' + table(change, decimals) + '\n';
+  out += paragraph("zero      ", "theta minus the controller's angle at home");
+  out += paragraph("U         ", "expanded uncertainty of B - A, k = 2");
+  out += paragraph("smallest  ", "a change of this number alone that would be named in " +
+                                     fixed(100 * identify::kPower, 0) + " % of cases, at level " +
+                                     fmt::format("{}", change.level));
+  out += paragraph("together  ",
+                   "T2 = " + fixed(change.test.t_squared, 1) + " of " +
+                       rsi::counted(change.arms.numbers.size(), "number", "numbers") + ", p " +
+                       (change.test.p < 1e-4 ? "below 0.0001" : "= " + fixed(change.test.p, 4)));
+  out += paragraph("left out  ", left_out(change));
+  out += paragraph("tool      ", displacement(change));
+  return out;
+}
+
+}  // namespace sweepd

@@ -1,0 +1,227 @@
+#include "daemon/results/told_arm.hpp"
+
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/report/json_part.hpp"
+#include "daemon/results/outcome.hpp"
+#include "daemon/text/units.hpp"
+#include "identify/dh/dh.hpp"
+
+namespace sweepd {
+namespace {
+
+using Eigen::Index;
+using identify::Knowledge;
+using Json = nlohmann::ordered_json;
+
+constexpr std::string_view kSchema = "sweepd.result/1";
+constexpr std::array<const char*, 5> kNames = {"b", "theta", "a", "alpha", "beta"};
+constexpr double kUsualTurn_deg = 90;
+
+[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& why) {
+  throw std::runtime_error(file.string() + ' ' + why);
+}
+
+Json parsed_file(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) refuse(file, "cannot be read: give a folder or its result.json");
+  std::ostringstream text;
+  text << stream.rdbuf();
+  Json json = Json::parse(std::move(text).str(), nullptr, false);
+  const std::string schema = text_of(json, "schema");
+  if (schema == kSchema) return json;
+  refuse(file, schema.starts_with("sweepd.result/")
+                   ? "has the schema " + schema + ", and this sweepd reads " +
+                         std::string(kSchema) + ": use the sweepd that wrote it for both"
+                   : "holds no result of sweepd: give a folder that run, replay or identify has "
+                     "written, or its result.json");
+}
+
+double unit(std::size_t number) {
+  return number == 0 || number == 2 ? 1 : radians(1);
+}
+const char* suffix(std::size_t number) {
+  return number == 0 || number == 2 ? "_mm" : "_deg";
+}
+
+identify::Relation relation_of(const std::string& name) {
+  using identify::Relation;
+  for (const auto relation :
+       {Relation::skew, Relation::parallel, Relation::intersecting, Relation::coincident})
+    if (identify::text(relation) == name) return relation;
+  return Relation::last;
+}
+
+/// Knowledge follows from the covariance.
+std::vector<identify::DhEstimate> table_of(const Json& rows) {
+  std::vector<identify::DhEstimate> table;
+  for (const Json& json : rows) {
+    identify::DhEstimate row;
+    const std::array<identify::DhNumber*, 5> numbers = {&row.b_mm, &row.theta_rad, &row.a_mm,
+                                                        &row.alpha_rad, &row.beta_rad};
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+      const double value = number_of(json, std::string(kNames[k]) + suffix(k));
+      if (std::isfinite(value)) numbers[k]->value = unit(k) * value;
+    }
+    row.relation = relation_of(text_of(json, "relation"));
+    row.linear = text_of(json, "variable") == "b_mm";
+    table.push_back(row);
+  }
+  return table;
+}
+
+/// With what writing takes away of the numbers themselves.
+Eigen::MatrixXd covariance_of(const Json& json, std::size_t joints) {
+  struct Place {
+    Index row;
+    double unit;
+  };
+  std::map<std::string, Place> places;
+  for (std::size_t j = 0; j < joints; ++j)
+    for (std::size_t k = 0; k < kNames.size(); ++k)
+      places[kNames[k] + std::to_string(j + 1) + suffix(k)] = {static_cast<Index>(5 * j + k),
+                                                               unit(k)};
+  std::vector<Place> order;
+  for (const Json& name : list_of(json, "names")) {
+    const auto place = name.is_string() ? places.find(name.get<std::string>()) : places.end();
+    if (place == places.end()) return {};
+    order.push_back(place->second);
+  }
+  const Json& rows = list_of(json, "rows");
+  if (order.empty() || rows.size() != order.size()) return {};
+  const auto count = static_cast<Index>(5 * joints);
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(count, count);
+  for (std::size_t r = 0; r < order.size(); ++r) {
+    if (!rows[r].is_array() || rows[r].size() != order.size()) return {};
+    for (std::size_t c = 0; c < order.size(); ++c) {
+      if (!rows[r][c].is_number()) return {};
+      covariance(order[r].row, order[c].row) =
+          rows[r][c].get<double>() * order[r].unit * order[c].unit;
+    }
+    const Index at = order[r].row;
+    const bool length = at % 5 == 0 || at % 5 == 2;
+    const double step = std::pow(10.0, length ? -kLengthDecimals : -kAngleDecimals);
+    covariance(at, at) += std::pow(step * order[r].unit, 2) / 12;
+  }
+  return covariance;
+}
+
+/// The middle of the square of how far a joint turned from home, in rad: no less than if home is in
+/// the middle of its longest sweep.
+double mean_square_turn(const Json& joint) {
+  double range = 0;
+  for (const Json& sweep : list_of(joint, "sweeps"))
+    for (const char* name : {"range_deg", "range_mm"})
+      if (const double told = number_of(sweep, name); flag_of(sweep, "used") && told > range)
+        range = told;
+  return std::pow(radians(range), 2) / 12;
+}
+
+/// By how much the joint's angles are off along a smooth curve, told minus seen, but for what noise
+/// makes of the curve's six numbers; by how far it turned. Where positions and angles have one
+/// source, the covariance holds all that they are off by.
+std::optional<double> gear_of(const Json& angles, const Json& joint,
+                              double samples_per_independent) {
+  if (text_of(angles, "trust") == "trusted") return 0;
+  const double samples = number_of(angles, "samples");
+  const double turned = mean_square_turn(joint);
+  if (!(samples > 0) || !(turned > 0)) return std::nullopt;
+  const auto square = [&](const std::string& name) {
+    const double linear = number_of(angles, name + "_mm");
+    const double value = std::isfinite(linear)
+                             ? linear / identify::kLinear_mm
+                             : radians(number_of(angles, name + "_arcsec") / 3600);
+    return std::isfinite(value) ? value * value : 0;
+  };
+  const double chance = 6 * samples_per_independent / samples * square("expected_rms");
+  return std::sqrt(std::max(0.0, square("error_rms") - square("remainder_rms") - chance) / turned);
+}
+
+/// The tool in the frame of the last axis.
+Eigen::Vector3d tool_of(const Json& result) {
+  const Eigen::Vector3d point = vector_of(part_of(part_of(result, "tool"), "point_mm"));
+  if (!point.allFinite()) return Eigen::Vector3d::Zero();
+  const auto specified = table_of(list_of(result, "specified"));
+  if (specified.empty()) return point;
+  return transform(values(specified).back()) * point;
+}
+
+std::optional<identify::TurnRange> limits_of(const Json& limits, double home_deg) {
+  if (!limits.is_array() || limits.size() != 2 || !limits[0].is_number() ||
+      !limits[1].is_number() || !std::isfinite(home_deg))
+    return std::nullopt;
+  return identify::TurnRange{radians(limits[0].get<double>() - home_deg),
+                             radians(limits[1].get<double>() - home_deg)};
+}
+
+}  // namespace
+
+ToldArm read_told_arm(const std::filesystem::path& path) {
+  ToldArm told;
+  told.file = std::filesystem::is_directory(path) ? path / "result.json" : path;
+  const Json json = parsed_file(told.file);
+  told.robot = text_of(json, "robot");
+  told.status = text_of(json, "status");
+  told.reason = text_of(json, "reason");
+  told.describes = text_of(json, "describes");
+  if (told.status == "failed")
+    refuse(told.file, "is a failed result, there is nothing to compare: " + told.reason);
+  told.arm.dh = table_of(list_of(json, "dh"));
+  const std::size_t joints = told.joints();
+  if (joints < 2 || joints > identify::kMostJoints)
+    refuse(told.file, "has a table of " + std::to_string(joints) +
+                          " joints: at least two are needed, and at most " +
+                          std::to_string(identify::kMostJoints));
+  const Json& models = list_of(part_of(part_of(json, "models"), "dh"), "joints");
+  if (models.size() != joints)
+    refuse(told.file, "does not know all numbers of the table" +
+                          (told.reason.empty() ? "" : " (" + told.reason + ')') +
+                          ": identify it again with sweeps of every joint");
+  told.arm.covariance = covariance_of(part_of(json, "covariance"), joints);
+  if (told.arm.covariance.size() == 0)
+    refuse(told.file,
+           "has no covariance of its numbers: without it nobody can tell a change from noise. "
+           "Make the result again with replay or identify, from samples and not from axes");
+
+  const Json& home = list_of(json, "home_deg");
+  const Json& limits = list_of(json, "limits_deg");
+  const Json& joint_list = list_of(json, "joints");
+  const Json& chain = part_of(part_of(json, "estimates"), "chain");
+  const Json& angles = list_of(chain, "angles");
+  const double correlated = std::max(1.0, number_of(chain, "samples_per_independent"));
+  const double step_deg = number_of(json, "angle_step_deg");
+  told.with_limits = true;
+  for (std::size_t j = 0; j < joints; ++j) {
+    told.reach.linear.push_back(told.arm.dh[j].linear);
+    told.arm.positive.push_back(number_of(models[j], "positive") < 0 ? -1 : 1);
+    const double home_deg =
+        j < home.size() && home[j].is_number() ? home[j].get<double>() : std::nan("");
+    told.arm.home_rad.push_back(std::isfinite(home_deg) ? std::optional(radians(home_deg))
+                                                        : std::nullopt);
+    const Json evidence = j < angles.size() ? angles[j] : Json();
+    told.arm.gear.push_back(
+        gear_of(evidence, j < joint_list.size() ? joint_list[j] : Json(), correlated));
+    const Index variable = static_cast<Index>(5 * j) + (told.arm.dh[j].linear ? 0 : 1);
+    double& variance = told.arm.covariance(variable, variable);
+    if (text_of(evidence, "trust") != "trusted" && variance > 0 &&
+        step_deg > 0)  // home is no better known than it is printed
+      variance += std::pow(step_deg * (told.arm.dh[j].linear ? 1 : radians(1)), 2) / 12;
+    const auto range = limits_of(j < limits.size() ? limits[j] : Json(), home_deg);
+    told.with_limits = told.with_limits && range;
+    told.reach.ranges.push_back(
+        range.value_or(identify::TurnRange{-radians(kUsualTurn_deg), radians(kUsualTurn_deg)}));
+  }
+  told.reach.tool_mm = tool_of(json);
+  return told;
+}
+
+}  // namespace sweepd

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identify/change/compared_arms.hpp"
+#include "identify/change/displacement.hpp"
+
+namespace sweepd {
+
+/// What a result.json tells of an arm, as far as another is compared with it.
+struct ToldArm {
+  std::filesystem::path file;
+  std::string robot;
+  std::string status;
+  std::string reason;     ///< why the status is not complete
+  std::string describes;  ///< controller_model or arm
+  identify::MeasuredArm arm;
+  /// The description's limits; 90 degrees from home where they are not known.
+  identify::ToolReach reach;
+  bool with_limits = false;  ///< all ranges are the description's
+
+  [[nodiscard]] std::size_t joints() const { return arm.dh.size(); }
+};
+
+/// `path` is a folder that holds result.json, or such a file. Throws std::runtime_error with what
+/// is wrong and what to do where it cannot be compared: not there, no result, of another version,
+/// failed, without covariance, or with numbers that are not determined.
+[[nodiscard]] ToldArm read_told_arm(const std::filesystem::path& path);
+
+}  // namespace sweepd

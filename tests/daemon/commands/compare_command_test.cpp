@@ -1,0 +1,200 @@
+#include "daemon/commands/compare_command.hpp"
+
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/results/result_json.hpp"
+#include "tests/catch.hpp"
+#include "tests/daemon/outcomes.hpp"
+#include "tests/daemon/temporary_folder.hpp"
+
+using Catch::Matchers::ContainsSubstring;
+using sweepd::compare;
+using sweepd::CompareOptions;
+using sweepd::test::TemporaryFolder;
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+namespace {
+
+/// Results side by side in a folder, each in one of its own.
+class ComparedResults {
+ public:
+  void write(const std::string& name, const sweepd::Outcome& outcome) {
+    write(name, Json::parse(sweepd::result_json(outcome)));
+  }
+  void write(const std::string& name, const Json& json) {
+    fs::create_directory(folder_ / name);
+    (void)folder_.write(name + "/result.json", json.dump());
+  }
+  [[nodiscard]] int exit_code(bool json = false) {
+    std::ostringstream out;
+    const int code = compare({folder_ / "a", folder_ / "b", 0.05, json}, out);
+    text = out.str();
+    return code;
+  }
+  /// Why the two cannot be compared.
+  [[nodiscard]] std::string refusal() {
+    try {
+      (void)exit_code();
+    } catch (const std::runtime_error& problem) {
+      return problem.what();
+    }
+    return "";
+  }
+  [[nodiscard]] fs::path path() const { return folder_.path(); }
+
+  std::string text;
+
+ private:
+  TemporaryFolder folder_;
+};
+
+Json complete() {
+  auto outcome = sweepd::test::complete_outcome();
+  outcome.positive = identify::test::kr5_arc().positive;
+  return Json::parse(sweepd::result_json(outcome));
+}
+
+Json number_in(const std::string& text, const std::string& name) {
+  const Json json = Json::parse(text);
+  for (const Json& number : json["numbers"])
+    if (number["name"] == Json(name)) return number;
+  FAIL("there is no " + name);
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("the same result twice has not changed, and that is said to be little",
+          "[compare_command]") {
+  ComparedResults results;
+  results.write("a", complete());
+  results.write("b", complete());
+  CHECK(results.exit_code() == 0);
+  CHECK_THAT(results.text, Catch::StartsWith("No change seen: ") &&
+                               ContainsSubstring("A and B are the same result") &&
+                               ContainsSubstring("Both are the controller's model") &&
+                               ContainsSubstring("left out  b1, zero1"));
+}
+
+TEST_CASE("a result that was made without the specified table is of the same arm",
+          "[compare_command]") {
+  ComparedResults results;
+  results.write("a", complete());
+  results.write("b", sweepd::test::unspecified_outcome());
+  CHECK(results.exit_code(true) == 0);
+  const Json json = Json::parse(results.text);
+  CHECK(json["degrees_of_freedom"] == Json(18));
+  CHECK(json["t_squared"].get<double>() < 1e-2);  // of the same samples: what rounding leaves
+}
+
+TEST_CASE("a zero that moved by ten times its uncertainty is named, alone", "[compare_command]") {
+  ComparedResults results;
+  Json later = complete();
+  const double sigma = later["dh"][3]["theta_sigma_deg"].get<double>();
+  later["dh"][3]["theta_deg"] = later["dh"][3]["theta_deg"].get<double>() + 10 * sigma;
+  results.write("a", complete());
+  results.write("b", later);
+  CHECK(results.exit_code() == 3);
+  CHECK_THAT(results.text, Catch::StartsWith("Changed: zero4 by -"));
+  CHECK(results.exit_code(true) == 3);
+  const Json json = Json::parse(results.text);
+  CHECK(json["verdict"] == Json("changed"));
+  const Json zero4 = number_in(results.text, "zero4_deg");
+  CHECK(zero4["changed"] == Json(true));
+  CHECK(zero4["difference"].get<double>() == Approx(-10 * sigma).epsilon(0.01));
+  CHECK(zero4["sigma"].get<double>() == Approx(std::sqrt(2) * sigma).epsilon(0.01));
+  CHECK(number_in(results.text, "zero5_deg")["changed"] == Json(false));
+  CHECK(json["displacement_by_changes"]["low_mm"].get<double>() > 0);
+}
+
+TEST_CASE("what only tells where base, tool and home are does not count", "[compare_command]") {
+  ComparedResults results;
+  Json later = complete();
+  later["dh"][0]["b_mm"] = 17;
+  later["dh"][0]["theta_deg"] = 17;
+  later["tool"]["point_mm"] = {1, 2, 3};
+  for (std::size_t j = 1; j < 5; ++j) {  // each turned by 30 degrees, about -Z of its row
+    later["home_deg"][j] = later["home_deg"][j].get<double>() + 30;
+    later["dh"][j]["theta_deg"] = later["dh"][j]["theta_deg"].get<double>() - 30;
+  }
+  results.write("a", complete());
+  results.write("b", later);
+  CHECK(results.exit_code(true) == 0);
+  CHECK(Json::parse(results.text)["t_squared"].get<double>() < 1e-2);
+}
+
+TEST_CASE("the controller's model and an arm are not compared", "[compare_command]") {
+  ComparedResults results;
+  Json arm = complete();
+  arm["describes"] = "arm";
+  results.write("a", complete());
+  results.write("b", arm);
+  CHECK_THAT(results.refusal(),
+             ContainsSubstring("a/result.json has the controller's model") &&
+                 ContainsSubstring("b/result.json has the arm, as a device measured it") &&
+                 ContainsSubstring("compare two of a kind"));
+}
+
+TEST_CASE("what cannot be compared is refused with a reason", "[compare_command]") {
+  ComparedResults results;
+  results.write("a", complete());
+  Json other = complete();
+  SECTION("failed") {
+    results.write("b", sweepd::test::failed_outcome());
+    CHECK_THAT(results.refusal(), ContainsSubstring("is a failed result"));
+  }
+  SECTION("without some axes") {
+    results.write("b", sweepd::test::partial_outcome());
+    CHECK_THAT(results.refusal(), ContainsSubstring("does not know all numbers of the table (no "
+                                                    "axis for joint 3, 5, 6)"));
+  }
+  SECTION("of another version") {
+    other["schema"] = "sweepd.result/2";
+    results.write("b", other);
+    CHECK_THAT(results.refusal(), ContainsSubstring("has the schema sweepd.result/2"));
+  }
+  SECTION("no result") {
+    other["schema"] = "sweepd.run/1";
+    results.write("b", other);
+    CHECK_THAT(results.refusal(), ContainsSubstring("holds no result of sweepd"));
+  }
+  SECTION("not there") {
+    CHECK_THAT(results.refusal(), ContainsSubstring("cannot be read"));
+  }
+  SECTION("without covariance") {
+    other.erase("covariance");
+    results.write("b", other);
+    CHECK_THAT(results.refusal(), ContainsSubstring("has no covariance"));
+  }
+  SECTION("a covariance that somebody broke") {
+    const auto broken = GENERATE(0, 1, 2, 3);
+    if (broken == 0) other["covariance"]["rows"].erase(3);
+    if (broken == 1) other["covariance"]["rows"][2].erase(3);
+    if (broken == 2) other["covariance"]["rows"][2][4] = "0";
+    if (broken == 3) other["covariance"]["names"][2] = "b17_mm";
+    results.write("b", other);
+    CHECK_THAT(results.refusal(), ContainsSubstring("has no covariance"));
+  }
+  SECTION("of other joints") {
+    other["dh"][4]["variable"] = "b_mm";
+    results.write("b", other);
+    CHECK_THAT(results.refusal(), ContainsSubstring("the linear joints of "));
+  }
+  CHECK(results.text.empty());
+}
+
+TEST_CASE("doubtful results and other robots are compared, and named", "[compare_command]") {
+  ComparedResults results;
+  Json doubtful = complete();
+  doubtful["status"] = "doubtful";
+  doubtful["reason"] = "two strokes contradict each other";
+  doubtful["robot"] = "other";
+  results.write("a", complete());
+  results.write("b", doubtful);
+  CHECK(results.exit_code() == 0);
+  CHECK_THAT(results.text, ContainsSubstring("B is doubtful: two strokes contradict each other.") &&
+                               ContainsSubstring("A is of the robot kr5-arc, B of other."));
+}
