@@ -52,7 +52,7 @@ Simulation::Simulation(Robot robot, Strokes strokes, World world, std::uint32_t 
       sag_(robot_, world.sag_arcsec * kArcsec),
       homes_(homes_of(how_, robot_, seed)) {
   if (world_.placed) base_ = random_place(seed);
-  auto random = stream(seed, Source::gears);
+  auto random = stream(world_.gears.seed.value_or(seed), Source::gears);
   std::uniform_real_distribution<> phase(-kPi, kPi);
   for (std::size_t j = 0; j < robot_.arm.joints(); ++j) {
     const double first = phase(random);

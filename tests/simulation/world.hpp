@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 
 namespace simulation {
@@ -37,6 +38,8 @@ struct Gears {
   /// Play: the arm is behind its motor by half of it. Locked joints came home rising.
   double backlash_arcsec = 0;
   std::optional<std::size_t> joint;  ///< only this one's; nothing: all joints'
+  /// Of the phases, where several campaigns are of one robot; nothing: the campaign's.
+  std::optional<std::uint32_t> seed = {};
 };
 
 /// When angles were read: `late_s` before the position of the same sample, and later by the
