@@ -24,7 +24,7 @@ using identify::Knowledge;
 using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kSchema = "sweepd.result/1";
-constexpr std::array<const char*, 5> kNames = {"b", "theta", "a", "alpha", "beta"};
+constexpr std::array<const char*, 5> kDhNames = {"b", "theta", "a", "alpha", "beta"};
 constexpr double kUsualTurn_deg = 90;
 
 [[noreturn]] void refuse(const std::filesystem::path& file, const std::string& why) {
@@ -69,7 +69,7 @@ std::vector<identify::DhEstimate> table_of(const Json& rows) {
     const std::array<identify::DhNumber*, 5> numbers = {&row.b_mm, &row.theta_rad, &row.a_mm,
                                                         &row.alpha_rad, &row.beta_rad};
     for (std::size_t k = 0; k < numbers.size(); ++k) {
-      const double value = number_of(json, std::string(kNames[k]) + suffix(k));
+      const double value = number_of(json, std::string(kDhNames[k]) + suffix(k));
       if (std::isfinite(value)) numbers[k]->value = unit(k) * value;
     }
     row.relation = relation_of(text_of(json, "relation"));
@@ -87,9 +87,9 @@ Eigen::MatrixXd covariance_of(const Json& json, std::size_t joints) {
   };
   std::map<std::string, Place> places;
   for (std::size_t j = 0; j < joints; ++j)
-    for (std::size_t k = 0; k < kNames.size(); ++k)
-      places[kNames[k] + std::to_string(j + 1) + suffix(k)] = {static_cast<Index>(5 * j + k),
-                                                               unit(k)};
+    for (std::size_t k = 0; k < kDhNames.size(); ++k)
+      places[kDhNames[k] + std::to_string(j + 1) + suffix(k)] = {static_cast<Index>(5 * j + k),
+                                                                 unit(k)};
   std::vector<Place> order;
   for (const Json& name : list_of(json, "names")) {
     const auto place = name.is_string() ? places.find(name.get<std::string>()) : places.end();

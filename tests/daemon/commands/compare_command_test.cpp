@@ -57,7 +57,7 @@ Json complete() {
   return Json::parse(sweepd::result_json(outcome));
 }
 
-Json number_in(const std::string& text, const std::string& name) {
+Json compared_number(const std::string& text, const std::string& name) {
   const Json json = Json::parse(text);
   for (const Json& number : json["numbers"])
     if (number["name"] == Json(name)) return number;
@@ -102,11 +102,11 @@ TEST_CASE("a zero that moved by ten times its uncertainty is named, alone", "[co
   CHECK(results.exit_code(true) == 3);
   const Json json = Json::parse(results.text);
   CHECK(json["verdict"] == Json("changed"));
-  const Json zero4 = number_in(results.text, "zero4_deg");
+  const Json zero4 = compared_number(results.text, "zero4_deg");
   CHECK(zero4["changed"] == Json(true));
   CHECK(zero4["difference"].get<double>() == Approx(-10 * sigma).epsilon(0.01));
   CHECK(zero4["sigma"].get<double>() == Approx(std::sqrt(2) * sigma).epsilon(0.01));
-  CHECK(number_in(results.text, "zero5_deg")["changed"] == Json(false));
+  CHECK(compared_number(results.text, "zero5_deg")["changed"] == Json(false));
   CHECK(json["displacement_by_changes"]["low_mm"].get<double>() > 0);
 }
 

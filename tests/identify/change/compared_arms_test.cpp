@@ -7,7 +7,8 @@
 #include "tests/identify/change/measured_arms.hpp"
 
 using namespace identify;
-using namespace identify::test;
+using identify::test::measured;
+using identify::test::Measuring;
 using simulation::Robot;
 
 namespace {
@@ -35,7 +36,7 @@ double difference(const ComparedArms& arms, ArmNumberKind kind, std::size_t join
 /// What differentiating and rounding leave, in mm and rad.
 constexpr double kNothingLeft = 1e-8;
 
-Eigen::Isometry3d somewhere() {
+Eigen::Isometry3d other_base() {
   return Eigen::Translation3d(1500, -2500, 300) *
          Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized());
 }
@@ -48,7 +49,7 @@ TEST_CASE("numbers of an arm do not change with base, home and table", "[compare
   const auto other = GENERATE(0, 1, 2, 3);
   Robot elsewhere = robot;
   Measuring how;
-  if (other == 0 || other == 3) how.base = somewhere();
+  if (other == 0 || other == 3) how.base = other_base();
   if (other == 1 || other == 3) elsewhere = simulation::at_random_home(robot, 5);
   if (other == 2 || other == 3) how.specified = false;
   CAPTURE(other);
@@ -66,7 +67,7 @@ TEST_CASE("a joint that lost its zero shows in that zero alone", "[compared_arms
   const Robot robot = built_kr5();
   Robot crashed = robot;
   crashed.arm.rows[3].theta_rad += 0.02 * kDegree;
-  const auto arms = compared(measured(robot), measured(crashed, {somewhere(), false}));
+  const auto arms = compared(measured(robot), measured(crashed, {other_base(), false}));
   // Angles along positive rotation, which is about -Z of the table.
   CHECK(difference(arms, ArmNumberKind::zero, 3) == Approx(-0.02 * kDegree).epsilon(1e-6));
   auto others = arms.difference;
@@ -91,7 +92,7 @@ TEST_CASE("axes that only one of two takes for parallel are compared as parallel
   CHECK(std::abs(difference(arms, ArmNumberKind::a, 1)) < 0.01);
   CHECK(std::abs(difference(arms, ArmNumberKind::b, 2)) <
         0.5);  // it was some 100 mm along skew axes
-  const auto same = compared(second, measured(closer, {somewhere(), true}));
+  const auto same = compared(second, measured(closer, {other_base(), true}));
   CHECK(same.difference.cwiseAbs().maxCoeff() < kNothingLeft);
 }
 

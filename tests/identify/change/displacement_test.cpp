@@ -5,7 +5,7 @@
 #include "tests/identify/change/measured_arms.hpp"
 
 using namespace identify;
-using namespace identify::test;
+using identify::test::measured;
 using simulation::Robot;
 
 namespace {
