@@ -126,6 +126,35 @@ TEST_CASE("what only tells where base, tool and home are does not count", "[comp
   CHECK(Json::parse(results.text)["t_squared"].get<double>() < 1e-2);
 }
 
+TEST_CASE("a zero is no better known than gears and printed angles are", "[compare_command]") {
+  ComparedResults results;
+  Json first = complete();
+  first["describes"] = "arm";
+  for (Json& angles : first["estimates"]["chain"]["angles"]) {
+    angles["trust"] = "smooth";
+    angles["error_rms_arcsec"] = 20;
+    angles["remainder_rms_arcsec"] = angles["expected_rms_arcsec"] = 0;
+  }
+  Json later = first;
+  const auto sigma = [&] {
+    results.write("a", first);
+    results.write("b", later);
+    (void)results.exit_code(true);
+    return compared_number(results.text, "zero3_deg")["sigma"].get<double>();
+  };
+  const double same_home = sigma();
+  CHECK(same_home < 1e-3);
+  later["home_deg"][2] = later["home_deg"][2].get<double>() + 45;
+  later["dh"][2]["theta_deg"] = later["dh"][2]["theta_deg"].get<double>() - 45;
+  // Joint 3 swept 90 degrees, others less: what it is off by grows from 20 arcsec at sqrt(1/12) of
+  // that, and no less than it does on average.
+  CHECK(sigma() == Approx(20.0 / 3600 * std::sqrt(3)).epsilon(0.1));
+  CHECK_THAT(results.text, ContainsSubstring("The homes are apart in joint 3."));
+  later = first;
+  later["angle_step_deg"] = 0.1;
+  CHECK(sigma() == Approx(0.1 / std::sqrt(12)).epsilon(1e-3));
+}
+
 TEST_CASE("the controller's model and an arm are not compared", "[compare_command]") {
   ComparedResults results;
   Json arm = complete();
