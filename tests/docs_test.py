@@ -170,6 +170,11 @@ def fixtures(root, sweepd, folder):
                   for row in csv.DictReader(file)]
     write(folder / "points.csv", [["joint", "x_mm", "y_mm", "z_mm"], *points])
     write(folder / "bare.csv", [[*row, 0] for row in points])
+    with (folder / "result/sweeps.csv").open(newline="") as file:
+        names = ["x_mm", "y_mm", "z_mm", *(f"a{j}_deg" for j in range(1, 7))]
+        poses = [[row[name] for name in names] for row in csv.DictReader(file)]
+    write(folder / "poses.csv", [names, *poses[::40]])
+    write(folder / "held-out.csv", [names, *poses[20::40]])
     result = json.loads((folder / "result/result.json").read_text())
     write(folder / "axes.csv", [["joint", "x_mm", "y_mm", "z_mm", "dx", "dy", "dz"],
                                 *([joint["joint"], *joint["axis"]["point"],

@@ -6,6 +6,7 @@
 #include "daemon/report/circle_figures.hpp"
 #include "daemon/report/curve_figures.hpp"
 #include "daemon/report/first_page.hpp"
+#include "daemon/report/poses_part.hpp"
 #include "daemon/report/range_figure.hpp"
 
 namespace sweepd {
@@ -72,6 +73,7 @@ void add_folder(Markup body, const ReportFolder& folder, const ReportFacts& fact
     if (alone) add_range_figure(part, std::span(&folder, 1));
   });
   add_part(body, "circles", "The circles", [&](Markup part) { add_circle_figures(part, folder); });
+  add_part(body, "poses", "The static poses", [&](Markup part) { add_poses(part, folder); });
   add_part(body, "residuals", "What is left",
            [&](Markup part) { add_residual_figures(part, folder); });
   add_part(body, "uncertainty", "Uncertainty, link and time", [&](Markup part) {

@@ -1,0 +1,150 @@
+#include "daemon/commands/validate_command.hpp"
+
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/commands/identify_command.hpp"
+#include "daemon/points/csv_file.hpp"
+#include "tests/catch.hpp"
+#include "tests/config_folder.hpp"
+#include "tests/daemon/temporary_folder.hpp"
+#include "tests/simulation/simulation.hpp"
+
+using Catch::Matchers::ContainsSubstring;
+using Json = nlohmann::json;
+using namespace sweepd;
+using namespace sweepd::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A built KR 5 by its own home, seen by a tracker.
+simulation::Simulation built_kr5(std::uint32_t seed) {
+  simulation::World world;
+  world.angles = world.placed = true;
+  world.noise.range_mm = world.noise.across_mm = 0.02;
+  simulation::Strokes strokes;
+  strokes.samples = 20;
+  return {simulation::built(simulation::kr5(), seed), strokes, world, seed};
+}
+
+std::string lines_of(const std::vector<identify::Pose>& poses, std::size_t from, std::size_t to) {
+  std::ostringstream text;
+  text.precision(12);
+  text << "pose,x_mm,y_mm,z_mm,a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg\n";
+  for (std::size_t i = from; i < to; ++i) {
+    text << i;
+    for (const double value : poses[i].sample.position_mm) text << ',' << value;
+    for (std::size_t j = 0; j < 6; ++j)
+      text << ',' << poses[i].sample.angles_rad[j] / identify::kDegree;
+    text << '\n';
+  }
+  return text.str();
+}
+
+IdentifyOptions of_poses(const fs::path& file, const fs::path& output) {
+  IdentifyOptions options;
+  options.points = {file};
+  options.robot = kConfig / "robots/kr5_arc.toml";
+  options.output = output;
+  options.quiet = true;
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("Poses that were kept back judge a result, and used ones are refused",
+          "[validate_command]") {
+  const TemporaryFolder folder;
+  const auto poses = built_kr5(3).poses(140);
+  const auto fit = folder.write("fit.csv", lines_of(poses, 0, 60));
+  const auto held = folder.write("held.csv", lines_of(poses, 60, 140));
+  const auto result = folder / "result";
+  std::ostringstream out;
+  REQUIRE(identify_points(of_poses(fit, result), out) == 0);
+  const auto json = Json::parse(content(result / "result.json"));
+  CHECK(json["status"].get<std::string>() == "complete");
+  CHECK(json["estimator"].get<std::string>() == "poses");
+  CHECK(json["describes"].get<std::string>() == "arm");
+  CHECK(json["source"]["poses"].get<int>() == 60);
+  CHECK(json["poses"]["count"].get<int>() == 60);
+  CHECK_THAT(content(result / "report.txt"), ContainsSubstring("60 static poses"));
+  CHECK(fs::exists(result / "robot.urdf"));
+
+  ValidateOptions options;
+  options.result = result;
+  options.points = {held};
+  CHECK(validate(options, out) == 0);
+  const auto found = Json::parse(content(result / "validation.json"));
+  CHECK(found["schema"].get<std::string>() == "sweepd.validation/1");
+  CHECK(found["count"].get<int>() == 80);
+  CHECK(found["mean_mm"].get<double>() < 0.06);
+  CHECK(found["inside_95"].get<int>() >= 70);
+  REQUIRE(found["levels"].size() == 4);
+  for (std::size_t k = 1; k < 4; ++k)
+    CHECK(found["levels"][k]["mean_mm"].get<double>() <
+          found["levels"][k - 1]["mean_mm"].get<double>());
+  CHECK(validate(options, out) == 0);  // over its own file
+
+  options.points = {held, fit};
+  CHECK_THROWS_WITH(validate(options, out),
+                    ContainsSubstring("fit.csv line 2") && ContainsSubstring("made of this pose"));
+}
+
+TEST_CASE("poses.csv of a result gives the same result again", "[validate_command]") {
+  const TemporaryFolder folder;
+  const auto poses = built_kr5(4).poses(50);
+  std::ostringstream out;
+  const auto first = folder / "first", again = folder / "again";
+  REQUIRE(identify_points(of_poses(folder.write("fit.csv", lines_of(poses, 0, 50)), first), out) ==
+          0);
+  REQUIRE(identify_points(of_poses(first / "poses.csv", again), out) == 0);
+  const auto a = Json::parse(content(first / "result.json"))["dh"];
+  const auto b = Json::parse(content(again / "result.json"))["dh"];
+  for (std::size_t j = 0; j < 5; ++j)
+    CHECK(a[j]["a_mm"].get<double>() == Approx(b[j]["a_mm"].get<double>()).margin(1e-4));
+}
+
+TEST_CASE("A result without poses, another file, and poses without angles are refused",
+          "[validate_command]") {
+  const TemporaryFolder folder;
+  std::ostringstream out;
+  ValidateOptions options;
+  options.result = folder.path();
+  options.points = {folder.write("held.csv", lines_of(built_kr5(5).poses(30), 0, 30))};
+  CHECK_THROWS_WITH(validate(options, out), ContainsSubstring("cannot be read"));
+  (void)folder.write("result.json", R"({"schema":"sweepd.result/1"})");
+  CHECK_THROWS_WITH(validate(options, out), ContainsSubstring("not made of static poses"));
+  (void)folder.write("result.json", R"({"poses":{"model":{"axes":[1]}}})");
+  CHECK_THROWS_WITH(validate(options, out), ContainsSubstring("not as sweepd writes it"));
+  (void)folder.write("result.json", "{");
+  CHECK_THROWS_WITH(validate(options, out), ContainsSubstring("not as sweepd writes it"));
+  auto wanted =
+      of_poses(folder.write("bare.csv", "pose,x_mm,y_mm,z_mm\n1,2,3,4\n"), folder / "none");
+  CHECK_THROWS_WITH(identify_points(wanted, out), ContainsSubstring("joint angles"));
+}
+
+TEST_CASE("A pose visited again tells accuracy and repeatability", "[validate_command]") {
+  const TemporaryFolder folder;
+  const auto built = built_kr5(6);
+  auto poses = built.poses(70);
+  for (std::size_t i = 61; i < 66; ++i) {
+    poses[i] = poses[60];
+    poses[i].sample.position_mm.x() += 0.05 * static_cast<double>(i - 60);
+  }
+  std::ostringstream out;
+  const auto result = folder / "result";
+  REQUIRE(identify_points(of_poses(folder.write("fit.csv", lines_of(poses, 0, 60)), result), out) ==
+          0);
+  ValidateOptions options;
+  options.result = result;
+  options.points = {folder.write("held.csv", lines_of(poses, 60, 70))};
+  REQUIRE(validate(options, out) == 0);
+  const auto visits = Json::parse(content(result / "validation.json"))["visits"];
+  REQUIRE(visits.size() == 1);
+  CHECK(visits[0]["count"].get<int>() == 6);
+  CHECK(visits[0]["accuracy_mm"].get<double>() == Approx(0.125).margin(0.06));
+  // Distances 0.125, 0.075, 0.025 mm from the middle, each twice: mean 0.075, S 0.0447.
+  CHECK(visits[0]["repeatability_mm"].get<double>() == Approx(0.075 + 3 * 0.0447).margin(0.002));
+}
