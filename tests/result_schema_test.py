@@ -87,6 +87,14 @@ with tempfile.TemporaryDirectory() as name:
     write(work / "few.csv", [row for row in points if row["joint"] in "124"])
     run(0, "identify", work / "few.csv", "--robot", robot, "--output", work / "partial", "--quiet")
     check(work / "partial", "partial")
+    # Some of the samples as static poses: from RSI, so that they are the controller's model.
+    names = ["x_mm", "y_mm", "z_mm", *(f"a{j}_deg" for j in range(1, 7))]
+    write(work / "poses.csv", [{key: row[key] for key in names} for row in rows[::40]])
+    run(0, "identify", work / "poses.csv", "--robot", robot, "--output", work / "poses", "--quiet")
+    told = check(work / "poses", "complete")
+    assert told["estimator"] == "poses" and told["describes"] == "controller_model"
+    write(work / "held.csv", [{key: row[key] for key in names} for row in rows[20::40]])
+    run(0, "validate", work / "poses", work / "held.csv")
     for row in points:
         for axis in ("x_mm", "y_mm", "z_mm"):
             row[axis] = float(row[axis]) / 1000

@@ -37,7 +37,7 @@ void drop_times(PointsFile& file) {
 }
 
 /// The time of the point before, of the same target.
-struct Before {
+struct LastTime {
   std::size_t joint = 0;
   double time_s = 0;
 };
@@ -55,7 +55,7 @@ PointsFile device_points(const DeviceFormat& format, const DeviceText& text, std
   result.format = format.title;
   result.notes = layout.notes;
   DeviceRows rows(text, layout, joints);
-  std::vector<std::optional<Before>> before;
+  std::vector<std::optional<LastTime>> before;
   std::vector<std::optional<std::size_t>> known(layout.targets.size());  // places in `targets`
   std::size_t bytes = 0;
   while (rows.next()) {

@@ -27,8 +27,8 @@ std::string unit_of(const ArmNumber& number) {
 }
 
 /// As many as show two digits of the smallest uncertainty.
-struct Decimals {
-  explicit Decimals(const Change& change) {
+struct ChangeDecimals {
+  explicit ChangeDecimals(const Change& change) {
     double least_length = 1, least_angle = 1;
     for (std::size_t k = 0; k < change.arms.numbers.size(); ++k) {
       const ArmNumber& number = change.arms.numbers[k];
@@ -52,7 +52,7 @@ std::string share_of_pairs(double p) {
   return fixed(100 * p, p < 0.001 ? 2 : p < 0.1 ? 1 : 0) + " %";
 }
 
-std::string verdict(const Change& change, const Decimals& decimals) {
+std::string verdict(const Change& change, const ChangeDecimals& decimals) {
   const std::string chance =
       "of unchanged pairs, " + share_of_pairs(change.test.p) + " differ by as much.";
   if (!change.test.changed) return "No change seen: " + chance;
@@ -75,7 +75,7 @@ std::string about(const ToldArm& told) {
          (told.describes == "arm" ? "the arm" : "the controller's model") + ", " + told.status;
 }
 
-std::string table(const Change& change, const Decimals& decimals) {
+std::string table(const Change& change, const ChangeDecimals& decimals) {
   constexpr std::size_t kName = 7, kUnit = 5, kValue = 13, kDifference = 11, kSize = 10;
   std::string out = left("number", kName) + left("unit", kUnit) + right("A", kValue) +
                     right("B", kValue) + right("B - A", kDifference) + right("U", kSize) +
@@ -137,7 +137,7 @@ std::string displacement(const Change& change) {
 }  // namespace
 
 std::string change_text(const Change& change) {
-  const Decimals decimals(change);
+  const ChangeDecimals decimals(change);
   std::string out = paragraph("", verdict(change, decimals)) + '\n';
   out += paragraph("A  ", about(change.first)) + paragraph("B  ", about(change.second));
   for (const std::string& note : change.notes) out += paragraph("!  ", note);

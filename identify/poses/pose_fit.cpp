@@ -22,7 +22,7 @@ constexpr int kNoiseSteps = 12;
 constexpr double kLastStep = 1e-2;
 constexpr double kNoiseSettled = 2e-3;
 /// Below it residuals are those of computing.
-constexpr double kComputed_mm = 1e-6;
+constexpr double kLeastNoise_mm = 1e-6;
 
 /// From one chain to another, as small changes of the first's parameters.
 VectorXd change_between(const Chain& from, const Chain& to) {
@@ -198,7 +198,7 @@ class Problem {
     const double rest = fit_.noise.position_mm * fit_.noise.position_mm * expected_position;
     joint_share_ = joint / (joint + rest);
     fit_.noise.position_mm =
-        std::max(kComputed_mm, fit_.noise.position_mm * times(seen_position, expected_position));
+        std::max(kLeastNoise_mm, fit_.noise.position_mm * times(seen_position, expected_position));
     fit_.noise.joint_rad *= times(seen_joint, expected_joint);
     fit_.noise.orientation_rad *= times(seen_orientation, expected_orientation);
   }

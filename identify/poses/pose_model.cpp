@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr double kGravity_m_s2 = 9.80665;
-constexpr double kMetre_mm = 1000;
+constexpr double kMillimetres = 1000;
 
 /// Of the weights beyond a joint, about its axis, Nm.
 double torque(const PoseModel& model, std::size_t joint, const Turns& turns) {
@@ -30,7 +30,7 @@ double torque(const PoseModel& model, std::size_t joint, const Turns& turns) {
       if (load.joint == j)
         sum -= load.mass_kg * axis.dot((carried * load.center_mm - point).cross(model.up));
   }
-  return kGravity_m_s2 * sum / kMetre_mm;
+  return kGravity_m_s2 * sum / kMillimetres;
 }
 
 }  // namespace
