@@ -22,8 +22,8 @@ enum class Status {
 };
 [[nodiscard]] std::string_view text(Status status) noexcept;
 
-/// Which estimator a result comes from: `poses` those of static poses, perhaps with a chain's beside
-/// them. `axes`: none, the axes were given.
+/// Which estimator a result comes from: `poses` those of static poses, perhaps with a chain's
+/// beside them. `axes`: none, the axes were given.
 enum class Estimator { circle, chain, poses, axes };
 [[nodiscard]] std::string_view text(Estimator estimator) noexcept;
 
@@ -61,8 +61,8 @@ void apply_doubts(Identification& found);
 
 /// The engine: circles first, then the chain, which starts from them; `dh` and the joints' axes are
 /// the chain's where it converged. Static `poses` of the same robot in the same frame, if any, are
-/// fitted then, with what the sweeps told beside them. Sweeps in the order of time. Never throws for
-/// what the data hold. The same sweeps and poses give the same bits.
+/// fitted then, with what the sweeps told beside them. Sweeps in the order of time. Never throws
+/// for what the data hold. The same sweeps and poses give the same bits.
 [[nodiscard]] Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign,
                                       std::vector<Pose> poses = {});
 

@@ -23,8 +23,8 @@ class Simulation {
   /// In the order of time. Every stroke is a sweep whose joint and direction are known; of a stroke
   /// that all targets see, one sweep each.
   [[nodiscard]] std::vector<identify::Sweep> sweeps() const;
-  /// Static poses at random, each joint up to `range_deg` from home, the targets in turn. Joints stand
-  /// off what they tell as they do when locked (HomeError), anew at each pose.
+  /// Static poses at random, each joint up to `range_deg` from home, the targets in turn. Joints
+  /// stand off what they tell as they do when locked (HomeError), anew at each pose.
   [[nodiscard]] std::vector<identify::Pose> poses(std::size_t count, double range_deg = 80) const;
   /// The robot's links, as a description tells them.
   [[nodiscard]] std::vector<identify::Load> loads() const;

@@ -340,8 +340,9 @@ TEST_CASE("options that contradict each other or the files are told", "[identify
   check_usage(wanted, "7 files for 6 joints");
   wanted.points = {listed};
   check_csv_error(wanted, "listed.csv: expected no column joint");
-  check_csv_error(points_options({bare}, folder / "out"),
-                  "bare.csv: expected a column t_s or joint, or joint angles of static poses, found none");
+  check_csv_error(
+      points_options({bare}, folder / "out"),
+      "bare.csv: expected a column t_s or joint, or joint angles of static poses, found none");
   check_csv_error(points_options({angles}, folder / "out"),
                   "angles.csv: expected angles of 6 joints, found those of 2");
   check_csv_error(points_options({folder / "missing.csv"}, folder / "out"),

@@ -74,7 +74,8 @@ TEST_CASE("One wrong pose in twenty is left out and named; the others tell the s
   const auto built = arm_with(tracker(), 5);
   auto poses = built.poses(60);
   const auto clean = identify::identify({}, built.campaign(), poses);
-  for (const std::size_t i : std::vector<std::size_t>{3, 24, 50}) poses[i].sample.position_mm += Eigen::Vector3d(2, -3, 1);
+  for (const std::size_t i : std::vector<std::size_t>{3, 24, 50})
+    poses[i].sample.position_mm += Eigen::Vector3d(2, -3, 1);
   const auto found = identify::identify({}, built.campaign(), poses);
   INFO(found.reason);
   CHECK(found.status == Status::complete);
