@@ -21,7 +21,7 @@ BUSY = (r"<(thread|mutex|shared_mutex|condition_variable|future|stop_token|semap
 # Another library in here needs a decision.
 LAYERS = {  # may include, may not include
     "rsi": (f"{STANDARD}|{POSIX}|<boost/|<pugixml\\.hpp>|<pcap/|\"rsi/", TALKING),
-    "identify": (f"{STANDARD}|<Eigen/|<boost/math/|\"identify/", f"{TALKING}|{BUSY}"),
+    "identify": (f"{STANDARD}|<Eigen/|\"identify/", f"{TALKING}|{BUSY}"),
     "daemon": (".", "\"tests/"),
 }
 ENDING = re.compile(r"std::(cout|cerr|clog)|(^|[^A-Za-z0-9_])(v?f?printf|f?puts|putchar|perror|syslog"

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "daemon/results/change_test.hpp"
 #include "daemon/results/told_arm.hpp"
-#include "identify/change/change_test.hpp"
 #include "identify/change/compared_arms.hpp"
 #include "identify/change/displacement.hpp"
 
@@ -17,7 +17,7 @@ struct Change {
   ToldArm second;
   double level = 0;
   identify::ComparedArms arms;
-  identify::ChangeTest test;
+  ChangeTest test;
   identify::Displacement displacement;  ///< by all differences, noise included
   /// By the numbers that have changed, where the others have not.
   std::optional<identify::Displacement> changes_displacement;

@@ -76,7 +76,7 @@ std::string change_json(const Change& change) {
                {"t_squared", rounded(change.test.t_squared, 4)},
                {"degrees_of_freedom", change.arms.numbers.size()},
                {"p", rounded(change.test.p, 6)},
-               {"power", identify::kPower},
+               {"power", kPower},
                {"numbers", numbers(change)}};
   json["left_out"] = Json::array();
   for (const auto& one : change.arms.left_out)

@@ -145,7 +145,7 @@ std::string change_text(const Change& change) {
   out += paragraph("zero      ", "theta minus the controller's angle at home");
   out += paragraph("U         ", "expanded uncertainty of B - A, k = 2");
   out += paragraph("smallest  ", "a change of this number alone that would be named in " +
-                                     fixed(100 * identify::kPower, 0) + " % of cases, at level " +
+                                     fixed(100 * kPower, 0) + " % of cases, at level " +
                                      fmt::format("{}", change.level));
   out += paragraph("together  ",
                    "T2 = " + fixed(change.test.t_squared, 1) + " of " +

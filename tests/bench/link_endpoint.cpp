@@ -6,7 +6,6 @@
 
 #include <atomic>
 #include <exception>
-#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <iterator>
@@ -24,6 +23,7 @@
 #include "tests/bench/table.hpp"
 #include "tests/daemon/http_client.hpp"
 #include "tests/daemon/temporary_folder.hpp"
+#include "tests/process_threads.hpp"
 
 namespace bench {
 namespace {
@@ -116,11 +116,9 @@ class Viewers {
 
 /// Processor time of this process's thread with this name.
 std::chrono::nanoseconds processor_time(const std::string& thread) {
-  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
-    std::string name;
-    std::getline(std::ifstream(task.path() / "comm"), name);
+  for (const auto& task : sweepd::test::threads_of()) {
     std::uint64_t ns = 0;
-    if (name == thread && std::ifstream(task.path() / "schedstat") >> ns)
+    if (task.name == thread && std::ifstream(task.proc / "schedstat") >> ns)
       return std::chrono::nanoseconds(ns);
   }
   return {};

@@ -18,6 +18,7 @@
 #include "daemon/settings/robot_description.hpp"
 #include "daemon/settings/sweep_plan.hpp"
 #include "rsi/telegram/reply.hpp"
+#include "tests/process_threads.hpp"
 
 namespace bench {
 
@@ -119,12 +120,10 @@ double quantile_us(std::vector<std::chrono::nanoseconds>& times, double q) {
 
 std::map<std::string, std::chrono::nanoseconds> processor_times(int process) {
   std::map<std::string, std::chrono::nanoseconds> times;
-  for (const auto& thread : std::filesystem::directory_iterator(proc(process) / "task")) {
-    std::string name;
-    std::getline(std::ifstream(thread.path() / "comm"), name);
+  for (const auto& thread : sweepd::test::threads_of(std::to_string(process))) {
     std::int64_t time = 0;
-    std::ifstream(thread.path() / "schedstat") >> time;
-    times[name] += std::chrono::nanoseconds(time);
+    std::ifstream(thread.proc / "schedstat") >> time;
+    times[thread.name] += std::chrono::nanoseconds(time);
   }
   return times;
 }

@@ -14,6 +14,7 @@
 #include "rsi/asio.hpp"
 
 #include "tests/catch.hpp"
+#include "tests/process_threads.hpp"
 #include "tests/scenarios/streamer.hpp"
 #include "tests/scenarios/sweepd_process.hpp"
 
@@ -83,10 +84,9 @@ class ServiceManager {
 class HeldThread {
  public:
   HeldThread(pid_t process, const std::string& name) {
-    const auto tasks = std::filesystem::path("/proc") / std::to_string(process) / "task";
     const bool found = eventually([&] {  // a thread names itself
-      for (const auto& task : std::filesystem::directory_iterator(tasks))
-        if (content(task.path() / "comm") == name + "\n") id_ = std::stoi(task.path().filename());
+      for (const auto& thread : sweepd::test::threads_of(std::to_string(process)))
+        if (thread.name == name) id_ = thread.id;
       return id_ > 0;
     });
     REQUIRE(found);

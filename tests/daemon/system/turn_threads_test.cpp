@@ -1,8 +1,7 @@
 #include "daemon/system/turn_threads.hpp"
 
+#include <algorithm>
 #include <atomic>
-#include <filesystem>
-#include <fstream>
 #include <future>
 #include <memory>
 #include <string>
@@ -14,6 +13,7 @@
 
 #include "tests/catch.hpp"
 #include "tests/eventually.hpp"
+#include "tests/process_threads.hpp"
 
 using sweepd::TurnThreads;
 using Next = TurnThreads::Next;
@@ -48,13 +48,9 @@ class HeldTurn {
 
 /// Threads of this process that bear a name.
 int threads_named(const std::string& name) {
-  int count = 0;
-  for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task")) {
-    std::string its_name;
-    std::getline(std::ifstream(thread.path() / "comm"), its_name);
-    count += its_name == name;
-  }
-  return count;
+  const auto threads = sweepd::test::threads_of();
+  return static_cast<int>(std::count_if(threads.begin(), threads.end(),
+                                        [&](const auto& thread) { return thread.name == name; }));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "identify/change/change_test.hpp"
+#include "daemon/results/change_test.hpp"
 
 #include <random>
 
@@ -6,7 +6,7 @@
 
 #include "tests/catch.hpp"
 
-using namespace identify;
+using namespace sweepd;
 
 namespace {
 

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-namespace identify {
+namespace sweepd {
 
 /// Numbers are called changed with this chance where they have: see NumberChange::smallest.
 inline constexpr double kPower = 0.8;
@@ -41,4 +41,4 @@ struct ChangeTest {
 [[nodiscard]] ChangeTest test_change(const Eigen::VectorXd& difference,
                                      const Eigen::MatrixXd& covariance, double level);
 
-}  // namespace identify
+}  // namespace sweepd

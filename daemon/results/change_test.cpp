@@ -1,4 +1,4 @@
-#include "identify/change/change_test.hpp"
+#include "daemon/results/change_test.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@
 #include <boost/math/quadrature/gauss.hpp>
 #include <boost/math/tools/roots.hpp>
 
-namespace identify {
+namespace sweepd {
 namespace {
 
 using boost::math::cdf;
@@ -124,4 +124,4 @@ ChangeTest test_change(const VectorXd& difference, const MatrixXd& covariance, d
   return test;
 }
 
-}  // namespace identify
+}  // namespace sweepd
