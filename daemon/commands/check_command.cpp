@@ -4,9 +4,12 @@
 #include <set>
 #include <string>
 
+#include <CLI/CLI.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/commands/command_options.hpp"
 #include "daemon/commands/exit_codes.hpp"
+#include "daemon/commands/help_text.hpp"
 #include "daemon/commands/machine.hpp"
 #include "daemon/plan/plan_outlook.hpp"
 #include "daemon/settings/answers.hpp"
@@ -199,6 +202,36 @@ class Check {
 
 int check(const CheckOptions& options, std::ostream& out) {
   return Check(options, out).run();
+}
+
+CLI::App* add_check(CLI::App& app, CheckOptions& options) {
+  auto* command = app.add_subcommand(
+      "check",
+      "Check settings, robot, plan, the controller's files and this machine against each other\n"
+      "Run it as the user that serves: `sudo -u sweepd sweepd check`. It prints the reply that "
+      "the controller would get.");
+  command
+      ->add_option("--config", options.config, "Check these settings and all files that they name")
+      ->type_name("FILE")
+      ->default_str("those of `sweepd run`, where no other file is given");
+  command
+      ->add_option("--ethernet-config", options.ethernet_configs,
+                   "Check these Ethernet files by themselves")
+      ->type_name("FILE");
+  command
+      ->add_option("--context", options.contexts,
+                   "Check these RSI contexts of the controller (.rsi.xml or .rsix) against the "
+                   "Ethernet files")
+      ->type_name("FILE");
+  command->add_flag("--files-only", options.files_only,
+                    "Check files only, and not the port, addresses, real time and disk of this "
+                    "machine");
+  command->footer(
+      exit_status({{0, "Nothing is wrong. There may be warnings."},
+                   {kFailed, "The files are right, but this machine cannot do what they say."},
+                   kWrongUsage,
+                   {kConfigError, "A file is wrong."}}));
+  return command;
 }
 
 }  // namespace sweepd

@@ -5,6 +5,10 @@
 #include <optional>
 #include <vector>
 
+namespace CLI {  // NOLINT(readability-identifier-naming): theirs
+class App;
+}
+
 namespace sweepd {
 
 struct CheckOptions {
@@ -22,5 +26,7 @@ struct CheckOptions {
 /// Returns the exit code: 0; 78 if a file is wrong; 1 if the files are right, but this machine
 /// cannot do what they say. Warnings are neither.
 [[nodiscard]] int check(const CheckOptions& options, std::ostream& out = std::cout);
+
+CLI::App* add_check(CLI::App& app, CheckOptions& options);
 
 }  // namespace sweepd

@@ -8,7 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "daemon/commands/bash_completion.hpp"
-#include "daemon/commands/command_options.hpp"
+#include "daemon/commands/command_table.hpp"
 #include "daemon/commands/exit_codes.hpp"
 #include "daemon/commands/help_text.hpp"
 

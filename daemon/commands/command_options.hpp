@@ -1,12 +1,13 @@
 #pragma once
 
+#include <array>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "daemon/commands/plan_command.hpp"
-#include "daemon/commands/simulate_command.hpp"
+#include "rsi/capture/conversation.hpp"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): theirs
 class App;
@@ -14,16 +15,17 @@ class App;
 
 namespace sweepd {
 
-/// Adds every command with its options, in the order of the help. Whichever is called leaves its
-/// exit code in `exit_code`; `arguments` are those of the program, as they stand then. Both must
-/// outlive `app`.
-void add_commands(CLI::App& app, const std::vector<std::string>& arguments, int& exit_code);
-
-// Those that rehearse: planning_options.cpp. Each adds a command whose options go into `options`.
-CLI::App* add_simulate(CLI::App& app, SimulateOptions& options);
-CLI::App* add_plan(CLI::App& app, PlanOptions& options);
-
-// Of several commands.
+// Options of several commands.
+void add_traces(CLI::App& command, std::vector<std::filesystem::path>& traces);
+/// Which conversation of a capture.
+void add_filter(CLI::App& command, rsi::ConversationFilter& filter);
+void add_robot_and_plan(CLI::App& command, std::filesystem::path& robot,
+                        std::filesystem::path& plan);
+void add_tool(CLI::App& command, std::optional<std::array<double, 3>>& tool_mm);
+/// Names for the columns of a file of points.
+void add_columns(CLI::App& command, std::string& columns);
+/// Where the result files go.
+void add_output(CLI::App& command, std::optional<std::filesystem::path>& output);
 void add_force(CLI::App& command, bool& force);
 void add_quiet(CLI::App& command, bool& quiet);
 /// The value of an option that is an endpoint or an address.

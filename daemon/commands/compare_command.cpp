@@ -1,6 +1,10 @@
 #include "daemon/commands/compare_command.hpp"
 
+#include <CLI/CLI.hpp>
+
+#include "daemon/commands/command_options.hpp"
 #include "daemon/commands/exit_codes.hpp"
+#include "daemon/commands/help_text.hpp"
 #include "daemon/results/change.hpp"
 #include "daemon/results/change_json.hpp"
 #include "daemon/results/change_text.hpp"
@@ -12,6 +16,35 @@ int compare(const CompareOptions& options, std::ostream& out) {
       change_between(read_told_arm(options.first), read_told_arm(options.second), options.level);
   out << (options.json ? change_json(change) : change_text(change));
   return change.test.changed ? kChanged : 0;
+}
+
+CLI::App* add_compare(CLI::App& app, CompareOptions& options) {
+  auto* command = app.add_subcommand(
+      "compare",
+      "Tell whether a robot has changed between two results\n"
+      "It compares the numbers that neither conventions nor the place of base, tool and home "
+      "change. First it tests all of them together, then each of them, and says how large a "
+      "change would have been seen.");
+  command->add_option("A", options.first, "The earlier result: a folder, or its result.json")
+      ->required()
+      ->type_name("");
+  command->add_option("B", options.second, "The later result: a folder, or its result.json")
+      ->required()
+      ->type_name("");
+  command
+      ->add_option("--level", options.level,
+                   "Call this share of unchanged pairs changed, and no more")
+      ->check(CLI::Range(1e-6, 0.5))
+      ->capture_default_str()
+      ->type_name("SHARE");
+  command->add_flag("--json", options.json, "Print JSON in place of the text");
+  command->footer(exit_status({{0, "No change is seen."},
+                               {kChanged, "The robot has changed."},
+                               {kFailed,
+                                "The two cannot be compared. A line on standard error says why, "
+                                "and what to do."},
+                               kWrongUsage}));
+  return command;
 }
 
 }  // namespace sweepd

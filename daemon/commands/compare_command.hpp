@@ -3,6 +3,10 @@
 #include <filesystem>
 #include <iostream>
 
+namespace CLI {  // NOLINT(readability-identifier-naming): theirs
+class App;
+}
+
 namespace sweepd {
 
 struct CompareOptions {
@@ -16,5 +20,7 @@ struct CompareOptions {
 /// Returns the exit code: 0 where no change is seen, 3 where there is one. Throws
 /// std::runtime_error where the two cannot be compared.
 [[nodiscard]] int compare(const CompareOptions& options, std::ostream& out = std::cout);
+
+CLI::App* add_compare(CLI::App& app, CompareOptions& options);
 
 }  // namespace sweepd

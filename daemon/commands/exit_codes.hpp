@@ -24,5 +24,9 @@ inline constexpr ExitCode kWrongUsage{kUsage,
                                       "The command line is wrong. Standard error says where."};
 inline constexpr ExitCode kWrongFile{
     kConfigError, "A configuration file is wrong. Standard error names the file and the line."};
+inline constexpr ExitCode kDoubtful{
+    3,
+    "The result is doubtful: the data contradict themselves, or what a built robot can be. The "
+    "result files are written. The first lines of the report say why."};
 
 }  // namespace sweepd

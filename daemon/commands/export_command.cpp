@@ -5,6 +5,10 @@
 #include <optional>
 #include <string>
 
+#include <CLI/CLI.hpp>
+
+#include "daemon/commands/command_options.hpp"
+#include "daemon/commands/help_text.hpp"
 #include "daemon/commands/outputs.hpp"
 #include "daemon/stream/sample_clock.hpp"
 #include "daemon/system/line_file.hpp"
@@ -151,6 +155,19 @@ int export_csv(const ExportOptions& given, std::ostream& out, std::ostream& erro
     output->commit();
   }
   return telegrams > 0 ? 0 : 1;
+}
+
+CLI::App* add_export(CLI::App& app, ExportOptions& options) {
+  auto* command = app.add_subcommand(
+      "export", "Write every signal of the telegrams in captures as CSV, one row a telegram");
+  add_traces(*command, options.traces);
+  command->add_option("--csv", options.csv, "Write the table to this file. With -, print it")
+      ->required()
+      ->type_name("FILE");
+  add_filter(*command, options.filter);
+  add_force(*command, options.force);
+  command->footer(exit_status({kOk, kError, kWrongUsage}));
+  return command;
 }
 
 }  // namespace sweepd

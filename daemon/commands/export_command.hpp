@@ -6,6 +6,10 @@
 
 #include "rsi/capture/conversation.hpp"
 
+namespace CLI {  // NOLINT(readability-identifier-naming): theirs
+class App;
+}
+
 namespace sweepd {
 
 struct ExportOptions {
@@ -22,5 +26,7 @@ struct ExportOptions {
 /// Outputs where the file may not be written.
 [[nodiscard]] int export_csv(const ExportOptions& options, std::ostream& out = std::cout,
                              std::ostream& errors = std::cerr);
+
+CLI::App* add_export(CLI::App& app, ExportOptions& options);
 
 }  // namespace sweepd

@@ -7,6 +7,10 @@
 #include <string>
 #include <vector>
 
+namespace CLI {  // NOLINT(readability-identifier-naming): theirs
+class App;
+}
+
 namespace sweepd {
 
 struct IdentifyOptions {
@@ -33,5 +37,7 @@ struct IdentifyOptions {
 /// std::invalid_argument for options that contradict each other and as Outputs where results may
 /// not be written, and std::runtime_error.
 [[nodiscard]] int identify_points(const IdentifyOptions& options, std::ostream& report = std::cout);
+
+CLI::App* add_identify(CLI::App& app, IdentifyOptions& options);  // identify_options.cpp
 
 }  // namespace sweepd

@@ -1,5 +1,9 @@
 #include "daemon/commands/inspect_command.hpp"
 
+#include <CLI/CLI.hpp>
+
+#include "daemon/commands/command_options.hpp"
+#include "daemon/commands/help_text.hpp"
 #include "daemon/commands/outputs.hpp"
 #include "daemon/results/link_json.hpp"
 #include "daemon/results/link_text.hpp"
@@ -31,6 +35,29 @@ int inspect(const InspectOptions& options, std::ostream& out, std::ostream& erro
     write_output(*options.json, link_json(*search.chosen, report));
   if (!json_only && !options.quiet) out << link_text(*search.chosen, report);
   return rsi::verdict(report).grade == rsi::Grade::bad ? 1 : 0;
+}
+
+CLI::App* add_inspect(CLI::App& app, InspectOptions& options) {
+  auto* command = app.add_subcommand(
+      "inspect",
+      "Judge the RSI link in captures by its loss, jitter, reply latency and late replies\n"
+      "The verdict is good, marginal or bad. Each reason comes with what to do about it. The "
+      "captures may be of any RSI server.");
+  add_traces(*command, options.traces);
+  add_filter(*command, options.filter);
+  command
+      ->add_option("--json", options.json,
+                   "Write the report to this file as JSON too. With -, print JSON in place of the "
+                   "text")
+      ->type_name("FILE");
+  add_quiet(*command, options.quiet);
+  add_force(*command, options.force);
+  command->footer(exit_status(
+      {{0, "The link is good or marginal."},
+       {kFailed,
+        "The link is bad, or the captures have no RSI, or a file cannot be read or written."},
+       kWrongUsage}));
+  return command;
 }
 
 }  // namespace sweepd

@@ -7,6 +7,10 @@
 
 #include "rsi/capture/conversation.hpp"
 
+namespace CLI {  // NOLINT(readability-identifier-naming): theirs
+class App;
+}
+
 namespace sweepd {
 
 struct InspectOptions {
@@ -24,5 +28,7 @@ struct InspectOptions {
 /// and as Outputs where the file may not be written.
 [[nodiscard]] int inspect(const InspectOptions& options, std::ostream& out = std::cout,
                           std::ostream& errors = std::cerr);
+
+CLI::App* add_inspect(CLI::App& app, InspectOptions& options);
 
 }  // namespace sweepd

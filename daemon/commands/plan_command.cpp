@@ -5,6 +5,10 @@
 #include <utility>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
+#include "daemon/commands/command_options.hpp"
+#include "daemon/commands/help_text.hpp"
 #include "daemon/commands/outputs.hpp"
 #include "daemon/plan/plan_proposal.hpp"
 #include "daemon/plan/plan_text.hpp"
@@ -108,6 +112,95 @@ int plan(const PlanOptions& options, std::ostream& out, std::ostream& errors) {
     before = "            ";
   }
   return 0;
+}
+
+CLI::App* add_plan(CLI::App& app, PlanOptions& options) {
+  auto* command = app.add_subcommand(
+      "plan",
+      "Check a sweep plan before the robot moves: predict uncertainties, propose better ranges, "
+      "write the KRL program\n"
+      "A simulated robot rehearses the plan. The uncertainties are those of the Fisher information "
+      "of the samples that the estimator would use.\n"
+      "sweepd knows joint limits, but neither the cell nor the robot's own body: run every new "
+      "plan in T1 first.");
+  add_robot_and_plan(*command, options.robot, options.plan);
+  command
+      ->add_option("--cycle-ms", options.cycle_ms,
+                   "Assume a telegram every so many milliseconds: 4 on IPO_FAST, 12 on IPO")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command
+      ->add_option("--precision", options.precision,
+                   "Assume numbers with this many decimals, as set at the ETHERNET object")
+      ->check(CLI::Range(0, 15))
+      ->capture_default_str();
+  command
+      ->add_option("--wobble-deg", options.wobble_deg,
+                   "Assume that every joint wobbles with this standard deviation, in degrees")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command
+      ->add_option("--position-sigma-mm", options.position_sigma_mm,
+                   "Assume that another device measures positions and no angles, with this "
+                   "standard deviation of each coordinate in mm")
+      ->check(CLI::Range(1e-6, 100.0))
+      ->default_str("positions and angles are the controller's");
+  add_tool(*command, options.tool_mm);
+  auto* propose = command->add_flag("--propose", options.propose,
+                                    "Look for better sweep ranges within the joint limits");
+  command
+      ->add_option("--margin-deg", options.margin_deg,
+                   "Keep proposed ranges this many degrees off the joint limits")
+      ->check(CLI::Range(0.0, 90.0))
+      ->capture_default_str();
+  command->add_option("--write-plan", options.write_plan, "Write the proposed plan to this file")
+      ->type_name("FILE")
+      ->needs(propose);
+  auto* krl = command
+                  ->add_option_function<std::string>(
+                      "--krl",
+                      [&options](const std::string& dialect) {
+                        options.krl = dialect == "krc2"   ? KrlDialect::krc2
+                                      : dialect == "krc4" ? KrlDialect::krc4
+                                                          : KrlDialect::iiqka;
+                      },
+                      "Write the KRL program of the plan that was given, for a KR C2 (krc2: RSI "
+                      "2), a KR C4 or KR C5 with KSS (krc4: RSI 3 to 5), or a KR C5 with iiQKA "
+                      "(iiqka: RSI 6)")
+                  ->type_name("krc2|krc4|iiqka")
+                  ->check(CLI::IsMember({"krc2", "krc4", "iiqka"}));
+  auto* output =
+      command
+          ->add_option("--output", options.output,
+                       "Write the KRL program into this folder, as NAME.src and NAME.dat")
+          ->type_name("DIR")
+          ->needs(krl);
+  krl->needs(output);
+  command->add_option("--name", options.name, "Give the KRL program this name")
+      ->capture_default_str()
+      ->type_name("NAME");
+  command
+      ->add_option("--krl-tool", options.krl_tool,
+                   "Use the controller's tool of this number in the KRL program, whose point is "
+                   "the target")
+      ->capture_default_str();
+  command
+      ->add_option("--rsi-file", options.rsi_file,
+                   "Let the KRL program load this Ethernet file (krc2) or RSI context (krc4, "
+                   "iiqka)")
+      ->type_name("NAME")
+      ->default_str("sweepd_udp.xml, sweepd.rsi or sweepd");
+  add_force(*command, options.force);
+  command->footer(exit_status(
+      {kOk,
+       {kFailed,
+        "The plan is refused and nothing is written: an axis would not be determined, or a sweep "
+        "not be recognised. Or a file cannot be written."},
+       kWrongUsage,
+       {kConfigError,
+        "A configuration file is wrong, or the plan goes beyond the limits of the robot. All "
+        "findings are listed."}}));
+  return command;
 }
 
 }  // namespace sweepd

@@ -8,6 +8,10 @@
 
 #include "daemon/plan/krl_program.hpp"
 
+namespace CLI {  // NOLINT(readability-identifier-naming): theirs
+class App;
+}
+
 namespace sweepd {
 
 /// What `sweepd plan` is asked for.
@@ -43,5 +47,7 @@ struct PlanOptions {
 /// file cannot be written.
 [[nodiscard]] int plan(const PlanOptions& options, std::ostream& out = std::cout,
                        std::ostream& errors = std::cerr);
+
+CLI::App* add_plan(CLI::App& app, PlanOptions& options);
 
 }  // namespace sweepd

@@ -2,8 +2,11 @@
 
 #include <future>
 
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "daemon/commands/command_options.hpp"
+#include "daemon/commands/help_text.hpp"
 #include "daemon/commands/outputs.hpp"
 #include "daemon/results/outcome.hpp"
 #include "daemon/results/report.hpp"
@@ -129,6 +132,33 @@ int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) 
   }
   if (!options.quiet) out << report(outcome);
   return all_written ? exit_code(outcome) : 1;
+}
+
+CLI::App* add_replay(CLI::App& app, ReplayOptions& options) {
+  auto* command = app.add_subcommand(
+      "replay",
+      "Identify a robot from captures of its RSI telegrams (pcap, pcapng)\n"
+      "The captures may be sweepd's own recordings, or come from Wireshark or tcpdump. The result "
+      "files are those that `sweepd run` would have written.");
+  add_traces(*command, options.traces);
+  command->add_option("--config", options.config, "Read the settings from this file")
+      ->type_name("FILE")
+      ->default_str("no settings");
+  command->add_option("--robot", options.robot, "Read the robot description from this file")
+      ->type_name("FILE")
+      ->default_str("that of the settings");
+  command
+      ->add_option("--plan", options.plan,
+                   "Read the sweep plan from this file. Telegrams without angles need its order of "
+                   "joints")
+      ->type_name("FILE")
+      ->default_str("that of the settings");
+  add_output(*command, options.output);
+  add_filter(*command, options.filter);
+  add_quiet(*command, options.quiet);
+  add_force(*command, options.force);
+  command->footer(exit_status({kOk, kError, kWrongUsage, kDoubtful, kWrongFile}));
+  return command;
 }
 
 }  // namespace sweepd

@@ -8,6 +8,10 @@
 
 #include "rsi/capture/conversation.hpp"
 
+namespace CLI {  // NOLINT(readability-identifier-naming): theirs
+class App;
+}
+
 namespace sweepd {
 
 struct ReplayOptions {
@@ -29,5 +33,7 @@ struct ReplayOptions {
 /// Outputs where results may not be written.
 [[nodiscard]] int replay(const ReplayOptions& options, std::ostream& report = std::cout,
                          std::ostream& errors = std::cerr);
+
+CLI::App* add_replay(CLI::App& app, ReplayOptions& options);
 
 }  // namespace sweepd

@@ -1,5 +1,9 @@
 #include "daemon/commands/report_command.hpp"
 
+#include <CLI/CLI.hpp>
+
+#include "daemon/commands/command_options.hpp"
+#include "daemon/commands/help_text.hpp"
 #include "daemon/commands/outputs.hpp"
 #include "daemon/report/html_report.hpp"
 #include "daemon/report/pdf.hpp"
@@ -26,6 +30,35 @@ int make_report(const ReportOptions& options, std::ostream& out) {
   write_pdf(html, pdf_file);
   out << pdf_file.string() << '\n';
   return 0;
+}
+
+CLI::App* add_report(CLI::App& app, ReportOptions& options) {
+  auto* command =
+      app.add_subcommand("report",
+                         "Make the measurement report of result folders, with pictures\n"
+                         "Every run writes one by itself, as report.html. This command makes it "
+                         "again: with facts that "
+                         "data cannot know, as a PDF, or of several folders side by side.");
+  command->add_option("DIR", options.folders, "Folders that run, replay or identify has written")
+      ->required()
+      ->type_name("");
+  command
+      ->add_option("--facts", options.facts,
+                   "Print what this file states: serial_number, controller, payload, temperature, "
+                   "device, certificate, place, date, operator, customer, remarks. Each is a text")
+      ->type_name("FILE");
+  command->add_option("--output", options.output, "Write the report to this file")
+      ->type_name("FILE")
+      ->default_str("report.html in DIR, or here where there are several");
+  command->add_flag("--pdf", options.pdf,
+                    "Print it as a PDF, too, beside it. This needs Debian's package chromium");
+  add_force(*command, options.force);
+  command->footer(exit_status(
+      {kOk,
+       kError,
+       kWrongUsage,
+       {kConfigError, "The file of --facts is wrong. Standard error names the line."}}));
+  return command;
 }
 
 }  // namespace sweepd

@@ -5,6 +5,10 @@
 #include <optional>
 #include <vector>
 
+namespace CLI {  // NOLINT(readability-identifier-naming): theirs
+class App;
+}
+
 namespace sweepd {
 
 struct ReportOptions {
@@ -20,5 +24,7 @@ struct ReportOptions {
 /// it. Says on `out` which files it wrote. Returns the exit code. Throws ConfigError and
 /// std::runtime_error, and as Outputs where a file may not be written.
 [[nodiscard]] int make_report(const ReportOptions& options, std::ostream& out = std::cout);
+
+CLI::App* add_report(CLI::App& app, ReportOptions& options);
 
 }  // namespace sweepd

@@ -12,8 +12,11 @@
 #include <thread>
 #include <utility>
 
+#include <CLI/CLI.hpp>
 #include <spdlog/fmt/ranges.h>
 
+#include "daemon/commands/command_options.hpp"
+#include "daemon/commands/help_text.hpp"
 #include "daemon/page/http_pages.hpp"
 #include "daemon/page/http_server.hpp"
 #include "daemon/service/fleet.hpp"
@@ -235,6 +238,35 @@ int run(const RunOptions& options) {
   const bool told = finish_log();
   if (!finish(fleet, events) || reading.under_way() || !told) std::_Exit(complete ? 0 : 1);
   return complete ? 0 : 1;
+}
+
+CLI::App* add_run(CLI::App& app, RunOptions& options) {
+  auto* command = app.add_subcommand(
+      "run",
+      "Serve robot controllers: answer and record their RSI telegrams, identify the robots\n"
+      "The command stays in the foreground until SIGTERM or SIGINT. SIGHUP makes it read the "
+      "settings again.");
+  command->add_option("--config", options.config, "Read the settings from this file")
+      ->capture_default_str()
+      ->type_name("FILE");
+  command->add_option("--output", options.output, "Keep recordings and results below this folder")
+      ->type_name("DIR")
+      ->default_str("the `output` of each robot's settings");
+  command
+      ->add_option("--listen", parsed(options.listen, rsi::parse_endpoint),
+                   "Receive telegrams on this IPv4 address and port, where the settings have one "
+                   "robot")
+      ->type_name("ADDRESS:PORT")
+      ->default_str("the `listen` of the robot's settings");
+  command->add_flag_callback(
+      "--help-settings",
+      [] {
+        std::cout << settings_text();
+        throw CLI::Success();
+      },
+      "Print every key of the settings file with its meaning and default, and exit");
+  command->footer(exit_status({kOk, kError, kWrongUsage, kWrongFile}));
+  return command;
 }
 
 }  // namespace sweepd

@@ -5,6 +5,10 @@
 
 #include "rsi/endpoint.hpp"
 
+namespace CLI {  // NOLINT(readability-identifier-naming): theirs
+class App;
+}
+
 namespace sweepd {
 
 struct RunOptions {
@@ -18,5 +22,7 @@ struct RunOptions {
 /// others are. Returns the exit code; throws ConfigError before anything is served, and
 /// std::runtime_error where nothing can be.
 [[nodiscard]] int run(const RunOptions& options);
+
+CLI::App* add_run(CLI::App& app, RunOptions& options);
 
 }  // namespace sweepd

@@ -7,7 +7,11 @@
 #include <utility>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
+#include "daemon/commands/command_options.hpp"
 #include "daemon/commands/exit_codes.hpp"
+#include "daemon/commands/help_text.hpp"
 #include "daemon/commands/outputs.hpp"
 #include "daemon/commands/simulation_report.hpp"
 #include "daemon/plan/simulated_robot.hpp"
@@ -220,6 +224,87 @@ int simulate(const SimulateOptions& options, std::ostream& report, std::ostream&
   }
   Simulation simulation(options, report, errors);
   return options.to ? simulation.to_server() : simulation.to_capture();
+}
+
+CLI::App* add_simulate(CLI::App& app, SimulateOptions& options) {
+  auto* command = app.add_subcommand(
+      "simulate",
+      "Simulate a controller whose robot runs a sweep plan, and check an RSI server's replies\n"
+      "The telegrams go to a server in real time, or into a capture. The same options make the "
+      "same telegrams.");
+  add_robot_and_plan(*command, options.robot, options.plan);
+  auto* target = command->add_option_group("Target");
+  target
+      ->add_option("--to", parsed(options.to, rsi::parse_endpoint),
+                   "Send the telegrams to the RSI server at this IPv4 address and port in real "
+                   "time, over TCP where the Ethernet file says so and else over UDP")
+      ->type_name("ADDRESS:PORT");
+  target
+      ->add_option("--write", options.write,
+                   "Write the telegrams to this capture as fast as possible")
+      ->type_name("TRACE.pcap");
+  target->require_option(1);
+  command
+      ->add_option("--ethernet-config", options.ethernet_config,
+                   "Read the controller's Ethernet file from here")
+      ->type_name("FILE")
+      ->default_str("the one that sweepd ships");
+  command
+      ->add_option("--seed", options.seed,
+                   "Start the random numbers of wobble and faults from this number")
+      ->capture_default_str();
+  command
+      ->add_option("--wobble-deg", options.wobble_deg,
+                   "Let every joint wobble with this standard deviation, in degrees")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--precision", options.precision,
+                   "Write numbers with this many decimals, as set at the ETHERNET object")
+      ->check(CLI::Range(0, 15))
+      ->capture_default_str();
+  command
+      ->add_option("--cycle-ms", options.cycle_ms,
+                   "Send a telegram every so many milliseconds: 4 on IPO_FAST, 12 on IPO")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command
+      ->add_option("--timeout-cycles", options.timeout_cycles,
+                   "Stop after this many unanswered cycles in a row, as a controller does")
+      ->capture_default_str();
+  command
+      ->add_option_function<std::string>(
+          "--check",
+          [&options](const std::string& rule) {
+            options.check = rule == "sweepd" ? rsi::ReplyRule::sweepd : rsi::ReplyRule::controller;
+          },
+          "Accept what a controller accepts (Type and IPOC are right, tags may be missing), or "
+          "only what sweepd promises (every tag of RECEIVE is there and zero)")
+      ->type_name("controller|sweepd")
+      ->check(CLI::IsMember({"controller", "sweepd"}))
+      ->default_str("controller");
+  command->add_option("--first-ipoc", options.first_ipoc, "Give the first telegram this IPOC")
+      ->capture_default_str();
+  for (const auto& [name, value, help] :
+       {std::tuple{"--lose-percent", &options.lose_percent,
+                   "Lose this share of the telegrams on purpose, in percent"},
+        std::tuple{"--duplicate-percent", &options.duplicate_percent,
+                   "Send this share of the telegrams twice, in percent"},
+        std::tuple{"--swap-percent", &options.swap_percent,
+                   "Exchange this share of the telegrams with the next one, in percent"}})
+    command->add_option(name, *value, help)->check(CLI::Range(0.0, 100.0))->capture_default_str();
+  add_tool(*command, options.tool_mm);
+  add_quiet(*command, options.quiet);
+  add_force(*command, options.force);
+  command->footer(
+      exit_status({{0, "The plan was played to its end, and every reply was right and in time."},
+                   kError,
+                   kWrongUsage,
+                   {kLate,
+                    "Every reply was right, but some came late or not at all, as from a busy "
+                    "machine."},
+                   kWrongFile}));
+  return command;
 }
 
 }  // namespace sweepd

@@ -9,6 +9,10 @@
 #include "rsi/controller/simulated_controller.hpp"
 #include "rsi/endpoint.hpp"
 
+namespace CLI {  // NOLINT(readability-identifier-naming): theirs
+class App;
+}
+
 namespace sweepd {
 
 /// What `sweepd simulate` is asked for. Exactly one of `to` and `write` is set.
@@ -47,5 +51,7 @@ struct SimulateOptions {
 /// socket or the capture cannot be opened.
 [[nodiscard]] int simulate(const SimulateOptions& options, std::ostream& report = std::cout,
                            std::ostream& errors = std::cerr);
+
+CLI::App* add_simulate(CLI::App& app, SimulateOptions& options);
 
 }  // namespace sweepd

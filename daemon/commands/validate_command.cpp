@@ -7,9 +7,12 @@
 #include <stdexcept>
 #include <utility>
 
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/commands/command_options.hpp"
+#include "daemon/commands/help_text.hpp"
 #include "daemon/commands/outputs.hpp"
 #include "daemon/points/point_poses.hpp"
 #include "daemon/points/points_file.hpp"
@@ -112,6 +115,27 @@ int validate(const ValidateOptions& options, std::ostream& out) {
   write_output(file, validation_json(found).dump(2) + "\n");
   out << validation_text(found);
   return 0;
+}
+
+CLI::App* add_validate(CLI::App& app, ValidateOptions& options) {
+  auto* command = app.add_subcommand(
+      "validate",
+      "Judge a result by static poses that it was not made of\n"
+      "It tells how far the poses lie from where the result has them, whether the stated "
+      "uncertainties hold, and what each level of correction leaves.");
+  command->add_option("RESULT", options.result, "Folder of a result of static poses")
+      ->required()
+      ->type_name("");
+  command->add_option("FILE", options.points, "Files of static poses, as identify reads them")
+      ->required()
+      ->type_name("");
+  add_columns(*command, options.columns);
+  command->add_option("--output", options.output, "Write the JSON to this file")
+      ->type_name("FILE")
+      ->default_str("validation.json in RESULT");
+  add_force(*command, options.force);
+  command->footer(exit_status({kOk, kError, kWrongUsage}));
+  return command;
 }
 
 }  // namespace sweepd

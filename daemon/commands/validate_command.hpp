@@ -6,6 +6,10 @@
 #include <string>
 #include <vector>
 
+namespace CLI {  // NOLINT(readability-identifier-naming): theirs
+class App;
+}
+
 namespace sweepd {
 
 struct ValidateOptions {
@@ -20,5 +24,7 @@ struct ValidateOptions {
 /// Returns the exit code. Throws CsvError, and std::runtime_error where the result has no poses or
 /// was made of these.
 [[nodiscard]] int validate(const ValidateOptions& options, std::ostream& out = std::cout);
+
+CLI::App* add_validate(CLI::App& app, ValidateOptions& options);
 
 }  // namespace sweepd
