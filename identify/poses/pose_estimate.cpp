@@ -4,9 +4,8 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
-#include "identify/geometry/line.hpp"
+#include "identify/poses/pose_start.hpp"
 
 namespace identify {
 namespace {
@@ -18,175 +17,16 @@ using Eigen::VectorXd;
 
 /// Rows beyond the unknowns: fewer tell nothing of the noise.
 constexpr Index kSpareRows = 6;
-constexpr double kMetre_mm = 1000;
 /// To begin with, half of what is left comes from the joints, at this distance.
 constexpr double kStartOrientation_rad = 1e-4;
 constexpr double kLeastStart_mm = 1e-3;
 /// No device measures as well.
 constexpr double kComputed_mm = 1e-4;
 
-struct Start {
-  PoseModel model;
-  double middle_mm = 0;  ///< distance of the middle pose
-};
-
 std::size_t targets_in(const std::vector<Pose>& poses, const ChainEstimate* sweeps) {
   std::size_t count = sweeps != nullptr ? sweeps->chain.targets_mm.size() : 0;
   for (const Pose& pose : poses) count = std::max(count, pose.target + 1);
   return count;
-}
-
-bool whole(const ChainEstimate* sweeps) {
-  return sweeps != nullptr && std::all_of(sweeps->axes.begin(), sweeps->axes.end(),
-                                          [](const auto& axis) { return axis.has_value(); });
-}
-
-/// From the chain's parameters to (direction, point) of each axis, the targets, and the tool's
-/// rotation, as a ChainEstimate's covariance has them.
-MatrixXd to_estimate(const Chain& chain, bool with_tool) {
-  const ChainParameters parameters{chain.axes.size(), chain.targets_mm.size()};
-  const auto axes = static_cast<Index>(6 * chain.axes.size());
-  const Index rest = parameters.count(with_tool) - parameters.target(0);
-  MatrixXd map = MatrixXd::Zero(axes + rest, parameters.count(true));
-  for (std::size_t j = 0; j < chain.axes.size(); ++j) {
-    const auto basis = across(chain.axes[j].direction);
-    const auto row = static_cast<Index>(6 * j);
-    map.block<3, 2>(row, parameters.axis(j)) = basis;
-    map.block<3, 2>(row + 3, parameters.axis(j) + 2) = basis;
-  }
-  map.block(axes, parameters.target(0), rest, rest).setIdentity();
-  return map;
-}
-
-/// The inverse over what has a variance.
-MatrixXd inverse_where_known(const MatrixXd& covariance) {
-  std::vector<Index> known;
-  for (Index i = 0; i < covariance.rows(); ++i)
-    if (covariance(i, i) > 0) known.push_back(i);
-  MatrixXd inverse = MatrixXd::Zero(covariance.rows(), covariance.cols());
-  if (known.empty()) return inverse;
-  const MatrixXd part = covariance(known, known);
-  const VectorXd scale = part.diagonal().cwiseSqrt().cwiseInverse();
-  const MatrixXd scaled = scale.asDiagonal() * part * scale.asDiagonal();
-  inverse(known, known) =
-      scale.asDiagonal() *
-      MatrixXd(scaled.ldlt().solve(MatrixXd::Identity(part.rows(), part.cols()))) *
-      scale.asDiagonal();
-  return inverse;
-}
-
-/// What the sweeps tell, in the parameters of a chain with `targets` targets.
-struct FromSweeps {
-  ChainPrior prior;
-  std::vector<ChainEstimate::Part> parts;
-};
-
-FromSweeps from_sweeps(const ChainEstimate& sweeps, std::size_t targets) {
-  FromSweeps from;
-  from.prior.chain = sweeps.chain;
-  const ChainParameters own{sweeps.chain.axes.size(), sweeps.chain.targets_mm.size()};
-  const MatrixXd map = to_estimate(sweeps.chain, sweeps.with_orientation).transpose();
-  from.prior.chain.targets_mm.resize(targets, sweeps.chain.targets_mm.front());
-  const ChainParameters wide{own.joints, targets};
-  const auto widened = [&](const MatrixXd& covariance) {
-    const MatrixXd narrow = map * covariance * map.transpose();
-    MatrixXd all = MatrixXd::Zero(wide.count(true), wide.count(true));
-    const Index common = own.tool();
-    all.topLeftCorner(common, common) = narrow.topLeftCorner(common, common);
-    all.bottomRightCorner<3, 3>() = narrow.bottomRightCorner<3, 3>();
-    all.bottomLeftCorner(3, common) = narrow.bottomLeftCorner(3, common);
-    all.topRightCorner(common, 3) = narrow.topRightCorner(common, 3);
-    return all;
-  };
-  from.prior.information = inverse_where_known(widened(sweeps.covariance));
-  for (const auto& part : sweeps.parts)
-    from.parts.push_back({part.cause, widened(part.covariance)});
-  return from;
-}
-
-std::vector<Load> placed_loads(const std::vector<Load>& loads, const Arm& arm,
-                               const Eigen::Isometry3d& base, const std::vector<double>& home_rad) {
-  std::vector<Load> placed = loads;
-  for (Load& load : placed) {
-    Eigen::Isometry3d frame = base;
-    for (std::size_t j = 0; j <= load.joint; ++j)
-      frame = frame * transform(arm.row_at(j, home_rad[j]));
-    load.center_mm = frame * load.center_mm;
-  }
-  return placed;
-}
-
-Start start_of(const std::vector<Pose>& poses, const Campaign& campaign,
-               const ChainEstimate* sweeps, const std::vector<double>& home_rad,
-               std::size_t targets) {
-  Start start;
-  start.model.home_rad = home_rad;
-  VectorXd distances;
-  if (campaign.specified) {
-    Arm arm = *campaign.specified;
-    for (std::size_t j = 0; j < arm.joints(); ++j) arm.rows[j] = arm.row_at(j, home_rad[j]);
-    arm.home_rad = home_rad;
-    const PlacedArm placed = placed_robustly(arm, Freedom::zeros, poses, targets);
-    start.model.chain = placed.chain();
-    start.model.up = placed.base.linear().col(2);
-    start.model.loads = placed_loads(campaign.loads, placed.arm, placed.base, home_rad);
-    distances = distances_mm(placed, poses);
-  }
-  if (whole(sweeps)) {
-    start.model.chain = sweeps->chain;
-    start.model.chain.zero_rad.clear();
-    start.model.chain.sags.clear();
-    start.model.chain.targets_mm.resize(targets, sweeps->chain.targets_mm.front());
-    distances.resize(static_cast<Index>(poses.size()));
-    for (std::size_t i = 0; i < poses.size(); ++i)
-      distances(static_cast<Index>(i)) =
-          (poses[i].sample.position_mm - start.model.position_mm(poses[i])).norm();
-  }
-  start.middle_mm = middle_of(distances);
-  // The tool's orientation at home, by the first pose that has one.
-  for (const Pose& pose : poses) {
-    if (!pose.sample.has_orientation) continue;
-    const Turns turns = start.model.told(pose.sample);
-    start.model.chain.tool =
-        start.model.chain.displacement(turns).linear().transpose() * orientation(pose.sample);
-    break;
-  }
-  return start;
-}
-
-Observability observability_of(const PoseFit& fit, const std::vector<Pose>& poses) {
-  const ChainParameters parameters = fit.model.chain_parameters();
-  VectorXd unit = VectorXd::Ones(fit.model.parameters());  // of a step of about a millimetre
-  for (std::size_t j = 0; j < parameters.joints; ++j)
-    unit.segment<2>(parameters.axis(j)).setConstant(1 / kMetre_mm);
-  unit.tail(unit.size() - parameters.tool()).setConstant(1 / kMetre_mm);
-  MatrixXd normal = MatrixXd::Zero(unit.size(), unit.size());
-  Observability seen;
-  double count = 0;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    const double weight = fit.weights(static_cast<Index>(i));
-    if (weight == 0) continue;
-    const PoseRow& row = fit.rows[i];
-    const MatrixXd columns = row.by_parameter * unit.asDiagonal();
-    normal +=
-        weight * columns.transpose() * fit.noise.covariance(row.by_joint).llt().solve(columns);
-    count += weight;
-    const Eigen::Matrix3d of =
-        row.by_parameter.topRows<3>() * fit.covariance * row.by_parameter.topRows<3>().transpose();
-    seen.displacement_mm =
-        std::max(seen.displacement_mm,
-                 std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(of).eigenvalues()(2)));
-  }
-  std::vector<Index> there;  // without a tool that was not seen
-  for (Index i = 0; i < unit.size(); ++i)
-    if (normal(i, i) > 0) there.push_back(i);
-  const VectorXd squares =
-      Eigen::SelfAdjointEigenSolver<MatrixXd>(MatrixXd(normal(there, there))).eigenvalues();
-  const VectorXd values = squares.cwiseMax(0.0).cwiseSqrt();
-  seen.largest = values(values.size() - 1);
-  seen.smallest = values(0);
-  seen.mean = values(0) > 0 ? std::exp(values.array().log().mean()) / std::sqrt(count) : 0;
-  return seen;
 }
 
 /// The shares of the noise of positions (and orientations), of joints, and of what sweeps told.
@@ -306,7 +146,7 @@ std::optional<PoseEstimate> estimate_poses(const std::vector<Pose>& poses, const
     return std::nullopt;
   }
 
-  const Start start = start_of(poses, campaign, sweeps, home, targets);
+  const PoseStart start = pose_start(poses, campaign, sweeps, home, targets);
   std::optional<FromSweeps> known;
   std::optional<ChainPrior> prior;
   if (sweeps != nullptr) {
@@ -350,7 +190,7 @@ std::optional<PoseEstimate> estimate_poses(const std::vector<Pose>& poses, const
       found.levels.push_back({freedom, at, left_of(used)});
     }
   }
-  found.observability = observability_of(found.fit, poses);
+  found.observability = observability_of(found.fit);
   found.chain = chain_of(found.fit, known);
   return found;
 }

@@ -8,6 +8,7 @@
 
 #include "identify/chain/chain_estimate.hpp"
 #include "identify/poses/arm_fit.hpp"
+#include "identify/poses/observability.hpp"
 #include "identify/poses/pose_effects.hpp"
 #include "identify/poses/pose_fit.hpp"
 #include "identify/sweeps/campaign.hpp"
@@ -27,17 +28,6 @@ struct PoseLevel {
   Freedom freedom = Freedom::frames;
   PlacedArm arm;
   Left left;  ///< of the poses that were fitted, outliers aside
-};
-
-/// How well the poses show the model's numbers. The rows are divided by their noise, angles are in
-/// rad times a metre.
-struct Observability {
-  double largest = 0;   ///< singular value, 1/mm
-  double smallest = 0;  ///< Nahvi & Hollerbach, ICRA 1996: O3
-  double mean = 0;      ///< geometric, over the root of how many poses there are: O1 (Borm & Menq)
-  /// The largest standard uncertainty of a predicted position over the poses, in its worst
-  /// direction.
-  double displacement_mm = 0;
 };
 
 /// What static poses tell of an arm, perhaps with sweeps beside them.

@@ -1,0 +1,51 @@
+#include "identify/poses/observability.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+namespace identify {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+Observability observability_of(const PoseFit& fit) {
+  const ChainParameters parameters = fit.model.chain_parameters();
+  VectorXd unit = VectorXd::Ones(fit.model.parameters());  // of a step of about a millimetre
+  for (std::size_t j = 0; j < parameters.joints; ++j)
+    unit.segment<2>(parameters.axis(j)).setConstant(1 / kMetre_mm);
+  unit.tail(unit.size() - parameters.tool()).setConstant(1 / kMetre_mm);
+  MatrixXd normal = MatrixXd::Zero(unit.size(), unit.size());
+  Observability seen;
+  double count = 0;
+  for (std::size_t i = 0; i < fit.rows.size(); ++i) {
+    const double weight = fit.weights(static_cast<Index>(i));
+    if (weight == 0) continue;
+    const PoseRow& row = fit.rows[i];
+    const MatrixXd columns = row.by_parameter * unit.asDiagonal();
+    normal +=
+        weight * columns.transpose() * fit.noise.covariance(row.by_joint).llt().solve(columns);
+    count += weight;
+    const Eigen::Matrix3d of =
+        row.by_parameter.topRows<3>() * fit.covariance * row.by_parameter.topRows<3>().transpose();
+    seen.displacement_mm =
+        std::max(seen.displacement_mm,
+                 std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(of).eigenvalues()(2)));
+  }
+  std::vector<Index> there;  // without a tool that was not seen
+  for (Index i = 0; i < unit.size(); ++i)
+    if (normal(i, i) > 0) there.push_back(i);
+  const VectorXd squares =
+      Eigen::SelfAdjointEigenSolver<MatrixXd>(MatrixXd(normal(there, there))).eigenvalues();
+  const VectorXd values = squares.cwiseMax(0.0).cwiseSqrt();
+  seen.largest = values(values.size() - 1);
+  seen.smallest = values(0);
+  seen.mean = values(0) > 0 ? std::exp(values.array().log().mean()) / std::sqrt(count) : 0;
+  return seen;
+}
+
+}  // namespace identify

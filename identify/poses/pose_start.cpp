@@ -1,0 +1,130 @@
+#include "identify/poses/pose_start.hpp"
+
+#include <algorithm>
+
+#include <Eigen/Cholesky>
+
+#include "identify/geometry/line.hpp"
+#include "identify/poses/arm_fit.hpp"
+
+namespace identify {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+/// The inverse over what has a variance.
+MatrixXd inverse_where_known(const MatrixXd& covariance) {
+  std::vector<Index> known;
+  for (Index i = 0; i < covariance.rows(); ++i)
+    if (covariance(i, i) > 0) known.push_back(i);
+  MatrixXd inverse = MatrixXd::Zero(covariance.rows(), covariance.cols());
+  if (known.empty()) return inverse;
+  const MatrixXd part = covariance(known, known);
+  const VectorXd scale = part.diagonal().cwiseSqrt().cwiseInverse();
+  const MatrixXd scaled = scale.asDiagonal() * part * scale.asDiagonal();
+  inverse(known, known) =
+      scale.asDiagonal() *
+      MatrixXd(scaled.ldlt().solve(MatrixXd::Identity(part.rows(), part.cols()))) *
+      scale.asDiagonal();
+  return inverse;
+}
+
+std::vector<Load> placed_loads(const std::vector<Load>& loads, const Arm& arm,
+                               const Eigen::Isometry3d& base, const std::vector<double>& home_rad) {
+  std::vector<Load> placed = loads;
+  for (Load& load : placed) {
+    Eigen::Isometry3d frame = base;
+    for (std::size_t j = 0; j <= load.joint; ++j)
+      frame = frame * transform(arm.row_at(j, home_rad[j]));
+    load.center_mm = frame * load.center_mm;
+  }
+  return placed;
+}
+
+}  // namespace
+
+bool whole(const ChainEstimate* sweeps) {
+  return sweeps != nullptr && std::all_of(sweeps->axes.begin(), sweeps->axes.end(),
+                                          [](const auto& axis) { return axis.has_value(); });
+}
+
+MatrixXd to_estimate(const Chain& chain, bool with_tool) {
+  const ChainParameters parameters{chain.axes.size(), chain.targets_mm.size()};
+  const auto axes = static_cast<Index>(6 * chain.axes.size());
+  const Index rest = parameters.count(with_tool) - parameters.target(0);
+  MatrixXd map = MatrixXd::Zero(axes + rest, parameters.count(true));
+  for (std::size_t j = 0; j < chain.axes.size(); ++j) {
+    const auto basis = across(chain.axes[j].direction);
+    const auto row = static_cast<Index>(6 * j);
+    map.block<3, 2>(row, parameters.axis(j)) = basis;
+    map.block<3, 2>(row + 3, parameters.axis(j) + 2) = basis;
+  }
+  map.block(axes, parameters.target(0), rest, rest).setIdentity();
+  return map;
+}
+
+FromSweeps from_sweeps(const ChainEstimate& sweeps, std::size_t targets) {
+  FromSweeps from;
+  from.prior.chain = sweeps.chain;
+  const ChainParameters own{sweeps.chain.axes.size(), sweeps.chain.targets_mm.size()};
+  const MatrixXd map = to_estimate(sweeps.chain, sweeps.with_orientation).transpose();
+  from.prior.chain.targets_mm.resize(targets, sweeps.chain.targets_mm.front());
+  const ChainParameters wide{own.joints, targets};
+  const auto widened = [&](const MatrixXd& covariance) {
+    const MatrixXd narrow = map * covariance * map.transpose();
+    MatrixXd all = MatrixXd::Zero(wide.count(true), wide.count(true));
+    const Index common = own.tool();
+    all.topLeftCorner(common, common) = narrow.topLeftCorner(common, common);
+    all.bottomRightCorner<3, 3>() = narrow.bottomRightCorner<3, 3>();
+    all.bottomLeftCorner(3, common) = narrow.bottomLeftCorner(3, common);
+    all.topRightCorner(common, 3) = narrow.topRightCorner(common, 3);
+    return all;
+  };
+  from.prior.information = inverse_where_known(widened(sweeps.covariance));
+  for (const auto& part : sweeps.parts)
+    from.parts.push_back({part.cause, widened(part.covariance)});
+  return from;
+}
+
+PoseStart pose_start(const std::vector<Pose>& poses, const Campaign& campaign,
+                     const ChainEstimate* sweeps, const std::vector<double>& home_rad,
+                     std::size_t targets) {
+  PoseStart start;
+  start.model.home_rad = home_rad;
+  VectorXd distances;
+  if (campaign.specified) {
+    Arm arm = *campaign.specified;
+    for (std::size_t j = 0; j < arm.joints(); ++j) arm.rows[j] = arm.row_at(j, home_rad[j]);
+    arm.home_rad = home_rad;
+    const PlacedArm placed = placed_robustly(arm, Freedom::zeros, poses, targets);
+    start.model.chain = placed.chain();
+    start.model.up = placed.base.linear().col(2);
+    start.model.loads = placed_loads(campaign.loads, placed.arm, placed.base, home_rad);
+    distances = distances_mm(placed, poses);
+  }
+  if (whole(sweeps)) {
+    start.model.chain = sweeps->chain;
+    start.model.chain.zero_rad.clear();
+    start.model.chain.sags.clear();
+    start.model.chain.targets_mm.resize(targets, sweeps->chain.targets_mm.front());
+    distances.resize(static_cast<Index>(poses.size()));
+    for (std::size_t i = 0; i < poses.size(); ++i)
+      distances(static_cast<Index>(i)) =
+          (poses[i].sample.position_mm - start.model.position_mm(poses[i])).norm();
+  }
+  start.middle_mm = middle_of(distances);
+  // The tool's orientation at home, by the first pose that has one.
+  for (const Pose& pose : poses) {
+    if (!pose.sample.has_orientation) continue;
+    const Turns turns = start.model.told(pose.sample);
+    start.model.chain.tool =
+        start.model.chain.displacement(turns).linear().transpose() * orientation(pose.sample);
+    break;
+  }
+  return start;
+}
+
+}  // namespace identify
