@@ -1,8 +1,6 @@
 #include "daemon/service/robot_service.hpp"
 
 #include <exception>
-#include <fstream>
-#include <sstream>
 #include <utility>
 
 #include <spdlog/fmt/ranges.h>
@@ -42,46 +40,29 @@ Say say_for(const std::string& name) {
   };
 }
 
-std::vector<std::filesystem::path> inputs_of(const RobotSettings& settings) {
-  std::vector<std::filesystem::path> inputs{settings.description};
-  for (const auto& file : {settings.plan, settings.ethernet_config})
-    if (file) inputs.push_back(*file);
-  return inputs;
-}
-
-/// Empty if there is no file.
-std::string content(const std::optional<std::filesystem::path>& file) {
-  std::ostringstream text;
-  if (file) text << std::ifstream(*file, std::ios::binary).rdbuf();
-  return text.str();
-}
-
 }  // namespace
 
 RobotService::RobotService(const RobotSettings& settings, std::shared_ptr<RobotThreads> threads)
-    : settings_(settings),
-      setup_(load_setup(settings)),
+    : inputs_(RobotInputs::read(settings)),
       server_(make_server(settings)),
       local_(server_->local()),
       log_(settings.name),
       status_(std::make_shared<RobotStatus>()),
       threads_(std::move(threads)),
-      recorder_(threads_->recorders, file_system_of(settings.output / settings.name),
-                settings.recording, say_for(settings.name)),
+      recorder_(threads_->recorders, inputs_.disk, settings.recording, say_for(settings.name)),
       identifier_(status_),
-      given_(settings),
-      ethernet_xml_(content(settings.ethernet_config)),
-      inputs_(hashes_of(inputs_of(settings))),
+      reply_thread_(*server_),
+      reloaded_(settings),
       session_log_(settings.name),
       tally_(first_state()),
       live_(status_->live) {
   status_->facts.publish(facts());
   status_->state.publish(first_state());
   std::error_code error;
-  std::filesystem::create_directories(settings_.output / settings_.name, error);
+  std::filesystem::create_directories(inputs_.folder(), error);
   if (error)
-    throw std::runtime_error("cannot make the folder " +
-                             (settings_.output / settings_.name).string() + " (" + error.message() +
+    throw std::runtime_error("cannot make the folder " + inputs_.folder().string() + " (" +
+                             error.message() +
                              "): give one that may be written with `output` or --output");
 }
 
@@ -90,50 +71,30 @@ RobotService::~RobotService() {
 }
 
 void RobotService::start() {
-  std::promise<RealTimeReport> ready;
-  auto report = ready.get_future();
-  reply_thread_ =
-      std::thread([this, ready = std::move(ready)]() mutable { serve(std::move(ready)); });
-  say_real_time(report.get());
+  say_real_time(reply_thread_.start(inputs_.settings.real_time));
   acquisition_ = threads_->acquisition.begin(0, [this] { return TurnThreads::Next{turn()}; });
-  identifier_.finish_earlier(settings_.output / settings_.name, setup_, log_);
+  identifier_.finish_earlier(inputs_.folder(), inputs_.setup, log_);
   log_.note("listening on {} {}, receive buffer {} KiB", rsi::text(server_->transport()),
             rsi::text(local()), server_->receive_buffer() / 1024);
 }
 
 void RobotService::reload(const RobotSettings& settings) {
-  const auto changed = change(given_, settings);
-  RobotSetup setup = load_setup(settings);
-  given_ = settings;
-  if (!changed.after_restart.empty())
-    log_.warning("only a restart of sweepd takes over {}", fmt::join(changed.after_restart, ", "));
-  if (content(settings.ethernet_config) != ethernet_xml_)
-    log_.warning("the Ethernet file has changed: restart sweepd before RSI uses it");
-  log_.note("{}", changed.live.empty()
-                      ? std::string("description and plan read again, for the next session")
-                      : fmt::format("taken over for the next session: {}",
-                                    fmt::join(changed.live, ", ")));
+  reloaded_.reload(settings, log_);
   recorder_.reconfigure(settings.recording);
-  auto inputs = hashes_of(inputs_of(settings));
-  const auto disk = file_system_of(settings.output / settings.name);
-  const std::lock_guard lock(reload_mutex_);
-  reloaded_ = {settings, std::move(setup), std::move(inputs), disk};
 }
 
 void RobotService::take_over() {
-  const std::lock_guard lock(reload_mutex_);
-  if (!reloaded_) return;
-  auto& [settings, setup, inputs, disk] = *reloaded_;
-  disk_ = disk;
-  take_over_live(settings_, std::move(settings));
-  setup_ = std::move(setup);
-  inputs_ = std::move(inputs);
+  auto inputs = reloaded_.take();
+  if (!inputs) return;
+  disk_ = inputs->disk;
+  take_over_live(inputs_.settings, std::move(inputs->settings));
+  inputs_.setup = std::move(inputs->setup);
+  inputs_.hashes = std::move(inputs->hashes);
   facts_told_ = false;
-  reloaded_.reset();
 }
 
 bool RobotService::stop(std::chrono::seconds patience) {
-  if (!reply_thread_.joinable()) return true;
+  if (!reply_thread_.runs()) return true;
   acquisition_.reset();
   server_->settle();
   while (!drain()) {
@@ -145,31 +106,17 @@ bool RobotService::stop(std::chrono::seconds patience) {
   const bool written = identifier_.drain(Steady::now() + (recorded ? kLongestResult : patience));
   if (!written)
     log_.error("the last result is not written: see what is wrong with the disk of {}",
-               settings_.output.string());
-  server_->stop();
-  reply_thread_.join();
+               inputs_.settings.output.string());
+  reply_thread_.stop();
   server_.reset();
   return recorded && written;
 }
 
-void RobotService::serve(std::promise<RealTimeReport> ready) {
-  name_thread("reply");
-  RealTimeReport report;
-  if (settings_.real_time.wish != RealTime::off) {
-    lock_memory(report);
-    enter_real_time(settings_.real_time, report);
-  }
-  server_->warm();
-  ready.set_value(std::move(report));
-  server_->run();
-}
-
 void RobotService::say_real_time(const RealTimeReport& report) {
   if (!report.granted.empty()) log_.note("reply thread: {}", fmt::join(report.granted, ", "));
-  if (settings_.real_time.wish == RealTime::require && !report.refused.empty()) {
-    server_->stop();
-    reply_thread_.join();
-    throw std::runtime_error(settings_.name + ": " + report.refused.front() +
+  if (inputs_.settings.real_time.wish == RealTime::require && !report.refused.empty()) {
+    reply_thread_.stop();
+    throw std::runtime_error(inputs_.settings.name + ": " + report.refused.front() +
                              "; or set realtime to \"try\"");
   }
   for (const auto& refused : report.refused) log_.warning("{}", refused);
@@ -181,9 +128,9 @@ RobotService::Steady::time_point RobotService::turn() {
   const bool all = drain();
   if (link_wanted_.exchange(false)) say_link();
   const auto now = Steady::now();
-  if (session_ && now - last_datagram_ > settings_.silence) {
+  if (session_ && now - last_datagram_ > inputs_.settings.silence) {
     session_log_.note("RSI has been silent for {} ms: the stream has ended",
-                      settings_.silence.count());
+                      inputs_.settings.silence.count());
     end_session();
     server_->forget_controller();
     take_waiting();
@@ -254,13 +201,14 @@ void RobotService::begin_session(const rsi::Datagram& first) {
   controller_ = first.source.address;
   started_ = utc_name(rsi::now());
   watch_ = {rsi::Conversation{controller_, first.destination}, server_->replies()};
-  session_.emplace(setup_, settings_.record ? "trace" : "live", static_cast<StreamSink&>(*this));
-  turns_ = PlannedTurns(campaign(setup_, {}).order);
+  session_.emplace(inputs_.setup, inputs_.settings.record ? "trace" : "live",
+                   static_cast<StreamSink&>(*this));
+  turns_ = PlannedTurns(campaign(inputs_.setup, {}).order);
   complaints_.new_stream();
   session_log_.about(started_, rsi::find_ipoc(first.payload));
   session_log_.note("RSI from {}", rsi::text(first.source));
-  SessionStart start{settings_.output / settings_.name, started_, settings_.record,
-                     session_->csv_header(), std::exchange(disk_, std::nullopt)};
+  SessionStart start{inputs_.folder(), started_, inputs_.settings.record, session_->csv_header(),
+                     std::exchange(disk_, std::nullopt)};
   start.on_folder = [facts = run_facts(), log = session_log_](const std::filesystem::path& folder) {
     auto run = facts;
     run.folder = folder;
@@ -284,7 +232,7 @@ void RobotService::end_session() {
   recorder_.end();
   RunFacts run = run_facts();
   run.ended = utc_name(rsi::now());
-  identifier_.last({settings_.output / settings_.name,
+  identifier_.last({inputs_.folder(),
                     started_,
                     recording_,
                     {},
@@ -305,7 +253,7 @@ void RobotService::end_session() {
 
 void RobotService::sweep(const identify::Sweep& sweep) {
   const auto planned = turns_.joint_of(sweep);
-  const auto limits = setup_.limits();
+  const auto limits = inputs_.setup.limits();
   const std::string words = sweep_line(sweep, planned, limits) +
                             (sweep.defect == identify::SweepDefect::none ? "" : " (not usable)");
   session_log_.note("{}", words);
@@ -329,19 +277,19 @@ void RobotService::say_link() {
 
 RobotState RobotService::first_state() const {
   RobotState state;
-  state.name = settings_.name;
+  state.name = inputs_.settings.name;
   state.listen = server_->local();
   state.transport = server_->transport();
   state.replies = server_->replies();
-  for (std::size_t joint = 1; joint <= setup_.joints; ++joint) state.sweeps[joint] = {};
+  for (std::size_t joint = 1; joint <= inputs_.setup.joints; ++joint) state.sweeps[joint] = {};
   return state;
 }
 
 RobotFacts RobotService::facts() const {
-  RobotFacts facts{setup_.joints, {}, {}, setup_.limits()};
-  if (setup_.description) {
-    facts.home_deg = setup_.description->home_deg;
-    if (setup_.description->arm) facts.specified = setup_.description->arm->rows;
+  RobotFacts facts{inputs_.setup.joints, {}, {}, inputs_.setup.limits()};
+  if (inputs_.setup.description) {
+    facts.home_deg = inputs_.setup.description->home_deg;
+    if (inputs_.setup.description->arm) facts.specified = inputs_.setup.description->arm->rows;
   }
   return facts;
 }
@@ -365,11 +313,11 @@ void RobotService::publish() {
 
 RunFacts RobotService::run_facts() const {
   RunFacts facts;
-  facts.robot = settings_.name;
+  facts.robot = inputs_.settings.name;
   facts.started = started_;
-  facts.description = settings_.description;
-  facts.ethernet_config = settings_.ethernet_config;
-  facts.inputs = inputs_;
+  facts.description = inputs_.settings.description;
+  facts.ethernet_config = inputs_.settings.ethernet_config;
+  facts.inputs = inputs_.hashes;
   facts.listen = server_->local();
   facts.link = server_->counts();
   return facts;

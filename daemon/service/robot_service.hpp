@@ -4,12 +4,9 @@
 #include <chrono>
 #include <cstddef>
 #include <deque>
-#include <future>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
 
 #include "daemon/record/recorder.hpp"
 #include "daemon/results/run_json.hpp"
@@ -17,15 +14,15 @@
 #include "daemon/service/link_complaints.hpp"
 #include "daemon/service/link_watch.hpp"
 #include "daemon/service/live_feed.hpp"
+#include "daemon/service/reply_thread.hpp"
+#include "daemon/service/robot_inputs.hpp"
 #include "daemon/service/robot_state.hpp"
 #include "daemon/service/robot_tally.hpp"
 #include "daemon/service/robot_threads.hpp"
-#include "daemon/settings/robot_setup.hpp"
 #include "daemon/settings/settings.hpp"
 #include "daemon/stream/session.hpp"
 #include "daemon/system/heartbeat.hpp"
 #include "daemon/system/log.hpp"
-#include "daemon/system/realtime.hpp"
 #include "rsi/server/server.hpp"
 
 namespace sweepd {
@@ -69,7 +66,6 @@ class RobotService : private StreamSink {
  private:
   using Steady = std::chrono::steady_clock;
 
-  void serve(std::promise<RealTimeReport> ready);
   void say_real_time(const RealTimeReport& report);
   /// Of acquisition; returns when the next one is due.
   Steady::time_point turn();
@@ -94,8 +90,7 @@ class RobotService : private StreamSink {
   void show();  ///< to those who look at the live page
   [[nodiscard]] RunFacts run_facts() const;
 
-  RobotSettings settings_;
-  RobotSetup setup_;
+  RobotInputs inputs_;
   std::unique_ptr<rsi::Server> server_;  // null after the end: another one may have the port
   const rsi::Endpoint local_;
   const Log log_;
@@ -103,21 +98,11 @@ class RobotService : private StreamSink {
   const std::shared_ptr<RobotThreads> threads_;
   Recorder recorder_;
   Identifier identifier_;
-  std::thread reply_thread_;
+  ReplyThread reply_thread_;
   std::atomic<bool> link_wanted_{false};
   std::atomic<std::uint64_t> acquisition_beats_{0};
 
-  RobotSettings given_;       // by the last reload; of the thread that calls it
-  std::string ethernet_xml_;  // what the Ethernet file held at the start
-  std::vector<FileHash> inputs_;
-  struct Reloaded {
-    RobotSettings settings;
-    RobotSetup setup;
-    std::vector<FileHash> inputs;
-    TurnThreads::Group disk;
-  };
-  std::mutex reload_mutex_;
-  std::optional<Reloaded> reloaded_;  // waits for acquisition
+  ReloadedInputs reloaded_;
 
   // Acquisition's own.
   Log session_log_;

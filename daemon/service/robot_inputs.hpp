@@ -1,0 +1,49 @@
+#pragma once
+
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/results/run_json.hpp"
+#include "daemon/settings/robot_setup.hpp"
+#include "daemon/settings/settings.hpp"
+#include "daemon/system/log.hpp"
+#include "daemon/system/turn_threads.hpp"
+
+namespace sweepd {
+
+/// What a session is made of, beside its telegrams: the robot's settings and the files they name.
+struct RobotInputs {
+  RobotSettings settings;
+  RobotSetup setup;
+  std::vector<FileHash> hashes;  ///< of description, plan, Ethernet file
+  TurnThreads::Group disk;       ///< the file system of the output
+
+  /// Where its sessions lie.
+  [[nodiscard]] std::filesystem::path folder() const { return settings.output / settings.name; }
+
+  /// Reads the files. Throws ConfigError.
+  [[nodiscard]] static RobotInputs read(const RobotSettings& settings);
+};
+
+/// Inputs that were read again wait here for the next session.
+class ReloadedInputs {
+ public:
+  explicit ReloadedInputs(const RobotSettings& given);
+
+  /// Reads the files again, and says what changes with the next session and what needs a restart.
+  /// Throws ConfigError, and changes nothing then. One thread at a time.
+  void reload(const RobotSettings& settings, const Log& log);
+  /// Nothing if there are none. Another thread's.
+  [[nodiscard]] std::optional<RobotInputs> take();
+
+ private:
+  RobotSettings given_;       // by the last reload
+  std::string ethernet_xml_;  // what the Ethernet file held at the start
+  std::mutex mutex_;
+  std::optional<RobotInputs> waiting_;
+};
+
+}  // namespace sweepd
