@@ -128,10 +128,16 @@ void add_axes_figure(Markup parent, const ReportFolder& folder) {
   if (extent.empty()) return;
   const Ball ball = ball_around(extent);
   const double axis_length = 0.22 * ball.radius;
+  const bool circles = std::any_of(shapes.begin(), shapes.end(),
+                                   [](const auto& shape) { return !shape.circle.empty(); });
   auto figure = add_figure(
-      parent, "Fitted circle for each joint motion.",
-      std::string("As figure 7 of the paper: each circle is drawn whole, the range that was moved "
-                  "is thick. A dot is a centre, an arrow a normal, a thin line a joint's axis.") +
+      parent, circles ? "Fitted circle for each joint motion." : "The joints' axes.",
+      std::string(circles
+                      ? "As figure 7 of the paper: each circle is drawn whole, the range that was "
+                        "moved is thick. A dot is a centre, an arrow a normal, a thin line a "
+                        "joint's axis."
+                      : "A thin line is a joint's axis at home. No joint was swept by itself, so "
+                        "there are no circles.") +
           (arm.empty() ? ""
                        : " The grey line is the arm at home, along its axes and their common "
                          "perpendiculars."));
@@ -148,7 +154,9 @@ void add_axes_figure(Markup parent, const ReportFolder& folder) {
   constexpr double kInset = 130;
   const double height = 46 + 2 * kHeight + 50 + 40 + (small.empty() ? 0 : kInset + 30);
   Picture picture(figure, kSecond + kWidth + 20, height,
-                  "fitted circles of all joints from above, front, side and in perspective");
+                  circles
+                      ? "fitted circles of all joints from above, front, side and in perspective"
+                      : "axes of all joints from above, front, side and in perspective");
   draw_flat_view(picture, View::top(), {kLeft, 20, kWidth, kHeight}, "From above",
                  {"X, mm", "Y, mm"}, shapes, arm, extent, axis_length);
   draw_flat_view(picture, View::front(), {kSecond, 20, kWidth, kHeight}, "From the front",

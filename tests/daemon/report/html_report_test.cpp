@@ -160,6 +160,16 @@ TEST_CASE("whatever a run was, its report says so", "[html_report]") {
   SECTION("the frame of a device, and no sweeps kept") {
     check_whole(report_html(chain_outcome()));
   }
+  SECTION("axes without circles, as of static poses") {
+    const TemporaryFolder folder;
+    write_result(folder.path(), complete_outcome());
+    auto read = read_report_folder(folder.path());
+    CHECK_THAT(words_of(html_report(std::span(&read, 1))), ContainsSubstring("Fitted circle"));
+    for (auto& joint : read.result["joints"]) joint.erase("circle");
+    const auto words = words_of(html_report(std::span(&read, 1)));
+    CHECK_THAT(words, ContainsSubstring("there are no circles"));
+    CHECK_THAT(words, !ContainsSubstring("Fitted circle"));
+  }
   SECTION("twelve joints") {
     const TemporaryFolder folder;
     write_result(folder.path(), complete_outcome());
