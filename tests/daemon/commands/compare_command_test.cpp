@@ -80,7 +80,7 @@ TEST_CASE("the same result twice has not changed, and that is said to be little"
 }
 
 TEST_CASE("a result that was made without the specified table is of the same arm",
-          "[compare_command]") {
+          "[compare_command][long]") {
   ComparedResults results;
   results.write("a", complete());
   results.write("b", sweepd::test::unspecified_outcome());
@@ -90,7 +90,8 @@ TEST_CASE("a result that was made without the specified table is of the same arm
   CHECK(json["t_squared"].get<double>() < 1e-2);  // of the same samples: what rounding leaves
 }
 
-TEST_CASE("a zero that moved by ten times its uncertainty is named, alone", "[compare_command]") {
+TEST_CASE("a zero that moved by ten times its uncertainty is named, alone",
+          "[compare_command][long]") {
   ComparedResults results;
   Json later = complete();
   const double sigma = later["dh"][3]["theta_sigma_deg"].get<double>();
@@ -110,7 +111,8 @@ TEST_CASE("a zero that moved by ten times its uncertainty is named, alone", "[co
   CHECK(json["displacement_by_changes"]["low_mm"].get<double>() > 0);
 }
 
-TEST_CASE("what only tells where base, tool and home are does not count", "[compare_command]") {
+TEST_CASE("what only tells where base, tool and home are does not count",
+          "[compare_command][long]") {
   ComparedResults results;
   Json later = complete();
   later["dh"][0]["b_mm"] = 17;
@@ -126,7 +128,8 @@ TEST_CASE("what only tells where base, tool and home are does not count", "[comp
   CHECK(Json::parse(results.text)["t_squared"].get<double>() < 1e-2);
 }
 
-TEST_CASE("a zero is no better known than gears and printed angles are", "[compare_command]") {
+TEST_CASE("a zero is no better known than gears and printed angles are",
+          "[compare_command][long]") {
   ComparedResults results;
   Json first = complete();
   first["describes"] = "arm";
@@ -215,7 +218,7 @@ TEST_CASE("what cannot be compared is refused with a reason", "[compare_command]
   CHECK(results.text.empty());
 }
 
-TEST_CASE("doubtful results and other robots are compared, and named", "[compare_command]") {
+TEST_CASE("doubtful results and other robots are compared, and named", "[compare_command][long]") {
   ComparedResults results;
   Json doubtful = complete();
   doubtful["status"] = "doubtful";

@@ -92,7 +92,7 @@ TEST_CASE("Poses that were kept back judge a result, and used ones are refused",
                     ContainsSubstring("fit.csv line 2") && ContainsSubstring("made of this pose"));
 }
 
-TEST_CASE("poses.csv of a result gives the same result again", "[validate_command]") {
+TEST_CASE("poses.csv of a result gives the same result again", "[validate_command][long]") {
   const TemporaryFolder folder;
   const auto poses = built_kr5(4).poses(50);
   std::ostringstream out;
@@ -125,7 +125,7 @@ TEST_CASE("A result without poses, another file, and poses without angles are re
   CHECK_THROWS_WITH(identify_points(wanted, out), ContainsSubstring("joint angles"));
 }
 
-TEST_CASE("A pose visited again tells accuracy and repeatability", "[validate_command]") {
+TEST_CASE("A pose visited again tells accuracy and repeatability", "[validate_command][long]") {
   const TemporaryFolder folder;
   const auto built = built_kr5(6);
   auto poses = built.poses(70);

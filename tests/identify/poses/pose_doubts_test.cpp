@@ -28,7 +28,7 @@ bool warned(const Identification& found, const std::string& code) {
 
 }  // namespace
 
-TEST_CASE("What is wrong with all poses is named", "[pose_doubts]") {
+TEST_CASE("What is wrong with all poses is named", "[pose_doubts][long]") {
   const auto built = arm_with(tracker(), 2);
   const auto poses = built.poses(40);
   const auto doubt = [&](const std::function<void(Pose&)>& spoil) {
@@ -47,7 +47,7 @@ TEST_CASE("What is wrong with all poses is named", "[pose_doubts]") {
         }) == "joints_exchanged");
 }
 
-TEST_CASE("Angles of other poses are not the arm's", "[pose_doubts]") {
+TEST_CASE("Angles of other poses are not the arm's", "[pose_doubts][long]") {
   const auto built = arm_with(tracker(), 3);
   auto poses = built.poses(40);
   for (std::size_t i = 0; i + 1 < poses.size(); ++i)
