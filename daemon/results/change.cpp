@@ -1,7 +1,10 @@
 #include "daemon/results/change.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
+
+#include <spdlog/fmt/fmt.h>
 
 #include "rsi/counted.hpp"
 
@@ -20,9 +23,9 @@ void refuse_other_kinds(const ToldArm& first, const ToldArm& second) {
   if (first.describes != second.describes)
     throw std::runtime_error(each(described_by) +
                              ": they differ by how the arm was built; compare two of a kind");
-  if (first.joints() != second.joints())
+  if (first.all_joints != second.all_joints)
     throw std::runtime_error(
-        each([](const ToldArm& told) { return rsi::counted(told.joints(), "joint", "joints"); }) +
+        each([](const ToldArm& told) { return rsi::counted(told.all_joints, "joint", "joints"); }) +
         ": compare two results of one robot");
   if (first.reach.linear != second.reach.linear)
     throw std::runtime_error("the linear joints of " + first.file.string() + " and " +
@@ -39,6 +42,11 @@ std::vector<std::string> notes_on(const Change& change) {
   };
   add_status("A", change.first);
   add_status("B", change.second);
+  if (!change.first.whole())
+    notes.push_back(fmt::format(
+        "The data leave axis {} open in one of the two. Only joints 1 to {} are compared, and what "
+        "moved is the frame of joint {}.",
+        change.first.joints() + 1, change.first.joints(), change.first.joints()));
   if (change.first.robot != change.second.robot)
     notes.push_back("A is of the robot " + change.first.robot + ", B of " + change.second.robot +
                     '.');
@@ -60,6 +68,9 @@ std::vector<std::string> notes_on(const Change& change) {
 }  // namespace
 
 Change change_between(ToldArm first, ToldArm second, double level) {
+  const std::size_t both = std::min(first.joints(), second.joints());
+  first.cut(both);
+  second.cut(both);
   refuse_other_kinds(first, second);
   Change change{std::move(first), std::move(second), level, {}, {}, {}, {}, {}};
   change.arms = identify::compared(change.first.arm, change.second.arm);

@@ -71,6 +71,7 @@ std::string change_json(const Change& change) {
                {"verdict", change.test.changed ? "changed" : "no_change_seen"},
                {"level", change.level},
                {"describes", change.first.describes},
+               {"joints", change.first.joints()},
                {"a", result(change.first)},
                {"b", result(change.second)},
                {"t_squared", rounded(change.test.t_squared, 4)},

@@ -113,6 +113,9 @@ std::string left_out(const Change& change) {
   add(LeftOutBecause::other_home,
       "the homes are apart, and no angles tell what gears are off by there");
   add(LeftOutBecause::convention, "set by convention");
+  if (!change.first.whole())
+    return fmt::format("{}rows {} to {} (open).", text, change.first.joints(),
+                       change.first.all_joints);
   return text + "row " + std::to_string(change.first.joints()) + " (the tool).";
 }
 
@@ -152,7 +155,7 @@ std::string change_text(const Change& change) {
                        rsi::counted(change.arms.numbers.size(), "number", "numbers") + ", p " +
                        (change.test.p < 1e-4 ? "below 0.0001" : "= " + fixed(change.test.p, 4)));
   out += paragraph("left out  ", left_out(change));
-  out += paragraph("tool      ", displacement(change));
+  out += paragraph(change.first.whole() ? "tool      " : "frame     ", displacement(change));
   return out;
 }
 

@@ -225,6 +225,8 @@ std::string result_json(const Outcome& outcome) {
   for (std::size_t j = 0; j < found.joints.size(); ++j)
     json["joints"].push_back(joint(j, found.joints[j]));
   json["dh"] = dh_json(found.dh);
+  for (std::size_t j = 0; j < json["dh"].size() && j < outcome.positive.size(); ++j)
+    json["dh"][j]["positive"] = outcome.positive[j];
   if (found.dh_covariance.size() > 0) {
     json["covariance"] = covariance_json(found);
     json["uncertainty_budget"] = budget_json(found);

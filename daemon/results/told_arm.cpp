@@ -1,5 +1,6 @@
 #include "daemon/results/told_arm.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fstream>
@@ -26,6 +27,8 @@ using Json = nlohmann::ordered_json;
 constexpr std::string_view kSchema = "sweepd.result/1";
 constexpr std::array<const char*, 5> kDhNames = {"b", "theta", "a", "alpha", "beta"};
 constexpr double kUsualTurn_deg = 90;
+/// Of fewer axes nothing but one row would be compared.
+constexpr std::size_t kFewestAxes = 3;
 
 [[noreturn]] void refuse(const std::filesystem::path& file, const std::string& why) {
   throw std::runtime_error(file.string() + ' ' + why);
@@ -77,6 +80,13 @@ std::vector<identify::DhEstimate> table_of(const Json& rows) {
     table.push_back(row);
   }
   return table;
+}
+
+/// Axes before the first that is open: a row is known where both its axes are.
+std::size_t axes_before_open(const Json& rows) {
+  std::size_t axes = 1;
+  while (axes < rows.size() && text_of(rows[axes - 1], "relation") != "unknown") ++axes;
+  return axes;
 }
 
 /// With what writing takes away of the numbers themselves.
@@ -181,11 +191,18 @@ ToldArm read_told_arm(const std::filesystem::path& path) {
     refuse(told.file, "has a table of " + std::to_string(joints) +
                           " joints: at least two are needed, and at most " +
                           std::to_string(identify::kMostJoints));
+  const Json& table = list_of(json, "dh");
   const Json& models = list_of(part_of(part_of(json, "models"), "dh"), "joints");
-  if (models.size() != joints)
-    refuse(told.file, "does not know all numbers of the table" +
+  const std::size_t known = axes_before_open(table);
+  if (known < std::min(kFewestAxes, joints))
+    refuse(told.file, "does not know enough of the table" +
                           (told.reason.empty() ? "" : " (" + told.reason + ')') +
                           ": identify it again with sweeps of every joint");
+  if (models.size() != joints && !table[0].contains("positive") &&
+      !list_of(json, "specified").empty())
+    refuse(told.file,
+           "was written by an earlier sweepd and leaves axes open, without the senses of the "
+           "others: make it again with replay or identify");
   told.arm.covariance = covariance_of(part_of(json, "covariance"), joints);
   if (told.arm.covariance.size() == 0)
     refuse(told.file,
@@ -202,7 +219,8 @@ ToldArm read_told_arm(const std::filesystem::path& path) {
   told.with_limits = true;
   for (std::size_t j = 0; j < joints; ++j) {
     told.reach.linear.push_back(told.arm.dh[j].linear);
-    told.arm.positive.push_back(number_of(models[j], "positive") < 0 ? -1 : 1);
+    const Json& sense = table[j].contains("positive") || j >= models.size() ? table[j] : models[j];
+    told.arm.positive.push_back(number_of(sense, "positive") < 0 ? -1 : 1);
     const double home_deg =
         j < home.size() && home[j].is_number() ? home[j].get<double>() : std::nan("");
     told.arm.home_rad.push_back(std::isfinite(home_deg) ? std::optional(radians(home_deg))
@@ -221,7 +239,22 @@ ToldArm read_told_arm(const std::filesystem::path& path) {
         range.value_or(identify::TurnRange{-radians(kUsualTurn_deg), radians(kUsualTurn_deg)}));
   }
   told.reach.tool_mm = tool_of(json);
+  told.all_joints = joints;
+  told.cut(known);
   return told;
+}
+
+void ToldArm::cut(std::size_t joints) {
+  if (joints >= arm.dh.size()) return;
+  const auto numbers = static_cast<Index>(kDhNames.size() * joints);
+  arm.dh.resize(joints);
+  arm.covariance = Eigen::MatrixXd(arm.covariance.topLeftCorner(numbers, numbers));
+  arm.positive.resize(joints);
+  arm.home_rad.resize(joints);
+  arm.gear.resize(joints);
+  reach.linear.resize(joints);
+  reach.ranges.resize(joints);
+  reach.tool_mm.setZero();
 }
 
 }  // namespace sweepd

@@ -21,13 +21,18 @@ struct ToldArm {
   /// The description's limits; 90 degrees from home where they are not known.
   identify::ToolReach reach;
   bool with_limits = false;  ///< all ranges are the description's
+  /// The table's. Where the data leave axes open, `arm` and `reach` end with the last before these.
+  std::size_t all_joints = 0;
 
   [[nodiscard]] std::size_t joints() const { return arm.dh.size(); }
+  [[nodiscard]] bool whole() const { return joints() == all_joints; }
+  /// Leaves the first so many, at most joints(). The tool is then the last axis's own frame.
+  void cut(std::size_t joints);
 };
 
 /// `path` is a folder that holds result.json, or such a file. Throws std::runtime_error with what
 /// is wrong and what to do where it cannot be compared: not there, no result, of another version,
-/// failed, without covariance, or with numbers that are not determined.
+/// failed, without covariance, or with fewer than three axes before the first that is open.
 [[nodiscard]] ToldArm read_told_arm(const std::filesystem::path& path);
 
 }  // namespace sweepd

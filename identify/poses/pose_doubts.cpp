@@ -248,6 +248,14 @@ std::vector<Warning> advice_on(const PoseEstimate& found, const std::vector<Pose
                           std::to_string(poses.size()) + " poses lie far off and hardly count: " +
                           names + ": look at them, or measure them again"});
   }
+  if (found.drift.seen)
+    advice.push_back({"poses_drift",
+                      {},
+                      "the first half of the poses and the second tell arms that are " +
+                          brief(found.drift.moved_mm) +
+                          " mm apart at the target (rms): the arm warmed up, or the device moved. "
+                          "The uncertainties don't hold that; warm the arm up and measure again, "
+                          "or take the poses as of an arm between the two"});
   const ChainEstimate& chain = found.chain;
   for (std::size_t j = 0; j < chain.axes.size(); ++j) {
     if (chain.axes[j] || chain.chain.axes[j].linear) continue;

@@ -18,8 +18,9 @@ namespace identify {
                                              const std::vector<Pose>& poses,
                                              const Campaign& campaign);
 
-/// What people should know of poses that fit: single ones that are off (`pose_outliers`), targets
-/// that lie near an axis (`target_near_axis`), few poses (`few_poses`).
+/// What people should know of poses that fit: single ones that are off (`pose_outliers`), an arm
+/// that is another in the second half of them (`poses_drift`), targets that lie near an axis
+/// (`target_near_axis`), few poses (`few_poses`).
 [[nodiscard]] std::vector<Warning> advice_on(const PoseEstimate& found,
                                              const std::vector<Pose>& poses);
 

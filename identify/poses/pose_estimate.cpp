@@ -191,6 +191,7 @@ std::optional<PoseEstimate> estimate_poses(const std::vector<Pose>& poses, const
     }
   }
   found.observability = observability_of(found.fit);
+  found.drift = drift_of(found.fit);
   found.chain = chain_of(found.fit, known);
   return found;
 }

@@ -9,6 +9,7 @@
 #include "identify/chain/chain_estimate.hpp"
 #include "identify/poses/arm_fit.hpp"
 #include "identify/poses/observability.hpp"
+#include "identify/poses/pose_drift.hpp"
 #include "identify/poses/pose_effects.hpp"
 #include "identify/poses/pose_fit.hpp"
 #include "identify/sweeps/campaign.hpp"
@@ -38,6 +39,7 @@ struct PoseEstimate {
   std::vector<PoseLevel> levels;  ///< from frames on; empty without a specified table
   Left left;                      ///< by the fit, outliers aside
   Observability observability;
+  PoseDrift drift;  ///< in the order of `poses`
   bool with_sweeps = false;
   /// What is left is no more than printing takes away: the positions were computed from the angles.
   bool computed = false;

@@ -57,6 +57,31 @@ Json complete() {
   return Json::parse(sweepd::result_json(outcome));
 }
 
+/// As where the target is on axis 6, or joint 6 never turned.
+Json without_last_axis(Json json) {
+  for (auto& number : json["dh"][4].items())
+    if (number.key() != "joint" && number.key() != "positive") number.value() = nullptr;
+  json["dh"][4]["relation"] = "unknown";
+  json.erase("models");
+  Json names = Json::array(), rows = Json::array();
+  Json& covariance = json["covariance"];
+  const auto kept = [&](std::size_t k) {
+    return covariance["names"][k].get<std::string>().find('5') == std::string::npos;
+  };
+  for (std::size_t r = 0; r < covariance["names"].size(); ++r) {
+    if (!kept(r)) continue;
+    names.push_back(covariance["names"][r]);
+    Json row = Json::array();
+    for (std::size_t k = 0; k < covariance["rows"][r].size(); ++k)
+      if (kept(k)) row.push_back(covariance["rows"][r][k]);
+    rows.push_back(std::move(row));
+  }
+  covariance = {{"names", names}, {"rows", rows}};
+  json["status"] = "partial";
+  json["reason"] = "no axis for joint 6";
+  return json;
+}
+
 Json compared_number(const std::string& text, const std::string& name) {
   const Json json = Json::parse(text);
   for (const Json& number : json["numbers"])
@@ -158,6 +183,23 @@ TEST_CASE("a zero is no better known than gears and printed angles are",
   CHECK(sigma() == Approx(0.1 / std::sqrt(12)).epsilon(1e-3));
 }
 
+TEST_CASE("where an axis is open, the joints before it are compared", "[compare_command][long]") {
+  ComparedResults results;
+  Json whole = complete();
+  results.write("a", whole);
+  results.write("b", without_last_axis(whole));
+  CHECK(results.exit_code() == 0);
+  CHECK_THAT(results.text, ContainsSubstring("The data leave axis 6 open in one of the two.") &&
+                               ContainsSubstring("rows 5 to 6 (open).") &&
+                               ContainsSubstring("zero4") && !ContainsSubstring("zero5"));
+  const auto other = GENERATE(0, 1);
+  whole["dh"][3]["theta_deg"] = whole["dh"][3]["theta_deg"].get<double>() + 0.1;
+  results.write("a", other == 0 ? whole : without_last_axis(whole));
+  CHECK(results.exit_code(true) == 3);
+  CHECK(Json::parse(results.text)["joints"].get<int>() == 5);
+  CHECK(compared_number(results.text, "zero4_deg")["changed"].get<bool>());
+}
+
 TEST_CASE("the controller's model and an arm are not compared", "[compare_command]") {
   ComparedResults results;
   Json arm = complete();
@@ -180,8 +222,14 @@ TEST_CASE("what cannot be compared is refused with a reason", "[compare_command]
   }
   SECTION("without some axes") {
     results.write("b", sweepd::test::partial_outcome());
-    CHECK_THAT(results.refusal(), ContainsSubstring("does not know all numbers of the table (no "
+    CHECK_THAT(results.refusal(), ContainsSubstring("does not know enough of the table (no "
                                                     "axis for joint 3, 5, 6)"));
+  }
+  SECTION("with axes open, by a sweepd that did not tell senses") {
+    other = without_last_axis(other);
+    for (Json& row : other["dh"]) row.erase("positive");
+    results.write("b", other);
+    CHECK_THAT(results.refusal(), ContainsSubstring("was written by an earlier sweepd"));
   }
   SECTION("of another version") {
     other["schema"] = "sweepd.result/2";

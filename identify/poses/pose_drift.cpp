@@ -1,0 +1,88 @@
+#include "identify/poses/pose_drift.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+namespace identify {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+/// Directions that a half tells by less than this share of what all tell are rounding.
+constexpr double kLeastShare = 1e-6;
+/// Of the normal distribution: above it is one of a thousand.
+constexpr double kOneOfAThousand = 3.090;
+
+/// What chi squared exceeds once in a thousand times (Wilson & Hilferty, PNAS 17, 1931).
+double limit_of(int degrees) {
+  const double share = 2.0 / (9.0 * degrees);
+  return degrees * std::pow(1 - share + kOneOfAThousand * std::sqrt(share), 3);
+}
+
+struct Half {
+  MatrixXd information;
+  VectorXd score;
+};
+
+Half half_of(const PoseFit& fit, std::size_t from, std::size_t to) {
+  const Index count = fit.covariance.rows();
+  Half half{MatrixXd::Zero(count, count), VectorXd::Zero(count)};
+  for (std::size_t i = from; i < to; ++i) {
+    const double weight = fit.weights(static_cast<Index>(i));
+    const PoseRow& row = fit.rows[i];
+    const MatrixXd weighed = fit.noise.covariance(row.by_joint).llt().solve(row.by_parameter);
+    half.information += weight * weighed.transpose() * row.by_parameter;
+    half.score += weight * weighed.transpose() * row.off;
+  }
+  return half;
+}
+
+}  // namespace
+
+PoseDrift drift_of(const PoseFit& fit) {
+  PoseDrift drift;
+  const std::size_t poses = fit.rows.size();
+  if (poses < 2) return drift;
+  const Half first = half_of(fit, 0, poses / 2), second = half_of(fit, poses / 2, poses);
+  // In units of what all poses tell, so that no number outweighs another.
+  const VectorXd scale = (first.information + second.information)
+                             .diagonal()
+                             .cwiseMax(1e-300)
+                             .cwiseSqrt()
+                             .cwiseInverse();
+  const MatrixXd one = scale.asDiagonal() * first.information * scale.asDiagonal();
+  const VectorXd unit = scale.cwiseInverse();
+  const MatrixXd all = unit.asDiagonal() * fit.covariance * unit.asDiagonal();
+  const MatrixXd middle = one - one * all * one;
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solved(0.5 * (middle + middle.transpose()));
+  const VectorXd g = solved.eigenvectors().transpose() * scale.cwiseProduct(first.score);
+  VectorXd inverse = VectorXd::Zero(g.size());
+  for (Index k = 0; k < g.size(); ++k) {
+    if (solved.eigenvalues()(k) < kLeastShare) continue;
+    inverse(k) = 1 / solved.eigenvalues()(k);
+    drift.chi_squared += g(k) * g(k) * inverse(k);
+    ++drift.numbers;
+  }
+  const Index half_rows = static_cast<Index>(poses / 2) * fit.rows.front().off.size();
+  if (drift.numbers == 0 || half_rows < 2 * drift.numbers) return drift;
+  const MatrixXd root =
+      scale.asDiagonal() * solved.eigenvectors() * inverse.cwiseSqrt().asDiagonal();
+  const VectorXd change = root * inverse.cwiseSqrt().cwiseProduct(g);
+  double square = 0, by_noise = 0;
+  for (const PoseRow& row : fit.rows) {
+    const auto columns = row.by_parameter.topRows<3>();
+    square += (columns * change).squaredNorm();
+    by_noise += (columns * root).squaredNorm();
+  }
+  drift.moved_mm = std::sqrt(std::max(0.0, square - by_noise) / static_cast<double>(poses));
+  drift.seen = drift.chi_squared > limit_of(drift.numbers) && drift.moved_mm > 0;
+  return drift;
+}
+
+}  // namespace identify
