@@ -63,22 +63,17 @@ SimulatedRobot::SimulatedRobot(const RobotDescription& robot, const SweepPlan& p
 
   const double dwell_s = std::chrono::duration<double>(plan.dwell).count();
   double time_s = dwell_s;
-  const auto move = [&](std::size_t joint, double from_deg, double to_deg, double speed_deg_s) {
-    const double way_deg = std::abs(to_deg - from_deg);
-    if (way_deg == 0) return;
-    const double acceleration_deg_s2 = plan.acceleration_deg_s2;
-    const double ramp_s =
-        std::min(speed_deg_s / acceleration_deg_s2, std::sqrt(way_deg / acceleration_deg_s2));
-    const double duration_s = way_deg / (acceleration_deg_s2 * ramp_s) + ramp_s;
-    moves_.push_back({joint, from_deg, to_deg, time_s, ramp_s, duration_s});
-    time_s += duration_s + dwell_s;
-  };
-  for (const auto& sweep : plan.sweeps) {
-    const double home_deg = plan.home_deg[sweep.joint - 1];
-    move(sweep.joint, home_deg, sweep.start_deg, plan.positioning_speed_deg_s);
-    move(sweep.joint, sweep.start_deg, sweep.end_deg, sweep.speed_deg_s);
-    move(sweep.joint, sweep.end_deg, home_deg, plan.positioning_speed_deg_s);
-  }
+  const double acceleration_deg_s2 = plan.acceleration_deg_s2;
+  for (const auto& sweep : plan.sweeps)
+    for (const PlannedMove& move : moves_of(plan, sweep)) {
+      const double way_deg = std::abs(move.to_deg - move.from_deg);
+      if (way_deg == 0) continue;
+      const double ramp_s = std::min(move.speed_deg_s / acceleration_deg_s2,
+                                     std::sqrt(way_deg / acceleration_deg_s2));
+      const double duration_s = way_deg / (acceleration_deg_s2 * ramp_s) + ramp_s;
+      moves_.push_back({sweep.joint, move.from_deg, move.to_deg, time_s, ramp_s, duration_s});
+      time_s += duration_s + dwell_s;
+    }
   // The last cycle is the first one at rest; rounding must not add another.
   const double cycle_s = std::chrono::duration<double>(cycle_).count();
   cycles_ = static_cast<std::uint64_t>(std::ceil(time_s / cycle_s - 1e-6)) + 1;

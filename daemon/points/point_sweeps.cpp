@@ -241,8 +241,11 @@ void declare_directions(std::vector<Sweep>& sweeps, const SweepPlan& plan,
   for (const auto& [which, strokes] : turns) {
     const std::size_t joint = which.first;
     std::vector<double> planned, declared;
-    for (const PlannedSweep& sweep : plan.sweeps)
-      if (sweep.joint == joint + 1) planned.push_back(radians(sweep.end_deg - sweep.start_deg));
+    for (const PlannedSweep& sweep : plan.sweeps) {
+      if (sweep.joint != joint + 1) continue;
+      for (const PlannedMove& move : moves_of(plan, sweep))
+        if (move.measures) planned.push_back(radians(move.to_deg - move.from_deg));
+    }
     for (const auto& turn : order)
       if (turn.joint == joint)
         declared.insert(declared.end(), turn.strokes_rad.begin(), turn.strokes_rad.end());

@@ -14,13 +14,6 @@ void check_fit(const RobotSetup& setup) {
   if (!findings.empty()) throw ConfigError(findings.front());
 }
 
-/// A joint's turn begins with the move from home to its start, where there is one.
-int first_direction(const PlannedSweep& sweep, double home_deg) {
-  const double first =
-      sweep.start_deg != home_deg ? sweep.start_deg - home_deg : sweep.end_deg - sweep.start_deg;
-  return first > 0 ? 1 : -1;
-}
-
 }  // namespace
 
 RobotSetup load_setup(const RobotSettings& settings) {
@@ -63,12 +56,13 @@ identify::Campaign campaign(const RobotSetup& setup, const identify::Resolution&
       campaign.declared_home_rad.push_back(radians(home));
     for (const auto& sweep : setup.plan->sweeps) {
       const std::size_t joint = sweep.joint - 1;
-      const double home = setup.plan->home_deg[joint];
-      if (campaign.order.empty() || campaign.order.back().joint != joint)
-        campaign.order.push_back({joint, first_direction(sweep, home)});
-      for (const double move :
-           {sweep.start_deg - home, sweep.end_deg - sweep.start_deg, home - sweep.end_deg})
-        if (move != 0) campaign.order.back().strokes_rad.push_back(radians(move));
+      for (const PlannedMove& move : moves_of(*setup.plan, sweep)) {
+        const double way_deg = move.to_deg - move.from_deg;
+        if (way_deg == 0) continue;
+        if (campaign.order.empty() || campaign.order.back().joint != joint)
+          campaign.order.push_back({joint, way_deg > 0 ? 1 : -1});
+        campaign.order.back().strokes_rad.push_back(radians(way_deg));
+      }
     }
   }
   return campaign;

@@ -45,6 +45,13 @@ PlannedSweep read_sweep(const TomlTable& table, std::size_t joints) {
 
 }  // namespace
 
+std::vector<PlannedMove> moves_of(const SweepPlan& plan, const PlannedSweep& sweep) {
+  const double home_deg = plan.home_deg[sweep.joint - 1];
+  return {{home_deg, sweep.start_deg, plan.positioning_speed_deg_s, "START"},
+          {sweep.start_deg, sweep.end_deg, sweep.speed_deg_s, "END", true},
+          {sweep.end_deg, home_deg, plan.positioning_speed_deg_s}};
+}
+
 SweepPlan load_plan(const std::filesystem::path& file) {
   const TomlTable top = TomlTable::load(file);
   top.allow_only(

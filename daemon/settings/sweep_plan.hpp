@@ -36,6 +36,18 @@ struct SweepPlan {
   std::vector<PlannedSweep> sweeps;   ///< in order of time, at least one; a joint may come again
 };
 
+/// A joint goes from one place to another, and rests there.
+struct PlannedMove {
+  double from_deg = 0;
+  double to_deg = 0;  ///< perhaps the same
+  double speed_deg_s = 0;
+  std::string place = {};  ///< what `to_deg` is called: "START", "END"; empty: home
+  bool measures = false;   ///< it is the sweep; else it leads from home or back
+};
+
+/// All that `sweep` of `plan` makes its joint do, in order of time, from home to home.
+[[nodiscard]] std::vector<PlannedMove> moves_of(const SweepPlan& plan, const PlannedSweep& sweep);
+
 /// Reads a plan and checks it by itself; throws ConfigError.
 [[nodiscard]] SweepPlan load_plan(const std::filesystem::path& file);
 

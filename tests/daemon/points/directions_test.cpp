@@ -137,6 +137,7 @@ TEST_CASE("A plan's sweeps given twice, and those with their ways, tell the same
           "[directions]") {
   const auto description = load_robot(kConfig / "robots/kr5_arc.toml");
   SweepPlan plan;
+  plan.home_deg.assign(6, 0);
   std::vector<identify::DeclaredJoint> order;
   for (std::size_t joint = 1; joint <= 6; ++joint) {
     // As the simulation moves them: 45 degrees to both sides of home.
