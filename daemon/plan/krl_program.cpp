@@ -97,20 +97,21 @@ class ProgramWriter {
     line_(std::string("; Where the joints stand that do not sweep, in degrees") +
           (linear ? ", linear ones in mm" : ""));
     line_("DECL AXIS HOME_POSE=" + pose(plan_.home_deg));
-    for (std::size_t i = 0; i < plan_.sweeps.size(); ++i) {
-      auto angles = plan_.home_deg;
-      angles[plan_.sweeps[i].joint - 1] = plan_.sweeps[i].start_deg;
-      line_("DECL AXIS " + name(i, "START") + "=" + pose(angles));
-      angles[plan_.sweeps[i].joint - 1] = plan_.sweeps[i].end_deg;
-      line_("DECL AXIS " + name(i, "END") + "=" + pose(angles));
-    }
+    for (std::size_t i = 0; i < plan_.sweeps.size(); ++i)
+      for (const PlannedMove& move : moves_of(plan_, plan_.sweeps[i])) {
+        if (move.place.empty()) continue;
+        auto angles = plan_.home_deg;
+        angles[plan_.sweeps[i].joint - 1] = move.to_deg;
+        line_("DECL AXIS " + name(i, move) + "=" + pose(angles));
+      }
     line_("ENDDAT");
     return std::move(line_).text();
   }
 
  private:
-  static std::string name(std::size_t sweep, const char* end) {
-    return fmt::format("SWEEP{}_{}", sweep + 1, end);
+  /// Of the place where a move ends.
+  static std::string name(std::size_t sweep, const PlannedMove& move) {
+    return move.place.empty() ? "HOME_POSE" : fmt::format("SWEEP{}_{}", sweep + 1, move.place);
   }
 
   static std::string pose(const std::vector<double>& angles_deg) {
@@ -219,12 +220,11 @@ class ProgramWriter {
     line_(fmt::format(";FOLD sweep {}: A{} from {} to {}", index + 1, sweep.joint,
                       krl_number(sweep.start_deg), krl_number(sweep.end_deg)));
     line_.in();
-    speed(sweep.joint, plan_.positioning_speed_deg_s);
-    line_("PTP " + name(index, "START"))("WAIT SEC REST_S");
-    speed(sweep.joint, sweep.speed_deg_s);
-    line_("PTP " + name(index, "END"))("WAIT SEC REST_S");
-    speed(sweep.joint, plan_.positioning_speed_deg_s);
-    line_("PTP HOME_POSE");
+    for (const PlannedMove& move : moves_of(plan_, sweep)) {
+      speed(sweep.joint, move.speed_deg_s);
+      line_("PTP " + name(index, move));
+      if (!move.place.empty()) line_("WAIT SEC REST_S");
+    }
     line_.out();
     line_(";ENDFOLD")();
   }
