@@ -15,7 +15,7 @@ namespace sweepd {
 
 std::span<const DeviceFormat> device_formats() {
   // Tables of trackers are recognised by less than the others, the one without a maker by least.
-  static constexpr std::array<DeviceFormat, 10> kFormats{{
+  static constexpr auto kFormats = std::to_array<DeviceFormat>({
       {"motive", "OptiTrack Motive CSV", is_motive_csv, motive_layout},
       {"vicon", "Vicon Nexus or Tracker CSV", is_vicon_csv, vicon_layout},
       {"qtm", "Qualisys QTM TSV", is_qtm_tsv, qtm_layout},
@@ -26,7 +26,7 @@ std::span<const DeviceFormat> device_formats() {
       {"leica", "Leica T-Mac or AT9x0 CSV", is_leica_csv, tracker_layout},
       {"spatialanalyzer", "SpatialAnalyzer text", is_spatial_analyzer_text, tracker_layout},
       {"tracker", "table of X, Y, Z with units", is_tracker_table, tracker_layout},
-  }};
+  });
   return kFormats;
 }
 

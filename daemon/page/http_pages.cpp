@@ -123,7 +123,7 @@ struct Page {
 
 HttpResponse index(const Asked& asked);
 
-constexpr std::array<Page, 8> kPages{{
+constexpr auto kPages = std::to_array<Page>({
     {"/", "", index},
     {"/healthz", "whether its threads move",
      [](const Asked& asked) { return health(asked.status, asked.age); }},
@@ -141,7 +141,7 @@ constexpr std::array<Page, 8> kPages{{
      [](const Asked& asked) { return result(asked.status, asked.query); }},
     {"/api/live", "what happens now, as server-sent events; ?robot=NAME likewise", live},
     {"/assets/", "", asset},
-}};
+});
 
 HttpResponse index(const Asked& asked) {
   if (asked.wants_html)

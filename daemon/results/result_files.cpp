@@ -32,7 +32,7 @@ Content always(const Outcome& outcome, const std::filesystem::path&) {
   return text(outcome);
 }
 
-const std::array<ResultFile, 9> kFiles{{
+const auto kFiles = std::to_array<ResultFile>({
     {"result.json", always<result_json>, true},
     {"report.txt", always<report>, true},
     {"dh.csv", always<dh_csv>},
@@ -62,7 +62,7 @@ const std::array<ResultFile, 9> kFiles{{
        return html_report(std::span(&read, 1));
      },
      false, true},
-}};
+});
 
 void write_or_remove(const std::filesystem::path& file, const Content& content) {
   std::error_code ignored;

@@ -23,7 +23,7 @@ struct InternalRow {
   bool only_sent;  ///< measured by the controller
 };
 
-constexpr std::array<InternalRow, 12> kInternalTags{{
+constexpr auto kInternalTags = std::to_array<InternalRow>({
     {"RIst", Type::DOUBLE, TagAttributes::pose, true},
     {"RSol", Type::DOUBLE, TagAttributes::pose, true},
     {"AIPos", Type::DOUBLE, TagAttributes::axes, true},
@@ -36,7 +36,7 @@ constexpr std::array<InternalRow, 12> kInternalTags{{
     {"EStr", Type::STRING, TagAttributes::none, false},
     {"Tech.C", Type::DOUBLE, TagAttributes::parameters, false},
     {"Tech.T", Type::DOUBLE, TagAttributes::parameters, false},
-}};
+});
 
 std::vector<std::string> numbered(std::string_view prefix, int count) {
   std::vector<std::string> names;
