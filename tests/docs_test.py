@@ -317,7 +317,7 @@ def wrong_codes(text, source):
 
 
 def wrong_benches(text, script):
-    known = set(re.search(r"^  ([a-z_| ]+)\)$", script, re.M)[1].replace("|", " ").split())
+    known = {"all", *" ".join(re.findall(r"^(?:usual|named)=\(([a-z_ ]+)\)", script, re.M)).split()}
     for name in re.findall(r"scripts/bench ([a-z_]+)", text):
         if name not in known:
             yield f"scripts/bench has no {name}"
@@ -401,7 +401,7 @@ def planted(program):
     gap = "\n" + 26 * " "
     settings = f'a = x\n\n[http]:\n  listen = x{gap}A. Default:{gap}"off"\n  hosts = x{gap}A. Required.\n'
     table = "### `[http]`\n| `listen` | a | `\"off\"` |\n| `hosts` | a | required |\n"
-    bench = "case x in\n  link | box)\n"
+    bench = "usual=(link)\nnamed=(box) # and more\n"
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         here = folder / "README.md"
