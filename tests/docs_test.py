@@ -95,11 +95,29 @@ def wrong_rooms(text, picture, rooms):
         yield f"the picture has the rooms {', '.join(drawn)}"
 
 
+NAMES = r"`((?:\w+::)*\w+\(\)|k[A-Z]\w+|(?:rsi|identify|sweepd)::\w+)`"
+
+
+def is_in(name, source):
+    return re.search(rf"\b{name.removesuffix('()').split('::')[-1]}\b", source)
+
+
 def wrong_names(text, source):
     """Functions, constants and types of the sources that are named in backticks."""
-    for name in re.findall(r"`((?:\w+::)*\w+\(\)|k[A-Z]\w+|(?:rsi|identify|sweepd)::\w+)`", text):
-        if not re.search(rf"\b{name.removesuffix('()').split('::')[-1]}\b", source):
+    for name in re.findall(NAMES, text):
+        if not is_in(name, source):
             yield f"nothing in the sources is called {name}"
+
+
+def wrong_rows(root, text):
+    """Rows that say what to change, in which files, and by which name it is found in them."""
+    for row in (line.split("|") for line in text.splitlines() if line.count("|") == 5):
+        paths = [root / path for path in re.findall(rf"`({SOURCES})`", row[2])]
+        files = [file for path in paths for file in ([path] if path.is_file() else path.glob("*.?pp"))]
+        source = "".join(file.read_text(encoding="utf-8") for file in files)
+        for name in re.findall(NAMES, row[3]):
+            if not is_in(name, source):
+                yield f"{name} is not where{row[1]}is said to be"
 
 
 # Commands
@@ -347,6 +365,7 @@ def problems(root, program):
     sources = "".join(path.read_text() for layer in ("rsi", "identify", "daemon")
                       for path in sorted((root / layer).rglob("*.?pp")))
     yield from told("docs/architecture.md", wrong_names(read("docs/architecture.md"), sources))
+    yield from told("docs/architecture.md", wrong_rows(root, read("docs/architecture.md")))
     yield from told("docs/architecture.md", wrong_rooms(
         read("docs/architecture.md"), read("docs/architecture.svg"), rooms_of(root)))
     engine = "".join(path.read_text() for folder in ("identify", "daemon/results")
@@ -407,6 +426,7 @@ def planted(program):
         here = folder / "README.md"
         here.write_text("# Some where\n\n## Some where\n\n```sh\n# no heading\n```\n")
         (folder / "rsi").mkdir()
+        (folder / "rsi/here.hpp").write_text("constexpr int kHere = 1;\n")
         (folder / "bin").mkdir()
         (folder / "bin/sweepd").symlink_to(program.sweepd)
         cases = [
@@ -423,6 +443,7 @@ def planted(program):
             (2, wrong_rooms("| `rsi/high` | x |\n| `rsi/low` | x |", ">low/</text>",
                             ["rsi/low", "rsi/high"])),
             (2, wrong_names("`kGone` `kHere` `Some::gone()` `here()` `rsi::Here`", "kHere here Here")),
+            (1, wrong_rows(folder, "| x | `rsi/here.hpp` | `kHere`, `gone()` | `rsi/here_test.cpp` |")),
             (1, wrong_settings(table.replace("hosts", "host") + "| `hosts` | a | required |\n", settings)),
             (1, wrong_settings(table.replace("| `hosts` | a | required |\n", ""), settings)),
             (1, wrong_settings(table.replace("off", "on"), settings)),
