@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "identify/geometry/angle.hpp"
+#include "identify/geometry/halton.hpp"
 #include "identify/models/kinematic_model.hpp"
 
 namespace identify {
@@ -16,20 +17,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// Number `index` of Halton's sequence in a base: evenly between 0 and 1.
-double halton(std::size_t index, std::size_t base) {
-  double share = 1, value = 0;
-  for (; index > 0; index /= base) {
-    share /= static_cast<double>(base);
-    value += share * static_cast<double>(index % base);
-  }
-  return value;
-}
-
 constexpr std::size_t kStarts = 10;
-
-constexpr std::array<std::size_t, kMostJoints> kPrimes = {2,  3,  5,  7,  11, 13,
-                                                          17, 19, 23, 29, 31, 37};
 
 double& number_in(std::vector<DhRow>& rows, const ArmNumber& number) {
   DhRow& row = rows[number.joint];
@@ -113,9 +101,10 @@ Displacement largest_displacement(const ComparedArms& arms, const VectorXd& diff
   Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
   MatrixXd mixed = MatrixXd::Zero(9, difference.size());
   for (std::size_t k = 0; k < poses; ++k) {
+    const std::vector<double> share = halton_point(k + 1, joints);
     for (std::size_t j = 0; j < joints; ++j) {
       const auto& [least, most] = reach.ranges[j];
-      turns[k][j] = least + (most - least) * halton(k + 1, kPrimes[j]);
+      turns[k][j] = least + (most - least) * share[j];
     }
     const ToolMotion::ByFrames frames = motion.by_frames(turns[k]);
     normal += frames.transpose() * frames;

@@ -15,8 +15,6 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// Rows beyond the unknowns: fewer tell nothing of the noise.
-constexpr Index kSpareRows = 6;
 /// To begin with, half of what is left comes from the joints, at this distance.
 constexpr double kStartOrientation_rad = 1e-4;
 constexpr double kLeastStart_mm = 1e-3;

@@ -16,6 +16,9 @@
 
 namespace identify {
 
+/// Rows beyond the unknowns: fewer tell nothing of the noise.
+inline constexpr Eigen::Index kSpareRows = 6;
+
 /// What is left of poses, in mm: of the distances between seen and predicted.
 struct Left {
   double mean_mm = 0;

@@ -12,15 +12,29 @@ namespace simulation {
 using identify::kDegree;
 
 std::vector<identify::Pose> Simulation::poses(std::size_t count, double range_deg) const {
+  std::uniform_real_distribution<> range(-range_deg, range_deg);
+  return poses_where(count, [&](std::size_t, std::mt19937_64& random) {
+    std::vector<double> angles = robot_.arm.home_rad;
+    for (double& angle : angles) angle += range(random) * kDegree;
+    return angles;
+  });
+}
+
+std::vector<identify::Pose> Simulation::poses_at(
+    const std::vector<std::vector<double>>& angles_rad) const {
+  return poses_where(angles_rad.size(),
+                     [&](std::size_t i, std::mt19937_64&) { return angles_rad[i]; });
+}
+
+template <typename Angles>
+std::vector<identify::Pose> Simulation::poses_where(std::size_t count, const Angles& of) const {
   const std::size_t joints = robot_.arm.joints();
   Device device(world_.noise, world_.drift, static_cast<double>(count), seed_ + 1);
   auto random = stream(seed_, Source::poses);
-  std::uniform_real_distribution<> range(-range_deg, range_deg);
   std::normal_distribution<> normal;
   std::vector<identify::Pose> poses;
   for (std::size_t i = 0; i < count; ++i) {
-    std::vector<double> angles = robot_.arm.home_rad;
-    for (double& angle : angles) angle += range(random) * kDegree;
+    const std::vector<double> angles = of(i, random);
     identify::Turns turns = turns_at(angles, joints, 1);
     for (std::size_t k = 0; k < joints; ++k)
       turns[k] += world_.home.sigma_deg * kDegree * normal(random);

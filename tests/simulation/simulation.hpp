@@ -26,6 +26,9 @@ class Simulation {
   /// Static poses at random, each joint up to `range_deg` from home, the targets in turn. Joints
   /// stand off what they tell as they do when locked (HomeError), anew at each pose.
   [[nodiscard]] std::vector<identify::Pose> poses(std::size_t count, double range_deg = 80) const;
+  /// The same where the angles are told, one a joint.
+  [[nodiscard]] std::vector<identify::Pose> poses_at(
+      const std::vector<std::vector<double>>& angles_rad) const;
   /// The robot's links, as a description tells them.
   [[nodiscard]] std::vector<identify::Load> loads() const;
   /// What is known beforehand: the specified arm, the home that was meant, what is printed.
@@ -39,6 +42,9 @@ class Simulation {
   [[nodiscard]] const Robot& robot() const { return robot_; }
 
  private:
+  /// `of`: the angles of a pose, by its index and a source of randomness.
+  template <typename Angles>
+  [[nodiscard]] std::vector<identify::Pose> poses_where(std::size_t count, const Angles& of) const;
   /// How far the arm's joints have turned from home where its encoders show `angles`.
   [[nodiscard]] identify::Turns turns_at(const std::vector<double>& angles_rad, std::size_t moving,
                                          int direction) const;
