@@ -21,11 +21,15 @@ void add_traces(CLI::App& command, std::vector<std::filesystem::path>& traces) {
       ->type_name("");
 }
 
-void add_robot_and_plan(CLI::App& command, std::filesystem::path& robot,
-                        std::filesystem::path& plan) {
+void add_robot(CLI::App& command, std::filesystem::path& robot) {
   command.add_option("--robot", robot, "Read the robot description from this file")
       ->required()
       ->type_name("FILE");
+}
+
+void add_robot_and_plan(CLI::App& command, std::filesystem::path& robot,
+                        std::filesystem::path& plan) {
+  add_robot(command, robot);
   command.add_option("--plan", plan, "Read the sweep plan from this file")
       ->required()
       ->type_name("FILE");

@@ -181,9 +181,15 @@ Outcome identified_points(const IdentifyOptions& options, RobotSetup setup, std:
   Snapshot snapshot;
   snapshot.robot = setup.name;
   snapshot.source_kind = "points";
-  for (const PointsFile& file : points.files)
-    if (of_poses(file, options))
-      for (auto& pose : static_poses(file, setup.joints)) snapshot.poses.push_back(std::move(pose));
+  for (const PointsFile& file : points.files) {
+    if (!of_poses(file, options)) continue;
+    auto poses = static_poses(file, setup.joints);
+    if (poses.empty())
+      throw CsvError(
+          file.path.string() +
+          ": no line holds a position and all angles: fill in where the target was seen");
+    std::move(poses.begin(), poses.end(), std::back_inserter(snapshot.poses));
+  }
   points.counts.poses = snapshot.poses.size();
   snapshot.sweeps = sweeps_in(points, options, setup, known);
   snapshot.campaign = known;

@@ -10,6 +10,7 @@
 #include "daemon/commands/command_options.hpp"
 #include "daemon/commands/help_text.hpp"
 #include "daemon/commands/outputs.hpp"
+#include "daemon/commands/pose_plan_command.hpp"
 #include "daemon/plan/plan_proposal.hpp"
 #include "daemon/plan/plan_text.hpp"
 #include "daemon/results/result_files.hpp"
@@ -34,19 +35,6 @@ Measurement measurement_of(const PlanOptions& options) {
           options.position_sigma_mm};
 }
 
-KrlOptions krl_options(const PlanOptions& options, const RobotDescription& robot) {
-  KrlOptions krl;
-  krl.dialect = *options.krl;
-  krl.name = options.name;
-  krl.tool = options.krl_tool;
-  krl.rsi_file = options.rsi_file;
-  for (const JointLimits& limits : robot.limits) {
-    krl.max_speed_deg_s.emplace_back();
-    if (std::isfinite(limits.max_speed_deg_s)) krl.max_speed_deg_s.back() = limits.max_speed_deg_s;
-  }
-  return krl;
-}
-
 /// Throws with all that KRL cannot express.
 void check_krl(const SweepPlan& plan, const KrlOptions& krl) {
   std::string text;
@@ -64,7 +52,27 @@ std::string remark(const PlanOptions& options, const Proposal& proposal) {
 
 }  // namespace
 
+std::string PlanOptions::file_name() const {
+  if (!name.empty()) return name;
+  return poses.count > 0 ? "sweepd_poses" : "sweepd_sweeps";
+}
+
+KrlOptions PlanOptions::krl_options(const RobotDescription& of) const {
+  KrlOptions options;
+  options.dialect = *krl;
+  options.name = file_name();
+  options.tool = krl_tool;
+  options.rsi_file = rsi_file;
+  for (const JointLimits& limits : of.limits) {
+    options.max_speed_deg_s.emplace_back();
+    if (std::isfinite(limits.max_speed_deg_s))
+      options.max_speed_deg_s.back() = limits.max_speed_deg_s;
+  }
+  return options;
+}
+
 int plan(const PlanOptions& options, std::ostream& out, std::ostream& errors) {
+  if (options.poses.count > 0) return plan_static_poses(options, out);
   check(options);
   RobotDescription robot = load_robot(options.robot);
   const SweepPlan given = load_plan(options.plan);
@@ -72,7 +80,7 @@ int plan(const PlanOptions& options, std::ostream& out, std::ostream& errors) {
   const Measurement measurement = measurement_of(options);
   std::optional<KrlProgram> program;
   if (options.krl) {
-    const KrlOptions krl = krl_options(options, robot);
+    const KrlOptions krl = options.krl_options(robot);
     check_krl(given, krl);
     program = krl_program(given, krl);
   }
@@ -98,7 +106,7 @@ int plan(const PlanOptions& options, std::ostream& out, std::ostream& errors) {
     files.emplace_back(*options.write_plan,
                        plan_toml(proposal->outlook.plan, remark(options, *proposal)));
   if (program) {
-    const auto base = *options.output / options.name;
+    const auto base = *options.output / options.file_name();
     files.emplace_back(base.string() + ".src", program->src);
     files.emplace_back(base.string() + ".dat", program->dat);
   }
@@ -119,11 +127,19 @@ CLI::App* add_plan(CLI::App& app, PlanOptions& options) {
       "plan",
       "Check a sweep plan before the robot moves: predict uncertainties, propose better ranges, "
       "write the KRL program\n"
-      "A simulated robot rehearses the plan. The uncertainties are those of the Fisher information "
-      "of the samples that the estimator would use.\n"
+      "A simulated robot rehearses the plan. With --poses, static poses are chosen. The "
+      "uncertainties are those of the Fisher information of what the estimator would use.\n"
       "sweepd knows joint limits, but neither the cell nor the robot's own body: run every new "
       "plan in T1 first.");
-  add_robot_and_plan(*command, options.robot, options.plan);
+  add_robot(*command, options.robot);
+  auto* what = command->add_option_group("What");
+  what->add_option("--plan", options.plan, "Read the sweep plan from this file")->type_name("FILE");
+  what->add_option("--poses", options.poses.count,
+                   "Choose so many static poses in place of sweeps, which a device will measure: "
+                   "those that together tell most")
+      ->check(CLI::Range(1, 1000))
+      ->type_name("N");
+  what->require_option(1);
   command
       ->add_option("--cycle-ms", options.cycle_ms,
                    "Assume a telegram every so many milliseconds: 4 on IPO_FAST, 12 on IPO")
@@ -144,13 +160,13 @@ CLI::App* add_plan(CLI::App& app, PlanOptions& options) {
                    "Assume that another device measures positions and no angles, with this "
                    "standard deviation of each coordinate in mm")
       ->check(CLI::Range(1e-6, 100.0))
-      ->default_str("positions and angles are the controller's");
+      ->default_str("positions and angles are the controller's; of static poses 0.02");
   add_tool(*command, options.tool_mm);
   auto* propose = command->add_flag("--propose", options.propose,
                                     "Look for better sweep ranges within the joint limits");
   command
       ->add_option("--margin-deg", options.margin_deg,
-                   "Keep proposed ranges this many degrees off the joint limits")
+                   "Keep proposed ranges and poses this many degrees off the joint limits")
       ->check(CLI::Range(0.0, 90.0))
       ->capture_default_str();
   command->add_option("--write-plan", options.write_plan, "Write the proposed plan to this file")
@@ -172,13 +188,13 @@ CLI::App* add_plan(CLI::App& app, PlanOptions& options) {
   auto* output =
       command
           ->add_option("--output", options.output,
-                       "Write the KRL program into this folder, as NAME.src and NAME.dat")
-          ->type_name("DIR")
-          ->needs(krl);
+                       "Write the KRL program into this folder, as NAME.src and NAME.dat, and the "
+                       "table of static poses as NAME.csv")
+          ->type_name("DIR");
   krl->needs(output);
   command->add_option("--name", options.name, "Give the KRL program this name")
-      ->capture_default_str()
-      ->type_name("NAME");
+      ->type_name("NAME")
+      ->default_str("sweepd_sweeps, of poses sweepd_poses");
   command
       ->add_option("--krl-tool", options.krl_tool,
                    "Use the controller's tool of this number in the KRL program, whose point is "
@@ -189,7 +205,8 @@ CLI::App* add_plan(CLI::App& app, PlanOptions& options) {
                    "Let the KRL program load this Ethernet file (krc2) or RSI context (krc4, "
                    "iiqka)")
       ->type_name("NAME")
-      ->default_str("sweepd_udp.xml, sweepd.rsi or sweepd");
+      ->default_str("sweepd_udp.xml, sweepd.rsi or sweepd; a program of poses has no RSI then");
+  add_pose_options(*command, options.poses);
   add_force(*command, options.force);
   command->footer(exit_status(
       {kOk,

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "daemon/plan/krl_program.hpp"
+#include "daemon/plan/pose_plan.hpp"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): theirs
 class App;
@@ -27,15 +28,23 @@ struct PlanOptions {
   double margin_deg = 5;                         ///< they keep off the joint limits
   std::optional<std::filesystem::path> write_plan;  ///< of the proposal; needs `propose`
   std::optional<KrlDialect> krl;                    ///< program of the plan as given, into `output`
-  std::optional<std::filesystem::path> output;      ///< folder; set together with `krl`
-  std::string name = "sweepd_sweeps";               ///< of the KRL program
-  int krl_tool = 1;                                 ///< number of the controller's tool
-  std::string rsi_file;                             ///< as in KrlOptions
-  bool force = false;                               ///< over any file but robot and plan
+  std::optional<std::filesystem::path> output;      ///< folder; of sweeps set together with `krl`
+  std::string name;      ///< of the program; empty: sweepd_sweeps, of poses sweepd_poses
+  int krl_tool = 1;      ///< number of the controller's tool
+  std::string rsi_file;  ///< as in KrlOptions
+  bool force = false;    ///< over any file but robot and plan
+  /// Static poses in place of a plan's sweeps, where it asks for any. Margin, sigmas and tool are
+  /// those above.
+  PoseTask poses = {};
+
+  /// Of the program and its files.
+  [[nodiscard]] std::string file_name() const;
+  [[nodiscard]] KrlOptions krl_options(const RobotDescription& of) const;
 };
 
-/// Checks the plan against the robot, says what uncertainties it will lead to, proposes a better
-/// one and writes the program that runs it, as far as asked for. The text goes to `out`.
+/// With poses, plan_static_poses(). Else: checks the plan against the robot, says what
+/// uncertainties it will lead to, proposes a better one and writes the program that runs it, as far
+/// as asked for. The text goes to `out`.
 ///
 /// Returns the exit code: 0 or, where the plan is refused (see plan_outlook.hpp), 1, and `errors`
 /// says why and what to do; then nothing is written. What counts is the proposed plan where one is

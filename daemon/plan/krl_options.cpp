@@ -19,15 +19,16 @@ constexpr double kMostInKrl_deg = 10'000;
 
 /// Words that cannot be the program's name: of KRL, and those that the program declares.
 constexpr std::array kTaken = {
-    "and",          "bas",        "b_and",  "break",     "case",   "char",    "circ",
-    "continue",     "decl",       "def",    "defdat",    "deffct", "default", "do",
-    "else",         "end",        "enddat", "endfct",    "endfor", "endif",   "endloop",
-    "endwhile",     "endswitch",  "enum",   "exit",      "ext",    "false",   "for",
-    "global",       "goto",       "halt",   "home_pose", "if",     "import",  "int",
-    "interrupt",    "is",         "lin",    "loop",      "not",    "or",      "ptp",
-    "pulse",        "real",       "repeat", "rest_s",    "resume", "return",  "swd_context",
-    "swd_ethernet", "swd_result", "signal", "struc",     "switch", "then",    "to",
-    "trigger",      "true",       "until",  "wait",      "when",   "while",   "xor"};
+    "and",         "bas",          "b_and",      "break",  "case",      "char",    "circ",
+    "continue",    "decl",         "def",        "defdat", "deffct",    "default", "do",
+    "dwell_s",     "else",         "end",        "enddat", "endfct",    "endfor",  "endif",
+    "endloop",     "endwhile",     "endswitch",  "enum",   "exit",      "ext",     "false",
+    "for",         "global",       "goto",       "halt",   "home_pose", "if",      "import",
+    "int",         "interrupt",    "is",         "lin",    "loop",      "not",     "or",
+    "ptp",         "pulse",        "real",       "repeat", "rest_s",    "resume",  "return",
+    "swd_context", "swd_ethernet", "swd_result", "signal", "struc",     "switch",  "then",
+    "to",          "trigger",      "true",       "until",  "wait",      "when",    "while",
+    "xor"};
 
 void check_name(const std::string& name, std::vector<std::string>& findings) {
   const bool valid = !name.empty() && name.size() <= kLongestName && rsi::is_letter(name.front()) &&

@@ -1,17 +1,9 @@
 #pragma once
 
-#include <string>
-
-#include "daemon/plan/krl_options.hpp"
+#include "daemon/plan/krl_writer.hpp"
 #include "daemon/settings/sweep_plan.hpp"
 
 namespace sweepd {
-
-/// A KRL module: the texts of NAME.src and NAME.dat, ASCII with CR LF line ends.
-struct KrlProgram {
-  std::string src;
-  std::string dat;
-};
 
 /// The program that runs the plan's sweeps as the simulator does: home, RSI on; for each sweep to
 /// its start, rest, sweep, rest, home; RSI off. Axis targets only, no approximation, $BASE is

@@ -1,12 +1,11 @@
 #include "daemon/plan/plan_text.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/plan/outlook_numbers.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/text_layout.hpp"
 #include "daemon/text/units.hpp"
@@ -20,81 +19,6 @@ using identify::DhNumber;
 using identify::Knowledge;
 
 constexpr double kSigmasOf95 = 1.959963985;
-constexpr std::size_t kJointColumn = 18;
-constexpr std::size_t kValueColumn = 14;
-constexpr std::size_t kSigmaColumn = 13;
-
-struct Number {
-  const char* name;
-  DhNumber DhEstimate::*number;
-  bool angle;
-  double identify::DhRow::*specified;
-};
-constexpr std::array<Number, 5> kNumbers{{
-    {"b      mm", &DhEstimate::b_mm, false, &identify::DhRow::b_mm},
-    {"theta  deg", &DhEstimate::theta_rad, true, &identify::DhRow::theta_rad},
-    {"a      mm", &DhEstimate::a_mm, false, &identify::DhRow::a_mm},
-    {"alpha  deg", &DhEstimate::alpha_rad, true, &identify::DhRow::alpha_rad},
-    {"beta   deg", &DhEstimate::beta_rad, true, &identify::DhRow::beta_rad},
-}};
-
-bool shown(const Number& number, const DhEstimate& row) {
-  return number.number != &DhEstimate::beta_rad || has_beta(row);
-}
-
-double scale(const Number& number) {
-  return number.angle ? degrees(1) : 1;
-}
-
-/// Half a turn back is half a turn forth.
-double specified_value(const identify::DhRow& row, const Number& one) {
-  const double value = scale(one) * row.*one.specified;
-  return one.angle && value < -179.9999 ? value + 360 : value;
-}
-
-/// As short as it can be, without an exponent.
-std::string plain(double value) {
-  std::array<char, 400> text{};
-  const auto end =
-      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed);
-  return {text.data(), end.ptr};
-}
-
-/// Decimals with which the smallest of some uncertainties, mm and degrees alike, shows two digits.
-class Decimals {
- public:
-  void see(double value) {
-    if (value > 0) needed_ = std::max(needed_, 1 - static_cast<int>(std::floor(std::log10(value))));
-  }
-  void see(const std::vector<DhEstimate>& table) {
-    for (const DhEstimate& row : table)
-      for (const Number& one : kNumbers)
-        if (shown(one, row)) see(scale(one) * (row.*one.number).sigma);
-  }
-  [[nodiscard]] int count() const { return std::min(needed_, 10); }
-
- private:
-  int needed_ = 4;
-};
-
-/// A number's standard uncertainty, or why it has none.
-std::string sigma_text(const DhNumber& found, const Number& one, int decimals, std::size_t width,
-                       double factor = 1) {
-  switch (found.knowledge) {
-    case Knowledge::identified:
-      return number(factor * scale(one) * found.sigma, decimals, width);
-    case Knowledge::by_convention:
-      return right("(set)", width);
-    case Knowledge::undetermined:
-      break;
-  }
-  return right("-", width);
-}
-
-std::string line_start(std::size_t row, const Number& number) {
-  return right(number.number == &DhEstimate::b_mm ? std::to_string(row + 1) : "", 5) + "   " +
-         left(number.name, kJointColumn - 8);
-}
 
 /// A number of a sweep; of a linear joint, under a heading of degrees, with its unit.
 std::string of_sweep(const PlannedSweep& sweep, double value, int decimals, std::size_t width) {
@@ -143,7 +67,7 @@ std::string verdict(AxisOutlook axis) {
 }
 
 std::string axes_text(const PlanOutlook& outlook) {
-  Decimals decimals;
+  OutlookDecimals decimals;
   for (const auto& axis : outlook.prediction.axes) {
     if (!axis) continue;
     decimals.see(degrees(axis->direction_sigma_rad()));
@@ -170,11 +94,11 @@ std::string dh_text(const PlanOutlook& outlook) {
                      right("std unc", kSigmaColumn) + right("95 % +-", kSigmaColumn) + "\n";
   const auto& specified = outlook.rehearsal.identification.specified;
   bool conventions = false;
-  Decimals decimals;
+  OutlookDecimals decimals;
   decimals.see(outlook.prediction.dh);
   for (std::size_t j = 0; j < outlook.prediction.dh.size(); ++j) {
     const DhEstimate& row = outlook.prediction.dh[j];
-    for (const Number& one : kNumbers) {
+    for (const OutlookNumber& one : kOutlookNumbers) {
       if (!shown(one, row)) continue;
       const DhNumber& found = row.*one.number;
       conventions = conventions || found.knowledge == Knowledge::by_convention;
@@ -253,11 +177,11 @@ std::string proposal_text(const PlanOutlook& before, const Proposal& proposal, d
   const double now_s = std::chrono::duration<double>(before.rehearsal.duration).count();
   text += "\n" + left("joint", kJointColumn) + right("std unc now", kValueColumn) +
           right("proposed", kSigmaColumn) + right("times smaller", 15) + "\n";
-  Decimals decimals;
+  OutlookDecimals decimals;
   decimals.see(before.prediction.dh);
   decimals.see(proposal.outlook.prediction.dh);
   for (std::size_t j = 0; j < before.prediction.dh.size(); ++j)
-    for (const Number& one : kNumbers) {
+    for (const OutlookNumber& one : kOutlookNumbers) {
       const DhNumber& now = before.prediction.dh[j].*one.number;
       const DhNumber& then = proposal.outlook.prediction.dh[j].*one.number;
       if (!shown(one, before.prediction.dh[j]) && !shown(one, proposal.outlook.prediction.dh[j]))

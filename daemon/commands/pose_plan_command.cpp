@@ -1,0 +1,145 @@
+#include "daemon/commands/pose_plan_command.hpp"
+
+#include <array>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "daemon/commands/outputs.hpp"
+#include "daemon/plan/pose_plan_text.hpp"
+#include "daemon/plan/pose_program.hpp"
+#include "daemon/results/result_files.hpp"
+#include "daemon/settings/toml_table.hpp"
+#include "daemon/text/progress.hpp"
+
+namespace sweepd {
+namespace {
+
+constexpr std::size_t kBoxNumbers = 6;
+
+Box box_of(const std::vector<double>& corners) {
+  const Eigen::Vector3d one(corners.data()), other(corners.data() + 3);
+  return {one.cwiseMin(other), one.cwiseMax(other)};
+}
+
+/// Throws with all that KRL cannot express.
+KrlProgram checked_program(const PosePlan& plan, const KrlOptions& krl) {
+  std::string text;
+  for (const std::string& finding : krl_findings(plan, krl))
+    text += (text.empty() ? "KRL: " : "\nKRL: ") + finding;
+  if (!text.empty()) throw ConfigError(text);
+  return krl_program(plan, krl);
+}
+
+}  // namespace
+
+void add_pose_options(CLI::App& command, PoseTask& poses) {
+  PoseLimits& limits = poses.limits;
+  command
+      .add_option_function<std::array<double, 3>>(
+          "--device",
+          [&limits](const std::array<double, 3>& at) {
+            limits.device_mm = Eigen::Vector3d(at.data());
+          },
+          "Take static poses only where the target is seen from the device at this point of the "
+          "robot's base, in mm")
+      ->type_name("X,Y,Z")
+      ->delimiter(',');
+  command
+      .add_option("--cone-deg", limits.cone_deg,
+                  "Let the reflector see the device only within this angle from where it looks")
+      ->check(CLI::Range(1.0, 180.0))
+      ->default_str("it looks everywhere");
+  command
+      .add_option_function<std::array<double, 3>>(
+          "--facing",
+          [&limits](const std::array<double, 3>& facing) {
+            limits.facing = Eigen::Vector3d(facing.data());
+            if (limits.facing.isZero(1e-9))
+              throw CLI::ValidationError("--facing", "expected a direction, found 0,0,0");
+          },
+          "Let the reflector look along this direction of the frame after the last row")
+      ->type_name("X,Y,Z")
+      ->delimiter(',')
+      ->default_str("0,0,1");
+  command
+      .add_option("--arm-radius-mm", limits.arm_radius_mm,
+                  "Keep the line of sight this far off the arm. With 0 it may cross it")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command
+      .add_option_function<std::vector<double>>(
+          "--keep-out",
+          [&limits](const std::vector<double>& corners) {
+            if (corners.size() % kBoxNumbers != 0)
+              throw CLI::ValidationError("--keep-out",
+                                         "expected six numbers, two corners of a box");
+            for (std::size_t k = 0; k < corners.size(); k += kBoxNumbers)
+              limits.keep_out.push_back(
+                  box_of({corners.begin() + static_cast<std::ptrdiff_t>(k),
+                          corners.begin() + static_cast<std::ptrdiff_t>(k + kBoxNumbers)}));
+          },
+          "Keep the arm's lines out of the box between these two corners, in mm of the robot's "
+          "base. More boxes: name it again")
+      ->type_name("X,Y,Z,X,Y,Z")
+      ->delimiter(',');
+  command
+      .add_option("--floor-mm", limits.floor_mm, "Keep all behind the third axis above this height")
+      ->type_name("Z");
+  command
+      .add_option("--column-mm", limits.column_mm,
+                  "Keep all behind the third axis this far off axis 1, up to the height of axis 2")
+      ->check(CLI::PositiveNumber)
+      ->type_name("R");
+  for (const auto& [name, value, help] :
+       {std::tuple{"--speed-deg-s", &poses.speed_deg_s,
+                   "Drive from pose to pose at this speed of every axis"},
+        std::tuple{"--dwell-s", &poses.dwell_s, "Rest so many seconds at each pose"}})
+    command.add_option(name, *value, help)->check(CLI::Range(0.1, 1000.0))->capture_default_str();
+}
+
+int plan_static_poses(const PlanOptions& options, std::ostream& out) {
+  if (options.propose)
+    throw std::invalid_argument("--propose is for sweeps: leave it out with --poses");
+  if (options.krl && !options.output)
+    throw std::invalid_argument("--krl: expected --output: name the folder of the program");
+  RobotDescription robot = load_robot(options.robot);
+  if (options.tool_mm && robot.arm) robot.arm->tool_mm = Eigen::Vector3d(options.tool_mm->data());
+  PoseTask task = options.poses;
+  task.limits.margin_deg = options.margin_deg;
+  task.joint_sigma_deg = options.wobble_deg;
+  task.position_sigma_mm = options.position_sigma_mm.value_or(task.position_sigma_mm);
+  Progress progress("plan");
+  const PosePlan plan = plan_poses(robot, task, [&](double done, double total) {
+    progress.update(done, total, "static poses");
+  });
+  progress.clear();
+
+  std::vector<std::pair<std::filesystem::path, std::string>> files;
+  if (options.output) {
+    const std::string base = (*options.output / options.file_name()).string();
+    files.emplace_back(base + ".csv", pose_table(plan));
+    if (options.krl) {
+      KrlProgram program = checked_program(plan, options.krl_options(robot));
+      files.emplace_back(base + ".src", std::move(program.src));
+      files.emplace_back(base + ".dat", std::move(program.dat));
+    }
+  }
+  out << pose_plan_text(robot, plan);
+  const Outputs outputs({options.robot}, options.force);
+  for (const auto& [file, content] : files) outputs.check_same(file, content);
+  if (options.output) make_folder(*options.output);
+  for (const auto& [file, content] : files) write_output(file, content);
+  const char* before = "\nwritten     ";
+  for (const auto& [file, content] : files) {
+    out << before << file.string() << '\n';
+    before = "            ";
+  }
+  return 0;
+}
+
+}  // namespace sweepd
