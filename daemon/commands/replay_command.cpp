@@ -111,20 +111,25 @@ int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) 
     samples.emplace(samples_file.emplace(*options.output / "samples.csv").beside());
   }
   Rows rows(samples);
-  Session session(setup, "trace", rows);
-  if (samples) samples->append(session.csv_header());
+  std::optional<Session> session;
+  const auto begin = [&](bool with_currents) {
+    session.emplace(setup, "trace", rows, with_currents);
+    if (samples) samples->append(session->csv_header());
+  };
   if (search.chosen)
     read_traces(options.traces, "replay", options.quiet, errors, [&](const auto& datagram) {
-      if (search.chosen->direction(datagram) == rsi::Direction::from_controller)
-        session.telegram(datagram);
+      if (search.chosen->direction(datagram) != rsi::Direction::from_controller) return;
+      if (!session) begin(has_currents(datagram.payload));
+      session->telegram(datagram);
     });
-  session.finish();
+  if (!session) begin(false);
+  session->finish();
   if (samples) samples->flush();
   const bool all_written = !samples || samples->error().empty();
   if (!all_written) errors << "sweepd: " << samples->error() << '\n';
   samples.reset();
   if (samples_file && all_written) samples_file->commit();
-  Outcome outcome = outcome_of(session.snapshot());
+  Outcome outcome = outcome_of(session->snapshot());
   if (!search.chosen) outcome.identification.reason = "no RSI telegrams in the capture";
   if (options.output) {
     write_run_file(options, search, hashes.get());

@@ -1,5 +1,7 @@
 #include "daemon/commands/report_command.hpp"
 
+#include <stdexcept>
+
 #include <CLI/CLI.hpp>
 
 #include "daemon/commands/command_options.hpp"
@@ -7,8 +9,31 @@
 #include "daemon/commands/outputs.hpp"
 #include "daemon/report/html_report.hpp"
 #include "daemon/report/pdf.hpp"
+#include "daemon/results/change.hpp"
+#include "daemon/results/change_json.hpp"
 
 namespace sweepd {
+namespace {
+
+constexpr double kLevel = 0.05;
+
+/// Each folder with the one before it.
+std::vector<Comparison> comparisons_of(const std::vector<std::filesystem::path>& paths,
+                                       const std::vector<ReportFolder>& folders) {
+  std::vector<Comparison> all;
+  for (std::size_t k = 1; k < paths.size(); ++k) {
+    all.push_back({folders[k - 1].name, folders[k].name, {}, {}});
+    try {
+      all.back().change = nlohmann::ordered_json::parse(change_json(
+          change_between(read_told_arm(paths[k - 1]), read_told_arm(paths[k]), kLevel)));
+    } catch (const std::runtime_error& error) {
+      all.back().why_not = error.what();
+    }
+  }
+  return all;
+}
+
+}  // namespace
 
 int make_report(const ReportOptions& options, std::ostream& out) {
   const auto facts = options.facts ? read_facts(*options.facts) : no_facts();
@@ -23,7 +48,7 @@ int make_report(const ReportOptions& options, std::ostream& out) {
   auto pdf_file = html_file;
   pdf_file.replace_extension("pdf");
   if (options.pdf) outputs.check_made_again(pdf_file, "%PDF");
-  const std::string html = html_report(folders, facts);
+  const std::string html = html_report(folders, facts, comparisons_of(options.folders, folders));
   write_output(html_file, html);
   out << html_file.string() << '\n';
   if (!options.pdf) return 0;

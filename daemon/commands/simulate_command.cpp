@@ -60,7 +60,7 @@ EthernetConfig built_in_ethernet_config() {
   config.ip_number = "192.168.1.10";
   config.port = 49152;
   config.sentype = "ImFree";
-  for (const char* tag : {"DEF_RIst", "DEF_RSol", "DEF_AIPos", "DEF_ASPos"})
+  for (const char* tag : {"DEF_RIst", "DEF_RSol", "DEF_AIPos", "DEF_ASPos", "DEF_MACur"})
     config.send.push_back({tag, Type::DOUBLE, 0, false, 0});
   config.send.push_back({"DEF_Delay", Type::LONG, 0, false, 0});
   config.receive.push_back({"DEF_EStr", Type::STRING, 0, false, 0});

@@ -1,6 +1,7 @@
 #include "daemon/commands/validate_command.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -16,6 +17,8 @@
 #include "daemon/commands/outputs.hpp"
 #include "daemon/points/point_poses.hpp"
 #include "daemon/points/points_file.hpp"
+#include "daemon/report/displacement_figure.hpp"
+#include "daemon/results/displacement_csv.hpp"
 #include "daemon/results/validation.hpp"
 #include "daemon/text/text_layout.hpp"
 #include "rsi/counted.hpp"
@@ -29,7 +32,16 @@ using identify::Pose;
 constexpr double kSame_mm = 1e-5;
 constexpr double kSame_rad = 1e-7;
 
-PosePredictor read_predictor(const std::filesystem::path& folder) {
+/// Slices of the displacement, across X, Y and Z.
+constexpr std::array kSliceFiles = {"displacement-x.svg", "displacement-y.svg",
+                                    "displacement-z.svg"};
+
+struct Result {
+  PosePredictor predictor;
+  std::vector<JointLimits> limits;
+};
+
+Result read_result(const std::filesystem::path& folder) {
   const auto file = folder / "result.json";
   std::ifstream in(file, std::ios::binary);
   if (!in)
@@ -38,7 +50,7 @@ PosePredictor read_predictor(const std::filesystem::path& folder) {
   nlohmann::ordered_json json;
   try {
     json = nlohmann::ordered_json::parse(in);
-    if (json.contains("poses")) return pose_predictor(json.at("poses"));
+    if (json.contains("poses")) return {pose_predictor(json.at("poses")), limits_in(json)};
   } catch (const std::exception& error) {
     throw std::runtime_error(file.string() + ": is not as sweepd writes it (" + error.what() +
                              "): identify again");
@@ -99,7 +111,8 @@ void refuse_used(const std::vector<Pose>& poses, const std::filesystem::path& fo
 }  // namespace
 
 int validate(const ValidateOptions& options, std::ostream& out) {
-  const PosePredictor predictor = read_predictor(options.result);
+  const Result result = read_result(options.result);
+  const PosePredictor& predictor = result.predictor;
   const std::size_t joints = predictor.fit.model.chain.axes.size();
   Poses read = read_poses(options.points, options.columns, joints);
   if (read.poses.empty())
@@ -109,11 +122,26 @@ int validate(const ValidateOptions& options, std::ostream& out) {
   const auto file = options.output.value_or(options.result / "validation.json");
   auto inputs = options.points;
   inputs.push_back(options.result / "result.json");
-  Outputs(std::move(inputs), options.force).check_made_again(file, R"({
+  const Outputs outputs(std::move(inputs), options.force);
+  outputs.check_made_again(file, R"({
   "schema": "sweepd.validation/)");
+  std::vector<std::pair<std::filesystem::path, std::string>> pictures;
+  const std::string csv = displacement_csv(displacement_of(predictor, result.limits));
+  for (std::size_t across = 0; across < kSliceFiles.size(); ++across) {
+    const auto picture = file.parent_path() / kSliceFiles.at(across);
+    outputs.check_made_again(picture, "<svg");
+    pictures.emplace_back(picture, displacement_svg(csv, across));
+  }
+  const auto table = file.parent_path() / "displacement.csv";
+  outputs.check_made_again(table, "slice,x_mm");
+
   const Validation found = validated(predictor, read.poses);
   write_output(file, validation_json(found).dump(2) + "\n");
   out << validation_text(found);
+  if (predictor.levels.empty()) return 0;
+  write_output(table, csv);
+  for (const auto& [picture, content] : pictures)
+    if (!content.empty()) write_output(picture, content);
   return 0;
 }
 

@@ -1,5 +1,6 @@
 #include "daemon/drawing/picture.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <set>
@@ -170,6 +171,10 @@ std::string joint_fill(std::size_t index) {
   return look('f', index);
 }
 
+std::string depth_fill(std::size_t depth) {
+  return "depth" + std::to_string(std::min(depth, kDepths - 1));
+}
+
 std::string drawing_style() {
   std::string css =
       "svg{max-width:100%;height:auto;font:11px sans-serif;overflow:visible}"
@@ -191,6 +196,9 @@ std::string drawing_style() {
            look('d', i) + "{stroke:" + colour + ";stroke-width:3.2;stroke-linecap:round}." +
            look('f', i) + "{fill:" + colour + "}";
   }
+  for (std::size_t depth = 0; depth < kDepths; ++depth)
+    css += ".depth" + std::to_string(depth) + "{fill:#0072b2;stroke:none;fill-opacity:" +
+           px(0.12 + 0.88 * static_cast<double>(depth) / (kDepths - 1)) + "}";
   return css +
          ".light{fill:#fff}.dark{fill:#000}.whole{"
          "stroke-dasharray:none}"

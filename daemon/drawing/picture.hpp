@@ -66,6 +66,11 @@ class Picture {
 [[nodiscard]] std::string joint_dots(std::size_t index);
 [[nodiscard]] std::string joint_fill(std::size_t index);
 
+/// How strongly something is shaded, from 0 to kDepths - 1: of one colour, so that it is told apart
+/// in grey and on dark pages, too.
+inline constexpr std::size_t kDepths = 6;
+[[nodiscard]] std::string depth_fill(std::size_t depth);
+
 /// The style sheet of all pictures. No `>` in it.
 [[nodiscard]] std::string drawing_style();
 

@@ -15,6 +15,11 @@ namespace {
 
 constexpr std::size_t kAxesOfRsi = 6;
 
+// Of no robot's data sheet: sizes that such motors have.
+constexpr std::array<double, kAxesOfRsi> kFriction_a = {1.2, 1.5, 1.0, 0.5, 0.4, 0.3};
+constexpr double kWeight_a_m = 3;
+constexpr double kCurrentNoise_a = 0.05;
+
 void check(const RobotDescription& robot, const SweepPlan& plan) {
   const std::string name = "robot \"" + robot.name + "\": ";
   if (!robot.arm)
@@ -53,6 +58,7 @@ SimulatedRobot::SimulatedRobot(const RobotDescription& robot, const SweepPlan& p
     : cycle_(options.cycle),
       wobble_deg_(options.wobble_deg),
       random_(options.seed),
+      current_noise_(options.seed + 1),
       commanded_deg_(plan.home_deg),
       actual_deg_(plan.home_deg),
       angles_rad_(plan.home_deg.size()) {
@@ -101,9 +107,10 @@ bool SimulatedRobot::next(rsi::SignalValues& values) {
     turn();
   }
   for (std::size_t i = 0; i < commanded_deg_.size(); ++i)
-    actual_deg_[i] = commanded_deg_[i] + wobble_deg_ * gaussian();
+    actual_deg_[i] = commanded_deg_[i] + wobble_deg_ * gaussian(random_);
   fill(commanded_deg_, values.ASPos, values.RSol);
   fill(actual_deg_, values.AIPos, values.RIst);
+  fill_currents(values.MACur, time_s);
   return true;
 }
 
@@ -122,9 +129,32 @@ std::chrono::milliseconds SimulatedRobot::duration() const {
   return cycle_ * (cycles_ - 1);
 }
 
-double SimulatedRobot::gaussian() {
+void SimulatedRobot::fill_currents(std::array<double, 6>& currents, double time_s) {
+  currents.fill(0);
+  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
+  std::array<Eigen::Vector3d, kAxesOfRsi> axes, points;
+  for (std::size_t j = 0; j < commanded_deg_.size(); ++j) {
+    axes.at(j) = arm_.positive[j] * frame.linear().col(2);
+    points.at(j) = frame.translation();
+    frame = frame * transform(arm_.row_at(j, radians(commanded_deg_[j])));
+  }
+  const Eigen::Vector3d tool = frame * arm_.tool_mm;
+  for (std::size_t j = 0; j < commanded_deg_.size(); ++j) {
+    if (arm_.is_linear(j)) continue;
+    // How fast the mass rises as the joint turns.
+    const double lever_m = axes.at(j).cross(tool - points.at(j)).z() / 1000;
+    currents.at(j) = kWeight_a_m * lever_m + kCurrentNoise_a * gaussian(current_noise_);
+  }
+  const Move& move = moves_[move_];
+  const bool moves = time_s > move.begin_s && time_s < move.begin_s + move.duration_s;
+  if (moves)
+    currents.at(move.joint - 1) += move.to_deg > move.from_deg ? kFriction_a.at(move.joint - 1)
+                                                               : -kFriction_a.at(move.joint - 1);
+}
+
+double SimulatedRobot::gaussian(std::mt19937_64& random) {
   // Box and Muller. Not std::normal_distribution, whose numbers depend on the library.
-  const auto uniform = [this] { return static_cast<double>((random_() >> 11) + 1) * 0x1p-53; };
+  const auto uniform = [&] { return static_cast<double>((random() >> 11) + 1) * 0x1p-53; };
   const double radius = std::sqrt(-2 * std::log(uniform()));
   return radius * std::cos(2 * kPi * uniform());
 }

@@ -23,7 +23,8 @@ namespace sweepd {
 /// The commanded angles follow the plan exactly. The actual ones wobble about them, as servos do:
 /// Gaussian, independent from joint to joint and cycle to cycle. Poses are those of the tool point
 /// in the robot's base, with the orientation of the frame after the last row; the actual one comes
-/// from the actual angles.
+/// from the actual angles. Motors take a current against Coulomb friction and against the weight of
+/// a point mass at the tool point, with some noise.
 class SimulatedRobot {
  public:
   struct Options {
@@ -37,8 +38,8 @@ class SimulatedRobot {
   /// cannot do the plan; std::invalid_argument for wrong options.
   SimulatedRobot(const RobotDescription& robot, const SweepPlan& plan, const Options& options);
 
-  /// Fills in RIst, RSol, AIPos and ASPos of the next cycle; false after the last one. The first
-  /// and the last see the robot at the plan's home. Joints that it does not have are zero.
+  /// Fills in RIst, RSol, AIPos, ASPos and MACur of the next cycle; false after the last one. The
+  /// first and the last see the robot at the plan's home. Joints that it does not have are zero.
   [[nodiscard]] bool next(rsi::SignalValues& values);
 
   /// How often next() gives a cycle in all.
@@ -62,12 +63,14 @@ class SimulatedRobot {
 
   void fill(const std::vector<double>& angles_deg, std::array<double, 6>& angles,
             std::array<double, 6>& pose);
-  double gaussian();
+  void fill_currents(std::array<double, 6>& currents, double time_s);
+  static double gaussian(std::mt19937_64& random);
 
   identify::Arm arm_;
   std::chrono::milliseconds cycle_;
   double wobble_deg_;
   std::mt19937_64 random_;
+  std::mt19937_64 current_noise_;  // its own: what is moved stays the same without currents
   std::vector<Move> moves_;
   std::uint64_t cycles_ = 0;
 

@@ -4,16 +4,19 @@
 #include <string>
 #include <string_view>
 
+#include "daemon/report/change_part.hpp"
 #include "daemon/report/report_facts.hpp"
 #include "daemon/report/report_folder.hpp"
 
 namespace sweepd {
 
 /// The measurement report as one file of HTML: pictures and style within, no script, nothing from
-/// elsewhere. Of several folders the ranges stand beside each other first, then each has its part.
+/// elsewhere. Of several folders the ranges stand beside each other first, then what has changed
+/// from one to the next, then each has its part.
 /// The same files give the same bytes.
 [[nodiscard]] std::string html_report(std::span<const ReportFolder> folders,
-                                      const ReportFacts& facts = no_facts());
+                                      const ReportFacts& facts = no_facts(),
+                                      std::span<const Comparison> comparisons = {});
 
 /// Its name in a folder of results, and what it begins with.
 inline constexpr const char* kHtmlReport = "report.html";

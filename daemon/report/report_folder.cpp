@@ -1,7 +1,6 @@
 #include "daemon/report/report_folder.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -10,6 +9,8 @@
 #include <stdexcept>
 #include <string_view>
 #include <tuple>
+
+#include "daemon/report/csv_cells.hpp"
 
 namespace sweepd {
 namespace {
@@ -29,44 +30,6 @@ Json json_of(const std::filesystem::path& file) {
   Json json = text ? Json::parse(*text, nullptr, false) : Json();
   return json.is_object() ? json : Json();
 }
-
-std::string_view take_line(std::string_view& text) {
-  const auto end = std::min(text.find('\n'), text.size());
-  const auto line = text.substr(0, end);
-  text.remove_prefix(std::min(end + 1, text.size()));
-  return line;
-}
-
-double value_in(std::string_view cell) {
-  double value = kNothing;
-  std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  return value;
-}
-
-/// Cells of a line, in place; those that are not there are empty.
-class Cells {
- public:
-  void split(std::string_view line) {
-    cells_.clear();
-    for (std::size_t begin = 0; begin <= line.size();) {
-      const auto end = std::min(line.find(',', begin), line.size());
-      cells_.push_back(line.substr(begin, end - begin));
-      begin = end + 1;
-    }
-  }
-  [[nodiscard]] std::string_view operator[](std::size_t at) const {
-    return at < cells_.size() ? cells_[at] : std::string_view();
-  }
-  /// Beyond every line where there is none.
-  [[nodiscard]] std::size_t find(std::string_view name) const {
-    const auto place = std::find(cells_.begin(), cells_.end(), name);
-    return place == cells_.end() ? std::string_view::npos
-                                 : static_cast<std::size_t>(place - cells_.begin());
-  }
-
- private:
-  std::vector<std::string_view> cells_;
-};
 
 struct Columns {
   explicit Columns(const Cells& head)
@@ -189,6 +152,8 @@ ReportFolder read_report_folder(const std::filesystem::path& path) {
   folder.run = json_of(path / "run.json");
   folder.link = json_of(path / "link.json");
   folder.dh_csv = content(path / "dh.csv").value_or("");
+  folder.currents_csv = content(path / "currents.csv").value_or("");
+  folder.displacement_csv = content(path / "displacement.csv").value_or("");
   folder.name = std::filesystem::weakly_canonical(path).filename().string();
   read_strokes(content(path / "sweeps.csv").value_or(""), folder);
   return folder;

@@ -60,6 +60,8 @@ struct ReportFolder {
   nlohmann::ordered_json run;     ///< run.json; null where there is none
   nlohmann::ordered_json link;    ///< link.json; null where there is none
   std::string dh_csv;             ///< empty where there is none
+  std::string displacement_csv;   ///< the same
+  std::string currents_csv;       ///< the same
   std::vector<Stroke> strokes;    ///< in the order of sweeps.csv
   std::vector<PointSums> sums;    ///< one a joint
   std::string name;               ///< of the folder, for titles

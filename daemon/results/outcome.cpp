@@ -28,6 +28,7 @@ Outcome outcome_of(const Snapshot& snapshot) {
                   identify::identify(snapshot.sweeps, campaign, snapshot.poses)};
   if (campaign.specified) outcome.positive = campaign.specified->positive;
   outcome.limits = snapshot.limits;
+  outcome.currents = snapshot.currents;
   outcome.angle_step_rad = campaign.resolution.angle_rad;
   outcome.motion_limit = campaign.motion_limit;
   if (snapshot.left_out.sweeps > 0 || snapshot.left_out.sample_stride > 1)

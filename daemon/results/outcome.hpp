@@ -33,7 +33,8 @@ struct Outcome {
   std::vector<int> positive = {};
   /// Where sweeps were recognised by positions alone.
   std::optional<identify::MotionLimit> motion_limit = {};
-  std::vector<JointLimits> limits = {};  ///< one a joint; empty: not known
+  std::vector<JointLimits> limits = {};             ///< one a joint; empty: not known
+  std::vector<JointCurrents::Joint> currents = {};  ///< empty: the stream has none
   double angle_step_rad = 0;  ///< one unit of the last decimal that angles were told with; 0: none
 };
 

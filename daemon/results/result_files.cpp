@@ -6,7 +6,9 @@
 #include <stdexcept>
 
 #include "daemon/report/html_report.hpp"
+#include "daemon/results/currents_csv.hpp"
 #include "daemon/results/dh_latex.hpp"
+#include "daemon/results/displacement_csv.hpp"
 #include "daemon/results/models.hpp"
 #include "daemon/results/models_csv.hpp"
 #include "daemon/results/report.hpp"
@@ -54,6 +56,16 @@ const auto kFiles = std::to_array<ResultFile>({
     {"poses.csv",
      [](const Outcome& outcome, const std::filesystem::path&) -> Content {
        return outcome.identification.poses ? poses_csv(outcome) : Content();
+     }},
+    {"displacement.csv",
+     [](const Outcome& outcome, const std::filesystem::path&) -> Content {
+       if (!outcome.identification.poses || outcome.identification.poses->levels.empty()) return {};
+       return displacement_csv(
+           displacement_of(pose_predictor(poses_json(outcome)), outcome.limits));
+     }},
+    {"currents.csv",
+     [](const Outcome& outcome, const std::filesystem::path&) -> Content {
+       return outcome.currents.empty() ? Content() : currents_csv(outcome);
      }},
     // Made of the files above and of what else is in the folder.
     {"report.html",

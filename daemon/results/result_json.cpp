@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/results/chain_json.hpp"
+#include "daemon/results/currents_csv.hpp"
 #include "daemon/results/described.hpp"
 #include "daemon/results/dh_json.hpp"
 #include "daemon/results/json_numbers.hpp"
@@ -257,6 +258,7 @@ std::string result_json(const Outcome& outcome) {
         {"orientation", rotation(robot.pose.linear())},
         {"rotation_sigma_deg", vector(degrees(1) * robot.rotation_sigma_rad, kAngleDecimals)}};
   }
+  if (!outcome.currents.empty()) json["currents"] = currents_json(outcome);
   if (found.poses) json["poses"] = poses_json(outcome);
   if (const auto models = models_of(outcome); !models.empty()) json["models"] = models_json(models);
   if (found.bounding_box) json["bounding_box"] = box(*found.bounding_box);

@@ -202,7 +202,7 @@ void RobotService::begin_session(const rsi::Datagram& first) {
   started_ = utc_name(rsi::now());
   watch_ = {rsi::Conversation{controller_, first.destination}, server_->replies()};
   session_.emplace(inputs_.setup, inputs_.settings.record ? "trace" : "live",
-                   static_cast<StreamSink&>(*this));
+                   static_cast<StreamSink&>(*this), has_currents(first.payload));
   turns_ = PlannedTurns(campaign(inputs_.setup, {}).order);
   complaints_.new_stream();
   session_log_.about(started_, rsi::find_ipoc(first.payload));

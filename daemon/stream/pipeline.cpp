@@ -30,9 +30,10 @@ std::uint64_t SourceCounts::malformed_in_all() const {
   return std::accumulate(malformed.begin(), malformed.end(), std::uint64_t{0});
 }
 
-Pipeline::Pipeline(std::size_t joints, const SignalNames& signals, StreamSink& sink)
+Pipeline::Pipeline(std::size_t joints, const SignalNames& signals, StreamSink& sink,
+                   bool with_currents)
     : sink_(sink),
-      reader_(signals, joints),
+      reader_(signals, joints, with_currents),
       segmenter_(std::min(joints, signals.angles.size()), kLongestStroke) {}
 
 bool Pipeline::telegram(const rsi::Datagram& datagram) {
@@ -47,7 +48,7 @@ bool Pipeline::telegram(const rsi::Datagram& datagram) {
   const bool restarted = arrival == rsi::Arrival::restart;
   if (restarted) finish();
 
-  Waiting waiting{reader_.read(telegram_), std::move(spare_row_)};
+  Waiting waiting{reader_.read(telegram_), std::move(spare_row_), reader_.currents()};
   waiting.sample.time_s =
       clock_.seconds(telegram_.ipoc(), datagram.time, link_.statistics().step(), restarted);
   start_row(waiting.row, waiting.sample.time_s, telegram_.ipoc());
@@ -76,6 +77,7 @@ void Pipeline::hold(Waiting waiting) {
 void Pipeline::release(std::size_t keep) {
   for (; waiting_.size() > keep; waiting_.pop_front()) {
     Waiting& next = waiting_.front();
+    if (next.currents) sink_.currents(next.sample, *next.currents);
     sink_.sample(next.sample, next.row);
     segmenter_.set_resolution(reader_.resolution());
     report(segmenter_.push(next.sample));

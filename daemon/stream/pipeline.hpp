@@ -27,6 +27,8 @@ class StreamSink {
 
   /// A sample, and its row of samples.csv ("t_s,ipoc,x,y,z,…") without an end of line.
   virtual void sample(const identify::Sample& /*sample*/, std::string_view /*row*/) {}
+  /// Before sample(), of telegrams with motor currents.
+  virtual void currents(const identify::Sample& /*sample*/, const Currents& /*currents*/) {}
   virtual void sweep(const identify::Sweep& /*sweep*/) {}
 };
 
@@ -46,8 +48,9 @@ struct SourceCounts {
 /// to the segmentation, whose strokes go to the sink. One thread. No files, no log.
 class Pipeline {
  public:
-  /// The first `joints` axis angles count.
-  Pipeline(std::size_t joints, const SignalNames& signals, StreamSink& sink);
+  /// The first `joints` axis angles count. `with_currents`: rows have motor currents.
+  Pipeline(std::size_t joints, const SignalNames& signals, StreamSink& sink,
+           bool with_currents = false);
 
   /// A datagram that came from the controller, whatever it holds. False, and counted, if it is no
   /// usable telegram.
@@ -71,6 +74,7 @@ class Pipeline {
   struct Waiting {
     identify::Sample sample;
     std::string row;
+    std::optional<Currents> currents;
   };
 
   void hold(Waiting waiting);

@@ -10,11 +10,14 @@
 
 namespace sweepd {
 
-SampleReader::SampleReader(const SignalNames& names, std::size_t joints) {
+SampleReader::SampleReader(const SignalNames& names, std::size_t joints, bool with_currents)
+    : with_currents_(with_currents) {
   for (const auto& name : names.position) pose_.push_back(source(name));
   for (const auto& name : names.orientation) pose_.push_back(source(name));
   for (std::size_t j = 0; j < std::min(joints, names.angles.size()); ++j)
     angles_.push_back(source(names.angles[j]));
+  for (std::size_t j = 0; j < std::min(joints, kMostCurrents); ++j)
+    currents_.push_back({"MACur", "A" + std::to_string(j + 1)});
   // The seventh joint of an arm may come as an external axis.
   for (const char* axis : {"E1", "E2", "E3", "E4", "E5", "E6"})
     if (std::find(names.angles.begin(), names.angles.end(), std::string("EIPos.") + axis) ==
@@ -69,6 +72,7 @@ identify::Sample SampleReader::read(const rsi::Telegram& telegram) {
   }
   if (found == angles_.size()) sample.joints = static_cast<std::uint8_t>(found);
   follow_external_axes(telegram);
+  read_currents(telegram);
   sample.external_place = external_place_;
 
   if (position_decimals != position_decimals_ || angle_decimals != angle_decimals_) {
@@ -95,6 +99,20 @@ void SampleReader::follow_external_axes(const rsi::Telegram& telegram) {
   }
 }
 
+void SampleReader::read_currents(const rsi::Telegram& telegram) {
+  read_currents_.reset();
+  for (std::size_t j = 0; j < currents_.size(); ++j) {
+    int decimals = 0;
+    const auto current = value(telegram, currents_[j], decimals);
+    if (j == 0 && currents_[j].text.empty() && !current) break;  // all are sent, or none
+    if (!read_currents_) {
+      read_currents_.emplace();
+      read_currents_->fill(kNoCurrent);
+    }
+    if (current) (*read_currents_)[j] = *current;
+  }
+}
+
 void SampleReader::append_csv(std::string& row) const {
   const auto append = [&](const Source& source) {
     row += ',';
@@ -102,11 +120,16 @@ void SampleReader::append_csv(std::string& row) const {
   };
   for (const auto& source : pose_) append(source);
   for (const auto& source : angles_) append(source);
+  if (with_currents_)
+    for (const auto& source : currents_) append(source);
 }
 
 std::string SampleReader::csv_header() const {
   std::string header = ",x_mm,y_mm,z_mm,a_deg,b_deg,c_deg";
   for (std::size_t j = 0; j < angles_.size(); ++j) header += ",a" + std::to_string(j + 1) + "_deg";
+  if (with_currents_)
+    for (std::size_t j = 0; j < currents_.size(); ++j)
+      header += ",a" + std::to_string(j + 1) + "_current_a";
   return header;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "daemon/settings/settings.hpp"
+#include "daemon/stream/joint_currents.hpp"
 #include "identify/sweeps/sample.hpp"
 #include "rsi/telegram/telegram.hpp"
 
@@ -14,12 +15,15 @@ namespace sweepd {
 /// Takes the measured values out of telegrams: where rsi ends and identify begins.
 class SampleReader {
  public:
-  /// The first `joints` names of the angles count.
-  SampleReader(const SignalNames& names, std::size_t joints);
+  /// The first `joints` names of the angles count. `with_currents`: samples.csv has motor currents.
+  SampleReader(const SignalNames& names, std::size_t joints, bool with_currents = false);
 
   /// Position, orientation and angles, each only if all of its values are there and numbers; the
   /// time is left to the caller.
   [[nodiscard]] identify::Sample read(const rsi::Telegram& telegram);
+
+  /// Motor currents of the telegram last read; nothing where it has none.
+  [[nodiscard]] const std::optional<Currents>& currents() const { return read_currents_; }
 
   /// Appends ",x,y,z,a,b,c,a1,…" of the telegram last read, as the controller printed them; nothing
   /// between the commas for what is missing or no number that can be measured.
@@ -44,9 +48,13 @@ class SampleReader {
   static Source source(const std::string& name);
   std::optional<double> value(const rsi::Telegram& telegram, Source& source, int& decimals);
   void follow_external_axes(const rsi::Telegram& telegram);
+  void read_currents(const rsi::Telegram& telegram);
 
   std::vector<Source> pose_;  // X Y Z A B C
   std::vector<Source> angles_;
+  std::vector<Source> currents_;
+  std::optional<Currents> read_currents_;
+  bool with_currents_;
   /// The controller's external axes, and how often one was seen to move.
   struct ExternalAxis {
     Source source;

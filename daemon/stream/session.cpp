@@ -6,17 +6,23 @@
 
 namespace sweepd {
 
-Session::Session(const RobotSetup& setup, std::string source_kind, StreamSink& sink)
+bool has_currents(std::string_view telegram) {
+  return telegram.find("<MACur") != std::string_view::npos;
+}
+
+Session::Session(const RobotSetup& setup, std::string source_kind, StreamSink& sink,
+                 bool with_currents)
     : setup_(setup),
       source_kind_(std::move(source_kind)),
       sink_(sink),
-      pipeline_(setup.joints, setup.signals, *this) {}
+      pipeline_(setup.joints, setup.signals, *this, with_currents) {}
 
 Snapshot Session::snapshot() const {
   auto known = campaign(setup_, pipeline_.resolution());
   known.motion_limit = pipeline_.motion_limit();
-  return {setup_.name,    source_kind_,     pipeline_.counts(), std::move(known),
-          kept_.sweeps(), kept_.left_out(), setup_.limits()};
+  return {setup_.name,       source_kind_,     pipeline_.counts(), std::move(known),
+          kept_.sweeps(),    kept_.left_out(), setup_.limits(),    {},
+          currents_.joints()};
 }
 
 bool Session::worth_identifying() const {

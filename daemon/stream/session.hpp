@@ -29,7 +29,11 @@ struct Snapshot {
   KeptSweeps::LeftOut left_out = {};       ///< what there was no memory for
   std::vector<JointLimits> limits = {};    ///< of the joints, where the description has them
   std::vector<identify::Pose> poses = {};  ///< static ones, beside the sweeps
+  std::vector<JointCurrents::Joint> currents = {};  ///< empty: the stream has none
 };
+
+/// Whether a telegram has motor currents.
+[[nodiscard]] bool has_currents(std::string_view telegram);
 
 /// One stream of a controller, from its first telegram to its end. No files. One thread. What it
 /// finds it passes on to its sink.
@@ -37,7 +41,9 @@ class Session : private StreamSink {
  public:
   /// `source_kind` is for the result. A recorded live stream is "trace" too: its result is that of
   /// its own trace, to the byte.
-  Session(const RobotSetup& setup, std::string source_kind, StreamSink& sink);
+  /// `with_currents`: samples.csv has motor currents, as it has where the first telegram does.
+  Session(const RobotSetup& setup, std::string source_kind, StreamSink& sink,
+          bool with_currents = false);
 
   /// What came from the controller, whatever it holds.
   void telegram(const rsi::Datagram& datagram) { pipeline_.telegram(datagram); }
@@ -60,6 +66,9 @@ class Session : private StreamSink {
   void sample(const identify::Sample& sample, std::string_view row) override {
     sink_.sample(sample, row);
   }
+  void currents(const identify::Sample& sample, const Currents& currents) override {
+    currents_.take(sample, currents);
+  }
   void sweep(const identify::Sweep& sweep) override;
 
   RobotSetup setup_;
@@ -67,6 +76,7 @@ class Session : private StreamSink {
   StreamSink& sink_;
   Pipeline pipeline_;
   KeptSweeps kept_{kMostSamples};
+  JointCurrents currents_;
   std::set<std::size_t> swept_joints_;  // by sweeps without a defect
   std::size_t without_joint_ = 0;       // such sweeps
 };

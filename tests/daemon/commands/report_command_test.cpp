@@ -52,6 +52,27 @@ TEST_CASE("a report is made again with facts, in a recording's folder, too", "[r
   CHECK_THAT(before, !ContainsSubstring("2.3 kg"));
 }
 
+TEST_CASE("a report of two folders tells what has changed, or why nobody can tell",
+          "[report_command]") {
+  const TemporaryFolder folder;
+  for (const char* name : {"a", "b", "c"}) std::filesystem::create_directory(folder / name);
+  auto outcome = complete_outcome();
+  outcome.positive = identify::test::kr5_arc().positive;
+  write_result(folder / "a", outcome);
+  outcome.identification.dh[3].theta_rad.value += 0.02 * identify::kDegree;
+  write_result(folder / "b", outcome);
+  write_result(folder / "c", partial_outcome());
+  ReportOptions options;
+  options.folders = {folder / "a", folder / "b", folder / "c"};
+  options.output = folder / "all.html";
+  CHECK(report_of(options) == 0);
+  const auto html = content(folder / "all.html");
+  CHECK_THAT(html, ContainsSubstring("What has changed"));
+  CHECK_THAT(html, ContainsSubstring("From a (A) to b (B)") &&
+                       ContainsSubstring("Changed: zero4 by -0.0200 deg"));
+  CHECK_THAT(html, ContainsSubstring("From b (A) to c (B)") && ContainsSubstring("Not compared: "));
+}
+
 TEST_CASE("a report overwrites no other file, nor one that it reads", "[report_command]") {
   const TemporaryFolder folder;
   write_result(folder.path(), partial_outcome());

@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include <nlohmann/json.hpp>
+#include <pugixml.hpp>
 
 #include "daemon/commands/identify_command.hpp"
 #include "daemon/points/csv_file.hpp"
@@ -86,6 +87,17 @@ TEST_CASE("Poses that were kept back judge a result, and used ones are refused",
     CHECK(found["levels"][k]["mean_mm"].get<double>() <
           found["levels"][k - 1]["mean_mm"].get<double>());
   CHECK(validate(options, out) == 0);  // over its own file
+  const std::string table = content(result / "displacement.csv");
+  CHECK(table.starts_with("slice,x_mm,y_mm,z_mm,dx_mm,dy_mm,dz_mm,size_mm,band95_mm\n"));
+  for (const char* slice : {"x", "y", "z"}) {
+    CHECK_THAT(table, ContainsSubstring(std::string("\n") + slice + ","));
+    const std::string svg = content(result / ("displacement-" + std::string(slice) + ".svg"));
+    pugi::xml_document document;
+    REQUIRE(document.load_string(svg.c_str()));
+    CHECK(document.child("svg").select_nodes("//rect").size() > 100);
+  }
+  CHECK_THAT(content(result / "report.html"),
+             ContainsSubstring("From the specification to the arm that was identified"));
 
   options.points = {held, fit};
   CHECK_THROWS_WITH(validate(options, out),

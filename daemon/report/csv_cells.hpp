@@ -1,0 +1,54 @@
+#pragma once
+
+#include <algorithm>
+#include <charconv>
+#include <string_view>
+#include <vector>
+
+#include "daemon/report/json_part.hpp"
+
+namespace sweepd {
+
+// The CSV that sweepd writes, as far as pictures are made of it.
+
+/// Takes the first line off `text`.
+[[nodiscard]] inline std::string_view take_line(std::string_view& text) {
+  const auto end = std::min(text.find('\n'), text.size());
+  const auto line = text.substr(0, end);
+  text.remove_prefix(std::min(end + 1, text.size()));
+  return line;
+}
+
+/// Not a number where there is none.
+[[nodiscard]] inline double value_in(std::string_view cell) {
+  double value = kNothing;
+  std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  return value;
+}
+
+/// Cells of a line, in place; those that are not there are empty.
+class Cells {
+ public:
+  void split(std::string_view line) {
+    cells_.clear();
+    for (std::size_t begin = 0; begin <= line.size();) {
+      const auto end = std::min(line.find(',', begin), line.size());
+      cells_.push_back(line.substr(begin, end - begin));
+      begin = end + 1;
+    }
+  }
+  [[nodiscard]] std::string_view operator[](std::size_t at) const {
+    return at < cells_.size() ? cells_[at] : std::string_view();
+  }
+  /// Beyond every line where there is none.
+  [[nodiscard]] std::size_t find(std::string_view name) const {
+    const auto place = std::find(cells_.begin(), cells_.end(), name);
+    return place == cells_.end() ? std::string_view::npos
+                                 : static_cast<std::size_t>(place - cells_.begin());
+  }
+
+ private:
+  std::vector<std::string_view> cells_;
+};
+
+}  // namespace sweepd

@@ -1,0 +1,81 @@
+#include "daemon/stream/joint_currents.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "daemon/text/units.hpp"
+
+namespace sweepd {
+namespace {
+
+/// Speeds are those of two spans of this length, before and after a moment.
+constexpr double kSpan_s = 0.1;
+constexpr double kSlowest_deg_s = 0.5;
+/// Steady: the two speeds differ by so little. The other joints stand: theirs are so small.
+constexpr double kSteady = 0.02;
+constexpr double kLongestGap_s = 0.3;
+
+}  // namespace
+
+JointCurrents::Joint::Friction JointCurrents::Joint::friction() const {
+  Friction found;
+  double sum = 0, squares = 0;
+  for (const auto& [degree, place] : places) {
+    if (!place.both()) continue;
+    ++found.places;
+    sum += place.friction();
+    squares += place.friction() * place.friction();
+  }
+  if (found.places == 0) return found;
+  const auto count = static_cast<double>(found.places);
+  found.mean = std::abs(sum / count);
+  if (found.places > 1)
+    found.scatter = std::sqrt(std::max(0.0, squares - sum * sum / count) / (count - 1));
+  return found;
+}
+
+void JointCurrents::take(const identify::Sample& sample, const Currents& currents) {
+  if (sample.joints == 0) return;
+  if (!recent_.empty() && !(sample.time_s - recent_.back().sample.time_s < kLongestGap_s &&
+                            sample.time_s > recent_.back().sample.time_s))
+    recent_.clear();
+  recent_.push_back({sample, currents});
+  const auto at_or_before = [&](double time_s) {
+    const auto later =
+        std::upper_bound(recent_.begin(), recent_.end(), time_s + 1e-9,
+                         [](double time, const Moment& one) { return time < one.sample.time_s; });
+    return later == recent_.begin() ? later : std::prev(later);
+  };
+  const auto first = at_or_before(sample.time_s - 2 * kSpan_s);
+  if (first->sample.time_s > sample.time_s - 2 * kSpan_s + 1e-9) return;
+  look(*first, *at_or_before(sample.time_s - kSpan_s), recent_.back());
+  recent_.erase(recent_.begin(), first);
+}
+
+void JointCurrents::look(const Moment& before, const Moment& middle, const Moment& now) {
+  const auto speed = [](const Moment& from, const Moment& to, std::size_t j) {
+    return degrees(to.sample.angles_rad[j] - from.sample.angles_rad[j]) /
+           (to.sample.time_s - from.sample.time_s);
+  };
+  const std::size_t joints = now.sample.joints;
+  std::size_t moving = 0;
+  for (std::size_t j = 1; j < joints; ++j)
+    if (std::abs(speed(before, now, j)) > std::abs(speed(before, now, moving))) moving = j;
+  const double fast = speed(before, now, moving);
+  if (moving >= kMostCurrents || !(std::abs(fast) > kSlowest_deg_s)) return;
+  if (std::abs(speed(before, middle, moving) - speed(middle, now, moving)) >
+      kSteady * std::abs(fast))
+    return;
+  for (std::size_t j = 0; j < joints; ++j)
+    if (j != moving && std::abs(speed(before, now, j)) > kSteady * std::abs(fast)) return;
+  const double current = middle.currents[moving];
+  if (!std::isfinite(current)) return;
+  if (joints_.size() <= moving) joints_.resize(moving + 1);
+  Joint& joint = joints_[moving];
+  Place& place =
+      joint.places[static_cast<int>(std::floor(degrees(middle.sample.angles_rad[moving])))];
+  (fast > 0 ? place.rising : place.falling).add(current);
+  joint.speed_deg_s.add(std::abs(fast));
+}
+
+}  // namespace sweepd
