@@ -22,10 +22,10 @@ using Angles = std::vector<double>;
 constexpr std::size_t kMostTriesEach = 50;
 constexpr std::size_t kWorkspace = 500;
 constexpr std::size_t kBlindDraws = 20;
-constexpr double kUsualTurn_deg = 90;
-constexpr int kDecimals = 3;
+constexpr double kOpenRange_deg = 90;
+constexpr int kPoseDecimals = 3;
 
-Angles in_radians(Angles angles_deg) {
+Angles pose_in_radians(Angles angles_deg) {
   for (double& angle : angles_deg) angle = radians(angle);
   return angles_deg;
 }
@@ -38,8 +38,8 @@ struct JointRanges {
     for (std::size_t j = 0; j < robot.joints(); ++j) {
       const JointLimits& limits = robot.limits[j];
       const bool known = std::isfinite(limits.min_deg) && std::isfinite(limits.max_deg);
-      low.push_back(known ? limits.min_deg + margin_deg : robot.home_deg[j] - kUsualTurn_deg);
-      high.push_back(known ? limits.max_deg - margin_deg : robot.home_deg[j] + kUsualTurn_deg);
+      low.push_back(known ? limits.min_deg + margin_deg : robot.home_deg[j] - kOpenRange_deg);
+      high.push_back(known ? limits.max_deg - margin_deg : robot.home_deg[j] + kOpenRange_deg);
       if (low.back() >= high.back())
         throw std::invalid_argument(fmt::format(
             "--margin-deg {}: joint {} may turn from {} to {} {}: give a smaller margin",
@@ -50,12 +50,12 @@ struct JointRanges {
   [[nodiscard]] Angles pose(std::size_t index) const {
     Angles angles = identify::halton_point(index, low.size());
     for (std::size_t j = 0; j < angles.size(); ++j)
-      angles[j] = rounded(low[j] + (high[j] - low[j]) * angles[j], kDecimals);
+      angles[j] = rounded(low[j] + (high[j] - low[j]) * angles[j], kPoseDecimals);
     return angles;
   }
 };
 
-std::string removed_text(const PosePlan& plan) {
+std::string removed_words(const PosePlan& plan) {
   std::string text;
   for (std::size_t rule = 0; rule < kPoseRules; ++rule)
     if (plan.removed[rule] > 0)
@@ -71,7 +71,7 @@ std::vector<Angles> allowed_poses(const RobotDescription& robot, const PoseRules
   const std::size_t most = kMostTriesEach * plan.task.candidates;
   while (allowed.size() < plan.task.candidates && plan.tried < most) {
     const Angles angles_deg = ranges.pose(++plan.tried);
-    if (const auto rule = rules.broken(in_radians(angles_deg)))
+    if (const auto rule = rules.broken(pose_in_radians(angles_deg)))
       ++plan.removed[static_cast<std::size_t>(*rule)];
     else
       allowed.push_back(angles_deg);
@@ -82,7 +82,7 @@ std::vector<Angles> allowed_poses(const RobotDescription& robot, const PoseRules
         "cone, or make the boxes smaller",
         plan.task.count, rsi::counted(plan.tried, "pose"),
         allowed.empty() ? "none is" : fmt::format("only {} are", allowed.size()),
-        removed_text(plan)));
+        removed_words(plan)));
   return allowed;
 }
 
@@ -103,7 +103,7 @@ void put_in_order(std::vector<Angles> left, const PoseRules& rules, PosePlan& pl
       return move_s(at, one, speed) > move_s(at, other, speed);
     });
     auto next = std::find_if(left.rbegin(), left.rend(), [&](const Angles& one) {
-      return rules.free_way(in_radians(at), in_radians(one));
+      return rules.free_way(pose_in_radians(at), pose_in_radians(one));
     });
     const bool over_home = next == left.rend();
     if (over_home) {
@@ -133,7 +133,7 @@ identify::PoseOutlook blind_outlook(const identify::PoseForecast& forecast,
   return mean(outlooks);
 }
 
-void check(const RobotDescription& robot, const PoseTask& task) {
+void check_task(const RobotDescription& robot, const PoseTask& task) {
   if (!robot.arm)
     throw std::runtime_error(
         "the robot description has no DH table: poses are chosen by one, write it from a data "
@@ -162,7 +162,7 @@ identify::Campaign campaign_of_poses(const RobotDescription& robot) {
 
 PosePlan plan_poses(const RobotDescription& robot, const PoseTask& task,
                     const OnPlanned& on_progress) {
-  check(robot, task);
+  check_task(robot, task);
   const PoseRules rules(*robot.arm, task.limits);
   if (const auto rule = rules.in_the_way(robot.arm->home_rad))
     throw std::runtime_error("home_deg of the robot description is forbidden (" + words(*rule) +
@@ -186,12 +186,12 @@ PosePlan plan_poses(const RobotDescription& robot, const PoseTask& task,
   std::vector<identify::PoseRow> rows, workspace, chosen_rows;
   std::vector<Eigen::MatrixXd> candidates;
   for (const Angles& angles_deg : allowed) {
-    rows.push_back(forecast.row(in_radians(angles_deg)));
+    rows.push_back(forecast.row(pose_in_radians(angles_deg)));
     candidates.push_back(forecast.candidate(rows.back()));
   }
   const JointRanges ranges(robot, task.limits.margin_deg);
   for (std::size_t k = 1; k <= kWorkspace; ++k)
-    workspace.push_back(forecast.row(in_radians(ranges.pose(k))));
+    workspace.push_back(forecast.row(pose_in_radians(ranges.pose(k))));
   std::vector<Angles> chosen;
   for (const std::size_t k : identify::d_optimal(candidates, task.count)) {
     chosen.push_back(allowed[k]);

@@ -18,7 +18,7 @@ using identify::DhNumber;
 using identify::Knowledge;
 
 /// A prediction that is off by so much is none.
-constexpr double kOpen_mm = 100;
+constexpr double kOpenFrom_mm = 100;
 
 std::string point_text(const Eigen::Vector3d& point) {
   return fmt::format("{}, {}, {} mm", plain(point.x()), plain(point.y()), plain(point.z()));
@@ -47,7 +47,7 @@ std::string removed_text(const PosePlan& plan) {
          "\n";
 }
 
-std::string table_text(const RobotDescription& robot, const PosePlan& plan) {
+std::string pose_table_text(const RobotDescription& robot, const PosePlan& plan) {
   OutlookDecimals decimals;
   decimals.see(plan.outlook.dh);
   std::string text = left("joint", kJointColumn) + right("specified", kValueColumn) +
@@ -87,7 +87,7 @@ std::string open_text(const PosePlan& plan) {
 }
 
 std::string displacement_text(double of_mm) {
-  return of_mm < kOpen_mm ? fixed(of_mm, 4) + " mm" : "not at all";
+  return of_mm < kOpenFrom_mm ? fixed(of_mm, 4) + " mm" : "not at all";
 }
 
 }  // namespace
@@ -110,7 +110,7 @@ std::string pose_plan_text(const RobotDescription& robot, const PosePlan& plan) 
       paragraph("target      ",
                 point_text(robot.arm->tool_mm) + " in the frame behind the last row");
   text += "\n" + removed_text(plan) + "\nDH parameters and the uncertainties to be expected\n\n" +
-          table_text(robot, plan) +
+          pose_table_text(robot, plan) +
           "(set): such data do not determine it; it is set by convention.\n\n";
   text += paragraph("predicted   ",
                     fmt::format("positions anywhere within the limits to {} (1 sigma, worst pose "

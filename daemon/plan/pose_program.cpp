@@ -9,13 +9,13 @@
 namespace sweepd {
 namespace {
 
-constexpr int kDecimals = 3;
+constexpr int kTableDecimals = 3;
 
 std::string name_of_pose(std::size_t index) {
   return fmt::format("POSE_{}", index + 1);
 }
 
-std::string src_of(const PosePlan& plan, const KrlOptions& options) {
+std::string pose_src(const PosePlan& plan, const KrlOptions& options) {
   KrlWriter krl(options);
   krl.begin_program(fmt::format("{} static poses", plan.poses.size()));
   krl.line("; First run: T1, override 10 %, hand on the enabling switch.");
@@ -37,7 +37,7 @@ std::string src_of(const PosePlan& plan, const KrlOptions& options) {
   return std::move(krl).text();
 }
 
-std::string dat_of(const PosePlan& plan, const KrlOptions& options) {
+std::string pose_dat(const PosePlan& plan, const KrlOptions& options) {
   KrlWriter krl(options);
   krl.begin_data();
   krl.line("; The rest at each pose, in seconds");
@@ -62,7 +62,7 @@ std::vector<std::string> krl_findings(const PosePlan& plan, const KrlOptions& op
 KrlProgram krl_program(const PosePlan& plan, const KrlOptions& options) {
   if (const auto findings = krl_findings(plan, options); !findings.empty())
     throw std::invalid_argument(findings.front());
-  return {src_of(plan, options), dat_of(plan, options)};
+  return {pose_src(plan, options), pose_dat(plan, options)};
 }
 
 std::string pose_table(const PosePlan& plan) {
@@ -73,7 +73,8 @@ std::string pose_table(const PosePlan& plan) {
   csv += '\n';
   for (std::size_t i = 0; i < plan.poses.size(); ++i) {
     csv += fmt::format("{},,,", i + 1);
-    for (const double angle : plan.poses[i].angles_deg) append_fixed(csv += ',', angle, kDecimals);
+    for (const double angle : plan.poses[i].angles_deg)
+      append_fixed(csv += ',', angle, kTableDecimals);
     csv += '\n';
   }
   return csv;

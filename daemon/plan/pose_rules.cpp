@@ -15,7 +15,7 @@ constexpr double kBetweenPoints_mm = 10;
 constexpr double kBetweenLooks_rad = 5 * identify::kDegree;
 
 /// Points from the last one up to `to`, even.
-void go_on(std::vector<Vector3d>& points, const Vector3d& to) {
+void append_line(std::vector<Vector3d>& points, const Vector3d& to) {
   const Vector3d from = points.back();
   const auto count = static_cast<int>(std::ceil((to - from).norm() / kBetweenPoints_mm));
   for (int k = 1; k <= count; ++k) points.push_back(from + (to - from) * k / count);
@@ -67,12 +67,12 @@ PoseRules::Place PoseRules::place(const std::vector<double>& angles_rad) const {
     if (j == 2) at.beyond_elbow = at.points.size();
     if (j + 1 == arm_.joints()) at.beyond_wrist = at.points.size();
     const identify::DhRow row = arm_.row_at(j, angles_rad[j]);
-    go_on(at.points, frame * Vector3d(0, 0, row.b_mm));
+    append_line(at.points, frame * Vector3d(0, 0, row.b_mm));
     frame = frame * transform(row);
-    go_on(at.points, frame.translation());
+    append_line(at.points, frame.translation());
   }
-  go_on(at.points, frame * Vector3d(0, 0, arm_.tool_mm.z()));
-  go_on(at.points, frame * arm_.tool_mm);
+  append_line(at.points, frame * Vector3d(0, 0, arm_.tool_mm.z()));
+  append_line(at.points, frame * arm_.tool_mm);
   at.facing = frame.linear() * limits_.facing;
   return at;
 }

@@ -23,6 +23,7 @@ using Places = std::map<std::string, Place, std::less<>>;
 bool is_passed_over(std::string_view column) {
   return column == "ipoc" || column == "pose" ||
          column.find("_residual") != std::string_view::npos ||
+         column.find("_current") != std::string_view::npos ||
          column.find("_error") != std::string_view::npos;
 }
 

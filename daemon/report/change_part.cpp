@@ -15,7 +15,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kWidth = 740, kNames = 80, kRow = 16, kTop = 6, kBelow = 30;
+constexpr double kDifferences_px = 740, kNumberNames_px = 80, kNumberRow_px = 16, kAboveNumbers = 6,
+                 kBelowNumbers = 30;
 constexpr double kCoverageOfU = 2;
 /// Differences farther off, in their uncertainty U, are drawn at the edge.
 constexpr double kMostDrawn = 6;
@@ -27,7 +28,7 @@ struct ChangedNumber {
   bool changed;
 };
 
-std::vector<ChangedNumber> numbers_in(const Json& change) {
+std::vector<ChangedNumber> numbers_of_change(const Json& change) {
   std::vector<ChangedNumber> all;
   for (const Json& json : list_of(change, "numbers")) {
     const std::string name = text_of(json, "name");
@@ -48,29 +49,31 @@ std::vector<ChangedNumber> numbers_in(const Json& change) {
 /// Each difference with its interval, in its own U: what leaves the band is larger than noise
 /// is, as a rule.
 void draw_differences(Markup figure, const std::vector<ChangedNumber>& numbers) {
-  const double height = kTop + kRow * static_cast<double>(numbers.size());
-  Picture picture(figure, kWidth, height + kBelow, "Differences in their uncertainties");
-  const double middle = kNames + (kWidth - kNames) / 2;
-  const double each = (kWidth - kNames - 40) / (2 * kMostDrawn);
-  picture.line({middle, kTop}, {middle, height}, "zero");
+  const double height = kAboveNumbers + kNumberRow_px * static_cast<double>(numbers.size());
+  Picture picture(figure, kDifferences_px, height + kBelowNumbers,
+                  "Differences in their uncertainties");
+  const double middle = kNumberNames_px + (kDifferences_px - kNumberNames_px) / 2;
+  const double each = (kDifferences_px - kNumberNames_px - 40) / (2 * kMostDrawn);
+  picture.line({middle, kAboveNumbers}, {middle, height}, "zero");
   for (const double side : {-1.0, 1.0})
-    picture.line({middle + side * each, kTop}, {middle + side * each, height}, "limit");
+    picture.line({middle + side * each, kAboveNumbers}, {middle + side * each, height}, "limit");
   for (int tick = -5; tick <= 5; ++tick)
     picture.words({middle + each * tick, height + 12}, std::to_string(tick), Anchor::middle,
                   "small");
   picture.words({middle, height + 26}, "B - A, in its expanded uncertainty U", Anchor::middle);
-  double y = kTop + kRow / 2;
+  double y = kAboveNumbers + kNumberRow_px / 2;
   for (const ChangedNumber& number : numbers) {
     const auto at = [&](double value) {
       return middle + each * std::clamp(value / number.expanded, -kMostDrawn, kMostDrawn);
     };
     const std::string kind = number.changed ? joint_line(5) + " whole" : "hair";
-    picture.words({kNames, y + 3}, number.name, Anchor::end, number.changed ? "strong" : "small");
+    picture.words({kNumberNames_px, y + 3}, number.name, Anchor::end,
+                  number.changed ? "strong" : "small");
     picture.line({at(number.difference - number.expanded), y},
                  {at(number.difference + number.expanded), y}, kind);
     picture.circle({at(number.difference), y}, number.changed ? 4 : 2.5,
                    number.changed ? joint_fill(5) : "");
-    y += kRow;
+    y += kNumberRow_px;
   }
 }
 
@@ -79,7 +82,7 @@ std::string displacement_words(const Json& json) {
                      number_of(json, "low_mm"), number_of(json, "high_mm"));
 }
 
-std::string verdict(const Json& change, const std::vector<ChangedNumber>& numbers) {
+std::string change_words(const Json& change, const std::vector<ChangedNumber>& numbers) {
   std::string text;
   for (const ChangedNumber& number : numbers)
     if (number.changed)
@@ -102,7 +105,7 @@ std::string verdict(const Json& change, const std::vector<ChangedNumber>& number
   return text + displacement_words(part_of(change, "displacement")) + ", base and tool fitted.";
 }
 
-void add_numbers(Markup parent, const std::vector<ChangedNumber>& numbers) {
+void add_change_table(Markup parent, const std::vector<ChangedNumber>& numbers) {
   auto table = parent.add("table");
   auto head = table.add("thead").add("tr");
   for (const char* title : {"number", "unit"}) head.put("th", title);
@@ -129,10 +132,10 @@ void add_changes(Markup parent, std::span<const Comparison> comparisons) {
       parent.put("p", "Not compared: " + one.why_not, {{"class", "note"}});
       continue;
     }
-    const auto numbers = numbers_in(one.change);
-    auto figure = add_figure(parent, title, verdict(one.change, numbers));
+    const auto numbers = numbers_of_change(one.change);
+    auto figure = add_figure(parent, title, change_words(one.change, numbers));
     draw_differences(figure, numbers);
-    add_numbers(figure, numbers);
+    add_change_table(figure, numbers);
     for (const Json& note : list_of(one.change, "notes"))
       if (note.is_string()) figure.put("p", note.get<std::string>(), {{"class", "note"}});
     figure.put("p",

@@ -17,8 +17,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kAcross = 3;
-constexpr double kEach = 245, kHeight = 150, kLeft = 46, kTop = 18, kBelow = 36;
+constexpr std::size_t kPlotsAcross = 3;
+constexpr double kPlotWidth = 245, kPlotHeight = 150, kLeftOfPlot = 46, kAbovePlot = 18,
+                 kBelowPlot = 36;
 
 struct Curves {
   std::vector<std::pair<double, double>> rising, falling;
@@ -39,7 +40,7 @@ std::map<int, Curves> curves_in(std::string_view csv) {
   return all;
 }
 
-void draw_joint(Picture& picture, int joint, const Curves& curves, const Frame& frame) {
+void draw_currents(Picture& picture, int joint, const Curves& curves, const Frame& frame) {
   Range x = Range::nothing(), y = Range::nothing();
   for (const auto* line : {&curves.rising, &curves.falling})
     for (const auto& [angle, current] : *line) {
@@ -88,14 +89,14 @@ void add_currents(Markup parent, const ReportFolder& folder) {
       "(dashed). Half the difference is friction, the mean is weight. Scatter is the standard "
       "deviation from place to place. Units are those of the controller: ampere by KUKA's RSI. "
       "Friction depends on speed, temperature and load: compare like with like.");
-  const auto rows = static_cast<double>((curves.size() + kAcross - 1) / kAcross);
-  const double each = kTop + kHeight + kBelow;
-  Picture picture(figure, kEach * kAcross, each * rows, "Motor current of each joint");
+  const auto rows = static_cast<double>((curves.size() + kPlotsAcross - 1) / kPlotsAcross);
+  const double each = kAbovePlot + kPlotHeight + kBelowPlot;
+  Picture picture(figure, kPlotWidth * kPlotsAcross, each * rows, "Motor current of each joint");
   std::size_t k = 0;
   for (const auto& [joint, lines] : curves) {
-    const double left = kEach * static_cast<double>(k % kAcross) + kLeft;
-    const double top = each * static_cast<double>(k / kAcross) + kTop;
-    draw_joint(picture, joint, lines, {left, top, kEach - kLeft - 8, kHeight});
+    const double left = kPlotWidth * static_cast<double>(k % kPlotsAcross) + kLeftOfPlot;
+    const double top = each * static_cast<double>(k / kPlotsAcross) + kAbovePlot;
+    draw_currents(picture, joint, lines, {left, top, kPlotWidth - kLeftOfPlot - 8, kPlotHeight});
     ++k;
   }
   add_friction(figure, list_of(folder.result, "currents"));

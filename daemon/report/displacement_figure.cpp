@@ -17,9 +17,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::array<const char*, 3> kAxes = {"X", "Y", "Z"};
-constexpr double kWidth = 740;
-constexpr double kLeft = 58, kTop = 20, kBelow = 40, kLegend = 34;
+constexpr std::array<const char*, 3> kAxisNames = {"X", "Y", "Z"};
+constexpr double kSlices_px = 740;
+constexpr double kLeftOfSlice = 58, kAboveSlice = 20, kBelowSlice = 40, kLegend_px = 34;
 
 struct Displaced {
   Vector3d at, by;
@@ -28,11 +28,11 @@ struct Displaced {
 };
 
 /// The points of a slice, named as in the file; of the grid: no name.
-struct Slice {
+struct DrawnSlice {
   std::vector<Displaced> points;
   double step = 0;  ///< between neighbours
 
-  Slice(std::string_view csv, std::string_view name) {
+  DrawnSlice(std::string_view csv, std::string_view name) {
     Cells cells;
     for (take_line(csv); !csv.empty();) {
       cells.split(take_line(csv));
@@ -52,16 +52,16 @@ struct Slice {
   }
 };
 
-struct Slices {
-  std::array<Slice, 3> across;
+struct DrawnSlices {
+  std::array<DrawnSlice, 3> across;
 
-  explicit Slices(std::string_view csv)
-      : across{Slice(csv, "x"), Slice(csv, "y"), Slice(csv, "z")} {}
+  explicit DrawnSlices(std::string_view csv)
+      : across{DrawnSlice(csv, "x"), DrawnSlice(csv, "y"), DrawnSlice(csv, "z")} {}
 
   /// Of all slices, so that one shade means one size.
   [[nodiscard]] double largest() const {
     double most = 1e-9;
-    for (const Slice& slice : across)
+    for (const DrawnSlice& slice : across)
       for (const Displaced& point : slice.points) most = std::max(most, point.size);
     return most;
   }
@@ -78,8 +78,8 @@ double shade_mm(double largest) {
 
 /// Cells shaded by how large the displacement is, with its direction within the plane; a dot where
 /// it is no larger than its 95 % band.
-void draw_slice(Picture& picture, const Slice& slice, std::size_t across, double width, double left,
-                double shade) {
+void draw_slice(Picture& picture, const DrawnSlice& slice, std::size_t across, double width,
+                double left, double shade) {
   const Eigen::Index u = across == 0 ? 1 : 0, v = across == 2 ? 1 : 2;
   Range over_u = Range::nothing(), over_v = Range::nothing();
   for (const Displaced& point : slice.points) {
@@ -92,9 +92,9 @@ void draw_slice(Picture& picture, const Slice& slice, std::size_t across, double
   over_u = wider(over_u);
   over_v = wider(over_v);
   const double scale = width / std::max(over_u.size(), over_v.size());
-  const Frame frame{left, kTop, scale * over_u.size(), scale * over_v.size()};
-  const std::string u_title = std::string(kAxes.at(static_cast<std::size_t>(u))) + " mm",
-                    v_title = std::string(kAxes.at(static_cast<std::size_t>(v))) + " mm";
+  const Frame frame{left, kAboveSlice, scale * over_u.size(), scale * over_v.size()};
+  const std::string u_title = std::string(kAxisNames.at(static_cast<std::size_t>(u))) + " mm",
+                    v_title = std::string(kAxisNames.at(static_cast<std::size_t>(v))) + " mm";
   Plot plot(picture, frame, {.range = over_u, .title = u_title, .ticks = 4},
             {.range = over_v, .title = v_title, .ticks = 4});
   const double side = scale * slice.step;
@@ -112,8 +112,8 @@ void draw_slice(Picture& picture, const Slice& slice, std::size_t across, double
     const Spot along = Spot(point.by(u), -point.by(v)) / (kDepths * shade) * 0.9 * side;
     plot.inside().line(middle, middle + along, "axis");
   }
-  picture.words({frame.left, kTop - 6},
-                fmt::format("{} = {:.0f} mm", kAxes.at(across),
+  picture.words({frame.left, kAboveSlice - 6},
+                fmt::format("{} = {:.0f} mm", kAxisNames.at(across),
                             slice.points.front().at(static_cast<Eigen::Index>(across))),
                 Anchor::start, "strong");
 }
@@ -131,7 +131,7 @@ void draw_legend(Picture& picture, double left, double top, double shade) {
   picture.words({x, top + 10}, "mm and more", Anchor::start, "small");
 }
 
-double height_of(const Slice& slice, std::size_t across, double width) {
+double height_of(const DrawnSlice& slice, std::size_t across, double width) {
   Range over_u = Range::nothing(), over_v = Range::nothing();
   for (const Displaced& point : slice.points) {
     over_u.include(point.at(across == 0 ? 1 : 0));
@@ -144,8 +144,8 @@ double height_of(const Slice& slice, std::size_t across, double width) {
 }  // namespace
 
 void add_displacement(Markup parent, const ReportFolder& folder) {
-  const Slices slices(folder.displacement_csv);
-  const Slice grid(folder.displacement_csv, "");
+  const DrawnSlices slices(folder.displacement_csv);
+  const DrawnSlice grid(folder.displacement_csv, "");
   std::vector<std::size_t> drawn;
   for (std::size_t across = 0; across < 3; ++across)
     if (!slices.across.at(across).points.empty()) drawn.push_back(across);
@@ -157,42 +157,44 @@ void add_displacement(Markup parent, const ReportFolder& folder) {
   for (const Displaced& point : grid.points) squares += point.size * point.size;
   auto figure = add_figure(
       parent, "From the specification to the arm that was identified",
-      fmt::format("how far the first target stands off, base and tool fitted: {:.3f} mm root mean "
-                  "square at {} points of the workspace, at most {:.3f} ± {:.3f} mm (95 %) at X "
-                  "{:.0f}, Y {:.0f}, Z {:.0f} mm of the robot's base. Slices through the target at "
-                  "home: lines show the direction from the middle of a cell, as long as it where "
-                  "the displacement is as "
-                  "the darkest shade; a dot is where it is no larger than its 95 % band. "
-                  "displacement.csv has "
-                  "all of it.",
-                  std::sqrt(squares / static_cast<double>(grid.points.size())), grid.points.size(),
-                  most->size, most->band, most->at.x(), most->at.y(), most->at.z()));
-  const double each = kWidth / 3;
-  const double width = each - kLeft - 6;
+      fmt::format(
+          "how far the first target stands off, base and tool fitted: {:.3f} mm root mean "
+          "square at {} points of the workspace, at most {:.3f} ± {:.3f} mm (95 %) at X "
+          "{:.0f}, Y {:.0f}, Z {:.0f} mm of the robot's base. DrawnSlices through the target at "
+          "home: lines show the direction from the middle of a cell, as long as it where "
+          "the displacement is as "
+          "the darkest shade; a dot is where it is no larger than its 95 % band. "
+          "displacement.csv has "
+          "all of it.",
+          std::sqrt(squares / static_cast<double>(grid.points.size())), grid.points.size(),
+          most->size, most->band, most->at.x(), most->at.y(), most->at.z()));
+  const double each = kSlices_px / 3;
+  const double width = each - kLeftOfSlice - 6;
   double height = 0;
   for (const std::size_t across : drawn)
     height = std::max(height, height_of(slices.across.at(across), across, width));
-  Picture picture(figure, kWidth, kTop + height + kBelow + kLegend,
+  Picture picture(figure, kSlices_px, kAboveSlice + height + kBelowSlice + kLegend_px,
                   "Displacement over three planes of the workspace");
   const double shade = shade_mm(slices.largest());
   for (std::size_t k = 0; k < drawn.size(); ++k)
     draw_slice(picture, slices.across.at(drawn[k]), drawn[k], width,
-               each * static_cast<double>(k) + kLeft, shade);
-  draw_legend(picture, kLeft, kTop + height + kBelow, shade);
+               each * static_cast<double>(k) + kLeftOfSlice, shade);
+  draw_legend(picture, kLeftOfSlice, kAboveSlice + height + kBelowSlice, shade);
 }
 
 std::string displacement_svg(std::string_view displacement_csv, std::size_t across) {
-  const Slices slices(displacement_csv);
-  const Slice& slice = slices.across.at(across);
+  const DrawnSlices slices(displacement_csv);
+  const DrawnSlice& slice = slices.across.at(across);
   if (slice.points.empty()) return {};
   constexpr double kAlone = 420;
   const double height = height_of(slice, across, kAlone);
   pugi::xml_document document;
-  Picture picture(Markup(document), kLeft + kAlone + 20, kTop + height + kBelow + kLegend,
+  Picture picture(Markup(document), kLeftOfSlice + kAlone + 20,
+                  kAboveSlice + height + kBelowSlice + kLegend_px,
                   "Displacement from the specification to the identified arm");
   const double shade = shade_mm(slices.largest());
-  draw_slice(picture, slice, across, kAlone, kLeft, shade);
-  draw_legend(picture, kLeft, kTop + height + kBelow, shade);
+  draw_slice(picture, slice, across, kAlone, kLeftOfSlice, shade);
+  draw_legend(picture, kLeftOfSlice, kAboveSlice + height + kBelowSlice, shade);
   auto svg = document.first_child();
   svg.append_attribute("xmlns") = "http://www.w3.org/2000/svg";
   svg.prepend_child("style").text() =

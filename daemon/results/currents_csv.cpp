@@ -5,12 +5,12 @@
 namespace sweepd {
 namespace {
 
-constexpr int kDecimals = 4;
-constexpr double kMiddle = 0.5;  // of a degree that is rounded down
+constexpr int kCurrentDecimals = 4;
+constexpr double kMiddleOfDegree = 0.5;  // of a degree that is rounded down
 
 void append_mean(std::string& csv, const JointCurrents::Mean& mean) {
   csv += ',';
-  if (mean.count > 0) append_fixed(csv, mean.value(), kDecimals);
+  if (mean.count > 0) append_fixed(csv, mean.value(), kCurrentDecimals);
 }
 
 }  // namespace
@@ -20,7 +20,7 @@ std::string currents_csv(const Outcome& outcome) {
   for (std::size_t j = 0; j < outcome.currents.size(); ++j)
     for (const auto& [degree, place] : outcome.currents[j].places) {
       csv += std::to_string(j + 1) + ',';
-      append_fixed(csv, degree + kMiddle, 1);
+      append_fixed(csv, degree + kMiddleOfDegree, 1);
       append_mean(csv, place.rising);
       append_mean(csv, place.falling);
       csv += ',' + std::to_string(place.rising.count) + ',' + std::to_string(place.falling.count) +
@@ -38,8 +38,8 @@ nlohmann::ordered_json currents_json(const Outcome& outcome) {
     json.push_back({{"joint", j + 1}, {"speed_deg_s", rounded(joint.speed_deg_s.value(), 2)}});
     json.back()["places"] = friction.places;
     if (friction.places == 0) continue;
-    json.back()["friction_a"] = rounded(friction.mean, kDecimals);
-    json.back()["scatter_a"] = rounded(friction.scatter, kDecimals);
+    json.back()["friction_a"] = rounded(friction.mean, kCurrentDecimals);
+    json.back()["scatter_a"] = rounded(friction.scatter, kCurrentDecimals);
   }
   return json;
 }

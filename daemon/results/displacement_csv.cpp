@@ -10,11 +10,11 @@
 namespace sweepd {
 namespace {
 
-constexpr double kUsualTurn_deg = 90;
-constexpr std::array kSlices = {"x", "y", "z"};
+constexpr double kUnknownRange_deg = 90;
+constexpr std::array kSliceNames = {"x", "y", "z"};
 
-void add_points(std::string& csv, const char* slice,
-                const std::vector<identify::DisplacedPoint>& points) {
+void add_displaced(std::string& csv, const char* slice,
+                   const std::vector<identify::DisplacedPoint>& points) {
   for (const auto& point : points) {
     csv += slice;
     for (const double value : point.at_mm) append_fixed(csv += ',', value, 0);
@@ -38,7 +38,7 @@ identify::JointRanges joint_ranges(const PosePredictor& predictor,
       ranges.push_back({radians(limits[j].min_deg), radians(limits[j].max_deg)});
     else
       ranges.push_back(
-          {home_rad[j] - radians(kUsualTurn_deg), home_rad[j] + radians(kUsualTurn_deg)});
+          {home_rad[j] - radians(kUnknownRange_deg), home_rad[j] + radians(kUnknownRange_deg)});
   }
   return ranges;
 }
@@ -63,8 +63,9 @@ identify::DisplacementMap displacement_of(const PosePredictor& predictor,
 
 std::string displacement_csv(const identify::DisplacementMap& map) {
   std::string csv = "slice,x_mm,y_mm,z_mm,dx_mm,dy_mm,dz_mm,size_mm,band95_mm\n";
-  add_points(csv, "", map.grid);
-  for (const auto& slice : map.slices) add_points(csv, kSlices.at(slice.across), slice.points);
+  add_displaced(csv, "", map.grid);
+  for (const auto& slice : map.slices)
+    add_displaced(csv, kSliceNames.at(slice.across), slice.points);
   return csv;
 }
 

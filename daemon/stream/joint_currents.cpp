@@ -9,11 +9,11 @@ namespace sweepd {
 namespace {
 
 /// Speeds are those of two spans of this length, before and after a moment.
-constexpr double kSpan_s = 0.1;
+constexpr double kSpan_s = 0.05;
 constexpr double kSlowest_deg_s = 0.5;
 /// Steady: the two speeds differ by so little. The other joints stand: theirs are so small.
-constexpr double kSteady = 0.02;
-constexpr double kLongestGap_s = 0.3;
+constexpr double kSteadyShare = 0.02;
+constexpr double kLongestPause_s = 0.3;
 
 }  // namespace
 
@@ -36,7 +36,7 @@ JointCurrents::Joint::Friction JointCurrents::Joint::friction() const {
 
 void JointCurrents::take(const identify::Sample& sample, const Currents& currents) {
   if (sample.joints == 0) return;
-  if (!recent_.empty() && !(sample.time_s - recent_.back().sample.time_s < kLongestGap_s &&
+  if (!recent_.empty() && !(sample.time_s - recent_.back().sample.time_s < kLongestPause_s &&
                             sample.time_s > recent_.back().sample.time_s))
     recent_.clear();
   recent_.push_back({sample, currents});
@@ -64,10 +64,10 @@ void JointCurrents::look(const Moment& before, const Moment& middle, const Momen
   const double fast = speed(before, now, moving);
   if (moving >= kMostCurrents || !(std::abs(fast) > kSlowest_deg_s)) return;
   if (std::abs(speed(before, middle, moving) - speed(middle, now, moving)) >
-      kSteady * std::abs(fast))
+      kSteadyShare * std::abs(fast))
     return;
   for (std::size_t j = 0; j < joints; ++j)
-    if (j != moving && std::abs(speed(before, now, j)) > kSteady * std::abs(fast)) return;
+    if (j != moving && std::abs(speed(before, now, j)) > kSteadyShare * std::abs(fast)) return;
   const double current = middle.currents[moving];
   if (!std::isfinite(current)) return;
   if (joints_.size() <= moving) joints_.resize(moving + 1);

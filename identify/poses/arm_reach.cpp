@@ -17,9 +17,9 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr std::size_t kStarts = 24;
+constexpr std::size_t kReachStarts = 24;
 constexpr std::size_t kPosesOfBox = 500;
-constexpr int kMostSteps = 60;
+constexpr int kMostReachSteps = 60;
 /// Without a gain of a hundredth for so many steps it goes no nearer.
 constexpr int kPatience = 6;
 constexpr double kLongestStep_mm = 150;
@@ -27,7 +27,8 @@ constexpr double kDamping_mm = 20;
 constexpr double kThere_mm = 1e-3;
 
 /// How the target moves with each joint, mm/rad, and where it is.
-Eigen::Matrix3Xd jacobian(const Arm& arm, const std::vector<double>& angles, Vector3d& target) {
+Eigen::Matrix3Xd reach_jacobian(const Arm& arm, const std::vector<double>& angles,
+                                Vector3d& target) {
   Eigen::Matrix3Xd z(3, static_cast<Index>(arm.joints())), at = z;
   Isometry3d frame = Isometry3d::Identity();
   for (Index j = 0; j < z.cols(); ++j) {
@@ -50,9 +51,9 @@ ArmReach::ArmReach(Arm arm, JointRanges ranges) : arm_(std::move(arm)), ranges_(
   std::vector<double> home = arm_.home_rad;
   for (std::size_t j = 0; j < home.size(); ++j)
     home[j] = std::clamp(home[j], ranges_[j][0], ranges_[j][1]);
-  for (std::size_t k = 0; k < kStarts; ++k) {
+  for (std::size_t k = 0; k < kReachStarts; ++k) {
     const auto& [least, most] = ranges_[0];
-    home[0] = least + (most - least) * (static_cast<double>(k) + 0.5) / kStarts;
+    home[0] = least + (most - least) * (static_cast<double>(k) + 0.5) / kReachStarts;
     starts_.push_back({home, target_mm(home)});
   }
 }
@@ -68,9 +69,9 @@ std::optional<std::vector<double>> ArmReach::angles_at(const Vector3d& point_mm)
       });
   std::vector<double> angles = nearest->angles_rad;
   double best = (nearest->target_mm - point_mm).norm();
-  for (int step = 0, without_gain = 0; step < kMostSteps && without_gain < kPatience; ++step) {
+  for (int step = 0, without_gain = 0; step < kMostReachSteps && without_gain < kPatience; ++step) {
     Vector3d target;
-    const Eigen::Matrix3Xd by_joint = jacobian(arm_, angles, target);
+    const Eigen::Matrix3Xd by_joint = reach_jacobian(arm_, angles, target);
     Vector3d off = point_mm - target;
     const double distance = off.norm();
     if (distance < kThere_mm) return angles;

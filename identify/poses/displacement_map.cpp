@@ -6,6 +6,7 @@
 #include <Eigen/QR>
 
 #include "identify/geometry/line.hpp"
+#include "identify/poses/observability.hpp"
 
 namespace identify {
 namespace {
@@ -17,7 +18,6 @@ using Eigen::Vector3d;
 constexpr double kStepsAcross = 11;
 constexpr double kRound_mm = 25;
 constexpr double kSigmasOf95 = 1.959963985;
-constexpr double kMetre_mm = 1000;
 
 struct Reached {
   Vector3d at_mm;

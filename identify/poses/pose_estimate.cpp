@@ -38,9 +38,10 @@ std::vector<ChainEstimate::Part> parts_of(const PoseFit& fit,
     const MatrixXd weighed = fit.noise.covariance(row.by_joint).llt().solve(row.by_parameter);
     PoseNoise apart = fit.noise;
     apart.joint_rad = 0;
-    positions += weight * weighed.transpose() * apart.covariance(row.by_joint) * weighed;
+    positions +=
+        weight / fit.widened * weighed.transpose() * apart.covariance(row.by_joint) * weighed;
     const MatrixXd by_joint = fit.noise.joint_rad * row.by_joint.transpose() * weighed;
-    joints += weight * by_joint.transpose() * by_joint;
+    joints += weight / fit.widened * by_joint.transpose() * by_joint;
   }
   const auto share = [&](const MatrixXd& of) {
     return MatrixXd(fit.covariance * of * fit.covariance);
@@ -158,6 +159,8 @@ std::optional<PoseEstimate> estimate_poses(const std::vector<Pose>& poses, const
   PoseEstimate found;
   found.fit = fitted(start.model, noise, poses, oriented, prior);
   found.effects = add_effects(found.fit, poses, prior);
+  widen(found.fit, poses, prior);
+  for (EffectEvidence& one : found.effects) one.sigma *= std::sqrt(found.fit.widened);
   found.with_sweeps = sweeps != nullptr;
   VectorXd distances(static_cast<Index>(poses.size()));
   VectorXd counted(distances.size());

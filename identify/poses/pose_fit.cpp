@@ -88,6 +88,20 @@ class Problem {
     solve();
   }
 
+  /// Once the fit has come to its end: see widen() in the header.
+  void widen() {
+    constexpr double kMost = 3;
+    linearise();
+    solve();
+    double rows = 0;
+    for (std::size_t i = 0; i < poses_.size(); ++i)
+      rows += fit_.weights(static_cast<Index>(i)) * static_cast<double>(fit_.rows[i].off.size());
+    const double free = rows - taken_up().squaredNorm();
+    const double lost = 2 * (fit_.with_orientation ? 3 : 2);
+    fit_.widened = free > lost ? std::min(kMost, free / (free - lost)) : kMost;
+    solve();
+  }
+
   /// Takes the step; returns its largest share of a standard uncertainty.
   double take() {
     const VectorXd sigma = fit_.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
@@ -122,8 +136,8 @@ class Problem {
   void solve() {
     white_ = whitened();
     MatrixXd normal = MatrixXd::Zero(white_.columns.rows(), white_.columns.rows());
-    normal.selfadjointView<Eigen::Lower>().rankUpdate(white_.columns);
-    VectorXd gradient = white_.columns * white_.off;
+    normal.selfadjointView<Eigen::Lower>().rankUpdate(white_.columns, 1 / fit_.widened);
+    VectorXd gradient = white_.columns * white_.off / fit_.widened;
     if (prior_) {
       const Index count = prior_->information.rows();
       normal.topLeftCorner(count, count).triangularView<Eigen::Lower>() += prior_->information;
@@ -155,16 +169,18 @@ class Problem {
     }
   }
 
+  /// What the fit takes up of each row: one column a row, whose squared norm is its share.
+  [[nodiscard]] MatrixXd taken_up() const {
+    const Eigen::LDLT<MatrixXd> ldlt(fit_.covariance);
+    const MatrixXd root = ldlt.transpositionsP().transpose() * MatrixXd(ldlt.matrixL()) *
+                          ldlt.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+    return root.transpose() * white_.columns;
+  }
+
   /// Each component times the root of what is seen of it over what is expected.
   void size_noise() {
     white_ = whitened();
-    const MatrixXd root = [&] {
-      MatrixXd covariance = fit_.covariance;
-      const Eigen::LDLT<MatrixXd> ldlt(covariance);
-      return MatrixXd(ldlt.transpositionsP().transpose() * MatrixXd(ldlt.matrixL()) *
-                      ldlt.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal());
-    }();
-    const MatrixXd taken = root.transpose() * white_.columns;  // what the fit takes up
+    const MatrixXd taken = taken_up();
     const VectorXd left = white_.off - white_.columns.transpose() * step_;
     double seen_position = 0, expected_position = 0, seen_joint = 0, expected_joint = 0;
     double seen_orientation = 0, expected_orientation = 0;
@@ -235,6 +251,10 @@ PoseFit fitted(const PoseModel& start, const PoseNoise& noise, const std::vector
   }
   problem.linearise();
   return fit;
+}
+
+void widen(PoseFit& fit, const std::vector<Pose>& poses, const std::optional<ChainPrior>& prior) {
+  Problem(fit, poses, prior).widen();
 }
 
 }  // namespace identify

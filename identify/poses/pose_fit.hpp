@@ -39,6 +39,8 @@ struct PoseFit {
   [[nodiscard]] Eigen::MatrixXd whole_covariance() const {
     return covariance + open * open.transpose();
   }
+  /// By how much `covariance` was widened because the sizes of the noise are estimates, too.
+  double widened = 1;
   double condition = 0;
   int iterations = 0;
   bool converged = false;
@@ -53,5 +55,11 @@ struct PoseFit {
 [[nodiscard]] PoseFit fitted(const PoseModel& start, const PoseNoise& noise,
                              const std::vector<Pose>& poses, bool with_orientation,
                              const std::optional<ChainPrior>& prior);
+
+/// States the covariance for who does not know the noise: what the poses tell counts less by
+/// (d - 2 k) / d, with d their degrees of freedom and k the sizes of noise that were estimated. Of
+/// one size that gives the variance of Student's distribution, as the GUM's supplement 1 has it
+/// (JCGM 101:2008, 6.4.9).
+void widen(PoseFit& fit, const std::vector<Pose>& poses, const std::optional<ChainPrior>& prior);
 
 }  // namespace identify

@@ -11,6 +11,7 @@
 #include "identify/chain/chain_problem.hpp"
 #include "identify/chain/chain_table.hpp"
 #include "identify/poses/arm_fit.hpp"
+#include "identify/poses/observability.hpp"
 #include "identify/poses/pose_estimate.hpp"
 
 namespace identify {
@@ -20,14 +21,11 @@ using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 
-/// Angles count as what they move at this distance.
-constexpr double kMetre_mm = 1000;
-
-ChainParameters parameters_of(const PoseModel& model) {
+ChainParameters forecast_parameters(const PoseModel& model) {
   return {model.chain.axes.size(), model.chain.targets_mm.size()};
 }
 
-double worst(const Matrix3d& covariance) {
+double worst_direction(const Matrix3d& covariance) {
   return std::sqrt(Eigen::SelfAdjointEigenSolver<Matrix3d>(covariance).eigenvalues()(2));
 }
 
@@ -51,13 +49,13 @@ PoseRow PoseForecast::row(const std::vector<double>& angles_rad) const {
   pose.sample.joints = static_cast<std::uint8_t>(angles_rad.size());
   pose.sample.position_mm = model_.position_mm(pose);
   PoseRow row = pose_row(model_, pose, false);
-  row.by_parameter.conservativeResize(Eigen::NoChange, parameters_of(model_).count(false));
+  row.by_parameter.conservativeResize(Eigen::NoChange, forecast_parameters(model_).count(false));
   return row;
 }
 
 MatrixXd PoseForecast::candidate(const PoseRow& row) const {
   MatrixXd columns = row.by_parameter;
-  const ChainParameters parameters = parameters_of(model_);
+  const ChainParameters parameters = forecast_parameters(model_);
   for (std::size_t j = 0; j < parameters.joints; ++j)
     columns.middleCols<2>(parameters.axis(j)) /= kMetre_mm;
   return noise_.covariance(row.by_joint).llt().matrixL().solve(columns);
@@ -65,7 +63,7 @@ MatrixXd PoseForecast::candidate(const PoseRow& row) const {
 
 PoseOutlook PoseForecast::outlook(const std::vector<PoseRow>& poses,
                                   const std::vector<PoseRow>& workspace) const {
-  const Index count = parameters_of(model_).count(false);
+  const Index count = forecast_parameters(model_).count(false);
   MatrixXd normal = MatrixXd::Zero(count, count);
   for (const PoseRow& row : poses)
     normal += row.by_parameter.transpose() *
@@ -80,7 +78,7 @@ PoseOutlook PoseForecast::outlook(const std::vector<PoseRow>& poses,
   for (const PoseRow& row : workspace)
     found.displacement_mm =
         std::max(found.displacement_mm,
-                 worst(row.by_parameter * fit.covariance * row.by_parameter.transpose()));
+                 worst_direction(row.by_parameter * fit.covariance * row.by_parameter.transpose()));
   ChainEstimate expected;
   set_fitted_axes(expected, fit, std::vector<bool>(campaign_.joints, true), 1);
   std::vector<DhRow> specified = campaign_.specified->rows;

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/commands/simulate_command.hpp"
+#include "daemon/points/points_file.hpp"
 #include "daemon/settings/toml_table.hpp"
 #include "rsi/capture/capture_reader.hpp"
 #include "tests/catch.hpp"
@@ -65,6 +66,39 @@ std::string robot_table(const std::string& name, const std::string& port) {
 }
 
 }  // namespace
+
+TEST_CASE("Friction of each motor is found where telegrams have currents, and nothing where not",
+          "[replay_command][long]") {
+  const TemporaryFolder folder;
+  simulate(folder / "with.pcap");
+  REQUIRE(replayed(trace_options(folder / "with.pcap", folder / "with")).code == 0);
+  const auto currents = result_in(folder / "with")["currents"];
+  // What the simulated robot has, with noise of 0.05 A a telegram.
+  const std::vector<double> friction{1.2, 1.5, 1.0, 0.5, 0.4, 0.3};
+  REQUIRE(currents.size() == friction.size());
+  for (std::size_t j = 0; j < friction.size(); ++j) {
+    CHECK(currents[j]["friction_a"].get<double>() == Approx(friction[j]).margin(0.02));
+    CHECK(currents[j]["scatter_a"].get<double>() < 0.1);
+    CHECK(currents[j]["places"].get<int>() >= 4);
+  }
+  CHECK_THAT(content(folder / "with/report.html"),
+             ContainsSubstring("Motor current over the angle"));
+  CHECK_THAT(content(folder / "with/currents.csv"), ContainsSubstring("\n6,"));
+  const auto samples = sweepd::PointsReader({}, 6).read(folder / "with/samples.csv", {});
+  CHECK(samples.angles == 6);
+
+  auto text = content(kConfig / "controller/krc4/sweepd_ethernet.xml");
+  text.replace(text.find("DEF_MACur"), 9, "DEF_ESPos");
+  simulate(folder / "without.pcap", folder.write("without.xml", text));
+  REQUIRE(replayed(trace_options(folder / "without.pcap", folder / "without")).code == 0);
+  CHECK_FALSE(result_in(folder / "without").contains("currents"));
+  CHECK_FALSE(fs::exists(folder / "without/currents.csv"));
+  CHECK_THAT(content(folder / "without/samples.csv"), !ContainsSubstring("current"));
+  // Currents change nothing else.
+  auto with = result_in(folder / "with");
+  with.erase("currents");
+  CHECK(with.dump() == result_in(folder / "without").dump());
+}
 
 TEST_CASE("two replays leave the same files, byte for byte", "[replay_command][long]") {
   const TemporaryFolder folder;
