@@ -96,7 +96,7 @@ std::optional<PoseRule> PoseRules::unseen(const Place& at) const {
   const Vector3d& target = at.points.back();
   const Vector3d sight = *limits_.device_mm - target;
   if (limits_.cone_deg &&
-      at.facing.dot(sight) < std::cos(radians(*limits_.cone_deg)) * sight.norm())
+      at.facing.dot(sight) < (std::cos(radians(*limits_.cone_deg)) - 1e-9) * sight.norm())
     return PoseRule::cone;
   if (limits_.arm_radius_mm <= 0) return std::nullopt;
   for (std::size_t k = 0; k < at.beyond_wrist; ++k) {

@@ -121,8 +121,8 @@ TEST_CASE("Too few poses, no poses left, a forbidden home and no table are refus
   task.limits.floor_mm = 5000;
   CHECK_THAT(refusal(robot, task), ContainsSubstring("home_deg") && ContainsSubstring("floor"));
   task = quick_task(12);
-  task.limits.margin_deg = 75;
-  CHECK_THAT(refusal(robot, task), ContainsSubstring("--margin-deg 75: joint 3"));
+  task.limits.margin_deg = 88;
+  CHECK_THAT(refusal(robot, task), ContainsSubstring("--margin-deg 88: joint 3"));
   RobotDescription bare = robot;
   bare.arm.reset();
   CHECK_THAT(refusal(bare, quick_task(12)), ContainsSubstring("no DH table"));

@@ -59,7 +59,7 @@ TEST_CASE("Floor and column forbid what lies in them", "[pose_rules]") {
   limits.floor_mm = -2000;
   CHECK_FALSE(PoseRules(kr5_arm(), limits).in_the_way(kAside));
   // The arm folded back onto itself: the forearm hangs down beside axis 1.
-  const auto folded = angles({90, -150, 155, 0, 90, 0});
+  const auto folded = angles({90, -40, 150, 0, 90, 0});
   limits = {};
   limits.column_mm = 700;
   CHECK(PoseRules(kr5_arm(), limits).in_the_way(folded) == PoseRule::column);
