@@ -60,19 +60,20 @@ void draw_differences(Markup figure, const std::vector<ChangedNumber>& numbers) 
   for (int tick = -5; tick <= 5; ++tick)
     picture.words({middle + each * tick, height + 12}, std::to_string(tick), Anchor::middle,
                   "small");
-  picture.words({middle, height + 26}, "B - A, in its expanded uncertainty U", Anchor::middle);
+  picture.words({middle, height + 26},
+                "B - A, in its expanded uncertainty U; farther ones at the edge", Anchor::middle);
   double y = kAboveNumbers + kNumberRow_px / 2;
   for (const ChangedNumber& number : numbers) {
     const auto at = [&](double value) {
       return middle + each * std::clamp(value / number.expanded, -kMostDrawn, kMostDrawn);
     };
-    const std::string kind = number.changed ? joint_line(5) + " whole" : "hair";
+    const std::string kind = number.changed ? joint_line(1) + " whole" : "hair";
     picture.words({kNumberNames_px, y + 3}, number.name, Anchor::end,
                   number.changed ? "strong" : "small");
     picture.line({at(number.difference - number.expanded), y},
                  {at(number.difference + number.expanded), y}, kind);
     picture.circle({at(number.difference), y}, number.changed ? 4 : 2.5,
-                   number.changed ? joint_fill(5) : "");
+                   number.changed ? joint_fill(1) : "");
     y += kNumberRow_px;
   }
 }

@@ -35,7 +35,7 @@ TEST_CASE("An arm reaches what it is asked for, within its ranges", "[displaceme
   int reached = 0;
   for (double x = -1000; x <= 1000; x += 250)
     for (double z = 0; z <= 1500; z += 250) {
-      const Eigen::Vector3d at(x, 300, z);
+      const Eigen::Vector3d at(x, -500, z);
       const auto angles = reach.angles_at(at);
       if (!angles) continue;
       ++reached;
