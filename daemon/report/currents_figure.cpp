@@ -28,7 +28,7 @@ struct Curves {
 std::map<int, Curves> curves_in(std::string_view csv) {
   std::map<int, Curves> all;
   Cells cells;
-  for (take_line(csv); !csv.empty();) {
+  for (static_cast<void>(take_line(csv)); !csv.empty();) {
     cells.split(take_line(csv));
     const double joint = value_in(cells[0]), angle = value_in(cells[1]);
     if (!(joint >= 1 && joint < 64) || !std::isfinite(angle)) continue;

@@ -34,7 +34,7 @@ struct DrawnSlice {
 
   DrawnSlice(std::string_view csv, std::string_view name) {
     Cells cells;
-    for (take_line(csv); !csv.empty();) {
+    for (static_cast<void>(take_line(csv)); !csv.empty();) {
       cells.split(take_line(csv));
       if (cells[0] != name) continue;
       const auto vector = [&](std::size_t from) {

@@ -82,7 +82,7 @@ TEST_CASE(
   SECTION("gaps") {
     for (int k = 0; k < 500; ++k) {
       drive.moment(0.04 * k, 1);
-      if (k % 40 == 0) drive.time_s += 1;
+      if (k % 20 == 0) drive.time_s += 1;
     }
   }
   for (const auto& joint : drive.seen.joints()) CHECK(joint.places.empty());
