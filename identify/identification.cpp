@@ -104,7 +104,7 @@ Identification estimate(std::vector<Sweep> sweeps, const Campaign& campaign) {
   Identification found = by_circles(estimate_circles(std::move(sweeps), campaign));
   if (campaign.timed) {
     const auto axes = starting_axes(found);
-    found.delay = find_delay(found, axes);
+    found.delay = find_delay(found, axes, campaign.two_clocks);
     if (found.delay && is_significant(*found.delay))
       found.chain = estimate_chain(in_step(found, axes, *found.delay), campaign);
   }

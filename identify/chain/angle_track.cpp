@@ -6,6 +6,7 @@
 
 #include "identify/geometry/circle_fit.hpp"
 #include "identify/geometry/median.hpp"
+#include "identify/sweeps/home.hpp"
 
 namespace identify {
 namespace {
@@ -13,8 +14,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::size_t kFewestSeen = 20;
-/// Of each stroke; more tell nothing new of something so smooth.
-constexpr std::size_t kMostSamples = 400;
 
 }  // namespace
 
@@ -41,8 +40,8 @@ double AngleTrack::between(double at, std::size_t i) const {
   return sum;
 }
 
-std::optional<AngleTrack> angle_track(const Sweep& sweep, std::size_t joint,
-                                      const ChainAxis& axis) {
+std::optional<AngleTrack> angle_track(const Sweep& sweep, std::size_t joint, const ChainAxis& axis,
+                                      std::size_t most) {
   AngleTrack track;
   track.joint = joint;
   track.direction = sweep.direction;
@@ -64,7 +63,7 @@ std::optional<AngleTrack> angle_track(const Sweep& sweep, std::size_t joint,
   for (std::size_t i = 0; i < radii.size(); ++i)
     distances.push_back(std::hypot(heights[i] - height, radii[i] - radius));
   const double usual = median_of(distances);
-  const std::size_t every = (radii.size() + kMostSamples - 1) / kMostSamples;
+  const std::size_t every = (radii.size() + most - 1) / most;
   AngleAbout about(axis);
   std::size_t good = 0;
   for (const Sample& sample : *sweep.samples) {
@@ -80,15 +79,19 @@ std::optional<AngleTrack> angle_track(const Sweep& sweep, std::size_t joint,
 }
 
 std::vector<AngleTrack> angle_tracks(const CircleEstimate& circles,
-                                     const std::vector<std::optional<ChainAxis>>& axes) {
+                                     const std::vector<std::optional<ChainAxis>>& axes,
+                                     bool two_clocks) {
   std::vector<AngleTrack> tracks;
   for (std::size_t j = 0; j < circles.joints.size(); ++j) {
     const JointResult& joint = circles.joints[j];
     if (!axes[j]) continue;
     const std::size_t first = tracks.size();
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
-      if (joint.used[s] && joint.sweeps[s].direction != 0)
-        if (auto track = angle_track(joint.sweeps[s], j, *axes[j]))
+      if ((joint.used[s] || (two_clocks && joint.sweeps[s].positioning &&
+                             at_home(joint.sweeps[s], circles.home_rad, {}))) &&
+          joint.sweeps[s].direction != 0)
+        if (auto track = angle_track(joint.sweeps[s], j, *axes[j],
+                                     two_clocks ? joint.sweeps[s].samples->size() : kMostTracked))
           tracks.push_back(std::move(*track));
     // Of the strokes' seen angles each may lack whole turns against the others.
     double least = 0, most = 0;

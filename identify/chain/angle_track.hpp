@@ -17,7 +17,7 @@ struct AngleTrack {
   std::size_t joint = 0;
   int direction = 0;
   std::vector<double> time_s, told_rad;  ///< of all samples
-  std::vector<double> at_s, seen_rad;    ///< of those that are no outliers, at most some hundred
+  std::vector<double> at_s, seen_rad;    ///< of those that are no outliers
   double middle_rad = 0, half_rad = 0;   ///< of the range that the joint was seen in
 
   struct Told {
@@ -58,13 +58,19 @@ class AngleAbout {
   double last_ = 0;
 };
 
+/// Of each stroke; more tell nothing new of something so smooth.
+inline constexpr std::size_t kMostTracked = 400;
+
 /// `axis`: of the joint, along positive rotation. Nothing where too few samples have both.
 [[nodiscard]] std::optional<AngleTrack> angle_track(const Sweep& sweep, std::size_t joint,
-                                                    const ChainAxis& axis);
+                                                    const ChainAxis& axis,
+                                                    std::size_t most = kMostTracked);
 
 /// Those of all sweeps that the circles used and whose direction is known; of one joint, the seen
-/// angles count from the same place. `axes`: one a joint.
+/// angles count from the same place. `axes`: one a joint. `two_clocks`: all samples, as each
+/// has the jitter of its own stamp; and of the moves to a sweep's start and back, too.
 [[nodiscard]] std::vector<AngleTrack> angle_tracks(
-    const CircleEstimate& circles, const std::vector<std::optional<ChainAxis>>& axes);
+    const CircleEstimate& circles, const std::vector<std::optional<ChainAxis>>& axes,
+    bool two_clocks = false);
 
 }  // namespace identify

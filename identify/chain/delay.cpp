@@ -38,8 +38,14 @@ constexpr std::size_t kAtEnd = 50;
 /// joint's offset and smooth error + half its backlash by direction.
 class DelayFit {
  public:
-  DelayFit(const std::vector<AngleTrack>& tracks, std::size_t joints)
-      : tracks_(tracks), joints_(joints), weight_(joints, 1.0), both_ways_(joints, false) {
+  /// `two_clocks`: angles are off by the jitter of stamps, the faster the more; and the delay
+  /// grows.
+  DelayFit(const std::vector<AngleTrack>& tracks, std::size_t joints, bool two_clocks)
+      : tracks_(tracks),
+        joints_(joints),
+        two_clocks_(two_clocks),
+        weight_(joints),
+        both_ways_(joints, false) {
     double begin = tracks.front().at_s.front(), end = begin;
     std::vector<std::array<bool, 2>> ways(joints, {false, false});
     for (const AngleTrack& track : tracks) {
@@ -64,7 +70,7 @@ class DelayFit {
     constexpr int kMore = 4;
     for (int round = 0; round < kMore; ++round)
       if (!step(true)) return alone;
-    if (std::abs(delay_.rate) > kSignificant * rate_sigma_) return delay_;
+    if (two_clocks_ || std::abs(delay_.rate) > kSignificant * delay_.rate_sigma) return delay_;
     return alone;
   }
 
@@ -82,8 +88,8 @@ class DelayFit {
     for (const AngleTrack& track : tracks_) all.push_back(residuals(track));
     for (std::size_t k = 0; k < tracks_.size(); ++k) {
       const Index own = kOfJoint * static_cast<Index>(tracks_[k].joint);
-      const double weight = weight_[tracks_[k].joint];
       for (std::size_t i = 0; i < all[k].error.size(); ++i) {
+        const double weight = weight_[tracks_[k].joint].at(all[k].speed[i]);
         const auto row = row_of(tracks_[k], all[k], i);
         normal.block<kOfJoint, kOfJoint>(own, own) +=
             weight * row.head<kOfJoint>() * row.head<kOfJoint>().transpose();
@@ -114,7 +120,7 @@ class DelayFit {
     delay_.sigma_s = std::sqrt(covariance(shared, shared));
     if (with_rate) {
       delay_.rate += found(shared + 1) / span_s_;
-      rate_sigma_ = std::sqrt(std::max(0.0, covariance(shared + 1, shared + 1))) / span_s_;
+      delay_.rate_sigma = std::sqrt(std::max(0.0, covariance(shared + 1, shared + 1))) / span_s_;
     }
     if (!(std::abs(delay_.late_s) < kMostLate_s)) return false;
     weigh(all, found);
@@ -157,34 +163,77 @@ class DelayFit {
     return row;
   }
 
+  /// How much an angle counts that was taken at some speed.
+  struct Weight {
+    double still = 1;      ///< variance of errors that speed does not matter to
+    double per_speed = 0;  ///< and of those of time: jitter squared
+    double alone = 1;      ///< the share of errors that tell something new
+    [[nodiscard]] double at(double speed) const {
+      return alone / (still + per_speed * speed * speed);
+    }
+  };
+
+  [[nodiscard]] double left_of(const AngleTrack& track, const Residuals& seen, std::size_t i,
+                               const VectorXd& found) const {
+    const Index shared = kOfJoint * static_cast<Index>(joints_);
+    const Row row = row_of(track, seen, i);
+    double left = seen.error[i] - row.head<kOfJoint>().dot(found.segment<kOfJoint>(
+                                      kOfJoint * static_cast<Index>(track.joint)));
+    for (Index s = shared; s < found.size(); ++s) left -= row(kOfJoint + s - shared) * found(s);
+    return left;
+  }
+
   /// Each joint's errors by their scatter, and by how alike neighbours are.
   void weigh(const std::vector<Residuals>& all, const VectorXd& found) {
-    std::vector<double> squares(joints_, 0), next(joints_, 0), count(joints_, 0);
-    const Index shared = kOfJoint * static_cast<Index>(joints_);
-    for (std::size_t k = 0; k < tracks_.size(); ++k) {
-      const std::size_t j = tracks_[k].joint;
-      double before = 0;
-      for (std::size_t i = 0; i < all[k].error.size(); ++i) {
-        const Row row = row_of(tracks_[k], all[k], i);
-        double left =
-            all[k].error[i] -
-            row.head<kOfJoint>().dot(found.segment<kOfJoint>(kOfJoint * static_cast<Index>(j)));
-        for (Index s = shared; s < found.size(); ++s) left -= row(kOfJoint + s - shared) * found(s);
-        squares[j] += left * left;
-        if (i > 0) next[j] += left * before;
-        before = left;
-        ++count[j];
-      }
-    }
     constexpr double kLeast_rad = 1e-9;
     foreign_ = false;
     for (std::size_t j = 0; j < joints_; ++j) {
-      if (count[j] == 0) continue;
-      const double variance = squares[j] / count[j] + kLeast_rad * kLeast_rad;
-      const double alike = std::clamp(next[j] / (squares[j] + 1e-300), 0.0, 0.98);
+      double squares = 0, next = 0, count = 0;
+      std::vector<double> variances, speeds;
+      for (std::size_t k = 0; k < all.size(); ++k) {
+        if (tracks_[k].joint != j) continue;
+        double before = 0;
+        for (std::size_t i = 0; i < all[k].error.size(); ++i) {
+          const double left = left_of(tracks_[k], all[k], i, found);
+          squares += left * left;
+          if (i > 0) next += left * before;
+          before = left;
+          ++count;
+          variances.push_back(left * left);
+          speeds.push_back(all[k].speed[i] * all[k].speed[i]);
+        }
+      }
+      if (count == 0) continue;
+      const double variance = squares / count + kLeast_rad * kLeast_rad;
+      const double alike = std::clamp(next / (squares + 1e-300), 0.0, 0.98);
       foreign_ = foreign_ || variance > kForeign_rad * kForeign_rad;
-      weight_[j] = (1 - alike) / (1 + alike) / variance;
+      weight_[j] = two_clocks_ ? by_speed(variances, speeds, variance) : Weight{variance};
+      weight_[j].alone = (1 - alike) / (1 + alike);
     }
+  }
+
+  /// The variances as a line over the squared speeds, by least squares that are weighed by it.
+  static Weight by_speed(const std::vector<double>& variances, const std::vector<double>& speeds,
+                         double mean) {
+    constexpr double kLeastShare = 0.01;  // of the mean variance, at rest
+    Weight weight{mean};
+    for (int round = 0; round < 4; ++round) {
+      double w = 0, ws = 0, wss = 0, wv = 0, wsv = 0;
+      for (std::size_t i = 0; i < speeds.size(); ++i) {
+        const double each = weight.still + weight.per_speed * speeds[i];
+        const double one = 1 / (each * each);
+        w += one;
+        ws += one * speeds[i];
+        wss += one * speeds[i] * speeds[i];
+        wv += one * variances[i];
+        wsv += one * speeds[i] * variances[i];
+      }
+      const double determinant = w * wss - ws * ws;
+      if (!(determinant > 1e-9 * w * wss)) break;
+      weight.per_speed = std::max(0.0, (w * wsv - ws * wv) / determinant);
+      weight.still = std::max(kLeastShare * mean, (wv - weight.per_speed * ws) / w);
+    }
+    return weight;
   }
 
   /// Of all joints, by what was found of each and how uncertain that is.
@@ -203,22 +252,23 @@ class DelayFit {
 
   const std::vector<AngleTrack>& tracks_;
   std::size_t joints_;
-  std::vector<double> weight_;  ///< of an independent error, one a joint
+  bool two_clocks_;
+  std::vector<Weight> weight_;  ///< one a joint
   std::vector<bool> both_ways_;
   bool foreign_ = false;  ///< some joint's angles do not follow its positions
   double backlash_rad_ = kUsualBacklash_rad;
   double span_s_ = 1;
-  double rate_sigma_ = 0;
   Delay delay_;
 };
 
 }  // namespace
 
 std::optional<Delay> find_delay(const CircleEstimate& circles,
-                                const std::vector<std::optional<ChainAxis>>& axes) {
-  const auto tracks = angle_tracks(circles, axes);
+                                const std::vector<std::optional<ChainAxis>>& axes,
+                                bool two_clocks) {
+  const auto tracks = angle_tracks(circles, axes, two_clocks);
   if (tracks.empty()) return std::nullopt;
-  auto delay = DelayFit(tracks, circles.joints.size()).run();
+  auto delay = DelayFit(tracks, circles.joints.size(), two_clocks).run();
   if (delay && !(delay->sigma_s < kWorstSigma_s)) return std::nullopt;
   return delay;
 }

@@ -10,10 +10,11 @@ namespace identify {
 
 /// How late the controller's angles are against the positions.
 struct Delay {
-  double late_s = 0;   ///< at `at_s`: the angles told at t are those of t - late
-  double sigma_s = 0;  ///< standard uncertainty
-  double rate = 0;     ///< so many seconds a second it grows: clocks that differ; 0: not seen to
-  double at_s = 0;     ///< in the campaign's time
+  double late_s = 0;      ///< at `at_s`: the angles told at t are those of t - late
+  double sigma_s = 0;     ///< standard uncertainty
+  double rate = 0;        ///< so many seconds a second it grows: clocks that differ; 0: not seen to
+  double at_s = 0;        ///< in the campaign's time
+  double rate_sigma = 0;  ///< 0: `rate` was not asked for
 };
 
 /// How late the controller's angles are against the positions, one figure for the whole campaign:
@@ -22,10 +23,13 @@ struct Delay {
 /// and a backlash of its own besides: what all joints share is the delay. `axes`: one a joint, in
 /// the measurement frame, along positive rotation. Of sweeps that the circles used.
 ///
+/// With `two_clocks` the rate is told whatever it is; else only where it is more than chance makes.
+///
 /// Nothing where the campaign does not tell it: no angles or times, each joint turned one way at
 /// one speed, or angles that do not follow the positions.
 [[nodiscard]] std::optional<Delay> find_delay(const CircleEstimate& circles,
-                                              const std::vector<std::optional<ChainAxis>>& axes);
+                                              const std::vector<std::optional<ChainAxis>>& axes,
+                                              bool two_clocks = false);
 
 /// Whether it is one: more than chance makes of none.
 [[nodiscard]] bool is_significant(const Delay& delay) noexcept;

@@ -47,6 +47,8 @@ struct Campaign {
   std::vector<Load> loads = {};
   /// The samples' times are times; else they are only an order.
   bool timed = true;
+  /// Positions and angles come from two devices, each with a clock of its own.
+  bool two_clocks = false;
 };
 
 }  // namespace identify

@@ -19,7 +19,8 @@ enum class Source {
   built,
   home,
   homes,
-  poses
+  poses,
+  clock
 };
 
 [[nodiscard]] inline std::mt19937_64 stream(std::uint32_t seed, Source source) {

@@ -1,0 +1,215 @@
+#include "identify/clock/joined_take.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "identify/geometry/median.hpp"
+#include "identify/geometry/warning.hpp"
+#include "identify/poses/arm_fit.hpp"
+#include "identify/sweeps/segmentation.hpp"
+
+namespace identify {
+namespace {
+
+using Eigen::Vector3d;
+
+/// What is left of a rest of 0.3 s, seen through the window of motion.
+constexpr double kShortestRest_s = 0.14;
+/// Cut off its ends: what rings, and what the clocks are not known to.
+constexpr double kMargin_s = 0.03;
+constexpr std::size_t kFewestAtRest = 5;
+/// Positions at rest scatter by more than this many times what is usual: the target moved.
+constexpr double kRestless = 5;
+constexpr double kRestless_mm = 0.02;
+/// By the specified arm, poses of the right clocks are nearer than this, and those of others so
+/// many times further off.
+constexpr double kPlaced_mm = 20;
+constexpr double kFurther = 3;
+
+struct Rest {
+  Pose pose;
+  double scatter_mm = 0;
+};
+
+/// One a rest of the angles and target that the device saw.
+std::vector<Rest> rests_in(const AngleTape& tape, const Motion& angles,
+                           const std::vector<TargetTrack>& tracks, const ClockMatch& clock) {
+  const double margin = kMargin_s + 3 * clock.sigma_s;
+  std::vector<Rest> rests;
+  for (const Span& span : angles.rests) {
+    if (span.seconds() < kShortestRest_s) continue;
+    const double begin = span.begin_s + margin, end = span.end_s - margin;
+    const auto mean = tape.mean(begin, end);
+    if (!mean) continue;
+    for (std::size_t target = 0; target < tracks.size(); ++target) {
+      const auto& times = tracks[target].time_s;
+      const auto from = std::lower_bound(
+          times.begin(), times.end(), begin,
+          [&](double device, double at) { return clock.controller_s(device) < at; });
+      std::vector<Vector3d> seen;
+      for (auto at = from; at != times.end() && clock.controller_s(*at) <= end; ++at)
+        seen.push_back(tracks[target].position_mm[static_cast<std::size_t>(at - times.begin())]);
+      if (seen.size() < kFewestAtRest) continue;
+      std::vector<Vector3d> copy = seen;
+      const Vector3d middle = median(copy);
+      std::vector<double> distances;
+      for (const Vector3d& point : seen) distances.push_back((point - middle).norm());
+      Rest rest;
+      rest.scatter_mm = median_of(distances);
+      // The mean, less what is far off the middle.
+      Vector3d sum = Vector3d::Zero();
+      double count = 0;
+      for (const Vector3d& point : seen)
+        if ((point - middle).norm() <= kRestless * rest.scatter_mm + 1e-9) {
+          sum += point;
+          ++count;
+        }
+      rest.pose.sample.position_mm = sum / count;
+      rest.pose.sample.has_position = true;
+      rest.pose.sample.time_s = (begin + end) / 2;
+      rest.pose.sample.joints = static_cast<std::uint8_t>(tape.joints());
+      rest.pose.sample.angles_rad = *mean;
+      rest.pose.target = target;
+      rest.pose.name = "rest at " + fixed(rest.pose.sample.time_s, 1) + " s";
+      rests.push_back(rest);
+    }
+  }
+  return rests;
+}
+
+/// Those in which the target stood as still as it usually does.
+std::vector<Pose> still_poses(const std::vector<Rest>& rests, std::size_t& restless) {
+  std::vector<double> scatters;
+  for (const Rest& rest : rests) scatters.push_back(rest.scatter_mm);
+  const double most = kRestless * median_of(scatters) + kRestless_mm;
+  std::vector<Pose> poses;
+  restless = 0;
+  for (const Rest& rest : rests)
+    if (rest.scatter_mm <= most)
+      poses.push_back(rest.pose);
+    else
+      ++restless;
+  return poses;
+}
+
+/// How far the poses are from where the specified arm has them, wherever it stands: the middle one.
+double distance_mm(const std::vector<Pose>& poses, const Campaign& campaign) {
+  std::size_t targets = 0;
+  for (const Pose& pose : poses) targets = std::max(targets, pose.target + 1);
+  return middle_of(
+      distances_mm(placed_robustly(*campaign.specified, Freedom::frames, poses, targets), poses));
+}
+
+/// The one of several matches that the specified arm can have made; nothing where it does not tell.
+std::optional<ClockMatch> by_arm(const std::vector<ClockMatch>& matches, const AngleTape& tape,
+                                 const Motion& angles, const std::vector<TargetTrack>& tracks,
+                                 const Campaign& campaign) {
+  if (!campaign.specified) return std::nullopt;
+  constexpr std::size_t kFewestPoses = 6;
+  std::vector<std::pair<double, ClockMatch>> by_distance;
+  for (const ClockMatch& match : matches) {
+    std::size_t restless = 0;
+    const auto poses = still_poses(rests_in(tape, angles, tracks, match), restless);
+    if (poses.size() < kFewestPoses) return std::nullopt;
+    by_distance.emplace_back(distance_mm(poses, campaign), match);
+  }
+  std::stable_sort(by_distance.begin(), by_distance.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  if (by_distance[0].first > kPlaced_mm || by_distance[1].first < kFurther * by_distance[0].first)
+    return std::nullopt;
+  return by_distance[0].second;
+}
+
+std::string ambiguity(const std::vector<ClockMatch>& matches, const Campaign& campaign) {
+  const std::string apart =
+      fixed(matches[0].ahead_s, 3) + " and " + fixed(matches[1].ahead_s, 3) + " s";
+  return "the clocks can be matched in " + std::to_string(matches.size()) +
+         " ways: the motions fit offsets of " + apart + " about as well; " +
+         (campaign.specified
+              ? "and the robot description fits none of them, or several: "
+              : "give the robot description with --robot, which may tell them apart, or ") +
+         "record with a rest of another length between two of the sweeps";
+}
+
+}  // namespace
+
+JoinedTake joined(const AngleTape& tape, const std::vector<Measured>& points,
+                  const Campaign& campaign) {
+  JoinedTake take;
+  const Motion angles = motion_of(tape, campaign.resolution.angle_rad);
+  ClockSearch search = match_clocks(motion_of(points, campaign.resolution.position_mm), angles);
+  take.problem = search.problem;
+  if (search.matches.empty()) return take;
+  const auto tracks = tracks_of(points);
+  take.clock = search.matches.front();
+  if (search.matches.size() > 1) {
+    const auto one = by_arm(search.matches, tape, angles, tracks, campaign);
+    if (!one) {
+      take.problem = ambiguity(search.matches, campaign);
+      return take;
+    }
+    take.clock = *one;
+  }
+
+  take.poses = still_poses(rests_in(tape, angles, tracks, take.clock), take.restless);
+  std::map<std::size_t, Segmenter> streams;  // by target
+  const auto keep = [&](std::size_t target, std::vector<Sweep> ended) {
+    for (Sweep& sweep : ended) {
+      sweep.target = target;
+      take.sweeps.push_back(std::move(sweep));
+    }
+  };
+  for (const Measured& point : points) {
+    Sample sample = point.sample;
+    sample.time_s = take.clock.controller_s(sample.time_s);
+    const auto told = tape.at(sample.time_s);
+    if (!told || !sample.has_position) continue;
+    sample.angles_rad = *told;
+    sample.joints = static_cast<std::uint8_t>(tape.joints());
+    auto& stream = streams.try_emplace(point.target, tape.joints()).first->second;
+    stream.set_resolution(campaign.resolution);
+    keep(point.target, stream.push(sample));
+  }
+  for (auto& [target, stream] : streams) keep(target, stream.finish());
+  std::stable_sort(take.sweeps.begin(), take.sweeps.end(), [](const Sweep& a, const Sweep& b) {
+    return a.first().time_s < b.first().time_s;
+  });
+
+  for (const Span& move : angles.moves) {
+    const bool swept = std::any_of(take.sweeps.begin(), take.sweeps.end(), [&](const Sweep& sweep) {
+      return sweep.first().time_s < move.end_s && sweep.last().time_s > move.begin_s;
+    });
+    if (!swept) take.left_out_s += move.seconds();
+  }
+  for (const Sweep& sweep : take.sweeps) {
+    const auto& samples = *sweep.samples;
+    if (samples.size() < 2 * kFewestSamples) continue;
+    const auto& a = samples[samples.size() / 2 - 5];
+    const auto& b = samples[samples.size() / 2 + 5];
+    if (b.time_s > a.time_s)
+      take.fastest_mm_s = std::max(take.fastest_mm_s,
+                                   (b.position_mm - a.position_mm).norm() / (b.time_s - a.time_s));
+  }
+  if (take.sweeps.empty() && take.poses.empty())
+    take.problem =
+        "device and controller have neither a sweep of a single joint nor a rest of 0.3 s in "
+        "common: record both at the same time";
+  return take;
+}
+
+ClockMatch refined(const ClockMatch& clock, const std::optional<Delay>& delay) {
+  if (!delay || delay->sigma_s > clock.sigma_s) return clock;
+  ClockMatch better = clock;
+  better.at_s = delay->at_s;
+  better.ahead_s = clock.ahead_s + clock.rate * (delay->at_s - clock.at_s) - delay->late_s;
+  better.sigma_s = delay->sigma_s;
+  if (delay->rate_sigma > 0) {
+    better.rate = clock.rate - delay->rate;
+    better.rate_sigma = delay->rate_sigma;
+  }
+  return better;
+}
+
+}  // namespace identify

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "identify/clock/angle_tape.hpp"
+#include "identify/sweeps/sample.hpp"
+
+namespace identify {
+
+/// Speed is that over so much before and after: rests of 0.3 s are seen.
+inline constexpr double kMotionWindow_s = 0.06;
+
+/// A stretch of time.
+struct Span {
+  double begin_s = 0;
+  double end_s = 0;
+
+  [[nodiscard]] double middle_s() const { return (begin_s + end_s) / 2; }
+  [[nodiscard]] double seconds() const { return end_s - begin_s; }
+};
+
+/// When something moved, by one clock. Motion begins and ends too early and too late by as much, at
+/// most by the window: its middle is right.
+struct Motion {
+  std::vector<Span> moves;  ///< from rest to rest, both of which were seen
+  std::vector<Span> rests;  ///< between moves, and at the ends of what was seen
+  std::vector<Span> seen;   ///< without a gap
+};
+
+/// What the target of a device was seen to do.
+struct Measured {
+  std::size_t target = 0;
+  Sample sample;  ///< with a position, by the device's clock
+};
+
+/// When any joint moved. `step_rad`: one unit of the last decimal.
+[[nodiscard]] Motion motion_of(const AngleTape& tape, double step_rad);
+
+/// When the targets moved, each by itself: a position that is far off its neighbours moves nothing,
+/// and what noise hides is rest. In the order of time, target by target.
+[[nodiscard]] Motion motion_of(const std::vector<Measured>& points, double step_mm);
+
+/// The times of this target's points, and its positions, in strict order of time.
+struct TargetTrack {
+  std::vector<double> time_s;
+  std::vector<Eigen::Vector3d> position_mm;
+};
+[[nodiscard]] std::vector<TargetTrack> tracks_of(const std::vector<Measured>& points);
+
+}  // namespace identify

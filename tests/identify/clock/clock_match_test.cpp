@@ -1,0 +1,118 @@
+#include "identify/clock/clock_match.hpp"
+
+#include <random>
+
+#include "tests/catch.hpp"
+
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::WithinAbs;
+using identify::Motion;
+using identify::Span;
+
+namespace {
+
+/// Moves of any length with rests of any length between, all of them seen.
+Motion by_chance(std::uint32_t seed, int moves = 30) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<> lasts(0.5, 6), rests(0.3, 3);
+  Motion motion;
+  double at = 5;
+  for (int i = 0; i < moves; ++i) {
+    const double seconds = lasts(random);
+    motion.moves.push_back({at, at + seconds});
+    at += seconds + rests(random);
+  }
+  motion.seen = {{0, at + 5}};
+  return motion;
+}
+
+/// The same by another clock, each end seen a little early or late.
+Motion by_other_clock(Motion motion, double ahead_s, double rate, double scatter_s,
+                      std::uint32_t seed = 1) {
+  std::mt19937 random(seed);
+  std::normal_distribution<> normal(0, scatter_s);
+  const auto moved = [&](double& at) { at += ahead_s + rate * at; };
+  for (auto* spans : {&motion.moves, &motion.seen})
+    for (Span& span : *spans) {
+      moved(span.begin_s);
+      moved(span.end_s);
+    }
+  for (Span& span : motion.moves) {
+    span.begin_s += normal(random);
+    span.end_s += normal(random);
+  }
+  return motion;
+}
+
+}  // namespace
+
+TEST_CASE("Clocks match by the motions that both saw, whatever their difference", "[clock_match]") {
+  const Motion controller = by_chance(1);
+  for (const double ahead_s : {0.0, 0.3, -7200.0, 1.7e9}) {
+    const auto found = match_clocks(by_other_clock(controller, ahead_s, 5e-5, 0.005), controller);
+    INFO(found.problem);
+    REQUIRE(found.matches.size() == 1);
+    const auto& match = found.matches.front();
+    CHECK(match.matched == 30);
+    CHECK(match.strange == 0);
+    CHECK_THAT(match.ahead_s + match.rate * (50 - match.at_s),
+               WithinAbs(ahead_s + 5e-5 * 50, 4 * 0.005 / std::sqrt(60.0)));
+    CHECK_THAT(match.controller_s(ahead_s + 50 + 5e-5 * 50), WithinAbs(50, 0.003));
+  }
+}
+
+TEST_CASE("Motions that the device missed, or a take that ends early, do not matter",
+          "[clock_match]") {
+  const Motion controller = by_chance(2);
+  Motion device = by_other_clock(controller, 12, 0, 0.005);
+  device.moves.erase(device.moves.begin() + 4);
+  device.moves.resize(15);
+  device.seen = {{device.moves.front().begin_s - 1, device.moves.back().end_s + 0.2}};
+  const auto found = match_clocks(device, controller);
+  INFO(found.problem);
+  REQUIRE(found.matches.size() == 1);
+  CHECK(found.matches.front().matched == 15);
+  CHECK(found.matches.front().strange == 1);
+  CHECK_THAT(found.matches.front().ahead_s, WithinAbs(12, 0.01));
+}
+
+TEST_CASE("A trace of another day is refused", "[clock_match]") {
+  for (std::uint32_t seed = 10; seed < 40; ++seed) {
+    const auto found = match_clocks(by_chance(seed), by_chance(seed + 1000));
+    CHECK(found.matches.empty());
+    CHECK_THAT(found.problem, ContainsSubstring("do not agree"));
+  }
+}
+
+TEST_CASE("Motions that are all alike match in several ways", "[clock_match]") {
+  Motion controller;
+  for (int i = 0; i < 12; ++i) controller.moves.push_back({10.0 * i + 1, 10.0 * i + 6});
+  controller.seen = {{0, 120}};
+  Motion device = controller;
+  device.seen = {{0.5, 117}};
+  const auto found = match_clocks(device, controller);
+  CHECK(found.matches.size() > 1);
+}
+
+TEST_CASE("A clock that was set midway is refused, with the time of it", "[clock_match]") {
+  const Motion controller = by_chance(3);
+  for (const double by_s : {0.04, -0.1, 2.0, 100.0}) {
+    Motion device = by_other_clock(controller, 1, 0, 0.003);
+    for (std::size_t i = 15; i < device.moves.size(); ++i) {
+      device.moves[i].begin_s += by_s;
+      device.moves[i].end_s += by_s;
+    }
+    device.seen = {{-100, 500}};
+    const auto found = match_clocks(device, controller);
+    INFO(by_s << " " << found.problem);
+    CHECK(found.matches.empty());
+    CHECK_THAT(found.problem, ContainsSubstring("offset of the clocks changes"));
+  }
+}
+
+TEST_CASE("Too few motions are refused, saying whose", "[clock_match]") {
+  CHECK_THAT(match_clocks(by_chance(1, 3), by_chance(1)).problem,
+             ContainsSubstring("the device's points show 3 motions"));
+  CHECK_THAT(match_clocks(by_chance(1), Motion{}).problem,
+             ContainsSubstring("the angles of the trace show 0 motions"));
+}

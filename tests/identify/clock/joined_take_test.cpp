@@ -1,0 +1,213 @@
+#include "identify/clock/joined_take.hpp"
+
+#include <cmath>
+#include <random>
+
+#include "identify/geometry/angle.hpp"
+#include "identify/identification.hpp"
+#include "tests/catch.hpp"
+#include "tests/simulation/device.hpp"
+#include "tests/simulation/free_device.hpp"
+
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::WithinAbs;
+using namespace simulation;
+using identify::kDegree;
+
+namespace {
+
+identify::Campaign known(const Robot& robot) {
+  identify::Campaign campaign;
+  campaign.joints = robot.arm.joints();
+  campaign.specified = robot.specified;
+  campaign.resolution.angle_rad = 1e-4 * kDegree;
+  campaign.device_frame = campaign.two_clocks = true;
+  return campaign;
+}
+
+/// Sweeps of all joints, there and back, with rests that are no two alike.
+Program sweeps_of_all(const Robot& robot, int rounds, std::uint32_t seed, double rest_s = 0.35) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<> more(0, 0.4);
+  Program program(robot.arm.home_rad);
+  program.rest(2);
+  for (int round = 0; round < rounds; ++round)
+    for (std::size_t j = 0; j < robot.arm.joints(); ++j)
+      program.sweep(j, 40 + 5 * static_cast<double>(j % 3), 20, rest_s + more(random)).rest(0.3);
+  return program.rest(2);
+}
+
+FreeDevice unkind(std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<> uniform(0, 1);
+  FreeDevice device;
+  device.ahead_s = 0.5 * uniform(random);
+  device.rate_ppm = 100 * (uniform(random) - 0.5);
+  device.jitter_s = 0.005;
+  device.loss = 0.02;
+  device.gaps = {{20, 20.4}, {41, 43}};
+  return device;
+}
+
+/// Of predicted positions over poses all round home, root mean square.
+double geometry_error_mm(const identify::Identification& found, const Robot& robot,
+                         std::uint32_t seed) {
+  REQUIRE(found.chain);
+  const auto chain = chain_of(robot);
+  const auto base = random_place(seed);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<> range(-60 * kDegree, 60 * kDegree);
+  double squares = 0;
+  constexpr int kPoses = 100;
+  for (int i = 0; i < kPoses; ++i) {
+    identify::Turns turns{}, from_found{};
+    for (std::size_t j = 0; j < robot.arm.joints(); ++j) {
+      turns[j] = range(random);
+      from_found[j] = turns[j] + robot.arm.home_rad[j] - *found.home_rad[j];
+    }
+    squares += (found.chain->chain.target_mm(0, from_found) - base * chain.target_mm(0, turns))
+                   .squaredNorm();
+  }
+  return std::sqrt(squares / kPoses);
+}
+
+struct Joined {
+  identify::JoinedTake take;
+  identify::Identification found;
+  identify::ClockMatch clock;
+};
+
+Joined join(const Robot& robot, const TwoViews& views) {
+  Joined all;
+  const auto campaign = known(robot);
+  all.take = identify::joined(views.tape, views.points, campaign);
+  INFO(all.take.problem);
+  REQUIRE(all.take.problem.empty());
+  all.found = identify::identify(all.take.sweeps, campaign, all.take.poses);
+  all.clock = identify::refined(all.take.clock, all.found.delay);
+  return all;
+}
+
+std::string problem_of(const Robot& robot, const TwoViews& views) {
+  return identify::joined(views.tape, views.points, known(robot)).problem;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "Offset and drift of an unkind device are found within their uncertainty, and cost the "
+    "geometry nothing",
+    "[joined_take]") {
+  int within = 0;
+  double squares = 0, plain = 0;
+  constexpr std::uint32_t kSeeds = 6;
+  for (std::uint32_t seed = 1; seed <= kSeeds; ++seed) {
+    const Robot robot = built(kr5(), seed);
+    const Program program = sweeps_of_all(robot, 2, seed);
+    const FreeDevice device = unkind(seed);
+    const auto joined = join(robot, two_views(robot, program, device, seed));
+    const double middle_s = program.seconds() / 2;
+    const double off_s =
+        joined.clock.ahead_s + joined.clock.rate * (middle_s - joined.clock.at_s) - device.ahead_s;
+    INFO("seed " << seed << ": off by " << 1e3 * off_s << " ms, sigma "
+                 << 1e3 * joined.clock.sigma_s);
+    CHECK(std::abs(off_s) < 4 * joined.clock.sigma_s);
+    CHECK(joined.clock.sigma_s < 1e-4);
+    if (std::abs(off_s) < 2 * joined.clock.sigma_s) ++within;
+    CHECK_THAT(joined.clock.rate, WithinAbs(1e-6 * device.rate_ppm, 4 * joined.clock.rate_sigma));
+    CHECK(joined.take.poses.size() > 30);
+    squares += std::pow(geometry_error_mm(joined.found, robot, seed), 2);
+    FreeDevice same = device;
+    same.ahead_s = same.rate_ppm = 0;
+    plain += std::pow(
+        geometry_error_mm(join(robot, two_views(robot, program, same, seed)).found, robot, seed),
+        2);
+  }
+  CHECK(within >= 5);
+  CHECK(std::sqrt(squares / plain) < 1.05);
+}
+
+TEST_CASE("Rests are poses, and motion of several joints is left out", "[joined_take]") {
+  const Robot robot = built(kr5(), 4);
+  Program program(robot.arm.home_rad);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<> off(-50, 50), rest(0.5, 1.5);
+  program.rest(1);
+  for (int i = 0; i < 60; ++i) {
+    std::vector<Program::To> to;
+    for (std::size_t j = 0; j < 6; ++j)
+      to.push_back({j, robot.arm.home_rad[j] / kDegree + off(random)});
+    program.move(to, 60).rest(rest(random));
+  }
+  FreeDevice device = unkind(4);
+  device.ahead_s = 4711;
+  const auto joined = join(robot, two_views(robot, program, device, 4));
+  CHECK(joined.take.sweeps.empty());
+  CHECK(joined.take.poses.size() >= 57);
+  CHECK(joined.take.left_out_s > 60);
+  CHECK_THAT(joined.clock.ahead_s, WithinAbs(4711, 0.02));
+  CHECK(joined.clock.sigma_s < 0.01);
+  CHECK(geometry_error_mm(joined.found, robot, 4) < 0.05);
+}
+
+TEST_CASE("What does not belong together is refused, and why is told", "[joined_take]") {
+  const Robot robot = built(kr5(), 5);
+  const Program program = sweeps_of_all(robot, 2, 5);
+  const auto views = two_views(robot, program, unkind(5), 5);
+
+  SECTION("a trace of another day") {
+    const Program other = sweeps_of_all(robot, 2, 77, 0.9);
+    CHECK_THAT(problem_of(robot, {two_views(robot, other, {}, 6).tape, views.points}),
+               ContainsSubstring("do not agree"));
+  }
+  SECTION("a clock that is set midway") {
+    FreeDevice device = unkind(5);
+    device.step_s = 0.5;
+    device.step_at_s = program.seconds() / 2;
+    CHECK_THAT(problem_of(robot, two_views(robot, program, device, 5)),
+               ContainsSubstring("offset of the clocks changes"));
+  }
+  SECTION("a device that saw nothing move") {
+    auto points = views.points;
+    for (auto& point : points) point.sample.position_mm = {1000, 0, 0};
+    CHECK_THAT(problem_of(robot, {views.tape, points}), ContainsSubstring("show 0 motions"));
+  }
+  SECTION("nothing at all") {
+    CHECK_FALSE(problem_of(robot, {identify::AngleTape(6), {}}).empty());
+  }
+}
+
+TEST_CASE("A take that was cut is joined as far as it goes", "[joined_take]") {
+  const Robot robot = built(kr5(), 6);
+  auto views = two_views(robot, sweeps_of_all(robot, 2, 6), unkind(6), 6);
+  views.points.resize(views.points.size() * 6 / 10);
+  const auto joined = join(robot, views);
+  CHECK(joined.clock.matched > 15);
+  CHECK(geometry_error_mm(joined.found, robot, 6) < 0.05);
+}
+
+TEST_CASE("Sweeps that are all alike are told apart by the specified arm, or refused",
+          "[joined_take]") {
+  const Robot robot = built(kr5(), 7);
+  Program program(robot.arm.home_rad);
+  program.rest(0.6);
+  for (std::size_t j = 0; j < 6; ++j) program.sweep(j, 40, 20, 0.5);
+  FreeDevice device = unkind(7);
+  device.gaps.clear();
+  device.ahead_s = 33.25;
+  const auto views = two_views(robot, program, device, 7);
+  CHECK_THAT(join(robot, views).clock.ahead_s, WithinAbs(33.25, 0.001));
+
+  auto campaign = known(robot);
+  campaign.specified.reset();
+  const auto unknown = identify::joined(views.tape, views.points, campaign);
+  CHECK_THAT(unknown.problem, ContainsSubstring("--robot"));
+}
+
+TEST_CASE("The same tape and points give the same take", "[joined_take]") {
+  const Robot robot = built(kr5(), 8);
+  const auto views = two_views(robot, sweeps_of_all(robot, 1, 8), unkind(8), 8);
+  const auto once = join(robot, views), again = join(robot, views);
+  CHECK(once.clock.ahead_s == again.clock.ahead_s);
+  CHECK(once.found.dh.front().b_mm.value == again.found.dh.front().b_mm.value);
+}
