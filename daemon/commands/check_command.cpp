@@ -12,6 +12,7 @@
 #include "daemon/commands/help_text.hpp"
 #include "daemon/commands/machine.hpp"
 #include "daemon/plan/plan_outlook.hpp"
+#include "daemon/points/device_lines.hpp"
 #include "daemon/settings/answers.hpp"
 #include "daemon/settings/robot_setup.hpp"
 #include "daemon/settings/settings.hpp"
@@ -60,6 +61,7 @@ class Check {
       findings_.ok(robot.description.string() + ": " + rsi::counted(setup.joints, "joint") +
                    (setup.description->arm ? "" : ", no specified DH table"));
       if (robot.plan) plan(*setup.description, *setup.plan);
+      if (robot.device.there()) device(robot.device);
     } catch (const ConfigError& problem) {
       findings_.error(problem.what());
     }
@@ -79,6 +81,22 @@ class Check {
     const bool tcp = config && config->protocol == rsi::EthernetConfig::Protocol::TCP;
     judge_machine(look_at_machine(robot, tcp ? rsi::Transport::tcp : rsi::Transport::udp), robot,
                   config ? &*config : nullptr, findings_);
+  }
+
+  void device(const DeviceSettings& device) {
+    try {
+      const DeviceLines lines(device.columns.text);
+      findings_.ok("device on " + text(device.listen) + ": lines of " + device.columns.text +
+                   (lines.with_times() ? "" : ", with the times at which they come"));
+    } catch (const std::invalid_argument& problem) {
+      findings_.error("device: " + std::string(problem.what()));
+    }
+    if (options_.files_only) return;
+    const auto transport = device.listen.tcp ? rsi::Transport::tcp : rsi::Transport::udp;
+    const auto owner = rsi::port_owner(transport, device.listen.endpoint);
+    if (!owner.empty() && !owner.starts_with("sweepd "))
+      findings_.error("device on " + text(device.listen) + ": " + owner +
+                      " has the port: end it, or choose another port");
   }
 
   void pages(const rsi::Endpoint& listen) {

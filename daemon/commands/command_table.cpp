@@ -9,6 +9,7 @@
 #include "daemon/commands/export_command.hpp"
 #include "daemon/commands/identify_command.hpp"
 #include "daemon/commands/inspect_command.hpp"
+#include "daemon/commands/listen_command.hpp"
 #include "daemon/commands/plan_command.hpp"
 #include "daemon/commands/replay_command.hpp"
 #include "daemon/commands/report_command.hpp"
@@ -47,6 +48,8 @@ void add_commands(CLI::App& app, const std::vector<std::string>& arguments, int&
         return identify_points(options);
       },
       exit_code);
+  add(
+      app, add_listen, [](const ListenOptions& options) { return listen(options); }, exit_code);
   add(
       app, add_simulate, [](const SimulateOptions& options) { return simulate(options); },
       exit_code);

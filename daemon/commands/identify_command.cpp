@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/commands/joined_points.hpp"
 #include "daemon/commands/outputs.hpp"
 #include "daemon/devices/device_formats.hpp"
 #include "daemon/points/axes_file.hpp"
@@ -39,6 +40,9 @@ void check(const IdentifyOptions& options) {
     throw std::invalid_argument("--format is for files of points: leave it out with --axes");
   if (options.axes && options.per_joint)
     throw std::invalid_argument("--per-joint is for files of points: leave it out with --axes");
+  if (!options.angles.empty() && (options.axes || options.per_joint || options.poses))
+    throw std::invalid_argument(
+        "--angles is for a device's points over time: leave out --axes, --per-joint and --poses");
 }
 
 /// How many joints robot, plan or options say the arm has.
@@ -168,6 +172,9 @@ Outcome identified_points(const IdentifyOptions& options, RobotSetup setup, std:
   Points points = read_points(options, declared.value_or(identify::kMostJoints));
   if (!options.quiet) tell_formats(points.files, out);
   formats = formats_of(points.files);
+  if (!options.angles.empty())
+    return joined_with_trace(points.files, points.resolution, points.counts.targets, options.angles,
+                             setup, options.quiet);
   setup.joints = declared ? *declared : joints_in(options, points);
   if (options.per_joint && points.files.size() > setup.joints)
     throw std::invalid_argument("--per-joint: " + rsi::counted(points.files.size(), "file") +
@@ -236,6 +243,7 @@ Outcome identified_axes(const IdentifyOptions& options, RobotSetup setup) {
 
 std::vector<std::filesystem::path> inputs_of(const IdentifyOptions& options) {
   auto inputs = options.points;
+  inputs.insert(inputs.end(), options.angles.begin(), options.angles.end());
   for (const auto& file : {options.axes, options.robot, options.plan})
     if (file) inputs.push_back(*file);
   return inputs;
@@ -250,6 +258,7 @@ void check_output(const IdentifyOptions& options) {
 void write_run_file(const IdentifyOptions& options, const nlohmann::ordered_json& formats) {
   auto given = nlohmann::ordered_json::object();
   for (const auto& file : options.points) given["points"].push_back(file.string());
+  for (const auto& trace : options.angles) given["angles"].push_back(trace.string());
   if (options.axes) given["axes"] = options.axes->string();
   if (!formats.empty()) given["formats"] = formats;
   if (!options.columns.empty()) given["columns"] = options.columns;

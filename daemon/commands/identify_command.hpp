@@ -21,6 +21,7 @@ struct IdentifyOptions {
   bool list_formats = false;                  ///< nothing else is done
   bool per_joint = false;                     ///< one file of points a joint, in their order
   bool poses = false;                         ///< each line is a static pose
+  std::vector<std::filesystem::path> angles;  ///< traces of the controller, beside the points
   std::optional<std::filesystem::path> robot;
   std::optional<std::filesystem::path> plan;
   std::optional<std::size_t> joints;  ///< where neither robot nor plan tells

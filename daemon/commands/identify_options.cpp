@@ -61,6 +61,11 @@ CLI::App* add_identify(CLI::App& app, IdentifyOptions& options) {
       ->type_name("NAME")
       ->check(CLI::IsMember(format_names()))
       ->default_str("as each file's content tells");
+  command
+      ->add_option("--angles", options.angles,
+                   "Take the joint angles from this capture of RSI, which was recorded while the "
+                   "device measured. The clocks need not agree")
+      ->type_name("TRACE");
   command->add_flag("--per-joint", options.per_joint,
                     "Take each file as the points of one joint, beginning with joint 1");
   command->add_flag("--poses", options.poses,

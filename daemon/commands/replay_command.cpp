@@ -8,6 +8,7 @@
 #include "daemon/commands/command_options.hpp"
 #include "daemon/commands/help_text.hpp"
 #include "daemon/commands/outputs.hpp"
+#include "daemon/points/device_recording.hpp"
 #include "daemon/results/outcome.hpp"
 #include "daemon/results/report.hpp"
 #include "daemon/results/result_files.hpp"
@@ -51,6 +52,7 @@ RobotSetup setup_for(const ReplayOptions& options,
   if (settings) {
     setup.name = settings->name;
     setup.signals = settings->signals;
+    setup.device = settings->device;
   }
   return setup;
 }
@@ -83,13 +85,15 @@ void write_run_file(const ReplayOptions& options, const rsi::ConversationSearch&
 
 class Rows : public StreamSink {
  public:
-  explicit Rows(std::optional<LineFile>& file) : file_(file) {}
-  void sample(const identify::Sample&, std::string_view row) override {
+  Rows(std::optional<LineFile>& file, DeviceRecording& device) : file_(file), device_(device) {}
+  void sample(const identify::Sample& sample, std::string_view row) override {
+    device_.sample(sample);
     if (file_) file_->append(row);
   }
 
  private:
   std::optional<LineFile>& file_;
+  DeviceRecording& device_;
 };
 
 }  // namespace
@@ -110,7 +114,8 @@ int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) 
     hashes = std::async(std::launch::async, hashes_of, inputs_of(options));
     samples.emplace(samples_file.emplace(*options.output / "samples.csv").beside());
   }
-  Rows rows(samples);
+  DeviceRecording device(setup);
+  Rows rows(samples, device);
   std::optional<Session> session;
   const auto begin = [&](bool with_currents) {
     session.emplace(setup, "trace", rows, with_currents);
@@ -118,8 +123,10 @@ int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) 
   };
   if (search.chosen)
     read_traces(options.traces, "replay", options.quiet, errors, [&](const auto& datagram) {
+      if (device.is_device(datagram)) return device.device(datagram);
       if (search.chosen->direction(datagram) != rsi::Direction::from_controller) return;
       if (!session) begin(has_currents(datagram.payload));
+      device.telegram(datagram);
       session->telegram(datagram);
     });
   if (!session) begin(false);
@@ -129,7 +136,7 @@ int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) 
   if (!all_written) errors << "sweepd: " << samples->error() << '\n';
   samples.reset();
   if (samples_file && all_written) samples_file->commit();
-  Outcome outcome = outcome_of(session->snapshot());
+  Outcome outcome = outcome_of(device.with_device(session->snapshot()));
   if (!search.chosen) outcome.identification.reason = "no RSI telegrams in the capture";
   if (options.output) {
     write_run_file(options, search, hashes.get());

@@ -8,6 +8,7 @@ Described described(const Outcome& outcome) {
   using identify::AngleTrust;
   const auto& found = outcome.identification;
   if (found.estimator == identify::Estimator::axes) return Described::arm;
+  if (outcome.joined) return Described::arm;
   if (!outcome.points) return Described::controller_model;
   if (found.poses) return found.poses->computed ? Described::controller_model : Described::arm;
   const bool from_angles =

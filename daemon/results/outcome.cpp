@@ -1,7 +1,11 @@
 #include "daemon/results/outcome.hpp"
 
+#include <algorithm>
 #include <string>
+#include <utility>
 
+#include "daemon/stream/device_take.hpp"
+#include "identify/clock/joined_take.hpp"
 #include "rsi/counted.hpp"
 
 namespace sweepd {
@@ -20,18 +24,76 @@ std::string text(const KeptSweeps::LeftOut& left_out, std::size_t kept) {
          "its own result of all its sweeps";
 }
 
+/// Of a device's positions and a controller's angles. Nothing where they could not be joined; then
+/// `problem` says why.
+std::optional<Outcome> joined_outcome(const Snapshot& snapshot, std::string& problem) {
+  const DeviceTake& device = *snapshot.device;
+  identify::Campaign campaign = snapshot.campaign;
+  campaign.device_frame = true;
+  campaign.two_clocks = true;
+  campaign.resolution.position_mm = device.step_mm;
+  campaign.motion_limit.reset();
+  auto take = identify::joined(device.angles, device.points, campaign);
+  problem = take.problem;
+  if (!problem.empty()) return std::nullopt;
+  JoinedClocks joined{take.clock,    take.sweeps.size(), take.poses.size(),
+                      take.restless, take.left_out_s,    take.fastest_mm_s};
+  Outcome outcome{snapshot.robot, snapshot.source_kind, snapshot.counts,
+                  identify::identify(std::move(take.sweeps), campaign, std::move(take.poses))};
+  auto& found = outcome.identification;
+  joined.clock = identify::refined(take.clock, found.delay);
+  found.delay.reset();  // it is the clocks'
+  outcome.points =
+      PointCounts{device.points.size(), joined.sweeps, device.files, joined.poses, device.targets};
+  constexpr std::size_t kRestless = 4;  // one of so many rests is too much
+  if (kRestless * joined.restless > joined.restless + joined.poses) {
+    found.doubts.push_back(
+        {"restless",
+         {},
+         "in " + std::to_string(joined.restless) + " of " +
+             rsi::counted(joined.restless + joined.poses, "rest") +
+             " of the robot the device saw its target move: check that the trace belongs to this "
+             "take, and that target and device stand firmly"});
+    if (found.doubts.size() == 1) apply_doubts(found);
+  }
+  outcome.joined = joined;
+  return outcome;
+}
+
+Outcome plain_outcome(const Snapshot& snapshot) {
+  return {snapshot.robot, snapshot.source_kind, snapshot.counts,
+          identify::identify(snapshot.sweeps, snapshot.campaign, snapshot.poses)};
+}
+
+/// With what a device saw beside the controller, if there was one.
+Outcome first_outcome(const Snapshot& snapshot) {
+  if (!snapshot.device) return plain_outcome(snapshot);
+  std::string problem;
+  if (auto both = joined_outcome(snapshot, problem)) return std::move(*both);
+  if (snapshot.device->required) {
+    Outcome failed{snapshot.robot, snapshot.source_kind, snapshot.counts, {}};
+    failed.identification.reason = problem;
+    failed.identification.joints.resize(snapshot.campaign.joints);
+    failed.identification.home_rad.resize(snapshot.campaign.joints);
+    return failed;
+  }
+  Outcome outcome = plain_outcome(snapshot);
+  outcome.identification.warnings.push_back(
+      {"device_left_out", {}, "the device's points are left out: " + problem});
+  return outcome;
+}
+
 }  // namespace
 
 Outcome outcome_of(const Snapshot& snapshot) {
   const identify::Campaign& campaign = snapshot.campaign;
-  Outcome outcome{snapshot.robot, snapshot.source_kind, snapshot.counts,
-                  identify::identify(snapshot.sweeps, campaign, snapshot.poses)};
+  Outcome outcome = first_outcome(snapshot);
   if (campaign.specified) outcome.positive = campaign.specified->positive;
   outcome.limits = snapshot.limits;
   outcome.currents = snapshot.currents;
   outcome.angle_step_rad = campaign.resolution.angle_rad;
-  outcome.motion_limit = campaign.motion_limit;
-  if (snapshot.left_out.sweeps > 0 || snapshot.left_out.sample_stride > 1)
+  if (!outcome.joined) outcome.motion_limit = campaign.motion_limit;
+  if (!outcome.joined && (snapshot.left_out.sweeps > 0 || snapshot.left_out.sample_stride > 1))
     outcome.identification.warnings.push_back(
         {"memory_limit", {}, text(snapshot.left_out, snapshot.sweeps.size())});
   return outcome;

@@ -8,6 +8,7 @@
 #include "daemon/settings/robot_description.hpp"
 #include "daemon/stream/pipeline.hpp"
 #include "daemon/stream/session.hpp"
+#include "identify/clock/clock_match.hpp"
 #include "identify/identification.hpp"
 
 namespace sweepd {
@@ -19,6 +20,16 @@ struct PointCounts {
   std::size_t files = 0;
   std::size_t poses = 0;             ///< static ones, of the points
   std::vector<std::string> targets;  ///< their names in order of appearance
+};
+
+/// A device's clock beside the controller's, and what was made of both.
+struct JoinedClocks {
+  identify::ClockMatch clock;  ///< after what the sweeps showed
+  std::size_t sweeps = 0;
+  std::size_t poses = 0;
+  std::size_t restless = 0;
+  double left_out_s = 0;
+  double fastest_mm_s = 0;
 };
 
 /// Everything that the result files tell.
@@ -35,6 +46,7 @@ struct Outcome {
   std::optional<identify::MotionLimit> motion_limit = {};
   std::vector<JointLimits> limits = {};             ///< one a joint; empty: not known
   std::vector<JointCurrents::Joint> currents = {};  ///< empty: the stream has none
+  std::optional<JoinedClocks> joined = {};  ///< where a device's points met a controller's angles
   double angle_step_rad = 0;  ///< one unit of the last decimal that angles were told with; 0: none
 };
 

@@ -74,6 +74,22 @@ Json source(const Outcome& outcome) {
   return json;
 }
 
+Json clocks(const JoinedClocks& joined) {
+  const auto& clock = joined.clock;
+  return {{"ahead_s", rounded(clock.ahead_s, 9)},
+          {"sigma_ms", rounded(1e3 * clock.sigma_s, 6)},
+          {"rate_ppm", rounded(1e6 * clock.rate, 3)},
+          {"rate_sigma_ppm", rounded(1e6 * clock.rate_sigma, 3)},
+          {"at_s", rounded(clock.at_s, 6)},
+          {"motions", clock.matched},
+          {"motions_of_one_alone", clock.strange},
+          {"sweeps", joined.sweeps},
+          {"rests", joined.poses},
+          {"restless_rests", joined.restless},
+          {"left_out_s", rounded(joined.left_out_s, 3)},
+          {"fastest_mm_s", rounded(joined.fastest_mm_s, 3)}};
+}
+
 /// Of each joint, lowest and highest; null where the description has none.
 Json limits(const std::vector<JointLimits>& all) {
   Json json = Json::array();
@@ -237,6 +253,7 @@ std::string result_json(const Outcome& outcome) {
     json["specified"] = dh_json(found.specified);
     json["difference"] = dh_json(compare_with_specified(found.dh, found.specified, found.home_rad));
   }
+  if (outcome.joined) json["clocks"] = clocks(*outcome.joined);
   if (found.delay)
     json["delay"] = {{"late_ms", rounded(1e3 * found.delay->late_s, 6)},
                      {"sigma_ms", rounded(1e3 * found.delay->sigma_s, 6)},

@@ -9,6 +9,7 @@
 #include "daemon/service/robot_server.hpp"
 #include "daemon/system/atomic_file.hpp"
 #include "daemon/text/utc.hpp"
+#include "rsi/counted.hpp"
 #include "rsi/telegram/ipoc.hpp"
 
 namespace sweepd {
@@ -46,6 +47,8 @@ RobotService::RobotService(const RobotSettings& settings, std::shared_ptr<RobotT
     : inputs_(RobotInputs::read(settings)),
       server_(make_server(settings)),
       local_(server_->local()),
+      device_port_(settings.device.there() ? std::make_unique<DevicePort>(settings.device)
+                                           : nullptr),
       log_(settings.name),
       status_(std::make_shared<RobotStatus>()),
       threads_(std::move(threads)),
@@ -72,6 +75,10 @@ RobotService::~RobotService() {
 
 void RobotService::start() {
   say_real_time(reply_thread_.start(inputs_.settings.real_time));
+  if (device_port_) {
+    device_port_->start();
+    log_.note("listening for a device on {}", text(inputs_.settings.device.listen));
+  }
   acquisition_ = threads_->acquisition.begin(0, [this] { return TurnThreads::Next{turn()}; });
   identifier_.finish_earlier(inputs_.folder(), inputs_.setup, log_);
   log_.note("listening on {} {}, receive buffer {} KiB", rsi::text(server_->transport()),
@@ -88,6 +95,7 @@ void RobotService::take_over() {
   if (!inputs) return;
   disk_ = inputs->disk;
   take_over_live(inputs_.settings, std::move(inputs->settings));
+  inputs->setup.device = inputs_.setup.device;  // its port is the old one
   inputs_.setup = std::move(inputs->setup);
   inputs_.hashes = std::move(inputs->hashes);
   facts_told_ = false;
@@ -109,6 +117,7 @@ bool RobotService::stop(std::chrono::seconds patience) {
                inputs_.settings.output.string());
   reply_thread_.stop();
   server_.reset();
+  device_port_.reset();
   return recorded && written;
 }
 
@@ -150,11 +159,25 @@ bool RobotService::drain() {
     ++acquisition_beats_;
     ++taken;
   }
+  if (device_port_) take_device();
   const auto counts = server_->counts();
   if (session_) watch_.withheld = counts.not_begun - not_begun_;
   for (const auto& complaint : complaints_.about(counts, Steady::now()))
     session_log_.error("{}", complaint);
   return taken < kMostInATurn;
+}
+
+/// Lines of the device that came while no session was under way are of no use.
+void RobotService::take_device() {
+  constexpr std::size_t kMostOfDevice = 2000;
+  rsi::Datagram datagram;
+  for (std::size_t i = 0; i < kMostOfDevice && device_port_->pop(datagram); ++i) {
+    if (!session_) continue;
+    recorder_.datagram(datagram);
+    device_->device(datagram);
+  }
+  if (const auto complaint = device_port_->complaint(Steady::now()))
+    session_log_.error("{}", *complaint);
 }
 
 void RobotService::take(const rsi::Datagram& datagram, rsi::Handling handling) {
@@ -175,6 +198,7 @@ void RobotService::take(const rsi::Datagram& datagram, rsi::Handling handling) {
     session_log_.about(started_, ipoc);
   }
   live_.telegram();
+  device_->telegram(datagram);
   session_->telegram(datagram);
 }
 
@@ -203,6 +227,7 @@ void RobotService::begin_session(const rsi::Datagram& first) {
   watch_ = {rsi::Conversation{controller_, first.destination}, server_->replies()};
   session_.emplace(inputs_.setup, inputs_.settings.record ? "trace" : "live",
                    static_cast<StreamSink&>(*this), has_currents(first.payload));
+  device_.emplace(inputs_.setup);
   turns_ = PlannedTurns(campaign(inputs_.setup, {}).order);
   complaints_.new_stream();
   session_log_.about(started_, rsi::find_ipoc(first.payload));
@@ -229,6 +254,9 @@ void RobotService::end_session() {
   if (!session_) return;
   session_->finish();
   show();
+  if (const auto& seen = device_->counts(); seen.datagrams > 0)
+    session_log_.note("the device sent {}, and {} that the columns do not fit",
+                      rsi::counted(seen.points, "point"), rsi::counted(seen.others, "line"));
   recorder_.end();
   RunFacts run = run_facts();
   run.ended = utc_name(rsi::now());
@@ -236,7 +264,7 @@ void RobotService::end_session() {
                     started_,
                     recording_,
                     {},
-                    session_->snapshot(),
+                    device_->with_device(session_->snapshot()),
                     watch_.files(session_->link(), true),
                     [run = std::move(run), recording = recording_](const auto& folder) mutable {
                       run.folder = folder;

@@ -8,8 +8,10 @@
 #include <optional>
 #include <string>
 
+#include "daemon/points/device_recording.hpp"
 #include "daemon/record/recorder.hpp"
 #include "daemon/results/run_json.hpp"
+#include "daemon/service/device_port.hpp"
 #include "daemon/service/identifier.hpp"
 #include "daemon/service/link_complaints.hpp"
 #include "daemon/service/link_watch.hpp"
@@ -76,10 +78,12 @@ class RobotService : private StreamSink {
   /// The session is not about this one: it waits, unless it streams.
   void take_from_other(const rsi::Datagram& datagram, rsi::Handling handling, std::uint32_t peer);
   void take_waiting();
+  void take_device();
   void begin_session(const rsi::Datagram& first);
   void end_session();
   void sample(const identify::Sample& sample, std::string_view row) override {
     recorder_.line(row);
+    device_->sample(sample);
     live_.sample(sample);
   }
   void sweep(const identify::Sweep& sweep) override;
@@ -93,6 +97,7 @@ class RobotService : private StreamSink {
   RobotInputs inputs_;
   std::unique_ptr<rsi::Server> server_;  // null after the end: another one may have the port
   const rsi::Endpoint local_;
+  std::unique_ptr<DevicePort> device_port_;  // null without a device
   const Log log_;
   const std::shared_ptr<RobotStatus> status_;
   const std::shared_ptr<RobotThreads> threads_;
@@ -107,6 +112,7 @@ class RobotService : private StreamSink {
   // Acquisition's own.
   Log session_log_;
   std::optional<Session> session_;
+  std::optional<DeviceRecording> device_;       // of the session
   PlannedTurns turns_;                          // of the session
   LinkWatch watch_;                             // of the session
   std::shared_ptr<const Recording> recording_;  // of the session

@@ -39,13 +39,13 @@ std::uint64_t telegrams_of_result(const fs::path& folder) {
 }  // namespace
 
 SessionReplay::SessionReplay(fs::path folder, const RobotSetup& setup)
-    : folder_(std::move(folder)), lock_(folder_) {
+    : folder_(std::move(folder)), lock_(folder_), device_(setup) {
   if (!lock_.held()) throw std::runtime_error(folder_.string() + ": another sweepd writes there");
   traces_ = rsi::in_order_of_time(traces_of(folder_));
   const auto search = rsi::find_conversation(traces_);
   if (search.chosen) conversation_ = *search.chosen;
   std::reverse(traces_.begin(), traces_.end());
-  session_ = std::make_unique<Session>(setup, "trace", nobody_);
+  session_ = std::make_unique<Session>(setup, "trace", static_cast<StreamSink&>(*this));
 }
 
 bool SessionReplay::step() {
@@ -62,8 +62,12 @@ bool SessionReplay::step() {
       continue;
     }
     newest_ = std::max(newest_, datagram->time);
-    if (conversation_.direction(*datagram) == rsi::Direction::from_controller)
+    if (device_.is_device(*datagram)) {
+      device_.device(*datagram);
+    } else if (conversation_.direction(*datagram) == rsi::Direction::from_controller) {
+      device_.telegram(*datagram);
       session_->telegram(*datagram);
+    }
   }
   return true;
 }
@@ -72,7 +76,7 @@ SessionEnd SessionReplay::end(Log log) {
   session_->finish();
   const auto started = folder_.filename().string();
   log.about(started, {});
-  const auto snapshot = session_->snapshot();
+  const auto snapshot = device_.with_device(session_->snapshot());
   const bool better = telegrams_of_result(folder_) <= snapshot.counts.link.telegrams;
   SessionEnd end{folder_.parent_path(),
                  started,

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "daemon/points/device_recording.hpp"
 #include "daemon/service/session_end.hpp"
 #include "daemon/settings/robot_setup.hpp"
 #include "daemon/stream/session.hpp"
@@ -14,7 +15,7 @@
 namespace sweepd {
 
 /// Reads the recording of a session whose last result was never written. One thread.
-class SessionReplay {
+class SessionReplay : private StreamSink {
  public:
   /// Throws rsi::CaptureError where there is nothing to read, and std::runtime_error if another
   /// sweepd is writing there.
@@ -26,11 +27,13 @@ class SessionReplay {
   [[nodiscard]] SessionEnd end(Log log);
 
  private:
+  void sample(const identify::Sample& sample, std::string_view) override { device_.sample(sample); }
+
   std::filesystem::path folder_;
   FolderLock lock_;
   std::vector<std::filesystem::path> traces_;  // the next one is at the end
   rsi::Conversation conversation_;
-  StreamSink nobody_;
+  DeviceRecording device_;
   std::unique_ptr<Session> session_;
   std::optional<rsi::CaptureReader> trace_;
   rsi::Timestamp newest_{};

@@ -22,7 +22,7 @@ constexpr std::array<std::string_view, 3> kRealTime{"require", "try",
 constexpr std::string_view kOff = "off";
 
 bool required(const Field& field) {
-  return field.index() < 3;
+  return field.index() < 5;
 }
 
 constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
@@ -153,6 +153,14 @@ struct Reader {
                        host + "\": write them without scheme and port");
   }
   void operator()(TagNames* tags) const { tags->names = table.texts(option.key); }
+  void operator()(TextPort* port) const {
+    const auto parsed = parse_text_port(table.text(option.key));
+    if (!parsed)
+      wrong("udp:// or tcp://, an IPv4 address and a port (1 to 65535)",
+            "write it like \"udp://0.0.0.0:5005\"");
+    *port = *parsed;
+  }
+  void operator()(ColumnList* columns) const { columns->text = table.text(option.key); }
 };
 
 std::string names_text(std::span<const std::string> names) {
@@ -201,6 +209,10 @@ struct Describer {
     text.value = "at most 32 names of hosts";
     text.fallback = names_text(hosts->names);
   }
+  void operator()(const TextPort*) const {
+    text.value = "\"udp://ADDRESS:PORT\" or \"tcp://ADDRESS:PORT\"";
+  }
+  void operator()(const ColumnList*) const { text.value = "names with commas between"; }
   void operator()(const TagNames* tags) const {
     text.value = "tags in brackets";
     text.fallback = names_text(tags->names);

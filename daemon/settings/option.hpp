@@ -17,7 +17,8 @@
 namespace sweepd {
 
 /// Where an option's value goes. Its type says how it is written and whether it may be left out.
-using Field = std::variant<std::string*, std::filesystem::path*, rsi::Endpoint*,  // required
+using Field = std::variant<std::string*, std::filesystem::path*, rsi::Endpoint*, TextPort*,
+                           ColumnList*,  // required
                            std::optional<std::filesystem::path>*, std::optional<std::uint32_t>*,
                            std::optional<rsi::Endpoint>*, bool*, std::chrono::milliseconds*,
                            std::chrono::seconds*, std::chrono::days*, std::size_t*, int*,

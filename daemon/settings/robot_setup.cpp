@@ -20,6 +20,7 @@ RobotSetup load_setup(const RobotSettings& settings) {
   RobotSetup setup = load_setup(settings.description, settings.plan);
   setup.name = settings.name;
   setup.signals = settings.signals;
+  setup.device = settings.device;
   return setup;
 }
 

@@ -19,6 +19,7 @@ struct RobotSetup {
   std::optional<RobotDescription> description;
   std::optional<SweepPlan> plan;
   SignalNames signals;
+  DeviceSettings device;  ///< perhaps none
 
   /// One a joint; empty without a description.
   [[nodiscard]] std::vector<JointLimits> limits() const {

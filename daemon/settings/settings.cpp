@@ -19,6 +19,7 @@ constexpr std::string_view kRobot = "robot";
 constexpr std::string_view kHttp = "http";
 constexpr std::string_view kSignals = "signals";
 constexpr std::string_view kRecording = "recording";
+constexpr std::string_view kDevice = "device";
 constexpr std::int64_t kTebibyte = std::int64_t{1} << 40;
 
 template <typename T>
@@ -91,6 +92,15 @@ Options options_of(SignalNames& signals) {
   };
 }
 
+Options options_of(DeviceSettings& device) {
+  return {
+      after_restart({"listen", &device.listen,
+                     "address and port of this machine that the device sends its lines to"}),
+      after_restart({"columns", &device.columns,
+                     "what its lines hold, with commas between, as for identify --columns"}),
+  };
+}
+
 Options options_of(HttpSettings& http) {
   return {
       after_restart({"listen", &http.listen, "address and port of the pages; / lists them"}),
@@ -113,7 +123,8 @@ struct Section {
 std::vector<Section> sections_of(RobotSettings& robot) {
   return {{"", options_of(robot)},
           {kSignals, options_of(robot.signals)},
-          {kRecording, options_of(robot.recording)}};
+          {kRecording, options_of(robot.recording)},
+          {kDevice, options_of(robot.device)}};
 }
 
 std::vector<Section> sections_of(HttpSettings& http) {
@@ -138,7 +149,33 @@ bool collide(const rsi::Endpoint& a, const rsi::Endpoint& b) {
   return a.port == b.port && (a.address == b.address || a.address == 0 || b.address == 0);
 }
 
+/// At most one: points of several devices are in frames of their own.
+void read_device(const TomlTable& robot, const Options& options, const fs::path& folder) {
+  if (!robot.has(kDevice)) return;
+  const auto devices = robot.tables(kDevice);
+  if (devices.size() > 1)
+    devices[1].fail("listen",
+                    "expected one [[robot.device]] of a robot, found another: what two "
+                    "devices measure is in two frames; leave one out");
+  read_options(devices.front(), options, {}, folder);
+}
+
 }  // namespace
+
+std::optional<TextPort> parse_text_port(std::string_view text) {
+  constexpr std::string_view kUdp = "udp://", kTcp = "tcp://";
+  TextPort port;
+  port.tcp = text.starts_with(kTcp);
+  if (port.tcp || text.starts_with(kUdp)) text.remove_prefix(kUdp.size());
+  const auto endpoint = rsi::parse_endpoint(text);
+  if (!endpoint) return std::nullopt;
+  port.endpoint = *endpoint;
+  return port;
+}
+
+std::string text(const TextPort& port) {
+  return (port.tcp ? "tcp://" : "udp://") + rsi::text(port.endpoint);
+}
 
 Settings load_settings(const fs::path& file) {
   const TomlTable top = TomlTable::load(file);
@@ -151,7 +188,9 @@ Settings load_settings(const fs::path& file) {
     RobotSettings robot;
     for (const Section& section : sections_of(robot)) {
       if (section.table.empty())
-        read_options(table, section.options, {kSignals, kRecording}, folder);
+        read_options(table, section.options, {kSignals, kRecording, kDevice}, folder);
+      else if (section.table == kDevice)
+        read_device(table, section.options, folder);
       else if (const auto inner = table.table(section.table))
         read_options(*inner, section.options, {}, folder);
     }
@@ -171,6 +210,11 @@ Settings load_settings(const fs::path& file) {
                                          rsi::text(robot.listen),
                                          rsi::text(settings.robots[i].listen), other));
     }
+    const auto& device = robot.device.listen;
+    if (robot.device.there() && collide(device.endpoint, robot.listen))
+      table.fail("device", fmt::format("expected a port of its own, found {}, which is that of the "
+                                       "controller's telegrams: choose another port",
+                                       text(device)));
     settings.robots.push_back(std::move(robot));
   }
   if (const auto http = top.table(kHttp))

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "daemon/system/realtime.hpp"
@@ -40,6 +41,30 @@ struct TagNames {
   bool operator==(const TagNames&) const = default;
 };
 
+/// "udp://0.0.0.0:5005", or tcp://: where text comes to. Port 0: nowhere.
+struct TextPort {
+  bool tcp = false;
+  rsi::Endpoint endpoint;
+  bool operator==(const TextPort&) const = default;
+};
+/// Nothing where it is none; without udp:// or tcp:// it is UDP.
+[[nodiscard]] std::optional<TextPort> parse_text_port(std::string_view text);
+[[nodiscard]] std::string text(const TextPort& port);
+
+/// Columns of lines, with commas between, as `identify --columns` has them.
+struct ColumnList {
+  std::string text;
+  bool operator==(const ColumnList&) const = default;
+};
+
+/// [[robot.device]]: a measuring device that sends text lines while the robot moves.
+struct DeviceSettings {
+  TextPort listen;
+  ColumnList columns;
+
+  [[nodiscard]] bool there() const { return listen.endpoint.port != 0; }
+};
+
 /// One [[robot]] of the settings: a controller that is served. The defaults are those of the file.
 /// Paths are absolute, or relative to the working directory as the path of the settings file was.
 struct RobotSettings {
@@ -57,6 +82,7 @@ struct RobotSettings {
   RealTimeSettings real_time;
   RecordingSettings recording;
   SignalNames signals;
+  DeviceSettings device;  ///< perhaps none
 };
 
 /// Names of hosts, without a port.

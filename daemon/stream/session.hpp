@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -19,6 +20,8 @@
 
 namespace sweepd {
 
+struct DeviceTake;
+
 /// What a session knew at one moment: enough to identify, in any thread.
 struct Snapshot {
   std::string robot;
@@ -30,6 +33,8 @@ struct Snapshot {
   std::vector<JointLimits> limits = {};    ///< of the joints, where the description has them
   std::vector<identify::Pose> poses = {};  ///< static ones, beside the sweeps
   std::vector<JointCurrents::Joint> currents = {};  ///< empty: the stream has none
+  /// What a device measured meanwhile: its positions take the place of the controller's.
+  std::shared_ptr<const DeviceTake> device = {};
 };
 
 /// Whether a telegram has motor currents.

@@ -7,12 +7,12 @@
 #include <utility>
 
 #include <linux/filter.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "rsi/asio_endpoint.hpp"
 #include "rsi/server/port_owner.hpp"
 #include "rsi/server/socket_options.hpp"
+#include "rsi/server/udp_control.hpp"
 
 namespace rsi {
 namespace {
@@ -24,25 +24,6 @@ constexpr std::size_t kLargestDatagram = 65536;
 
 /// No datagram takes more of the receive buffer, in the system's counting.
 constexpr std::size_t kMostMemory = 128 << 10;
-
-/// Takes what the kernel says beside a datagram: when it came, to which address and interface, and
-/// how many were dropped so far.
-void read_control(msghdr& message, Timestamp& time, in_pktinfo& came_to,
-                  std::uint32_t& dropped) noexcept {
-  for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr;
-       part = CMSG_NXTHDR(&message, part)) {
-    if (part->cmsg_level == IPPROTO_IP && part->cmsg_type == IP_PKTINFO)
-      std::memcpy(&came_to, CMSG_DATA(part), sizeof came_to);
-    if (part->cmsg_level != SOL_SOCKET) continue;
-    if (part->cmsg_type == SO_TIMESTAMPNS) {
-      timespec stamp;
-      std::memcpy(&stamp, CMSG_DATA(part), sizeof stamp);
-      time = std::chrono::seconds(stamp.tv_sec) + std::chrono::nanoseconds(stamp.tv_nsec);
-    } else if (part->cmsg_type == SO_RXQ_OVFL) {
-      std::memcpy(&dropped, CMSG_DATA(part), sizeof dropped);
-    }
-  }
-}
 
 /// Lets datagrams of this address alone into the socket.
 bool attach_filter(udp::socket& socket, std::uint32_t address) noexcept {
@@ -61,16 +42,10 @@ bool attach_filter(udp::socket& socket, std::uint32_t address) noexcept {
 
 /// What the system fills in for each datagram. Pages that are never needed are never touched.
 struct UdpServer::Buffers {
-  struct alignas(cmsghdr) Control {
-    std::array<char, CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(in_pktinfo)) +
-                         CMSG_SPACE(sizeof(std::uint32_t))>
-        bytes;
-  };
-
   std::unique_ptr<char[]> payloads{new char[kMostAtOnce * kLargestDatagram]};
   std::array<iovec, kMostAtOnce> places;
   std::array<udp::endpoint, kMostAtOnce> sources;
-  std::array<Control, kMostAtOnce> controls;
+  std::array<UdpControl, kMostAtOnce> controls;
   std::array<mmsghdr, kMostAtOnce> messages{};
   std::array<in_pktinfo, kMostAtOnce> came_to{};
   std::array<Datagram, kMostAtOnce> datagrams;
@@ -204,7 +179,7 @@ bool UdpServer::send(std::string_view reply, const Datagram& telegram) noexcept 
   in_pktinfo from{};
   from.ipi_spec_dst = came_to.ipi_spec_dst;
   from.ipi_ifindex = came_to.ipi_ifindex;
-  Buffers::Control control{};
+  UdpControl control{};
   iovec text{const_cast<char*>(reply.data()), reply.size()};
   msghdr message{};
   message.msg_name = to.data();

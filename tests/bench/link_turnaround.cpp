@@ -2,6 +2,7 @@
 // that the machine's noise meets both alike. The service does all that it does: recording, sweeps,
 // identification.
 
+#include <atomic>
 #include <iostream>
 #include <optional>
 #include <stdexcept>
@@ -40,9 +41,43 @@ struct Turnarounds {
 
 enum class Scheduling { usual, fifo, fifo_alone };
 
+/// Lines that are no points, 10,000 a second: what a device sends that was set up wrong.
+class DeviceFlood {
+ public:
+  explicit DeviceFlood(std::uint16_t port)
+      : thread_([this, port] {
+          boost::asio::io_context context;
+          using boost::asio::ip::udp;
+          udp::socket socket(context, udp::v4());
+          const udp::endpoint to(boost::asio::ip::address_v4(kLoopback), port);
+          const std::string line = "garbage of a device, which nobody has asked for; 1, 2\n";
+          constexpr int kAtOnce = 10;
+          for (auto due = Clock::now(); !stopping_; due += std::chrono::milliseconds(1)) {
+            std::this_thread::sleep_until(due);
+            boost::system::error_code ignored;
+            for (int i = 0; i < kAtOnce; ++i)
+              socket.send_to(boost::asio::buffer(line), to, 0, ignored);
+          }
+        }) {}
+  ~DeviceFlood() {
+    stopping_ = true;
+    thread_.join();
+  }
+
+ private:
+  std::atomic<bool> stopping_{false};
+  std::thread thread_;
+};
+
+std::uint16_t free_port() {
+  boost::asio::io_context context;
+  const boost::asio::ip::udp::socket socket(context, {boost::asio::ip::address_v4(kLoopback), 0});
+  return socket.local_endpoint().port();
+}
+
 /// Servers and client, each on a processor of its own where they are alone: what is measured is not
 /// that one of them waits for the disk's work of another thread.
-Turnarounds measure(std::chrono::seconds time, Scheduling scheduling) {
+Turnarounds measure(std::chrono::seconds time, Scheduling scheduling, bool flood = false) {
   const bool fifo = scheduling != Scheduling::usual;
   const bool alone = scheduling == Scheduling::fifo_alone;
   // The rest, and the interrupts of the disk where they go to one of the last, are left to others.
@@ -61,8 +96,14 @@ Turnarounds measure(std::chrono::seconds time, Scheduling scheduling) {
     robot.real_time.cpus = {service_processor};
     sweepd::leave_processors({client_processor, service_processor, echo_processor});
   }
+  if (flood) {
+    robot.device.listen.endpoint = {kLoopback, free_port()};
+    robot.device.columns.text = "t_s,x_mm,y_mm,z_mm";
+  }
   sweepd::RobotService service(robot);
   service.start();
+  std::optional<DeviceFlood> device;
+  if (flood) device.emplace(robot.device.listen.endpoint.port);
   std::function<void()> enter;
   if (fifo) enter = [=] { enter_fifo(kServerPriority, echo_processor); };
   const EchoServer echo(enter);
@@ -132,6 +173,8 @@ void turnaround(std::chrono::seconds time) {
   const std::vector<Row> rows{
       {"p50", 0.5, 1.10}, {"p99", 0.99}, {"p99.9", 0.999, 1.25}, {"max", 1.0}};
   print("idle", measure(time, Scheduling::usual), rows);
+  print("a device sends 10,000 lines of garbage a second", measure(time, Scheduling::usual, true),
+        rows);
   const Load load;
   print("all processors busy", measure(time, Scheduling::usual), rows);
   const std::vector<Row> fifo_rows{

@@ -1,0 +1,116 @@
+#include "daemon/points/device_lines.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <Eigen/Geometry>
+
+#include "daemon/devices/printed_number.hpp"
+#include "daemon/points/csv_file.hpp"
+#include "daemon/text/units.hpp"
+#include "rsi/ascii.hpp"
+
+namespace sweepd {
+namespace {
+
+/// More names than any device has targets: what comes then is no name.
+constexpr std::size_t kMostTargets = 64;
+
+char separator_in(std::string_view line) {
+  for (const char separator : {',', ';', '\t'})
+    if (line.find(separator) != std::string_view::npos) return separator;
+  return ' ';
+}
+
+void split(std::string_view line, std::vector<std::string_view>& fields) {
+  fields.clear();
+  const char separator = separator_in(line);
+  while (true) {
+    const auto end = line.find(separator);
+    fields.push_back(rsi::trimmed(line.substr(0, end)));
+    if (end == std::string_view::npos) return;
+    line.remove_prefix(end + 1);
+    if (separator == ' ') line = rsi::trimmed(line);
+  }
+}
+
+}  // namespace
+
+DeviceLines::DeviceLines(std::string_view columns) {
+  const auto names = column_names(columns);
+  count_ = names.size();
+  const CsvFile file("", "0\n", names);
+  columns_ = point_columns(file);
+  if (columns_.joint || columns_.sweep || !columns_.angles.empty())
+    throw std::invalid_argument(
+        "--columns: expected times, targets and positions of a device, found a column for joints, "
+        "sweeps or joint angles: skip it with -, as the controller tells them");
+  if (!columns_.target) targets_.emplace_back();
+}
+
+DeviceLines::Line DeviceLines::read(std::string_view line, Point& point) {
+  line = rsi::trimmed(line);
+  if (line.empty() || line.front() == '#') return Line::empty;
+  split(line, fields_);
+  if (fields_.size() != count_) return Line::other_fields;
+  identify::Sample sample;
+  sample.time_s = point.sample.time_s;
+  if (columns_.time) {
+    const auto time = number(*columns_.time, nullptr);
+    if (!time) return Line::no_number;
+    sample.time_s = *time;
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (fields_[columns_.position[k].column].empty()) return Line::not_seen;
+    const auto value = number(columns_.position[k], &step_mm_);
+    if (!value) return Line::no_number;
+    sample.position_mm(static_cast<Eigen::Index>(k)) = *value;
+  }
+  sample.has_position = true;
+  point.target = 0;
+  if (columns_.target) {
+    const auto name = fields_[columns_.target->column];
+    if (name.empty()) return Line::no_number;
+    const bool known = std::find(targets_.begin(), targets_.end(), name) != targets_.end();
+    if (!known && targets_.size() == kMostTargets) return Line::no_number;
+    point.target = target_index(name, targets_);
+  }
+  point.sample = sample;
+  return Line::point;
+}
+
+std::optional<double> DeviceLines::number(const Place& place, std::optional<double>* step) {
+  const auto value = printed_number(fields_[place.column]);
+  if (!value || std::abs(value->value) > kLargestMeasured) return std::nullopt;
+  if (step != nullptr) {
+    const double last = value->decimals >= 10 ? 0 : place.unit * std::pow(10.0, -value->decimals);
+    *step = std::min(step->value_or(last), last);
+  }
+  return value->value * place.unit;
+}
+
+std::string_view text(DeviceLines::Line line) noexcept {
+  switch (line) {
+    case DeviceLines::Line::point:
+      return "a point";
+    case DeviceLines::Line::empty:
+      return "empty, or a comment";
+    case DeviceLines::Line::other_fields:
+      return "more or fewer fields than columns";
+    case DeviceLines::Line::no_number:
+      return "something else where a number or a name is expected";
+    case DeviceLines::Line::not_seen:
+      return "a target that was not seen";
+  }
+  return "";
+}
+
+std::string_view next_line(std::string_view& bytes) {
+  const auto end = std::min(bytes.find('\n'), bytes.size());
+  const auto line = bytes.substr(0, end);
+  bytes.remove_prefix(std::min(end + 1, bytes.size()));
+  return line;
+}
+
+}  // namespace sweepd

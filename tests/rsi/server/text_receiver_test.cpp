@@ -1,0 +1,96 @@
+#include "rsi/server/text_receiver.hpp"
+
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "rsi/asio_endpoint.hpp"
+#include "tests/catch.hpp"
+#include "tests/eventually.hpp"
+
+using namespace rsi;
+
+namespace {
+
+constexpr Endpoint kAnyPort{0x7f000001, 0};
+
+class Receiving {
+ public:
+  explicit Receiving(Transport transport)
+      : receiver(transport, kAnyPort), thread_([this] { receiver.run(); }) {}
+  ~Receiving() {
+    receiver.stop();
+    thread_.join();
+  }
+
+  /// All that came so far.
+  const std::string& text() {
+    Datagram datagram;
+    while (receiver.datagrams().pop(datagram)) {
+      text_ += datagram.payload;
+      times.push_back(datagram.time);
+      destination = datagram.destination;
+    }
+    return text_;
+  }
+
+  TextReceiver receiver;
+  std::vector<Timestamp> times;
+  Endpoint destination;
+
+ private:
+  std::string text_;
+  std::thread thread_;
+};
+
+}  // namespace
+
+TEST_CASE("Datagrams of a device come with the kernel's time, in order", "[text_receiver]") {
+  Receiving receiving(Transport::udp);
+  boost::asio::io_context context;
+  boost::asio::ip::udp::socket socket(context, boost::asio::ip::udp::v4());
+  const auto to = to_asio<boost::asio::ip::udp>(receiving.receiver.local());
+  const auto before = now();
+  for (const char* line : {"1,2,3\n", "4,5,6\n", "7,8,9\n"})
+    socket.send_to(boost::asio::buffer(std::string(line)), to);
+  const auto after = now();
+  REQUIRE(sweepd::test::eventually([&] { return receiving.text() == "1,2,3\n4,5,6\n7,8,9\n"; }));
+  REQUIRE(receiving.times.size() == 3);
+  CHECK(receiving.times.front() >= before - std::chrono::milliseconds(1));
+  CHECK(receiving.times.back() <= after + std::chrono::milliseconds(1));
+  CHECK(receiving.destination == receiving.receiver.local());
+}
+
+TEST_CASE("A flood is dropped and counted, and memory stays bounded", "[text_receiver]") {
+  Receiving receiving(Transport::udp);
+  boost::asio::io_context context;
+  boost::asio::ip::udp::socket socket(context, boost::asio::ip::udp::v4());
+  const auto to = to_asio<boost::asio::ip::udp>(receiving.receiver.local());
+  const std::string garbage(1000, 'x');
+  for (int i = 0; i < 20'000; ++i) socket.send_to(boost::asio::buffer(garbage), to);
+  CHECK(sweepd::test::eventually([&] { return receiving.receiver.dropped() > 1000; }));
+}
+
+TEST_CASE("Over TCP whole lines are handed over, of the newest connection", "[text_receiver]") {
+  Receiving receiving(Transport::tcp);
+  boost::asio::io_context context;
+  using boost::asio::ip::tcp;
+  const auto to = to_asio<tcp>(receiving.receiver.local());
+  tcp::socket first(context);
+  first.connect(to);
+  first.send(boost::asio::buffer(std::string("1,2")));
+  first.send(boost::asio::buffer(std::string(",3\n4,5,6\nrest")));
+  REQUIRE(sweepd::test::eventually([&] { return receiving.text() == "1,2,3\n4,5,6\n"; }));
+  tcp::socket second(context);
+  second.connect(to);
+  second.send(boost::asio::buffer(std::string("7,8,9\n")));
+  REQUIRE(sweepd::test::eventually([&] { return receiving.text() == "1,2,3\n4,5,6\n7,8,9\n"; }));
+
+  second.send(boost::asio::buffer(std::string(10'000, 'x')));
+  CHECK(sweepd::test::eventually([&] { return receiving.receiver.dropped() == 1; }));
+}
+
+TEST_CASE("A port that is taken is told", "[text_receiver]") {
+  const TextReceiver one(Transport::udp, kAnyPort);
+  CHECK_THROWS_AS(TextReceiver(Transport::udp, one.local()), std::runtime_error);
+}
