@@ -26,6 +26,7 @@ char separator_in(std::string_view line) {
 void split(std::string_view line, std::vector<std::string_view>& fields) {
   fields.clear();
   const char separator = separator_in(line);
+  if (separator == ' ') line = rsi::trimmed(line);
   while (true) {
     const auto end = line.find(separator);
     fields.push_back(rsi::trimmed(line.substr(0, end)));
@@ -40,6 +41,9 @@ void split(std::string_view line, std::vector<std::string_view>& fields) {
 DeviceLines::DeviceLines(std::string_view columns) {
   const auto names = column_names(columns);
   count_ = names.size();
+  if (names.empty())
+    throw std::invalid_argument(
+        "--columns: expected names of columns with commas between, found nothing: name them");
   const CsvFile file("", "0\n", names);
   columns_ = point_columns(file);
   if (columns_.joint || columns_.sweep || !columns_.angles.empty())
@@ -50,8 +54,8 @@ DeviceLines::DeviceLines(std::string_view columns) {
 }
 
 DeviceLines::Line DeviceLines::read(std::string_view line, Point& point) {
-  line = rsi::trimmed(line);
-  if (line.empty() || line.front() == '#') return Line::empty;
+  while (line.ends_with('\r') || line.ends_with('\n')) line.remove_suffix(1);
+  if (const auto all = rsi::trimmed(line); all.empty() || all.front() == '#') return Line::empty;
   split(line, fields_);
   if (fields_.size() != count_) return Line::other_fields;
   identify::Sample sample;

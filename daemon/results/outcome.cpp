@@ -43,6 +43,9 @@ std::optional<Outcome> joined_outcome(const Snapshot& snapshot, std::string& pro
   auto& found = outcome.identification;
   joined.clock = identify::refined(take.clock, found.delay);
   found.delay.reset();  // it is the clocks'
+  std::erase_if(found.warnings, [](const identify::Warning& warning) {
+    return warning.code == "angles_not_used";  // stamps have jitter: that is how it should be
+  });
   outcome.points =
       PointCounts{device.points.size(), joined.sweeps, device.files, joined.poses, device.targets};
   constexpr std::size_t kRestless = 4;  // one of so many rests is too much
@@ -72,6 +75,8 @@ Outcome first_outcome(const Snapshot& snapshot) {
   if (auto both = joined_outcome(snapshot, problem)) return std::move(*both);
   if (snapshot.device->required) {
     Outcome failed{snapshot.robot, snapshot.source_kind, snapshot.counts, {}};
+    failed.points = PointCounts{snapshot.device->points.size(), 0, snapshot.device->files, 0,
+                                snapshot.device->targets};
     failed.identification.reason = problem;
     failed.identification.joints.resize(snapshot.campaign.joints);
     failed.identification.home_rad.resize(snapshot.campaign.joints);

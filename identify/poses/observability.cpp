@@ -39,6 +39,7 @@ Observability observability_of(const PoseFit& fit) {
   std::vector<Index> there;  // without a tool that was not seen
   for (Index i = 0; i < unit.size(); ++i)
     if (normal(i, i) > 0) there.push_back(i);
+  if (there.empty()) return seen;  // no pose counts
   const VectorXd squares =
       Eigen::SelfAdjointEigenSolver<MatrixXd>(MatrixXd(normal(there, there))).eigenvalues();
   const VectorXd values = squares.cwiseMax(0.0).cwiseSqrt();

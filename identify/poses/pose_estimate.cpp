@@ -137,7 +137,7 @@ std::optional<PoseEstimate> estimate_poses(const std::vector<Pose>& poses, const
   Index rows = 0;
   for (const Pose& pose : poses) rows += pose.sample.has_orientation ? 6 : 3;
   const Index unknowns = parameters.count(oriented);
-  if (sweeps == nullptr && rows < unknowns + kSpareRows) {
+  if (!whole(sweeps) && rows < unknowns + kSpareRows) {
     const Index each = oriented ? 6 : 3;
     reason = std::to_string(poses.size()) + " poses give " + std::to_string(rows) +
              " numbers for " + std::to_string(unknowns) + " unknowns: measure at least " +

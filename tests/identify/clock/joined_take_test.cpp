@@ -211,3 +211,18 @@ TEST_CASE("The same tape and points give the same take", "[joined_take]") {
   CHECK(once.clock.ahead_s == again.clock.ahead_s);
   CHECK(once.found.dh.front().b_mm.value == again.found.dh.front().b_mm.value);
 }
+
+TEST_CASE("A take that ends before all joints have moved is told to lack axes", "[joined_take]") {
+  const Robot robot = built(kr5(), 9);
+  const auto views = two_views(robot, sweeps_of_all(robot, 1, 9), unkind(9), 9);
+  for (const double share : {0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9}) {
+    auto cut = views;
+    cut.points.resize(static_cast<std::size_t>(share * static_cast<double>(views.points.size())));
+    const auto campaign = known(robot);
+    const auto take = identify::joined(cut.tape, cut.points, campaign);
+    INFO(share << " " << take.problem);
+    if (!take.problem.empty()) continue;  // too little to match the clocks by
+    const auto found = identify::identify(take.sweeps, campaign, take.poses);
+    if (share < 0.8) CHECK(found.status != identify::Status::complete);
+  }
+}
