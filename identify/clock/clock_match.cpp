@@ -33,8 +33,10 @@ constexpr double kWorstScatter_s = 0.03;
 constexpr double kMostStrange = 0.25;
 /// What fits so well beside the best is no worse by chance.
 constexpr double kAsGood = 0.75;
-constexpr double kStepSigmas = 6;
-constexpr double kLeastStep_s = 0.01;
+constexpr double kStepSigmas = 8;
+/// Of a few motions at an end chance makes more.
+constexpr std::size_t kBesideStep = 5;
+constexpr double kLeastStep_s = 0.015;
 
 bool alike(const Span& a, const Span& b) {
   return std::abs(a.seconds() - b.seconds()) <
@@ -124,7 +126,7 @@ class Matcher {
   [[nodiscard]] std::optional<std::pair<double, double>> step() const {
     std::optional<std::pair<double, double>> found;
     double best = kStepSigmas;
-    for (std::size_t cut = 3; cut + 3 <= pairs_.size(); ++cut) {
+    for (std::size_t cut = kBesideStep; cut + kBesideStep <= pairs_.size(); ++cut) {
       std::vector<double> before, after;
       for (std::size_t i = 0; i < pairs_.size(); ++i)
         (i < cut ? before : after).push_back(pairs_[i].off_s);
