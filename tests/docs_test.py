@@ -10,6 +10,7 @@ import csv
 import json
 import os
 import pathlib
+import random
 import re
 import shutil
 import subprocess
@@ -193,6 +194,12 @@ def fixtures(root, sweepd, folder):
         poses = [[row[name] for name in names] for row in csv.DictReader(file)]
     write(folder / "poses.csv", [names, *poses[::40]])
     write(folder / "held-out.csv", [names, *poses[20::40]])
+    noise = random.Random(1)
+    with (folder / "result/samples.csv").open(newline="") as file:
+        take = [[f"{float(row['t_s']) + 0.25:.3f}",
+                 *(f"{float(row[f'{axis}_mm']) + noise.gauss(0, 0.02):.4f}" for axis in "xyz")]
+                for row in csv.DictReader(file)]
+    write(folder / "take.csv", [["t_s", "x_mm", "y_mm", "z_mm"], *take])
     result = json.loads((folder / "result/result.json").read_text())
     write(folder / "axes.csv", [["joint", "x_mm", "y_mm", "z_mm", "dx", "dy", "dz"],
                                 *([joint["joint"], *joint["axis"]["point"],
@@ -210,7 +217,7 @@ def write(path, rows):
 
 def is_live(line):
     words = line.split()
-    return words[1] == "run" or (words[1] == "simulate" and "--to" in words)
+    return words[1] in ("run", "listen") or (words[1] == "simulate" and "--to" in words)
 
 
 def failures(lines, folder):

@@ -140,7 +140,8 @@ std::string settings_section(const std::string& table, const std::vector<OptionT
   for (const auto& option : options) {
     const auto dot = option.key.find('.');
     const auto within = dot == option.key.npos ? "" : option.key.substr(0, dot);
-    if (within != last) text += '\n' + (within.empty() ? table : "[robot." + within + ']') + ":\n";
+    const std::string inner = within == "device" ? "[[robot.device]]" : "[robot." + within + ']';
+    if (within != last) text += '\n' + (within.empty() ? table : inner) + ":\n";
     last = within;
     auto help = option.help;
     help.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(help.front())));

@@ -172,6 +172,7 @@ Outcome identified_points(const IdentifyOptions& options, RobotSetup setup, std:
   Points points = read_points(options, declared.value_or(identify::kMostJoints));
   if (!options.quiet) tell_formats(points.files, out);
   formats = formats_of(points.files);
+  if (declared) setup.joints = *declared;
   if (!options.angles.empty())
     return joined_with_trace(points.files, points.resolution, points.counts.targets, options.angles,
                              setup, options.quiet);

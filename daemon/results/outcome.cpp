@@ -39,8 +39,13 @@ std::optional<Outcome> joined_outcome(const Snapshot& snapshot, std::string& pro
   JoinedClocks joined{take.clock,    take.sweeps.size(), take.poses.size(),
                       take.restless, take.left_out_s,    take.fastest_mm_s};
   Outcome outcome{snapshot.robot, snapshot.source_kind, snapshot.counts,
-                  identify::identify(std::move(take.sweeps), campaign, std::move(take.poses))};
+                  identify::identify(take.sweeps, campaign, std::move(take.poses))};
   auto& found = outcome.identification;
+  if (found.poses && !found.poses->fit.converged && !take.sweeps.empty()) {
+    found = identify::identify(std::move(take.sweeps), campaign);
+    found.warnings.push_back(
+        {"poses_not_used", {}, "the rests are not used: the fit of them did not come to its end"});
+  }
   joined.clock = identify::refined(take.clock, found.delay);
   found.delay.reset();  // it is the clocks'
   std::erase_if(found.warnings, [](const identify::Warning& warning) {

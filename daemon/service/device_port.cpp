@@ -1,5 +1,9 @@
 #include "daemon/service/device_port.hpp"
 
+#include <stdexcept>
+
+#include "daemon/points/device_lines.hpp"
+#include "daemon/settings/toml_table.hpp"
 #include "daemon/system/realtime.hpp"
 #include "rsi/counted.hpp"
 
@@ -7,7 +11,13 @@ namespace sweepd {
 
 DevicePort::DevicePort(const DeviceSettings& settings)
     : receiver_(settings.listen.tcp ? rsi::Transport::tcp : rsi::Transport::udp,
-                settings.listen.endpoint) {}
+                settings.listen.endpoint) {
+  try {
+    const DeviceLines lines(settings.columns.text);
+  } catch (const std::invalid_argument& error) {
+    throw ConfigError("[[robot.device]]: columns: " + std::string(error.what()));
+  }
+}
 
 DevicePort::~DevicePort() {
   receiver_.stop();

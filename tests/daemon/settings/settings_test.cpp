@@ -358,3 +358,31 @@ TEST_CASE("what differs between two settings is told, and what of it needs a res
   CHECK(running.silence == to.silence);
   CHECK(running.listen == from.listen);
 }
+
+TEST_CASE("a robot may have a device that sends lines of text", "[settings]") {
+  const std::string device =
+      "[[robot.device]]\nlisten = \"udp://0.0.0.0:5005\"\ncolumns = \"x_mm,y_mm,z_mm\"\n";
+  {
+    const SettingsFile file(kRobotText + device);
+    const auto robot = load_settings(file.path).robots.front();
+    CHECK(robot.device.there());
+    CHECK(text(robot.device.listen) == "udp://0.0.0.0:5005");
+    CHECK(robot.device.columns.text == "x_mm,y_mm,z_mm");
+  }
+  {
+    const SettingsFile file(kRobotText);
+    CHECK_FALSE(load_settings(file.path).robots.front().device.there());
+  }
+  CHECK(sweepd::parse_text_port("10.0.0.1:5005") == sweepd::parse_text_port("udp://10.0.0.1:5005"));
+  CHECK(sweepd::parse_text_port("tcp://10.0.0.1:5005")->tcp);
+  CHECK_FALSE(sweepd::parse_text_port("http://10.0.0.1:5005"));
+  using Catch::Matchers::ContainsSubstring;
+  CHECK_THAT(settings_error(kRobotText + replaced(device, "udp://0.0.0.0:5005", "5005")),
+             ContainsSubstring("write it like \"udp://0.0.0.0:5005\""));
+  CHECK_THAT(settings_error(kRobotText + replaced(device, "5005", "49152")),
+             ContainsSubstring("a port of its own"));
+  CHECK_THAT(settings_error(kRobotText + device + replaced(device, "5005", "5006")),
+             ContainsSubstring("expected one [[robot.device]]"));
+  CHECK_THAT(settings_error(kRobotText + "[[robot.device]]\nlisten = \"udp://0.0.0.0:5005\"\n"),
+             ContainsSubstring("columns"));
+}
