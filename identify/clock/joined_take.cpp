@@ -122,6 +122,34 @@ std::optional<ClockMatch> by_arm(const std::vector<ClockMatch>& matches, const A
   return by_distance[0].second;
 }
 
+std::size_t moved_joints(const AngleTape& tape, const Span& move) {
+  constexpr int kLooks = 10;
+  JointAngles least{}, most{};
+  bool first = true;
+  for (int i = 0; i <= kLooks; ++i) {
+    const auto told = tape.at(move.begin_s + move.seconds() * i / kLooks);
+    if (!told) continue;
+    for (std::size_t j = 0; j < tape.joints(); ++j) {
+      least[j] = first ? (*told)[j] : std::min(least[j], (*told)[j]);
+      most[j] = first ? (*told)[j] : std::max(most[j], (*told)[j]);
+    }
+    first = false;
+  }
+  std::size_t moved = 0;
+  for (std::size_t j = 0; j < tape.joints(); ++j)
+    if (most[j] - least[j] > kShortestStroke_rad) ++moved;
+  return moved;
+}
+
+bool is_seen(const std::vector<TargetTrack>& tracks, const ClockMatch& clock, const Span& move) {
+  return std::any_of(tracks.begin(), tracks.end(), [&](const TargetTrack& track) {
+    const auto at = std::lower_bound(
+        track.time_s.begin(), track.time_s.end(), move.begin_s,
+        [&](double device_s, double begin_s) { return clock.controller_s(device_s) < begin_s; });
+    return at != track.time_s.end() && clock.controller_s(*at) <= move.end_s;
+  });
+}
+
 std::string ambiguity(const std::vector<ClockMatch>& matches, const Campaign& campaign) {
   const std::string apart =
       fixed(matches[0].ahead_s, 3) + " and " + fixed(matches[1].ahead_s, 3) + " s";
@@ -177,12 +205,9 @@ JoinedTake joined(const AngleTape& tape, const std::vector<Measured>& points,
     return a.first().time_s < b.first().time_s;
   });
 
-  for (const Span& move : angles.moves) {
-    const bool swept = std::any_of(take.sweeps.begin(), take.sweeps.end(), [&](const Sweep& sweep) {
-      return sweep.first().time_s < move.end_s && sweep.last().time_s > move.begin_s;
-    });
-    if (!swept) take.left_out_s += move.seconds();
-  }
+  for (const Span& move : angles.moves)
+    if (moved_joints(tape, move) > 1 && is_seen(tracks, take.clock, move))
+      take.left_out_s += move.seconds();
   for (const Sweep& sweep : take.sweeps) {
     const auto& samples = *sweep.samples;
     if (samples.size() < 2 * kFewestSamples) continue;
