@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <Eigen/Eigenvalues>
 
-#include "identify/geometry/angle.hpp"
 #include "identify/geometry/median.hpp"
+#include "identify/poses/arm_columns.hpp"
 
 namespace identify {
 namespace {
@@ -23,103 +24,9 @@ constexpr int kMostSteps = 40;
 constexpr std::size_t kEnough = 200;
 /// Steps below this are of rounding: mm, and rad times a metre.
 constexpr double kLastStep_mm = 1e-7;
-/// Lengths and angles count alike: a radian moves what is a metre away by a metre.
-constexpr double kReach_mm = 1000;
-/// Eigenvalues of the scaled normal matrix below this carry no information.
-constexpr double kNothing = 1e-12;
-
-bool parallel(const DhRow& row) {
-  return std::abs(std::sin(row.alpha_rad)) < std::sin(1 * kDegree);
-}
-
-/// The numbers that are free, in the order of the columns.
-struct Numbers {
-  std::size_t joints;
-  std::size_t targets;
-  Freedom freedom;
-  Index count() const {
-    const auto n = static_cast<Index>(joints);
-    const Index rows = freedom == Freedom::frames    ? 0
-                       : freedom == Freedom::zeros   ? n
-                       : freedom == Freedom::lengths ? 3 * n
-                                                     : 5 * n;
-    return 6 + static_cast<Index>(3 * targets) + rows;
-  }
-  Index target(std::size_t t) const { return 6 + static_cast<Index>(3 * t); }
-  Index zero(std::size_t j) const { return target(targets) + static_cast<Index>(j); }
-  Index length(std::size_t j) const { return zero(joints) + static_cast<Index>(2 * j); }
-  Index twist(std::size_t j) const { return length(joints) + static_cast<Index>(2 * j); }
-};
-
-/// Where a pose's position is, and how it changes with each number: a number of a row moves all
-/// that is farther out by a rotation or a translation there.
-Vector3d position(const PlacedArm& placed, const Pose& pose, const Numbers& numbers,
-                  MatrixXd* columns) {
-  const Arm& arm = placed.arm;
-  const Vector3d position = placed.position_mm(pose.target, pose.sample);
-  if (columns == nullptr) return position;
-  columns->setZero(3, numbers.count());
-  const auto turns = [&](Index column, const Vector3d& axis, const Vector3d& point) {
-    columns->col(column) = axis.cross(position - point) / kReach_mm;
-  };
-  for (Index k = 0; k < 3; ++k) {
-    columns->col(k) = Vector3d::Unit(k);
-    turns(3 + k, Vector3d::Unit(k), placed.base.translation());
-  }
-  Isometry3d frame = placed.base;
-  for (std::size_t j = 0; j < arm.joints(); ++j) {
-    const DhRow row = arm.row_at(j, pose.sample.angles_rad[j]);
-    const Vector3d z = frame.linear().col(2);
-    const Vector3d at = frame.translation();
-    frame = frame * transform({row.b_mm, row.theta_rad, 0, 0, 0});
-    const Vector3d x = frame.linear().col(0);
-    frame = frame * transform({0, 0, row.a_mm, row.alpha_rad, 0});
-    const Vector3d y = frame.linear().col(1);
-    frame = frame * transform({0, 0, 0, 0, row.beta_rad});
-    if (numbers.freedom >= Freedom::zeros) {
-      if (arm.is_linear(j))
-        columns->col(numbers.zero(j)) = z;
-      else
-        turns(numbers.zero(j), z, at);
-    }
-    if (numbers.freedom >= Freedom::lengths) {
-      if (!parallel(row)) columns->col(numbers.length(j)) = z;
-      columns->col(numbers.length(j) + 1) = x;
-    }
-    if (numbers.freedom >= Freedom::twists) {
-      turns(numbers.twist(j), x, frame.translation());
-      if (parallel(row)) turns(numbers.twist(j) + 1, y, frame.translation());
-    }
-  }
-  columns->middleCols<3>(numbers.target(pose.target)) = frame.linear();
-  return position;
-}
-
-PlacedArm moved(const PlacedArm& placed, const Numbers& numbers, const VectorXd& by) {
-  PlacedArm other = placed;
-  const Vector3d turn = by.segment<3>(3) / kReach_mm;
-  if (turn.norm() > 0)
-    other.base.linear() = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * placed.base.linear();
-  other.base.translation() += by.head<3>();
-  for (std::size_t t = 0; t < numbers.targets; ++t)
-    other.targets_mm[t] += by.segment<3>(numbers.target(t));
-  for (std::size_t j = 0; j < numbers.joints; ++j) {
-    DhRow& row = other.arm.rows[j];
-    if (numbers.freedom >= Freedom::zeros) {
-      const double zero = by(numbers.zero(j));
-      (placed.arm.is_linear(j) ? row.b_mm += zero : row.theta_rad += zero / kReach_mm);
-    }
-    if (numbers.freedom >= Freedom::lengths) {
-      row.b_mm += by(numbers.length(j));
-      row.a_mm += by(numbers.length(j) + 1);
-    }
-    if (numbers.freedom >= Freedom::twists) {
-      row.alpha_rad += by(numbers.twist(j)) / kReach_mm;
-      row.beta_rad += by(numbers.twist(j) + 1) / kReach_mm;
-    }
-  }
-  return other;
-}
+/// Eigenvalues of the scaled normal matrix below this carry no information: the noise alone would
+/// lead ten thousand times as far along them as along others, into valleys without an end.
+constexpr double kNothing = 1e-8;
 
 /// The shortest solution of N x = g.
 VectorXd least(const MatrixXd& normal, const VectorXd& gradient) {
@@ -183,25 +90,34 @@ double middle_of(const VectorXd& distances) {
 
 PlacedArm fitted(const PlacedArm& start, Freedom freedom, const std::vector<Pose>& poses,
                  const VectorXd& weights) {
-  const Numbers numbers{start.arm.joints(), start.targets_mm.size(), freedom};
+  const ArmNumbers numbers{start.arm.joints(), start.targets_mm.size(), freedom};
+  std::vector<Index> all(static_cast<std::size_t>(numbers.count()));
+  std::iota(all.begin(), all.end(), Index{0});
+  return fitted(start, numbers, all, poses, weights);
+}
+
+PlacedArm fitted(const PlacedArm& start, const ArmNumbers& numbers, const std::vector<Index>& free,
+                 const std::vector<Pose>& poses, const VectorXd& weights) {
+  const auto count = static_cast<Index>(free.size());
   PlacedArm best = start;
   double least_cost = cost(best, poses, weights);
   double damping = 0;
   for (int step = 0; step < kMostSteps; ++step) {
-    MatrixXd normal = MatrixXd::Zero(numbers.count(), numbers.count());
-    VectorXd gradient = VectorXd::Zero(numbers.count());
-    MatrixXd columns;
+    MatrixXd normal = MatrixXd::Zero(count, count);
+    VectorXd gradient = VectorXd::Zero(count);
     for (std::size_t i = 0; i < poses.size(); ++i) {
       const double weight = weights(static_cast<Index>(i));
       if (weight == 0) continue;
+      const MatrixXd columns = arm_columns(best, poses[i], numbers)(Eigen::all, free);
       const Vector3d off =
-          poses[i].sample.position_mm - position(best, poses[i], numbers, &columns);
+          poses[i].sample.position_mm - best.position_mm(poses[i].target, poses[i].sample);
       normal.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose(), weight);
       gradient += weight * (columns.transpose() * off);
     }
     MatrixXd damped = normal.selfadjointView<Eigen::Lower>();
     damped.diagonal() += damping * damped.diagonal();
-    const VectorXd by = least(damped, gradient);
+    VectorXd by = VectorXd::Zero(numbers.count());
+    by(free) = least(damped, gradient);
     const PlacedArm next = moved(best, numbers, by);
     const double next_cost = cost(next, poses, weights);
     if (next_cost <= least_cost) {

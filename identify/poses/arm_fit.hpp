@@ -36,6 +36,13 @@ struct PlacedArm {
 [[nodiscard]] PlacedArm fitted(const PlacedArm& start, Freedom freedom,
                                const std::vector<Pose>& poses, const Eigen::VectorXd& weights);
 
+struct ArmNumbers;  // arm_columns.hpp
+
+/// As above, with these columns of `numbers` let go.
+[[nodiscard]] PlacedArm fitted(const PlacedArm& start, const ArmNumbers& numbers,
+                               const std::vector<Eigen::Index>& free,
+                               const std::vector<Pose>& poses, const Eigen::VectorXd& weights);
+
 /// As above, from anywhere: base and targets by the positions, then up to `freedom`, poses that are
 /// far off counting little. `targets`: how many there are.
 [[nodiscard]] PlacedArm placed_robustly(const Arm& arm, Freedom freedom,

@@ -2,6 +2,7 @@
 
 #include "tests/catch.hpp"
 #include "tests/identify/poses/simulated_poses.hpp"
+#include "tests/simulation/level_oracle.hpp"
 
 using namespace identify;
 using namespace simulation::robots;
@@ -63,5 +64,21 @@ TEST_CASE("A placed arm's chain has its targets where the arm has them", "[arm_f
       turns[j] = pose.sample.angles_rad[j] - placed.arm.home_rad[j];
     CHECK((chain.target_mm(pose.target, turns) - placed.position_mm(pose.target, pose.sample))
               .norm() < 1e-9);
+  }
+}
+
+TEST_CASE("The level table is that of differences, on poses that were kept back", "[arm_fit]") {
+  const auto built = arm_with(tracker(), 8);
+  auto poses = built.poses(90);
+  const std::vector<Pose> held(poses.begin() + 50, poses.end());
+  poses.resize(50);
+  const auto found = estimated(poses, built.campaign());
+  REQUIRE(found);
+  const auto oracle = simulation::levels_by_differences(found->levels.front().arm, poses, held);
+  for (std::size_t k = 0; k < oracle.size(); ++k) {
+    const Left left = left_of(distances_mm(found->levels[k].arm, held));
+    CHECK(left.mean_mm == Approx(oracle[k].mean_mm).margin(1e-5));
+    CHECK(left.rms_mm == Approx(oracle[k].rms_mm).margin(1e-5));
+    CHECK(left.most_mm == Approx(oracle[k].most_mm).margin(1e-5));
   }
 }
