@@ -1,0 +1,62 @@
+#include "daemon/krl/krl_frame.hpp"
+
+#include <array>
+#include <cmath>
+
+#include "daemon/text/numbers.hpp"
+#include "daemon/text/units.hpp"
+#include "identify/sweeps/sample.hpp"
+
+namespace sweepd {
+namespace {
+
+constexpr std::array<std::string_view, 6> kNames = {"X", "Y", "Z", "A", "B", "C"};
+/// No robot reaches as far, and no angle is as large, in mm and degrees.
+constexpr double kMost = 1e5;
+constexpr int kDecimals = 4;
+
+}  // namespace
+
+double krl_number(const KrlAggregate& aggregate, std::string_view field) {
+  const std::string who = aggregate.name.empty() ? "" : aggregate.name + ": ";
+  const KrlField* found = aggregate.find(field);
+  if (found == nullptr) throw KrlError(who + std::string(field) + " is missing");
+  const auto value = found->number();
+  if (!value) throw KrlError(who + std::string(field) + " is no number");
+  if (std::abs(*value) > kMost)
+    throw KrlError(who + std::string(field) + " is too large for a robot");
+  return *value;
+}
+
+Eigen::Isometry3d krl_frame(const KrlAggregate& aggregate) {
+  identify::Sample sample;
+  for (std::size_t k = 0; k < 3; ++k)
+    sample.position_mm(static_cast<Eigen::Index>(k)) = krl_number(aggregate, kNames[k]);
+  for (std::size_t k = 0; k < 3; ++k)
+    sample.abc_rad[k] = radians(krl_number(aggregate, kNames[k + 3]));
+  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
+  frame.linear() = identify::orientation(sample);
+  frame.translation() = sample.position_mm;
+  return frame;
+}
+
+Eigen::Isometry3d krl_frame(std::string_view text) {
+  return krl_frame(krl_aggregate(text));
+}
+
+std::string krl_frame_text(const Eigen::Isometry3d& frame) {
+  const auto abc = identify::abc_of(frame.linear());
+  std::string text = "{";
+  for (std::size_t k = 0; k < 6; ++k) {
+    const double value =
+        k < 3 ? frame.translation()(static_cast<Eigen::Index>(k)) : degrees(abc[k - 3]);
+    text.append(k == 0 ? "" : ",").append(kNames[k]).append(" ").append(fixed(value, kDecimals));
+  }
+  return text + "}";
+}
+
+double from_gimbal_deg(const Eigen::Matrix3d& rotation) {
+  return degrees(std::atan2(std::hypot(rotation(0, 0), rotation(1, 0)), std::abs(rotation(2, 0))));
+}
+
+}  // namespace sweepd
