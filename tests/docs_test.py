@@ -8,6 +8,7 @@ First the checks have to find what is planted in folders of their own, then noth
 """
 import csv
 import json
+import math
 import os
 import pathlib
 import random
@@ -16,6 +17,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import tomllib
 
 MOST_LINES_OF_README = 150
 COMMAND = r"(?:build/release/daemon/)?sweepd"
@@ -200,6 +202,7 @@ def fixtures(root, sweepd, folder):
                  *(f"{float(row[f'{axis}_mm']) + noise.gauss(0, 0.02):.4f}" for axis in "xyz")]
                 for row in csv.DictReader(file)]
     write(folder / "take.csv", [["t_s", "x_mm", "y_mm", "z_mm"], *take])
+    write(folder / "arm.csv", [names, *poses_of_a_built_arm(root / robot)])
     result = json.loads((folder / "result/result.json").read_text())
     write(folder / "axes.csv", [["joint", "x_mm", "y_mm", "z_mm", "dx", "dy", "dz"],
                                 *([joint["joint"], *joint["axis"]["point"],
@@ -208,6 +211,27 @@ def fixtures(root, sweepd, folder):
     (folder / "bin").mkdir()
     for name in ("bin/sweepd", "build/release/daemon/sweepd"):
         (folder / name).symlink_to(sweepd)
+
+
+def poses_of_a_built_arm(description):
+    """80 static poses as a tracker of 0.02 mm sees them; of the arm, lengths are off by 0.5 mm and
+    angles by 0.05 degrees."""
+    chance = random.Random(4)
+    robot = tomllib.loads(description.read_text(encoding="utf-8"))
+    built = [{**row, **{key: row[key] + chance.gauss(0, 0.5 if key.endswith("_mm") else 0.05)
+                        for key in ("b_mm", "theta_deg", "a_mm", "alpha_deg")}}
+             for row in robot["joint"]]
+    for _ in range(80):
+        angles = [round(home + chance.uniform(-70, 70), 4) for home in robot["home_deg"]]
+        point = robot["tool_mm"]
+        for row, home, angle in reversed(list(zip(built, robot["home_deg"], angles))):
+            ct, st, ca, sa = (f(math.radians(a)) for a in (
+                row["theta_deg"] + row["positive"] * (angle - home), row["alpha_deg"])
+                for f in (math.cos, math.sin))
+            x, y, z = point[0] + row["a_mm"], ca * point[1] - sa * point[2], sa * point[1] + ca * point[2]
+            point = [ct * x - st * y, st * x + ct * y, z + row["b_mm"]]
+        device = [-point[1] + 2500, point[0] + 300, point[2] - 900]  # where the tracker stands
+        yield [*(round(value + chance.gauss(0, 0.02), 5) for value in device), *angles]
 
 
 def write(path, rows):
@@ -408,6 +432,8 @@ def problems(root, program):
         results = read("docs/results.md")
         names = set(property_names(json.loads(read("docs/result.schema.json"))))
         yield from told("docs/results.md", missing_names(results, names, "of result.json"))
+        names = set(property_names(json.loads(read("docs/correction.schema.json"))))
+        yield from told("docs/correct.md", missing_names(read("docs/correct.md"), names, "of correction.json"))
         names = set(property_names(json.loads(read("docs/compare.schema.json"))))
         yield from told("docs/compare.md", missing_names(read("docs/compare.md"), names, "of compare --json"))
         for file in ("dh.csv", "models.csv", "sweeps.csv", "samples.csv"):

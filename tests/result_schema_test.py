@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""result.json of all that a run can be is what docs/result.schema.json says, and what compare prints
-is what docs/compare.schema.json says.
+"""result.json of all that a run can be is what docs/result.schema.json says, what compare prints is
+what docs/compare.schema.json says, and correction.json what docs/correction.schema.json says.
 
     result_schema_test.py SWEEPD SOURCE_FOLDER
 """
@@ -8,6 +8,7 @@ import copy
 import csv
 import json
 import pathlib
+import random
 import subprocess
 import sys
 import tempfile
@@ -95,6 +96,21 @@ with tempfile.TemporaryDirectory() as name:
     assert told["estimator"] == "poses" and told["describes"] == "controller_model"
     write(work / "held.csv", [{key: row[key] for key in names} for row in rows[20::40]])
     run(0, "validate", work / "poses", work / "held.csv")
+    # The same as a device would see them, and what they correct.
+    chance = random.Random(1)
+    write(work / "seen.csv", [{**{key: row[key] for key in names}, **{
+        key: float(row[key]) + chance.gauss(0, 0.02) for key in names[:3]}} for row in rows[::40]])
+    run(0, "identify", work / "seen.csv", "--robot", robot, "--output", work / "seen", "--quiet")
+    assert check(work / "seen", "complete")["describes"] == "arm"
+    corrections = jsonschema.Draft202012Validator(
+        json.loads((source / "docs/correction.schema.json").read_text(encoding="utf-8")))
+    point = "DECL E6AXIS X%d={A1 80.0,A2 -95.0,A3 100.0,A4 10.0,A5 70.0,A6 -20.0}\n"
+    (work / "program.dat").write_text(point % 1 + point % 2)
+    run(1, "correct", work / "poses", "--level", "frames")  # the controller's own model
+    for level in ("frames", "mastering", "machine-data", "targets"):
+        more = ["--program", work / "program.dat", "--write", work / "corrected.dat", "--leave", "X2"]
+        run(0, "correct", work / "seen", "--level", level, *(more if level == "targets" else []))
+        corrections.validate(json.loads((work / "seen/correction.json").read_text()))
     for row in points:
         for axis in ("x_mm", "y_mm", "z_mm"):
             row[axis] = float(row[axis]) / 1000

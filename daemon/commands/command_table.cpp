@@ -6,6 +6,7 @@
 
 #include "daemon/commands/check_command.hpp"
 #include "daemon/commands/compare_command.hpp"
+#include "daemon/commands/correct_command.hpp"
 #include "daemon/commands/export_command.hpp"
 #include "daemon/commands/identify_command.hpp"
 #include "daemon/commands/inspect_command.hpp"
@@ -61,6 +62,8 @@ void add_commands(CLI::App& app, const std::vector<std::string>& arguments, int&
   add(
       app, add_validate, [](const ValidateOptions& options) { return validate(options); },
       exit_code);
+  add(
+      app, add_correct, [](const CorrectOptions& options) { return correct(options); }, exit_code);
   add(
       app, add_compare, [](const CompareOptions& options) { return compare(options); }, exit_code);
   add(

@@ -34,21 +34,6 @@ constexpr std::size_t kFewestAxes = 3;
   throw std::runtime_error(file.string() + ' ' + why);
 }
 
-Json parsed_file(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) refuse(file, "cannot be read: give a folder or its result.json");
-  std::ostringstream text;
-  text << stream.rdbuf();
-  Json json = Json::parse(std::move(text).str(), nullptr, false);
-  const std::string schema = text_of(json, "schema");
-  if (schema == kSchema) return json;
-  refuse(file, schema.starts_with("sweepd.result/")
-                   ? "has the schema " + schema + ", and this sweepd reads " +
-                         std::string(kSchema) + ": use the sweepd that wrote it for both"
-                   : "holds no result of sweepd: give a folder that run, replay or identify has "
-                     "written, or its result.json");
-}
-
 double unit(std::size_t number) {
   return number == 0 || number == 2 ? 1 : radians(1);
 }
@@ -175,10 +160,29 @@ std::optional<identify::TurnRange> limits_of(const Json& limits, double home_deg
 
 }  // namespace
 
+std::filesystem::path result_file(const std::filesystem::path& path) {
+  return std::filesystem::is_directory(path) ? path / "result.json" : path;
+}
+
+Json read_result(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) refuse(file, "cannot be read: give a folder or its result.json");
+  std::ostringstream text;
+  text << stream.rdbuf();
+  Json json = Json::parse(std::move(text).str(), nullptr, false);
+  const std::string schema = text_of(json, "schema");
+  if (schema == kSchema) return json;
+  refuse(file, schema.starts_with("sweepd.result/")
+                   ? "has the schema " + schema + ", and this sweepd reads " +
+                         std::string(kSchema) + ": use the sweepd that wrote it for both"
+                   : "holds no result of sweepd: give a folder that run, replay or identify has "
+                     "written, or its result.json");
+}
+
 ToldArm read_told_arm(const std::filesystem::path& path) {
   ToldArm told;
-  told.file = std::filesystem::is_directory(path) ? path / "result.json" : path;
-  const Json json = parsed_file(told.file);
+  told.file = result_file(path);
+  const Json json = read_result(told.file);
   told.robot = text_of(json, "robot");
   told.status = text_of(json, "status");
   told.reason = text_of(json, "reason");

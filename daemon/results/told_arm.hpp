@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "identify/change/compared_arms.hpp"
 #include "identify/change/displacement.hpp"
 
@@ -29,6 +31,10 @@ struct ToldArm {
   /// Leaves the first so many, at most joints(). The tool is then the last axis's own frame.
   void cut(std::size_t joints);
 };
+
+/// A result.json, or that of a folder; throws std::runtime_error where it is none of this sweepd.
+[[nodiscard]] std::filesystem::path result_file(const std::filesystem::path& path);
+[[nodiscard]] nlohmann::ordered_json read_result(const std::filesystem::path& file);
 
 /// `path` is a folder that holds result.json, or such a file. Throws std::runtime_error with what
 /// is wrong and what to do where it cannot be compared: not there, no result, of another version,
