@@ -14,6 +14,7 @@
 #include "identify/poses/pose_estimate.hpp"
 #include "tests/acceptance/acceptance.hpp"
 #include "tests/catch.hpp"
+#include "tests/simulation/level_oracle.hpp"
 
 using namespace acceptance;
 using identify::Pose;
@@ -107,5 +108,25 @@ TEST_CASE("A real arm's poses tell where it is in others", "[poses]") {
     std::cout << fmt::format("12 chosen: mean {:.4f} mm of {} held out\n", found.mean_mm,
                              held.size());
     CHECK(found.mean_mm <= 0.14);
+  }
+
+  SECTION("the level table, beside one that was worked out by differences") {
+    const std::vector<Pose> fit(all.begin(), all.begin() + 200), held(all.begin() + 200, all.end());
+    std::string reason;
+    const auto found = identify::estimate_poses(fit, ur5(), nullptr, {}, reason);
+    REQUIRE(found);
+    std::vector<Pose> counted;
+    for (std::size_t i = 0; i < fit.size(); ++i)
+      if (!std::binary_search(found->outliers.begin(), found->outliers.end(), i))
+        counted.push_back(fit[i]);
+    const auto oracle = simulation::levels_by_differences(found->levels.front().arm, counted, held);
+    for (std::size_t k = 0; k < oracle.size(); ++k) {
+      const auto left = identify::left_of(distances_mm(found->levels[k].arm, held));
+      std::cout << fmt::format("level {}: mean {:.5f} mm, by differences {:.5f} mm\n", k + 1,
+                               left.mean_mm, oracle[k].mean_mm);
+      CHECK(std::abs(left.mean_mm - oracle[k].mean_mm) < 0.01);
+      CHECK(std::abs(left.rms_mm - oracle[k].rms_mm) < 0.01);
+      CHECK(std::abs(left.most_mm - oracle[k].most_mm) < 0.01);
+    }
   }
 }
