@@ -27,7 +27,7 @@ constexpr double kPrinted_rad = 1e-4 * identify::kDegree;
 /// Decimals of a corrected number, at least: 1 um, and 0.1 um at a metre's distance.
 constexpr int kLeastDecimals_mm = 3;
 constexpr int kLeastDecimals_deg = 4;
-constexpr int kMostDecimals = 9;
+constexpr int kMostPointDecimals = 9;
 constexpr std::size_t kMostFindings = 20;
 
 bool is_point(const KrlAggregate& one) {
@@ -42,7 +42,7 @@ const std::array<std::string_view, 6>& names_of(const KrlAggregate& point) {
   return is_axis_point(point) ? kAxes : kCartesian;
 }
 
-int decimals_of(std::string_view number) {
+int decimals_in(std::string_view number) {
   const auto point = number.find('.');
   if (point == std::string_view::npos || number.find_first_of("eE") != std::string_view::npos)
     return 0;
@@ -91,7 +91,7 @@ class Program {
         for (std::size_t k = 0; k < 6; ++k)
           if (const KrlField* field = one.find(names_of(one)[k])) {
             int& most = k < 3 && !is_axis_point(one) ? decimals_mm_ : decimals_deg_;
-            most = std::clamp(decimals_of(field->text), most, kMostDecimals);
+            most = std::clamp(decimals_in(field->text), most, kMostPointDecimals);
           }
   }
 

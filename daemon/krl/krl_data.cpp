@@ -8,16 +8,16 @@
 namespace sweepd {
 namespace {
 
-constexpr std::string_view kBlanks = " \t\r";
+constexpr std::string_view kKrlBlanks = " \t\r";
 
 [[noreturn]] void fail(std::size_t line, const std::string& what) {
   throw KrlError("line " + std::to_string(line) + ": " + what);
 }
 
-std::string_view trimmed(std::string_view text) {
-  const auto from = text.find_first_not_of(kBlanks);
+std::string_view without_blanks(std::string_view text) {
+  const auto from = text.find_first_not_of(kKrlBlanks);
   if (from == std::string_view::npos) return {};
-  return text.substr(from, text.find_last_not_of(kBlanks) - from + 1);
+  return text.substr(from, text.find_last_not_of(kKrlBlanks) - from + 1);
 }
 
 /// Where the first of `any` is outside of quotes and of braces that open on the way.
@@ -35,21 +35,21 @@ std::size_t find_outside(std::string_view text, std::string_view any, std::size_
 }
 
 std::string_view first_word(std::string_view text) {
-  return text.substr(0, text.find_first_of(kBlanks));
+  return text.substr(0, text.find_first_of(kKrlBlanks));
 }
 
 /// `inside`: what is in the braces, which begins at `at` in the file.
 void read_fields(std::string_view inside, std::size_t at, KrlAggregate& into) {
   if (const auto colon = find_outside(inside, ":"); colon != std::string_view::npos) {
-    into.type = in_capitals(trimmed(inside.substr(0, colon)));
+    into.type = in_capitals(without_blanks(inside.substr(0, colon)));
     inside.remove_prefix(colon + 1);
     at += colon + 1;
   }
-  while (!trimmed(inside).empty()) {
+  while (!without_blanks(inside).empty()) {
     const auto comma = std::min(find_outside(inside, ","), inside.size());
-    const std::string_view field = trimmed(inside.substr(0, comma));
+    const std::string_view field = without_blanks(inside.substr(0, comma));
     const std::string_view name = first_word(field);
-    const std::string_view value = trimmed(field.substr(name.size()));
+    const std::string_view value = without_blanks(field.substr(name.size()));
     if (!value.empty())
       into.fields.push_back(
           {in_capitals(name), value, at + static_cast<std::size_t>(value.data() - inside.data())});
@@ -61,12 +61,12 @@ void read_fields(std::string_view inside, std::size_t at, KrlAggregate& into) {
 
 /// A name without its index, which no blanks stand before.
 std::string base_name(std::string_view name) {
-  return in_capitals(trimmed(name.substr(0, name.find('['))));
+  return in_capitals(without_blanks(name.substr(0, name.find('['))));
 }
 
-class Reader {
+class KrlReader {
  public:
-  explicit Reader(std::string_view text) : text_(text) {}
+  explicit KrlReader(std::string_view text) : text_(text) {}
 
   std::vector<KrlAggregate> read() {
     if (text_.find('\0') != std::string_view::npos)
@@ -76,7 +76,7 @@ class Reader {
       const auto end = std::min(text_.find('\n', at), text_.size());
       ++line_;
       const std::string_view line = text_.substr(at, end - at);
-      const std::string word = in_capitals(first_word(trimmed(line)));
+      const std::string word = in_capitals(first_word(without_blanks(line)));
       if (word == "DEFDAT") open = true;
       if (word == "ENDDAT") open = false;
       if (!word.starts_with('&')) read_line(line, at);
@@ -90,23 +90,24 @@ class Reader {
   void read_line(std::string_view line, std::size_t at) {
     line = line.substr(0, std::min(find_outside_quotes(line, ';'), line.size()));
     const auto equals = find_outside_quotes(line, '=');
-    std::string_view left = trimmed(line.substr(0, std::min(equals, line.size())));
+    std::string_view left = without_blanks(line.substr(0, std::min(equals, line.size())));
     std::string type;
     for (std::string word = in_capitals(first_word(left));
          word == "DECL" || word == "GLOBAL" || word == "CONST" || word == "PUBLIC";
          word = in_capitals(first_word(left)))
-      left = trimmed(left.substr(word.size()));
+      left = without_blanks(left.substr(word.size()));
     if (const auto word = first_word(left);
-        word.size() < left.size() && trimmed(left.substr(word.size())).front() != '[') {
+        word.size() < left.size() && without_blanks(left.substr(word.size())).front() != '[') {
       type = in_capitals(word);
-      left = trimmed(left.substr(word.size()));
+      left = without_blanks(left.substr(word.size()));
     }
     if (!type.empty()) declare(left, type);
     if (equals == std::string_view::npos) return;
-    const std::string_view right = trimmed(line.substr(equals + 1));
+    const std::string_view right = without_blanks(line.substr(equals + 1));
     if (!right.starts_with('{')) return;
     KrlAggregate aggregate{type, in_capitals(left), line_, {}};
-    std::erase_if(aggregate.name, [](char c) { return kBlanks.find(c) != std::string_view::npos; });
+    std::erase_if(aggregate.name,
+                  [](char c) { return kKrlBlanks.find(c) != std::string_view::npos; });
     const auto close = find_outside(right, "}", 1);
     if (close == std::string_view::npos)
       fail(line_, "the braces or quotes of " + aggregate.name +
@@ -186,11 +187,11 @@ const KrlField* KrlAggregate::find(std::string_view field) const {
 }
 
 std::vector<KrlAggregate> krl_aggregates(std::string_view text) {
-  return Reader(text).read();
+  return KrlReader(text).read();
 }
 
 KrlAggregate krl_aggregate(std::string_view text) {
-  text = trimmed(text);
+  text = without_blanks(text);
   if (text.starts_with('{') != text.ends_with('}') || text.size() == 1)
     throw KrlError("its braces are not closed");
   if (text.starts_with('{')) text = text.substr(1, text.size() - 2);

@@ -10,10 +10,10 @@
 namespace sweepd {
 namespace {
 
-constexpr std::array<std::string_view, 6> kNames = {"X", "Y", "Z", "A", "B", "C"};
+constexpr std::array<std::string_view, 6> kFrameFields = {"X", "Y", "Z", "A", "B", "C"};
 /// No robot reaches as far, and no angle is as large, in mm and degrees.
-constexpr double kMost = 1e5;
-constexpr int kDecimals = 4;
+constexpr double kMostOfRobots = 1e5;
+constexpr int kFrameDecimals = 4;
 
 }  // namespace
 
@@ -23,7 +23,7 @@ double krl_number(const KrlAggregate& aggregate, std::string_view field) {
   if (found == nullptr) throw KrlError(who + std::string(field) + " is missing");
   const auto value = found->number();
   if (!value) throw KrlError(who + std::string(field) + " is no number");
-  if (std::abs(*value) > kMost)
+  if (std::abs(*value) > kMostOfRobots)
     throw KrlError(who + std::string(field) + " is too large for a robot");
   return *value;
 }
@@ -31,9 +31,9 @@ double krl_number(const KrlAggregate& aggregate, std::string_view field) {
 Eigen::Isometry3d krl_frame(const KrlAggregate& aggregate) {
   identify::Sample sample;
   for (std::size_t k = 0; k < 3; ++k)
-    sample.position_mm(static_cast<Eigen::Index>(k)) = krl_number(aggregate, kNames[k]);
+    sample.position_mm(static_cast<Eigen::Index>(k)) = krl_number(aggregate, kFrameFields[k]);
   for (std::size_t k = 0; k < 3; ++k)
-    sample.abc_rad[k] = radians(krl_number(aggregate, kNames[k + 3]));
+    sample.abc_rad[k] = radians(krl_number(aggregate, kFrameFields[k + 3]));
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
   frame.linear() = identify::orientation(sample);
   frame.translation() = sample.position_mm;
@@ -50,7 +50,10 @@ std::string krl_frame_text(const Eigen::Isometry3d& frame) {
   for (std::size_t k = 0; k < 6; ++k) {
     const double value =
         k < 3 ? frame.translation()(static_cast<Eigen::Index>(k)) : degrees(abc[k - 3]);
-    text.append(k == 0 ? "" : ",").append(kNames[k]).append(" ").append(fixed(value, kDecimals));
+    text.append(k == 0 ? "" : ",")
+        .append(kFrameFields[k])
+        .append(" ")
+        .append(fixed(value, kFrameDecimals));
   }
   return text + "}";
 }

@@ -11,7 +11,7 @@ using identify::ControllerNumber;
 using Json = nlohmann::ordered_json;
 using Verdict = ControllerNumber::Verdict;
 
-Json left_json(const identify::Left& left) {
+Json poses_left(const identify::Left& left) {
   return {{"mean_mm", json_length(left.mean_mm)},
           {"rms_mm", json_length(left.rms_mm)},
           {"max_mm", json_length(left.most_mm)}};
@@ -107,10 +107,10 @@ Json correction_json(const Correction& correction) {
                {"level", text(correction.level)},
                {"robot", correction.robot},
                {"poses", correction.poses}};
-  json["left"] = {{"frames", left_json(correction.frames)},
-                  {"corrected", left_json(correction.left)},
-                  {"identified", left_json(correction.identified)}};
-  json["unheld"] = left_json(correction.unheld);
+  json["left"] = {{"frames", poses_left(correction.frames)},
+                  {"corrected", poses_left(correction.left)},
+                  {"identified", poses_left(correction.identified)}};
+  json["unheld"] = poses_left(correction.unheld);
   json["frames"] = frames_json(correction);
   json["numbers"] = Json::array();
   for (const auto& number : correction.fit.numbers)

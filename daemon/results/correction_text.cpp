@@ -18,10 +18,10 @@ using identify::ControllerNumber;
 using Kind = ControllerNumber::Kind;
 using Verdict = ControllerNumber::Verdict;
 
-constexpr std::size_t kLabel = 10;
+constexpr std::size_t kLabelWidth = 10;
 
 std::string labelled(const std::string& label, const std::string& words) {
-  return paragraph(left(label, kLabel), words);
+  return paragraph(left(label, kLabelWidth), words);
 }
 
 bool is_length(const ControllerNumber& number, const identify::Arm& arm) {

@@ -4,7 +4,7 @@
 
 namespace identify {
 
-constexpr std::size_t kPoses = 600;
+constexpr std::size_t kCombined = 600;
 
 std::vector<Pose> combined_poses(const PoseModel& model, const std::vector<Pose>& measured,
                                  const Eigen::VectorXd& weights) {
@@ -12,7 +12,7 @@ std::vector<Pose> combined_poses(const PoseModel& model, const std::vector<Pose>
   for (std::size_t i = 0; i < measured.size(); ++i)
     if (weights(static_cast<Eigen::Index>(i)) > 0) count.push_back(&measured[i]);
   const std::size_t rounds =
-      std::max<std::size_t>(1, kPoses / std::max<std::size_t>(1, count.size()));
+      std::max<std::size_t>(1, kCombined / std::max<std::size_t>(1, count.size()));
   const std::size_t joints = model.chain.axes.size();
   const std::size_t first = joints - std::min<std::size_t>(3, joints / 2);
   std::vector<Pose> poses;

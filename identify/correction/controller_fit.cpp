@@ -19,14 +19,14 @@ using Kind = ControllerNumber::Kind;
 using Verdict = ControllerNumber::Verdict;
 
 /// Eigenvalues of the normal matrix with a diagonal of ones below this are of rounding.
-constexpr double kNothing = 1e-10;
+constexpr double kNoInformation = 1e-10;
 /// A part of a direction without information that counts.
 constexpr double kShare = 1e-3;
-constexpr double kSame_mm = 1e-6;
-constexpr double kSame_rad = 1e-6;
+constexpr double kStructure_mm = 1e-6;
+constexpr double kStructure_rad = 1e-6;
 
 bool right_angle(double angle_rad) {
-  return std::abs(std::sin(2 * angle_rad)) < 2 * kSame_rad;
+  return std::abs(std::sin(2 * angle_rad)) < 2 * kStructure_rad;
 }
 
 std::vector<ControllerNumber> numbers_of(const Arm& arm, ControllerLevel level) {
@@ -39,8 +39,8 @@ std::vector<ControllerNumber> numbers_of(const Arm& arm, ControllerLevel level) 
   if (level < ControllerLevel::machine_data) return numbers;
   for (std::size_t j = 0; j < arm.joints(); ++j) {
     const DhRow& row = arm.rows[j];
-    if (std::abs(row.b_mm) > kSame_mm && !arm.is_linear(j)) add(Kind::b, j);
-    if (std::abs(row.a_mm) > kSame_mm) add(Kind::a, j);
+    if (std::abs(row.b_mm) > kStructure_mm && !arm.is_linear(j)) add(Kind::b, j);
+    if (std::abs(row.a_mm) > kStructure_mm) add(Kind::a, j);
     if (!right_angle(row.alpha_rad)) add(Kind::alpha, j);
   }
   return numbers;
@@ -80,9 +80,9 @@ double value_of(const ControllerNumber& number, const Arm& arm) {
   return 0;
 }
 
-class Fitting {
+class LevelFitting {
  public:
-  Fitting(const PlacedArm& start, const std::vector<Pose>& poses, const VectorXd& weights)
+  LevelFitting(const PlacedArm& start, const std::vector<Pose>& poses, const VectorXd& weights)
       : start_(start),
         poses_(poses),
         weights_(weights),
@@ -149,7 +149,7 @@ class Fitting {
     VectorXd inverse = solver.eigenvalues();
     open_ = VectorXd::Zero(normal.rows());
     for (Index i = 0; i < inverse.size(); ++i) {
-      const bool known = inverse(i) > kNothing;
+      const bool known = inverse(i) > kNoInformation;
       inverse(i) = known ? 1 / inverse(i) : 0;
       if (!known) open_ = open_.cwiseMax(solver.eigenvectors().col(i).cwiseAbs());
     }
@@ -189,7 +189,7 @@ void judge(std::vector<ControllerNumber*>& numbers, std::size_t tested) {
 
 /// Lets go all that the poses tell apart, then less and less of it, as long as something may be
 /// right as it is.
-void choose(std::vector<ControllerNumber>& numbers, Fitting& fitting) {
+void choose(std::vector<ControllerNumber>& numbers, LevelFitting& fitting) {
   auto taken = those(numbers, Verdict::significant);
   for (std::size_t before = taken.size() + 1; taken.size() < before;) {
     before = taken.size();
@@ -210,7 +210,7 @@ void choose(std::vector<ControllerNumber>& numbers, Fitting& fitting) {
 
 ControllerFit fitted_controller(const PlacedArm& start, ControllerLevel level,
                                 const std::vector<Pose>& poses, const VectorXd& weights) {
-  Fitting fitting(start, poses, weights);
+  LevelFitting fitting(start, poses, weights);
   auto numbers = numbers_of(start.arm, level);
   choose(numbers, fitting);
   return fitting.result(std::move(numbers));

@@ -16,9 +16,9 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr int kMostSteps = 20;
+constexpr int kMostCorrections = 20;
 /// Steps below this are of rounding, rad.
-constexpr double kLastStep_rad = 1e-12;
+constexpr double kLastCorrection_rad = 1e-12;
 /// Farther off than this, nothing is reached.
 constexpr double kReached_mm = 1e-6;
 constexpr double kReached_rad = 1e-9;
@@ -91,7 +91,7 @@ CorrectedJoints::Reached CorrectedJoints::reach(const std::vector<double>& angle
   const auto joints = static_cast<Index>(angles_rad.size());
   ChainPose at(fit_.model.chain);
   Eigen::Matrix<double, 6, 1> off;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMostCorrections; ++step) {
     const Isometry3d now = identified(reached.angles_rad);
     const Eigen::AngleAxisd turn(Eigen::Matrix3d(wanted.linear() * now.linear().transpose()));
     off << wanted.translation() - now.translation(), turn.angle() * turn.axis();
@@ -101,7 +101,7 @@ CorrectedJoints::Reached CorrectedJoints::reach(const std::vector<double>& angle
     const Eigen::VectorXd by = by_joint.completeOrthogonalDecomposition().solve(off);
     if (!by.allFinite() || by.cwiseAbs().maxCoeff() > kMostStep_rad) return reached;
     for (Index j = 0; j < joints; ++j) reached.angles_rad[static_cast<std::size_t>(j)] += by(j);
-    if (by.cwiseAbs().maxCoeff() < kLastStep_rad) break;
+    if (by.cwiseAbs().maxCoeff() < kLastCorrection_rad) break;
   }
   reached.converged = off.head<3>().norm() < kReached_mm && off.tail<3>().norm() < kReached_rad;
   const PoseRow row = pose_row(fit_.model, pose_at(reached.angles_rad), false);

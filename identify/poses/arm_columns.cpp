@@ -14,7 +14,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-bool parallel(const DhRow& row) {
+bool stays_parallel(const DhRow& row) {
   return std::abs(std::sin(row.alpha_rad)) < std::sin(1 * kDegree);
 }
 
@@ -49,12 +49,12 @@ MatrixXd arm_columns(const PlacedArm& placed, const Pose& pose, const ArmNumbers
         turns(numbers.zero(j), z, at);
     }
     if (numbers.freedom >= Freedom::lengths) {
-      if (!parallel(row)) columns.col(numbers.b(j)) = z;
+      if (!stays_parallel(row)) columns.col(numbers.b(j)) = z;
       columns.col(numbers.a(j)) = x;
     }
     if (numbers.freedom >= Freedom::twists) {
       turns(numbers.alpha(j), x, frame.translation());
-      if (parallel(row)) turns(numbers.beta(j), y, frame.translation());
+      if (stays_parallel(row)) turns(numbers.beta(j), y, frame.translation());
     }
   }
   columns.middleCols<3>(numbers.target(pose.target)) = frame.linear();

@@ -19,7 +19,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr int kMostSteps = 40;
+constexpr int kMostFitSteps = 40;
 /// So many poses are enough to start from.
 constexpr std::size_t kEnough = 200;
 /// Steps below this are of rounding: mm, and rad times a metre.
@@ -102,7 +102,7 @@ PlacedArm fitted(const PlacedArm& start, const ArmNumbers& numbers, const std::v
   PlacedArm best = start;
   double least_cost = cost(best, poses, weights);
   double damping = 0;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMostFitSteps; ++step) {
     MatrixXd normal = MatrixXd::Zero(count, count);
     VectorXd gradient = VectorXd::Zero(count);
     for (std::size_t i = 0; i < poses.size(); ++i) {
