@@ -27,6 +27,24 @@ std::string content(const std::optional<std::filesystem::path>& file) {
 
 }  // namespace
 
+RobotFacts RobotInputs::facts() const {
+  RobotFacts facts{setup.joints, {}, {}, setup.limits()};
+  if (setup.description) {
+    facts.home_deg = setup.description->home_deg;
+    if (setup.description->arm) facts.specified = setup.description->arm->rows;
+  }
+  return facts;
+}
+
+RunFacts RobotInputs::run_facts() const {
+  RunFacts facts;
+  facts.robot = settings.name;
+  facts.description = settings.description;
+  facts.ethernet_config = settings.ethernet_config;
+  facts.inputs = hashes;
+  return facts;
+}
+
 RobotInputs RobotInputs::read(const RobotSettings& settings) {
   return {settings, load_setup(settings), hashes_of(files_of(settings)),
           file_system_of(settings.output / settings.name)};

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/results/run_json.hpp"
+#include "daemon/service/robot_state.hpp"
 #include "daemon/settings/robot_setup.hpp"
 #include "daemon/settings/settings.hpp"
 #include "daemon/system/log.hpp"
@@ -23,6 +24,11 @@ struct RobotInputs {
 
   /// Where its sessions lie.
   [[nodiscard]] std::filesystem::path folder() const { return settings.output / settings.name; }
+
+  /// What viewers are told of the robot.
+  [[nodiscard]] RobotFacts facts() const;
+  /// What a session's run.json is told of them.
+  [[nodiscard]] RunFacts run_facts() const;
 
   /// Reads the files. Throws ConfigError.
   [[nodiscard]] static RobotInputs read(const RobotSettings& settings);

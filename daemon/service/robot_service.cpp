@@ -59,7 +59,7 @@ RobotService::RobotService(const RobotSettings& settings, std::shared_ptr<RobotT
       session_log_(settings.name),
       tally_(first_state()),
       live_(status_->live) {
-  status_->facts.publish(facts());
+  status_->facts.publish(inputs_.facts());
   status_->state.publish(first_state());
   std::error_code error;
   std::filesystem::create_directories(inputs_.folder(), error);
@@ -313,15 +313,6 @@ RobotState RobotService::first_state() const {
   return state;
 }
 
-RobotFacts RobotService::facts() const {
-  RobotFacts facts{inputs_.setup.joints, {}, {}, inputs_.setup.limits()};
-  if (inputs_.setup.description) {
-    facts.home_deg = inputs_.setup.description->home_deg;
-    if (inputs_.setup.description->arm) facts.specified = inputs_.setup.description->arm->rows;
-  }
-  return facts;
-}
-
 void RobotService::show() {
   if (!session_) return;
   const std::chrono::duration<double> since = Steady::now() - began_;
@@ -335,17 +326,13 @@ void RobotService::publish() {
   const RobotState& state =
       tally_.state(server_->counts(), recorder_.paused(), under_way ? &*under_way : nullptr);
   // A reader is never waited for: then it is told at the next tick.
-  facts_told_ = facts_told_ || status_->facts.try_publish(facts());
+  facts_told_ = facts_told_ || status_->facts.try_publish(inputs_.facts());
   if (status_->state.try_publish(state)) published_ = Steady::now();
 }
 
 RunFacts RobotService::run_facts() const {
-  RunFacts facts;
-  facts.robot = inputs_.settings.name;
+  RunFacts facts = inputs_.run_facts();
   facts.started = started_;
-  facts.description = inputs_.settings.description;
-  facts.ethernet_config = inputs_.settings.ethernet_config;
-  facts.inputs = inputs_.hashes;
   facts.listen = server_->local();
   facts.link = server_->counts();
   return facts;
