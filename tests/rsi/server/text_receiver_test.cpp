@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "rsi/asio_endpoint.hpp"
+#include "rsi/server/server.hpp"
 #include "tests/catch.hpp"
 #include "tests/eventually.hpp"
 
