@@ -198,7 +198,7 @@ TEST_CASE("the manual lists every option with its default and range", "[settings
     FAIL("no option " + key);
     return options[0];
   };
-  CHECK(options.size() == 23);
+  CHECK(options.size() == 25);
   CHECK(option("realtime").fallback == "\"try\"");
   CHECK(option("recording.keep_days").fallback == "0");
   CHECK(option("listen").required);
