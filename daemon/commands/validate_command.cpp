@@ -41,7 +41,7 @@ struct Result {
   std::vector<JointLimits> limits;
 };
 
-Result read_result(const std::filesystem::path& folder) {
+Result result_in(const std::filesystem::path& folder) {
   const auto file = folder / "result.json";
   std::ifstream in(file, std::ios::binary);
   if (!in)
@@ -111,7 +111,7 @@ void refuse_used(const std::vector<Pose>& poses, const std::filesystem::path& fo
 }  // namespace
 
 int validate(const ValidateOptions& options, std::ostream& out) {
-  const Result result = read_result(options.result);
+  const Result result = result_in(options.result);
   const PosePredictor& predictor = result.predictor;
   const std::size_t joints = predictor.fit.model.chain.axes.size();
   Poses read = read_poses(options.points, options.columns, joints);

@@ -15,10 +15,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using identify::AngleEvidence;
 
-Json small_angle(double radians) {
-  return rounded(arcsec(radians), kArcsecDecimals);
-}
-
 Json noise(const identify::ChainEstimate& estimate) {
   Json swept = Json::array();
   for (const double sigma : estimate.noise.swept_rad)
@@ -65,21 +61,21 @@ Json angles(std::size_t index, const AngleEvidence& seen, bool linear) {
                {"samples", seen.samples}};
   if (seen.samples == 0) return json;
   if (linear) return ways(std::move(json), seen);
-  json["error_rms_arcsec"] = small_angle(seen.error_rms_rad);
-  json["remainder_rms_arcsec"] = small_angle(seen.remainder_rms_rad);
-  json["expected_rms_arcsec"] = small_angle(seen.expected_rms_rad);
+  json["error_rms_arcsec"] = json_arcsec(seen.error_rms_rad);
+  json["remainder_rms_arcsec"] = json_arcsec(seen.remainder_rms_rad);
+  json["expected_rms_arcsec"] = json_arcsec(seen.expected_rms_rad);
   json["size"] = rounded(seen.size, 3);
   json["coherence"] = rounded(seen.coherence, 3);
   json["remainder_coherence"] = rounded(seen.remainder_coherence, 3);
-  json["curve"] = {{"offset_arcsec", small_angle(seen.curve[0])},
+  json["curve"] = {{"offset_arcsec", json_arcsec(seen.curve[0])},
                    {"scale_ppm", rounded(1e6 * seen.curve[1], kArcsecDecimals)},
-                   {"cos1_arcsec", small_angle(seen.curve[2])},
-                   {"sin1_arcsec", small_angle(seen.curve[3])},
-                   {"cos2_arcsec", small_angle(seen.curve[4])},
-                   {"sin2_arcsec", small_angle(seen.curve[5])}};
+                   {"cos1_arcsec", json_arcsec(seen.curve[2])},
+                   {"sin1_arcsec", json_arcsec(seen.curve[3])},
+                   {"cos2_arcsec", json_arcsec(seen.curve[4])},
+                   {"sin2_arcsec", json_arcsec(seen.curve[5])}};
   const bool both_ways = seen.backlash_sigma_rad > 0;
-  json["backlash_arcsec"] = both_ways ? small_angle(seen.backlash_rad) : Json();
-  json["backlash_sigma_arcsec"] = both_ways ? small_angle(seen.backlash_sigma_rad) : Json();
+  json["backlash_arcsec"] = both_ways ? json_arcsec(seen.backlash_rad) : Json();
+  json["backlash_sigma_arcsec"] = both_ways ? json_arcsec(seen.backlash_sigma_rad) : Json();
   return json;
 }
 

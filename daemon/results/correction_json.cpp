@@ -11,12 +11,6 @@ using identify::ControllerNumber;
 using Json = nlohmann::ordered_json;
 using Verdict = ControllerNumber::Verdict;
 
-Json poses_left(const identify::Left& left) {
-  return {{"mean_mm", json_length(left.mean_mm)},
-          {"rms_mm", json_length(left.rms_mm)},
-          {"max_mm", json_length(left.most_mm)}};
-}
-
 Json lengths(const Eigen::Vector3d& mm) {
   return {json_length(mm.x()), json_length(mm.y()), json_length(mm.z())};
 }
@@ -107,10 +101,10 @@ Json correction_json(const Correction& correction) {
                {"level", text(correction.level)},
                {"robot", correction.robot},
                {"poses", correction.poses}};
-  json["left"] = {{"frames", poses_left(correction.frames)},
-                  {"corrected", poses_left(correction.left)},
-                  {"identified", poses_left(correction.identified)}};
-  json["unheld"] = poses_left(correction.unheld);
+  json["left"] = {{"frames", json_left(correction.frames)},
+                  {"corrected", json_left(correction.left)},
+                  {"identified", json_left(correction.identified)}};
+  json["unheld"] = json_left(correction.unheld);
   json["frames"] = frames_json(correction);
   json["numbers"] = Json::array();
   for (const auto& number : correction.fit.numbers)

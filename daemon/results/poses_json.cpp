@@ -12,16 +12,6 @@ using identify::JointEffect;
 using identify::PlacedArm;
 using identify::PoseEstimate;
 
-Json small_angle(double radians) {
-  return rounded(arcsec(radians), kArcsecDecimals);
-}
-
-Json left(const identify::Left& of) {
-  return {{"mean_mm", json_length(of.mean_mm)},
-          {"rms_mm", json_length(of.rms_mm)},
-          {"max_mm", json_length(of.most_mm)}};
-}
-
 /// All digits.
 Json list(const Eigen::VectorXd& of) {
   return std::vector<double>(of.begin(), of.end());
@@ -44,10 +34,10 @@ Json effect(const identify::EffectEvidence& seen) {
     json["urad_per_nm"] = rounded(1e6 * seen.effect.size(0), 4);
     json["sigma_urad_per_nm"] = rounded(1e6 * seen.sigma(0), 4);
   } else {
-    json["cos_arcsec"] = small_angle(seen.effect.size(0));
-    json["sin_arcsec"] = small_angle(seen.effect.size(1));
-    json["cos_sigma_arcsec"] = small_angle(seen.sigma(0));
-    json["sin_sigma_arcsec"] = small_angle(seen.sigma(1));
+    json["cos_arcsec"] = json_arcsec(seen.effect.size(0));
+    json["sin_arcsec"] = json_arcsec(seen.effect.size(1));
+    json["cos_sigma_arcsec"] = json_arcsec(seen.sigma(0));
+    json["sin_sigma_arcsec"] = json_arcsec(seen.sigma(1));
   }
   json["chance"] = seen.chance;
   return json;
@@ -162,19 +152,19 @@ Json poses_json(const Outcome& outcome) {
   Json levels = Json::array();
   for (const auto& level : found.levels) {
     levels.push_back({{"free", words(level.freedom)}});
-    levels.back().update(left(level.left));
+    levels.back().update(json_left(level.left));
     levels.back()["arm"] = placed(level.arm);
   }
   const auto& seen = found.observability;
   return {{"count", found.poses.size()},
           {"outliers", std::move(outliers)},
           {"with_sweeps", found.with_sweeps},
-          {"left", left(found.left)},
+          {"left", json_left(found.left)},
           {"noise",
            {{"position_mm", json_length(found.fit.noise.position_mm)},
-            {"joint_arcsec", small_angle(found.fit.noise.joint_rad)},
+            {"joint_arcsec", json_arcsec(found.fit.noise.joint_rad)},
             {"orientation_arcsec",
-             found.fit.with_orientation ? small_angle(found.fit.noise.orientation_rad) : Json()}}},
+             found.fit.with_orientation ? json_arcsec(found.fit.noise.orientation_rad) : Json()}}},
           {"observability",
            {{"largest_per_mm", seen.largest},
             {"smallest_per_mm", seen.smallest},

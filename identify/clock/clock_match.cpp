@@ -51,7 +51,7 @@ std::vector<Span> in_order(std::vector<Span> spans) {
 }
 
 /// Two clocks that may match: what one shows beyond the other, at the time of `at_s`.
-struct Line {
+struct ClockLine {
   double ahead_s = 0, rate = 0, at_s = 0;
   [[nodiscard]] double device_s(double controller_s) const {
     return controller_s + ahead_s + rate * (controller_s - at_s);
@@ -104,7 +104,7 @@ class Matcher {
 
   /// The line through the middles of the motions that lie near it.
   [[nodiscard]] std::optional<ClockMatch> refined(double ahead_s) {
-    Line line{ahead_s, 0, 0};
+    ClockLine line{ahead_s, 0, 0};
     const double span = c_.back().middle_s() - c_.front().middle_s();
     double near = kFar_s + 2 * kUsualRate * span;
     ClockMatch match;
@@ -147,7 +147,7 @@ class Matcher {
   [[nodiscard]] double scatter_s() const { return scatter_; }
 
  private:
-  [[nodiscard]] std::vector<Pair> pairs_of(const Line& line, double near) const {
+  [[nodiscard]] std::vector<Pair> pairs_of(const ClockLine& line, double near) const {
     std::vector<Pair> pairs;
     for (const Span& d : d_) {
       const Span* best = nullptr;
@@ -165,7 +165,7 @@ class Matcher {
     return pairs;
   }
 
-  void fit(Line& line, ClockMatch& match) {
+  void fit(ClockLine& line, ClockMatch& match) {
     double at = 0;
     for (const Pair& pair : pairs_) at += pair.controller_s / static_cast<double>(pairs_.size());
     line.ahead_s += line.rate * (at - line.at_s);
@@ -218,7 +218,7 @@ class Matcher {
   }
 
   /// Motions that one saw, and the other did not though it looked.
-  [[nodiscard]] std::size_t strange(const Line& line) const {
+  [[nodiscard]] std::size_t strange(const ClockLine& line) const {
     const auto unmatched = [&](const Span& c) {
       return std::none_of(d_.begin(), d_.end(), [&](const Span& d) {
         return std::abs(d.middle_s() - line.device_s(c.middle_s())) <= kFar_s && alike(d, c);
