@@ -65,7 +65,7 @@ SimulatedRobot::Options simulation_options(double wobble_deg = 1e-4, std::uint64
 }
 
 /// One joint's way from rest to rest, as it is seen in the commanded angles.
-struct Stroke {
+struct OneWay {
   std::size_t joint;  // from 1
   double from_deg;
   double to_deg;
@@ -73,8 +73,8 @@ struct Stroke {
   std::size_t rest_before;  // cycles without any motion
 };
 
-std::vector<Stroke> strokes(const std::vector<rsi::SignalValues>& cycles, double cycle_s) {
-  std::vector<Stroke> found;
+std::vector<OneWay> strokes(const std::vector<rsi::SignalValues>& cycles, double cycle_s) {
+  std::vector<OneWay> found;
   std::size_t rest = 0;
   for (std::size_t k = 1; k < cycles.size(); ++k) {
     std::size_t moving = 0;
