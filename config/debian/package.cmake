@@ -49,7 +49,8 @@ install(FILES ${documentation}/changelog.gz ${debian}/copyright
               ${PROJECT_SOURCE_DIR}/CONTRIBUTING.md ${PROJECT_SOURCE_DIR}/SECURITY.md
         DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION ${CMAKE_INSTALL_DOCDIR}
-        FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png" PATTERN "*.json" PATTERN "*.py" PATTERN "*.m")
+        FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png" PATTERN "*.json" PATTERN "*.py" PATTERN "*.m"
+                       PATTERN "*.dat")
 install(FILES ${PROJECT_SOURCE_DIR}/config/controller/README.md
         DESTINATION ${CMAKE_INSTALL_DOCDIR}/config/controller)
 install(FILES ${debian}/lintian-overrides DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides

@@ -281,7 +281,7 @@ TEST_CASE("the shipped Ethernet file is without fault and receives no correction
   CHECK(config.port == 49152);
   CHECK(printed(rsi::wire_layout(config.send)) ==
         "RIst(X,Y,Z,A,B,C,) RSol(X,Y,Z,A,B,C,) AIPos(A1,A2,A3,A4,A5,A6,) "
-        "ASPos(A1,A2,A3,A4,A5,A6,) Delay(D,) ");
+        "ASPos(A1,A2,A3,A4,A5,A6,) MACur(A1,A2,A3,A4,A5,A6,) Delay(D,) ");
   CHECK(printed(rsi::wire_layout(config.receive)) == "EStr(,) ");
 }
 
