@@ -122,42 +122,11 @@ class Scores {
   VectorXd whole_;  // of each, before anything is taken up
 };
 
-/// How likely sizes as large as these are where the effect is not there, beside all the others of
-/// the fit (Wald, Trans. Am. Math. Soc. 54, 1943).
-double chance_without(const PoseFit& fit, std::size_t effect) {
-  Index at = fit.model.chain_parameters().count(true);
-  for (std::size_t e = 0; e < effect; ++e) at += fit.model.effects[e].count();
-  const Index size = fit.model.effects[effect].count();
-  const VectorXd sizes = fit.model.effects[effect].size.head(size);
-  return chance_above(sizes.dot(fit.covariance.block(at, at, size, size).llt().solve(sizes)), size);
-}
-
-/// An effect may have been taken for a part of one that was taken after it. Leaves out, one after
-/// the other, those that nothing asks for any more; `tried` is how many there were to choose from.
-void drop_effects(PoseFit& fit, std::vector<EffectEvidence>& evidence,
-                  const std::vector<Pose>& poses, const std::optional<ChainPrior>& prior,
-                  std::size_t tried) {
-  while (!evidence.empty()) {
-    std::vector<double> chances;
-    for (std::size_t e = 0; e < evidence.size(); ++e) chances.push_back(chance_without(fit, e));
-    const auto weakest = std::max_element(chances.begin(), chances.end()) - chances.begin();
-    if (chances[static_cast<std::size_t>(weakest)] * static_cast<double>(tried) <= kEffectByChance)
-      return;
-    PoseModel model = fit.model;
-    model.effects.erase(model.effects.begin() + weakest);
-    PoseFit without = fitted(model, fit.noise, poses, fit.with_orientation, prior);
-    if (!without.converged) return;
-    fit = std::move(without);
-    evidence.erase(evidence.begin() + weakest);
-  }
-}
-
 }  // namespace
 
 std::vector<EffectEvidence> add_effects(PoseFit& fit, const std::vector<Pose>& poses,
                                         const std::optional<ChainPrior>& prior) {
   std::vector<EffectEvidence> added;
-  const std::size_t tried = candidates(fit.model, poses).size();
   for (int round = 0; round < kMostRounds && fit.converged; ++round) {
     Scores scores(fit, poses, candidates(fit.model, poses));
     PoseModel model = fit.model;
@@ -175,7 +144,6 @@ std::vector<EffectEvidence> add_effects(PoseFit& fit, const std::vector<Pose>& p
     fit = before;
     added.resize(fit.model.effects.size());
   }
-  drop_effects(fit, added, poses, prior, tried);
   Index at = fit.model.chain_parameters().count(true);
   for (std::size_t e = 0; e < added.size(); ++e) {
     added[e].effect = fit.model.effects[e];

@@ -21,9 +21,9 @@ struct EffectEvidence {
 /// (Bonferroni).
 inline constexpr double kEffectByChance = 0.02;
 
-/// Adds to the fit, one after the other, the effects that the poses ask for, and fits anew. Those
-/// that are not asked for any more beside the others are then left out. Returns those that stay.
-/// Joints that turn are tried once and twice a turn, and, where loads are known, for compliance.
+/// Adds to the fit, one after the other, the effects that the poses ask for, and fits anew. Returns
+/// those that were added. Joints that turn are tried once and twice a turn, and, where loads are
+/// known, for compliance.
 [[nodiscard]] std::vector<EffectEvidence> add_effects(PoseFit& fit, const std::vector<Pose>& poses,
                                                       const std::optional<ChainPrior>& prior);
 
