@@ -34,7 +34,8 @@ class Map {
 
   DisplacementMap drawn() {
     DisplacementMap map;
-    const auto [low, high] = reach_.box();
+    const auto box = reach_.box();
+    const Vector3d &low = box.first, &high = box.second;
     map.step_mm = kRound_mm * std::ceil((high - low).maxCoeff() / kStepsAcross / kRound_mm);
     std::vector<Reached> grid;
     const auto from = [&](Index k) { return std::floor(low(k) / map.step_mm); };
