@@ -35,7 +35,7 @@ class Map {
   DisplacementMap drawn() {
     DisplacementMap map;
     const auto box = reach_.box();
-    const Vector3d &low = box.first, &high = box.second;
+    const Vector3d &low = box[0], &high = box[1];
     map.step_mm = kRound_mm * std::ceil((high - low).maxCoeff() / kStepsAcross / kRound_mm);
     std::vector<Reached> grid;
     const auto from = [&](Index k) { return std::floor(low(k) / map.step_mm); };

@@ -12,7 +12,7 @@
 namespace simulation {
 
 /// 0.02 mm in every direction.
-[[nodiscard]] inline Noise tracker() {
+[[nodiscard]] inline Noise tracker_noise() {
   Noise noise;
   noise.range_mm = noise.across_mm = 0.02;
   return noise;
@@ -29,7 +29,7 @@ struct FreeDevice {
   std::vector<identify::Span> gaps = {};  ///< it sees nothing, by the controller's clock
   double step_s = 0;                      ///< its clock is set so much ahead,
   double step_at_s = 0;                   ///< at this time of the controller
-  Noise noise = tracker();
+  Noise noise = tracker_noise();
 };
 
 /// A program as its controller tells it, and as the device sees the robot's targets do it.
