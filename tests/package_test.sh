@@ -49,6 +49,28 @@ while IFS= read -r line; do
   ((${#line} <= 80)) || wrong "a line of the description is too long: $line"
 done < <(field Description)
 
+# What it is made of: each library that it depends on, and what was compiled into it; no test's.
+if [[ -f $build/build.ninja ]] && command -v ninja >/dev/null; then
+  SOURCE_DATE_EPOCH=1700000000 "$source/scripts/sbom" "$build" "$package" "$work/made_of.json"
+  while read -r library; do
+    [[ $(dpkg-query -W -f '${db:Status-Status}' "$library" 2>/dev/null) == installed ]] || continue  # a name that another package provides
+    check "made_of: no $library" grep -q "\"name\": \"$library\"" "$work/made_of.json"
+  done < <(field Depends | tr ',' '\n' | sed 's/ *(.*//' | grep '^ *lib'; echo libeigen3-dev)
+  check "made_of: no uPlot" grep -q '"name": "uplot"' "$work/made_of.json"
+  ! grep -q '"name": "catch2"' "$work/made_of.json" || wrong "made_of: the tests' Catch is no part"
+  python3 - "$work/made_of.json" "$(sha256sum <"$package" | cut -d' ' -f1)" "$version" <<'SPDX' || wrong "made_of"
+import json, sys
+made = json.load(open(sys.argv[1]))
+own = made["packages"][0]
+assert (made["spdxVersion"], own["versionInfo"]) == ("SPDX-2.3", sys.argv[3]), own
+assert own["checksums"] == [{"algorithm": "SHA256", "checksumValue": sys.argv[2]}], own
+named = [one["SPDXID"] for one in made["packages"]]
+assert len(set(named)) == len(named), named
+assert all(one["relatedSpdxElement"] in named for one in made["relationships"]), named
+assert made["creationInfo"]["created"] == "2023-11-14T22:13:20Z", made["creationInfo"]
+SPDX
+fi
+
 # Contents: mode, owner, path.
 dpkg-deb -c "$package" | awk '{print $1, $2, $6}' >"$work/contents"
 for path in usr/bin/sweepd usr/lib/systemd/system/sweepd.service usr/lib/sysusers.d/sweepd.conf \
