@@ -36,7 +36,6 @@ void judge(const simulation::Simulation& of, const Identification& found, Judged
 }
 
 double error_of(const simulation::Simulation& of, const Identification& found) {
-  Judged all;
   const auto truth = simulation::true_table(of, found.dh, found.home_rad);
   double squares = 0;
   for (std::size_t i = 1; i + 1 < found.dh.size(); ++i) {
