@@ -55,7 +55,7 @@ TEST_CASE("Joints that give way by their load are found where the loads are know
   CHECK(mean_off(*found, poses) < 0.045);
 }
 
-TEST_CASE("What loads do is not said to be wheels, too", "[pose_effects]") {
+TEST_CASE("What loads do is not said to be wheels, too", "[pose_effects][long]") {
   auto world = tracker();
   world.sag_arcsec = 60;
   int wheels = 0, bent = 0;
