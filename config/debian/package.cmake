@@ -15,12 +15,14 @@ uncertainties, from sweeps of single joints.
 
 The package has the daemon with its systemd unit, commands to replay, inspect
 and export captures, a simulated controller, descriptions of KUKA robots, and
-what is copied onto the controller.")
+what is copied onto the controller. On many machines, results go to an MQTT
+broker and into PostgreSQL.")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # Creates the user where there is no systemd-sysusers.
 set(CPACK_DEBIAN_PACKAGE_DEPENDS passwd)
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS "chromium")  # prints reports as PDF
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS
+    "chromium, mosquitto, postgresql")  # prints reports as PDF; where many machines tell their results
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA
     ${debian}/postinst ${debian}/prerm ${debian}/postrm ${PROJECT_BINARY_DIR}/debian/conffiles)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include "daemon/commands/check_command.hpp"
+#include "daemon/commands/collect_command.hpp"
 #include "daemon/commands/compare_command.hpp"
 #include "daemon/commands/correct_command.hpp"
 #include "daemon/commands/export_command.hpp"
@@ -12,6 +13,8 @@
 #include "daemon/commands/inspect_command.hpp"
 #include "daemon/commands/listen_command.hpp"
 #include "daemon/commands/plan_command.hpp"
+#include "daemon/commands/plant_commands.hpp"
+#include "daemon/commands/publish_command.hpp"
 #include "daemon/commands/replay_command.hpp"
 #include "daemon/commands/report_command.hpp"
 #include "daemon/commands/run_command.hpp"
@@ -65,7 +68,11 @@ void add_commands(CLI::App& app, const std::vector<std::string>& arguments, int&
   add(
       app, add_correct, [](const CorrectOptions& options) { return correct(options); }, exit_code);
   add(
-      app, add_compare, [](const CompareOptions& options) { return compare(options); }, exit_code);
+      app, add_compare,
+      [&arguments](const CompareOptions& options) {
+        return options.database ? plant::compare(options, arguments) : compare(options);
+      },
+      exit_code);
   add(
       app, add_export, [](const ExportOptions& options) { return export_csv(options); }, exit_code);
   add(
@@ -75,6 +82,14 @@ void add_commands(CLI::App& app, const std::vector<std::string>& arguments, int&
           options.config = RunOptions().config;
         return check(options);
       },
+      exit_code);
+  add(
+      app, add_publish,
+      [&arguments](const PublishOptions& options) { return plant::publish(options, arguments); },
+      exit_code);
+  add(
+      app, add_collect,
+      [&arguments](const CollectOptions& options) { return plant::collect(options, arguments); },
       exit_code);
 }
 

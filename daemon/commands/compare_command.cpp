@@ -1,5 +1,7 @@
 #include "daemon/commands/compare_command.hpp"
 
+#include <utility>
+
 #include <CLI/CLI.hpp>
 
 #include "daemon/commands/command_options.hpp"
@@ -12,8 +14,11 @@
 namespace sweepd {
 
 int compare(const CompareOptions& options, std::ostream& out) {
-  const Change change =
-      change_between(read_told_arm(options.first), read_told_arm(options.second), options.level);
+  return compare(options, read_told_arm(options.first), read_told_arm(options.second), out);
+}
+
+int compare(const CompareOptions& options, ToldArm first, ToldArm second, std::ostream& out) {
+  const Change change = change_between(std::move(first), std::move(second), options.level);
   out << (options.json ? change_json(change) : change_text(change));
   return change.test.changed ? kChanged : 0;
 }
@@ -37,6 +42,11 @@ CLI::App* add_compare(CLI::App& app, CompareOptions& options) {
       ->check(CLI::Range(1e-6, 0.5))
       ->capture_default_str()
       ->type_name("SHARE");
+  command
+      ->add_option("--database", options.database,
+                   "Take A and B from this PostgreSQL, as `sweepd collect` has filled it: each is "
+                   "SITE/CELL/ROBOT, its newest result, or SITE/CELL/ROBOT/START")
+      ->type_name("CONNECTION");
   command->add_flag("--json", options.json, "Print JSON in place of the text");
   command->footer(exit_status({{0, "No change is seen."},
                                {kChanged, "The robot has changed."},

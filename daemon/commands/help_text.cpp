@@ -179,7 +179,9 @@ std::string exit_status(const std::vector<ExitCode>& codes) {
 
 std::string settings_text() {
   return "Every key, by its table.\n" + settings_section("[[robot]]", robot_options()) +
-         settings_section("[http]", http_options());
+         settings_section("[http]", http_options()) +
+         settings_section("[publish]", publish_options()) +
+         settings_section("[collect]", collect_options());
 }
 
 }  // namespace sweepd

@@ -164,12 +164,18 @@ std::filesystem::path result_file(const std::filesystem::path& path) {
   return std::filesystem::is_directory(path) ? path / "result.json" : path;
 }
 
-Json read_result(const std::filesystem::path& file) {
+namespace {
+
+std::string bytes_of(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) refuse(file, "cannot be read: give a folder or its result.json");
   std::ostringstream text;
   text << stream.rdbuf();
-  Json json = Json::parse(std::move(text).str(), nullptr, false);
+  return std::move(text).str();
+}
+
+Json result_of(std::string_view bytes, const std::filesystem::path& file) {
+  Json json = Json::parse(bytes, nullptr, false);
   const std::string schema = text_of(json, "schema");
   if (schema == kSchema) return json;
   refuse(file, schema.starts_with("sweepd.result/")
@@ -179,10 +185,21 @@ Json read_result(const std::filesystem::path& file) {
                      "written, or its result.json");
 }
 
+}  // namespace
+
+Json read_result(const std::filesystem::path& file) {
+  return result_of(bytes_of(file), file);
+}
+
 ToldArm read_told_arm(const std::filesystem::path& path) {
+  const auto file = result_file(path);
+  return told_arm(bytes_of(file), file);
+}
+
+ToldArm told_arm(std::string_view bytes, const std::filesystem::path& file) {
   ToldArm told;
-  told.file = result_file(path);
-  const Json json = read_result(told.file);
+  told.file = file;
+  const Json json = result_of(bytes, file);
   told.robot = text_of(json, "robot");
   told.status = text_of(json, "status");
   told.reason = text_of(json, "reason");

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -40,5 +41,7 @@ struct ToldArm {
 /// is wrong and what to do where it cannot be compared: not there, no result, of another version,
 /// failed, without covariance, or with fewer than three axes before the first that is open.
 [[nodiscard]] ToldArm read_told_arm(const std::filesystem::path& path);
+/// The same from the bytes of such a file; `file` is what errors name.
+[[nodiscard]] ToldArm told_arm(std::string_view bytes, const std::filesystem::path& file);
 
 }  // namespace sweepd

@@ -21,8 +21,15 @@ constexpr std::array<std::string_view, 3> kRealTime{"require", "try",
                                                     "off"};  // in RealTime's order
 constexpr std::string_view kOff = "off";
 
+/// The first types of Field.
+constexpr std::size_t kRequired = 7;
+static_assert(
+    std::is_same_v<std::variant_alternative_t<kRequired, Field>, std::optional<std::string>*>);
+
+/// A path that has a default may be left out.
 bool required(const Field& field) {
-  return field.index() < 5;
+  const auto* const path = std::get_if<fs::path*>(&field);
+  return field.index() < kRequired && (path == nullptr || (*path)->empty());
 }
 
 constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
@@ -161,6 +168,15 @@ struct Reader {
     *port = *parsed;
   }
   void operator()(ColumnList* columns) const { columns->text = table.text(option.key); }
+  void operator()(BrokerAddress* broker) const {
+    const auto parsed = parse_broker(table.text(option.key));
+    if (!parsed)
+      wrong("mqtt:// or mqtts://, a host and perhaps a port (1 to 65535)",
+            "write it like \"mqtt://plant-server:1883\"");
+    *broker = *parsed;
+  }
+  void operator()(Words* words) const { words->text = table.text(option.key); }
+  void operator()(std::optional<std::string>* words) const { *words = table.text(option.key); }
 };
 
 std::string names_text(std::span<const std::string> names) {
@@ -175,7 +191,15 @@ struct Describer {
   OptionText& text;
 
   void operator()(const std::string*) const { text.value = "name"; }
-  void operator()(const fs::path*) const { text.value = "path"; }
+  void operator()(const fs::path* path) const {
+    text.value = "path";
+    if (!path->empty()) text.fallback = '"' + path->string() + '"';
+  }
+  void operator()(const BrokerAddress*) const {
+    text.value = "\"mqtt://HOST:PORT\" or \"mqtts://HOST:PORT\"";
+  }
+  void operator()(const Words*) const { text.value = "text"; }
+  void operator()(const std::optional<std::string>*) const { text.value = "text"; }
   void operator()(const std::optional<fs::path>*) const { text.value = "path"; }
   void operator()(const rsi::Endpoint*) const { text.value = "\"ADDRESS:PORT\""; }
   void operator()(const std::optional<rsi::Endpoint>* endpoint) const {

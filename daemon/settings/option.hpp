@@ -11,19 +11,21 @@
 #include <variant>
 #include <vector>
 
+#include "daemon/settings/plant_settings.hpp"
 #include "daemon/settings/settings.hpp"
 #include "daemon/settings/toml_table.hpp"
 
 namespace sweepd {
 
 /// Where an option's value goes. Its type says how it is written and whether it may be left out.
-using Field = std::variant<std::string*, std::filesystem::path*, rsi::Endpoint*, TextPort*,
-                           ColumnList*,  // required
-                           std::optional<std::filesystem::path>*, std::optional<std::uint32_t>*,
-                           std::optional<rsi::Endpoint>*, bool*, std::chrono::milliseconds*,
-                           std::chrono::seconds*, std::chrono::days*, std::size_t*, int*,
-                           std::vector<int>*, RealTime*, std::array<std::string, 3>*,
-                           std::vector<std::string>*, HostNames*, TagNames*>;
+using Field =
+    std::variant<std::string*, std::filesystem::path*, rsi::Endpoint*, TextPort*, ColumnList*,
+                 BrokerAddress*, Words*,  // required
+                 std::optional<std::string>*, std::optional<std::filesystem::path>*,
+                 std::optional<std::uint32_t>*, std::optional<rsi::Endpoint>*, bool*,
+                 std::chrono::milliseconds*, std::chrono::seconds*, std::chrono::days*,
+                 std::size_t*, int*, std::vector<int>*, RealTime*, std::array<std::string, 3>*,
+                 std::vector<std::string>*, HostNames*, TagNames*>;
 
 /// A key of the settings file.
 struct Option {

@@ -17,6 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kRobot = "robot";
 constexpr std::string_view kHttp = "http";
+constexpr std::string_view kPublish = "publish";
 constexpr std::string_view kSignals = "signals";
 constexpr std::string_view kRecording = "recording";
 constexpr std::string_view kDevice = "device";
@@ -179,11 +180,11 @@ std::string text(const TextPort& port) {
 
 Settings load_settings(const fs::path& file) {
   const TomlTable top = TomlTable::load(file);
-  top.allow_only({kRobot, kHttp});
+  top.allow_only({kRobot, kHttp, kPublish});
   const fs::path folder = file.parent_path();
   const std::vector<TomlTable> tables = top.tables(kRobot);
 
-  Settings settings{file, {}, {}};
+  Settings settings{file, {}, {}, {}};
   for (const TomlTable& table : tables) {
     RobotSettings robot;
     for (const Section& section : sections_of(robot)) {
@@ -219,6 +220,8 @@ Settings load_settings(const fs::path& file) {
   }
   if (const auto http = top.table(kHttp))
     read_options(*http, options_of(settings.http), {}, folder);
+  if (const auto publish = top.table(kPublish))
+    settings.publish = read_publish_settings(*publish, folder);
   return settings;
 }
 

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "daemon/settings/plant_settings.hpp"
 #include "daemon/system/realtime.hpp"
 #include "rsi/endpoint.hpp"
 
@@ -102,6 +103,7 @@ struct Settings {
   std::filesystem::path file;
   std::vector<RobotSettings> robots;  ///< at least one
   HttpSettings http;
+  std::optional<PublishSettings> publish;  ///< for `sweepd publish`
 };
 
 /// Reads and checks the settings; throws ConfigError. Whether the files that they name exist is

@@ -30,7 +30,25 @@ Hash sha256() {
   return {hash, gcry_md_close};
 }
 
+std::string digits_of(const Hash& hash) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  const unsigned char* const digest = gcry_md_read(hash.get(), GCRY_MD_SHA256);
+  std::string digits;
+  for (unsigned i = 0; i < gcry_md_get_algo_dlen(GCRY_MD_SHA256); ++i) {
+    digits += kDigits[digest[i] >> 4];
+    digits += kDigits[digest[i] & 15];
+  }
+  return digits;
+}
+
 }  // namespace
+
+std::string sha256_of(std::string_view bytes) {
+  const Hash hash = sha256();
+  if (!hash) return {};
+  gcry_md_write(hash.get(), bytes.data(), bytes.size());
+  return digits_of(hash);
+}
 
 std::optional<FileHash> hash_of(const std::filesystem::path& file) {
   std::error_code error;
@@ -46,12 +64,7 @@ std::optional<FileHash> hash_of(const std::filesystem::path& file) {
     found.bytes += size;
   }
   if (stream.bad()) return std::nullopt;
-  const unsigned char* const digest = gcry_md_read(hash.get(), GCRY_MD_SHA256);
-  for (unsigned i = 0; i < gcry_md_get_algo_dlen(GCRY_MD_SHA256); ++i) {
-    constexpr std::string_view kDigits = "0123456789abcdef";
-    found.sha256 += kDigits[digest[i] >> 4];
-    found.sha256 += kDigits[digest[i] & 15];
-  }
+  found.sha256 = digits_of(hash);
   return found;
 }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace sweepd {
@@ -18,6 +19,9 @@ struct FileHash {
 /// Nothing of what is no regular file, or cannot be read. Reads the whole file: a second for some
 /// hundred megabytes.
 [[nodiscard]] std::optional<FileHash> hash_of(const std::filesystem::path& file);
+
+/// 64 digits; empty where the library refuses to work.
+[[nodiscard]] std::string sha256_of(std::string_view bytes);
 
 /// Those that there are, in the order of `files`.
 [[nodiscard]] std::vector<FileHash> hashes_of(const std::vector<std::filesystem::path>& files);

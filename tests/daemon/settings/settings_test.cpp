@@ -271,6 +271,7 @@ TEST_CASE("the shipped settings show every option, and the true default of each"
   const std::string text = content.str();
   auto options = sweepd::robot_options();
   for (auto& option : sweepd::http_options()) options.push_back(std::move(option));
+  for (auto& option : sweepd::publish_options()) options.push_back(std::move(option));
   for (const auto& option : options) {
     const std::string key = option.key.substr(option.key.find('.') + 1);
     INFO(key);

@@ -1,0 +1,202 @@
+#include "daemon/plant/broker_link.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <stdexcept>
+#include <utility>
+
+#include "daemon/plant/credentials.hpp"
+
+namespace sweepd {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kLongestPause = 30s;
+constexpr auto kKeepAlive = 30s;
+constexpr auto kConnectTimeout = 10s;
+
+std::string uri_of(const BrokerAddress& broker) {
+  return (broker.tls ? "ssl://" : "tcp://") + broker.host + ':' + std::to_string(broker.port);
+}
+
+mqtt::ssl_options tls_of(const BrokerSettings& broker) {
+  mqtt::ssl_options tls;
+  if (broker.ca_file)
+    tls.set_trust_store(broker.ca_file->string());
+  else
+    tls.ca_path("/etc/ssl/certs");
+  if (broker.certificate_file) {
+    tls.set_key_store(broker.certificate_file->string());
+    if (const auto key = broker.key_file ? broker.key_file : credential("mqtt-key"))
+      tls.set_private_key(key->string());
+  }
+  tls.set_enable_server_cert_auth(true);
+  tls.set_verify(true);  // the host's name is that of the certificate
+  tls.set_ssl_version(MQTT_SSL_VERSION_TLS_1_2);
+  return tls;
+}
+
+mqtt::connect_options connect_of(const BrokerLink::Options& options) {
+  mqtt::connect_options connect;
+  connect.set_mqtt_version(MQTTVERSION_5);
+  // The broker keeps the session: what it has for us waits, and what we sent is not sent twice.
+  connect.set_clean_start(false);
+  connect.set_properties({{mqtt::property::SESSION_EXPIRY_INTERVAL,
+                           static_cast<std::int32_t>(options.topics.empty() ? 86'400 : -1)}});
+  connect.set_keep_alive_interval(kKeepAlive);
+  connect.set_connect_timeout(kConnectTimeout);
+  if (options.broker.user) connect.set_user_name(*options.broker.user);
+  const auto password =
+      options.broker.password_file ? options.broker.password_file : credential("mqtt-password");
+  if (password) connect.set_password(read_secret(*password));
+  if (options.broker.address.tls) connect.set_ssl(tls_of(options.broker));
+  if (!options.will_topic.empty())
+    connect.set_will(mqtt::will_options(options.will_topic, options.will, 1, true));
+  return connect;
+}
+
+/// What Paho says of a failure, without its numbers.
+std::string reason_of(const mqtt::exception& problem) {
+  if (problem.get_reason_code() > mqtt::ReasonCode::GRANTED_QOS_2)
+    return problem.get_reason_code_str();
+  const std::string message = problem.get_message().empty()
+                                  ? mqtt::exception::error_str(problem.get_return_code())
+                                  : problem.get_message();
+  return message.empty() ? "no connection" : message;
+}
+
+/// Why a finished token failed; empty where it did not.
+std::string failure_of(mqtt::token& token) {
+  try {
+    token.try_wait();
+    return {};
+  } catch (const mqtt::exception& problem) {
+    return reason_of(problem);
+  }
+}
+
+std::string made(const std::filesystem::path& spool) {
+  std::error_code error;
+  std::filesystem::create_directories(spool, error);
+  if (error)
+    throw std::runtime_error("cannot make the folder " + spool.string() + " (" + error.message() +
+                             "): give another `spool`, or make this one writable");
+  return spool.string();
+}
+
+BrokerLink::Names names_of(const mqtt::properties& properties) {
+  BrokerLink::Names names;
+  const std::size_t count = properties.count(mqtt::property::USER_PROPERTY);
+  for (std::size_t i = 0; i < count; ++i) {
+    auto [name, value] = mqtt::get<mqtt::string_pair>(properties, mqtt::property::USER_PROPERTY, i);
+    names.emplace(std::move(name), std::move(value));
+  }
+  return names;
+}
+
+}  // namespace
+
+BrokerLink::BrokerLink(Options options, Log log)
+    : options_(std::move(options)),
+      log_(std::move(log)),
+      connect_(connect_of(options_)),
+      client_(uri_of(options_.broker.address), options_.client,
+              mqtt::create_options(MQTTVERSION_5, 1000), made(options_.spool)) {
+  client_.set_disconnected_handler([this](const mqtt::properties&, mqtt::ReasonCode reason) {
+    if (reason == mqtt::ReasonCode::SESSION_TAKEN_OVER) taken_over_ = true;
+  });
+  if (options_.take)
+    client_.set_message_callback([this](const mqtt::const_message_ptr& message) {
+      options_.take(
+          {message->get_topic(), message->get_payload_str(), names_of(message->get_properties())});
+    });
+}
+
+BrokerLink::~BrokerLink() {
+  leave();
+}
+
+void BrokerLink::keep(Steady::time_point now) {
+  if (connected_) {
+    if (client_.is_connected()) return;
+    connected_ = false;
+    again_at_ = now;
+    if (!taken_over_)
+      log_.warning("the connection to the broker {} is lost", text(options_.broker.address));
+    said_ = true;
+  }
+  if (taken_over_) return;
+  if (!trying_) {
+    if (now >= again_at_) begin(now);
+    return;
+  }
+  if (!trying_->is_complete()) return;
+  const std::string why = failure_of(*trying_);
+  trying_.reset();
+  if (!why.empty()) return failed(why, now);
+  connected_ = true;
+  said_ = false;
+  pause_ = 1s;
+  log_.note("connected to the broker {}", text(options_.broker.address));
+  try {
+    for (const auto& [topic, quality] : options_.topics) client_.subscribe(topic, quality);
+  } catch (const mqtt::exception& problem) {
+    log_.error("cannot subscribe at the broker {}: {}", text(options_.broker.address),
+               reason_of(problem));
+  }
+}
+
+void BrokerLink::begin(Steady::time_point now) {
+  try {
+    trying_ = client_.connect(connect_);
+  } catch (const mqtt::exception& problem) {
+    failed(reason_of(problem), now);
+  }
+}
+
+void BrokerLink::failed(const std::string& why, Steady::time_point now) {
+  again_at_ = now + pause_;
+  pause_ = std::min<std::chrono::seconds>(2 * pause_, kLongestPause);
+  if (!said_)
+    log_.warning("the broker {} cannot be reached ({}): it is tried again until it answers",
+                 text(options_.broker.address), why);
+  said_ = true;
+}
+
+BrokerLink::Delivery BrokerLink::publish(const std::string& topic, std::string_view payload,
+                                         int quality, bool retained, const Names& names) {
+  mqtt::properties properties;
+  for (const auto& [name, value] : names)
+    properties.add({mqtt::property::USER_PROPERTY, name, value});
+  try {
+    return Delivery(client_.publish(mqtt::message_ptr_builder()
+                                        .topic(topic)
+                                        .payload(payload.data(), payload.size())
+                                        .qos(quality)
+                                        .retained(retained)
+                                        .properties(std::move(properties))
+                                        .finalize()));
+  } catch (const mqtt::exception& problem) {
+    if (problem.get_return_code() == MQTTASYNC_PERSISTENCE_ERROR)
+      throw std::runtime_error("cannot write into the spool " + options_.spool.string() +
+                               ": make room on its disk, or give another `spool`");
+    throw std::runtime_error("cannot publish " + topic + ": " + reason_of(problem));
+  }
+}
+
+BrokerLink::Delivery::Is BrokerLink::Delivery::now() const {
+  if (!token_->is_complete()) return Is::under_way;
+  why_ = failure_of(*token_);
+  return why_.empty() ? Is::done : Is::failed;
+}
+
+void BrokerLink::leave() noexcept {
+  try {
+    if (client_.is_connected()) client_.disconnect(1000)->wait_for(1s);
+  } catch (const std::exception&) {  // it is gone then
+  }
+  connected_ = false;
+}
+
+}  // namespace sweepd

@@ -1,0 +1,115 @@
+#include "daemon/plant/database.hpp"
+
+#include <libpq-fe.h>
+
+namespace sweepd {
+namespace {
+
+using Result = std::unique_ptr<PGresult, void (*)(PGresult*)>;
+
+/// PostgreSQL's own words, in one line.
+std::string words(const char* message) {
+  std::string text = message == nullptr ? "" : message;
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  for (char& c : text)
+    if (c == '\n') c = ' ';
+  return text;
+}
+
+}  // namespace
+
+SqlValue SqlValue::of_bytes(std::string_view bytes) {
+  SqlValue value{std::string(bytes)};
+  value.bytes = true;
+  return value;
+}
+
+Database::Database(std::string connection)
+    : connection_(std::move(connection)), server_(nullptr, PQfinish) {}
+
+Database::~Database() = default;
+
+void Database::connect() {
+  if (server_ && PQstatus(server_.get()) == CONNECTION_OK) return;
+  server_.reset(PQconnectdb(connection_.c_str()));
+  if (PQstatus(server_.get()) == CONNECTION_OK) {
+    // Notices of what is there already are of no use here.
+    PQsetNoticeProcessor(
+        server_.get(), [](void*, const char*) {}, nullptr);
+    return;
+  }
+  const std::string why = words(PQerrorMessage(server_.get()));
+  server_.reset();
+  throw DatabaseError(
+      "PostgreSQL cannot be reached (" + why + "): check `database`, and that it runs", false);
+}
+
+std::vector<SqlRow> Database::run(const std::string& sql, const std::vector<SqlValue>& values) {
+  connect();
+  std::vector<const char*> data;
+  std::vector<int> sizes, formats;
+  for (const SqlValue& value : values) {
+    data.push_back(value.text ? value.text->c_str() : nullptr);
+    sizes.push_back(value.text ? static_cast<int>(value.text->size()) : 0);
+    formats.push_back(value.bytes ? 1 : 0);
+  }
+  const Result result(PQexecParams(server_.get(), sql.c_str(), static_cast<int>(values.size()),
+                                   nullptr, data.data(), sizes.data(), formats.data(), 0),
+                      PQclear);
+  const auto status = PQresultStatus(result.get());
+  if (status != PGRES_COMMAND_OK && status != PGRES_TUPLES_OK) {
+    const char* const code = PQresultErrorField(result.get(), PG_DIAG_SQLSTATE);
+    const std::string state = code == nullptr ? "" : code;
+    const bool gone = PQstatus(server_.get()) != CONNECTION_OK;
+    const std::string why = words(PQerrorMessage(server_.get()));
+    if (gone) server_.reset();
+    throw DatabaseError("PostgreSQL refused (" + why + ')',
+                        !gone && (state.starts_with("22") || state.starts_with("23")));
+  }
+  std::vector<SqlRow> rows(static_cast<std::size_t>(PQntuples(result.get())));
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    for (int c = 0; c < PQnfields(result.get()); ++c) {
+      const int row = static_cast<int>(r);
+      rows[r].emplace_back(PQgetvalue(result.get(), row, c),
+                           static_cast<std::size_t>(PQgetlength(result.get(), row, c)));
+    }
+  return rows;
+}
+
+void Database::roll_back() noexcept {
+  try {
+    if (server_) run("rollback");
+  } catch (...) {  // it is gone, and the transaction with it
+    server_.reset();
+  }
+}
+
+std::string bytes_of_text(std::string_view text) {
+  const auto digit = [](char c) { return c <= '9' ? c - '0' : c - 'a' + 10; };
+  if (!text.starts_with("\\x") || text.size() % 2 != 0)
+    throw DatabaseError("PostgreSQL tells bytes in another form than hexadecimal", false);
+  std::string bytes;
+  for (std::size_t i = 2; i + 1 < text.size(); i += 2)
+    bytes += static_cast<char>(digit(text[i]) << 4 | digit(text[i + 1]));
+  return bytes;
+}
+
+std::string sql_list(const std::vector<std::optional<std::string>>& items) {
+  std::string list = "{";
+  for (const auto& item : items) {
+    if (list.size() > 1) list += ',';
+    if (!item) {
+      list += "NULL";
+      continue;
+    }
+    list += '"';
+    for (const char c : *item) {
+      if (c == '"' || c == '\\') list += '\\';
+      list += c;
+    }
+    list += '"';
+  }
+  return list + '}';
+}
+
+}  // namespace sweepd

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+namespace sweepd {
+
+/// The columns of link_days that are counted, in the order of LinkCounters.
+inline constexpr std::array<std::string_view, 8> kLinkColumns = {
+    "received", "lost", "duplicated", "reordered", "malformed", "late", "unanswered", "superseded"};
+
+/// What one sweepd counted of a robot's link since it was started.
+struct LinkCounters {
+  std::string started;  ///< of sweepd, in UTC: others count from zero
+  std::array<std::int64_t, kLinkColumns.size()> counts{};
+};
+
+/// What a robot's `state` topic tells of its link.
+struct ToldLink {
+  std::string day;  ///< in UTC, 2026-11-23, by the publisher's clock
+  LinkCounters counters;
+  double max_latency_us = 0;  ///< of the stream; 0: none
+};
+[[nodiscard]] std::optional<ToldLink> link_told(const nlohmann::ordered_json& state);
+
+/// What was counted between two states; nothing where the second is no later one: told twice, or
+/// come late. A sweepd that started anew has counted all of it.
+[[nodiscard]] std::optional<LinkCounters> counted_since(const std::optional<LinkCounters>& before,
+                                                        const LinkCounters& now);
+
+}  // namespace sweepd

@@ -1,0 +1,112 @@
+#include "daemon/plant/outbox.hpp"
+
+#include <fstream>
+#include <optional>
+#include <sstream>
+#include <system_error>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/record/session_folder.hpp"
+#include "daemon/report/json_part.hpp"
+#include "daemon/system/file_hash.hpp"
+
+namespace sweepd {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+std::optional<std::string> bytes_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) return std::nullopt;
+  std::ostringstream bytes;
+  bytes << stream.rdbuf();
+  return std::move(bytes).str();
+}
+
+/// Folders named by a start, in their order.
+std::map<SessionName, fs::path> sessions_in(const fs::path& folder) {
+  std::map<SessionName, fs::path> found;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error))
+    if (const auto name = session_name(entry->path().filename().string()))
+      found.emplace(*name, entry->path());
+  return found;
+}
+
+}  // namespace
+
+Outbox::Outbox(fs::path robot_folder, Log log)
+    : folder_(std::move(robot_folder)), log_(std::move(log)) {}
+
+std::vector<FinishedResult> Outbox::take(std::size_t most, const Ledger& ledger) {
+  std::vector<FinishedResult> found;
+  unfinished_.clear();
+  for (const auto& [order, folder] : sessions_in(folder_)) {
+    const std::string session = folder.filename().string();
+    const fs::path file = folder / "result.json";
+    std::error_code error;
+    const Stamp stamp{fs::last_write_time(file, error).time_since_epoch().count(),
+                      error ? 0 : fs::file_size(file, error)};
+    if (error) {  // not yet, or not any more
+      if (!fs::exists(folder / "run.json", error) ||
+          bytes_of(folder / "run.json").value_or("").find("\"ended\"") == std::string::npos)
+        unfinished_.push_back(folder);
+      continue;
+    }
+    const auto seen = seen_.find(session);
+    if (seen != seen_.end() && seen->second == stamp) continue;
+
+    // "ended" is written last: what is read of the result after it is final.
+    const auto run_text = bytes_of(folder / "run.json");
+    if (!run_text) {
+      complain(session, "has a result.json and no run.json, it is half deleted or half copied");
+      unfinished_.push_back(folder);
+      continue;
+    }
+    const Json run = Json::parse(*run_text, nullptr, false);
+    if (text_of(run, "command") == "run" && text_of(run, "ended").empty()) {
+      unfinished_.push_back(folder);
+      continue;
+    }
+    auto bytes = bytes_of(file);
+    if (!bytes) continue;
+    if (text_of(Json::parse(*bytes, nullptr, false), "schema").empty()) {
+      complain(session, "has a result.json that is no result of sweepd");
+      seen_[session] = stamp;
+      continue;
+    }
+    const std::string sha256 = sha256_of(*bytes);
+    if (ledger.has(session, sha256)) {
+      seen_[session] = stamp;
+      continue;
+    }
+    if (found.size() == most) continue;
+    seen_[session] = stamp;
+    found.push_back({session, folder, std::move(*bytes), sha256, text_of(run, "started"),
+                     text_of(run, "ended")});
+  }
+  return found;
+}
+
+fs::path Outbox::before(const std::string& session) const {
+  const auto sessions = sessions_in(folder_);
+  const auto name = session_name(session);
+  fs::path newest;
+  for (const auto& [order, folder] : sessions) {
+    if (!name || order >= *name) break;
+    std::error_code error;
+    if (fs::exists(folder / "result.json", error)) newest = folder;
+  }
+  return newest;
+}
+
+void Outbox::complain(const std::string& session, const std::string& why) {
+  if (complained_.insert(session).second)
+    log_.warning("{} {}: it is not published", (folder_ / session).string(), why);
+}
+
+}  // namespace sweepd

@@ -1,0 +1,53 @@
+#include "daemon/plant/result_summary.hpp"
+
+#include <exception>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/report/json_part.hpp"
+#include "daemon/results/change.hpp"
+#include "daemon/results/change_json.hpp"
+
+namespace sweepd {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// As `sweepd compare` has it.
+constexpr double kLevel = 0.05;
+
+}  // namespace
+
+std::string result_summary(const RobotPlace& place, const FinishedResult& result) {
+  const Json told = Json::parse(result.bytes, nullptr, false);
+  Json json = {{"schema", "sweepd.summary/1"},
+               {"site", place.site},
+               {"cell", place.cell},
+               {"robot", place.robot},
+               {"session", result.session}};
+  if (!result.started.empty()) json["started"] = result.started;
+  if (!result.ended.empty()) json["ended"] = result.ended;
+  json["status"] = text_of(told, "status");
+  if (const auto reason = text_of(told, "reason"); !reason.empty()) json["reason"] = reason;
+  json["describes"] = text_of(told, "describes");
+  json["joints"] = list_of(told, "joints").size();
+  json["doubts"] = list_of(told, "doubts").size();
+  json["warnings"] = list_of(told, "warnings").size();
+  json["bytes"] = result.bytes.size();
+  json["sha256"] = result.sha256;
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+SummaryOfChange change_since(const std::filesystem::path& before, const FinishedResult& result) {
+  try {
+    return {
+        change_json(change_between(read_told_arm(before),
+                                   told_arm(result.bytes, result.folder / "result.json"), kLevel)),
+        {}};
+  } catch (const std::exception& problem) {
+    return {std::nullopt, problem.what()};
+  }
+}
+
+}  // namespace sweepd

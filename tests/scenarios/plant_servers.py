@@ -1,0 +1,116 @@
+"""A broker and a database of the test's own, in a temporary folder, on the loopback interface."""
+import os
+import pathlib
+import shutil
+import signal
+import socket
+import subprocess
+import time
+
+
+def missing():
+    """The first program that is not here, or nothing."""
+    if not mosquitto():
+        return "mosquitto"
+    if not postgres():
+        return "postgresql"
+    return None
+
+
+def mosquitto():
+    return shutil.which("mosquitto", path="/usr/sbin:/usr/bin:/usr/local/sbin")
+
+
+def postgres():
+    found = sorted(pathlib.Path("/usr/lib/postgresql").glob("*/bin/initdb"))
+    return found[-1].parent if found else None
+
+
+def as_nobody():
+    """Neither server runs as root."""
+    return ["setpriv", "--reuid=nobody", "--regid=nogroup", "--clear-groups"] if os.geteuid() == 0 else []
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+def until(condition, what, seconds=30):
+    end = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > end:
+            raise AssertionError(f"in vain: {what}")
+        time.sleep(0.05)
+
+
+class Server:
+    process = None
+
+    def __init__(self, folder, name):
+        self.folder = folder / name
+        self.folder.mkdir()
+        if os.geteuid() == 0:
+            shutil.chown(self.folder, "nobody", "nogroup")
+        self.log = open(self.folder.parent / f"{name}.log", "ab")
+
+    def launch(self, *command):
+        self.process = subprocess.Popen([*as_nobody(), *map(str, command)], cwd=self.folder,
+                                        stdout=self.log, stderr=self.log)
+
+    def stop(self, number=signal.SIGTERM):
+        if self.process:
+            self.process.send_signal(number)
+            self.process.wait(30)
+            self.process = None
+
+
+class Broker(Server):
+    def __init__(self, folder):
+        super().__init__(folder, "mosquitto")
+        self.port = free_port()
+        self.config = folder / "mosquitto.conf"
+        self.config.write_text(f"listener {self.port} 127.0.0.1\nallow_anonymous true\n"
+                               f"persistence true\npersistence_location {self.folder}/\n"
+                               "max_queued_messages 0\n")
+        self.start()
+
+    def start(self):
+        self.launch(mosquitto(), "-c", self.config)
+        until(self.answers, "mosquitto answers")
+
+    def answers(self):
+        with socket.socket() as probe:
+            return probe.connect_ex(("127.0.0.1", self.port)) == 0
+
+
+class Database(Server):
+    def __init__(self, folder, *settings):
+        super().__init__(folder, "postgres")
+        self.data = self.folder / "data"
+        self.settings = settings
+        subprocess.run([*as_nobody(), postgres() / "initdb", "--pgdata", self.data, "--auth=trust",
+                        "--username=sweepd", "--no-sync", "--encoding=UTF8", "--no-locale"],
+                       check=True, stdout=self.log, stderr=self.log, cwd=self.folder)
+        self.start()
+
+    @property
+    def connection(self):
+        return f"host={self.folder} user=sweepd dbname=postgres"
+
+    def start(self):
+        options = [word for setting in self.settings for word in ("-c", setting)]
+        self.launch(postgres() / "postgres", "-D", self.data, "-k", self.folder, "-c",
+                    "listen_addresses=", *options)
+        until(lambda: self.ask("select 1", check=False) == "1", "PostgreSQL answers")
+
+    def stop(self, number=signal.SIGINT):  # at once, as a restart does
+        super().stop(number)
+
+    def ask(self, sql, check=True):
+        done = subprocess.run([postgres() / "psql", "-XAtq", self.connection, "-c", sql],
+                              capture_output=True, text=True)
+        if check and done.returncode:
+            raise AssertionError(f"{sql}: {done.stderr}")
+        return done.stdout.strip()
