@@ -15,6 +15,9 @@ using namespace std::chrono_literals;
 constexpr auto kLongestPause = 30s;
 constexpr auto kKeepAlive = 30s;
 constexpr auto kConnectTimeout = 10s;
+constexpr auto kShort = 10s;
+constexpr int kMostShortOnes = 3;
+constexpr auto kTruce = 10min;
 
 std::string uri_of(const BrokerAddress& broker) {
   return (broker.tls ? "ssl://" : "tcp://") + broker.host + ':' + std::to_string(broker.port);
@@ -120,13 +123,8 @@ BrokerLink::~BrokerLink() {
 void BrokerLink::keep(Steady::time_point now) {
   if (connected_) {
     if (client_.is_connected()) return;
-    connected_ = false;
-    again_at_ = now;
-    if (!taken_over_)
-      log_.warning("the connection to the broker {} is lost", text(options_.broker.address));
-    said_ = true;
+    lost(now);
   }
-  if (taken_over_) return;
   if (!trying_) {
     if (now >= again_at_) begin(now);
     return;
@@ -136,6 +134,7 @@ void BrokerLink::keep(Steady::time_point now) {
   trying_.reset();
   if (!why.empty()) return failed(why, now);
   connected_ = true;
+  connected_at_ = now;
   said_ = false;
   pause_ = 1s;
   log_.note("connected to the broker {}", text(options_.broker.address));
@@ -145,6 +144,26 @@ void BrokerLink::keep(Steady::time_point now) {
     log_.error("cannot subscribe at the broker {}: {}", text(options_.broker.address),
                reason_of(problem));
   }
+}
+
+void BrokerLink::lost(Steady::time_point now) {
+  connected_ = false;
+  said_ = true;
+  again_at_ = now;
+  short_ones_ = now - connected_at_ < kShort ? short_ones_ + 1 : 0;
+  if (!taken_over_.exchange(false) && short_ones_ < kMostShortOnes) {
+    log_.warning("the connection to the broker {} is lost", text(options_.broker.address));
+    return;
+  }
+  // Two of one name take the connection from each other for ever: this one lets the other have it.
+  log_.error(
+      "the broker {} closes the connection of {} as soon as it is open: another client has the "
+      "same "
+      "name, as two publishers for one robot have, or two collectors; end one of them, or give it "
+      "another `site` or `cell`. This one tries again in 10 minutes",
+      text(options_.broker.address), options_.client);
+  again_at_ = now + kTruce;
+  short_ones_ = 0;
 }
 
 void BrokerLink::begin(Steady::time_point now) {

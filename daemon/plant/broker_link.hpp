@@ -50,8 +50,6 @@ class BrokerLink {
   /// Connects where it is not connected and it is time to. Says what changed.
   void keep(Steady::time_point now);
   [[nodiscard]] bool connected() const { return connected_; }
-  /// Another client with this name has come: the two would fight for ever.
-  [[nodiscard]] bool taken_over() const { return taken_over_; }
 
   /// A message that was handed over.
   class Delivery {
@@ -73,6 +71,7 @@ class BrokerLink {
 
  private:
   void begin(Steady::time_point now);
+  void lost(Steady::time_point now);
   void failed(const std::string& why, Steady::time_point now);
 
   Options options_;
@@ -82,9 +81,11 @@ class BrokerLink {
   mqtt::token_ptr trying_;
   Steady::time_point again_at_{};
   std::chrono::seconds pause_{1};
+  Steady::time_point connected_at_{};
+  int short_ones_ = 0;  ///< connections in a row that ended as soon as they began
   bool connected_ = false;
-  bool said_ = false;  ///< that the broker is out of reach
-  std::atomic<bool> taken_over_{false};
+  bool said_ = false;                    ///< that the broker is out of reach
+  std::atomic<bool> taken_over_{false};  ///< the broker said so
 };
 
 }  // namespace sweepd

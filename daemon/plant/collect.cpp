@@ -6,7 +6,6 @@
 #include <string>
 #include <utility>
 
-#include "daemon/commands/exit_codes.hpp"
 #include "daemon/plant/broker_link.hpp"
 #include "daemon/plant/collector.hpp"
 #include "daemon/plant/topics.hpp"
@@ -40,13 +39,6 @@ int collect_all(const CollectOptions& options) {
   service_manager::ready();
   while (!events.next_signal()) {
     broker.keep(Steady::now());
-    if (broker.taken_over()) {
-      Log().error(
-          "another `sweepd collect` has come to the broker in place of this one: one is enough for "
-          "a broker, end one of the two");
-      finish_log();
-      std::_Exit(kConfigError);  // a message may wait for the database: it is not acknowledged
-    }
     log_repeats();
     service_manager::status("Results stored since the start: " +
                             std::to_string(collector.stored()));

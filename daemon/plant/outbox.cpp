@@ -37,6 +37,18 @@ std::map<SessionName, fs::path> sessions_in(const fs::path& folder) {
   return found;
 }
 
+/// Null where there is none.
+Json run_of(const fs::path& folder) {
+  const auto text = bytes_of(folder / "run.json");
+  return text ? Json::parse(*text, nullptr, false) : Json();
+}
+
+/// "ended" is written last: what is read of a result after it is final. Other commands than run
+/// write theirs at once.
+bool is_final(const Json& run) {
+  return run.is_object() && (text_of(run, "command") != "run" || !text_of(run, "ended").empty());
+}
+
 }  // namespace
 
 Outbox::Outbox(fs::path robot_folder, Log log)
@@ -52,23 +64,16 @@ std::vector<FinishedResult> Outbox::take(std::size_t most, const Ledger& ledger)
     const Stamp stamp{fs::last_write_time(file, error).time_since_epoch().count(),
                       error ? 0 : fs::file_size(file, error)};
     if (error) {  // not yet, or not any more
-      if (!fs::exists(folder / "run.json", error) ||
-          bytes_of(folder / "run.json").value_or("").find("\"ended\"") == std::string::npos)
-        unfinished_.push_back(folder);
+      if (!is_final(run_of(folder))) unfinished_.push_back(folder);
       continue;
     }
     const auto seen = seen_.find(session);
     if (seen != seen_.end() && seen->second == stamp) continue;
 
-    // "ended" is written last: what is read of the result after it is final.
-    const auto run_text = bytes_of(folder / "run.json");
-    if (!run_text) {
+    const Json run = run_of(folder);
+    if (run.is_null())
       complain(session, "has a result.json and no run.json, it is half deleted or half copied");
-      unfinished_.push_back(folder);
-      continue;
-    }
-    const Json run = Json::parse(*run_text, nullptr, false);
-    if (text_of(run, "command") == "run" && text_of(run, "ended").empty()) {
+    if (!is_final(run)) {
       unfinished_.push_back(folder);
       continue;
     }
@@ -99,7 +104,7 @@ fs::path Outbox::before(const std::string& session) const {
   for (const auto& [order, folder] : sessions) {
     if (!name || order >= *name) break;
     std::error_code error;
-    if (fs::exists(folder / "result.json", error)) newest = folder;
+    if (fs::exists(folder / "result.json", error) && is_final(run_of(folder))) newest = folder;
   }
   return newest;
 }

@@ -1,6 +1,5 @@
 #include "daemon/plant/publish.hpp"
 
-#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <memory>
@@ -10,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/commands/exit_codes.hpp"
 #include "daemon/plant/daemon_state.hpp"
 #include "daemon/plant/folder_watch.hpp"
 #include "daemon/plant/robot_publisher.hpp"
@@ -101,13 +99,11 @@ int publish_all(const PublishOptions& options) {
     }
     for (auto& robot : robots) {
       robot->turn(now, look);
+      service_manager::beat();
       watch.add(robot->results());
       for (const auto& session : robot->watched()) watch.add(session);
     }
     log_repeats();
-    if (std::all_of(robots.begin(), robots.end(), [](auto& robot) { return robot->given_up(); }))
-      throw ConfigError("all robots are published by others: see above");
-    service_manager::beat();
     events.wait_until(Steady::now() + kTurn);
   }
   service_manager::status("Ending");

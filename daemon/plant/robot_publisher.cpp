@@ -66,16 +66,7 @@ RobotPublisher::RobotPublisher(const Options& options)
 
 void RobotPublisher::turn(Steady::time_point now, bool look) {
   look_ = look_ || look;
-  if (given_up_) return;
   link_.keep(now);
-  if (link_.taken_over()) {
-    log_.error(
-        "another publisher has come to the broker as {}: two publish for one robot, and this one "
-        "stops; give one of them another `site`, `cell` or robot's name",
-        text(place_));
-    given_up_ = true;
-    return;
-  }
   if (!link_.connected()) {
     was_connected_ = false;
     return;
@@ -156,7 +147,7 @@ void RobotPublisher::hear(const Json& state, const std::string& trouble, Steady:
   const bool changed = trouble != trouble_;
   trouble_ = trouble;
   const Json before = std::exchange(state_, state);
-  if (!link_.connected() || given_up_) return;
+  if (!link_.connected()) return;
   if (changed) tell_online();
   if (state_.is_null()) return;
   tell_sweeps(before);
@@ -197,8 +188,7 @@ void RobotPublisher::say(const std::string& kind, const std::string& payload, in
 }
 
 void RobotPublisher::leave() {
-  if (link_.connected() && !given_up_)
-    say("online", online_json(false, "the publisher was stopped"), 1, true);
+  if (link_.connected()) say("online", online_json(false, "the publisher was stopped"), 1, true);
   link_.leave();
 }
 

@@ -37,7 +37,6 @@ class RobotPublisher {
   /// In order: says that the publisher ends.
   void leave();
 
-  [[nodiscard]] bool given_up() const { return given_up_; }
   [[nodiscard]] const std::vector<std::filesystem::path>& watched() const {
     return outbox_.unfinished();
   }
@@ -71,7 +70,6 @@ class RobotPublisher {
   Steady::time_point results_due_{};
   bool look_ = true;
   bool was_connected_ = false;
-  bool given_up_ = false;
 };
 
 }  // namespace sweepd
