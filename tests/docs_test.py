@@ -241,7 +241,7 @@ def write(path, rows):
 
 def is_live(line):
     words = line.split()
-    return words[1] in ("run", "listen") or (words[1] == "simulate" and "--to" in words)
+    return words[1] in ("run", "listen", "publish", "collect") or (words[1] == "simulate" and "--to" in words)
 
 
 def failures(lines, folder):

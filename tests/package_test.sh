@@ -42,7 +42,7 @@ version=$(dpkg-parsechangelog -l "$source/config/debian/changelog" -S Version)
 [[ ${package##*/} == "sweepd_${version}_$(dpkg --print-architecture).deb" ]] || wrong "file ${package##*/}"
 [[ $(field Maintainer) =~ ^[^\<]+\ \<[^@]+@[^\>]+\>$ ]] || wrong "maintainer $(field Maintainer)"
 [[ -n $(field Section) && -n $(field Installed-Size) ]] || wrong "no section or size"
-for library in libc6 libstdc++6 libpcap0.8; do
+for library in libc6 libstdc++6 libpcap0.8 libpq5; do
   [[ $(field Depends) == *"$library"* ]] || wrong "depends on $(field Depends): no $library"
 done
 while IFS= read -r line; do
@@ -73,8 +73,8 @@ fi
 
 # Contents: mode, owner, path.
 dpkg-deb -c "$package" | awk '{print $1, $2, $6}' >"$work/contents"
-for path in usr/bin/sweepd usr/lib/systemd/system/sweepd.service usr/lib/sysusers.d/sweepd.conf \
-  etc/sweepd/sweepd.toml etc/needrestart/conf.d/sweepd.conf \
+for path in usr/bin/sweepd usr/libexec/sweepd/sweepd-plant usr/lib/systemd/system/sweepd{,-publish,-collect}.service usr/lib/sysusers.d/sweepd.conf \
+  etc/sweepd/sweepd.toml etc/sweepd/collect.toml etc/needrestart/conf.d/sweepd.conf \
   usr/share/man/man1/sweepd.1.gz usr/share/man/man1/sweepd-{run,replay,inspect,identify}.1.gz \
   usr/share/man/man1/sweepd-{simulate,plan,export,check}.1.gz usr/share/man/man5/sweepd.toml.5.gz \
   usr/share/bash-completion/completions/sweepd usr/share/doc/sweepd/copyright \
@@ -94,11 +94,11 @@ done
 while read -r mode owner path; do
   [[ $owner == root/root ]] || wrong "$path belongs to $owner"
   case $mode$path in
-    drwxr-xr-x*/ | -rwxr-xr-x./usr/bin/sweepd | -rw-r--r--./etc/* | -rw-r--r--./usr/[ls]*) ;;
+    drwxr-xr-x*/ | -rwxr-xr-x./usr/bin/sweepd | -rwxr-xr-x./usr/libexec/sweepd/sweepd-plant | -rw-r--r--./etc/* | -rw-r--r--./usr/[ls]*) ;;
     *) wrong "$path has mode $mode" ;;
   esac
   case $path in
-    ./ | ./usr/ | ./etc/ | ./etc/sweepd/* | ./etc/needrestart/* | ./usr/bin/* | ./usr/share/* | ./usr/lib/ | ./usr/lib/sys*) ;;
+    ./ | ./usr/ | ./etc/ | ./etc/sweepd/* | ./etc/needrestart/* | ./usr/bin/* | ./usr/share/* | ./usr/lib/ | ./usr/lib/sys* | ./usr/libexec/*) ;;
     *) wrong "$path does not belong into a package" ;;
   esac
 done <"$work/contents"
@@ -123,6 +123,8 @@ done
 check "the program has its symbols still" grep -q ', stripped' <(file "$work/root/usr/bin/sweepd")
 check "the unit runs another program" grep -q '^ExecStart=/usr/bin/sweepd run --config /etc/sweepd/sweepd.toml$' \
   "$work/root/usr/lib/systemd/system/sweepd.service"
+# What answers robots has no code of brokers or databases.
+! objdump -p "$work/root/usr/bin/sweepd" | grep -E 'NEEDED.*(paho|libpq|libssl)' || wrong "sweepd links them"
 ! grep -rqF -e "$build" -e "$source" "$work/root/etc" "$work/root/usr/share" "$work/root/usr/lib" ||
   wrong "files name folders of this machine"
 

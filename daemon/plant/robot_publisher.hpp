@@ -37,6 +37,9 @@ class RobotPublisher {
   /// In order: says that the publisher ends.
   void leave();
 
+  [[nodiscard]] bool connected() const { return link_.connected(); }
+  /// A result is on its way.
+  [[nodiscard]] bool busy() const { return !under_way_.empty(); }
   [[nodiscard]] const std::vector<std::filesystem::path>& watched() const {
     return outbox_.unfinished();
   }

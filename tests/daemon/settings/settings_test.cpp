@@ -291,6 +291,12 @@ TEST_CASE("the shipped settings show every option, and the true default of each"
     CHECK(robot.controller == rsi::parse_address("192.168.1.20"));
     CHECK(robot.plan == file.folder / "plans" / "kr5_arc_90deg.toml");
     CHECK(robot.signals.angles == sweepd::SignalNames{}.angles);
+    const auto publish = load_settings(file.path).publish.value();
+    CHECK(sweepd::text(publish.broker.address) == "mqtt://plant-server:1883");
+    CHECK(publish.site.text == "north");
+    CHECK(publish.broker.user == "hall-2");
+    CHECK(publish.broker.password_file == "/etc/sweepd/mqtt-password");
+    CHECK(publish.spool == "/var/lib/sweepd-publish");
   }
 }
 
@@ -386,4 +392,32 @@ TEST_CASE("a robot may have a device that sends lines of text", "[settings]") {
              ContainsSubstring("expected one [[robot.device]]"));
   CHECK_THAT(settings_error(kRobotText + "[[robot.device]]\nlisten = \"udp://0.0.0.0:5005\"\n"),
              ContainsSubstring("columns"));
+}
+
+TEST_CASE("the shipped settings of collect show every option", "[settings]") {
+  const auto file = fs::path(SWEEPD_SOURCE_DIR) / "config" / "collect.toml";
+  std::ifstream in(file);
+  std::ostringstream content;
+  content << in.rdbuf();
+  for (const auto& option : sweepd::collect_options()) {
+    INFO(option.key);
+    CHECK_THAT(content.str(), Catch::Matchers::ContainsSubstring("\n" + option.key + " = ") ||
+                                  Catch::Matchers::ContainsSubstring("\n#" + option.key + " = "));
+  }
+  const auto settings = sweepd::load_collect_settings(file);
+  CHECK(settings.broker.address == sweepd::parse_broker("mqtt://127.0.0.1"));
+  CHECK(settings.database.text == "host=/run/postgresql dbname=sweepd");
+}
+
+TEST_CASE("a broker has a scheme, a host and perhaps a port", "[settings]") {
+  using sweepd::parse_broker;
+  CHECK(text(parse_broker("mqtts://a").value()) == "mqtts://a:8883");
+  CHECK(text(parse_broker("mqtt://a:2").value()) == "mqtt://a:2");
+  for (const char* const wrong : {"", "a:1883", "tcp://a", "mqtt://", "mqtt://:1", "mqtt://a:0",
+                                  "mqtt://a:65536", "mqtt://a:1x", "mqtt://a/b", "mqtt://u@a"})
+    CHECK_FALSE(parse_broker(wrong));
+  CHECK_THAT(settings_error(kRobotText + "[publish]\nbroker = \"a\"\nsite = \"b\"\ncell = \"c\"\n"),
+             Catch::Matchers::ContainsSubstring("mqtt://plant-server:1883"));
+  CHECK_THAT(settings_error(kRobotText + "[publish]\nbroker = \"mqtt://a\"\nsite = \"b\"\n"),
+             Catch::Matchers::ContainsSubstring("cell: missing"));
 }

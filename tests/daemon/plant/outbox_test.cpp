@@ -1,0 +1,90 @@
+#include "daemon/plant/outbox.hpp"
+
+#include <fstream>
+
+#include "daemon/system/file_hash.hpp"
+#include "tests/catch.hpp"
+#include "tests/daemon/temporary_folder.hpp"
+
+using sweepd::Ledger;
+using sweepd::Outbox;
+using sweepd::test::TemporaryFolder;
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string kPlantResult = R"({"schema": "sweepd.result/1", "status": "complete"})";
+const std::string kEnded =
+    R"({"command": "run", "started": "2026-01-01T00:00:00Z", "ended": "2026-01-01T00:09:00Z"})";
+
+struct PlantFolder {
+  TemporaryFolder folder;
+  Ledger ledger{folder / "published"};
+  Outbox outbox{folder / "robot", sweepd::Log("a")};
+
+  void write(const std::string& session, const std::string& file, const std::string& text) const {
+    fs::create_directories(folder / "robot" / session);
+    std::ofstream(folder / "robot" / session / file, std::ios::binary) << text;
+  }
+  void finish(const std::string& session, const std::string& result = kPlantResult) const {
+    write(session, "result.json", result);
+    write(session, "run.json", kEnded);
+  }
+  std::vector<std::string> sessions(std::size_t most = 9) {
+    std::vector<std::string> names;
+    for (const auto& result : outbox.take(most, ledger)) names.push_back(result.session);
+    return names;
+  }
+};
+using PlantNames = std::vector<std::string>;
+
+}  // namespace
+
+TEST_CASE("finished results come once, oldest first, as they are on the disk", "[outbox]") {
+  PlantFolder plant;
+  plant.finish("20260102T000000Z");
+  plant.finish("20260101T000000Z-2", kPlantResult + "\n");
+  plant.finish("20260101T000000Z");
+  plant.finish("other");
+  const auto found = plant.outbox.take(2, plant.ledger);
+  REQUIRE(found.size() == 2);
+  CHECK(found[0].session == "20260101T000000Z");
+  CHECK(found[1].session == "20260101T000000Z-2");
+  CHECK(found[1].bytes == kPlantResult + "\n");
+  CHECK(found[1].sha256 == sweepd::hash_of(found[1].folder / "result.json")->sha256);
+  CHECK(found[0].ended == "2026-01-01T00:09:00Z");
+  CHECK(plant.sessions() == PlantNames{"20260102T000000Z"});
+  CHECK(plant.sessions().empty());
+  SECTION("and again where one did not arrive") {
+    plant.outbox.give_back("20260101T000000Z");
+    CHECK(plant.sessions() == PlantNames{"20260101T000000Z"});
+  }
+  SECTION("or is another now") {
+    plant.finish("20260102T000000Z", kPlantResult + "  ");
+    CHECK(plant.sessions() == PlantNames{"20260102T000000Z"});
+  }
+  SECTION("but not what the broker has, after a restart") {
+    for (const auto& result : found) plant.ledger.add(result.session, result.sha256);
+    Outbox next(plant.folder / "robot", sweepd::Log("a"));
+    const auto left = next.take(9, plant.ledger);
+    REQUIRE(left.size() == 1);
+    CHECK(left[0].session == "20260102T000000Z");
+  }
+}
+
+TEST_CASE("what is not final, or only half there, is left alone", "[outbox]") {
+  PlantFolder plant;
+  plant.write("20260101T000000Z", "result.json", kPlantResult);  // half deleted
+  plant.write("20260102T000000Z", "result.json", kPlantResult);  // interim
+  plant.write("20260102T000000Z", "run.json", R"({"command": "run"})");
+  plant.write("20260103T000000Z", "run.json", kEnded);  // no usable sweep, or deleted
+  plant.finish("20260104T000000Z", "{\"schema\":");
+  plant.write("20260105T000000Z", "result.json", kPlantResult);  // being written
+  plant.write("20260105T000000Z", "run.json", "{\"comm");
+  CHECK(plant.sessions().empty());
+  CHECK(plant.outbox.unfinished().size() == 3);
+  plant.write("20260102T000000Z", "run.json", kEnded);
+  CHECK(plant.sessions() == PlantNames{"20260102T000000Z"});
+  CHECK(plant.outbox.before("20260104T000000Z").filename() == "20260102T000000Z");
+  CHECK(plant.outbox.before("20260102T000000Z").empty());
+}
