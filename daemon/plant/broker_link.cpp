@@ -61,8 +61,8 @@ mqtt::connect_options connect_of(const BrokerLink::Options& options) {
 
 /// What Paho says of a failure, without its numbers.
 std::string reason_of(const mqtt::exception& problem) {
-  if (problem.get_reason_code() > mqtt::ReasonCode::GRANTED_QOS_2)
-    return problem.get_reason_code_str();
+  for (const int code : {problem.get_reason_code(), problem.get_return_code()})
+    if (code > mqtt::ReasonCode::GRANTED_QOS_2) return mqtt::exception::reason_code_str(code);
   const std::string message = problem.get_message().empty()
                                   ? mqtt::exception::error_str(problem.get_return_code())
                                   : problem.get_message();
@@ -178,8 +178,11 @@ void BrokerLink::failed(const std::string& why, Steady::time_point now) {
   again_at_ = now + pause_;
   pause_ = std::min<std::chrono::seconds>(2 * pause_, kLongestPause);
   if (!said_)
-    log_.warning("the broker {} cannot be reached ({}): it is tried again until it answers",
-                 text(options_.broker.address), why);
+    log_.warning("the broker {} cannot be reached ({}): it is tried again until it answers{}",
+                 text(options_.broker.address), why,
+                 options_.broker.address.tls
+                     ? "; its certificate has to be one of `ca_file`, and of this name"
+                     : "");
   said_ = true;
 }
 

@@ -181,7 +181,7 @@ void CampaignStore::add_links(const std::map<std::string, std::pair<RobotPlace, 
           at += length;
         }
       }
-      const auto counted = counted_since(before, told.counters);
+      const auto counted = counted_since(before, told);
       if (!counted) continue;
       std::vector<SqlValue> values{id, told.day};
       for (const auto count : counted->counts) values.emplace_back(std::to_string(count));

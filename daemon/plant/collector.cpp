@@ -14,7 +14,7 @@ using namespace std::chrono_literals;
 using Json = nlohmann::ordered_json;
 
 constexpr auto kLinksEvery = 30s;
-constexpr auto kLongestPause = 10s;
+constexpr auto kLongestWait = 10s;
 
 }  // namespace
 
@@ -27,7 +27,7 @@ template <typename Work>
 bool Collector::until_done(const Work& work) {
   std::chrono::milliseconds pause = 200ms;
   bool said = false;
-  while (!stopping_) {
+  while (true) {
     try {
       work();
       if (said) log_.note("PostgreSQL takes results again");
@@ -37,14 +37,15 @@ bool Collector::until_done(const Work& work) {
       if (!said) log_.error("{}; the broker keeps what comes until then", problem.what());
       said = true;
     }
+    if (stopping_) return false;
     for (auto waited = 0ms; waited < pause && !stopping_; waited += 50ms)
       std::this_thread::sleep_for(50ms);
-    pause = std::min<std::chrono::milliseconds>(2 * pause, kLongestPause);
+    pause = std::min<std::chrono::milliseconds>(2 * pause, kLongestWait);
   }
-  return false;
 }
 
 void Collector::take(const BrokerLink::Message& message) {
+  const std::scoped_lock lock(one_);
   busy_ = true;
   bool done = true;
   try {
@@ -93,6 +94,8 @@ void Collector::add_links() {
 }
 
 void Collector::finish() {
+  const std::unique_lock lock(one_, std::try_to_lock);
+  if (!lock) return;
   try {
     if (!links_.empty()) add_links();
   } catch (const std::exception& problem) {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -26,7 +27,7 @@ class Collector {
 
   /// Paho's thread. Never throws.
   void take(const BrokerLink::Message& message);
-  /// From now on nothing is tried again: false from waits. Any thread.
+  /// From now on nothing is tried again. Any thread.
   void stop() { stopping_ = true; }
   /// Whether take() is at work.
   [[nodiscard]] bool busy() const { return busy_; }
@@ -43,6 +44,7 @@ class Collector {
   void add_links();
   CampaignStore& open();
 
+  std::mutex one_;  ///< take() or finish()
   Log log_;
   Database database_;
   std::optional<CampaignStore> store_;

@@ -28,7 +28,8 @@ bool is_day(const std::string& day) {
 std::optional<ToldLink> link_told(const nlohmann::ordered_json& state) {
   const auto& robots = list_of(state, "robots");
   ToldLink told;
-  told.day = text_of(state, "at").substr(0, 10);
+  told.at = text_of(state, "at");
+  told.day = told.at.substr(0, 10);
   told.counters.started = text_of(state, "started");
   if (robots.empty() || !is_day(told.day) || told.counters.started.empty()) return std::nullopt;
   const auto& robot = robots.front();
@@ -41,9 +42,10 @@ std::optional<ToldLink> link_told(const nlohmann::ordered_json& state) {
 }
 
 std::optional<LinkCounters> counted_since(const std::optional<LinkCounters>& before,
-                                          const LinkCounters& now) {
-  // UTC as ISO 8601: an earlier start is a smaller text.
-  if (before && now.started < before->started) return std::nullopt;
+                                          const ToldLink& told) {
+  const LinkCounters& now = told.counters;
+  // UTC as ISO 8601: an earlier time is a smaller text.
+  if (before && now.started < before->started && before->started <= told.at) return std::nullopt;
   LinkCounters counted = now;
   if (!before || before->started != now.started) return counted;
   bool more = false;

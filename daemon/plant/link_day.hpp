@@ -22,15 +22,17 @@ struct LinkCounters {
 
 /// What a robot's `state` topic tells of its link.
 struct ToldLink {
-  std::string day;  ///< in UTC, 2026-11-23, by the publisher's clock
+  std::string at;   ///< in UTC, by the publisher's clock
+  std::string day;  ///< of that, 2026-11-23
   LinkCounters counters;
   double max_latency_us = 0;  ///< of the stream; 0: none
 };
 [[nodiscard]] std::optional<ToldLink> link_told(const nlohmann::ordered_json& state);
 
 /// What was counted between two states; nothing where the second is no later one: told twice, or
-/// come late. A sweepd that started anew has counted all of it.
+/// come late. A sweepd that started anew has counted all of it; one that started earlier is told
+/// late, unless the clock was wrong then: what started before is in the future of this state.
 [[nodiscard]] std::optional<LinkCounters> counted_since(const std::optional<LinkCounters>& before,
-                                                        const LinkCounters& now);
+                                                        const ToldLink& told);
 
 }  // namespace sweepd

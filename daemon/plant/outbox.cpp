@@ -70,6 +70,7 @@ std::vector<FinishedResult> Outbox::take(std::size_t most, const Ledger& ledger)
     const auto seen = seen_.find(session);
     if (seen != seen_.end() && seen->second == stamp) continue;
 
+    if (found.size() == most) break;  // who takes these asks again
     const Json run = run_of(folder);
     if (run.is_null())
       complain(session, "has a result.json and no run.json, it is half deleted or half copied");
@@ -89,7 +90,6 @@ std::vector<FinishedResult> Outbox::take(std::size_t most, const Ledger& ledger)
       seen_[session] = stamp;
       continue;
     }
-    if (found.size() == most) continue;
     seen_[session] = stamp;
     found.push_back({session, folder, std::move(*bytes), sha256, text_of(run, "started"),
                      text_of(run, "ended")});

@@ -34,6 +34,9 @@ constexpr auto kLookEvery = 60s;
 FolderLock held(const std::filesystem::path& spool) {
   std::error_code error;
   std::filesystem::create_directories(spool, error);
+  if (error)
+    throw std::runtime_error("cannot make the folder " + spool.string() + " (" + error.message() +
+                             "): give another `spool`, or make this one writable");
   FolderLock lock(spool);
   if (!lock.held())
     throw std::runtime_error(

@@ -14,6 +14,8 @@ def missing():
         return "mosquitto"
     if not postgres():
         return "postgresql"
+    if not shutil.which("openssl"):
+        return "openssl"
     return None
 
 
@@ -67,14 +69,31 @@ class Server:
 
 
 class Broker(Server):
-    def __init__(self, folder):
+    """With TLS and a password where `secret` is given."""
+
+    def __init__(self, folder, secret=None):
         super().__init__(folder, "mosquitto")
         self.port = free_port()
         self.config = folder / "mosquitto.conf"
-        self.config.write_text(f"listener {self.port} 127.0.0.1\nallow_anonymous true\n"
+        access = "allow_anonymous true\n"
+        if secret:
+            access = self.certify(folder)
+            subprocess.run(["mosquitto_passwd", "-b", "-c", folder / "passwords", "plant", secret], check=True)
+            (folder / "passwords").chmod(0o644)
+        self.address = f"mqtts://localhost:{self.port}" if secret else f"mqtt://127.0.0.1:{self.port}"
+        self.config.write_text(f"listener {self.port} 127.0.0.1\n{access}"
                                f"persistence true\npersistence_location {self.folder}/\n"
                                "max_queued_messages 0\n")
         self.start()
+
+    def certify(self, folder):
+        subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256",
+                        "-nodes", "-days", "2", "-subj", "/CN=localhost", "-addext",
+                        "subjectAltName=DNS:localhost", "-keyout", folder / "broker.key", "-out",
+                        folder / "broker.pem"], check=True, stderr=self.log)
+        (folder / "broker.key").chmod(0o644)  # for the user nobody, for a few seconds
+        return (f"certfile {folder}/broker.pem\nkeyfile {folder}/broker.key\n"
+                f"password_file {folder}/passwords\n")
 
     def start(self):
         self.launch(mosquitto(), "-c", self.config)

@@ -58,15 +58,20 @@ class Plant:
         self.sweepd, self.source, self.folder = sweepd, source, folder
         self.output = folder / "output" / ROBOT
         self.output.mkdir(parents=True)
-        self.broker = Broker(folder)
+        self.broker = Broker(folder, "geheim")
+        (folder / "mqtt-password").write_text("geheim\n")
+        os.environ["CREDENTIALS_DIRECTORY"] = str(folder)  # as systemd says where they are
         self.database = Database(folder, "fsync=off")
         self.pages = free_port()
         self.settings = self.settings_with("spool")
         self.template = self.a_result()
         (folder / "collect.toml").write_text(
-            f'[collect]\nbroker = "mqtt://127.0.0.1:{self.broker.port}"\n'
+            f'[collect]\n{self.access()}password_file = "mqtt-password"\n'
             f'database = "{self.database.connection}"\nspool = "collect-spool"\n')
         self.files = {}
+
+    def access(self):
+        return f'broker = "{self.broker.address}"\nuser = "plant"\nca_file = "broker.pem"\n'
 
     def settings_with(self, spool):
         config = self.source / "config"
@@ -74,7 +79,7 @@ class Plant:
         file.write_text(
             f'[http]\nlisten = "127.0.0.1:{self.pages}"\n[[robot]]\nname = "{ROBOT}"\n'
             f'description = "{config}/robots/kr5_arc.toml"\nlisten = "127.0.0.1:{free_port()}"\n'
-            f'output = "output"\n[publish]\nbroker = "mqtt://127.0.0.1:{self.broker.port}"\nsite = "north/1"\n'
+            f'output = "output"\n[publish]\n{self.access()}site = "north/1"\n'
             f'cell = "a+b#"\nspool = "{spool}"\n')
         return file
 

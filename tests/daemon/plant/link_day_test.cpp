@@ -4,12 +4,12 @@
 
 using sweepd::counted_since;
 using sweepd::link_told;
-using sweepd::LinkCounters;
+using sweepd::ToldLink;
 
 namespace {
 
-LinkCounters counters(const std::string& started, std::int64_t received, std::int64_t lost) {
-  return {started, {received, lost}};
+ToldLink told_counters(const std::string& started, std::int64_t received, std::int64_t lost) {
+  return {"2026-01-03", "2026-01-03", {started, {received, lost}}, 0};
 }
 
 }  // namespace
@@ -37,22 +37,26 @@ TEST_CASE("a state without day, start or robot tells nothing", "[link_day]") {
 }
 
 TEST_CASE("what was counted is counted once", "[link_day]") {
-  const auto first = counters("2026-01-01", 100, 5);
+  const auto first = told_counters("2026-01-01", 100, 5).counters;
   SECTION("the first state counts whole") {
-    CHECK(counted_since({}, first)->counts[0] == 100);
+    CHECK(counted_since({}, told_counters("2026-01-01", 100, 5))->counts[0] == 100);
   }
   SECTION("then the difference") {
-    const auto counted = counted_since(first, counters("2026-01-01", 150, 6));
+    const auto counted = counted_since(first, told_counters("2026-01-01", 150, 6));
     REQUIRE(counted);
     CHECK(counted->counts[0] == 50);
     CHECK(counted->counts[1] == 1);
   }
   SECTION("a state that comes twice, or late, counts nothing") {
-    CHECK_FALSE(counted_since(first, first));
-    CHECK_FALSE(counted_since(first, counters("2026-01-01", 90, 5)));
-    CHECK_FALSE(counted_since(first, counters("2025-12-31", 900, 5)));
+    CHECK_FALSE(counted_since(first, told_counters("2026-01-01", 100, 5)));
+    CHECK_FALSE(counted_since(first, told_counters("2026-01-01", 90, 5)));
+    CHECK_FALSE(counted_since(first, told_counters("2025-12-31", 900, 5)));
   }
   SECTION("a sweepd that was started again counts from zero") {
-    CHECK(counted_since(first, counters("2026-01-02", 30, 0))->counts[0] == 30);
+    CHECK(counted_since(first, told_counters("2026-01-02", 30, 0))->counts[0] == 30);
+  }
+  SECTION("a clock that was years ahead does not end the counting") {
+    const auto ahead = told_counters("2036-01-01", 100, 5).counters;
+    CHECK(counted_since(ahead, told_counters("2026-01-02", 30, 0))->counts[0] == 30);
   }
 }

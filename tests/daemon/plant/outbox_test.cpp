@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 namespace {
 
 const std::string kPlantResult = R"({"schema": "sweepd.result/1", "status": "complete"})";
-const std::string kEnded =
+const std::string kPlantEnded =
     R"({"command": "run", "started": "2026-01-01T00:00:00Z", "ended": "2026-01-01T00:09:00Z"})";
 
 struct PlantFolder {
@@ -28,7 +28,7 @@ struct PlantFolder {
   }
   void finish(const std::string& session, const std::string& result = kPlantResult) const {
     write(session, "result.json", result);
-    write(session, "run.json", kEnded);
+    write(session, "run.json", kPlantEnded);
   }
   std::vector<std::string> sessions(std::size_t most = 9) {
     std::vector<std::string> names;
@@ -77,13 +77,13 @@ TEST_CASE("what is not final, or only half there, is left alone", "[outbox]") {
   plant.write("20260101T000000Z", "result.json", kPlantResult);  // half deleted
   plant.write("20260102T000000Z", "result.json", kPlantResult);  // interim
   plant.write("20260102T000000Z", "run.json", R"({"command": "run"})");
-  plant.write("20260103T000000Z", "run.json", kEnded);  // no usable sweep, or deleted
+  plant.write("20260103T000000Z", "run.json", kPlantEnded);  // no usable sweep, or deleted
   plant.finish("20260104T000000Z", "{\"schema\":");
   plant.write("20260105T000000Z", "result.json", kPlantResult);  // being written
   plant.write("20260105T000000Z", "run.json", "{\"comm");
   CHECK(plant.sessions().empty());
   CHECK(plant.outbox.unfinished().size() == 3);
-  plant.write("20260102T000000Z", "run.json", kEnded);
+  plant.write("20260102T000000Z", "run.json", kPlantEnded);
   CHECK(plant.sessions() == PlantNames{"20260102T000000Z"});
   CHECK(plant.outbox.before("20260104T000000Z").filename() == "20260102T000000Z");
   CHECK(plant.outbox.before("20260102T000000Z").empty());
