@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-std::optional<std::string> bytes_of(const fs::path& file) {
+std::optional<std::string> file_bytes(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) return std::nullopt;
   std::ostringstream bytes;
@@ -39,7 +39,7 @@ std::map<SessionName, fs::path> sessions_in(const fs::path& folder) {
 
 /// Null where there is none.
 Json run_of(const fs::path& folder) {
-  const auto text = bytes_of(folder / "run.json");
+  const auto text = file_bytes(folder / "run.json");
   return text ? Json::parse(*text, nullptr, false) : Json();
 }
 
@@ -78,7 +78,7 @@ std::vector<FinishedResult> Outbox::take(std::size_t most, const Ledger& ledger)
       unfinished_.push_back(folder);
       continue;
     }
-    auto bytes = bytes_of(file);
+    auto bytes = file_bytes(file);
     if (!bytes) continue;
     if (text_of(Json::parse(*bytes, nullptr, false), "schema").empty()) {
       complain(session, "has a result.json that is no result of sweepd");

@@ -166,7 +166,7 @@ std::filesystem::path result_file(const std::filesystem::path& path) {
 
 namespace {
 
-std::string bytes_of(const std::filesystem::path& file) {
+std::string result_bytes(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) refuse(file, "cannot be read: give a folder or its result.json");
   std::ostringstream text;
@@ -174,7 +174,7 @@ std::string bytes_of(const std::filesystem::path& file) {
   return std::move(text).str();
 }
 
-Json result_of(std::string_view bytes, const std::filesystem::path& file) {
+Json parsed_result(std::string_view bytes, const std::filesystem::path& file) {
   Json json = Json::parse(bytes, nullptr, false);
   const std::string schema = text_of(json, "schema");
   if (schema == kSchema) return json;
@@ -188,18 +188,18 @@ Json result_of(std::string_view bytes, const std::filesystem::path& file) {
 }  // namespace
 
 Json read_result(const std::filesystem::path& file) {
-  return result_of(bytes_of(file), file);
+  return parsed_result(result_bytes(file), file);
 }
 
 ToldArm read_told_arm(const std::filesystem::path& path) {
   const auto file = result_file(path);
-  return told_arm(bytes_of(file), file);
+  return told_arm(result_bytes(file), file);
 }
 
 ToldArm told_arm(std::string_view bytes, const std::filesystem::path& file) {
   ToldArm told;
   told.file = file;
-  const Json json = result_of(bytes, file);
+  const Json json = parsed_result(bytes, file);
   told.robot = text_of(json, "robot");
   told.status = text_of(json, "status");
   told.reason = text_of(json, "reason");
