@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -28,7 +29,9 @@ enum class PacketKind {
 /// `packet`) and cut are set in `datagram`: cut if the UDP header announces more than is there.
 /// VLAN tags are skipped, however many; padding behind the datagram is left out; checksums are not
 /// looked at, as network cards often fill them in after the capture. Takes any bytes.
-PacketKind decode_packet(LinkLayer layer, std::string_view packet, Datagram& datagram) noexcept;
+/// `identification`: where to put that of the IP header.
+PacketKind decode_packet(LinkLayer layer, std::string_view packet, Datagram& datagram,
+                         std::uint16_t* identification = nullptr) noexcept;
 
 /// IPv4 and UDP header before the payload of an encoded packet.
 inline constexpr std::size_t packet_header_size = 28;
