@@ -47,12 +47,12 @@ std::optional<rsi::Conversation> find_rsi(const WatchOptions& options) {
   while (!events.next_signal()) {
     events.wait_until(Steady::now());  // lets signals in
     rsi::Datagram datagram;
-    std::uint16_t identification = 0;
-    const auto look = capture.next(datagram, identification);
+    rsi::PacketHeaders headers;
+    const auto look = capture.next(datagram, headers);
     if (look == rsi::LiveCapture::Look::gone)
       throw std::runtime_error("interface " + options.interface +
                                " is gone or down: see `ip link`, and start this again");
-    if (look == rsi::LiveCapture::Look::datagram) {
+    if (look == rsi::LiveCapture::Look::datagram || look == rsi::LiveCapture::Look::segment) {
       ++datagrams;
       const rsi::Conversation conversation{datagram.source.address, datagram.destination};
       const bool counts = rsi::looks_like_telegram(datagram.payload) &&
@@ -65,7 +65,7 @@ std::optional<rsi::Conversation> find_rsi(const WatchOptions& options) {
     if (Steady::now() < word) continue;
     word = Steady::now() + 6 * kWord;
     Log().warning(
-        "no RSI on {} yet, {} other datagrams: is RSI on, is this the interface, does the "
+        "no RSI on {} yet, {} other packets: is RSI on, is this the interface, does the "
         "switch mirror the controller's port?",
         options.interface, datagrams);
   }
@@ -145,7 +145,7 @@ CLI::App* add_watch(CLI::App& app, WatchOptions& options) {
       ->type_name("NAME");
   command
       ->add_option("--port", options.port,
-                   "Watch the RSI server on this UDP port; of the settings, the robots with it")
+                   "Watch the RSI server on this port; of the settings, the robots with it")
       ->check(CLI::Range(1, 65535))
       ->default_str("the robots of the settings, or where RSI goes to");
   command

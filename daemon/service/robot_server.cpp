@@ -23,10 +23,7 @@ std::unique_ptr<rsi::Server> make_tap(const RobotSettings& settings, rsi::Server
   tap.capture.promiscuous = settings.tap->promiscuous;
   if (settings.ethernet_config) {
     const auto config = rsi::EthernetConfig::load(*settings.ethernet_config);
-    if (config.protocol == rsi::EthernetConfig::Protocol::TCP)
-      throw ConfigError(settings.ethernet_config->string() +
-                        ": PROTOCOL: expected UDP, found TCP: sweepd watch understands RSI over "
-                        "UDP alone");
+    if (config.protocol == rsi::EthernetConfig::Protocol::TCP) tap.transport = rsi::Transport::tcp;
     tap.replies = !config.only_send;
   }
   return std::make_unique<rsi::Tap>(std::move(tap), std::move(options));

@@ -74,7 +74,7 @@ LiveCapture::LiveCapture(const Options& options)
   look_at(options.port);
 }
 
-LiveCapture::Look LiveCapture::next(Datagram& datagram, std::uint16_t& identification) {
+LiveCapture::Look LiveCapture::next(Datagram& datagram, PacketHeaders& headers) {
   pcap_pkthdr* header = nullptr;
   const u_char* bytes = nullptr;
   int result = pcap_next_ex(capture_.get(), &header, &bytes);
@@ -89,11 +89,11 @@ LiveCapture::Look LiveCapture::next(Datagram& datagram, std::uint16_t& identific
   ++counters_.packets;
   datagram = {};
   const auto kind = decode_packet(layer_, {reinterpret_cast<const char*>(bytes), header->caplen},
-                                  datagram, &identification);
-  if (kind == PacketKind::udp) {
+                                  datagram, &headers);
+  if (kind == PacketKind::udp || kind == PacketKind::tcp) {
     ++counters_.udp;
     datagram.time = std::chrono::seconds(header->ts.tv_sec) + Timestamp(header->ts.tv_usec);
-    return Look::datagram;
+    return kind == PacketKind::udp ? Look::datagram : Look::segment;
   }
   ++(kind == PacketKind::fragment ? counters_.fragments : counters_.foreign);
   return Look::other;
@@ -113,8 +113,9 @@ bool LiveCapture::is_up() {
 /// Once, at the beginning: while a filter is exchanged, packets are lost. Without one, what is not
 /// wanted is left out later.
 void LiveCapture::look_at(std::optional<std::uint16_t> port) {
-  const std::string udp = port ? "udp port " + std::to_string(*port) : "udp";
-  const std::string wanted = "(" + udp + " or (udp and ip[6:2] & 0x1fff != 0))";
+  const std::string kinds = "(udp or tcp)";
+  const std::string ours = port ? kinds + " and port " + std::to_string(*port) : kinds;
+  const std::string wanted = "((" + ours + ") or (udp and ip[6:2] & 0x1fff != 0))";
   // Behind "vlan" all that follows is read as inside of a tag. Not every link may have one.
   for (const auto& text :
        {wanted + " or (vlan and (" + wanted + " or (vlan and " + wanted + ")))", wanted}) {

@@ -14,15 +14,14 @@ struct pcap;
 
 namespace rsi {
 
-/// What passes an interface of this machine, read and never sent: nothing here can send. UDP over
-/// IPv4 only, as CaptureReader has it. On the loopback interface each packet is seen once. One
-/// thread.
+/// What passes an interface of this machine, read and never sent: nothing here can send. UDP and
+/// TCP over IPv4. On the loopback interface each packet is seen once. One thread.
 class LiveCapture {
  public:
   struct Options {
     std::string interface = "any";
     bool promiscuous = false;  ///< also what is not for this machine, as on a mirror port
-    /// Only what comes from or goes to this UDP port, and fragments. Nothing: all UDP.
+    /// Only what comes from or goes to this port, and fragments. Nothing: all UDP and TCP.
     std::optional<std::uint16_t> port = {};
     /// next() waits at most so long.
     std::chrono::milliseconds longest_look{50};
@@ -33,12 +32,13 @@ class LiveCapture {
 
   enum class Look {
     datagram,
+    segment,  ///< of TCP: its bytes are the payload
     other,    ///< a packet that is none
     nothing,  ///< came while it waited
     gone,     ///< the interface: open another capture once it is there again
   };
   /// The payload is valid until the next call.
-  [[nodiscard]] Look next(Datagram& datagram, std::uint16_t& identification);
+  [[nodiscard]] Look next(Datagram& datagram, PacketHeaders& headers);
 
   /// Packets that passed by, and that this program was too slow for.
   [[nodiscard]] std::uint64_t missed();

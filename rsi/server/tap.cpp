@@ -60,12 +60,17 @@ void Tap::run() noexcept {
 void Tap::look() {
   const auto looking = clock();
   Datagram datagram;
-  std::uint16_t identification = 0;
-  switch (capture_->next(datagram, identification)) {
-    case LiveCapture::Look::datagram: {
+  PacketHeaders headers;
+  const auto look = capture_->next(datagram, headers);
+  switch (look) {
+    case LiveCapture::Look::datagram:
+    case LiveCapture::Look::segment: {
       const bool answers = is(options().listen, datagram.source);
-      if (answers || is(options().listen, datagram.destination))
-        copies_.take(datagram, identification, answers);
+      if (!answers && !is(options().listen, datagram.destination)) break;
+      if (look == LiveCapture::Look::segment)
+        take_segment(datagram, headers, answers);
+      else
+        copies_.take(datagram, headers.identification, answers);
       break;
     }
     case LiveCapture::Look::other:
@@ -112,12 +117,29 @@ void Tap::take(const Datagram& datagram) {
     serve({&datagram, 1});
 }
 
+void Tap::take_segment(const Datagram& segment, const PacketHeaders& headers, bool answers) {
+  constexpr std::size_t kMostStreams = 8;
+  const auto key = std::pair(segment.source, segment.destination);
+  if (headers.begins || (streams_.size() >= kMostStreams && !streams_.contains(key)))
+    std::erase_if(streams_, [&](const auto& stream) {  // of connections before
+      return stream.first.first == segment.source || streams_.size() >= kMostStreams;
+    });
+  auto& stream = streams_.try_emplace(key, answers ? "Sen" : "Rob").first->second;
+  stream.take(headers.sequence, headers.begins, segment.payload, [&](std::string_view telegram) {
+    auto whole = segment;
+    whole.payload = telegram;
+    take(whole);
+  });
+  if (stream.missed() > 0 && !std::exchange(told_holes_, true))
+    say("parts of a TCP connection passed unseen: the telegrams in them count as lost");
+}
+
 void Tap::listen_elsewhere() {
   constexpr int kMostInALook = 1000;
   Datagram datagram;
-  std::uint16_t identification = 0;
+  PacketHeaders headers;
   for (int i = 0; elsewhere_ && i < kMostInALook; ++i) {
-    const auto look = elsewhere_->next(datagram, identification);
+    const auto look = elsewhere_->next(datagram, headers);
     if (look == LiveCapture::Look::nothing) return;
     if (look == LiveCapture::Look::gone) return elsewhere_.reset();
     if (look == LiveCapture::Look::other) continue;
@@ -159,10 +181,10 @@ void Tap::say_silence(Time now) {
     sentence += ", but of " + elsewhere + ": watch that port";
   else if (packets_ > 0)
     sentence += ", while " + std::to_string(packets_) +
-                " other datagrams passed: is RSI on, and is this the controller's network?";
+                " other packets passed: is RSI on, and is this the controller's network?";
   else
     sentence +=
-        ", and no other datagram: is RSI on, is this the interface, does the switch mirror "
+        ", and no other packet: is RSI on, is this the interface, does the switch mirror "
         "the controller's port?";
   say(std::move(sentence));
   silence_ = std::min<std::chrono::seconds>(6 * silence_, kLongestSilence);
