@@ -145,7 +145,7 @@ CLI::App* add_watch(CLI::App& app, WatchOptions& options) {
       ->type_name("NAME");
   command
       ->add_option("--port", options.port,
-                   "Watch the RSI server on this port; of the settings, the robots with it")
+                   "Watch the RSI server on this port, of the settings the robots with it")
       ->check(CLI::Range(1, 65535))
       ->default_str("the robots of the settings, or where RSI goes to");
   command
