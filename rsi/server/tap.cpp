@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kFirstSilence = 5s;
+constexpr auto kFirstSilence = 3s;
 constexpr auto kLongestSilence = 3600s;
 /// Longer than any cycle: what waits to be decided is decided with what there is.
 constexpr auto kPause = 200ms;
