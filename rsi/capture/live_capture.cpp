@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <vector>
 
+#include <linux/if_packet.h>
 #include <net/if.h>
 #include <pcap/pcap.h>
 #include <poll.h>
 #include <sys/ioctl.h>
+#include <sys/socket.h>
 
 namespace rsi {
 namespace {
@@ -71,6 +73,11 @@ LiveCapture::LiveCapture(const Options& options)
         ": its link is of a type that is not understood: watch an Ethernet interface");
   layer_ = *layer;
   pcap_setnonblock(capture, 1, error);
+  // On the loopback interface each packet goes out and comes in. libpcap leaves one of them out;
+  // the system need not copy it in the first place.
+  const int yes = 1;
+  if (options.interface == "lo")
+    ::setsockopt(pcap_fileno(capture), SOL_PACKET, PACKET_IGNORE_OUTGOING, &yes, sizeof yes);
   look_at(options.port);
 }
 
