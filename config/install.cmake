@@ -9,7 +9,8 @@ set(settings ${sysconfdir}/sweepd)
 set(config ${CMAKE_CURRENT_LIST_DIR})
 
 file(GLOB_RECURSE files RELATIVE ${config}
-     ${config}/sweepd.toml ${config}/collect.toml ${config}/facts.toml ${config}/robots/* ${config}/plans/* ${config}/controller/*)
+     ${config}/sweepd.toml ${config}/collect.toml ${config}/watch.toml ${config}/facts.toml
+     ${config}/robots/* ${config}/plans/* ${config}/controller/*)
 foreach(file IN LISTS files)
   if(EXISTS "$ENV{DESTDIR}${settings}/${file}")
     message(STATUS "Left as it is: $ENV{DESTDIR}${settings}/${file}")
@@ -19,13 +20,12 @@ foreach(file IN LISTS files)
   endif()
 endforeach()
 
-foreach(service sweepd sweepd-publish sweepd-collect)
-  file(READ ${config}/systemd/${service}.service unit)
+foreach(name sweepd.service sweepd-publish.service sweepd-collect.service sweepd-watch@.service)
+  file(READ ${config}/systemd/${name} unit)
   string(REPLACE "/usr/bin/sweepd" "${CMAKE_INSTALL_PREFIX}/bin/sweepd" unit "${unit}")
   string(REPLACE "/etc/sweepd/" "${settings}/" unit "${unit}")
-  file(WRITE ${binary_dir}/systemd/${service}.service "${unit}")
-  file(INSTALL ${binary_dir}/systemd/${service}.service
-       DESTINATION ${CMAKE_INSTALL_PREFIX}/lib/systemd/system)
+  file(WRITE ${binary_dir}/systemd/${name} "${unit}")
+  file(INSTALL ${binary_dir}/systemd/${name} DESTINATION ${CMAKE_INSTALL_PREFIX}/lib/systemd/system)
 endforeach()
 file(INSTALL ${config}/systemd/sweepd.sysusers
      DESTINATION ${CMAKE_INSTALL_PREFIX}/lib/sysusers.d RENAME sweepd.conf)

@@ -241,7 +241,7 @@ def write(path, rows):
 
 def is_live(line):
     words = line.split()
-    return words[1] in ("run", "listen", "publish", "collect") or (words[1] == "simulate" and "--to" in words)
+    return words[1] in ("run", "listen", "publish", "collect", "watch") or (words[1] == "simulate" and "--to" in words)
 
 
 def failures(lines, folder):
@@ -392,7 +392,8 @@ def problems(root, program):
     yield from told("README.md", too_long(read("README.md")))
     yield from told("docs/install.md", wrong_settings(
         read("docs/install.md"), program.run("run", "--help-settings")))
-    yield from told("docs/install.md", wrong_metrics(read("docs/install.md"), read("daemon/page/metrics.cpp")))
+    for page in ("docs/install.md", "docs/monitoring.md"):
+        yield from told(page, wrong_metrics(read(page), read("daemon/page/metrics.cpp")))
     sources = "".join(path.read_text() for layer in ("rsi", "identify", "daemon")
                       for path in sorted((root / layer).rglob("*.?pp")))
     yield from told("docs/architecture.md", wrong_names(read("docs/architecture.md"), sources))

@@ -73,8 +73,9 @@ fi
 
 # Contents: mode, owner, path.
 dpkg-deb -c "$package" | awk '{print $1, $2, $6}' >"$work/contents"
-for path in usr/bin/sweepd usr/libexec/sweepd/sweepd-plant usr/lib/systemd/system/sweepd{,-publish,-collect}.service usr/lib/sysusers.d/sweepd.conf \
-  etc/sweepd/sweepd.toml etc/sweepd/collect.toml etc/needrestart/conf.d/sweepd.conf \
+for path in usr/share/man/man1/sweepd-watch.1.gz \
+  usr/bin/sweepd usr/libexec/sweepd/sweepd-plant usr/lib/systemd/system/sweepd{,-publish,-collect,-watch@}.service usr/lib/sysusers.d/sweepd.conf \
+  etc/sweepd/sweepd.toml etc/sweepd/{collect,watch}.toml etc/needrestart/conf.d/sweepd.conf \
   usr/share/man/man1/sweepd.1.gz usr/share/man/man1/sweepd-{run,replay,inspect,identify}.1.gz \
   usr/share/man/man1/sweepd-{simulate,plan,export,check}.1.gz usr/share/man/man5/sweepd.toml.5.gz \
   usr/share/bash-completion/completions/sweepd usr/share/doc/sweepd/copyright \
@@ -85,6 +86,9 @@ done
 while IFS= read -r file; do
   check "no /usr/share/doc/sweepd/$file" grep -q " \./usr/share/doc/sweepd/$file$" "$work/contents"
 done < <(cd "$source" && find docs -type f)
+while IFS= read -r file; do
+  check "no /usr/share/doc/sweepd/$file" grep -q " \./usr/share/doc/sweepd/$file$" "$work/contents"
+done < <(cd "$source" && find config/monitoring -type f)
 # All that the settings can name is shipped.
 for folder in robots plans controller; do
   while IFS= read -r file; do

@@ -27,7 +27,7 @@ exposed() {
 # The program is not where the package will put it.
 verify() {
   sed "s|/usr/bin/sweepd|$sweepd|" "$1" >"$folder/$name"
-  systemd-analyze verify --man=no "$folder/$name" 2>&1 | grep -F "$name" || true
+  systemd-analyze verify --man=no "$folder/$name" 2>&1 | grep -F "${name%@*}" || true
 }
 
 if exposed "$unit"; then

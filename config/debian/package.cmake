@@ -55,5 +55,6 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION ${CMAKE_INSTALL_DOCDIR}
                        PATTERN "*.dat")
 install(FILES ${PROJECT_SOURCE_DIR}/config/controller/README.md
         DESTINATION ${CMAKE_INSTALL_DOCDIR}/config/controller)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/config/monitoring DESTINATION ${CMAKE_INSTALL_DOCDIR}/config)
 install(FILES ${debian}/lintian-overrides DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides
         RENAME sweepd)

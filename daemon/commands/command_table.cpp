@@ -20,6 +20,7 @@
 #include "daemon/commands/run_command.hpp"
 #include "daemon/commands/simulate_command.hpp"
 #include "daemon/commands/validate_command.hpp"
+#include "daemon/commands/watch_command.hpp"
 
 namespace sweepd {
 namespace {
@@ -36,6 +37,7 @@ void add(CLI::App& app, CLI::App* (*describe)(CLI::App&, Options&), const Work& 
 
 void add_commands(CLI::App& app, const std::vector<std::string>& arguments, int& exit_code) {
   add(app, add_run, run, exit_code);
+  add(app, add_watch, watch, exit_code);
   add(
       app, add_replay,
       [&arguments](ReplayOptions& options) {

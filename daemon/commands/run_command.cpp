@@ -61,10 +61,10 @@ class Reading {
   Reading(const Reading&) = delete;
   Reading& operator=(const Reading&) = delete;
 
-  void begin(const RunOptions& options, ProcessEvents& events) {
-    Log().note("reading {} again", options.config.string());
+  void begin(const std::function<Settings()>& read, ProcessEvents& events) {
+    Log().note("reading the settings again");
     service_manager::reloading();
-    std::packaged_task<Settings()> task([options] { return read_settings(options); });
+    std::packaged_task<Settings()> task(read);
     settings_ = task.get_future();
     thread_ = std::thread([task = std::move(task), &events]() mutable {
       task();
@@ -180,7 +180,11 @@ void give_up(Fleet& fleet, ProcessEvents& events, const std::optional<Problem>& 
 }  // namespace
 
 int run(const RunOptions& options) {
-  const Settings settings = read_settings(options);
+  return serve_robots([options] { return read_settings(options); });
+}
+
+int serve_robots(const std::function<Settings()>& read) {
+  const Settings settings = read();
   ProcessEvents events{SIGINT, SIGTERM, SIGHUP, SIGUSR1};
   allow_open_files();
 
@@ -225,7 +229,7 @@ int run(const RunOptions& options) {
     }
     if (read_again && !reading.under_way()) {
       read_again = false;
-      reading.begin(options, events);
+      reading.begin(read, events);
     }
     fleet.tidy();
   }

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 
+#include "daemon/settings/settings.hpp"
 #include "rsi/endpoint.hpp"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): theirs
@@ -22,6 +24,9 @@ struct RunOptions {
 /// others are. Returns the exit code; throws ConfigError before anything is served, and
 /// std::runtime_error where nothing can be.
 [[nodiscard]] int run(const RunOptions& options);
+
+/// The same for settings that `read` gives, at the start and on SIGHUP, where any thread calls it.
+[[nodiscard]] int serve_robots(const std::function<Settings()>& read);
 
 CLI::App* add_run(CLI::App& app, RunOptions& options);
 

@@ -115,7 +115,8 @@ constexpr ServerRow kReplyFailures[] = {{"refused", &Server::refused},
                                         {"send_failed", &Server::send_failures}};
 constexpr ServerRow kDropped[] = {{"foreign", &Server::foreign},
                                   {"receive_buffer_full", &Server::dropped},
-                                  {"queue_full", &Server::overflows}};
+                                  {"queue_full", &Server::overflows},
+                                  {"missed_by_tap", &Server::missed}};
 
 void write_link(MetricsWriter& to, const std::vector<RobotMetrics>& robots) {
   for (const auto& [name, help, count] : kLink) {
@@ -185,6 +186,10 @@ void write_recording(MetricsWriter& to, const std::vector<RobotMetrics>& robots)
   to.gauge("sweepd_recording_paused", "1 while the disk has no room or refuses, else 0.");
   for (const auto& [state, result] : robots)
     to.value({{"robot", state->name}}, state->recording_paused ? 1 : 0);
+  to.gauge("sweepd_disk_free_bytes",
+           "Free on the disk of the recordings, when the recorder last looked.");
+  for (const auto& [state, result] : robots)
+    if (state->disk_free) to.value({{"robot", state->name}}, *state->disk_free);
   to.counter("sweepd_recording_pauses_total", "Times that the disk had no room or refused.");
   for (const auto& [state, result] : robots)
     to.value({{"robot", state->name}}, state->recording.pauses);
@@ -253,6 +258,15 @@ void write_results(MetricsWriter& to, const std::vector<RobotMetrics>& robots) {
          [](const Newest& result) { return seconds(result.at); });
   newest("sweepd_result_duration_seconds", "What the newest result took to identify.",
          [](const Newest& result) { return seconds(result.took); });
+  newest("sweepd_result_interim", "1 while the session of the newest result goes on, else 0.",
+         [](const Newest& result) { return result.interim ? 1 : 0; });
+  to.gauge("sweepd_result_status", "1 for the status of the newest result, 0 for all others.");
+  for (const auto& [state, result] : robots)
+    for (std::size_t i = 0; result->newest && i < result->count.size(); ++i) {
+      const auto status = static_cast<identify::Status>(i);
+      to.value({{"robot", state->name}, {"status", std::string(identify::text(status))}},
+               result->newest->status == status ? 1 : 0);
+    }
   newest("sweepd_result_warnings", "Warnings of the newest result.",
          [](const Newest& result) { return result.warnings; });
 }

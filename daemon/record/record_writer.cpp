@@ -135,6 +135,7 @@ void RecordWriter::check_room(const RecordingSettings& settings, Steady::time_po
   if (!room_checked_ || now - *room_checked_ >= kBetweenRoomChecks) {
     room_ = options_.room(folder);
     room_checked_ = now;
+    free_ = room_ ? room_->free : kUnknown;
   }
   if (!room_) return;
   const auto keep = settings.keep_free_bytes;

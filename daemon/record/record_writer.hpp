@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -70,6 +71,11 @@ class RecordWriter {
 
   // Any thread:
   [[nodiscard]] bool paused() const { return paused_; }
+  /// Bytes free on the disk when it was last looked at; nothing before.
+  [[nodiscard]] std::optional<std::uint64_t> disk_free() const {
+    const auto free = free_.load(std::memory_order_relaxed);
+    return free == kUnknown ? std::nullopt : std::optional(free);
+  }
   /// These are not in the recording. Returns why.
   Missing lose(Recording& recording, const RecordCount& records);
 
@@ -93,9 +99,12 @@ class RecordWriter {
   void report() const;
   [[nodiscard]] RecordCount lost() const { return {lost_datagrams_, lost_samples_}; }
 
+  static constexpr auto kUnknown = ~std::uint64_t{0};
+
   const Say say_;
   RecorderOptions options_;
   std::atomic<bool> paused_{false};
+  std::atomic<std::uint64_t> free_{kUnknown};
   std::atomic<std::uint64_t> lost_datagrams_{0}, lost_samples_{0};  // of all sessions
 
   std::filesystem::path robot_folder_;  // of the last session

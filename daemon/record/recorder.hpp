@@ -64,6 +64,8 @@ class Recorder {
 
   /// Whether the disk has no room or refuses. Any thread.
   [[nodiscard]] bool paused() const { return writer_.paused(); }
+  /// Bytes free on that disk when it was last looked at; nothing before. Any thread.
+  [[nodiscard]] std::optional<std::uint64_t> disk_free() const { return writer_.disk_free(); }
 
  private:
   struct Begin {

@@ -78,6 +78,7 @@ Json telegrams_json(const LinkReport& report) {
                            {"at_s", s(report.longest_gap.at)},
                            {"ipoc", report.longest_gap.ipoc}};
   json["worst_late_runs"] = count_places(report.late_runs, "replies");
+  if (report.missed_by_tap > 0) json["missed_by_tap"] = report.missed_by_tap;
   return json;
 }
 

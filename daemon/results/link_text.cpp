@@ -79,6 +79,9 @@ std::string telegrams(const LinkReport& report) {
   const auto of = [&](std::uint64_t part) { return percent(part, link.telegrams); };
   return row("Telegrams", link.telegrams, cycle_remark(report)) +
          row("  lost", link.lost, percent(link.lost, link.telegrams + link.lost)) +
+         (report.missed_by_tap == 0
+              ? ""
+              : row("  missed by the tap", report.missed_by_tap, "packets of both directions")) +
          row("  duplicated", link.duplicated, of(link.duplicated)) +
          row("  reordered", link.reordered, of(link.reordered)) +
          row("  malformed", report.malformed,

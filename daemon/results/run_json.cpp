@@ -47,15 +47,20 @@ Json begun(std::string_view command) {
 }  // namespace
 
 std::string run_json(const RunFacts& facts) {
-  Json run = begun("run");
+  const bool watched = !facts.watched_on.empty();
+  Json run = begun(watched ? "watch" : "run");
   run["robot"] = facts.robot;
   run["started"] = facts.started;
   if (!facts.ended.empty()) run["ended"] = facts.ended;
   run["folder"] = facts.folder.string();
-  run["description"] = facts.description.string();
+  if (!facts.description.empty()) run["description"] = facts.description.string();
   if (facts.ethernet_config) run["ethernet_config"] = facts.ethernet_config->string();
   if (!facts.inputs.empty()) run["inputs"] = json(facts.inputs);
   run["listen"] = rsi::text(facts.listen);
+  if (watched)
+    run["watched"] = {{"interface", facts.watched_on},
+                      {"missed", facts.link.missed},
+                      {"copies", facts.link.copies}};
   run["since_start_of_sweepd"] = {{"answered", facts.link.answered},
                                   {"superseded", facts.link.superseded},
                                   {"unanswerable", facts.link.unanswerable},

@@ -23,7 +23,8 @@ struct RunFacts {
   std::optional<std::filesystem::path> ethernet_config;
   std::vector<FileHash> inputs;  ///< description, plan, Ethernet file, as they were read
   rsi::Endpoint listen;
-  rsi::Server::Counts link;                    ///< since the start of sweepd
+  std::string watched_on;    ///< the interface, where another program answers; else empty
+  rsi::Server::Counts link;  ///< since the start of sweepd
   std::optional<Recording::Counts> recording;  ///< once it ended
 };
 

@@ -28,6 +28,9 @@ constexpr Kind kKindsOfTrouble[] = {
     {&Counts::dropped, "telegram", "telegrams",
      "dropped by the system, whose receive buffer was full: free the machine, or raise "
      "net.core.rmem_max"},
+    {&Counts::missed, "packet", "packets",
+     "not seen by the tap, for which this machine was too busy; the link had them: free the "
+     "machine"},
     {&Counts::cut, "telegram", "telegrams",
      "larger than 64 KiB and came in part: shorten the SEND list"},
     {&Counts::foreign, "datagram or connection", "datagrams or connections",

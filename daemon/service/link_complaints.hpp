@@ -26,7 +26,7 @@ class LinkComplaints {
     std::uint64_t count = 0;
     std::chrono::steady_clock::time_point again{};  ///< not before
   };
-  static constexpr std::size_t kKinds = 7;
+  static constexpr std::size_t kKinds = 8;
 
   std::array<Said, kKinds> said_{};
 };

@@ -13,6 +13,7 @@ namespace sweepd {
 rsi::LinkReport LinkWatch::report(const rsi::Link& link) const {
   auto report = link.report();
   report.replies.withheld = withheld;
+  report.missed_by_tap = missed_by_tap;
   report.replies.unanswered -= std::min(report.replies.unanswered, withheld);
   return report;
 }

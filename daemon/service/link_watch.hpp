@@ -25,6 +25,8 @@ struct LinkWatch {
   bool expects_replies = true;  ///< false for a controller with ONLYSEND
   /// So many telegrams of this session were not answered on purpose.
   std::uint64_t withheld = 0;
+  /// So many packets a tap did not see, though they passed.
+  std::uint64_t missed_by_tap = 0;
 
   [[nodiscard]] rsi::LinkReport report(const rsi::Link& link) const;
   /// How the link does so far; `at_end`: and how it ended.

@@ -12,7 +12,8 @@ namespace sweepd {
 namespace {
 
 std::vector<std::filesystem::path> files_of(const RobotSettings& settings) {
-  std::vector<std::filesystem::path> files{settings.description};
+  std::vector<std::filesystem::path> files;
+  if (!settings.description.empty()) files.push_back(settings.description);
   for (const auto& file : {settings.plan, settings.ethernet_config})
     if (file) files.push_back(*file);
   return files;

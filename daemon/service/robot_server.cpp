@@ -7,11 +7,29 @@
 #include "daemon/settings/answers.hpp"
 #include "daemon/settings/toml_table.hpp"
 #include "daemon/system/log.hpp"
+#include "rsi/server/tap.hpp"
 #include "rsi/server/tcp_server.hpp"
 #include "rsi/server/udp_server.hpp"
 #include "rsi/telegram/ethernet_config.hpp"
 
 namespace sweepd {
+
+namespace {
+
+/// Replies are as the Ethernet file says, or where there is none, expected.
+std::unique_ptr<rsi::Server> make_tap(const RobotSettings& settings, rsi::Server::Options options) {
+  rsi::Tap::Settings tap;
+  tap.capture.interface = settings.tap->interface;
+  tap.capture.promiscuous = settings.tap->promiscuous;
+  if (settings.ethernet_config) {
+    const auto config = rsi::EthernetConfig::load(*settings.ethernet_config);
+    if (config.protocol == rsi::EthernetConfig::Protocol::TCP) tap.transport = rsi::Transport::tcp;
+    tap.replies = !config.only_send;
+  }
+  return std::make_unique<rsi::Tap>(std::move(tap), std::move(options));
+}
+
+}  // namespace
 
 std::unique_ptr<rsi::Server> make_server(const RobotSettings& settings) {
   const Log log(settings.name);
@@ -19,6 +37,7 @@ std::unique_ptr<rsi::Server> make_server(const RobotSettings& settings) {
   options.listen = settings.listen;
   options.controller = settings.controller;
   options.queue_bytes = settings.queue_bytes;
+  if (settings.tap) return make_tap(settings, std::move(options));
   // Warnings come after the port: until it is had, this is tried again and again.
   if (!settings.ethernet_config) {
     options.reply.emplace("ImFree");

@@ -81,8 +81,12 @@ void RobotService::start() {
   }
   acquisition_ = threads_->acquisition.begin(0, [this] { return TurnThreads::Next{turn()}; });
   identifier_.finish_earlier(inputs_.folder(), inputs_.setup, log_);
-  log_.note("listening on {} {}, receive buffer {} KiB", rsi::text(server_->transport()),
-            rsi::text(local()), server_->receive_buffer() / 1024);
+  if (const auto& tap = inputs_.settings.tap)
+    log_.note("watching {} {} on {}, and sending nothing", rsi::text(server_->transport()),
+              rsi::text(local()), tap->interface);
+  else
+    log_.note("listening on {} {}, receive buffer {} KiB", rsi::text(server_->transport()),
+              rsi::text(local()), server_->receive_buffer() / 1024);
 }
 
 void RobotService::reload(const RobotSettings& settings) {
@@ -162,6 +166,8 @@ bool RobotService::drain() {
   if (device_port_) take_device();
   const auto counts = server_->counts();
   if (session_) watch_.withheld = counts.not_begun - not_begun_;
+  if (session_) watch_.missed_by_tap = counts.missed - missed_;
+  while (const auto remark = server_->remark()) session_log_.warning("{}", *remark);
   for (const auto& complaint : complaints_.about(counts, Steady::now()))
     session_log_.error("{}", complaint);
   return taken < kMostInATurn;
@@ -277,6 +283,7 @@ void RobotService::end_session() {
   session_.reset();
   session_log_.about({}, {});
   not_begun_ = server_->counts().not_begun;
+  missed_ = server_->counts().missed;
 }
 
 void RobotService::sweep(const identify::Sweep& sweep) {
@@ -323,6 +330,7 @@ void RobotService::publish() {
   std::optional<rsi::LinkReport> under_way;
   if (session_) under_way = watch_.report(session_->link());
   tally_.results(identifier_.results());
+  tally_.disk_free(recorder_.disk_free());
   const RobotState& state =
       tally_.state(server_->counts(), recorder_.paused(), under_way ? &*under_way : nullptr);
   // A reader is never waited for: then it is told at the next tick.
@@ -335,6 +343,7 @@ RunFacts RobotService::run_facts() const {
   facts.started = started_;
   facts.listen = server_->local();
   facts.link = server_->counts();
+  if (inputs_.settings.tap) facts.watched_on = inputs_.settings.tap->interface;
   return facts;
 }
 

@@ -55,7 +55,8 @@ struct RobotState {
   LinkTotals link;
 
   Recording::Counts recording;
-  bool recording_paused = false;  ///< the disk has no room, or refuses
+  bool recording_paused = false;           ///< the disk has no room, or refuses
+  std::optional<std::uint64_t> disk_free;  ///< bytes, when the recorder last looked
 
   ResultBacklog results;
 

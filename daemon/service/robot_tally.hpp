@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +23,7 @@ class RobotTally {
   void sweep(const identify::Sweep& sweep, std::string words);
   void end_session(const rsi::LinkReport& report);
   void results(const ResultBacklog& results) { state_.results = results; }
+  void disk_free(std::optional<std::uint64_t> bytes) { state_.disk_free = bytes; }
 
   /// At this moment; `under_way` is the report of the session, if there is one.
   [[nodiscard]] const RobotState& state(const rsi::Server::Counts& server, bool recording_paused,

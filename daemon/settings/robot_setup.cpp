@@ -17,7 +17,9 @@ void check_fit(const RobotSetup& setup) {
 }  // namespace
 
 RobotSetup load_setup(const RobotSettings& settings) {
-  RobotSetup setup = load_setup(settings.description, settings.plan);
+  const auto description =
+      settings.description.empty() ? std::nullopt : std::optional(settings.description);
+  RobotSetup setup = load_setup(description, settings.plan);
   setup.name = settings.name;
   setup.signals = settings.signals;
   setup.device = settings.device;

@@ -66,6 +66,12 @@ struct DeviceSettings {
   [[nodiscard]] bool there() const { return listen.endpoint.port != 0; }
 };
 
+/// Another program answers the controller: `sweepd watch` only listens. In no file.
+struct TapSettings {
+  std::string interface;
+  bool promiscuous = false;
+};
+
 /// One [[robot]] of the settings: a controller that is served. The defaults are those of the file.
 /// Paths are absolute, or relative to the working directory as the path of the settings file was.
 struct RobotSettings {
@@ -84,6 +90,7 @@ struct RobotSettings {
   RecordingSettings recording;
   SignalNames signals;
   DeviceSettings device;  ///< perhaps none
+  std::optional<TapSettings> tap = {};
 };
 
 /// Names of hosts, without a port.

@@ -18,22 +18,43 @@ constexpr std::uint32_t be32(std::string_view bytes, std::size_t at) {
   return std::uint32_t{be16(bytes, at)} << 16 | be16(bytes, at + 2);
 }
 
+constexpr std::uint32_t tcp_protocol = 6;
 constexpr std::uint32_t udp_protocol = 17;
 
-PacketKind decode_ipv4(std::string_view ip, Datagram& datagram) {
+PacketKind decode_tcp(std::string_view ip, std::size_t at, Datagram& datagram,
+                      PacketHeaders& more) {
+  if (ip.size() < at + 20) return PacketKind::incomplete;
+  const auto tcp = ip.substr(at);
+  const std::size_t header = (byte_at(tcp, 12) >> 4) * 4;
+  if (header < 20) return PacketKind::foreign;
+  if (tcp.size() < header) return PacketKind::incomplete;
+  more.sequence = be32(tcp, 4);
+  more.begins = (byte_at(tcp, 13) & 2) != 0;
+  datagram.source = {be32(ip, 12), be16(tcp, 0)};
+  datagram.destination = {be32(ip, 16), be16(tcp, 2)};
+  datagram.payload = tcp.substr(header);
+  return PacketKind::tcp;
+}
+
+PacketKind decode_ipv4(std::string_view ip, Datagram& datagram, PacketHeaders* more) {
   if (!ip.empty() && byte_at(ip, 0) >> 4 != 4) return PacketKind::foreign;
   if (ip.size() < 20) return PacketKind::incomplete;
   const std::size_t header = (byte_at(ip, 0) & 0xf) * 4;
   const std::size_t total = be16(ip, 2);
-  if (header < 20 || total < header || byte_at(ip, 9) != udp_protocol) return PacketKind::foreign;
+  const auto protocol = byte_at(ip, 9);
+  const bool tcp = more != nullptr && protocol == tcp_protocol;
+  if (header < 20 || total < header || (protocol != udp_protocol && !tcp))
+    return PacketKind::foreign;
   const bool whole = (be16(ip, 6) & 0x3fff) == 0;  // neither "more fragments" nor an offset
   if (!whole) return PacketKind::fragment;
+  if (tcp) return decode_tcp(ip.substr(0, total), header, datagram, *more);
   if (total < header + 8) return PacketKind::foreign;
   if (ip.size() < header + 8) return PacketKind::incomplete;
 
   const auto udp = ip.substr(header, total - header);
   const std::size_t udp_length = be16(udp, 4);
   if (udp_length < 8) return PacketKind::foreign;
+  if (more != nullptr) more->identification = be16(ip, 4);
   datagram.source = {be32(ip, 12), be16(udp, 0)};
   datagram.destination = {be32(ip, 16), be16(udp, 2)};
   datagram.payload = udp.substr(8, udp_length - 8);
@@ -42,7 +63,8 @@ PacketKind decode_ipv4(std::string_view ip, Datagram& datagram) {
 }
 
 /// `rest` follows an Ethernet type.
-PacketKind decode_ethernet_type(std::uint16_t type, std::string_view rest, Datagram& datagram) {
+PacketKind decode_ethernet_type(std::uint16_t type, std::string_view rest, Datagram& datagram,
+                                PacketHeaders* more) {
   const auto is_vlan_tag = [](std::uint16_t t) {
     return t == 0x8100 || t == 0x88a8 || t == 0x9100 || t == 0x9200;
   };
@@ -51,23 +73,23 @@ PacketKind decode_ethernet_type(std::uint16_t type, std::string_view rest, Datag
     type = be16(rest, 2);
     rest.remove_prefix(4);
   }
-  return type == 0x0800 ? decode_ipv4(rest, datagram) : PacketKind::foreign;
+  return type == 0x0800 ? decode_ipv4(rest, datagram, more) : PacketKind::foreign;
 }
 
 /// A link header of `size` bytes with the Ethernet type at `type_at`.
 PacketKind decode_typed(std::string_view packet, std::size_t size, std::size_t type_at,
-                        Datagram& datagram) {
+                        Datagram& datagram, PacketHeaders* more) {
   if (packet.size() < size) return PacketKind::incomplete;
-  return decode_ethernet_type(be16(packet, type_at), packet.substr(size), datagram);
+  return decode_ethernet_type(be16(packet, type_at), packet.substr(size), datagram, more);
 }
 
 /// The loopback header is the address family in the byte order of the capturing machine, or in
 /// network order (DLT_LOOP). AF_INET is 2 everywhere.
-PacketKind decode_loopback(std::string_view packet, Datagram& datagram) {
+PacketKind decode_loopback(std::string_view packet, Datagram& datagram, PacketHeaders* more) {
   if (packet.size() < 4) return PacketKind::incomplete;
   const auto family = be32(packet, 0);
   if (family != 2 && family != 0x02000000) return PacketKind::foreign;
-  return decode_ipv4(packet.substr(4), datagram);
+  return decode_ipv4(packet.substr(4), datagram, more);
 }
 
 /// Sum of 16-bit words in network order, a last odd byte padded with zero (RFC 1071).
@@ -116,18 +138,19 @@ std::optional<LinkLayer> link_layer(int link_type) noexcept {
   }
 }
 
-PacketKind decode_packet(LinkLayer layer, std::string_view packet, Datagram& datagram) noexcept {
+PacketKind decode_packet(LinkLayer layer, std::string_view packet, Datagram& datagram,
+                         PacketHeaders* more) noexcept {
   switch (layer) {
     case LinkLayer::ethernet:
-      return decode_typed(packet, 14, 12, datagram);
+      return decode_typed(packet, 14, 12, datagram, more);
     case LinkLayer::linux_sll:
-      return decode_typed(packet, 16, 14, datagram);
+      return decode_typed(packet, 16, 14, datagram, more);
     case LinkLayer::linux_sll2:
-      return decode_typed(packet, 20, 0, datagram);
+      return decode_typed(packet, 20, 0, datagram, more);
     case LinkLayer::loopback:
-      return decode_loopback(packet, datagram);
+      return decode_loopback(packet, datagram, more);
     case LinkLayer::raw_ip:
-      return decode_ipv4(packet, datagram);
+      return decode_ipv4(packet, datagram, more);
   }
   return PacketKind::foreign;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,16 +20,26 @@ enum class LinkLayer { ethernet, raw_ip, loopback, linux_sll, linux_sll2 };
 
 enum class PacketKind {
   udp,         ///< UDP over IPv4, decoded
+  tcp,         ///< a segment of TCP over IPv4, where these are asked for
   fragment,    ///< one piece of a fragmented UDP datagram
   incomplete,  ///< ends before its headers do
   foreign,     ///< any other protocol, or headers that contradict themselves
+};
+
+/// What else the headers of a packet say.
+struct PacketHeaders {
+  std::uint16_t identification = 0;  ///< of IP
+  std::uint32_t sequence = 0;        ///< of TCP, of the first byte
+  bool begins = false;               ///< a connection (SYN)
 };
 
 /// Takes a captured packet apart. For PacketKind::udp, source, destination, payload (a view into
 /// `packet`) and cut are set in `datagram`: cut if the UDP header announces more than is there.
 /// VLAN tags are skipped, however many; padding behind the datagram is left out; checksums are not
 /// looked at, as network cards often fill them in after the capture. Takes any bytes.
-PacketKind decode_packet(LinkLayer layer, std::string_view packet, Datagram& datagram) noexcept;
+/// With `more`, segments of TCP are decoded, too: their bytes are the payload then.
+PacketKind decode_packet(LinkLayer layer, std::string_view packet, Datagram& datagram,
+                         PacketHeaders* more = nullptr) noexcept;
 
 /// IPv4 and UDP header before the payload of an encoded packet.
 inline constexpr std::size_t packet_header_size = 28;

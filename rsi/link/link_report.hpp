@@ -88,6 +88,10 @@ struct LinkReport {
   std::chrono::nanoseconds earliest{};  ///< the least such difference, negative
   std::chrono::nanoseconds latest{};    ///< the greatest
 
+  /// Packets of either direction that passed a tap unseen: what counts as lost, unanswered or stray
+  /// may be among them.
+  std::uint64_t missed_by_tap = 0;
+
   // To the controller.
   ReplyCounts replies;
   LatencyHistogram latency;  ///< from a telegram's reception to its reply

@@ -58,6 +58,7 @@ class Judge {
     wrong_replies();
     latency();
     jitter();
+    missed_by_tap();
     good_to_know();
     std::stable_sort(verdict_.reasons.begin(), verdict_.reasons.end(),
                      [](const Reason& a, const Reason& b) { return a.grade > b.grade; });
@@ -121,7 +122,7 @@ class Judge {
   void telegrams_without_reply() {
     const ReplyCounts& replies = report_.replies;
     const auto count = replies.not_in_time();
-    if (count == 0) return;
+    if (count <= std::min(replies.unanswered, report_.missed_by_tap)) return;
     const Place& worst = report_.silent_runs.worst();
     std::string message = counted_of(count, cycles_, "telegram", "telegrams") +
                           " got no reply within a cycle (" + std::to_string(replies.late) +
@@ -136,7 +137,7 @@ class Judge {
   void lost() {
     constexpr std::int64_t kLongGap = 1000;
     const auto lost = report_.link.lost;
-    if (lost == 0) return;
+    if (lost <= report_.missed_by_tap) return;
     const auto gap = std::min(report_.longest_gap.amount, static_cast<std::int64_t>(lost));
     std::string message = counted_of(lost, cycles_ + lost, "telegram", "telegrams") +
                           " never came, at most " + std::to_string(gap) + " in a row";
@@ -151,6 +152,15 @@ class Judge {
       message += std::string(": check cable, connectors and switch, and this machine's ") +
                  kBuffer + "; a simulator may have left them out";
     add(grade(lost, gap), "lost", std::move(message));
+  }
+
+  void missed_by_tap() {
+    const auto missed = report_.missed_by_tap;
+    if (missed == 0) return;
+    add(Grade::good, "missed_by_tap",
+        rsi::counted(missed, "packet", "packets") +
+            " passed the tap unseen, as its machine was too busy: as many of the telegrams that "
+            "count as lost or unanswered here, and of the stray replies, were well on the link");
   }
 
   void malformed() {
@@ -184,7 +194,7 @@ class Judge {
 
   void wrong_replies() {
     const ReplyCounts& replies = report_.replies;
-    if (replies.stray > 0)
+    if (replies.stray > report_.missed_by_tap)
       add(share(replies.stray, replies.sent) > Limits::kBadShare ? Grade::bad : Grade::marginal,
           "stray_replies",
           counted_of(replies.stray, replies.sent, "reply", "replies") +

@@ -62,6 +62,10 @@ bool DatagramQueue::push(const Datagram& datagram, Handling handling) noexcept {
   return true;
 }
 
+bool DatagramQueue::half_full() const noexcept {
+  return bytes(used_.load(std::memory_order_relaxed)) > size_ / 2;
+}
+
 bool DatagramQueue::pop(Datagram& datagram, Handling* handling) {
   const auto used = used_.load(std::memory_order_acquire);
   if (bytes(used) == 0) return false;

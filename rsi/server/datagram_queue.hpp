@@ -36,6 +36,9 @@ class DatagramQueue {
   /// Consumer's thread. The payload is valid until the next pop.
   bool pop(Datagram& datagram, Handling* handling = nullptr);
 
+  /// Any thread: for a producer that can wait.
+  [[nodiscard]] bool half_full() const noexcept;
+
   /// Any thread: datagrams that found no room.
   [[nodiscard]] std::uint64_t overflows() const noexcept {
     return overflows_.load(std::memory_order_relaxed);

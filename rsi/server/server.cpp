@@ -66,7 +66,16 @@ Server::Counts Server::counts() const noexcept {
   const auto read = [](const auto& counter) { return counter.load(std::memory_order_relaxed); };
   return {read(answered_),  read(superseded_), read(unanswerable_),  read(foreign_),
           read(not_begun_), read(refused_),    read(send_failures_), read(cut_),
-          read(dropped_),   read(skipped_),    queue_.overflows()};
+          read(dropped_),   read(skipped_),    queue_.overflows(),   read(missed_),
+          read(copies_)};
+}
+
+void Server::hand_over_reply(const Datagram& reply) noexcept {
+  serving_ = true;
+  const auto controller = reply.destination.address;
+  if (const auto rank = callers_.rank(controller); rank && may_serve(controller))
+    queue_.push(reply, {true, *rank == Callers::kSteps});
+  serving_ = false;
 }
 
 void Server::serve(std::span<const Datagram> received) noexcept {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "rsi/endpoint.hpp"
@@ -58,6 +59,9 @@ class Server {
     std::uint64_t dropped = 0;    ///< by the system, whose receive buffer was full
     std::uint64_t skipped = 0;    ///< bytes of a TCP stream that were in no telegram
     std::uint64_t overflows = 0;  ///< answered, but the queue had no room to hand it over
+    // Of a tap, which hears what another program answers:
+    std::uint64_t missed = 0;  ///< packets that passed by: the link had them
+    std::uint64_t copies = 0;  ///< of one packet, left out
   };
 
   virtual ~Server() = default;
@@ -71,7 +75,7 @@ class Server {
   [[nodiscard]] std::size_t receive_buffer() const noexcept { return receive_buffer_; }
 
   /// False for a controller that only sends.
-  [[nodiscard]] bool replies() const noexcept { return options_.reply.has_value(); }
+  [[nodiscard]] virtual bool replies() const noexcept { return options_.reply.has_value(); }
 
   /// Takes the path of a reply without sending one, so that its memory and code are there when the
   /// first telegram comes. Before run(), on the same thread.
@@ -95,6 +99,9 @@ class Server {
   /// Telegrams and replies in the order in which they came and went, between the addresses that
   /// they had; replies have an empty payload if they did not leave.
   [[nodiscard]] DatagramQueue& datagrams() { return queue_; }
+
+  /// What a person should know, a sentence each; nothing where there is no more. Any thread.
+  [[nodiscard]] virtual std::optional<std::string> remark() { return std::nullopt; }
 
   /// The stream has ended: where no controller is configured, the next one is served.
   void forget_controller() noexcept { forget_ = true; }
@@ -132,6 +139,10 @@ class Server {
   /// They may have been the controller's.
   void add_dropped(std::uint32_t datagrams) noexcept;
   void set_skipped(std::uint64_t bytes) noexcept { skipped_ = bytes; }
+  void set_missed(std::uint64_t packets) noexcept { missed_ = packets; }
+  void set_copies(std::uint64_t packets) noexcept { copies_ = packets; }
+  /// Hands over what another program has answered. The thread of run().
+  void hand_over_reply(const Datagram& reply) noexcept;
 
   const Options& options() const noexcept { return options_; }
   /// Once the port is bound.
@@ -167,7 +178,8 @@ class Server {
   Endpoint answered_last_;
   std::atomic<std::uint64_t> beats_{0};
   std::atomic<std::uint64_t> answered_{0}, superseded_{0}, unanswerable_{0}, foreign_{0},
-      not_begun_{0}, refused_{0}, send_failures_{0}, cut_{0}, dropped_{0}, skipped_{0};
+      not_begun_{0}, refused_{0}, send_failures_{0}, cut_{0}, dropped_{0}, skipped_{0}, missed_{0},
+      copies_{0};
 };
 
 /// The address of this machine from which it reaches `peer`; nothing if there is no way to it.

@@ -27,6 +27,7 @@ inline RobotState busy_robot(const std::string& name = "kr5-arc") {
   robot.recording.bytes = 123'456;
   robot.recording.recorded = {2010, 1005};
   robot.recording.disk = {4, 2};
+  robot.disk_free = 5'000'000'000;
   robot.sweeps[1] = {2, 1};
   robot.sweeps[6] = {1, 0};
   return robot;

@@ -103,11 +103,18 @@ TEST_CASE("metrics keep to the text format: a family at a time, each value once"
   CHECK(all.values.at("sweepd_identifications_total{robot=\"kr5-arc\",status=\"doubtful\"}") == 3);
   CHECK(all.values.at("sweepd_result_duration_seconds{robot=\"kr5-arc\"}") == 0.25);
   CHECK(all.values.at("sweepd_result_timestamp_seconds{robot=\"kr5-arc\"}") == 1'735'689'700);
+  CHECK(all.values.at("sweepd_result_status{robot=\"kr5-arc\",status=\"complete\"}") == 1);
+  CHECK(all.values.at("sweepd_result_status{robot=\"kr5-arc\",status=\"doubtful\"}") == 0);
+  CHECK(all.values.at("sweepd_result_interim{robot=\"kr5-arc\"}") == 1);
+  CHECK(all.values.at("sweepd_disk_free_bytes{robot=\"b\"}") == 5'000'000'000);
   CHECK(all.values.at("process_start_time_seconds") == 1000);
   CHECK(all.values.at("process_cpu_seconds_total") == 1.5);
   CHECK(all.values.at("sweepd_ready") == 1);
   SECTION("of what is not there nothing is said") {
     CHECK_FALSE(all.values.contains("sweepd_result_duration_seconds{robot=\"b\"}"));
+    CHECK_FALSE(all.values.contains("sweepd_result_status{robot=\"b\",status=\"complete\"}"));
+    CHECK_FALSE(scrape(metrics_text({metrics_of({})}))
+                    .values.contains("sweepd_disk_free_bytes{robot=\"\"}"));
     CHECK_FALSE(
         scrape(metrics_text({metrics_of({})})).values.contains("sweepd_cycle_seconds{robot=\"\"}"));
   }

@@ -31,9 +31,9 @@ TEST_CASE("each kind of trouble is said by itself, with what to do", "[link_comp
   sweepd::LinkComplaints complaints;
   rsi::Server::Counts counts;
   counts.refused = counts.send_failures = counts.dropped = counts.cut = counts.foreign =
-      counts.overflows = counts.not_begun = 7;
+      counts.overflows = counts.not_begun = counts.missed = 7;
   const auto all = complaints.about(counts, std::chrono::steady_clock::time_point(1h));
-  REQUIRE(all.size() == 7);
+  REQUIRE(all.size() == 8);
   for (const auto& text : all) {
     INFO(text);
     CHECK(text.starts_with("7 "));

@@ -43,6 +43,24 @@ TEST_CASE("a datagram is found behind every known link header", "[packet]") {
   check_decodes(LinkLayer::linux_sll2, linux_sll2(ip));
 }
 
+TEST_CASE("a segment of TCP is decoded where it is asked for", "[packet]") {
+  const auto tcp = number(kController.port, 2) + number(kServer.port, 2) + number(0xfffffff0, 4) +
+                   number(7, 4) + number(0x6002, 2) + std::string(6, '\0') + std::string(4, '\1') +
+                   kShortTelegram;
+  const auto packet = ethernet(ipv4(kController.address, kServer.address, tcp, {.protocol = 6}));
+  CHECK(kind_of(LinkLayer::ethernet, packet) == PacketKind::foreign);
+  Datagram datagram;
+  rsi::PacketHeaders headers;
+  REQUIRE(decode_packet(LinkLayer::ethernet, packet, datagram, &headers) == PacketKind::tcp);
+  CHECK(datagram.source == kController);
+  CHECK(datagram.destination == kServer);
+  CHECK(datagram.payload == kShortTelegram);
+  CHECK(headers.sequence == 0xfffffff0);
+  CHECK(headers.begins);
+  CHECK(decode_packet(LinkLayer::ethernet, packet.substr(0, 50), datagram, &headers) ==
+        PacketKind::incomplete);
+}
+
 TEST_CASE("VLAN tags are skipped, however many are stacked", "[packet]") {
   const auto ip = ipv4_udp(kController, kServer, kShortTelegram);
   check_decodes(LinkLayer::ethernet, ethernet(ip, {0x8100}));

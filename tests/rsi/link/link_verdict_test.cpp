@@ -47,6 +47,18 @@ TEST_CASE("a flawless link is good, without a word", "[link_verdict]") {
   CHECK(rsi::verdict(LinkReport()).grade == Grade::good);
 }
 
+TEST_CASE("what a tap has missed is not held against the link, and what goes beyond is",
+          "[link_verdict]") {
+  auto report = flawless();
+  report.missed_by_tap = 12;
+  report.link.lost = 12;
+  report.replies.stray = 5;
+  report.replies.unanswered = 3;
+  check_only(report, Grade::good, "missed_by_tap", "12 packets passed the tap unseen");
+  report.link.lost = 13;
+  CHECK(reason(rsi::verdict(report), "lost") != nullptr);
+}
+
 TEST_CASE("one late reply by the controller's Delay is marginal, five in a row or one per cent bad",
           "[link_verdict]") {
   auto report = flawless();

@@ -35,7 +35,9 @@ TEST_CASE("a full queue refuses, counts, and goes on when there is room again",
   const std::string payload(400, 'x');
   const Datagram datagram{0ns, {}, {}, payload, false};
   CHECK(queue.push(datagram));
+  CHECK_FALSE(queue.half_full());
   CHECK(queue.push(datagram));
+  CHECK(queue.half_full());
   CHECK_FALSE(queue.push(datagram));
   CHECK(queue.overflows() == 1);
   Datagram got;
