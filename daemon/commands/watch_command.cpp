@@ -86,7 +86,7 @@ Settings settings_for(const WatchOptions& options, const rsi::Endpoint& watched)
   return settings;
 }
 
-Settings read_settings(const WatchOptions& options) {
+Settings watched_settings(const WatchOptions& options) {
   Settings settings = load_settings(*options.config);
   if (options.port)
     std::erase_if(settings.robots,
@@ -121,7 +121,7 @@ Settings watching(Settings settings, const WatchOptions& options) {
 
 int watch(const WatchOptions& options) {
   if (options.config)
-    return serve_robots([options] { return watching(read_settings(options), options); });
+    return serve_robots([options] { return watching(watched_settings(options), options); });
   std::optional<rsi::Endpoint> watched;
   if (options.port) {
     watched = rsi::Endpoint{0, *options.port};

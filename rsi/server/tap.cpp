@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 constexpr auto kFirstSilence = 3s;
 constexpr auto kLongestSilence = 3600s;
 /// Longer than any cycle: what waits to be decided is decided with what there is.
-constexpr auto kPause = 200ms;
+constexpr auto kSettled = 200ms;
 /// So many telegrams are RSI, and no chance.
 constexpr int kSurelyRsi = 3;
 constexpr std::size_t kMostOthers = 16;
@@ -78,7 +78,7 @@ void Tap::look() {
     case LiveCapture::Look::other:
       break;
     case LiveCapture::Look::nothing:
-      if (looking - heard_ > kPause) copies_.settle();
+      if (looking - heard_ > kSettled) copies_.settle();
       heard_all_until(looking);
       set_missed(missed_before_ + capture_->missed());
       listen_elsewhere();

@@ -5,13 +5,13 @@
 #include <vector>
 
 #include "tests/catch.hpp"
+#include "tests/rsi/addresses.hpp"
 
+using rsi::test::kController;
+using rsi::test::kServer;
 using namespace std::chrono_literals;
 
 namespace {
-
-constexpr rsi::Endpoint kController{0xc0a80114, 49153};
-constexpr rsi::Endpoint kServer{0xc0a8010a, 49152};
 
 /// A link at 4 ms, as a tap sees it.
 class Tapped {

@@ -18,7 +18,7 @@ struct Piece {
 };
 
 /// `count` telegrams in segments of `size` bytes, from the sequence number `first` on.
-std::vector<Piece> cut(int count, std::size_t size, std::uint32_t first) {
+std::vector<Piece> segments_of(int count, std::size_t size, std::uint32_t first) {
   std::string all;
   for (int i = 0; i < count; ++i) all += telegram_of(1000 + i);
   std::vector<Piece> pieces;
@@ -49,7 +49,7 @@ rsi::TcpStream begun() {
 TEST_CASE("telegrams come whole out of segments that come twice, late and cut anywhere",
           "[tcp_stream]") {
   const std::size_t size = GENERATE(as<std::size_t>{}, 1, 7, 50, 1000);
-  auto pieces = cut(40, size, kFirst);
+  auto pieces = segments_of(40, size, kFirst);
   std::mt19937 chance(3);
   std::vector<Piece> seen;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
@@ -66,7 +66,7 @@ TEST_CASE("telegrams come whole out of segments that come twice, late and cut an
 }
 
 TEST_CASE("a segment that never comes costs its own telegram", "[tcp_stream]") {
-  auto pieces = cut(40, telegram_of(1000).size(), kFirst);
+  auto pieces = segments_of(40, telegram_of(1000).size(), kFirst);
   pieces.erase(pieces.begin() + 10);
   auto stream = begun();
   const auto telegrams = telegrams_of(stream, pieces);
@@ -79,8 +79,8 @@ TEST_CASE("a segment that never comes costs its own telegram", "[tcp_stream]") {
 TEST_CASE("a stream is joined in its middle, and a connection that begins starts anew",
           "[tcp_stream]") {
   rsi::TcpStream stream("Rob");
-  const auto pieces = cut(10, 30, 5);
+  const auto pieces = segments_of(10, 30, 5);
   CHECK(telegrams_of(stream, {pieces.begin() + 1, pieces.end()}).size() == 9);
   stream.take(77, true, {}, [](std::string_view) {});
-  CHECK(telegrams_of(stream, cut(3, 20, 78)).size() == 3);
+  CHECK(telegrams_of(stream, segments_of(3, 20, 78)).size() == 3);
 }
