@@ -31,6 +31,10 @@ struct ChangeTest {
   Eigen::MatrixXd changes_covariance;
 };
 
+/// Whether `smallest` is worked out: it takes longer than all else, and the differences do not
+/// change it.
+enum class Smallest { told, left_out };
+
 /// Tests differences with their covariance, in any units. First all of them together (Hotelling's
 /// T squared; the covariance is taken for known). Only where that says so, single numbers are
 /// called changed (Holm 1979): so of unchanged pairs no more than `level` raise any alarm.
@@ -39,6 +43,7 @@ struct ChangeTest {
 /// Correlations are taken for no closer than a linearisation can tell: eigenvalues of their matrix
 /// count as 1e-5 at least.
 [[nodiscard]] ChangeTest test_change(const Eigen::VectorXd& difference,
-                                     const Eigen::MatrixXd& covariance, double level);
+                                     const Eigen::MatrixXd& covariance, double level,
+                                     Smallest smallest = Smallest::told);
 
 }  // namespace sweepd
