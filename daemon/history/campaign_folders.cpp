@@ -17,11 +17,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array kFiles = {"result.json", "run.json", "link.json", "currents.csv", kNotesFile};
+constexpr std::array kRecordFiles = {"result.json", "run.json", "link.json", "currents.csv",
+                                     kNotesFile};
 constexpr int kDeepest = 2;
 constexpr std::size_t kMostNamed = 3;
 
-std::string bytes_of(const fs::path& file) {
+std::string file_bytes(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::ostringstream bytes;
   if (stream) bytes << stream.rdbuf();
@@ -31,7 +32,7 @@ std::string bytes_of(const fs::path& file) {
 /// Of the files that a record is made of: sizes, and when each was written last.
 std::string stamp_of(const fs::path& folder) {
   std::string stamp;
-  for (const char* name : kFiles) {
+  for (const char* name : kRecordFiles) {
     struct stat status {};
     if (stat((folder / name).c_str(), &status) == 0)
       stamp += std::to_string(status.st_size) + ' ' + std::to_string(status.st_mtim.tv_sec) + '.' +
@@ -44,12 +45,12 @@ std::string stamp_of(const fs::path& folder) {
 CampaignRecord read_record(const fs::path& folder) {
   CampaignTexts texts;
   texts.name = folder.string();
-  texts.result = bytes_of(folder / "result.json");
-  texts.run = bytes_of(folder / "run.json");
-  texts.link = bytes_of(folder / "link.json");
+  texts.result = file_bytes(folder / "result.json");
+  texts.run = file_bytes(folder / "run.json");
+  texts.link = file_bytes(folder / "link.json");
   if (texts.result.find("\"currents\"") == texts.result.npos)
-    texts.currents = bytes_of(folder / "currents.csv");
-  texts.notes = bytes_of(folder / kNotesFile);
+    texts.currents = file_bytes(folder / "currents.csv");
+  texts.notes = file_bytes(folder / kNotesFile);
   struct stat status {};
   if (stat((folder / "result.json").c_str(), &status) == 0 || stat(folder.c_str(), &status) == 0)
     texts.written = std::chrono::seconds(status.st_mtim.tv_sec);
@@ -67,7 +68,7 @@ void look(const fs::path& path, int depth, std::vector<fs::path>& folders, Found
     folders.push_back(path);
     return;
   }
-  CampaignNotes notes = parse_notes(bytes_of(path / kNotesFile));
+  CampaignNotes notes = parse_notes(file_bytes(path / kNotesFile));
   found.notes.insert(found.notes.end(), notes.notes.begin(), notes.notes.end());
   for (const std::size_t line : notes.broken_lines)
     found.messages.push_back("Line " + std::to_string(line) + " of " +

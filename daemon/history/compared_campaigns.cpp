@@ -26,7 +26,6 @@ using identify::ArmNumberKind;
 constexpr std::size_t kFewestSuccessive = 6;
 /// Of what one campaign differs from the next, in its usual size: more is a change.
 constexpr double kStrange = 6;
-constexpr double kByMedian = 1.4826;
 
 /// Two arms cut to the joints that both tell.
 identify::ComparedArms compared(const ToldArm& first, const ToldArm& second) {

@@ -13,8 +13,6 @@ namespace {
 
 constexpr std::size_t kFewest = 6;
 constexpr double kLeast_a = 1e-4;  // as files print it
-/// A normal distribution's standard deviation in its median absolute one.
-constexpr double kByMedian = 1.4826;
 
 /// Of one campaign, by what differs to the next one: what is slow or happens once is not in it.
 double successive_sigma(const std::vector<double>& values) {

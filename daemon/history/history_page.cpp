@@ -20,13 +20,12 @@
 namespace sweepd {
 namespace {
 
-constexpr double kWidth = 740, kLeft = 52, kBelow = 22;
+constexpr double kPageWidth = 740, kLeft = 52, kBelow = 22;
 constexpr std::size_t kAcross = 3;
-constexpr double kSmallWidth = kWidth / kAcross, kSmallHeight = 96, kAboveSmall = 20,
+constexpr double kSmallWidth = kPageWidth / kAcross, kSmallHeight = 96, kAboveSmall = 20,
                  kSmallLeft = 48;
-constexpr double kOf95 = 1.96;
 
-using Points = std::vector<std::pair<double, double>>;
+using TimePoints = std::vector<std::pair<double, double>>;
 
 Range time_range(const History& history) {
   Range range = Range::nothing();
@@ -67,9 +66,9 @@ void add_totals(Markup body, const History& history) {
                  "of each campaign against the reference: T², with the repeatability "
                  "between campaigns. Above the dashed line a campaign is called changed. " +
                      alarms_words(history) + " Upright lines are notes.");
-  Picture picture(figure, kWidth, kHeight + kBelow + 10, "T squared over time");
+  Picture picture(figure, kPageWidth, kHeight + kBelow + 10, "T squared over time");
   Range y = Range::nothing();
-  Points unchanged, changed;
+  TimePoints unchanged, changed;
   const double floor = history.t_limit / 100;
   for (const ComparedCampaign& campaign : history.campaigns) {
     if (!campaign.tested) continue;
@@ -78,8 +77,9 @@ void add_totals(Markup body, const History& history) {
     y.include(value);
   }
   y.include(std::log10(history.t_limit));
-  Plot plot = plot_over_time(picture, {kLeft, 8, kWidth - kLeft - 10, kHeight}, time_range(history),
-                             {.range = y.widened(0.06), .title = "T²", .logarithmic = true}, 8);
+  Plot plot =
+      plot_over_time(picture, {kLeft, 8, kPageWidth - kLeft - 10, kHeight}, time_range(history),
+                     {.range = y.widened(0.06), .title = "T²", .logarithmic = true}, 8);
   mark_notes(history, plot);
   plot.level(std::log10(history.t_limit), "limit");
   plot.dots(unchanged, joint_dots(0));
@@ -87,8 +87,9 @@ void add_totals(Markup body, const History& history) {
 }
 
 /// What the dated changes make of one number, from the mean of the first to the last campaign.
-Points modelled(const History& history, std::size_t number, const std::vector<DatedChange>& changes,
-                const std::function<double(std::size_t)>& value) {
+TimePoints modelled(const History& history, std::size_t number,
+                    const std::vector<DatedChange>& changes,
+                    const std::function<double(std::size_t)>& value) {
   const auto by = [&](std::size_t i) {
     double sum = 0;
     for (const DatedChange& change : changes) {
@@ -106,7 +107,7 @@ Points modelled(const History& history, std::size_t number, const std::vector<Da
     mean += value(i) - by(i);
     ++count;
   }
-  Points line;
+  TimePoints line;
   for (std::size_t i = 0; i < history.campaigns.size() && count > 0; ++i) {
     if (i > 0 && by(i) != by(i - 1))  // a jump is upright
       for (const DatedChange& change : changes)
@@ -135,7 +136,7 @@ void draw_small(Picture& picture, const History& history, const SmallPlot& small
   if (y.empty()) return;
   Plot plot = plot_over_time(picture, frame, time_range(history),
                              {.range = y.widened(0.08), .ticks = 4}, 3);
-  Points dots;
+  TimePoints dots;
   for (std::size_t i = 0; i < count; ++i) {
     if (!std::isfinite(small.value(i))) continue;
     const double x = at_time(history, i);
@@ -158,7 +159,7 @@ void draw_all(Markup figure, const History& history, const std::vector<SmallPlot
               std::string_view what) {
   const double each = kAboveSmall + kSmallHeight + kBelow;
   const auto rows = static_cast<double>((plots.size() + kAcross - 1) / kAcross);
-  Picture picture(figure, kWidth, each * rows, what);
+  Picture picture(figure, kPageWidth, each * rows, what);
   for (std::size_t k = 0; k < plots.size(); ++k)
     draw_small(picture, history, plots[k],
                {kSmallWidth * static_cast<double>(k % kAcross) + kSmallLeft,

@@ -154,7 +154,6 @@ std::string history_text(const History& history) {
 }
 
 std::string history_csv(const History& history) {
-  constexpr double kOf95 = 1.96;
   std::string csv = "time,campaign,status,state,t_squared,degrees_of_freedom,p,changed,named";
   for (const identify::ArmNumber& number : history.numbers) {
     const std::string name = name_of(number), unit = unit_of(number);

@@ -14,8 +14,6 @@
 namespace sweepd {
 namespace {
 
-constexpr double kOf95 = 1.96;
-
 std::string sentence(const History& history, const DatedChange& change, const std::string& name,
                      const std::string& unit, double size, double sigma) {
   const auto signed_told = [&](double value) {
@@ -42,14 +40,6 @@ std::string sentence(const History& history, const DatedChange& change, const st
 
 std::string date_of(std::chrono::nanoseconds time) {
   return utc_text(time).substr(0, 10);
-}
-
-double in_unit(const identify::ArmNumber& number, double value) {
-  return number.length ? value : degrees(value);
-}
-
-std::string unit_of(const identify::ArmNumber& number) {
-  return number.length ? "mm" : "deg";
 }
 
 int decimals_of(const History& history, bool lengths) {

@@ -6,11 +6,11 @@
 
 namespace sweepd {
 
+/// Half of an interval of 95 %, in standard deviations.
+inline constexpr double kOf95 = 1.96;
+
 /// "2024-03-01".
 [[nodiscard]] std::string date_of(std::chrono::nanoseconds time);
-/// A number of an arm in its unit: mm, or degrees; and "mm" or "deg".
-[[nodiscard]] double in_unit(const identify::ArmNumber& number, double value);
-[[nodiscard]] std::string unit_of(const identify::ArmNumber& number);
 /// As many as show two digits of the smallest uncertainty of the lengths, or of the angles.
 [[nodiscard]] int decimals_of(const History& history, bool lengths);
 /// With as many decimals as its uncertainty tells.

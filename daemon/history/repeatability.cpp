@@ -8,6 +8,8 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
+#include "daemon/results/change_test.hpp"
+
 namespace sweepd {
 namespace {
 
@@ -15,13 +17,11 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// As test_change() has it.
-constexpr double kLeastEigenvalue = 1e-5;
 /// Before any evidence, campaigns scatter by half of what a fit says of itself, give or take.
 constexpr double kUsualShare = 0.25;
 constexpr double kPriorSigma = 3;  // of logarithms: a factor of 20
 /// Of the fit's own variance in any direction: less is chance, or the same data twice.
-constexpr double kLeastShare = 0.5;
+constexpr double kLeastOfFit = 0.5;
 constexpr std::size_t kParameters = kVaryings + 1;
 using Parameters = std::array<double, kParameters>;  // logarithms: variances, degrees beyond n + 1
 
@@ -187,7 +187,7 @@ Repeatability::Spread Repeatability::predicted(const Scatter& scatter) const {
   const MatrixXd half = root.solve((prior_ + scatter.products) / own);
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solved(MatrixXd(root.solve(half.transpose())));
   const MatrixXd columns = fit_root_ * solved.eigenvectors();
-  return {columns * solved.eigenvalues().cwiseMax(kLeastShare).asDiagonal() * columns.transpose(),
+  return {columns * solved.eigenvalues().cwiseMax(kLeastOfFit).asDiagonal() * columns.transpose(),
           1 / (1 / own + structure_variance_ * share * share / 2)};
 }
 

@@ -23,8 +23,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kLeastEigenvalue = 1e-5;
-
 /// Inverse of a matrix of correlations.
 MatrixXd inverse(const MatrixXd& correlations) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solved(correlations);

@@ -8,6 +8,8 @@ namespace sweepd {
 
 /// Numbers are called changed with this chance where they have: see NumberChange::smallest.
 inline constexpr double kPower = 0.8;
+/// Of a matrix of correlations: a linearisation tells no closer ones.
+inline constexpr double kLeastEigenvalue = 1e-5;
 
 struct NumberChange {
   double sigma = 0;  ///< of the difference

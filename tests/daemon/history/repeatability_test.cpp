@@ -17,13 +17,13 @@ using sweepd::Varying;
 
 namespace {
 
-constexpr Index kCount = 6;
-const std::vector<sweepd::VaryingNumber> kNumbers = {
+constexpr Index kVaryingCount = 6;
+const std::vector<sweepd::VaryingNumber> kVaryingNumbers = {
     {Varying::lengths, 600}, {Varying::lengths, 120}, {Varying::zeros, 0},
     {Varying::zeros, 0},     {Varying::twists, 0},    {Varying::twists, 0}};
 
 MatrixXd fit() {
-  VectorXd sigma(kCount);
+  VectorXd sigma(kVaryingCount);
   sigma << 0.01, 0.01, 1e-5, 1e-5, 1e-5, 1e-5;
   return sigma.cwiseAbs2().asDiagonal();
 }
@@ -34,12 +34,12 @@ class Drawn {
   explicit Drawn(std::uint32_t seed) : random_(seed) {}
 
   VectorXd campaign(double warmer, double zeros) {
-    VectorXd drawn(kCount);
+    VectorXd drawn(kVaryingCount);
     const MatrixXd covariance = fit();
     const double temperature = warmer * normal_(random_);
-    for (Index k = 0; k < kCount; ++k) {
+    for (Index k = 0; k < kVaryingCount; ++k) {
       drawn(k) = std::sqrt(covariance(k, k)) * normal_(random_);
-      const auto& number = kNumbers[static_cast<std::size_t>(k)];
+      const auto& number = kVaryingNumbers[static_cast<std::size_t>(k)];
       drawn(k) += 1e-4 * temperature * number.length_mm;
       if (number.kind == Varying::zeros) drawn(k) += zeros * normal_(random_);
     }
@@ -47,12 +47,12 @@ class Drawn {
   }
   Scatter scatter(std::size_t count, double warmer, double zeros, VectorXd& mean) {
     std::vector<VectorXd> all;
-    mean = VectorXd::Zero(kCount);
+    mean = VectorXd::Zero(kVaryingCount);
     for (std::size_t i = 0; i < count; ++i) {
       all.push_back(campaign(warmer, zeros));
       mean += all.back() / static_cast<double>(count);
     }
-    Scatter scatter{MatrixXd::Zero(kCount, kCount), static_cast<double>(count) - 1};
+    Scatter scatter{MatrixXd::Zero(kVaryingCount, kVaryingCount), static_cast<double>(count) - 1};
     for (const VectorXd& one : all) scatter.products += (one - mean) * (one - mean).transpose();
     return scatter;
   }
@@ -68,11 +68,11 @@ double alarms(std::size_t marked, double warmer, double zeros, int trials) {
   int called = 0;
   for (int trial = 0; trial < trials; ++trial) {
     VectorXd mean;
-    const Repeatability found(fit(), kNumbers, drawn.scatter(marked, warmer, zeros, mean));
+    const Repeatability found(fit(), kVaryingNumbers, drawn.scatter(marked, warmer, zeros, mean));
     const VectorXd off = drawn.campaign(warmer, zeros) - mean;
     const MatrixXd covariance = (1 + 1 / static_cast<double>(marked)) * found.spread().covariance;
-    const boost::math::fisher_f f(kCount, found.spread().degrees);
-    called += cdf(complement(f, off.dot(covariance.inverse() * off) / kCount)) < 0.05;
+    const boost::math::fisher_f f(kVaryingCount, found.spread().degrees);
+    called += cdf(complement(f, off.dot(covariance.inverse() * off) / kVaryingCount)) < 0.05;
   }
   return static_cast<double>(called) / trials;
 }
@@ -82,7 +82,7 @@ double alarms(std::size_t marked, double warmer, double zeros, int trials) {
 TEST_CASE("many campaigns tell their covariance, whatever was assumed", "[repeatability]") {
   Drawn drawn(3);
   VectorXd mean;
-  const Repeatability found(fit(), kNumbers, drawn.scatter(3000, 0.5, 5e-5, mean));
+  const Repeatability found(fit(), kVaryingNumbers, drawn.scatter(3000, 0.5, 5e-5, mean));
   const MatrixXd covariance = found.spread().covariance;
   CHECK(std::sqrt(covariance(0, 0)) == Approx(std::hypot(0.01, 0.03)).epsilon(0.05));
   CHECK(covariance(0, 1) == Approx(0.03 * 0.006).epsilon(0.1));
@@ -94,18 +94,19 @@ TEST_CASE("many campaigns tell their covariance, whatever was assumed", "[repeat
 }
 
 TEST_CASE("without campaigns the fit's own covariance is widened a little", "[repeatability]") {
-  const Repeatability found(fit(), kNumbers, {});
+  const Repeatability found(fit(), kVaryingNumbers, {});
   const MatrixXd share = found.spread().widened() * found.spread().covariance * fit().inverse();
-  for (Index k = 0; k < kCount; ++k) {
+  for (Index k = 0; k < kVaryingCount; ++k) {
     CHECK(share(k, k) > 1);
     CHECK(share(k, k) < 2.5);
   }
 }
 
 TEST_CASE("the same data again and again are no proof of repeatability", "[repeatability]") {
-  const Repeatability found(fit(), kNumbers, {MatrixXd::Zero(kCount, kCount), 20});
+  const Repeatability found(fit(), kVaryingNumbers,
+                            {MatrixXd::Zero(kVaryingCount, kVaryingCount), 20});
   const MatrixXd share = found.spread().covariance * fit().inverse();
-  for (Index k = 0; k < kCount; ++k) CHECK(share(k, k) > 0.49);
+  for (Index k = 0; k < kVaryingCount; ++k) CHECK(share(k, k) > 0.49);
 }
 
 TEST_CASE("false alarms are as rare as they should be, of few marked campaigns and of many",
@@ -130,11 +131,11 @@ TEST_CASE("a campaign is tested against the others without itself", "[repeatabil
   const VectorXd off = last - mean;
   const VectorXd from_mean = off * (10.0 / 11);
   const Scatter with{scatter.products + 10.0 / 11 * off * off.transpose(), 10};
-  const Repeatability found(fit(), kNumbers, with);
+  const Repeatability found(fit(), kVaryingNumbers, with);
   const auto without = found.without(from_mean, 11);
   CHECK(without.degrees < found.spread().degrees);
   // Both have the same prior: what the campaign has added is taken away again.
-  const Repeatability::Spread all = found.without(VectorXd::Zero(kCount), 11);
+  const Repeatability::Spread all = found.without(VectorXd::Zero(kVaryingCount), 11);
   const double ratio = all.covariance.trace() / without.covariance.trace();
   CHECK(ratio > 1);
   CHECK(without.covariance.llt().info() == Eigen::Success);
