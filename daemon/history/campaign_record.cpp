@@ -119,7 +119,7 @@ CampaignRecord campaign_record(const CampaignTexts& texts) {
   try {
     const Json result = parse_result(file, texts.result);
     record.friction = friction_of(result, texts.currents);
-    record.arm = told_arm(file, result);
+    record.arm = told_arm_in(result, file);
   } catch (const std::exception& problem) {
     record.why_not = problem.what();
   }

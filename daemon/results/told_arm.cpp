@@ -193,14 +193,14 @@ Json read_result(const std::filesystem::path& file) {
 
 ToldArm read_told_arm(const std::filesystem::path& path) {
   const auto file = result_file(path);
-  return told_arm(file, read_result(file));
+  return told_arm_in(read_result(file), file);
 }
 
 ToldArm told_arm(std::string_view bytes, const std::filesystem::path& file) {
-  return told_arm(file, parse_result(file, bytes));
+  return told_arm_in(parse_result(file, bytes), file);
 }
 
-ToldArm told_arm(const std::filesystem::path& file, const Json& json) {
+ToldArm told_arm_in(const Json& json, const std::filesystem::path& file) {
   ToldArm told;
   told.file = file;
   told.robot = text_of(json, "robot");

@@ -47,7 +47,7 @@ struct ToldArm {
 /// The same from the bytes of such a file; `file` is what errors name.
 [[nodiscard]] ToldArm told_arm(std::string_view bytes, const std::filesystem::path& file);
 /// The same of a result that was read; `file` is what errors name.
-[[nodiscard]] ToldArm told_arm(const std::filesystem::path& file,
-                               const nlohmann::ordered_json& result);
+[[nodiscard]] ToldArm told_arm_in(const nlohmann::ordered_json& result,
+                                  const std::filesystem::path& file);
 
 }  // namespace sweepd
