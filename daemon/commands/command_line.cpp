@@ -40,7 +40,7 @@ CommandLine::CommandLine()
        kWrongUsage,
        {3,
         "The result is doubtful (identify, replay), replies were right but late (simulate), or the "
-        "robot has changed (compare)."},
+        "robot has changed (compare, history)."},
        kWrongFile}));
 
   add_commands(app, arguments_, exit_code_);

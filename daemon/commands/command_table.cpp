@@ -9,9 +9,11 @@
 #include "daemon/commands/compare_command.hpp"
 #include "daemon/commands/correct_command.hpp"
 #include "daemon/commands/export_command.hpp"
+#include "daemon/commands/history_command.hpp"
 #include "daemon/commands/identify_command.hpp"
 #include "daemon/commands/inspect_command.hpp"
 #include "daemon/commands/listen_command.hpp"
+#include "daemon/commands/note_command.hpp"
 #include "daemon/commands/plan_command.hpp"
 #include "daemon/commands/plant_commands.hpp"
 #include "daemon/commands/publish_command.hpp"
@@ -75,6 +77,11 @@ void add_commands(CLI::App& app, const std::vector<std::string>& arguments, int&
         return options.database ? plant::compare(options, arguments) : compare(options);
       },
       exit_code);
+  add(
+      app, add_history, [](const HistoryCommandOptions& options) { return show_history(options); },
+      exit_code);
+  add(
+      app, add_note, [](const NoteOptions& options) { return note(options); }, exit_code);
   add(
       app, add_export, [](const ExportOptions& options) { return export_csv(options); }, exit_code);
   add(

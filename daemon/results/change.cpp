@@ -6,6 +6,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/text/units.hpp"
 #include "rsi/counted.hpp"
 
 namespace sweepd {
@@ -94,7 +95,15 @@ std::string name_of(const identify::ArmNumber& number) {
 }
 
 std::string name_with_unit(const identify::ArmNumber& number) {
-  return name_of(number) + (number.length ? "_mm" : "_deg");
+  return name_of(number) + '_' + unit_of(number);
+}
+
+double in_unit(const identify::ArmNumber& number, double value) {
+  return number.length ? value : degrees(value);
+}
+
+std::string unit_of(const identify::ArmNumber& number) {
+  return number.length ? "mm" : "deg";
 }
 
 }  // namespace sweepd

@@ -34,5 +34,8 @@ inline constexpr std::size_t kComparedPoses = 2000;
 /// As in "zero4", and with its unit "zero4_deg".
 [[nodiscard]] std::string name_of(const identify::ArmNumber& number);
 [[nodiscard]] std::string name_with_unit(const identify::ArmNumber& number);
+/// A number in its unit, mm or degrees; and "mm" or "deg".
+[[nodiscard]] double in_unit(const identify::ArmNumber& number, double value);
+[[nodiscard]] std::string unit_of(const identify::ArmNumber& number);
 
 }  // namespace sweepd

@@ -23,8 +23,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kLeastEigenvalue = 1e-5;
-
 /// Inverse of a matrix of correlations.
 MatrixXd inverse(const MatrixXd& correlations) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solved(correlations);
@@ -85,7 +83,8 @@ void set_changes(ChangeTest& test, const VectorXd& z, const VectorXd& sigma,
 
 }  // namespace
 
-ChangeTest test_change(const VectorXd& difference, const MatrixXd& covariance, double level) {
+ChangeTest test_change(const VectorXd& difference, const MatrixXd& covariance, double level,
+                       Smallest smallest) {
   ChangeTest test;
   const Index count = difference.size();
   if (count == 0) return test;
@@ -117,6 +116,7 @@ ChangeTest test_change(const VectorXd& difference, const MatrixXd& covariance, d
     number.sigma = sigma(k);
     number.p = p;
     number.changed = p < level;
+    if (smallest == Smallest::left_out) continue;
     number.smallest = sigma(k) * smallest_change(own_limit, total_limit, numbers - 1,
                                                  std::max(0.0, information(k, k) - 1));
   }

@@ -8,6 +8,8 @@ namespace sweepd {
 
 /// Numbers are called changed with this chance where they have: see NumberChange::smallest.
 inline constexpr double kPower = 0.8;
+/// Of a matrix of correlations: a linearisation tells no closer ones.
+inline constexpr double kLeastEigenvalue = 1e-5;
 
 struct NumberChange {
   double sigma = 0;  ///< of the difference
@@ -31,6 +33,10 @@ struct ChangeTest {
   Eigen::MatrixXd changes_covariance;
 };
 
+/// Whether `smallest` is worked out: it takes longer than all else, and the differences do not
+/// change it.
+enum class Smallest { told, left_out };
+
 /// Tests differences with their covariance, in any units. First all of them together (Hotelling's
 /// T squared; the covariance is taken for known). Only where that says so, single numbers are
 /// called changed (Holm 1979): so of unchanged pairs no more than `level` raise any alarm.
@@ -39,6 +45,7 @@ struct ChangeTest {
 /// Correlations are taken for no closer than a linearisation can tell: eigenvalues of their matrix
 /// count as 1e-5 at least.
 [[nodiscard]] ChangeTest test_change(const Eigen::VectorXd& difference,
-                                     const Eigen::MatrixXd& covariance, double level);
+                                     const Eigen::MatrixXd& covariance, double level,
+                                     Smallest smallest = Smallest::told);
 
 }  // namespace sweepd

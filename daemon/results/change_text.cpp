@@ -8,7 +8,6 @@
 #include "daemon/results/change.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/text_layout.hpp"
-#include "daemon/text/units.hpp"
 #include "rsi/counted.hpp"
 
 namespace sweepd {
@@ -17,14 +16,6 @@ namespace {
 using identify::ArmNumber;
 using identify::ArmNumberKind;
 using identify::LeftOutBecause;
-
-double in_unit(const ArmNumber& number, double value) {
-  return number.length ? value : degrees(value);
-}
-
-std::string unit_of(const ArmNumber& number) {
-  return number.length ? "mm" : "deg";
-}
 
 /// As many as show two digits of the smallest uncertainty.
 struct ChangeDecimals {

@@ -174,8 +174,10 @@ std::string result_bytes(const std::filesystem::path& file) {
   return std::move(text).str();
 }
 
-Json parsed_result(std::string_view bytes, const std::filesystem::path& file) {
-  Json json = Json::parse(bytes, nullptr, false);
+}  // namespace
+
+Json parse_result(const std::filesystem::path& file, std::string_view text) {
+  Json json = Json::parse(text, nullptr, false);
   const std::string schema = text_of(json, "schema");
   if (schema == kSchema) return json;
   refuse(file, schema.starts_with("sweepd.result/")
@@ -185,21 +187,22 @@ Json parsed_result(std::string_view bytes, const std::filesystem::path& file) {
                      "written, or its result.json");
 }
 
-}  // namespace
-
 Json read_result(const std::filesystem::path& file) {
-  return parsed_result(result_bytes(file), file);
+  return parse_result(file, result_bytes(file));
 }
 
 ToldArm read_told_arm(const std::filesystem::path& path) {
   const auto file = result_file(path);
-  return told_arm(result_bytes(file), file);
+  return told_arm_in(read_result(file), file);
 }
 
 ToldArm told_arm(std::string_view bytes, const std::filesystem::path& file) {
+  return told_arm_in(parse_result(file, bytes), file);
+}
+
+ToldArm told_arm_in(const Json& json, const std::filesystem::path& file) {
   ToldArm told;
   told.file = file;
-  const Json json = parsed_result(bytes, file);
   told.robot = text_of(json, "robot");
   told.status = text_of(json, "status");
   told.reason = text_of(json, "reason");

@@ -36,6 +36,9 @@ struct ToldArm {
 /// A result.json, or that of a folder; throws std::runtime_error where it is none of this sweepd.
 [[nodiscard]] std::filesystem::path result_file(const std::filesystem::path& path);
 [[nodiscard]] nlohmann::ordered_json read_result(const std::filesystem::path& file);
+/// The same of a text that is there already; `file` is what errors name.
+[[nodiscard]] nlohmann::ordered_json parse_result(const std::filesystem::path& file,
+                                                  std::string_view text);
 
 /// `path` is a folder that holds result.json, or such a file. Throws std::runtime_error with what
 /// is wrong and what to do where it cannot be compared: not there, no result, of another version,
@@ -43,5 +46,8 @@ struct ToldArm {
 [[nodiscard]] ToldArm read_told_arm(const std::filesystem::path& path);
 /// The same from the bytes of such a file; `file` is what errors name.
 [[nodiscard]] ToldArm told_arm(std::string_view bytes, const std::filesystem::path& file);
+/// The same of a result that was read; `file` is what errors name.
+[[nodiscard]] ToldArm told_arm_in(const nlohmann::ordered_json& result,
+                                  const std::filesystem::path& file);
 
 }  // namespace sweepd

@@ -49,13 +49,13 @@ pugi::xml_node add_joint(pugi::xml_node robot, const std::string& name, const ch
 }
 
 /// Lower and upper limit of a joint's value: rad, or m.
-struct Range {
+struct UrdfRange {
   double lower = 0;
   double upper = 0;
 };
 
 /// URDF demands limits of a prismatic joint: where the description has none, what was swept.
-Range swept_range(const identify::Identification& found, std::size_t j) {
+UrdfRange swept_range(const identify::Identification& found, std::size_t j) {
   const identify::JointResult& joint = found.joints[j];
   double least = 0, most = 0;
   bool any = false;
@@ -124,9 +124,9 @@ std::string urdf(const identify::KinematicModel& model, const Outcome& outcome) 
     if (!limited && !linear && !std::isfinite(speed)) continue;
     auto limit = joint.append_child("limit");
     if (limited || linear) {
-      const Range range = limited ? Range{in_joint_units(limits[j - 1].min_deg),
-                                          in_joint_units(limits[j - 1].max_deg)}
-                                  : swept_range(outcome.identification, j - 1);
+      const UrdfRange range = limited ? UrdfRange{in_joint_units(limits[j - 1].min_deg),
+                                                  in_joint_units(limits[j - 1].max_deg)}
+                                      : swept_range(outcome.identification, j - 1);
       set(limit, "lower", number_text(range.lower));
       set(limit, "upper", number_text(range.upper));
     }

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+#include <iostream>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace CLI {  // NOLINT(readability-identifier-naming): theirs
+class App;
+}
+
+namespace sweepd {
+
+struct HistoryCommandOptions {
+  std::vector<std::filesystem::path> of;  ///< folders, or the name of a robot in the settings
+  std::filesystem::path config;
+  std::optional<std::string> since;
+  std::optional<std::string> same_state;  ///< FROM..TO
+  std::optional<std::filesystem::path> reference;
+  std::string kind;  ///< arm, model; empty: arm where there is any
+  double level = 0.05;
+  std::optional<std::filesystem::path> csv, html, index;
+  bool rebuild = false;
+  bool force = false;
+};
+
+/// Tells how the numbers of a robot went over its campaigns. Returns the exit code: 3 where a
+/// change can be dated. Throws std::invalid_argument, ConfigError and std::runtime_error.
+[[nodiscard]] int show_history(const HistoryCommandOptions& options, std::ostream& out = std::cout);
+
+CLI::App* add_history(CLI::App& app, HistoryCommandOptions& options);
+
+}  // namespace sweepd

@@ -1,0 +1,173 @@
+#include "daemon/history/campaign_folders.hpp"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+#include <sys/stat.h>
+
+#include "daemon/history/campaign_index.hpp"
+#include "daemon/record/session_folder.hpp"
+#include "rsi/counted.hpp"
+
+namespace sweepd {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array kRecordFiles = {"result.json", "run.json", "link.json", "currents.csv",
+                                     kNotesFile};
+constexpr int kDeepest = 2;
+constexpr std::size_t kMostNamed = 3;
+
+std::string file_bytes(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream bytes;
+  if (stream) bytes << stream.rdbuf();
+  return std::move(bytes).str();
+}
+
+/// Of the files that a record is made of: sizes, and when each was written last.
+std::string stamp_of(const fs::path& folder) {
+  std::string stamp;
+  for (const char* name : kRecordFiles) {
+    struct stat status {};
+    if (stat((folder / name).c_str(), &status) == 0)
+      stamp += std::to_string(status.st_size) + ' ' + std::to_string(status.st_mtim.tv_sec) + '.' +
+               std::to_string(status.st_mtim.tv_nsec);
+    stamp += ';';
+  }
+  return stamp;
+}
+
+CampaignRecord read_record(const fs::path& folder) {
+  CampaignTexts texts;
+  texts.name = folder.string();
+  texts.result = file_bytes(folder / "result.json");
+  texts.run = file_bytes(folder / "run.json");
+  texts.link = file_bytes(folder / "link.json");
+  if (texts.result.find("\"currents\"") == texts.result.npos)
+    texts.currents = file_bytes(folder / "currents.csv");
+  texts.notes = file_bytes(folder / kNotesFile);
+  struct stat status {};
+  if (stat((folder / "result.json").c_str(), &status) == 0 || stat(folder.c_str(), &status) == 0)
+    texts.written = std::chrono::seconds(status.st_mtim.tv_sec);
+  return campaign_record(texts);
+}
+
+bool holds_results(const fs::path& folder) {
+  std::error_code error;
+  return fs::exists(folder / "result.json", error) || fs::exists(folder / "run.json", error);
+}
+
+/// Folders of results in `path`, sorted; notes of the folders above them.
+void look(const fs::path& path, int depth, std::vector<fs::path>& folders, FoundCampaigns& found) {
+  if (holds_results(path) || session_name(path.filename().string())) {
+    folders.push_back(path);
+    return;
+  }
+  CampaignNotes notes = parse_notes(file_bytes(path / kNotesFile));
+  found.notes.insert(found.notes.end(), notes.notes.begin(), notes.notes.end());
+  for (const std::size_t line : notes.broken_lines)
+    found.messages.push_back("Line " + std::to_string(line) + " of " +
+                             (path / kNotesFile).string() + " is no note; it is passed over.");
+  if (depth == kDeepest) return;
+  std::vector<fs::path> below;
+  std::error_code error;
+  for (fs::directory_iterator entry(path, error), end; !error && entry != end;
+       entry.increment(error))
+    if (entry->is_directory(error)) below.push_back(entry->path());
+  std::sort(below.begin(), below.end());
+  for (const fs::path& folder : below) look(folder, depth + 1, folders, found);
+}
+
+/// "a, b, c and 5 more".
+std::string named(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t k = 0; k < std::min(names.size(), kMostNamed); ++k)
+    text += (k == 0 ? "" : ", ") + names[k];
+  return names.size() > kMostNamed
+             ? text + " and " + std::to_string(names.size() - kMostNamed) + " more"
+             : text;
+}
+
+/// Records of an index as far as the folders are as it knew them; what is not is read and written.
+std::vector<CampaignRecord> indexed(const fs::path& file, bool rebuild,
+                                    const std::vector<fs::path>& folders,
+                                    std::vector<std::string>& messages) {
+  CampaignIndex index(file, rebuild);
+  auto known = index.entries();
+  const fs::path beside = fs::absolute(file).parent_path();
+  CampaignIndex::Entries changed;
+  std::vector<CampaignRecord> records;
+  records.reserve(folders.size());
+  for (const fs::path& folder : folders) {
+    const std::string key =
+        fs::absolute(folder).lexically_normal().lexically_proximate(beside).string();
+    const std::string stamp = stamp_of(folder);
+    const auto entry = known.find(key);
+    bool as_before = entry != known.end() && entry->second.stamp == stamp;
+    if (as_before) try {
+        CampaignRecord record = unpacked(entry->second.record.data(), entry->second.record.size());
+        record.name = folder.string();
+        if (record.arm) record.arm->file = folder / "result.json";
+        records.push_back(std::move(record));
+      } catch (const std::exception&) {
+        as_before = false;
+      }
+    if (!as_before) {
+      records.push_back(read_record(folder));
+      changed[key] = {stamp, packed(records.back())};
+    }
+    if (entry != known.end()) known.erase(entry);
+  }
+  std::vector<std::string> gone;
+  for (const auto& [folder, entry] : known) {
+    std::error_code error;
+    if (!fs::exists(beside / folder, error)) gone.push_back(folder);  // else it was not asked for
+  }
+  if (!gone.empty())
+    messages.push_back("Gone since the index was written: " +
+                       rsi::counted(gone.size(), "campaign") + " (" + named(gone) + ").");
+  try {
+    index.update(changed, gone);
+  } catch (const std::runtime_error& problem) {
+    messages.push_back(std::string(problem.what()) + "; it is as old as it was.");
+  }
+  return records;
+}
+
+}  // namespace
+
+FoundCampaigns campaigns_in(const std::vector<fs::path>& paths, const IndexOptions& options) {
+  FoundCampaigns found;
+  std::vector<fs::path> folders;
+  for (const fs::path& path : paths) {
+    if (!fs::is_directory(path))
+      throw std::runtime_error(path.string() +
+                               " is no folder: give folders of results, or one that has them");
+    look(path.lexically_normal(), 0, folders, found);
+  }
+  std::sort(folders.begin(), folders.end());
+  folders.erase(std::unique(folders.begin(), folders.end()), folders.end());
+
+  std::optional<fs::path> index = options.file;
+  const bool alone = paths.size() == 1 && folders.size() >= kManyCampaigns;
+  if (!index && (alone || (options.rebuild && paths.size() == 1)))
+    index = paths.front() / kIndexFile;
+  if (index) try {
+      found.records = indexed(*index, options.rebuild, folders, found.messages);
+      return found;
+    } catch (const std::runtime_error& problem) {
+      found.messages.push_back(std::string(problem.what()) +
+                               ": all folders were read. --rebuild makes an index anew, --index "
+                               "keeps it elsewhere.");
+    }
+  found.records.clear();
+  for (const fs::path& folder : folders) found.records.push_back(read_record(folder));
+  return found;
+}
+
+}  // namespace sweepd

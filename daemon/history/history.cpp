@@ -1,0 +1,182 @@
+#include "daemon/history/history.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+
+#include "daemon/history/compared_campaigns.hpp"
+#include "daemon/history/friction_series.hpp"
+#include "rsi/counted.hpp"
+
+namespace sweepd {
+namespace {
+
+constexpr std::chrono::nanoseconds kShortlyBefore = std::chrono::hours(24);
+
+bool is_at(const CampaignRecord& record, const std::filesystem::path& path) {
+  std::error_code error;
+  return record.name == path.lexically_normal().string() ||
+         std::filesystem::equivalent(record.name, path, error) ||
+         std::filesystem::equivalent(std::filesystem::path(record.name) / "result.json", path,
+                                     error);
+}
+
+std::string words_for(const std::string& describes) {
+  return describes == "arm" ? "the arm" : "the controller's model";
+}
+
+/// Which of the records belong together: one kind, one robot's joints.
+std::vector<CampaignRecord> of_one_kind(std::vector<CampaignRecord> records,
+                                        const HistoryOptions& options, History& history) {
+  std::vector<CampaignRecord> told, chosen;
+  for (CampaignRecord& record : records)
+    (record.arm ? told : history.left_out).push_back(std::move(record));
+  if (told.empty())
+    throw std::runtime_error(
+        history.left_out.empty()
+            ? "there are no results in these folders: give folders that run, replay or identify "
+              "has written, or one that has them"
+            : "none of the " + rsi::counted(history.left_out.size(), "campaign") +
+                  " tells an arm; the first: " + history.left_out.front().why_not);
+  history.describes = options.describes;
+  if (history.describes.empty())
+    history.describes =
+        std::any_of(told.begin(), told.end(),
+                    [](const CampaignRecord& record) { return record.arm->describes == "arm"; })
+            ? "arm"
+            : told.front().arm->describes;
+  std::map<std::pair<std::size_t, std::vector<bool>>, std::size_t> shapes;
+  const auto shape = [](const CampaignRecord& record) {
+    return std::pair(record.arm->all_joints, record.arm->reach.linear);
+  };
+  for (const CampaignRecord& record : told)
+    if (record.arm->describes == history.describes && record.arm->whole()) ++shapes[shape(record)];
+  const auto usual =
+      std::max_element(shapes.begin(), shapes.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
+  if (usual == shapes.end())
+    throw std::runtime_error("no campaign here tells the whole table of " +
+                             words_for(history.describes) +
+                             ": choose the other kind with --of, or identify again with sweeps of "
+                             "every joint");
+  for (CampaignRecord& record : told) {
+    if (record.arm->describes != history.describes)
+      record.why_not = record.name + " is of " + words_for(record.arm->describes);
+    else if (record.arm->all_joints != usual->first.first ||
+             (record.arm->whole() && record.arm->reach.linear != usual->first.second))
+      record.why_not = record.name + " is of a robot with other joints";
+    else {
+      chosen.push_back(std::move(record));
+      continue;
+    }
+    history.left_out.push_back(std::move(record));
+  }
+  return chosen;
+}
+
+/// Where it is; the first that is marked, else the first that is complete.
+std::size_t reference_in(const std::vector<CampaignRecord>& records, const HistoryOptions& options,
+                         const std::vector<std::string>& states) {
+  const auto find = [&](const auto& is) {
+    const auto place = std::find_if(records.begin(), records.end(), is);
+    return static_cast<std::size_t>(place - records.begin());
+  };
+  if (options.reference) {
+    const std::size_t place =
+        find([&](const CampaignRecord& record) { return is_at(record, *options.reference); });
+    if (place < records.size() && records[place].arm->whole()) return place;
+    throw std::runtime_error(options.reference->string() +
+                             " is none of the campaigns that can be compared, or leaves axes open: "
+                             "choose another one for --reference");
+  }
+  for (std::size_t i = 0; i < records.size(); ++i)
+    if (!states[i].empty() && records[i].arm->whole()) return i;
+  const std::size_t complete = find([](const CampaignRecord& record) {
+    return record.arm->status == "complete" && record.arm->whole();
+  });
+  return complete < records.size()
+             ? complete
+             : find([](const CampaignRecord& record) { return record.arm->whole(); });
+}
+
+void tell_robots(const std::vector<CampaignRecord>& records, History& history) {
+  std::map<std::string, std::size_t> robots;
+  for (const CampaignRecord& record : records) ++robots[record.arm->robot];
+  std::string others;
+  for (const auto& [robot, count] : robots)
+    if (robot != history.robot) others += (others.empty() ? "" : ", ") + robot;
+  if (!others.empty())
+    history.messages.push_back("Campaigns of other names are among them: " + others +
+                               ". Is it one robot?");
+  std::size_t by_age = 0;
+  for (const CampaignRecord& record : records) by_age += record.time_from == "age";
+  if (by_age > 0)
+    history.messages.push_back(
+        "Of " + rsi::counted(by_age, "campaign") +
+        " only the age of the files tells when it was: `sweepd note DIR --measured DATE` says it.");
+}
+
+void gather_notes(const std::vector<CampaignNote>& of_no_campaign, History& history) {
+  for (const CampaignNote& note : of_no_campaign) history.notes.emplace_back("", note);
+  const auto add = [&](const CampaignRecord& record) {
+    for (const CampaignNote& note : record.notes)
+      if (!note.text.empty()) history.notes.emplace_back(record.name, note);
+    for (const std::size_t line : record.broken_notes)
+      history.messages.push_back("Line " + std::to_string(line) + " of " + record.name + '/' +
+                                 kNotesFile + " is no note; it is passed over.");
+  };
+  for (const ComparedCampaign& campaign : history.campaigns) add(campaign.record);
+  for (const CampaignRecord& record : history.left_out) add(record);
+  std::stable_sort(history.notes.begin(), history.notes.end(),
+                   [](const auto& a, const auto& b) { return a.second.time < b.second.time; });
+}
+
+}  // namespace
+
+double years(std::chrono::nanoseconds time) {
+  return std::chrono::duration<double>(time).count() / kYear_s;
+}
+
+std::vector<CampaignNote> History::notes_near(const DatedChange& change) const {
+  const std::size_t before = change.earliest > 0 ? change.earliest - 1 : 0;
+  const auto from = campaigns[before].record.time - kShortlyBefore;
+  const auto to = campaigns[change.latest].record.time;
+  std::vector<CampaignNote> near;
+  for (const auto& [campaign, note] : notes)
+    if ((note.time >= from && note.time <= to) || campaign == campaigns[change.at].record.name)
+      near.push_back(note);
+  return near;
+}
+
+History history_of(FoundCampaigns found, const HistoryOptions& options) {
+  History history;
+  history.level = options.level;
+  history.messages = std::move(found.messages);
+  auto records = of_one_kind(std::move(found.records), options, history);
+  std::stable_sort(
+      records.begin(), records.end(),
+      [](const CampaignRecord& a, const CampaignRecord& b) { return a.time < b.time; });
+  std::vector<std::string> states;
+  for (const CampaignRecord& record : records) {
+    const bool same = options.same_state && record.time >= options.same_state->first &&
+                      record.time <= options.same_state->second;
+    states.push_back(same ? "--same-state" : record.same_state());
+  }
+  std::size_t reference = reference_in(records, options, states);
+  history.robot = records[reference].arm->robot;
+  if (options.since)  // earlier ones go, but for what is compared with
+    for (std::size_t i = records.size(); i-- > 0;) {
+      if (i == reference || !states[i].empty() || records[i].time >= *options.since) continue;
+      records.erase(records.begin() + static_cast<std::ptrdiff_t>(i));
+      states.erase(states.begin() + static_cast<std::ptrdiff_t>(i));
+      if (i < reference) --reference;
+    }
+  tell_robots(records, history);
+  compare_campaigns(std::move(records), states, reference, options, history);
+  find_friction(history);
+  gather_notes(found.notes, history);
+  return history;
+}
+
+}  // namespace sweepd

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+
+#include "daemon/history/history.hpp"
+
+namespace sweepd {
+
+/// Half of an interval of 95 %, in standard deviations.
+inline constexpr double kOf95 = 1.96;
+
+/// "2024-03-01".
+[[nodiscard]] std::string date_of(std::chrono::nanoseconds time);
+/// As many as show two digits of the smallest uncertainty of the lengths, or of the angles.
+[[nodiscard]] int decimals_of(const History& history, bool lengths);
+/// With as many decimals as its uncertainty tells.
+[[nodiscard]] std::string told_with(double value, double sigma);
+
+/// "between 2024-03-01 and 2024-04-01", "since 2024-03-01", "on 2024-03-01".
+[[nodiscard]] std::string when(const History& history, const DatedChange& change);
+/// A sentence, as in "zero4 jumped by +0.0500 deg (95 %: 0.0480 to 0.0520) between … and …."
+[[nodiscard]] std::string change_sentence(const History& history, const DatedChange& change);
+[[nodiscard]] std::string friction_sentence(const History& history, const DatedChange& change);
+/// What was changed, in a sentence or two: the first of the text and of the page.
+[[nodiscard]] std::string verdict_words(const History& history);
+/// How the repeatability is known, and what that costs.
+[[nodiscard]] std::string repeatability_words(const History& history);
+/// How many campaigns stand out, and how many would by chance.
+[[nodiscard]] std::string alarms_words(const History& history);
+
+}  // namespace sweepd

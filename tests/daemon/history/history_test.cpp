@@ -1,0 +1,174 @@
+#include "daemon/history/history.hpp"
+
+#include <sstream>
+
+#include "daemon/history/history_page.hpp"
+#include "daemon/history/history_text.hpp"
+#include "daemon/history/history_words.hpp"
+#include "daemon/results/change.hpp"
+#include "daemon/text/units.hpp"
+#include "daemon/text/utc.hpp"
+#include "tests/catch.hpp"
+#include "tests/daemon/history/drawn_campaigns.hpp"
+#include "tests/daemon/history/whole_result.hpp"
+
+using Catch::Matchers::ContainsSubstring;
+using sweepd::CampaignRecord;
+using sweepd::ChangeKind;
+using sweepd::FoundCampaigns;
+using sweepd::History;
+using sweepd::history_of;
+using sweepd::test::DrawnCampaigns;
+
+namespace {
+
+std::chrono::nanoseconds month(int campaign) {
+  return *sweepd::parse_utc("2020-01-01") + std::chrono::hours(730 * campaign);
+}
+
+const DrawnCampaigns& drawn() {
+  static const DrawnCampaigns once(sweepd::test::whole_result().dump());
+  return once;
+}
+
+/// One a month; zero 4 is off by `jump_deg` from `crash` on. The first `marked` are marked.
+std::vector<CampaignRecord> campaigns(int count, int marked, int crash = 1000,
+                                      double jump_deg = 0) {
+  std::mt19937 random(11);
+  std::vector<CampaignRecord> all;
+  for (int i = 0; i < count; ++i) {
+    auto rows = drawn().rows();
+    if (i >= crash)
+      rows[3].theta_rad += drawn().record().arm->arm.positive[3] * sweepd::radians(jump_deg);
+    all.push_back(drawn().draw(rows, random));
+    all.back().name = "campaign" + std::to_string(i);
+    all.back().time = month(i);
+    all.back().time_from = "run.json";
+    if (i < marked) all.back().notes.push_back({month(i), "", std::string("new"), false});
+  }
+  return all;
+}
+
+double sigma_of_zero4() {
+  return sweepd::degrees(std::sqrt(drawn().record().arm->arm.covariance(16, 16)));
+}
+
+}  // namespace
+
+TEST_CASE("a crash is dated and named, with the note of it", "[history][long]") {
+  FoundCampaigns found{campaigns(30, 10, 20, 20 * sigma_of_zero4()), {}, {}};
+  found.notes.push_back({month(20) - std::chrono::hours(100), "collision, A4", {}, false});
+  const History history = history_of(std::move(found), {});
+  REQUIRE(history.changes.size() == 1);
+  CHECK(history.changes[0].kind == ChangeKind::jump);
+  CHECK(history.changes[0].at == 20);
+  CHECK(sweepd::name_of(history.numbers[history.changes[0].number]) == "zero4");
+  CHECK(history.basis == sweepd::Basis::marked);
+  CHECK(history.basis_campaigns == 10);
+  CHECK(history.reference_state.size() == 10);
+  for (std::size_t i = 20; i < 30; ++i) CHECK(history.campaigns[i].changed);
+  const std::string text = history_text(history);
+  CHECK_THAT(text, ContainsSubstring("* zero4 jumped by +") &&
+                       ContainsSubstring("note of 2021-08-27: collision, A4") &&
+                       ContainsSubstring("from 10 campaigns that are marked"));
+  const std::string page = history_page(history);
+  CHECK_THAT(page, ContainsSubstring("collision, A4") && ContainsSubstring("<svg"));
+  CHECK(page == history_page(history));
+}
+
+TEST_CASE("the table has a line a campaign, and a bar for each number", "[history][long]") {
+  FoundCampaigns found{campaigns(8, 8), {}, {}};
+  found.records[3].name = "a,\"b";
+  found.records[5].friction = {{2, 0.7, 0.1, 20}};
+  const History history = history_of(std::move(found), {});
+  const std::string csv = history_csv(history);
+  CHECK(std::count(csv.begin(), csv.end(), '\n') == 9);
+  CHECK_THAT(csv, ContainsSubstring("time,campaign,status,state,t_squared,") &&
+                      ContainsSubstring("zero4_deg,zero4_low_deg,zero4_high_deg") &&
+                      ContainsSubstring(",friction3_a,") && ContainsSubstring("\"a,\"\"b\"") &&
+                      ContainsSubstring(",0.7000,"));
+}
+
+TEST_CASE("without marks it is said what is assumed", "[history][long]") {
+  const History many = history_of({campaigns(20, 0), {}, {}}, {});
+  CHECK(many.basis == sweepd::Basis::successive);
+  CHECK(many.changes.empty());
+  CHECK_THAT(history_text(many), ContainsSubstring("No change is seen that can be dated.") &&
+                                     ContainsSubstring("none are marked as the same"));
+  const History few = history_of({campaigns(3, 0), {}, {}}, {});
+  CHECK(few.basis == sweepd::Basis::nothing);
+  CHECK_FALSE(few.campaigns[0].tested);  // the reference, alone
+  CHECK_THAT(sweepd::repeatability_words(few), ContainsSubstring("alarms may be false"));
+  const History one = history_of({campaigns(1, 0), {}, {}}, {});
+  CHECK_THAT(history_text(one), ContainsSubstring("too few campaigns"));
+}
+
+TEST_CASE("a period of one state is as good as marks", "[history][long]") {
+  sweepd::HistoryOptions options;
+  options.same_state = std::pair(month(0), month(9));
+  const History history = history_of({campaigns(20, 0), {}, {}}, options);
+  CHECK(history.basis == sweepd::Basis::marked);
+  CHECK(history.basis_campaigns == 10);
+}
+
+TEST_CASE("a model and an arm are never mixed", "[history][long]") {
+  auto records = campaigns(6, 0);
+  records[2].arm->describes = records[4].arm->describes = "controller_model";
+  const History arm = history_of({records, {}, {}}, {});
+  CHECK(arm.campaigns.size() == 4);
+  CHECK(arm.left_out.size() == 2);
+  CHECK_THAT(history_text(arm), ContainsSubstring("campaign2 is of the controller's model"));
+  sweepd::HistoryOptions options;
+  options.describes = "controller_model";
+  CHECK(history_of({records, {}, {}}, options).campaigns.size() == 2);
+}
+
+TEST_CASE("what cannot be compared is named", "[history][long]") {
+  auto records = campaigns(5, 0);
+  records[1].arm.reset();
+  records[1].why_not = "campaign1 has no result.json";
+  records[3].arm->all_joints = 7;
+  const History history = history_of({records, {}, {}}, {});
+  CHECK(history.campaigns.size() == 3);
+  CHECK_THAT(history_text(history), ContainsSubstring("campaign1 has no result.json") &&
+                                        ContainsSubstring("campaign3 is of a robot with other"));
+  sweepd::HistoryOptions options;
+  options.reference = "elsewhere";
+  CHECK_THROWS_WITH(history_of({records, {}, {}}, options),
+                    ContainsSubstring("none of the campaigns"));
+  CHECK_THROWS_WITH(history_of({{records[1]}, {}, {}}, {}), ContainsSubstring("no result.json"));
+  CHECK_THROWS_WITH(history_of({}, {}), ContainsSubstring("there are no results"));
+}
+
+TEST_CASE("a campaign that leaves the last axis open tells the numbers before it",
+          "[history][long]") {
+  auto records = campaigns(8, 6);
+  records[7].arm->cut(5);
+  const History history = history_of({records, {}, {}}, {});
+  REQUIRE(history.campaigns.size() == 8);
+  CHECK(history.campaigns[7].told < history.numbers.size());
+  CHECK(history.campaigns[7].told > 5);
+  CHECK(history.campaigns[7].tested);
+}
+
+TEST_CASE("campaigns before a date only tell what is compared with", "[history][long]") {
+  sweepd::HistoryOptions options;
+  options.since = month(12);
+  const History history = history_of({campaigns(20, 6), {}, {}}, options);
+  CHECK(history.campaigns.size() == 6 + 8);
+}
+
+TEST_CASE("friction that rises is told as a drift of its joint", "[history][long]") {
+  auto records = campaigns(40, 10);
+  std::mt19937 random(3);
+  std::normal_distribution<> normal;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const double worn = i > 15 ? 0.02 * static_cast<double>(i - 15) : 0;
+    records[i].friction = {{0, 1 + 0.02 * normal(random), 0, 20},
+                           {2, 1 + worn + 0.02 * normal(random), 0, 20}};
+  }
+  const History history = history_of({records, {}, {}}, {});
+  REQUIRE(history.friction_changes.size() == 1);
+  CHECK(history.friction_changes[0].kind == ChangeKind::drift);
+  CHECK_THAT(history_text(history), ContainsSubstring("friction of joint 3 drifts by +0.2"));
+}
