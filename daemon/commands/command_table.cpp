@@ -78,7 +78,9 @@ void add_commands(CLI::App& app, const std::vector<std::string>& arguments, int&
       },
       exit_code);
   add(
-      app, add_history, [](const HistoryCommandOptions& options) { return show_history(options); },
+      app, add_history, [&arguments](const HistoryCommandOptions& options) {
+        return options.database ? plant::history(options, arguments) : show_history(options);
+      },
       exit_code);
   add(
       app, add_note, [](const NoteOptions& options) { return note(options); }, exit_code);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 
@@ -47,6 +48,14 @@ std::pair<std::chrono::nanoseconds, std::chrono::nanoseconds> period(const std::
 }  // namespace
 
 int show_history(const HistoryCommandOptions& options, std::ostream& out) {
+  std::vector<fs::path> folders;
+  for (const fs::path& given : options.of)
+    folders.push_back(
+        folder_of(given, options.config.empty() ? RunOptions().config : options.config));
+  return show_history(options, campaigns_in(folders, {options.index, options.rebuild}), out);
+}
+
+int show_history(const HistoryCommandOptions& options, FoundCampaigns found, std::ostream& out) {
   HistoryOptions how;
   how.level = options.level;
   how.reference = options.reference;
@@ -56,11 +65,7 @@ int show_history(const HistoryCommandOptions& options, std::ostream& out) {
   const Outputs outputs({}, options.force);
   if (options.csv) outputs.check(*options.csv, kCsvBegin);
   if (options.html) outputs.check(*options.html, kHistoryBegin);
-  std::vector<fs::path> folders;
-  for (const fs::path& given : options.of)
-    folders.push_back(
-        folder_of(given, options.config.empty() ? RunOptions().config : options.config));
-  const History history = history_of(campaigns_in(folders, {options.index, options.rebuild}), how);
+  const History history = history_of(std::move(found), how);
   if (options.csv) write_output(*options.csv, history_csv(history));
   if (options.html) write_output(*options.html, history_page(history));
   out << history_text(history);
@@ -115,6 +120,11 @@ CLI::App* add_history(CLI::App& app, HistoryCommandOptions& options) {
       ->type_name("FILE")
       ->default_str("history.sqlite in DIR where there are 100 and more");
   command->add_flag("--rebuild", options.rebuild, "Make the index anew from the folders");
+  command
+      ->add_option("--database", options.database,
+                   "Take the campaigns from this PostgreSQL, as `sweepd collect` has filled it: "
+                   "each DIR is then SITE/CELL/ROBOT")
+      ->type_name("CONNECTION");
   add_force(*command, options.force);
   command->footer(exit_status({{0, "No change is seen that can be dated."},
                                {kChanged, "A change is seen."},

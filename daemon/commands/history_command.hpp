@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "daemon/history/campaign_folders.hpp"
+
 namespace CLI {  // NOLINT(readability-identifier-naming): theirs
 class App;
 }
@@ -13,7 +15,7 @@ class App;
 namespace sweepd {
 
 struct HistoryCommandOptions {
-  std::vector<std::filesystem::path> of;  ///< folders, or the name of a robot in the settings
+  std::vector<std::filesystem::path> of;  ///< folders, or names of robots in settings or database
   std::filesystem::path config;
   std::optional<std::string> since;
   std::optional<std::string> same_state;  ///< FROM..TO
@@ -21,6 +23,7 @@ struct HistoryCommandOptions {
   std::string kind;  ///< arm, model; empty: arm where there is any
   double level = 0.05;
   std::optional<std::filesystem::path> csv, html, index;
+  std::optional<std::string> database;  ///< how to reach it; nothing: folders
   bool rebuild = false;
   bool force = false;
 };
@@ -28,6 +31,10 @@ struct HistoryCommandOptions {
 /// Tells how the numbers of a robot went over its campaigns. Returns the exit code: 3 where a
 /// change can be dated. Throws std::invalid_argument, ConfigError and std::runtime_error.
 [[nodiscard]] int show_history(const HistoryCommandOptions& options, std::ostream& out = std::cout);
+
+/// The same of campaigns that were found elsewhere than in folders.
+[[nodiscard]] int show_history(const HistoryCommandOptions& options, FoundCampaigns found,
+                               std::ostream& out = std::cout);
 
 CLI::App* add_history(CLI::App& app, HistoryCommandOptions& options);
 

@@ -7,6 +7,7 @@ namespace sweepd {
 
 struct CollectOptions;
 struct CompareOptions;
+struct HistoryCommandOptions;
 struct PublishOptions;
 
 /// Commands that speak with a broker or a database. The program sweepd-plant has what they take
@@ -20,6 +21,9 @@ namespace plant {
 [[nodiscard]] int collect(const CollectOptions& options, const std::vector<std::string>& arguments);
 /// `compare` with --database.
 [[nodiscard]] int compare(const CompareOptions& options, const std::vector<std::string>& arguments);
+/// `history` with --database.
+[[nodiscard]] int history(const HistoryCommandOptions& options,
+                          const std::vector<std::string>& arguments);
 
 }  // namespace plant
 

@@ -48,4 +48,8 @@ int compare(const CompareOptions&, const std::vector<std::string>& arguments) {
   return become(arguments);
 }
 
+int history(const HistoryCommandOptions&, const std::vector<std::string>& arguments) {
+  return become(arguments);
+}
+
 }  // namespace sweepd::plant

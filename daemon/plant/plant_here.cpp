@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "daemon/commands/compare_command.hpp"
+#include "daemon/commands/history_command.hpp"
 #include "daemon/commands/plant_commands.hpp"
 #include "daemon/plant/campaign_store.hpp"
 #include "daemon/plant/collect.hpp"
@@ -10,6 +11,15 @@
 
 namespace sweepd::plant {
 namespace {
+
+[[noreturn]] void refuse_name(const std::string& name, const std::string& how) {
+  throw std::invalid_argument(name + " names no robot: write " + how);
+}
+
+[[noreturn]] void refuse_missing(const std::string& name) {
+  throw std::runtime_error("the database has no campaign " + name +
+                           ": check the name, and that `sweepd collect` runs");
+}
 
 /// SITE/CELL/ROBOT, or with /START behind it.
 ToldArm stored_arm(Database& database, const std::string& name) {
@@ -20,13 +30,9 @@ ToldArm stored_arm(Database& database, const std::string& name) {
     if (last != name.npos) place = parse_robot_place(name.substr(0, last));
     if (place) session = name.substr(last + 1);
   }
-  if (!place)
-    throw std::invalid_argument(name +
-                                " names no robot: write SITE/CELL/ROBOT, or SITE/CELL/ROBOT/START");
+  if (!place) refuse_name(name, "SITE/CELL/ROBOT, or SITE/CELL/ROBOT/START");
   const auto campaigns = stored_campaigns(database, *place, session);
-  if (campaigns.empty())
-    throw std::runtime_error("the database has no campaign " + name +
-                             ": check the name, and that `sweepd collect` runs");
+  if (campaigns.empty()) refuse_missing(name);
   const StoredCampaign& newest = campaigns.back();
   return told_arm(newest.result, text(*place) + '/' + newest.session);
 }
@@ -45,6 +51,24 @@ int compare(const CompareOptions& options, const std::vector<std::string>&) {
   Database database(*options.database);
   return sweepd::compare(options, stored_arm(database, options.first.string()),
                          stored_arm(database, options.second.string()));
+}
+
+int history(const HistoryCommandOptions& options, const std::vector<std::string>&) {
+  Database database(*options.database);
+  FoundCampaigns found;
+  for (const auto& name : options.of) {
+    const auto place = parse_robot_place(name.string());
+    if (!place) refuse_name(name.string(), "SITE/CELL/ROBOT");
+    const auto campaigns = stored_campaigns(database, *place);
+    if (campaigns.empty()) refuse_missing(name.string());
+    for (const StoredCampaign& one : campaigns) {
+      CampaignTexts texts;
+      texts.name = one.session;
+      texts.result = one.result;
+      found.records.push_back(campaign_record(texts));
+    }
+  }
+  return show_history(options, std::move(found));
 }
 
 }  // namespace sweepd::plant

@@ -179,6 +179,11 @@ def scenario(plant, outage, long):
     code = subprocess.run([plant.sweepd, "compare", f"{PLACE}/20260101T120000Z", PLACE, "--database",
                            plant.database.connection], capture_output=True, text=True)
     assert code.returncode in (0, 3) and "20260104T120000Z" in code.stdout, code
+    code = subprocess.run([plant.sweepd, "history", PLACE, "--database", plant.database.connection, "--csv",
+                           plant.folder / "history.csv"], capture_output=True, text=True)
+    assert code.returncode in (0, 3), code
+    told = (plant.folder / "history.csv").read_text().splitlines()
+    assert [line.split(",")[1] for line in told[1:]] == [f"2026010{day}T120000Z" for day in range(1, 5)], told
 
     third = subprocess.run([plant.sweepd, "publish", "--config", plant.settings], capture_output=True,
                            text=True, timeout=20)
