@@ -18,7 +18,7 @@ struct CompareOptions {
   std::filesystem::path second;
   double level = 0.05;
   bool json = false;
-  std::optional<std::string> database;  ///< PostgreSQL that has both, in place of files
+  std::optional<std::string> database = {};  ///< PostgreSQL that has both, in place of files
 };
 
 /// Whether the arm of the second result is another than that of the first: says so on `out`.

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 /// No program is larger.
 constexpr std::uintmax_t kMostBytes = 64U << 20U;
 
-std::string bytes_of(const fs::path& file) {
+std::string krl_bytes(const fs::path& file) {
   std::error_code error;
   if (const auto size = fs::file_size(file, error); !error && size > kMostBytes)
     throw std::runtime_error(file.string() + " is too large for a KRL file: is it another one?");
@@ -93,7 +93,7 @@ CorrectedProgram corrected(const CorrectOptions& options, const Correctable& of,
   for (const std::string& name : options.leave) how.leave.push_back(in_capitals(name));
   std::string config;
   if (options.config) {
-    config = bytes_of(*options.config);
+    config = krl_bytes(*options.config);
     how.config = naming(*options.config, [&] { return krl_aggregates(config); });
   }
   return naming(*options.program, [&] {
@@ -190,7 +190,7 @@ int correct(const CorrectOptions& options, std::ostream& out) {
   if (const auto flange = frame_of("--flange", options.flange)) correction.flange = *flange;
   if (const auto tool = frame_of("--tool", options.tool)) correction.tool = tool->linear();
   if (options.program) {
-    correction.program = corrected(options, of, correction, bytes_of(*options.program));
+    correction.program = corrected(options, of, correction, krl_bytes(*options.program));
     outputs.check_same(*options.write, correction.program->text);
     write_bytes(*options.write, correction.program->text);
   }
