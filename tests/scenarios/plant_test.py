@@ -6,8 +6,8 @@ equal to its file to the byte.
 
 The broker is away for MINUTES, some seconds without it.
 """
-import hashlib
 import csv
+import hashlib
 import json
 import os
 import pathlib
