@@ -78,7 +78,8 @@ void add_commands(CLI::App& app, const std::vector<std::string>& arguments, int&
       },
       exit_code);
   add(
-      app, add_history, [&arguments](const HistoryCommandOptions& options) {
+      app, add_history,
+      [&arguments](const HistoryCommandOptions& options) {
         return options.database ? plant::history(options, arguments) : show_history(options);
       },
       exit_code);
