@@ -93,7 +93,7 @@ Json compared_number(const std::string& text, const std::string& name) {
 }  // namespace
 
 TEST_CASE("the same result twice has not changed, and that is said to be little",
-          "[compare_command]") {
+          "[compare_command][long]") {
   ComparedResults results;
   results.write("a", complete());
   results.write("b", complete());

@@ -80,7 +80,7 @@ struct CorrectableFolder {
 
 }  // namespace
 
-TEST_CASE("Each level says what is to be corrected, and by how much", "[correct_command]") {
+TEST_CASE("Each level says what is to be corrected, and by how much", "[correct_command][long]") {
   CorrectableFolder result;
   const auto run = [&](CorrectionLevel level) {
     result.out.str("");

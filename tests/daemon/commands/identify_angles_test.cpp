@@ -53,7 +53,7 @@ Result identified(const TemporaryFolder& folder, const std::string& device_file)
 }  // namespace
 
 TEST_CASE("A device's file without angles is identified with those of a trace",
-          "[identify_angles]") {
+          "[identify_angles][long]") {
   const TemporaryFolder folder;
   trace_in(folder);
   for (const double ahead_s : {0.25, -3.7, 1.7e9}) {

@@ -53,7 +53,7 @@ TEST_CASE("a report is made again with facts, in a recording's folder, too", "[r
 }
 
 TEST_CASE("a report of two folders tells what has changed, or why nobody can tell",
-          "[report_command]") {
+          "[report_command][long]") {
   const TemporaryFolder folder;
   for (const char* name : {"a", "b", "c"}) std::filesystem::create_directory(folder / name);
   auto outcome = complete_outcome();

@@ -56,7 +56,7 @@ IdentifyOptions of_poses(const fs::path& file, const fs::path& output) {
 }  // namespace
 
 TEST_CASE("Poses that were kept back judge a result, and used ones are refused",
-          "[validate_command]") {
+          "[validate_command][long]") {
   const TemporaryFolder folder;
   const auto poses = built_kr5(3).poses(140);
   const auto fit = folder.write("fit.csv", lines_of(poses, 0, 60));

@@ -97,7 +97,7 @@ std::string problem_of(const Robot& robot, const TwoViews& views) {
 TEST_CASE(
     "Offset and drift of an unkind device are found within their uncertainty, and cost the "
     "geometry nothing",
-    "[joined_take]") {
+    "[joined_take][long]") {
   int within = 0;
   double squares = 0, plain = 0;
   constexpr std::uint32_t kSeeds = 6;

@@ -91,7 +91,7 @@ TEST_CASE("A longer forearm displaces the target, where as a plain fit has it",
   }
 }
 
-TEST_CASE("The band holds the true displacement", "[displacement_map]") {
+TEST_CASE("The band holds the true displacement", "[displacement_map][long]") {
   int inside = 0, count = 0;
   for (std::uint32_t seed = 1; seed <= 12; ++seed) {
     const auto built = arm_with(tracker(), seed);

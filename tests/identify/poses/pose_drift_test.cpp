@@ -35,7 +35,7 @@ TEST_CASE("Poses of an arm that warms up are told, and by how much it moved", "[
                     [](const Warning& one) { return one.code == "poses_drift"; }));
 }
 
-TEST_CASE("Poses of an arm that stays as it is are not said to drift", "[pose_drift]") {
+TEST_CASE("Poses of an arm that stays as it is are not said to drift", "[pose_drift][long]") {
   int seen = 0;
   double sum = 0, numbers = 0;
   for (std::uint32_t seed = 1; seed <= 40; ++seed) {
