@@ -45,10 +45,15 @@ struct ComparedCampaign {
 
 /// What the repeatability between campaigns is known from.
 enum class Basis {
-  marked,      ///< campaigns that are marked as of one state
-  successive,  ///< none is: what differs from one campaign to the next
-  nothing,     ///< too few for that: an assumption
+  marked,            ///< campaigns that are marked as of one state
+  marked_and_years,  ///< these are of one season: how campaigns of a year scatter, too
+  years,             ///< none is marked: how campaigns of a year scatter
+  successive,        ///< none of them fills a year: what differs from one campaign to the next
+  nothing,           ///< too few for that: an assumption
 };
+[[nodiscard]] constexpr bool is_marked(Basis basis) {
+  return basis == Basis::marked || basis == Basis::marked_and_years;
+}
 
 /// A friction or another plain number of each campaign.
 struct FrictionSeries {
@@ -70,7 +75,7 @@ struct History {
   Eigen::VectorXd sigma;      ///< of one campaign, with the repeatability
   Eigen::VectorXd fit_sigma;  ///< without
   Basis basis = Basis::nothing;
-  std::size_t basis_campaigns = 0;  ///< from which the repeatability is known
+  std::size_t basis_campaigns = 0;  ///< that are marked, from which the repeatability is known
   std::array<double, kVaryings> between{};
   double degrees = 0;
   double t_limit = 0;  ///< T squared of a campaign with all numbers that is called changed

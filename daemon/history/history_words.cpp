@@ -112,6 +112,18 @@ std::string repeatability_words(const History& history) {
                          "from {} that are marked as the same state, which tell it with "
                          "{:.0f} degrees of freedom.",
                          rsi::counted(history.basis_campaigns, "campaign"), history.degrees);
+    case Basis::marked_and_years:
+      return sizes +
+             fmt::format(
+                 "from {} that are marked as the same state, and from all years without a jump, as "
+                 "the marked ones are of one season. A slow drift is in it: mark campaigns of all "
+                 "seasons.",
+                 rsi::counted(history.basis_campaigns, "campaign"));
+    case Basis::years:
+      return sizes +
+             "from all years without a jump, as none are marked as the same state. A slow drift is "
+             "in it: mark campaigns with `sweepd note DIR --same-state NAME`, or give "
+             "--same-state.";
     case Basis::successive:
       return sizes +
              "from what differs from one campaign to the next, as none are marked as the same "

@@ -31,13 +31,19 @@ const DrawnCampaigns& drawn() {
   return once;
 }
 
-/// One a month; zero 4 is off by `jump_deg` from `crash` on. The first `marked` are marked.
-std::vector<CampaignRecord> campaigns(int count, int marked, int crash = 1000,
-                                      double jump_deg = 0) {
+/// One a month; zero 4 is off by `jump_deg` from `crash` on. The first `marked` are marked. Summers
+/// are warmer than winters by twice `season_K`: lengths grow.
+std::vector<CampaignRecord> campaigns(int count, int marked, int crash = 1000, double jump_deg = 0,
+                                      double season_K = 0) {
   std::mt19937 random(11);
   std::vector<CampaignRecord> all;
   for (int i = 0; i < count; ++i) {
     auto rows = drawn().rows();
+    for (auto& row : rows) {
+      const double grown = 1 + 11.5e-6 * season_K * std::sin(2 * sweepd::kPi * i / 12);
+      row.a_mm *= grown;
+      row.b_mm *= grown;
+    }
     if (i >= crash)
       rows[3].theta_rad += drawn().record().arm->arm.positive[3] * sweepd::radians(jump_deg);
     all.push_back(drawn().draw(rows, random));
@@ -90,7 +96,7 @@ TEST_CASE("the table has a line a campaign, and a bar for each number", "[histor
 }
 
 TEST_CASE("without marks it is said what is assumed", "[history][long]") {
-  const History many = history_of({campaigns(20, 0), {}, {}}, {});
+  const History many = history_of({campaigns(8, 0), {}, {}}, {});
   CHECK(many.basis == sweepd::Basis::successive);
   CHECK(many.changes.empty());
   CHECK_THAT(history_text(many), ContainsSubstring("No change is seen that can be dated.") &&
@@ -101,6 +107,24 @@ TEST_CASE("without marks it is said what is assumed", "[history][long]") {
   CHECK_THAT(sweepd::repeatability_words(few), ContainsSubstring("alarms may be false"));
   const History one = history_of({campaigns(1, 0), {}, {}}, {});
   CHECK_THAT(history_text(one), ContainsSubstring("too few campaigns"));
+}
+
+TEST_CASE("marks of one season do not make an alarm of the others", "[history][long]") {
+  for (const int marked : {0, 3, 6}) {
+    CAPTURE(marked);
+    const History history = history_of({campaigns(60, marked, 1000, 0, 20), {}, {}}, {});
+    CHECK(history.basis == (marked > 0 ? sweepd::Basis::marked_and_years : sweepd::Basis::years));
+    std::size_t alarms = 0;
+    for (const auto& campaign : history.campaigns) alarms += campaign.changed;
+    CHECK(alarms <= 5);
+    CHECK(history.changes.empty());
+    CHECK_THAT(sweepd::repeatability_words(history), ContainsSubstring("from all years without"));
+  }
+  // A year in which the arm jumped tells nothing of how campaigns repeat.
+  const History crashed = history_of({campaigns(60, 3, 30, 40 * sigma_of_zero4(), 20), {}, {}}, {});
+  REQUIRE(crashed.changes.size() == 1);
+  CHECK(crashed.changes[0].at == 30);
+  for (std::size_t i = 30; i < 60; ++i) CHECK(crashed.campaigns[i].changed);
 }
 
 TEST_CASE("a period of one state is as good as marks", "[history][long]") {
