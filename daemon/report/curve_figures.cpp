@@ -20,7 +20,7 @@ using Json = nlohmann::ordered_json;
 using Series = std::vector<std::pair<double, double>>;
 using Eigen::Vector3d;
 
-constexpr double kWidth = 700;
+constexpr double kFigureWidth = 700;
 
 /// What is drawn of the points of a joint: about so many means of neighbours.
 constexpr std::size_t kBins = 320;
@@ -220,7 +220,7 @@ void add_residual_figures(Markup parent, const ReportFolder& folder) {
     for (const Stroke& stroke : folder.strokes)
       if (stroke.joint == j) fill_in_angles(folder, strokes.emplace_back(stroke));
     const std::string name = "Joint " + std::to_string(j + 1);
-    Picture picture(figure, kWidth + 16, kRow, "residuals of joint " + std::to_string(j + 1));
+    Picture picture(figure, kFigureWidth + 16, kRow, "residuals of joint " + std::to_string(j + 1));
     const bool linear = is_linear(folder, j);
     const char* const x_title = linear ? "place, mm" : "angle, deg";
     const PointSums& sums = folder.sums[j];
@@ -258,14 +258,15 @@ void add_budget_figure(Markup parent, const ReportFolder& folder) {
       causes.push_back(c);
   const double rows = static_cast<double>(budget.size());
   const double keys = 16 * std::ceil(static_cast<double>(causes.size()) / 3) + 8;
-  Picture picture(figure, kWidth, keys + rows * (kBar + 3) + 34, "budget of the uncertainties");
+  Picture picture(figure, kFigureWidth, keys + rows * (kBar + 3) + 34,
+                  "budget of the uncertainties");
   for (std::size_t i = 0; i < causes.size(); ++i) {
     const Spot at(kLeft + 220 * static_cast<double>(i % 3),
                   4 + 16 * std::floor(static_cast<double>(i) / 3));
     picture.bar({at.x(), at.y(), 12, 10}, joint_fill(i));
     picture.words(at + Spot(17, 9), words(kCauses[causes[i]]));
   }
-  const Frame frame{kLeft, keys, kWidth - kLeft - 20, rows * (kBar + 3) + 2};
+  const Frame frame{kLeft, keys, kFigureWidth - kLeft - 20, rows * (kBar + 3) + 2};
   Plot plot(picture, frame, {{0, 100}, "share of the variance, %", false, 10},
             {{0, 1}, {}, false, 0});
   double y = keys + 2;
@@ -293,7 +294,7 @@ void add_link_figure(Markup parent, const ReportFolder& folder) {
   auto figure = add_figure(parent, "The link.",
                            "How long replies took, and how far telegrams came from their cycle. "
                            "Both axes are logarithmic.");
-  Picture picture(figure, kWidth + 16, 190, "latency and jitter");
+  Picture picture(figure, kFigureWidth + 16, 190, "latency and jitter");
   draw_histogram(picture, {56, 20, 280, 130}, part_of(folder.link, "latency"),
                  "Latency of the replies", cycle_us);
   draw_histogram(picture, {412, 20, 280, 130}, part_of(folder.link, "jitter"),
@@ -314,8 +315,9 @@ void add_time_figure(Markup parent, const ReportFolder& folder) {
                            "that are not used there.");
   constexpr double kLane = 20;
   constexpr double kLeft = 40;
-  const Frame frame{kLeft, 6, kWidth - kLeft - 20, kLane * static_cast<double>(joints.size())};
-  Picture picture(figure, kWidth, frame.bottom() + 36, "sweeps of each joint over time");
+  const Frame frame{kLeft, 6, kFigureWidth - kLeft - 20,
+                    kLane * static_cast<double>(joints.size())};
+  Picture picture(figure, kFigureWidth, frame.bottom() + 36, "sweeps of each joint over time");
   Plot plot(picture, frame, {time.widened(0.01), "s", false, 10}, {{0, 1}, {}, false, 0});
   double y = frame.top;
   for (std::size_t j = 0; j < joints.size(); ++j, y += kLane) {

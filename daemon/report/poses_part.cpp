@@ -34,12 +34,11 @@ std::vector<Level> levels_of(const Json& poses) {
   return levels;
 }
 
-constexpr double kWidth = 740;
-constexpr double kNames = 190;
-constexpr double kRow = 22;
-
 /// A bar a level for the mean, with a line to the largest.
 void draw_levels(Markup figure, const std::vector<Level>& levels) {
+  constexpr double kWidth = 740;
+  constexpr double kNames = 190;
+  constexpr double kRow = 22;
   double most = 1e-9;
   for (const Level& level : levels) most = std::max(most, level.max_mm);
   Picture picture(figure, kWidth, kRow * static_cast<double>(levels.size()) + 8,
