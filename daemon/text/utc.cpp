@@ -6,6 +6,10 @@
 namespace sweepd {
 namespace {
 
+// Nanoseconds in 64 bits reach from 1678 to 2261.
+constexpr int kFirstYear = 1700;
+constexpr int kLastYear = 2200;
+
 std::string digits(std::int64_t value, std::size_t width) {
   std::string text = std::to_string(value);
   return text.size() < width ? std::string(width - text.size(), '0') + text : text;
@@ -57,7 +61,7 @@ std::optional<std::chrono::nanoseconds> parse_utc(std::string_view text) {
   const int month = take_number(text, 2);
   take(text, '-');
   const int day = take_number(text, 2);
-  if (year < 0 || month < 0 || day < 0) return std::nullopt;
+  if (year < kFirstYear || year > kLastYear || month < 0 || day < 0) return std::nullopt;
   const year_month_day date{std::chrono::year(year),
                             std::chrono::month(static_cast<unsigned>(month)),
                             std::chrono::day(static_cast<unsigned>(day))};
