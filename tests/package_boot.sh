@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
-# Boots a fresh Debian 12 with the package in it, and tries the unit under its systemd, as root.
+# Boots a fresh Debian with the package in it, and tries the unit under its systemd, as root.
 #
-#   package_boot.sh PACKAGE MIRROR
+#   package_boot.sh PACKAGE MIRROR SUITE
 #
 # The machine has processes, mounts and a network of its own; nothing is left of it.
 set -euo pipefail
 
 package=$(realpath "$1")
 mirror=$2
+suite=$3  # bookworm, trixie
 
 fail() {
   echo "package_boot: $1" >&2
@@ -25,9 +26,9 @@ trap 'exit 143' TERM
 root=$work/root
 export LC_ALL=C DEBIAN_FRONTEND=noninteractive PATH=$PATH:/usr/sbin:/sbin
 
-echo "package_boot: a fresh Debian 12 from $mirror"
+echo "package_boot: a fresh Debian $suite from $mirror"
 unshare --mount debootstrap --variant=minbase --include=systemd,systemd-sysv,dbus,procps \
-  bookworm "$root" "$mirror" >"$work/log" || { tail -n 5 "$work/log" >&2; fail "debootstrap failed"; }
+  "$suite" "$root" "$mirror" >"$work/log" || { tail -n 5 "$work/log" >&2; fail "debootstrap failed"; }
 cp "$package" "$root/sweepd.deb"
 cp /etc/resolv.conf "$root/etc/resolv.conf"
 unshare --mount --pid --fork --kill-child --mount-proc="$root/proc" chroot "$root" sh -c \

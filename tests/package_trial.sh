@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Installs, runs, upgrades, removes and purges the Debian package in a fresh Debian 12, as root.
+# Installs, runs, upgrades, removes and purges the Debian package in a fresh Debian, as root.
 #
-#   package_trial.sh PACKAGE MIRROR
+#   package_trial.sh PACKAGE MIRROR SUITE
 #
 # Every command inside has processes, mounts and, where it is about robots, a network of its own, so
 # that nothing of it is left when it ends, however it ends.
@@ -9,6 +9,7 @@ set -euo pipefail
 
 package=$(realpath "$1")
 mirror=$2
+suite=$3  # bookworm, trixie
 
 fail() {
   echo "package_trial: $1" >&2
@@ -46,8 +47,8 @@ traces() {
     -not -path '/var/cache/apt/*'
 }
 
-say "a fresh Debian 12 from $mirror"
-isolated debootstrap --variant=minbase bookworm "$root" "$mirror" >"$work/debootstrap.log" ||
+say "a fresh Debian $suite from $mirror"
+isolated debootstrap --variant=minbase "$suite" "$root" "$mirror" >"$work/debootstrap.log" ||
   { tail -n 5 "$work/debootstrap.log" >&2; fail "debootstrap failed"; }
 [[ -z $(traces) ]] || fail "something is called sweepd already: $(traces)"
 
