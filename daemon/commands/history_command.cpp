@@ -41,8 +41,12 @@ std::pair<std::chrono::nanoseconds, std::chrono::nanoseconds> period(const std::
   const auto between = text.find("..");
   if (between == text.npos)
     throw std::invalid_argument("--same-state: write FROM..TO, as 2026-01-01..2026-06-30");
-  return {date_option("--same-state", text.substr(0, between)),
-          date_option("--same-state", text.substr(between + 2))};
+  const auto from = date_option("--same-state", text.substr(0, between));
+  const auto to = date_option("--same-state", text.substr(between + 2));
+  if (to < from)
+    throw std::invalid_argument("--same-state: " + text +
+                                " ends before it begins: write the earlier date first");
+  return {from, to};
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "daemon/commands/help_text.hpp"
 #include "daemon/history/campaign_note.hpp"
 #include "daemon/text/utc.hpp"
+#include "rsi/ascii.hpp"
 
 namespace sweepd {
 namespace {
@@ -25,8 +26,9 @@ void print_notes(const std::filesystem::path& folder, std::ostream& out) {
     out << utc_text(one.time).substr(0, 16) << 'Z';
     if (one.measured) out << "  measured then";
     if (one.same_state && one.same_state->empty()) out << "  of no state";
-    if (one.same_state && !one.same_state->empty()) out << "  same state: " << *one.same_state;
-    if (!one.text.empty()) out << "  " << one.text;
+    if (one.same_state && !one.same_state->empty())
+      out << "  same state: " << rsi::printable(*one.same_state);
+    if (!one.text.empty()) out << "  " << rsi::printable(one.text);
     out << '\n';
   }
   for (const std::size_t line : found.broken_lines)

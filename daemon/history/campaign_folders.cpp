@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 
@@ -62,8 +63,18 @@ bool holds_results(const fs::path& folder) {
   return fs::exists(folder / "result.json", error) || fs::exists(folder / "run.json", error);
 }
 
-/// Folders of results in `path`, sorted; notes of the folders above them.
-void look(const fs::path& path, int depth, std::vector<fs::path>& folders, FoundCampaigns& found) {
+/// Where a folder really is, so that two ways to it are one folder.
+fs::path place_of(const fs::path& folder) {
+  std::error_code error;
+  auto place = fs::canonical(folder, error);
+  return error ? folder : place;
+}
+
+/// Folders of results in `path`, sorted; notes of the folders above them. What is in `seen` was
+/// looked at on another way.
+void look(const fs::path& path, int depth, std::set<fs::path>& seen, std::vector<fs::path>& folders,
+          FoundCampaigns& found) {
+  if (!seen.insert(place_of(path)).second) return;
   if (holds_results(path) || session_name(path.filename().string())) {
     folders.push_back(path);
     return;
@@ -80,7 +91,7 @@ void look(const fs::path& path, int depth, std::vector<fs::path>& folders, Found
        entry.increment(error))
     if (entry->is_directory(error)) below.push_back(entry->path());
   std::sort(below.begin(), below.end());
-  for (const fs::path& folder : below) look(folder, depth + 1, folders, found);
+  for (const fs::path& folder : below) look(folder, depth + 1, seen, folders, found);
 }
 
 /// "a, b, c and 5 more".
@@ -144,14 +155,14 @@ std::vector<CampaignRecord> indexed(const fs::path& file, bool rebuild,
 FoundCampaigns campaigns_in(const std::vector<fs::path>& paths, const IndexOptions& options) {
   FoundCampaigns found;
   std::vector<fs::path> folders;
+  std::set<fs::path> seen;
   for (const fs::path& path : paths) {
     if (!fs::is_directory(path))
       throw std::runtime_error(path.string() +
                                " is no folder: give folders of results, or one that has them");
-    look(path.lexically_normal(), 0, folders, found);
+    look(path.lexically_normal(), 0, seen, folders, found);
   }
   std::sort(folders.begin(), folders.end());
-  folders.erase(std::unique(folders.begin(), folders.end()), folders.end());
 
   std::optional<fs::path> index = options.file;
   const bool alone = paths.size() == 1 && folders.size() >= kManyCampaigns;

@@ -5,6 +5,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/drawing/markup.hpp"
 #include "daemon/history/history.hpp"
 #include "daemon/history/history_words.hpp"
 #include "daemon/report/json_part.hpp"
@@ -12,6 +13,7 @@
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/text_layout.hpp"
 #include "daemon/text/utc.hpp"
+#include "rsi/ascii.hpp"
 #include "rsi/counted.hpp"
 
 namespace sweepd {
@@ -117,10 +119,11 @@ void append_value(std::string& csv, double value, int decimals) {
   if (std::isfinite(value)) append_fixed(csv, value, decimals);
 }
 
-/// A name may have a comma or a quote in it.
+/// A name may have a comma or a quote in it, or what a terminal obeys.
 std::string quoted(const std::string& text) {
   std::string out = "\"";
-  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  for (const char c : rsi::printable(text))
+    out += c == '"' ? std::string("\"\"") : std::string(1, c);
   return out + '"';
 }
 
@@ -150,7 +153,8 @@ std::string history_text(const History& history) {
                    "what the campaign says of itself");
   out += paragraph("smallest      ",
                    "a change of this number alone that one campaign shows in 80 % of cases");
-  return out + left_out(history);
+  // Names and notes are from elsewhere: nothing in them may steer the terminal.
+  return clean_text(out + left_out(history));
 }
 
 std::string history_csv(const History& history) {

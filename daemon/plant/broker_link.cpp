@@ -1,11 +1,14 @@
 #include "daemon/plant/broker_link.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <exception>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include "daemon/plant/credentials.hpp"
+#include "daemon/system/disk_room.hpp"
 
 namespace sweepd {
 namespace {
@@ -79,6 +82,14 @@ std::string failure_of(mqtt::token& token) {
   }
 }
 
+/// Paho writes a message twice before it is on its way, the second time on a thread of its own, and
+/// crashes there when the disk is full. There may be four results under way.
+bool has_room(const std::filesystem::path& spool, std::size_t bytes) {
+  constexpr std::uint64_t kForOthers = 1 << 20;
+  const auto room = disk_room(spool);
+  return !room || room->free >= kForOthers + 8 * std::uint64_t{bytes};
+}
+
 std::string made(const std::filesystem::path& spool) {
   std::error_code error;
   std::filesystem::create_directories(spool, error);
@@ -135,7 +146,7 @@ void BrokerLink::keep(Steady::time_point now) {
   if (!why.empty()) return failed(why, now);
   connected_ = true;
   connected_at_ = now;
-  said_ = false;
+  said_.clear();
   pause_ = 1s;
   log_.note("connected to the broker {}", text(options_.broker.address));
   try {
@@ -148,7 +159,6 @@ void BrokerLink::keep(Steady::time_point now) {
 
 void BrokerLink::lost(Steady::time_point now) {
   connected_ = false;
-  said_ = true;
   again_at_ = now;
   short_ones_ = now - connected_at_ < kShort ? short_ones_ + 1 : 0;
   if (!taken_over_.exchange(false) && short_ones_ < kMostShortOnes) {
@@ -177,17 +187,23 @@ void BrokerLink::begin(Steady::time_point now) {
 void BrokerLink::failed(const std::string& why, Steady::time_point now) {
   again_at_ = now + pause_;
   pause_ = std::min<std::chrono::seconds>(2 * pause_, kLongestPause);
-  if (!said_)
+  // Away first, and then with another password: the second is what somebody has to know.
+  if (said_ != why)
     log_.warning("the broker {} cannot be reached ({}): it is tried again until it answers{}",
                  text(options_.broker.address), why,
                  options_.broker.address.tls
                      ? "; its certificate has to be one of `ca_file`, and of this name"
                      : "");
-  said_ = true;
+  said_ = why;
 }
 
 BrokerLink::Delivery BrokerLink::publish(const std::string& topic, std::string_view payload,
                                          int quality, bool retained, const Names& names) {
+  const auto full = [&] {
+    return std::runtime_error("cannot write into the spool " + options_.spool.string() +
+                              ": make room on its disk, or give another spool");
+  };
+  if (!has_room(options_.spool, payload.size())) throw full();
   mqtt::properties properties;
   for (const auto& [name, value] : names)
     properties.add({mqtt::property::USER_PROPERTY, name, value});
@@ -200,9 +216,7 @@ BrokerLink::Delivery BrokerLink::publish(const std::string& topic, std::string_v
                                         .properties(std::move(properties))
                                         .finalize()));
   } catch (const mqtt::exception& problem) {
-    if (problem.get_return_code() == MQTTASYNC_PERSISTENCE_ERROR)
-      throw std::runtime_error("cannot write into the spool " + options_.spool.string() +
-                               ": make room on its disk, or give another `spool`");
+    if (problem.get_return_code() == MQTTASYNC_PERSISTENCE_ERROR) throw full();
     throw std::runtime_error("cannot publish " + topic + ": " + reason_of(problem));
   }
 }

@@ -84,7 +84,7 @@ class BrokerLink {
   Steady::time_point connected_at_{};
   int short_ones_ = 0;  ///< connections in a row that ended as soon as they began
   bool connected_ = false;
-  bool said_ = false;                    ///< that the broker is out of reach
+  std::string said_;                     ///< why the broker is out of reach
   std::atomic<bool> taken_over_{false};  ///< the broker said so
 };
 

@@ -8,9 +8,11 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/plant/migrations.hpp"
+#include "daemon/record/session_folder.hpp"
 #include "daemon/report/json_part.hpp"
 #include "daemon/settings/toml_table.hpp"
 #include "daemon/system/file_hash.hpp"
+#include "daemon/text/utc.hpp"
 
 namespace sweepd {
 namespace {
@@ -27,6 +29,20 @@ std::optional<std::string> number_or_null(double value) {
 std::string name_in(const Names& names, const std::string& key) {
   const auto found = names.find(key);
   return found == names.end() ? std::string() : found->second;
+}
+
+/// The folder's name: the key of a campaign.
+std::string session_in(const Names& names) {
+  const std::string session = name_in(names, "session");
+  if (!session_name(session))
+    throw std::invalid_argument("its user property `session` is no name of a session's folder");
+  return session;
+}
+
+/// Null for what is no time: PostgreSQL would take "yesterday" for one.
+SqlValue started_in(const Names& names) {
+  const auto started = parse_utc(name_in(names, "started"));
+  return started ? SqlValue(utc_text(*started)) : SqlValue(std::nullopt);
 }
 
 /// Of the bytes themselves: what was told of them is no proof.
@@ -112,7 +128,7 @@ bool CampaignStore::add_result(const RobotPlace& place, std::string_view bytes,
   if (!text_of(result, "schema").starts_with("sweepd.result/"))
     throw std::invalid_argument("it is no result of sweepd");
   const std::string hash = checked_hash(bytes, names);
-  const std::string started = name_in(names, "started");
+  const std::string session = session_in(names);
   const Json& covariance = part_of(result, "covariance");
   bool is_new = false;
   database_.at_once([&] {
@@ -120,8 +136,7 @@ bool CampaignStore::add_result(const RobotPlace& place, std::string_view bytes,
         "insert into campaigns (robot, session, sha256, started, status, describes, result, "
         "covariance_names, covariance) values ($1, $2, $3, $4, $5, $6, $7, $8, $9) "
         "on conflict (robot, session, sha256) do nothing returning id",
-        {robot(place), name_in(names, "session"), hash,
-         started.empty() ? SqlValue(std::nullopt) : SqlValue(started), text_of(result, "status"),
+        {robot(place), session, hash, started_in(names), text_of(result, "status"),
          text_of(result, "describes"), SqlValue::of_bytes(bytes), names_in(covariance),
          covariance_in(covariance)});
     is_new = !added.empty();
@@ -141,11 +156,12 @@ void CampaignStore::add_change(const RobotPlace& place, std::string_view bytes,
   const Json change = Json::parse(bytes, nullptr, false);
   if (!text_of(change, "schema").starts_with("sweepd.compare/"))
     throw std::invalid_argument("it is no comparison of sweepd");
+  const std::string session = session_in(names);
   database_.at_once([&] {
     database_.run(
         "insert into changes (robot, session, sha256, since, verdict, t_squared, p, comparison) "
         "values ($1, $2, $3, $4, $5, $6, $7, $8) on conflict do nothing",
-        {robot(place), name_in(names, "session"), name_in(names, "sha256"), name_in(names, "since"),
+        {robot(place), session, name_in(names, "sha256"), name_in(names, "since"),
          text_of(change, "verdict"), number_or_null(number_of(change, "t_squared")),
          number_or_null(number_of(change, "p")), SqlValue::of_bytes(bytes)});
   });

@@ -88,9 +88,24 @@ void Collector::store(const BrokerLink::Message& message) {
 }
 
 void Collector::add_links() {
-  open().add_links(links_);
+  try {
+    open().add_links(links_);
+  } catch (const DatabaseError& problem) {
+    if (!problem.by_data()) throw;
+    // One robot's counts are refused: they must not keep those of all others out.
+    for (const auto& link : links_) add_link(link);
+  }
   links_.clear();
   links_due_ = Steady::now() + kLinksEvery;
+}
+
+void Collector::add_link(const Links::value_type& link) {
+  try {
+    open().add_links({link});
+  } catch (const DatabaseError& problem) {
+    if (!problem.by_data()) throw;
+    log_.error("the counts of {} are not stored: {}", link.first, problem.what());
+  }
 }
 
 void Collector::finish() {

@@ -41,14 +41,17 @@ class Collector {
   template <typename Work>
   bool until_done(const Work& work);
   void store(const BrokerLink::Message& message);
+  using Links = std::map<std::string, std::pair<RobotPlace, ToldLink>>;
   void add_links();
+  /// Of one robot; says so where they are refused.
+  void add_link(const Links::value_type& link);
   CampaignStore& open();
 
   std::mutex one_;  ///< take() or finish()
   Log log_;
   Database database_;
   std::optional<CampaignStore> store_;
-  std::map<std::string, std::pair<RobotPlace, ToldLink>> links_;  ///< the newest, by topic
+  Links links_;  ///< the newest, by topic
   Steady::time_point links_due_{};
   std::atomic<bool> stopping_{false};
   std::atomic<bool> busy_{false};

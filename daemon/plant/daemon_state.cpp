@@ -1,5 +1,6 @@
 #include "daemon/plant/daemon_state.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <system_error>
@@ -10,6 +11,7 @@
 #include <sys/time.h>
 #include <unistd.h>
 
+#include "daemon/drawing/markup.hpp"
 #include "daemon/report/json_part.hpp"
 #include "daemon/text/utc.hpp"
 
@@ -19,6 +21,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint32_t kLoopback = 0x7f000001;
+constexpr std::size_t kMostTold = 80;
 constexpr std::size_t kLargest = std::size_t{16} << 20;
 
 class Socket {
@@ -55,7 +58,10 @@ std::string answer(const rsi::Endpoint& to, const std::string& request) {
   std::string text;
   char part[8192];
   ssize_t size = 0;
-  while (text.size() < kLargest && (size = ::recv(socket.handle(), part, sizeof part, 0)) > 0)
+  // Whoever sends a byte now and then must not hold the publisher up.
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+  while (text.size() < kLargest && std::chrono::steady_clock::now() < end &&
+         (size = ::recv(socket.handle(), part, sizeof part, 0)) > 0)
     text.append(part, static_cast<std::size_t>(size));
   return size < 0 ? std::string() : text;
 }
@@ -80,6 +86,18 @@ DaemonState parse_daemon_state(const std::string& body, const std::string& at) {
   return state;
 }
 
+DaemonState parse_daemon_answer(const std::string& answer, const std::string& where,
+                                const std::string& at) {
+  const auto body = answer.find("\r\n\r\n");
+  if (!answer.starts_with("HTTP/1.1 ") || body == answer.npos)
+    return trouble("what answers on " + where + " is no sweepd");
+  // It is told to the plant: a text from elsewhere may be neither UTF-8 nor short.
+  if (!answer.starts_with("HTTP/1.1 200"))
+    return trouble(where + " answers: " +
+                   clean_text(answer.substr(0, std::min(answer.find('\r'), kMostTold))));
+  return parse_daemon_state(answer.substr(body + 4), at);
+}
+
 DaemonState ask_daemon(const rsi::Endpoint& pages) {
   const rsi::Endpoint to{pages.address == 0 ? kLoopback : pages.address, pages.port};
   const std::string where = "http://" + rsi::text(to) + "/api/state";
@@ -88,11 +106,8 @@ DaemonState ask_daemon(const rsi::Endpoint& pages) {
   if (text.empty())
     return trouble("sweepd does not answer on " + where + " (" +
                    std::generic_category().message(errno) + ')');
-  const auto body = text.find("\r\n\r\n");
-  if (!text.starts_with("HTTP/1.1 200") || body == text.npos)
-    return trouble(where + " answers: " + text.substr(0, text.find('\r')));
   const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return parse_daemon_state(text.substr(body + 4), utc_text(now));
+  return parse_daemon_answer(text, where, utc_text(now));
 }
 
 }  // namespace sweepd

@@ -19,6 +19,10 @@ struct DaemonState {
 /// From the body of /api/state, asked at a time in UTC.
 [[nodiscard]] DaemonState parse_daemon_state(const std::string& body, const std::string& at);
 
+/// From all that came as the answer of `where`, whoever it was that answered.
+[[nodiscard]] DaemonState parse_daemon_answer(const std::string& answer, const std::string& where,
+                                              const std::string& at);
+
 /// Asks http://PAGES/api/state. Waits for a second at most. Never throws.
 [[nodiscard]] DaemonState ask_daemon(const rsi::Endpoint& pages);
 

@@ -49,6 +49,9 @@ std::vector<SqlRow> Database::run(const std::string& sql, const std::vector<SqlV
   std::vector<const char*> data;
   std::vector<int> sizes, formats;
   for (const SqlValue& value : values) {
+    // libpq would end it there: "a\0b" would be the "a" of somebody else.
+    if (!value.bytes && value.text && value.text->find('\0') != std::string::npos)
+      throw DatabaseError("PostgreSQL takes no text with a zero byte in it", true);
     data.push_back(value.text ? value.text->c_str() : nullptr);
     sizes.push_back(value.text ? static_cast<int>(value.text->size()) : 0);
     formats.push_back(value.bytes ? 1 : 0);
@@ -63,8 +66,9 @@ std::vector<SqlRow> Database::run(const std::string& sql, const std::vector<SqlV
     const bool gone = PQstatus(server_.get()) != CONNECTION_OK;
     const std::string why = words(PQerrorMessage(server_.get()));
     if (gone) server_.reset();
-    throw DatabaseError("PostgreSQL refused (" + why + ')',
-                        !gone && (state.starts_with("22") || state.starts_with("23")));
+    throw DatabaseError(
+        "PostgreSQL refused (" + why + ')',
+        !gone && (state.starts_with("22") || state.starts_with("23") || state.starts_with("54")));
   }
   std::vector<SqlRow> rows(static_cast<std::size_t>(PQntuples(result.get())));
   for (std::size_t r = 0; r < rows.size(); ++r)

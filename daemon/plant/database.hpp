@@ -16,8 +16,8 @@ class DatabaseError : public std::runtime_error {
  public:
   DatabaseError(const std::string& what, bool by_data)
       : std::runtime_error(what), by_data_(by_data) {}
-  /// The data are what it refuses (SQLSTATE 22…, 23…): the same again would change nothing. Else it
-  /// is away, full, restarted or not permitted, and the same may succeed later.
+  /// The data are what it refuses (SQLSTATE 22…, 23…, 54…): the same again would change nothing.
+  /// Else it is away, full, restarted or not permitted, and the same may succeed later.
   [[nodiscard]] bool by_data() const { return by_data_; }
 
  private:

@@ -84,9 +84,11 @@ void migrate(Database& database) {
     const auto newest =
         std::stoul(database.run("select coalesce(max(number), 0) from migrations").at(0).at(0));
     if (newest > kMigrations.size())
-      throw std::runtime_error("the tables are those of a newer sweepd (number " +
-                               std::to_string(newest) + ", this one knows " +
-                               std::to_string(kMigrations.size()) + "): update this sweepd");
+      // Not by data: what comes meanwhile must not be acknowledged.
+      throw DatabaseError("the tables are those of a newer sweepd (number " +
+                              std::to_string(newest) + ", this one knows " +
+                              std::to_string(kMigrations.size()) + "): update this sweepd",
+                          false);
     for (std::size_t i = newest; i < kMigrations.size(); ++i) {
       for (const char* const statement : kMigrations[i])
         if (statement != nullptr) database.run(statement);

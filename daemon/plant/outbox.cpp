@@ -18,6 +18,9 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+constexpr const char* kUnreadable =
+    "cannot be read by the user of `sweepd publish`: change its permissions";
+
 std::optional<std::string> file_bytes(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) return std::nullopt;
@@ -64,6 +67,7 @@ std::vector<FinishedResult> Outbox::take(std::size_t most, const Ledger& ledger)
     const Stamp stamp{fs::last_write_time(file, error).time_since_epoch().count(),
                       error ? 0 : fs::file_size(file, error)};
     if (error) {  // not yet, or not any more
+      if (error == std::errc::permission_denied) complain(session, kUnreadable);
       if (!is_final(run_of(folder))) unfinished_.push_back(folder);
       continue;
     }
@@ -72,14 +76,19 @@ std::vector<FinishedResult> Outbox::take(std::size_t most, const Ledger& ledger)
 
     if (found.size() == most) break;  // who takes these asks again
     const Json run = run_of(folder);
-    if (run.is_null())
+    if (run.is_null() && fs::exists(folder / "run.json", error))
+      complain(session, kUnreadable);
+    else if (run.is_null())
       complain(session, "has a result.json and no run.json, it is half deleted or half copied");
     if (!is_final(run)) {
       unfinished_.push_back(folder);
       continue;
     }
     auto bytes = file_bytes(file);
-    if (!bytes) continue;
+    if (!bytes) {
+      if (fs::exists(file, error)) complain(session, kUnreadable);
+      continue;
+    }
     if (text_of(Json::parse(*bytes, nullptr, false), "schema").empty()) {
       complain(session, "has a result.json that is no result of sweepd");
       seen_[session] = stamp;
@@ -110,7 +119,7 @@ fs::path Outbox::before(const std::string& session) const {
 }
 
 void Outbox::complain(const std::string& session, const std::string& why) {
-  if (complained_.insert(session).second)
+  if (complained_.insert(session + why).second)
     log_.warning("{} {}: it is not published", (folder_ / session).string(), why);
 }
 

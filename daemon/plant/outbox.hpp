@@ -36,6 +36,8 @@ class Outbox {
   [[nodiscard]] std::filesystem::path before(const std::string& session) const;
   /// Sessions whose end is still to come, to be watched.
   [[nodiscard]] const std::vector<std::filesystem::path>& unfinished() const { return unfinished_; }
+  /// How many times it was told that something is not published.
+  [[nodiscard]] std::size_t complaints() const { return complained_.size(); }
 
  private:
   using Stamp = std::pair<std::int64_t, std::uint64_t>;  ///< when a file was changed; its size

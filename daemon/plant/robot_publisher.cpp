@@ -24,7 +24,7 @@ constexpr auto kLongestWay = 5min;
 std::string online_json(bool online, const std::string& reason) {
   Json json = {{"online", online}};
   if (!reason.empty()) json["reason"] = reason;
-  return json.dump();
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 std::filesystem::path ledger_of(const RobotPublisher::Options& options) {

@@ -4,6 +4,8 @@ import pathlib
 import shutil
 import signal
 import socket
+import ssl
+import struct
 import subprocess
 import time
 
@@ -78,13 +80,17 @@ class Broker(Server):
         access = "allow_anonymous true\n"
         if secret:
             access = self.certify(folder)
-            subprocess.run(["mosquitto_passwd", "-b", "-c", folder / "passwords", "plant", secret], check=True)
-            (folder / "passwords").chmod(0o644)
+            self.accept(secret)
         self.address = f"mqtts://localhost:{self.port}" if secret else f"mqtt://127.0.0.1:{self.port}"
         self.config.write_text(f"listener {self.port} 127.0.0.1\n{access}"
                                f"persistence true\npersistence_location {self.folder}/\n"
                                "max_queued_messages 0\n")
         self.start()
+
+    def accept(self, secret):
+        file = self.folder.parent / "passwords"
+        subprocess.run(["mosquitto_passwd", "-b", "-c", file, "plant", secret], check=True)
+        file.chmod(0o644)
 
     def certify(self, folder):
         subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256",
@@ -102,6 +108,51 @@ class Broker(Server):
     def answers(self):
         with socket.socket() as probe:
             return probe.connect_ex(("127.0.0.1", self.port)) == 0
+
+
+class Stranger:
+    """Publishes whatever it is told to, as no sweepd would. As little of MQTT 5 as that takes."""
+
+    def __init__(self, broker, secret):
+        context = ssl.create_default_context(cafile=broker.folder.parent / "broker.pem")
+        self.socket = context.wrap_socket(socket.create_connection(("127.0.0.1", broker.port), 10),
+                                          server_hostname="localhost")
+        head = self.text("MQTT") + bytes([5, 0xC2]) + struct.pack(">HB", 600, 0)
+        self.send(0x10, head + self.text("stranger") + self.text("plant") + self.text(secret))
+        assert self.answer()[1] == 0, "the broker refuses the stranger"
+
+    @staticmethod
+    def text(words):
+        return struct.pack(">H", len(words.encode())) + words.encode()
+
+    @staticmethod
+    def length(size):
+        code = b""
+        while size > 127:
+            code, size = code + bytes([size % 128 | 128]), size // 128
+        return code + bytes([size])
+
+    def send(self, kind, content):
+        self.socket.sendall(bytes([kind]) + self.length(len(content)) + content)
+
+    def exactly(self, size):
+        content = b""
+        while len(content) < size:
+            part = self.socket.recv(size - len(content))
+            assert part, "the broker closed the stranger's connection"
+            content += part
+        return content
+
+    def answer(self):
+        size = self.exactly(2)[1]
+        assert size < 128, "a longer answer than any that is expected"
+        return self.exactly(size)
+
+    def publish(self, topic, payload, **names):
+        properties = b"".join(b"\x26" + self.text(name) + self.text(value) for name, value in names.items())
+        self.send(0x32, self.text(topic) + struct.pack(">H", 1) + self.length(len(properties)) + properties
+                  + payload)
+        self.answer()
 
 
 class Database(Server):

@@ -11,6 +11,7 @@ import hashlib
 import json
 import os
 import pathlib
+import random
 import signal
 import subprocess
 import sys
@@ -19,7 +20,7 @@ import time
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from plant_servers import Broker, Database, free_port, missing, until
+from plant_servers import Broker, Database, Stranger, free_port, missing, until
 
 ROBOT = "kr5-arc"
 PLACE = f"north%2F1/a%2Bb%23/{ROBOT}"  # of names that mean something in topics
@@ -177,14 +178,18 @@ def scenario(plant, outage, long):
                               "from campaigns limit 1") == "t"
     print("all were published again: nothing is counted twice")
 
+    strangers(plant, collector)
+    newer_tables(plant, collector)
+    other_password(plant, again)
+
     code = subprocess.run([plant.sweepd, "compare", f"{PLACE}/20260101T120000Z", PLACE, "--database",
                            plant.database.connection], capture_output=True, text=True)
-    assert code.returncode in (0, 3) and "20260104T120000Z" in code.stdout, code
+    assert code.returncode in (0, 3) and "20260106T120000Z" in code.stdout, code
     code = subprocess.run([plant.sweepd, "history", PLACE, "--database", plant.database.connection, "--csv",
                            plant.folder / "history.csv"], capture_output=True, text=True)
     assert code.returncode in (0, 3), code
     told = list(csv.DictReader((plant.folder / "history.csv").open()))
-    assert [line["campaign"] for line in told] == [f"2026010{day}T120000Z" for day in range(1, 5)], told
+    assert [line["campaign"] for line in told] == [f"2026010{day}T120000Z" for day in range(1, 7)], told
 
     third = subprocess.run([plant.sweepd, "publish", "--config", plant.settings], capture_output=True,
                            text=True, timeout=20)
@@ -199,6 +204,81 @@ def scenario(plant, outage, long):
     until(lambda: plant.database.ask("select count(*) from link_days") == "1", "links of the day", 60)
     for program in programs:
         assert program.end() == 0, program.log.read_text()
+    full_spool(plant)
+
+
+def strangers(plant, collector):
+    """What any client of the broker may send takes nothing from the robots."""
+    stranger = Stranger(plant.broker, "geheim")
+    result = plant.template.encode()
+    state = {"schema": "sweepd.state/1", "at": "2026-01-01T12:00:00Z", "started": "2026-01-01T11:00:00Z"}
+    state["robots"] = [{"robot": ROBOT, "telegrams": {"received": 7}}]
+    state = json.dumps(state).encode()
+    letters = random.Random(1)
+    long_name = "".join(letters.choice("abcdefghijklmnopqrstuvwxyz0123456789") for _ in range(9000))
+    stranger.publish("sweepd/1/odd/cell/%FF/state", state)
+    for robot, session in ((f"{ROBOT}%00", "20260201T000000Z"), ("%FF", "20260201T000000Z"),
+                           (long_name, "20260201T000000Z"), (ROBOT, long_name), (ROBOT, "yesterday")):
+        stranger.publish(f"sweepd/1/odd/cell/{robot}/result", result, session=session)
+    stranger.publish(f"sweepd/1/odd/cell/{ROBOT}/result", result)
+    stranger.publish(f"sweepd/1/odd/cell/{ROBOT}/compare", b'{"schema": "sweepd.compare/1"}')
+    stranger.publish("sweepd/1/odd/cell/whole/result", result, session="20260201T000000Z", started="yesterday")
+    plant_rows = "select session, started is null from campaigns join robots on robots.id = robot where site = 'odd'"
+    until(lambda: plant.database.ask(plant_rows), "what follows is stored")
+    assert plant.database.ask(plant_rows) == "20260201T000000Z|t", plant.database.ask(plant_rows)
+    assert plant.database.ask("select count(*) from refused") == "5"
+    plant.database.ask("delete from refused; delete from numbers where campaign in (select campaigns.id from "
+                       "campaigns join robots on robots.id = robot where site = 'odd'); delete from campaigns "
+                       "where robot in (select id from robots where site = 'odd')")
+    # The next counts are written with those that are refused: half a minute later.
+    until(lambda: collector.said("the counts of sweepd/1/odd/cell/%FF/state are not stored"), "words", 60)
+    until(lambda: plant.database.ask("select count(*) from link_days") == "1", "links of the others", 60)
+    assert plant.database.ask("select count(*) from refused") == "0", "a state that is right is refused"
+    print("what strangers send is refused, and keeps nothing else out")
+
+
+def newer_tables(plant, collector):
+    plant.database.ask("insert into migrations (number) values (99)")
+    collector.kill_and_start()
+    plant.campaign_ends(5)
+    until(lambda: collector.said("the tables are those of a newer sweepd"), "words for newer tables")
+    assert not collector.said("is lost: "), "a result is acknowledged that is not stored"
+    plant.database.ask("delete from migrations where number = 99")
+    plant.arrive()
+    print("tables of a newer sweepd: the result waits")
+
+
+def other_password(plant, publisher):
+    plant.broker.stop()
+    until(lambda: publisher.said("cannot be reached (TCP/TLS connect failure)"), "the broker is missed")
+    plant.broker.accept("another")
+    plant.broker.start()
+    until(lambda: publisher.said("Not authorized"), "words for a password that is refused", 60)
+    plant.broker.stop()
+    plant.broker.accept("geheim")
+    plant.broker.start()
+    plant.campaign_ends(6)
+    plant.arrive()
+    print("a password that is refused after the broker was away: told")
+
+
+def full_spool(plant):
+    spool = plant.folder / "full"
+    spool.mkdir()
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "none", spool], capture_output=True).returncode:
+        print("a full spool: not tried, nothing may be mounted here")
+        return
+    try:
+        publisher = Program(plant.sweepd, plant.folder / "full.log", "publish", "--config",
+                            plant.settings_with("full"))
+        until(lambda: publisher.said("make room on its disk"), "words for a full spool")
+        subprocess.run(["mount", "-o", "remount,size=64m", spool], check=True)
+        until(lambda: publisher.log.read_text().count("is published") == len(plant.files), "all results", 90)
+        assert publisher.end() == 0, publisher.log.read_text()
+    finally:
+        Program.all[-1].kill()
+        subprocess.run(["umount", spool], check=True)
+    print("a full spool: told, and all is published once there is room")
 
 
 def numbers_of(text):

@@ -1,5 +1,6 @@
 #include "daemon/commands/history_command.hpp"
 
+#include <fstream>
 #include <sstream>
 
 #include "daemon/commands/note_command.hpp"
@@ -124,6 +125,8 @@ TEST_CASE("dates that are none are refused", "[history_command]") {
   options.since.reset();
   options.same_state = "2024-01-01";
   CHECK_THROWS_WITH(folder.history(options), ContainsSubstring("write FROM..TO"));
+  options.same_state = "2024-03-01..2024-01-01";
+  CHECK_THROWS_WITH(folder.history(options), ContainsSubstring("ends before it begins"));
 }
 
 TEST_CASE("notes are written, and printed where there is nothing to write", "[note_command]") {
@@ -141,4 +144,21 @@ TEST_CASE("notes are written, and printed where there is nothing to write", "[no
                     ContainsSubstring("--at: soon is no date"));
   CHECK_THROWS_WITH(sweepd::note({folder.path("nowhere"), {"a"}, {}, {}, {}}),
                     ContainsSubstring("is no folder"));
+}
+
+TEST_CASE("what a note or a name holds steers no terminal", "[note_command]") {
+  RobotFolder folder;
+  const fs::path campaign = folder.robot() / "2024-01-01";
+  const std::string red = "\x1b[31m";
+  folder.note({campaign, {"red" + red + "\nforged"}, "state" + red, {}, {}});
+  folder.note({campaign, {}, {}, {}, {}});
+  CHECK_THAT(folder.text, ContainsSubstring("same state: state?[31m  red?[31m?forged\n"));
+  fs::create_directories(folder.robot() / ("2024-09-01" + red));
+  std::ofstream(folder.robot() / ("2024-09-01" + red) / "run.json") << "{}";
+  HistoryCommandOptions options;
+  options.csv = folder.path("history.csv");
+  (void)folder.history(options);
+  CHECK_THAT(folder.text, ContainsSubstring("left out") && !ContainsSubstring("\x1b"));
+  CHECK_THAT(sweepd::test::content(*options.csv),
+             ContainsSubstring("state?[31m") && !ContainsSubstring("\x1b"));
 }

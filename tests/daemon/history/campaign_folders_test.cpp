@@ -81,6 +81,18 @@ TEST_CASE("campaigns are found in a robot's folder and one level farther down",
                     ContainsSubstring("nowhere is no folder"));
 }
 
+TEST_CASE("a folder that is reached on two ways is one, with its notes", "[campaign_folders]") {
+  const CampaignTree tree;
+  tree.write("notes.jsonl", "{\"time\":\"2024-01-15\",\"text\":\"collision\"}\n");
+  fs::create_directory_symlink(tree.robot(), tree.folder() / "link");
+  for (const fs::path& way : {tree.folder() / "link", tree.robot() / ".", tree.folder().path()}) {
+    const FoundCampaigns found = campaigns_in({tree.robot(), way}, {});
+    INFO(way);
+    CHECK(found.records.size() == 3);
+    CHECK(found.notes.size() == 1);
+  }
+}
+
 TEST_CASE("half deleted folders are named", "[campaign_folders]") {
   const CampaignTree tree;
   fs::remove(tree.robot() / "2024-02-01" / "result.json");

@@ -16,6 +16,17 @@ TEST_CASE("each robot's state is that of the page, with this robot alone", "[dae
         R"("robots":[{"robot":"b","sessions":2}]})");
 }
 
+TEST_CASE("an answer of something else is told as text, and short", "[daemon_state]") {
+  const auto trouble = [](const std::string& answer) {
+    return sweepd::parse_daemon_answer(answer, "here", "now").trouble;
+  };
+  CHECK(trouble("SSH-2.0\xff\x1b[31m\r\n\r\n") == "what answers on here is no sweepd");
+  CHECK(trouble("HTTP/1.1 404 a\xff\x1b[31m\r\n\r\n") ==
+        "here answers: HTTP/1.1 404 a\xEF\xBF\xBD [31m");
+  CHECK(trouble("HTTP/1.1 404 " + std::string(1000, 'a') + "\r\n\r\n").size() < 100);
+  CHECK(trouble("HTTP/1.1 200 OK\r\n\r\n[]") == "what answers is no sweepd");
+}
+
 TEST_CASE("who is no sweepd, or is not there, is told as such", "[daemon_state]") {
   CHECK(parse_daemon_state("<html>", "").trouble == "what answers is no sweepd");
   CHECK(parse_daemon_state("[]", "").trouble == "what answers is no sweepd");

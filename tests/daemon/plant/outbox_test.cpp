@@ -2,6 +2,8 @@
 
 #include <fstream>
 
+#include <unistd.h>
+
 #include "daemon/system/file_hash.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/temporary_folder.hpp"
@@ -87,4 +89,29 @@ TEST_CASE("what is not final, or only half there, is left alone", "[outbox]") {
   CHECK(plant.sessions() == PlantNames{"20260102T000000Z"});
   CHECK(plant.outbox.before("20260104T000000Z").filename() == "20260102T000000Z");
   CHECK(plant.outbox.before("20260102T000000Z").empty());
+}
+
+TEST_CASE("what may not be read is not published, until it may be", "[outbox]") {
+  PlantFolder plant;
+  plant.finish("20260101T000000Z");
+  plant.finish("20260102T000000Z");
+  plant.finish("20260103T000000Z");
+  const fs::path robot = plant.folder / "robot";
+  const auto open_to = [&](fs::perms permissions) {
+    fs::permissions(robot / "20260101T000000Z", permissions);
+    fs::permissions(robot / "20260102T000000Z" / "result.json", permissions);
+    fs::permissions(robot / "20260103T000000Z" / "run.json", permissions);
+  };
+  open_to(fs::perms::none);
+  fs::permissions(plant.folder.path(), fs::perms::all);
+  constexpr ::uid_t kNobody = 65534;  // root may read everything
+  const bool is_root = ::geteuid() == 0;
+  if (is_root) REQUIRE(::seteuid(kNobody) == 0);
+  const auto found = plant.sessions();
+  const auto complaints = plant.outbox.complaints();
+  if (is_root) REQUIRE(::seteuid(0) == 0);
+  CHECK(found.empty());
+  CHECK(complaints == 3);
+  open_to(fs::perms::all);
+  CHECK(plant.sessions().size() == 3);
 }
