@@ -72,6 +72,14 @@ std::string reason_of(const mqtt::exception& problem) {
   return message.empty() ? "no connection" : message;
 }
 
+/// What has to be right for a connection, if more than that the broker runs.
+const char* advice(const std::string& why, bool tls) {
+  const auto says = [&](const char* words) { return why.find(words) != why.npos; };
+  if (says("uthorized") || says("password"))
+    return "; `user` and the password have to be those that the broker knows";
+  return tls ? "; its certificate has to be one of `ca_file`, and of this name" : "";
+}
+
 /// Why a finished token failed; empty where it did not.
 std::string failure_of(mqtt::token& token) {
   try {
@@ -190,10 +198,7 @@ void BrokerLink::failed(const std::string& why, Steady::time_point now) {
   // Away first, and then with another password: the second is what somebody has to know.
   if (said_ != why)
     log_.warning("the broker {} cannot be reached ({}): it is tried again until it answers{}",
-                 text(options_.broker.address), why,
-                 options_.broker.address.tls
-                     ? "; its certificate has to be one of `ca_file`, and of this name"
-                     : "");
+                 text(options_.broker.address), why, advice(why, options_.broker.address.tls));
   said_ = why;
 }
 

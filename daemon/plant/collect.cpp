@@ -1,9 +1,11 @@
 #include "daemon/plant/collect.hpp"
 
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include "daemon/plant/broker_link.hpp"
@@ -21,6 +23,40 @@ using namespace std::chrono_literals;
 using Steady = std::chrono::steady_clock;
 
 constexpr const char* kClient = "sweepd-collect";
+constexpr auto kOften = 200ms;
+
+/// Keeps the connection, on a thread of its own: Paho holds its lock while a message waits for the
+/// database, and whoever asks it anything waits as well.
+class KeptBroker {
+ public:
+  explicit KeptBroker(BrokerLink::Options options)
+      : broker_(std::move(options), Log()), thread_([this] { keep(); }) {}
+  ~KeptBroker() {
+    ending_ = true;
+    thread_.join();
+  }
+  KeptBroker(const KeptBroker&) = delete;
+  KeptBroker& operator=(const KeptBroker&) = delete;
+
+  /// Leaves the broker in order, as soon as no message waits.
+  void end() { ending_ = true; }
+  [[nodiscard]] bool ended() const { return ended_; }
+
+ private:
+  void keep() {
+    while (!ending_) {
+      broker_.keep(Steady::now());
+      std::this_thread::sleep_for(kOften);
+    }
+    broker_.leave();
+    ended_ = true;
+  }
+
+  std::atomic<bool> ending_{false};
+  std::atomic<bool> ended_{false};
+  BrokerLink broker_;
+  std::thread thread_;
+};
 
 }  // namespace
 
@@ -35,27 +71,27 @@ int collect_all(const CollectOptions& options) {
   link.topics = {
       {topics_of_all("result"), 1}, {topics_of_all("compare"), 1}, {topics_of_all("state"), 0}};
   link.take = [&collector](const BrokerLink::Message& message) { collector.take(message); };
-  BrokerLink broker(std::move(link), Log());
+  KeptBroker broker(std::move(link));
   service_manager::ready();
   while (!events.next_signal()) {
-    broker.keep(Steady::now());
     log_repeats();
     service_manager::status("Results stored since the start: " +
                             std::to_string(collector.stored()));
     service_manager::beat();
-    events.wait_until(Steady::now() + 200ms);
+    events.wait_until(Steady::now() + kOften);
   }
   collector.stop();
   const auto patience = Steady::now() + 2s;
   while (collector.busy() && Steady::now() < patience) events.wait_until(Steady::now() + 20ms);
+  if (!collector.busy()) broker.end();
+  while (!broker.ended() && Steady::now() < patience) events.wait_until(Steady::now() + 20ms);
   log_all_repeats();
-  if (collector.busy()) {
+  if (!broker.ended()) {
     // A message waits for the database. To end in order would acknowledge it.
     Log().note("ending while PostgreSQL is away: the broker keeps what it has not taken");
     finish_log();
     std::_Exit(0);
   }
-  broker.leave();
   collector.finish();
   return 0;
 }

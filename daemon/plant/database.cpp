@@ -67,7 +67,8 @@ std::vector<SqlRow> Database::run(const std::string& sql, const std::vector<SqlV
     const std::string why = words(PQerrorMessage(server_.get()));
     if (gone) server_.reset();
     throw DatabaseError(
-        "PostgreSQL refused (" + why + ')',
+        state == "42P01" ? "the database has no tables of sweepd: `sweepd collect` makes them"
+                         : "PostgreSQL refused (" + why + ')',
         !gone && (state.starts_with("22") || state.starts_with("23") || state.starts_with("54")));
   }
   std::vector<SqlRow> rows(static_cast<std::size_t>(PQntuples(result.get())));

@@ -180,6 +180,7 @@ def scenario(plant, outage, long):
 
     strangers(plant, collector)
     newer_tables(plant, collector)
+    ends_while_waiting(plant, collector)
     other_password(plant, again)
 
     code = subprocess.run([plant.sweepd, "compare", f"{PLACE}/20260101T120000Z", PLACE, "--database",
@@ -246,6 +247,25 @@ def newer_tables(plant, collector):
     plant.database.ask("delete from migrations where number = 99")
     plant.arrive()
     print("tables of a newer sweepd: the result waits")
+
+
+def ends_while_waiting(plant, collector):
+    """Once the message comes while it is at work, once as soon as it is started."""
+    plant.database.ask("insert into migrations (number) values (99)")
+    collector.kill()
+    for number in (7, None):
+        collector.log.write_text("")
+        collector.start()
+        if number:
+            plant.campaign_ends(number)
+        until(lambda: collector.said("the tables are those of a newer sweepd"), "words for newer tables")
+        time.sleep(1)
+        assert collector.end() == 0, collector.log.read_text()
+        assert collector.said("the broker keeps what it has not taken"), collector.log.read_text()
+    plant.database.ask("delete from migrations where number = 99")
+    collector.start()
+    plant.arrive()
+    print("a collector whose message waits for the database ends when it is told to, and loses nothing")
 
 
 def other_password(plant, publisher):
