@@ -185,12 +185,12 @@ def scenario(plant, outage, long):
 
     code = subprocess.run([plant.sweepd, "compare", f"{PLACE}/20260101T120000Z", PLACE, "--database",
                            plant.database.connection], capture_output=True, text=True)
-    assert code.returncode in (0, 3) and "20260106T120000Z" in code.stdout, code
+    assert code.returncode in (0, 3) and "20260107T120000Z" in code.stdout, code
     code = subprocess.run([plant.sweepd, "history", PLACE, "--database", plant.database.connection, "--csv",
                            plant.folder / "history.csv"], capture_output=True, text=True)
     assert code.returncode in (0, 3), code
     told = list(csv.DictReader((plant.folder / "history.csv").open()))
-    assert [line["campaign"] for line in told] == [f"2026010{day}T120000Z" for day in range(1, 7)], told
+    assert [line["campaign"] for line in told] == [f"2026010{day}T120000Z" for day in range(1, 8)], told
 
     third = subprocess.run([plant.sweepd, "publish", "--config", plant.settings], capture_output=True,
                            text=True, timeout=20)
@@ -293,7 +293,7 @@ def full_spool(plant):
                             plant.settings_with("full"))
         until(lambda: publisher.said("make room on its disk"), "words for a full spool")
         subprocess.run(["mount", "-o", "remount,size=64m", spool], check=True)
-        until(lambda: publisher.log.read_text().count("is published") == len(plant.files), "all results", 90)
+        until(lambda: publisher.log.read_text().count(" is published\n") == len(plant.files), "all results", 90)
         assert publisher.end() == 0, publisher.log.read_text()
     finally:
         Program.all[-1].kill()
