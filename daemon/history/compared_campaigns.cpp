@@ -9,9 +9,9 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
 
+#include "daemon/history/campaign_scatter.hpp"
 #include "daemon/report/json_part.hpp"
 #include "daemon/results/change_test.hpp"
-#include "rsi/counted.hpp"
 
 namespace sweepd {
 namespace {
@@ -21,13 +21,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using identify::ArmNumber;
 using identify::ArmNumberKind;
-
-/// Fewer tell nothing of how they scatter.
-constexpr std::size_t kFewestSuccessive = 6;
-/// Of what one campaign differs from the next, in its usual size: more is a change.
-constexpr double kStrange = 6;
-/// In years: campaigns over so long have met all seasons.
-constexpr double kMostOfYear = 0.7;
 
 /// Two arms cut to the joints that both tell.
 identify::ComparedArms compared(const ToldArm& first, const ToldArm& second) {
@@ -47,10 +40,6 @@ std::vector<Index> places_of(const VectorXd& values) {
   for (Index k = 0; k < values.size(); ++k)
     if (!std::isnan(values(k))) places.push_back(k);
   return places;
-}
-
-bool tells_all(const ComparedCampaign& campaign) {
-  return !campaign.values.array().isNaN().any();
 }
 
 /// The campaigns' numbers in the reference's form.
@@ -80,101 +69,6 @@ void set_values(std::vector<CampaignRecord> records, const std::vector<std::stri
     campaign.record = std::move(records[i]);
     history.campaigns.push_back(std::move(campaign));
   }
-}
-
-/// Years from one to the other.
-double age(const ComparedCampaign& from, const ComparedCampaign& to) {
-  return years(to.record.time) - years(from.record.time);
-}
-
-/// Of campaigns about the means of their states. `longest`: years of the longest state.
-Scatter marked_scatter(const History& history, std::size_t& campaigns, double& longest) {
-  std::map<std::string, std::vector<const ComparedCampaign*>> states;
-  for (const ComparedCampaign& campaign : history.campaigns)
-    if (!campaign.state.empty() && tells_all(campaign)) states[campaign.state].push_back(&campaign);
-  const auto count = static_cast<Index>(history.numbers.size());
-  Scatter scatter{MatrixXd::Zero(count, count), 0};
-  for (const auto& [state, members] : states) {
-    if (members.size() < 2) continue;
-    VectorXd mean = VectorXd::Zero(count);
-    for (const auto* member : members) mean += member->values / static_cast<double>(members.size());
-    for (const auto* member : members)
-      scatter.products += (member->values - mean) * (member->values - mean).transpose();
-    scatter.degrees += static_cast<double>(members.size()) - 1;
-    campaigns += members.size();
-    longest = std::max(longest, age(*members.front(), *members.back()));
-  }
-  return scatter;
-}
-
-/// How campaigns differ from the one before, and what is usual of each number.
-class Steps {
- public:
-  explicit Steps(const History& history) {
-    for (const ComparedCampaign& campaign : history.campaigns)
-      if (tells_all(campaign)) told_.push_back(&campaign);
-    const auto count = static_cast<Index>(history.numbers.size());
-    usual_ = VectorXd::Zero(count);
-    for (Index k = 0; k < count && told_.size() > 1; ++k) {
-      std::vector<double> sizes;
-      for (std::size_t i = 1; i < told_.size(); ++i) sizes.push_back(std::abs(step(i)(k)));
-      const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-      std::nth_element(sizes.begin(), middle, sizes.end());
-      usual_(k) = kByMedian * *middle;
-    }
-  }
-
-  [[nodiscard]] const std::vector<const ComparedCampaign*>& told() const { return told_; }
-  [[nodiscard]] VectorXd step(std::size_t to) const {
-    return told_[to]->values - told_[to - 1]->values;
-  }
-  /// So large that something happened between the two.
-  [[nodiscard]] bool strange(std::size_t to) const {
-    return (step(to).cwiseAbs().array() > kStrange * usual_.array()).any();
-  }
-
- private:
-  std::vector<const ComparedCampaign*> told_;
-  VectorXd usual_;
-};
-
-/// Of each campaign to the next, but where one differs far more than usual.
-Scatter successive_scatter(const History& history) {
-  const Steps steps(history);
-  const auto count = static_cast<Index>(history.numbers.size());
-  Scatter scatter{MatrixXd::Zero(count, count), 0};
-  if (steps.told().size() < kFewestSuccessive) return scatter;
-  for (std::size_t i = 1; i < steps.told().size(); ++i) {
-    if (steps.strange(i)) continue;
-    // Successive differences share campaigns: of their variance two thirds as much is known.
-    scatter.products += 2.0 / 3 * steps.step(i) * steps.step(i).transpose() / 2;
-    scatter.degrees += 2.0 / 3;
-  }
-  return scatter;
-}
-
-/// Of campaigns about the means of their years, without years in which one differs far more than
-/// usual from the one before.
-Scatter yearly_scatter(const History& history) {
-  const Steps steps(history);
-  const auto& told = steps.told();
-  const auto count = static_cast<Index>(history.numbers.size());
-  Scatter scatter{MatrixXd::Zero(count, count), 0};
-  for (std::size_t from = 0, to = 0; from < told.size(); from = to) {
-    bool strange = false;
-    VectorXd mean = VectorXd::Zero(count);
-    for (to = from; to < told.size() && age(*told[from], *told[to]) < 1; ++to) {
-      strange = strange || (to > from && steps.strange(to));
-      mean += told[to]->values;
-    }
-    const auto members = static_cast<double>(to - from);
-    if (strange || age(*told[from], *told[to - 1]) < kMostOfYear) continue;
-    mean /= members;
-    for (std::size_t i = from; i < to; ++i)
-      scatter.products += (told[i]->values - mean) * (told[i]->values - mean).transpose();
-    scatter.degrees += members - 1;
-  }
-  return scatter;
 }
 
 std::vector<VaryingNumber> varying(const History& history) {
@@ -235,35 +129,13 @@ class CampaignTest {
   std::map<std::pair<double, double>, double> known_;
 };
 
-void choose_basis(History& history, Scatter& scatter) {
-  history.basis_campaigns = 0;
-  double longest = 0;
-  scatter = marked_scatter(history, history.basis_campaigns, longest);
-  history.basis = Basis::marked;
-  if (scatter.degrees > 0) {
-    if (longest >= kMostOfYear) return;
-    // Marks of one season do not tell what the others do. What years have in them does.
-    const Scatter of_years = yearly_scatter(history);
-    if (!(of_years.degrees > 0)) return;
-    scatter.products += of_years.products;
-    scatter.degrees += of_years.degrees;
-    history.basis = Basis::marked_and_years;
-    return;
-  }
-  scatter = yearly_scatter(history);
-  history.basis = Basis::years;
-  if (scatter.degrees > 0) return;
-  scatter = successive_scatter(history);
-  history.basis = scatter.degrees > 0 ? Basis::successive : Basis::nothing;
-}
-
 MatrixXd average_fit(const History& history) {
   const auto count = static_cast<Index>(history.numbers.size());
   MatrixXd sum = MatrixXd::Zero(count, count);
   double campaigns = 0;
   for (const ComparedCampaign& campaign : history.campaigns) {
     const bool counts = !is_marked(history.basis) || !campaign.state.empty();
-    if (!counts || !tells_all(campaign)) continue;
+    if (!counts || !campaign.tells_all()) continue;
     sum += campaign.fit_covariance;
     ++campaigns;
   }
@@ -277,8 +149,7 @@ void compare_campaigns(std::vector<CampaignRecord> records, const std::vector<st
   history.reference = reference;
   set_values(std::move(records), states, history);
   if (history.numbers.empty()) return;
-  Scatter scatter;
-  choose_basis(history, scatter);
+  const Scatter scatter = scatter_of(history);
   const MatrixXd average = average_fit(history);
   const Repeatability repeatability(average, varying(history), scatter);
   history.between = repeatability.between();
@@ -290,7 +161,7 @@ void compare_campaigns(std::vector<CampaignRecord> records, const std::vector<st
   const std::string& state = history.campaigns[reference].state;
   for (std::size_t i = 0; i < history.campaigns.size(); ++i)
     if (i == reference ||
-        (!state.empty() && history.campaigns[i].state == state && tells_all(history.campaigns[i])))
+        (!state.empty() && history.campaigns[i].state == state && history.campaigns[i].tells_all()))
       history.reference_state.push_back(i);
   const auto members = static_cast<double>(history.reference_state.size());
   VectorXd mean = VectorXd::Zero(history.sigma.size());

@@ -41,6 +41,8 @@ struct ComparedCampaign {
   double p = 1;  ///< by F, see Repeatability
   bool changed = false;
   std::vector<std::size_t> named;  ///< numbers that are called changed
+
+  [[nodiscard]] bool tells_all() const { return !values.array().isNaN().any(); }
 };
 
 /// What the repeatability between campaigns is known from.
