@@ -24,9 +24,12 @@ namespace {
 constexpr std::string_view kBegins = "t_s,ipoc";
 
 struct Column {
+  explicit Column(const rsi::Signal& signal)
+      : element(signal.element), attribute(signal.attribute), place(element, attribute) {}
+
   std::string element;
   std::string attribute;
-  std::size_t hint = 0;
+  rsi::SignalPlace place;
 
   [[nodiscard]] std::string name() const {
     return attribute.empty() ? element : element + "." + attribute;
@@ -66,26 +69,17 @@ std::uint64_t for_each_telegram(const ExportOptions& options, const rsi::Convers
 std::vector<Column> columns_of(const ExportOptions& options,
                                const rsi::Conversation& conversation) {
   std::vector<Column> columns;
-  std::size_t next = 0;  // telegrams of one controller have the same signals in the same order
+  std::uint64_t names = 0;
   for_each_telegram(
       options, conversation,
       [&](const rsi::Telegram& telegram, const rsi::Datagram&) {
-        for (const auto& signal : telegram.signals()) {
-          const auto is_it = [&](const Column& column) {
-            return column.element == signal.element && column.attribute == signal.attribute;
-          };
-          if (next >= columns.size()) next = 0;
-          if (next < columns.size() && is_it(columns[next])) {
-            ++next;
-            continue;
-          }
-          const auto known = std::find_if(columns.begin(), columns.end(), is_it);
-          if (known != columns.end()) {
-            next = static_cast<std::size_t>(known - columns.begin()) + 1;
-            continue;
-          }
-          columns.push_back({std::string(signal.element), std::string(signal.attribute), 0});
-        }
+        if (telegram.names() == names) return;
+        names = telegram.names();
+        for (const auto& signal : telegram.signals())
+          if (std::none_of(columns.begin(), columns.end(), [&](const Column& column) {
+                return column.element == signal.element && column.attribute == signal.attribute;
+              }))
+            columns.emplace_back(signal);
       },
       nullptr);
   std::stable_partition(columns.begin(), columns.end(),
@@ -130,10 +124,7 @@ int export_csv(const ExportOptions& given, std::ostream& out, std::ostream& erro
         std::string row = fixed(time, 3) + "," + std::to_string(telegram.ipoc());
         for (Column& column : columns) {
           row += ',';
-          const auto at = telegram.find(column.element, column.attribute, column.hint);
-          if (!at) continue;
-          column.hint = *at;
-          row += field(telegram.signals()[*at].text);
+          if (const auto* const signal = column.place.in(telegram)) row += field(signal->text);
         }
         write(row);
         ++telegrams;

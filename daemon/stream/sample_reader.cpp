@@ -9,41 +9,43 @@
 #include "rsi/telegram/ipoc.hpp"
 
 namespace sweepd {
+namespace {
+
+/// "AIPos.A1" is an attribute, "DiL" the text of an element.
+rsi::SignalPlace place_of(const std::string& name) {
+  const auto dot = name.find('.');
+  if (dot == std::string::npos) return rsi::SignalPlace(name);
+  return rsi::SignalPlace(name.substr(0, dot), name.substr(dot + 1));
+}
+
+}  // namespace
 
 SampleReader::SampleReader(const SignalNames& names, std::size_t joints, bool with_currents)
     : with_currents_(with_currents) {
-  for (const auto& name : names.position) pose_.push_back(source(name));
-  for (const auto& name : names.orientation) pose_.push_back(source(name));
+  for (const auto& name : names.position) pose_.push_back({place_of(name)});
+  for (const auto& name : names.orientation) pose_.push_back({place_of(name)});
   for (std::size_t j = 0; j < std::min(joints, names.angles.size()); ++j)
-    angles_.push_back(source(names.angles[j]));
+    angles_.push_back({place_of(names.angles[j])});
   for (std::size_t j = 0; j < std::min(joints, kMostCurrents); ++j)
-    currents_.push_back({"MACur", "A" + std::to_string(j + 1)});
+    currents_.push_back({rsi::SignalPlace("MACur", "A" + std::to_string(j + 1))});
   // The seventh joint of an arm may come as an external axis.
   for (const char* axis : {"E1", "E2", "E3", "E4", "E5", "E6"})
     if (std::find(names.angles.begin(), names.angles.end(), std::string("EIPos.") + axis) ==
         names.angles.end())
-      external_.push_back({{"EIPos", axis}});
-}
-
-SampleReader::Source SampleReader::source(const std::string& name) {
-  const auto dot = name.find('.');
-  if (dot == std::string::npos) return {name, {}};
-  return {name.substr(0, dot), name.substr(dot + 1)};
+      external_.push_back({rsi::SignalPlace("EIPos", axis)});
 }
 
 std::optional<double> SampleReader::value(const rsi::Telegram& telegram, Source& source,
                                           int& decimals) {
-  const auto at = telegram.find(source.element, source.attribute, source.hint);
+  const rsi::Signal* const signal = source.place.in(telegram);
   source.text = {};
-  if (!at) return std::nullopt;
-  source.hint = *at;
-  const auto text = telegram.signals()[*at].text;
-  const auto number = rsi::decimal(text);
+  if (signal == nullptr) return std::nullopt;
+  const auto number = rsi::decimal(signal->text);
   if (!number || std::abs(number->value) > kLargestMeasured) {
     ++unusable_;
     return std::nullopt;
   }
-  source.text = rsi::trimmed(text);
+  source.text = rsi::trimmed(signal->text);
   decimals = std::max(decimals, number->decimals);
   return number->value;
 }
@@ -88,14 +90,13 @@ void SampleReader::follow_external_axes(const rsi::Telegram& telegram) {
   // In mm, or degrees where the axis turns. One that is locked shows two steps of what a controller
   // prints at most, 0.1 by default.
   constexpr double kMoved = 0.25;
-  for (auto& [source, known] : external_) {
-    const auto at = telegram.find(source.element, source.attribute, source.hint);
-    if (!at) return;  // all six are sent, or none
-    source.hint = *at;
-    const auto place = rsi::number(telegram.signals()[*at].text);
-    if (!place || (known && std::abs(*place - *known) <= kMoved)) continue;
+  for (auto& [place, known] : external_) {
+    const rsi::Signal* const signal = place.in(telegram);
+    if (signal == nullptr) return;  // all six are sent, or none
+    const auto value = rsi::number(signal->text);
+    if (!value || (known && std::abs(*value - *known) <= kMoved)) continue;
     if (known) ++external_place_;
-    known = place;
+    known = value;
   }
 }
 

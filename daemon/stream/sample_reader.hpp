@@ -37,15 +37,12 @@ class SampleReader {
   [[nodiscard]] std::uint64_t unusable() const { return unusable_; }
 
  private:
-  /// A signal's name, where it was found last, and the number that stood there.
+  /// A signal, and the number that stood there.
   struct Source {
-    std::string element;
-    std::string attribute;
-    std::size_t hint = 0;
+    rsi::SignalPlace place;
     std::string_view text = {};
   };
 
-  static Source source(const std::string& name);
   std::optional<double> value(const rsi::Telegram& telegram, Source& source, int& decimals);
   void follow_external_axes(const rsi::Telegram& telegram);
   void read_currents(const rsi::Telegram& telegram);
@@ -57,7 +54,7 @@ class SampleReader {
   bool with_currents_;
   /// The controller's external axes, and how often one was seen to move.
   struct ExternalAxis {
-    Source source;
+    rsi::SignalPlace place;
     std::optional<double> at = {};
   };
   std::vector<ExternalAxis> external_;

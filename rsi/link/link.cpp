@@ -32,10 +32,7 @@ std::optional<Arrival> Link::telegram(const Datagram& datagram, const Telegram& 
   cycle.received = datagram.time;
   cycle.malformed = defect != Defect::none || datagram.cut;
   cycle.ipoc = defect == Defect::none ? telegram.ipoc() : ipoc_number(find_ipoc(datagram.payload));
-  if (const auto at = telegram.find("Delay", "D", delay_hint_)) {
-    delay_hint_ = *at;
-    cycle.delay = ipoc_number(telegram.signals()[*at].text);
-  }
+  if (const Signal* const delay = delay_.in(telegram)) cycle.delay = ipoc_number(delay->text);
   if (cycle.malformed) ++report_.malformed;
   if (!cycle.ipoc) {
     ++report_.unanswerable;

@@ -91,7 +91,7 @@ class Link {
 
   LinkStatistics statistics_;
   Telegram telegram_;
-  std::size_t delay_hint_ = 0;
+  SignalPlace delay_{"Delay", "D"};
   std::array<Kept, kMost> cycles_{};
   std::size_t size_ = 0;
   std::uint64_t late_runs_ = 0;

@@ -112,8 +112,7 @@ class Walk {
 constexpr std::string_view kTag = "<IPOC";
 
 std::string_view usable(std::string_view digits) noexcept {
-  constexpr std::size_t kMostDigits = 20;
-  return digits.size() <= kMostDigits && ipoc_number(digits) ? digits : std::string_view();
+  return usable_ipoc(digits) ? digits : std::string_view();
 }
 
 /// The rule itself.
@@ -164,6 +163,11 @@ std::string_view find_ipoc(std::string_view datagram) noexcept {
   if (last == std::string_view::npos) return {};
   const auto plain = plain_ipoc(datagram, last);
   return plain.empty() ? walk_to_last_ipoc(datagram) : plain;
+}
+
+std::optional<std::uint64_t> usable_ipoc(std::string_view digits) noexcept {
+  constexpr std::size_t kMostDigits = 20;
+  return digits.size() <= kMostDigits ? ipoc_number(digits) : std::nullopt;
 }
 
 std::optional<std::uint64_t> ipoc_number(std::string_view digits) noexcept {

@@ -27,5 +27,7 @@ inline constexpr std::uint64_t kNoLatecomer = 1000;
 
 /// The number that `digits` stand for; nothing if it is no unsigned 64-bit number.
 [[nodiscard]] std::optional<std::uint64_t> ipoc_number(std::string_view digits) noexcept;
+/// The same of what an <IPOC> holds, which has 20 digits at most.
+[[nodiscard]] std::optional<std::uint64_t> usable_ipoc(std::string_view digits) noexcept;
 
 }  // namespace rsi

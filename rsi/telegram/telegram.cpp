@@ -1,6 +1,7 @@
 #include "rsi/telegram/telegram.hpp"
 
 #include <array>
+#include <atomic>
 #include <charconv>
 #include <cmath>
 
@@ -124,6 +125,12 @@ bool blank(std::string_view datagram) {
   return true;
 }
 
+/// One number for each order of names, whichever object it was seen by.
+std::uint64_t next_names() {
+  static std::atomic<std::uint64_t> last = 0;
+  return last.fetch_add(1, std::memory_order_relaxed) + 1;
+}
+
 }  // namespace
 
 std::string_view text(Defect defect) noexcept {
@@ -143,8 +150,25 @@ std::string_view text(Defect defect) noexcept {
 }
 
 Defect Telegram::parse(std::string_view datagram) {
+  std::string_view digits;
+  if (shape_.read(datagram, signals_, digits)) {
+    ipoc_ = usable_ipoc(digits);
+    names_ = shape_names_;
+    if (ipoc_) return Defect::none;
+  }
+  digits = find_ipoc(datagram);
+  ipoc_ = ipoc_number(digits);
+  names_ = next_names();
+  const Defect defect = scan(datagram);
+  if (defect == Defect::none) {
+    shape_.learn(datagram, signals_, digits);
+    shape_names_ = names_;
+  }
+  return defect;
+}
+
+Defect Telegram::scan(std::string_view datagram) {
   signals_.clear();
-  ipoc_ = ipoc_number(find_ipoc(datagram));
   if (blank(datagram)) return Defect::empty;
 
   Scanner scanner(datagram);
@@ -195,22 +219,19 @@ Defect Telegram::parse(std::string_view datagram) {
   return ipoc_ ? Defect::none : Defect::no_ipoc;
 }
 
-std::optional<std::size_t> Telegram::find(std::string_view element, std::string_view attribute,
-                                          std::size_t hint) const noexcept {
-  // Names are a few bytes: a loop is shorter than a call.
-  const auto same = [](std::string_view a, std::string_view b) {
-    if (a.size() != b.size()) return false;
-    for (std::size_t i = 0; i < a.size(); ++i)
-      if (a[i] != b[i]) return false;
-    return true;
-  };
-  const auto is_it = [&](std::size_t i) {
-    return same(signals_[i].attribute, attribute) && same(signals_[i].element, element);
-  };
-  if (hint < signals_.size() && is_it(hint)) return hint;
+std::optional<std::size_t> Telegram::find(std::string_view element,
+                                          std::string_view attribute) const noexcept {
   for (std::size_t i = 0; i < signals_.size(); ++i)
-    if (is_it(i)) return i;
+    if (signals_[i].attribute == attribute && signals_[i].element == element) return i;
   return std::nullopt;
+}
+
+const Signal* SignalPlace::in(const Telegram& telegram) noexcept {
+  if (names_ != telegram.names()) {
+    at_ = telegram.find(element_, attribute_);
+    names_ = telegram.names();
+  }
+  return at_ ? &telegram.signals()[*at_] : nullptr;
 }
 
 std::optional<Decimal> decimal(std::string_view text) noexcept {

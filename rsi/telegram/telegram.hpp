@@ -3,8 +3,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
+
+#include "rsi/telegram/telegram_shape.hpp"
 
 namespace rsi {
 
@@ -32,8 +36,8 @@ inline constexpr std::size_t kDefects = 5;
 /// one element, and names that begin with a digit (<GPIO 01="1"/>), which no XML parser accepts.
 ///
 /// Reuse one object: it keeps its memory and stops allocating after the first telegrams. Signals
-/// are views into the datagram last parsed. Not thread-safe. Never throws for what a datagram
-/// holds.
+/// are views into the datagram last parsed. A telegram that is like the one before but for its
+/// values costs a third of another one. Not thread-safe. Never throws for what a datagram holds.
 class Telegram {
  public:
   /// Takes the place of what was parsed before. With a defect, `signals` holds what could be read.
@@ -44,14 +48,36 @@ class Telegram {
   /// By the rule of find_ipoc(), whatever defect there is; 0 if there is none.
   [[nodiscard]] std::uint64_t ipoc() const noexcept { return ipoc_.value_or(0); }
 
-  /// Index into signals(), looked for at `hint` first: telegrams of one controller all look alike.
+  /// The same number as before if signals() has the same names in the same order as then.
+  [[nodiscard]] std::uint64_t names() const noexcept { return names_; }
+  /// Index into signals(), the first that has these names.
   [[nodiscard]] std::optional<std::size_t> find(std::string_view element,
-                                                std::string_view attribute,
-                                                std::size_t hint = 0) const noexcept;
+                                                std::string_view attribute) const noexcept;
 
  private:
+  Defect scan(std::string_view datagram);
+
+  TelegramShape shape_;
   std::vector<Signal> signals_;
   std::optional<std::uint64_t> ipoc_;
+  std::uint64_t names_ = 0;
+  std::uint64_t shape_names_ = 0;
+};
+
+/// A signal of one controller's telegrams, and where it was found. Not thread-safe.
+class SignalPlace {
+ public:
+  explicit SignalPlace(std::string element, std::string attribute = {})
+      : element_(std::move(element)), attribute_(std::move(attribute)) {}
+
+  /// Null if the telegram has none. Names are looked at only where their order has changed.
+  [[nodiscard]] const Signal* in(const Telegram& telegram) noexcept;
+
+ private:
+  std::string element_;
+  std::string attribute_;
+  std::uint64_t names_ = 0;
+  std::optional<std::size_t> at_;
 };
 
 /// A number as it was printed.

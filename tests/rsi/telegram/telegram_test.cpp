@@ -168,14 +168,30 @@ TEST_CASE("no bytes make the parser fail, whatever they are", "[telegram]") {
   }
 }
 
-TEST_CASE("a signal is found at its usual place, or elsewhere, or not", "[telegram]") {
+TEST_CASE("a signal is found by its names", "[telegram]") {
   Telegram telegram;
   telegram.parse(kRecorded);
-  CHECK(telegram.find("RIst", "X", 0) == 0u);
-  CHECK(telegram.find("RIst", "X", 5) == 0u);
-  CHECK(telegram.find("AIPos", "A1", 6) == 6u);
-  CHECK(telegram.find("AIPos", "A1", 1000) == 6u);
-  CHECK_FALSE(telegram.find("RSol", "X", 0));
+  CHECK(telegram.find("RIst", "X") == 0u);
+  CHECK(telegram.find("AIPos", "A1") == 6u);
+  CHECK_FALSE(telegram.find("RSol", "X"));
+}
+
+TEST_CASE("a place follows its signal when the telegram changes", "[telegram]") {
+  Telegram telegram;
+  rsi::SignalPlace y("R", "Y");
+  rsi::SignalPlace text("T");
+  const auto is = [&](rsi::SignalPlace& place, std::string_view datagram) {
+    REQUIRE(telegram.parse(datagram) == Defect::none);
+    const rsi::Signal* const signal = place.in(telegram);
+    return signal == nullptr ? std::string("none") : std::string(signal->text);
+  };
+  CHECK(is(y, R"(<Rob><R X="1" Y="2"/><IPOC>1</IPOC></Rob>)") == "2");
+  CHECK(is(y, R"(<Rob><R X="10" Y="-20"/><IPOC>2</IPOC></Rob>)") == "-20");
+  CHECK(is(text, R"(<Rob><R X="10" Y="-20"/><IPOC>3</IPOC></Rob>)") == "none");
+  CHECK(is(y, R"(<Rob><T>7</T><R Y="3" X="1"/><IPOC>4</IPOC></Rob>)") == "3");
+  CHECK(is(text, R"(<Rob><T>70</T><R Y="3" X="1"/><IPOC>5</IPOC></Rob>)") == "70");
+  CHECK(is(y, R"(<Rob><R X="1"/><IPOC>6</IPOC></Rob>)") == "none");
+  CHECK(is(y, R"(<Rob><R X="1" Y="2"/><IPOC>7</IPOC></Rob>)") == "2");
 }
 
 TEST_CASE("numbers are read the same in every locale, and only finite ones", "[telegram]") {

@@ -1,0 +1,116 @@
+#include "rsi/telegram/telegram_shape.hpp"
+
+#include <array>
+#include <cstring>
+
+#include "rsi/ascii.hpp"
+#include "rsi/telegram/telegram.hpp"
+
+namespace rsi {
+namespace {
+
+/// With one of these in a value the parser, or find_ipoc(), may see other tags.
+constexpr auto kNoValue = [] {
+  std::array<bool, 256> markup{};
+  for (const char c : {'<', '>', '=', '"', '\''}) markup[static_cast<unsigned char>(c)] = true;
+  return markup;
+}();
+
+const char* end_of_value(const char* at, const char* end) {
+  while (at != end && !kNoValue[static_cast<unsigned char>(*at)]) ++at;
+  return at;
+}
+
+bool plain_text(std::string_view value) {
+  return !value.empty() && !is_blank(value.front()) && !is_blank(value.back());
+}
+
+}  // namespace
+
+void TelegramShape::learn(std::string_view datagram, const std::vector<Signal>& signals,
+                          std::string_view ipoc) {
+  learned_ = datagram;
+  slots_.clear();
+  rest_ = 0;
+  const auto place = [&](std::string_view part) {
+    return static_cast<std::size_t>(part.data() - datagram.data());
+  };
+  bool with_ipoc = false;
+  bool known = true;
+  const auto add_ipoc = [&] {
+    known = known && add({.kind = Slot::Kind::ipoc}, ipoc, place(ipoc));
+    with_ipoc = true;
+  };
+  const Signal* before = nullptr;
+  for (const Signal& signal : signals) {
+    if (!with_ipoc && place(ipoc) < place(signal.text)) add_ipoc();
+    Slot slot{.kind = signal.attribute.empty() ? Slot::Kind::text : Slot::Kind::attribute};
+    if (place(signal.element) >= rest_) {
+      slot.element = place(signal.element) - rest_;
+      slot.element_size = signal.element.size();
+    } else if (before == nullptr || before->element.data() != signal.element.data()) {
+      known = false;
+    }
+    if (!signal.attribute.empty()) {
+      known = known && place(signal.attribute) >= rest_;
+      slot.attribute = place(signal.attribute) - rest_;
+      slot.attribute_size = signal.attribute.size();
+    }
+    known = known && add(slot, signal.text, place(signal.text));
+    before = &signal;
+  }
+  if (!with_ipoc) add_ipoc();
+  if (!known) slots_.clear();
+}
+
+/// False if the value could be another one in another telegram of these tags. `at`: where it
+/// begins.
+bool TelegramShape::add(Slot slot, std::string_view value, std::size_t at) {
+  const std::size_t end = at + value.size();
+  if (at <= rest_ || end >= learned_.size()) return false;
+  if (end_of_value(value.data(), value.data() + value.size()) != value.data() + value.size())
+    return false;
+  const char before = learned_[at - 1];
+  const char after = learned_[end];
+  const bool quoted = (before == '"' || before == '\'') && after == before;
+  const bool between_tags = before == '>' && after == '<' && plain_text(value);
+  if (slot.kind == Slot::Kind::attribute ? !quoted : !between_tags) return false;
+  slot.gap = rest_;
+  slot.gap_size = at - rest_;
+  slots_.push_back(slot);
+  rest_ = end;
+  return true;
+}
+
+bool TelegramShape::read(std::string_view datagram, std::vector<Signal>& signals,
+                         std::string_view& ipoc) const {
+  if (slots_.empty()) return false;
+  signals.clear();
+  const char* at = datagram.data();
+  const char* const end = at + datagram.size();
+  const auto takes = [&](const char* wanted, std::size_t size) {
+    if (static_cast<std::size_t>(end - at) < size || std::memcmp(at, wanted, size) != 0)
+      return false;
+    at += size;
+    return true;
+  };
+  std::string_view element;
+  for (const Slot& slot : slots_) {
+    const char* const gap = at;
+    if (!takes(learned_.data() + slot.gap, slot.gap_size)) return false;
+    const char* const begin = at;
+    at = end_of_value(at, end);
+    const std::string_view value(begin, static_cast<std::size_t>(at - begin));
+    if (slot.kind != Slot::Kind::attribute && !plain_text(value)) return false;
+    if (slot.kind == Slot::Kind::ipoc) {
+      ipoc = value;
+      continue;
+    }
+    if (slot.element != Slot::kAsBefore) element = {gap + slot.element, slot.element_size};
+    signals.push_back({element, {gap + slot.attribute, slot.attribute_size}, value});
+  }
+  const std::size_t rest = learned_.size() - rest_;
+  return static_cast<std::size_t>(end - at) == rest && takes(learned_.data() + rest_, rest);
+}
+
+}  // namespace rsi
