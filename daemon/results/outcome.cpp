@@ -11,14 +11,18 @@
 namespace sweepd {
 namespace {
 
-std::string text(const KeptSweeps::LeftOut& left_out, std::size_t kept) {
+/// What a stream has that there was no memory for. `summed`: sweeps that count all the same.
+std::string text(const KeptSweeps::LeftOut& left_out, std::size_t kept, std::size_t summed) {
   std::string text = std::to_string(kept) + " of " +
-                     rsi::counted(kept + left_out.sweeps, "sweep was", "sweeps were") +
-                     " used, spread over the whole stream";
+                     rsi::counted(kept + left_out.sweeps, "sweep is", "sweeps are") +
+                     " kept, spread over the whole stream";
   if (left_out.sample_stride > 1)
     text += ", with one of " + std::to_string(left_out.sample_stride) + " samples";
+  if (summed > 0)
+    text += "; " + rsi::counted(summed, "other counts", "others count") +
+            " in the chain's estimate by their sums";
   if (left_out.kinds)
-    text += "; that is none of some kinds (joint, way, home), of which there are too many";
+    text += "; of some kinds (joint, way, home) there is none, since there are too many";
   return text +
          ": memory holds no more; end the stream (RSI off) between campaigns, so that each gets "
          "its own result of all its sweeps";
@@ -105,7 +109,10 @@ Outcome outcome_of(const Snapshot& snapshot) {
   if (!outcome.joined) outcome.motion_limit = campaign.motion_limit;
   if (!outcome.joined && (snapshot.left_out.sweeps > 0 || snapshot.left_out.sample_stride > 1))
     outcome.identification.warnings.push_back(
-        {"memory_limit", {}, text(snapshot.left_out, snapshot.sweeps.size())});
+        {"memory_limit",
+         {},
+         text(snapshot.left_out, snapshot.sweeps.size(),
+              outcome.identification.chain ? outcome.identification.chain->summed : 0)});
   return outcome;
 }
 

@@ -39,6 +39,15 @@ bool can_be_halved(const Sweep& sweep) {
   return sweep.samples->size() >= 2 * identify::kFewestSamples;
 }
 
+identify::StrokeContent content_of(const Sweep& sweep) {
+  identify::StrokeContent content{sweep.joint.value_or(0), identify::kMostJoints, true};
+  for (const Sample& sample : *sweep.samples) {
+    content.joints = std::min<std::size_t>(content.joints, sample.joints);
+    content.orientation = content.orientation && sample.has_orientation;
+  }
+  return content;
+}
+
 void halve(Sweep& sweep) {
   std::vector<Sample> samples;
   samples.reserve((sweep.samples->size() + 1) / 2);
@@ -78,7 +87,7 @@ void KeptSweeps::keep(const Sweep& sweep) {
   Kind* const kind = kind_of(sweep);
   if (kind == nullptr) return;
   const std::size_t number = kind->seen++;
-  if (number % kind->stride != 0) return;
+  if (number % kind->stride != 0) return sum_up(sweep, *kind);
   add(sweep, {kind, number});
   for (std::size_t n = 1; n < sample_stride_ && can_be_halved(sweeps_.back()); n *= 2) {
     memory_ -= memory_of(sweeps_.back());
@@ -132,6 +141,32 @@ void KeptSweeps::add(const Sweep& sweep, Place place) {
   memory_ += memory_of(sweep);
 }
 
+Sweep* KeptSweeps::first_of(const Kind& kind) {
+  for (std::size_t s = 0; s < sweeps_.size(); ++s)
+    if (places_[s].kind == &kind && places_[s].number == 0) return &sweeps_[s];
+  return nullptr;
+}
+
+void KeptSweeps::sum_up(const Sweep& sweep, Kind& kind) {
+  Sweep* const first = first_of(kind);
+  if (first == nullptr || kind.no_reference || sweep.defect != identify::SweepDefect::none) return;
+  if (!kind.reference) {
+    kind.reference = identify::moments_of(*first, content_of(*first));
+    kind.no_reference = !kind.reference;
+    if (kind.no_reference) return;
+  }
+  const identify::StrokeContent content = content_of(sweep);
+  if (content.joints < kind.reference->content.joints ||
+      (kind.reference->content.orientation && !content.orientation))
+    return;
+  const auto moments = identify::moments_like(*kind.reference, sweep);
+  if (!moments) return;
+  // Snapshots share what there is: it is not changed.
+  auto sum = std::make_shared<identify::StrokeMoments>(*moments);
+  if (first->repeats) identify::add(*sum, *first->repeats);
+  first->repeats = std::move(sum);
+}
+
 bool KeptSweeps::make_room() {
   if (memory_ > (kLong + kOfSweep) * sweeps_.size() && halve_samples()) return true;
   std::size_t first_sweeps = 0;
@@ -155,7 +190,10 @@ void KeptSweeps::halve_repeats() {
   for (const Kind& kind : kinds_) fullest = std::max(fullest, kind.kept);
   for (Kind& kind : kinds_)
     if (2 * kind.kept >= fullest) kind.stride *= 2;
-  filter([](const Place& place) { return place.number % place.kind->stride == 0; });
+  const auto stays = [](const Place& place) { return place.number % place.kind->stride == 0; };
+  for (std::size_t s = 0; s < sweeps_.size(); ++s)
+    if (!stays(places_[s])) sum_up(sweeps_[s], *places_[s].kind);
+  filter(stays);
 }
 
 void KeptSweeps::halve_kinds(std::size_t fullest) {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "identify/sweeps/stroke_moments.hpp"
 #include "identify/sweeps/sweep.hpp"
 
 namespace sweepd {
@@ -18,7 +19,9 @@ namespace sweepd {
 /// other joints stand at one place. All sweeps are kept until memory is full. Then every second
 /// sweep goes of the kinds that have most sweeps, and of these kinds only every second one is kept
 /// from then on; later every fourth, and so on. The first sweep of a kind stays: nothing that was
-/// swept once is lost to what repeats.
+/// swept once is lost to what repeats. Of a sweep that goes, what the chain estimator needs of it
+/// is added to the first one of its kind (Sweep::repeats): a hundredth of the memory, however many
+/// go.
 ///
 /// Where sweeps are long, they first lose every second sample. Where the first sweeps of all kinds
 /// take more than half of the memory, every second kind goes of the joints and directions that have
@@ -81,6 +84,8 @@ class KeptSweeps {
     std::size_t seen = 0;
     std::size_t kept = 0;
     std::size_t stride = 1;
+    std::optional<identify::StrokeMoments> reference = {};  // of the first, once others go
+    bool no_reference = false;                              // it lies on no circle
   };
   struct Place {
     Kind* kind;
@@ -90,6 +95,9 @@ class KeptSweeps {
   Kind* kind_of(const identify::Sweep& sweep);
   std::size_t repeats_in_turn(const identify::Sweep& sweep, const Way& way);
   void add(const identify::Sweep& sweep, Place place);
+  /// Adds what the chain needs of a sweep that goes to the first one of its kind.
+  void sum_up(const identify::Sweep& sweep, Kind& kind);
+  [[nodiscard]] identify::Sweep* first_of(const Kind& kind);
   /// False where none can be made.
   bool make_room();
   void halve_repeats();

@@ -176,6 +176,7 @@ std::vector<AngleEvidence> seen_angle_errors(const Chain& chain, const ChainNode
   std::vector<double> expected(chain.axes.size(), 0.0);
   std::vector<bool> astray(chain.axes.size(), false);
   for (const StrokeMoments& stroke : nodes.strokes) {
+    if (!stroke.squares) continue;
     if (stroke.told)
       evidence[stroke.content.joint].samples += stroke.samples;
     else

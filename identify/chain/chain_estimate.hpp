@@ -129,6 +129,7 @@ struct ChainEstimate {
   double home_scatter_mm = 0;
   std::size_t samples = 0;
   std::size_t outliers = 0;            ///< of them: given less than half their weight
+  std::size_t summed = 0;              ///< strokes of which only sums were known
   double samples_per_independent = 1;  ///< how many correlated samples are worth one
   Summary summary;
 };

@@ -126,11 +126,13 @@ class Estimation {
 
   /// The effects that the shape has, and the fit that knows of them.
   void size_effects(Fitted& best, const ChainEffects& shape) {
-    double weight = 0;
-    for (const StrokeMoments& stroke : nodes_.strokes)
-      weight += stroke.weight / stroke.correlation / static_cast<double>(nodes_.strokes.size());
+    double weight = 0, strokes = 0;
+    for (const StrokeMoments& stroke : nodes_.strokes) {
+      weight += stroke.weight / stroke.correlation;
+      strokes += static_cast<double>(stroke.strokes);
+    }
     const LinearisedChain linearised(best.fit.chain, nodes_, best.noise, shape, false);
-    effects_ = effect_sizes(linearised, shape, best.noise.position_mm / std::sqrt(weight),
+    effects_ = effect_sizes(linearised, shape, best.noise.position_mm / std::sqrt(weight / strokes),
                             reach_mm(best.fit.chain));
     best.fit = fit_chain(best.fit.chain, nodes_, best.noise, effects_, false);
   }
@@ -216,7 +218,7 @@ class Estimation {
     for (std::size_t j = 0; j < joints_; ++j) {
       double squares = 0, samples = 0;
       for (const StrokeMoments& stroke : nodes_.strokes) {
-        if (stroke.content.joint == j) continue;
+        if (stroke.content.joint == j || !stroke.squares) continue;
         const auto at = static_cast<Eigen::Index>((stroke.content.orientation ? 7 : 4) + j);
         for (const StrokeMoments::Node& node : stroke.nodes) {
           squares += node.sums(at, at);
@@ -277,6 +279,7 @@ class Estimation {
     for (const StrokeMoments& stroke : nodes_.strokes) {
       sum += stroke.weight / stroke.correlation;
       weight += stroke.weight;
+      if (!stroke.squares) estimate.summed += stroke.strokes;
     }
     estimate.samples_per_independent = weight / sum;
 

@@ -54,7 +54,7 @@ bool together(const StrokeMoments& one, const StrokeMoments& other) {
   const double both = std::min(one.end_s, other.end_s) - std::max(one.begin_s, other.begin_s);
   const double shorter = std::min(one.end_s - one.begin_s, other.end_s - other.begin_s);
   return one.content.joint == other.content.joint && one.target != other.target &&
-         both > shorter / 2;
+         one.squares == other.squares && both > shorter / 2;
 }
 
 /// Sorts the strokes by what was seen at once, and by where their locked joints stood.
@@ -113,6 +113,16 @@ std::size_t ChainNodes::outliers() const {
   return count;
 }
 
+namespace {
+
+/// Without angles no joint was known when the sums were made.
+bool like(const StrokeContent& made, const StrokeContent& wanted) {
+  return made.joints == wanted.joints && (made.joint == wanted.joint || made.joints == 0) &&
+         made.orientation == wanted.orientation && made.linear == wanted.linear;
+}
+
+}  // namespace
+
 ChainNodes nodes_of(std::vector<StrokeMoments> strokes,
                     const std::vector<std::optional<double>>& home_rad, std::vector<bool> known) {
   ChainNodes nodes;
@@ -151,12 +161,17 @@ ChainNodes chain_nodes(const CircleEstimate& circles,
   home.resize(joints);
   std::vector<StrokeMoments> strokes;
   for (const ChainSweep& one : sweeps) {
-    auto stroke = moments_of(*one.sweep, {one.joint, with_angles ? joints : 0, with_orientation,
-                                          axes[one.joint]->linear});
+    const StrokeContent content{one.joint, with_angles ? joints : 0, with_orientation,
+                                axes[one.joint]->linear};
+    auto stroke = moments_of(*one.sweep, content);
     if (!stroke) continue;
     // A joint that was never seen locked is at home where its first sweep begins.
     if (with_angles && !home[one.joint]) home[one.joint] = one.sweep->first().angles_rad[one.joint];
     strokes.push_back(std::move(*stroke));
+    if (const auto& repeats = one.sweep->repeats; repeats && like(repeats->content, content)) {
+      strokes.push_back(*repeats);
+      strokes.back().content = content;
+    }
   }
   std::vector<bool> known;
   for (const auto& axis : axes) known.push_back(axis.has_value());

@@ -68,7 +68,8 @@ Eigen::Matrix<double, Size, Size> turned_to(const Eigen::Matrix3d& directions) {
   return turned;
 }
 
-/// Calls `see` with each stroke and its nodes' scatter.
+/// Calls `see` with each stroke and its nodes' scatter; of strokes without squares nothing is known
+/// of it.
 template <int Size, class See>
 void visit_nodes(const Chain& chain, const ChainNodes& nodes, const ChainNoise& noise,
                  const See& see) {
@@ -76,6 +77,7 @@ void visit_nodes(const Chain& chain, const ChainNodes& nodes, const ChainNoise& 
   std::vector<NodeScatter<Size>> scatter;
   for (std::size_t s = 0; s < nodes.strokes.size(); ++s) {
     const StrokeMoments& stroke = nodes.strokes[s];
+    if (!stroke.squares) continue;
     scatter.assign(stroke.nodes.size(), {});
     const Eigen::Index errors = stroke.content.orientation ? 6 : 3;
     const auto wobbles = static_cast<Eigen::Index>(stroke.content.joints);

@@ -307,7 +307,8 @@ double misfit(const Chain& chain, const ChainNodes& nodes, const ChainNoise& noi
 
 void set_correlation(std::vector<StrokeMoments>& strokes) {
   std::vector<const StrokeMoments*> all;
-  for (const StrokeMoments& stroke : strokes) all.push_back(&stroke);
+  for (const StrokeMoments& stroke : strokes)
+    if (stroke.squares) all.push_back(&stroke);
   const double correlation = all.empty() ? 1 : correlation_of(all);
   for (StrokeMoments& stroke : strokes) stroke.correlation = correlation;
 }

@@ -282,6 +282,7 @@ CircleEstimate in_step(CircleEstimate circles, const std::vector<std::optional<C
   for (std::size_t j = 0; j < circles.joints.size(); ++j) {
     if (!axes[j]) continue;
     for (Sweep& sweep : circles.joints[j].sweeps) {
+      sweep.repeats.reset();  // in sums no angle can be put off
       const auto track = angle_track(sweep, j, *axes[j]);
       if (!track) continue;
       auto samples = *sweep.samples;

@@ -58,17 +58,22 @@ void set_aside(const StrokeMoments& stroke, Seen& seen) {
   for (const double weight : near) seen.beside.push_back(weight == 0);
 }
 
-/// Which way x goes about the circle, where it is zero, and whether what is told follows the arc.
-void set_turns(StrokeMoments& stroke, Seen& seen) {
-  const std::size_t count = seen.samples.size();
-  std::vector<double> about(count);
-  // Unwrapped along the motion.
+/// The angles about the circle, unwrapped along the motion.
+std::vector<double> angles_about(const StrokeMoments& stroke, const Seen& seen) {
+  std::vector<double> about(seen.samples.size());
   double last = 0;
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < about.size(); ++i) {
     const double angle = stroke.angle_about(seen.samples[i]->position_mm);
     if (!seen.beside[i]) last += stroke.step(last, angle);
     about[i] = last;
   }
+  return about;
+}
+
+/// Which way x goes about the circle, where it is zero, and whether what is told follows the arc.
+void set_turns(StrokeMoments& stroke, Seen& seen) {
+  const std::size_t count = seen.samples.size();
+  std::vector<double> about = angles_about(stroke, seen);
   if (stroke.content.joints > 0) {
     const auto told = [&](std::size_t i) {
       return seen.samples[i]->angles_rad[stroke.content.joint];
@@ -110,21 +115,23 @@ void set_turns(StrokeMoments& stroke, Seen& seen) {
   seen.turns = std::move(about);
 }
 
-void set_errors(StrokeMoments& stroke, Seen& seen) {
+/// The reference orientation: the mean of what each sample says, from the middle one.
+void set_orientation(StrokeMoments& stroke, const Seen& seen) {
+  if (!stroke.content.orientation) return;
+  const auto said = [&](std::size_t i) {
+    const double turn = stroke.told ? seen.told[i] : seen.turns[i];
+    return Matrix3d(stroke.turned(stroke.zero_rad - turn) * orientation(*seen.samples[i]));
+  };
+  const Matrix3d start = said(seen.samples.size() / 2);
+  std::vector<Vector3d> off(seen.samples.size());
+  for (std::size_t i = 0; i < off.size(); ++i)
+    off[i] = rotation_vector(said(i) * start.transpose());
+  const Vector3d middle = median(off);
+  stroke.orientation = Eigen::AngleAxisd(middle.norm(), middle.stableNormalized()) * start;
+}
+
+void set_errors(const StrokeMoments& stroke, Seen& seen) {
   const auto count = static_cast<Index>(seen.samples.size());
-  if (stroke.content.orientation) {
-    // The reference orientation: the mean of what each sample says, from the middle one.
-    const auto said = [&](std::size_t i) {
-      const double turn = stroke.told ? seen.told[i] : seen.turns[i];
-      return Matrix3d(stroke.turned(stroke.zero_rad - turn) * orientation(*seen.samples[i]));
-    };
-    const Matrix3d start = said(seen.samples.size() / 2);
-    std::vector<Vector3d> off(seen.samples.size());
-    for (std::size_t i = 0; i < off.size(); ++i)
-      off[i] = rotation_vector(said(i) * start.transpose());
-    const Vector3d middle = median(off);
-    stroke.orientation = Eigen::AngleAxisd(middle.norm(), middle.stableNormalized()) * start;
-  }
   seen.errors.setZero(6, count);
   for (Index i = 0; i < count; ++i) {
     const Sample& sample = *seen.samples[static_cast<std::size_t>(i)];
@@ -160,10 +167,13 @@ void set_weights(StrokeMoments& stroke, Seen& seen) {
   };
   weigh(errors.topRows(2));  // the circle is robust; what is told may be off
   MatrixXd left;
-  constexpr int kRounds = 4;
-  for (int round = 0; round < kRounds; ++round) {
-    left = curve.left(errors, seen.weights);
+  constexpr int kMostRounds = 4;
+  constexpr double kSettled = 1e-3;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const VectorXd before = seen.weights;
+    left = curve.left(errors, before);
     weigh(left);
+    if ((seen.weights - before).cwiseAbs().maxCoeff() < kSettled) break;
   }
   stroke.blocks.curve_orders = static_cast<std::size_t>(curve_orders(count));
   const MatrixXd weighed = left.topRows(kBlockDirections) * seen.weights.cwiseSqrt().asDiagonal();
@@ -177,28 +187,59 @@ void set_weights(StrokeMoments& stroke, Seen& seen) {
   }
 }
 
-void add_moments(StrokeMoments& stroke, const Seen& seen) {
-  const Index with_errors = stroke.content.orientation ? 6 : 3;
-  const auto wobbles = static_cast<Index>(stroke.content.joints);
-  const Index size = 1 + with_errors + wobbles;
+/// The sections of the turn, each with its nodes.
+class Sections {
+ public:
+  Sections(double from, double to, std::size_t sections, std::size_t nodes)
+      : from_(from), range_(to - from), nodes_(nodes) {
+    const auto at = [&](std::size_t k) {
+      return from + range_ * static_cast<double>(k) / static_cast<double>(sections);
+    };
+    for (std::size_t s = 0; s < sections; ++s) lagrange_.emplace_back(at(s), at(s + 1), nodes);
+  }
+  [[nodiscard]] std::vector<double> turns() const {
+    std::vector<double> turns;
+    for (const Lagrange& section : lagrange_)
+      for (std::size_t k = 0; k < nodes_; ++k) turns.push_back(section.node(k));
+    return turns;
+  }
+  /// Calls `see` with the place of each node of this turn's section and its polynomial's value.
+  template <class See>
+  void visit(double turn, const See& see) const {
+    const double place =
+        range_ > 0 ? (turn - from_) / range_ * static_cast<double>(lagrange_.size()) : 0;
+    const auto section =
+        std::min(lagrange_.size() - 1, static_cast<std::size_t>(std::max(0.0, place)));
+    Lagrange::Values values;
+    lagrange_[section].at(turn, values);
+    for (std::size_t k = 0; k < nodes_; ++k) see(section * nodes_ + k, values[k]);
+  }
+
+ private:
+  double from_, range_;
+  std::size_t nodes_;
+  std::vector<Lagrange> lagrange_;
+};
+
+Sections sections_of(const StrokeMoments& stroke, std::size_t samples) {
   const double range = stroke.to_rad - stroke.from_rad;
   // Along a line all that a model says is linear in the turn.
   const auto sections = static_cast<std::size_t>(
       stroke.linear ? 1.0 : std::max(1.0, std::ceil(range / kSection_rad)));
-  const std::size_t nodes =
-      node_count(static_cast<double>(seen.samples.size()) / static_cast<double>(sections));
-  std::vector<Lagrange> lagrange;
-  for (std::size_t s = 0; s < sections; ++s) {
-    const auto at = [&](std::size_t k) {
-      return stroke.from_rad + range * static_cast<double>(k) / static_cast<double>(sections);
-    };
-    lagrange.emplace_back(at(s), at(s + 1), nodes);
-    for (std::size_t k = 0; k < nodes; ++k)
-      stroke.nodes.push_back({lagrange.back().node(k), MatrixXd::Zero(size, size)});
-  }
+  return {stroke.from_rad, stroke.to_rad, sections,
+          node_count(static_cast<double>(samples) / static_cast<double>(sections))};
+}
+
+/// Sets the nodes' sums, of all products or of z alone.
+void add_moments(StrokeMoments& stroke, const Seen& seen, const Sections& sections) {
+  const Index with_errors = stroke.content.orientation ? 6 : 3;
+  const auto wobbles = static_cast<Index>(stroke.content.joints);
+  const Index size = 1 + with_errors + wobbles;
+  stroke.nodes.clear();
+  for (const double turn : sections.turns())
+    stroke.nodes.push_back({turn, MatrixXd::Zero(size, stroke.squares ? size : 1)});
   VectorXd z(size);
   z(0) = 1;
-  Lagrange::Values values;
   for (std::size_t i = 0; i < seen.samples.size(); ++i) {
     const double weight = seen.weights(static_cast<Index>(i));
     if (weight == 0) continue;
@@ -209,25 +250,65 @@ void add_moments(StrokeMoments& stroke, const Seen& seen) {
                                    ? 0
                                    : seen.samples[i]->angles_rad[joint] - stroke.locked_rad[joint];
     }
-    const double place = range > 0 ? (seen.turns[i] - stroke.from_rad) / range : 0;
-    const auto section =
-        std::min(sections - 1,
-                 static_cast<std::size_t>(std::max(0.0, place * static_cast<double>(sections))));
-    lagrange[section].at(seen.turns[i], values);
-    for (std::size_t k = 0; k < nodes; ++k)
-      stroke.nodes[section * nodes + k].sums.selfadjointView<Eigen::Lower>().rankUpdate(
-          z, weight * values[k]);
+    sections.visit(seen.turns[i], [&](std::size_t k, double value) {
+      auto& sums = stroke.nodes[k].sums;
+      if (stroke.squares)
+        sums.selfadjointView<Eigen::Lower>().rankUpdate(z, weight * value);
+      else
+        sums.col(0).noalias() += (weight * value) * z;
+    });
   }
+  if (!stroke.squares) return;
   for (StrokeMoments::Node& node : stroke.nodes)
     node.sums.triangularView<Eigen::StrictlyUpper>() = node.sums.transpose();
+}
+
+/// What the samples say before any reference is known.
+Seen seen_in(const Sweep& sweep) {
+  Seen seen;
+  for (const Sample& sample : *sweep.samples)
+    if (sample.has_position && sample.position_mm.allFinite()) seen.samples.push_back(&sample);
+  return seen;
+}
+
+/// The least and greatest turn; all others lie between them.
+void set_range(StrokeMoments& stroke, Seen& seen) {
+  stroke.from_rad = std::numeric_limits<double>::infinity();
+  stroke.to_rad = -stroke.from_rad;
+  for (std::size_t i = 0; i < seen.turns.size(); ++i) {
+    if (seen.beside[i]) continue;
+    stroke.from_rad = std::min(stroke.from_rad, seen.turns[i]);
+    stroke.to_rad = std::max(stroke.to_rad, seen.turns[i]);
+  }
+  for (double& turn : seen.turns) turn = std::clamp(turn, stroke.from_rad, stroke.to_rad);
+}
+
+void count_weights(StrokeMoments& stroke, const Seen& seen) {
+  stroke.samples = seen.samples.size();
+  stroke.weight = seen.weights.sum();
+  stroke.outliers = static_cast<std::size_t>((seen.weights.array() < 0.5).count());
+}
+
+/// x and what is told by a reference that is given.
+void set_turns_by(const StrokeMoments& like, Seen& seen) {
+  seen.turns = angles_about(like, seen);
+  for (double& turn : seen.turns) turn = like.zero_rad + like.sense * turn;
+  if (!like.linear) {
+    const auto [least, greatest] = std::minmax_element(seen.turns.begin(), seen.turns.end());
+    const double off = (*least + *greatest - like.from_rad - like.to_rad) / 2;
+    const double whole = off - std::remainder(off, 2 * kPi);
+    for (double& turn : seen.turns) turn -= whole;
+  }
+  if (!like.told) return;
+  for (const Sample* sample : seen.samples)
+    seen.told.push_back(sample->angles_rad[like.content.joint]);
+  if (!like.about) seen.turns = seen.told;
 }
 
 }  // namespace
 
 std::optional<StrokeMoments> moments_of(const Sweep& sweep, const StrokeContent& content) {
-  Seen seen;
-  for (const Sample& sample : *sweep.samples)
-    if (sample.has_position && sample.position_mm.allFinite()) seen.samples.push_back(&sample);
+  Seen seen = seen_in(sweep);
   Eigen::Matrix3Xd points(3, static_cast<Index>(seen.samples.size()));
   for (std::size_t i = 0; i < seen.samples.size(); ++i)
     points.col(static_cast<Index>(i)) = seen.samples[i]->position_mm;
@@ -241,7 +322,6 @@ std::optional<StrokeMoments> moments_of(const Sweep& sweep, const StrokeContent&
   stroke.falling = sweep.direction < 0;
   stroke.begin_s = sweep.first().time_s;
   stroke.end_s = sweep.last().time_s;
-  stroke.samples = seen.samples.size();
   stroke.extent_mm = points.rowwise().maxCoeff() - points.rowwise().minCoeff();
   for (std::size_t k = 0; k < content.joints; ++k) {
     const double first = seen.samples.front()->angles_rad[k];
@@ -250,24 +330,54 @@ std::optional<StrokeMoments> moments_of(const Sweep& sweep, const StrokeContent&
       sum += sample->angles_rad[k] - first;
       stroke.dithers[k] = stroke.dithers[k] || sample->angles_rad[k] != first;
     }
-    stroke.locked_rad[k] = first + sum / static_cast<double>(stroke.samples);
+    stroke.locked_rad[k] = first + sum / static_cast<double>(seen.samples.size());
   }
   set_aside(stroke, seen);
   set_turns(stroke, seen);
-  stroke.from_rad = std::numeric_limits<double>::infinity();
-  stroke.to_rad = -stroke.from_rad;
-  for (std::size_t i = 0; i < seen.turns.size(); ++i) {
-    if (seen.beside[i]) continue;
-    stroke.from_rad = std::min(stroke.from_rad, seen.turns[i]);
-    stroke.to_rad = std::max(stroke.to_rad, seen.turns[i]);
-  }
-  for (double& turn : seen.turns) turn = std::clamp(turn, stroke.from_rad, stroke.to_rad);
+  set_range(stroke, seen);
+  set_orientation(stroke, seen);
   set_errors(stroke, seen);
   set_weights(stroke, seen);
-  stroke.weight = seen.weights.sum();
-  stroke.outliers = static_cast<std::size_t>((seen.weights.array() < 0.5).count());
-  add_moments(stroke, seen);
+  count_weights(stroke, seen);
+  add_moments(stroke, seen, sections_of(stroke, seen.samples.size()));
   return stroke;
+}
+
+std::optional<StrokeMoments> moments_like(const StrokeMoments& like, const Sweep& sweep) {
+  Seen seen = seen_in(sweep);
+  if (seen.samples.size() < like.nodes.size()) return std::nullopt;
+  StrokeMoments stroke = like;
+  stroke.squares = false;
+  stroke.strokes = 1;
+  set_aside(stroke, seen);
+  set_turns_by(like, seen);
+  set_range(stroke, seen);
+  set_errors(stroke, seen);
+  set_weights(stroke, seen);
+  // Polynomials grow fast beyond the section that they are made for.
+  const double beyond = 0.002 * (like.to_rad - like.from_rad);
+  for (std::size_t i = 0; i < seen.turns.size(); ++i)
+    if (seen.turns[i] < like.from_rad - beyond || seen.turns[i] > like.to_rad + beyond)
+      seen.weights(static_cast<Index>(i)) = 0;
+  stroke.from_rad = like.from_rad;
+  stroke.to_rad = like.to_rad;
+  count_weights(stroke, seen);
+  add_moments(stroke, seen, sections_of(like, like.samples));
+  // A node with hardly any weight has a mean far from all samples.
+  constexpr double kLeastShare = 0.3;
+  for (std::size_t k = 0; k < stroke.nodes.size(); ++k)
+    if (!(stroke.nodes[k].sums(0, 0) * like.weight >
+          kLeastShare * like.nodes[k].sums(0, 0) * stroke.weight))
+      return std::nullopt;
+  return stroke;
+}
+
+void add(StrokeMoments& sum, const StrokeMoments& one) {
+  for (std::size_t k = 0; k < sum.nodes.size(); ++k) sum.nodes[k].sums += one.nodes[k].sums;
+  sum.strokes += one.strokes;
+  sum.samples += one.samples;
+  sum.outliers += one.outliers;
+  sum.weight += one.weight;
 }
 
 }  // namespace identify

@@ -48,6 +48,10 @@ struct StrokeMoments : ReferenceMotion {
 
   StrokeContent content;
   std::size_t target = 0;
+  /// Of so many strokes, one after the other the same way, these are the sums.
+  std::size_t strokes = 1;
+  /// Whether `sums` are whole; else there is only their first column, the sums of z.
+  bool squares = true;
   bool told = false;     ///< the angle as told follows the arc
   bool about = true;     ///< x is the angle about the circle
   bool falling = false;  ///< the stroke's direction
@@ -79,5 +83,14 @@ struct StrokeMoments : ReferenceMotion {
 /// Two passes over the samples. Nothing where they lie on no circle (or line).
 [[nodiscard]] std::optional<StrokeMoments> moments_of(const Sweep& sweep,
                                                       const StrokeContent& content);
+
+/// The first moments of a stroke that goes the same way as the one that `like` is of: departures
+/// from that one's reference motion, locked angles minus that one's, at that one's nodes. Nothing
+/// where its samples are spread in another way along the arc.
+[[nodiscard]] std::optional<StrokeMoments> moments_like(const StrokeMoments& like,
+                                                        const Sweep& sweep);
+
+/// Adds the sums of another stroke that are first moments by the same `like`.
+void add(StrokeMoments& sum, const StrokeMoments& one);
 
 }  // namespace identify

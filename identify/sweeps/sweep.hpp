@@ -19,6 +19,8 @@ enum class SweepDefect {
   not_an_arc,         ///< no angles, and the positions do not lie on a circle
 };
 
+struct StrokeMoments;
+
 /// A stroke of one joint from rest (or turning point) to rest, while the others stood.
 /// Copies share the samples.
 struct Sweep {
@@ -30,6 +32,9 @@ struct Sweep {
   SweepDefect defect = SweepDefect::none;
   /// Leads to the start of a sweep, or from its end back home: known once all strokes are.
   bool positioning = false;
+  /// Of strokes that went the same way and of which no sample is kept: their moments_like() this
+  /// one, in one sum. Null: there are none.
+  std::shared_ptr<const StrokeMoments> repeats;
 
   [[nodiscard]] const Sample& first() const { return samples->front(); }
   [[nodiscard]] const Sample& last() const { return samples->back(); }

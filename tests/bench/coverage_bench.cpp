@@ -15,6 +15,7 @@
 #include <CLI/CLI.hpp>
 #include <time.h>
 
+#include "daemon/stream/kept_sweeps.hpp"
 #include "daemon/text/numbers.hpp"
 #include "tests/bench/coverage_cases.hpp"
 #include "tests/bench/coverage_reference.hpp"
@@ -55,6 +56,14 @@ Outcome run(const Case& what, const Cell& cell, std::uint32_t seed) {
   const simulation::Simulation simulation(robot_of(cell.arm, what.targets, seed), strokes,
                                           what.world, seed);
   auto sweeps = simulation.sweeps();
+  if (what.kept < 1) {
+    double memory = 0;
+    for (const identify::Sweep& sweep : sweeps)
+      memory += static_cast<double>(sweep.samples->size() + sweepd::KeptSweeps::kOfSweep);
+    sweepd::KeptSweeps kept(static_cast<std::size_t>(what.kept * memory));
+    for (const identify::Sweep& sweep : sweeps) kept.keep(sweep);
+    sweeps = kept.sweeps();
+  }
   const double start = cpu_ms();
   const auto found = identify::identify(std::move(sweeps), simulation.campaign());
   const double spent = cpu_ms() - start;

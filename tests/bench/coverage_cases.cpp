@@ -68,7 +68,7 @@ std::vector<Case> cases() {
   std::vector<Case> all;
   const auto add = [&](std::string name, std::string about, const World& world,
                        Strokes strokes = {}, std::size_t targets = 1, Aim aim = {}) {
-    all.push_back({std::move(name), std::move(about), world, std::move(strokes), targets, aim});
+    all.push_back({std::move(name), std::move(about), world, std::move(strokes), targets, aim, 1});
   };
   Strokes back;
   back.there_and_back = true;
@@ -168,6 +168,28 @@ std::vector<Case> cases() {
   most.homes = 2;
   add("everything_two_homes", "the same, sag 30 arcsec, arcs no circles, strays, clock, two homes",
       world, most, 1, {90, 98, Gears::with_error});
+  Strokes often;
+  often.repeats = 16;
+  const auto add_stream = [&](const std::string& name, const std::string& about,
+                              const World& repeated, const Aim& aim = {}) {
+    add("long_" + name, about + ", every sweep 16 times", repeated, often, 1, aim);
+    add("stream_" + name, "the same, memory for an eighth", repeated, often, 1, aim);
+    all.back().kept = 0.125;
+  };
+  add_stream("white", "no angles", tracker());
+  add_stream("telegrams", "a controller's telegrams of 4 decimals, wobble", telegrams(4, true));
+  add_stream("home_002", "0.002 deg", with_home_error(0.002));
+  add_stream("gears", "transmission error 20 + 10 arcsec", with_gears(20, 10),
+             {93, 97, Gears::with_error});
+  world = tracker();
+  world.noise.range_mm = 0.005;
+  world.noise.across_mm = 0.03;
+  world.noise.correlation = 0.9;
+  world.noise.outlier_share = 0.05;
+  world.home.sigma_deg = 0.0005;
+  world.drift.walk_mm = 0.05;
+  add_stream("all", "AR(1), anisotropic, 5 % outliers, home error 0.0005 deg, drift", world,
+             {90, 98});
   return all;
 }
 

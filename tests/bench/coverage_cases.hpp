@@ -27,6 +27,7 @@ struct Case {
   simulation::Strokes strokes;
   std::size_t targets = 1;
   Aim aim;
+  double kept = 1;  ///< share of the sweeps that a stream has memory for
 };
 
 [[nodiscard]] const std::vector<Case>& all_cases();

@@ -10,7 +10,10 @@
 #include <vector>
 
 #include "daemon/text/units.hpp"
+#include "identify/identification.hpp"
+#include "identify/sweeps/stroke_moments.hpp"
 #include "tests/catch.hpp"
+#include "tests/simulation/simulation.hpp"
 
 using identify::Sample;
 using identify::Sweep;
@@ -121,6 +124,67 @@ TEST_CASE("what a program repeats is kept in whole rounds, spread evenly over th
     }
     CHECK(found.back() >= (kRounds - gap) * kinds - kinds);
   }
+}
+
+TEST_CASE("what goes stays as sums, and a copy that was taken does not change", "[kept_sweeps]") {
+  constexpr int kRounds = 200;
+  const auto program = usual_program();
+  KeptSweeps kept(60 * kMemory);
+  run(kept, program, kRounds / 2);
+  const auto strokes = [](const std::vector<Sweep>& sweeps) {
+    std::size_t sum = sweeps.size();
+    for (const Sweep& one : sweeps)
+      if (one.repeats) sum += one.repeats->strokes;
+    return sum;
+  };
+  const auto before = kept.sweeps();
+  CHECK(strokes(before) == program.size() * kRounds / 2);
+  run(kept, program, kRounds / 2);
+  CHECK(strokes(before) == program.size() * kRounds / 2);
+  CHECK(strokes(kept.sweeps()) == program.size() * kRounds);
+  for (const Sweep& one : kept.sweeps())
+    if (one.repeats) {
+      CHECK(one.first().time_s < static_cast<double>(program.size()));
+      CHECK(one.repeats->samples == one.repeats->strokes * kSamples);
+      CHECK_FALSE(one.repeats->squares);
+    }
+}
+
+TEST_CASE("with memory for an eighth of the sweeps the numbers are as certain as with all",
+          "[kept_sweeps][long]") {
+  simulation::World world;
+  world.noise.range_mm = world.noise.across_mm = 0.02;
+  world.home.sigma_deg = 0.001;
+  world.angles = GENERATE(false, true);
+  CAPTURE(world.angles);
+  simulation::Strokes often;
+  often.repeats = 16;
+  often.samples = 200;
+  const simulation::Simulation campaign(simulation::kr5(1), often, world, 7);
+  const auto sweeps = campaign.sweeps();
+  const auto identified = [&](std::size_t share) {
+    KeptSweeps kept(sweeps.size() * (200 + KeptSweeps::kOfSweep) / share);
+    for (const Sweep& one : sweeps) kept.keep(one);
+    CHECK(kept.sweeps().size() <= sweeps.size() / share);
+    auto found = identify::identify(kept.sweeps(), campaign.campaign());
+    REQUIRE(found.chain);
+    CHECK(found.chain->summed == sweeps.size() - kept.sweeps().size());
+    return found;
+  };
+  const auto whole = identified(1);
+  const auto eighth = identified(8);
+  CHECK(eighth.chain->samples == whole.chain->samples);
+  REQUIRE(eighth.dh_covariance.rows() == whole.dh_covariance.rows());
+  double ratios = 0, numbers = 0;
+  for (Eigen::Index k = 0; k < whole.dh_covariance.rows(); ++k) {
+    const double all = whole.dh_covariance(k, k);
+    if (all == 0) continue;
+    ratios += std::sqrt(eighth.dh_covariance(k, k) / all);
+    ++numbers;
+  }
+  CHECK(numbers >= 18);
+  CHECK(ratios / numbers < 1.2);  // without the sums it is 2.8
+  CHECK(ratios / numbers > 0.8);
 }
 
 TEST_CASE("no kind is lost because of its place in the program", "[kept_sweeps]") {

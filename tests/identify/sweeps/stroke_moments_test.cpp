@@ -112,3 +112,97 @@ TEST_CASE("A stroke of few samples, and one whose angles tell nothing of it", "[
   still.samples = std::make_shared<const std::vector<Sample>>(100, few.front().first());
   CHECK_FALSE(moments_of(still, {0, 2, true}));
 }
+
+namespace {
+
+/// As often as asked for: sweep n of joint 1, each with its own wobble and noise.
+std::vector<Sweep> repeats(int count, double turn_rad, bool told, std::size_t targets = 1) {
+  Random random(53);
+  const Chain chain = random_chain(3, targets, random);
+  std::vector<Sweep> found;
+  for (int n = 0; n < count; ++n)
+    found.push_back(as_sweeps(sweeps_of(chain, measured(turn_rad, 400), random), 3, told)[1]);
+  return found;
+}
+
+/// What a model that is smooth along the arc makes of first moments.
+Eigen::VectorXd modelled(const StrokeMoments& stroke) {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(stroke.nodes.front().sums.rows());
+  for (const StrokeMoments::Node& node : stroke.nodes)
+    sum += std::cos(node.turn_rad + 0.3) * node.sums.col(0);
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("Moments like a stroke's are its own first ones", "[stroke_moments]") {
+  const bool told = GENERATE(false, true);
+  const double turn_deg = GENERATE(30, 90, 300);
+  CAPTURE(told, turn_deg);
+  const auto sweeps = repeats(1, turn_deg * kDegree, told);
+  const auto stroke = moments_of(sweeps.front(), {1, told ? std::size_t{3} : 0, true});
+  REQUIRE(stroke);
+  const auto same = moments_like(*stroke, sweeps.front());
+  REQUIRE(same);
+  CHECK_FALSE(same->squares);
+  CHECK(same->samples == stroke->samples);
+  CHECK(same->weight == Approx(stroke->weight).epsilon(1e-9));
+  REQUIRE(same->nodes.size() == stroke->nodes.size());
+  for (std::size_t k = 0; k < same->nodes.size(); ++k) {
+    CHECK(same->nodes[k].turn_rad == stroke->nodes[k].turn_rad);
+    const double size = stroke->nodes[k].sums.col(0).norm();
+    CHECK((same->nodes[k].sums - stroke->nodes[k].sums.col(0)).norm() <= 1e-9 * size);
+  }
+}
+
+TEST_CASE("The sum of repeats tells of all of them", "[stroke_moments]") {
+  const bool told = GENERATE(false, true);
+  CAPTURE(told);
+  const auto sweeps = repeats(9, 90 * kDegree, told);
+  const StrokeContent content{1, told ? std::size_t{3} : 0, true};
+  const auto first = moments_of(sweeps.front(), content);
+  REQUIRE(first);
+  auto sum = moments_like(*first, sweeps[1]);
+  REQUIRE(sum);
+  for (std::size_t n = 2; n < sweeps.size(); ++n) {
+    const auto next = moments_like(*first, sweeps[n]);
+    REQUIRE(next);
+    add(*sum, *next);
+  }
+  CHECK(sum->strokes == 8);
+  CHECK(sum->samples == 3200);
+  // By the samples themselves, all of which have their whole weight or nearly so.
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(4);
+  double across = 0;
+  for (std::size_t n = 1; n < sweeps.size(); ++n)
+    for (const Sample& sample : *sweeps[n].samples) {
+      const double x = first->zero_rad + first->sense * first->angle_about(sample.position_mm);
+      const double f = std::cos(x + 0.3);
+      const Vector3d off = first->departure(sample.position_mm, x);
+      all(0) += f;
+      all.segment<2>(1) += f * off.head<2>();
+      if (told) all(3) += f * first->circle.radius_mm * first->sense * (x - sample.angles_rad[1]);
+      across += f * f * off.head<2>().squaredNorm();
+    }
+  const Eigen::VectorXd found = modelled(*sum).head<4>();
+  CHECK(found(0) == Approx(all(0)).epsilon(0.01));
+  for (Index k = 1; k < 4; ++k) CHECK(std::abs(found(k) - all(k)) <= 0.3 * std::sqrt(across));
+}
+
+TEST_CASE("A stroke that covers another part of the arc is not like it", "[stroke_moments]") {
+  const auto sweeps = repeats(2, 90 * kDegree, true);
+  const auto first = moments_of(sweeps.front(), {1, 3, true});
+  REQUIRE(first);
+  const auto part = [&](std::size_t from, std::size_t to) {
+    Sweep cut = sweeps[1];
+    const auto begin = cut.samples->begin();
+    cut.samples = std::make_shared<const std::vector<Sample>>(
+        begin + static_cast<std::ptrdiff_t>(from), begin + static_cast<std::ptrdiff_t>(to));
+    return cut;
+  };
+  CHECK(moments_like(*first, part(0, 400)));
+  CHECK(moments_like(*first, part(1, 399)));
+  CHECK_FALSE(moments_like(*first, part(0, 300)));
+  CHECK_FALSE(moments_like(*first, part(100, 400)));
+  CHECK_FALSE(moments_like(*first, part(0, 10)));
+}
