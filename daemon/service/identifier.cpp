@@ -82,6 +82,7 @@ void Identifier::interim(std::shared_ptr<const Recording> recording, Snapshot sn
                before = ended_.load()](const Log& robot) {
     if (ended_ != before) return;
     const auto identified = identify(snapshot, Share::low);
+    took_ = std::max<Steady::duration>(identified.took, std::chrono::milliseconds(1));
     const std::lock_guard lock(result_mutex_);
     if (ended_ != before) return;  // the last result is under way, or there already
     publish(identified, true, robot);

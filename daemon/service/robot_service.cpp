@@ -233,6 +233,8 @@ void RobotService::begin_session(const rsi::Datagram& first) {
   watch_ = {rsi::Conversation{controller_, first.destination}, server_->replies()};
   session_.emplace(inputs_.setup, inputs_.settings.record ? "trace" : "live",
                    static_cast<StreamSink&>(*this), has_currents(first.payload));
+  ++threads_->streaming;
+  last_interim_.reset();
   device_.emplace(inputs_.setup);
   turns_ = PlannedTurns(campaign(inputs_.setup, {}).order);
   complaints_.new_stream();
@@ -281,6 +283,7 @@ void RobotService::end_session() {
   tally_.end_session(watch_.report(session_->link()));
   published_ = {};
   session_.reset();
+  --threads_->streaming;
   session_log_.about({}, {});
   not_begun_ = server_->counts().not_begun;
   missed_ = server_->counts().missed;
@@ -295,11 +298,15 @@ void RobotService::sweep(const identify::Sweep& sweep) {
   tally_.sweep(sweep, words);
   const auto joint = sweep.joint ? sweep.joint : planned;
   live_.sweep(sweep, joint, joint && *joint < limits.size() && limits[*joint].linear, words);
-  // With many sweeps in one stream each identification takes longer: leave most of the time free.
+  // Those of all robots together take a twentieth of one processor, however long the streams are.
+  constexpr int kShare = 20;
   const auto now = Steady::now();
-  if (now - last_identification_ < 10 * identifier_.took()) return;
+  const auto took = identifier_.took();
+  if (last_interim_ && (took == took.zero() ||  // the first one is under way
+                        now - *last_interim_ < kShare * threads_->streaming * took))
+    return;
   if (!session_->worth_identifying()) return;
-  last_identification_ = now;
+  last_interim_ = now;
   identifier_.interim(recording_, session_->snapshot(), session_log_);
 }
 

@@ -134,7 +134,7 @@ class RobotService : private StreamSink {
   const Steady::time_point began_ = Steady::now();
   Steady::time_point published_;
   Steady::time_point last_datagram_;
-  Steady::time_point last_identification_;
+  std::optional<Steady::time_point> last_interim_;  // of the session
 
   std::unique_ptr<TurnThreads::Work> acquisition_;  // its turns use all of the above
 };

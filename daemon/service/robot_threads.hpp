@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <thread>
 
 #include "daemon/system/turn_threads.hpp"
@@ -14,6 +15,8 @@ struct RobotThreads {
   /// A group is a file system, see file_system_of(). One thread does not suffice for many robots:
   /// to sync one file takes about as long as to sync many at once.
   TurnThreads recorders{"recorder", 16, 4};
+  /// Robots that stream: what interim results may take is shared by as many.
+  std::atomic<int> streaming{0};
 };
 
 }  // namespace sweepd
