@@ -105,7 +105,7 @@ TEST_CASE("what a program repeats is kept in whole rounds, spread evenly over th
           "[kept_sweeps]") {
   const auto program = usual_program();
   const auto kinds = static_cast<int>(program.size());
-  constexpr int kRounds = 1000;
+  constexpr int kRounds = 250;
   for (const std::size_t most : {60U, 61U, 66U, 71U, 100U}) {
     CAPTURE(most);
     KeptSweeps kept(most * kMemory);
@@ -196,7 +196,7 @@ TEST_CASE("no kind is lost because of its place in the program", "[kept_sweeps]"
       program.push_back({1, 0, k % 2 == 0 ? 60.0 : -60.0, 5});
     }
     KeptSweeps kept(64 * kMemory);
-    run(kept, program, 500);
+    run(kept, program, 150);
     std::set<long> homes;
     std::set<int> directions;
     for (const Sweep& one : kept.sweeps()) {
