@@ -23,8 +23,9 @@ constexpr double kSameEnd_rad = 1 * kDegree;
 constexpr double kSameEnd_mm = 5;
 constexpr double kSameEnd = 0.05;  // of the whole stroke
 
-/// Noise of successive samples is alike: twice as many tell hardly more, other sweeps do.
-constexpr std::size_t kLong = 2000;  // samples
+/// Rather than lose a kind, sweeps lose every second sample: errors of a whole stroke and of the
+/// joints' homes do not average out within it.
+constexpr std::size_t kLong = 250;  // samples
 
 /// What a joint repeats more often in one turn is of one kind.
 constexpr std::size_t kMostRepeats = 16;
@@ -168,7 +169,6 @@ void KeptSweeps::sum_up(const Sweep& sweep, Kind& kind) {
 }
 
 bool KeptSweeps::make_room() {
-  if (memory_ > (kLong + kOfSweep) * sweeps_.size() && halve_samples()) return true;
   std::size_t first_sweeps = 0;
   for (std::size_t s = 0; s < sweeps_.size(); ++s)
     if (places_[s].number == 0) first_sweeps += memory_of(sweeps_[s]);
@@ -176,6 +176,8 @@ bool KeptSweeps::make_room() {
   for (const auto& [group, kinds] : groups_) most_kinds = std::max(most_kinds, kinds.kept);
   if (2 * first_sweeps <= memory_)
     halve_repeats();
+  else if (memory_ > (kLong + kOfSweep) * sweeps_.size() && halve_samples())
+    return true;
   else if (most_kinds > 1)
     halve_kinds(most_kinds);
   else

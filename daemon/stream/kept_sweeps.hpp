@@ -23,8 +23,8 @@ namespace sweepd {
 /// is added to the first one of its kind (Sweep::repeats): a hundredth of the memory, however many
 /// go.
 ///
-/// Where sweeps are long, they first lose every second sample. Where the first sweeps of all kinds
-/// take more than half of the memory, every second kind goes of the joints and directions that have
+/// Where the first sweeps of all kinds take more than half of the memory, sweeps lose every second
+/// sample, down to some hundred. Then every second kind goes of the joints and directions that have
 /// most kinds. Without angles the order in which sweeps came tells their joints: there the earliest
 /// kinds stay, and of a joint's turn all sweeps or none.
 ///

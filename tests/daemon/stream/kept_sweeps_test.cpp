@@ -317,13 +317,26 @@ TEST_CASE("without angles the earliest of kinds without end stay", "[kept_sweeps
   for (std::size_t k = 0; k < found.size(); ++k) CHECK(found[k] == static_cast<int>(k));
 }
 
-TEST_CASE("long sweeps lose samples first", "[kept_sweeps]") {
+TEST_CASE("sweeps lose samples before a kind is lost", "[kept_sweeps]") {
+  constexpr std::size_t kLong = 800;
+  constexpr int kPoses = 40;
+  KeptSweeps kept(60 * (kLong + KeptSweeps::kOfSweep));
+  int number = 0;
+  for (int pose = 0; pose < kPoses; ++pose)
+    for (std::size_t joint = 0; joint < 3; ++joint)
+      kept.keep(sweep({joint, 0, 60, 1.0 * pose}, number++, true, kLong));
+  CHECK_FALSE(kept.left_out().kinds);
+  CHECK(kept.sweeps().size() == 3U * kPoses);
+  CHECK(kept.left_out().sample_stride == 4);
+}
+
+TEST_CASE("long sweeps lose samples where there is no room for one of each", "[kept_sweeps]") {
   constexpr std::size_t kMost = 100'000;
   KeptSweeps kept(kMost);
   for (int k = 0; k < 40; ++k)
     kept.keep(sweep({static_cast<std::size_t>(k) % 6, 0, 60}, k, true, 20'000));
   const std::size_t stride = kept.left_out().sample_stride;
-  CHECK(stride == 16);
+  CHECK(stride == 4);
   CHECK(kept.left_out().sweeps < 40);
   CHECK(memory(kept) <= kMost);
   for (const Sweep& one : kept.sweeps()) {
