@@ -59,7 +59,7 @@ class JointCurrents {
  private:
   struct Moment {
     identify::Sample sample;
-    Currents currents;
+    Currents currents{};
   };
   void look(const Moment& before, const Moment& middle, const Moment& now);
 

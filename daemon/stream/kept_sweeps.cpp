@@ -152,7 +152,8 @@ void KeptSweeps::sum_up(const Sweep& sweep, Kind& kind) {
   Sweep* const first = first_of(kind);
   if (first == nullptr || kind.no_reference || sweep.defect != identify::SweepDefect::none) return;
   if (!kind.reference) {
-    kind.reference = identify::moments_of(*first, content_of(*first));
+    const auto whole = identify::moments_of(*first, content_of(*first));
+    if (whole) kind.reference = identify::moments_like(*whole, *first);
     kind.no_reference = !kind.reference;
     if (kind.no_reference) return;
   }

@@ -84,7 +84,7 @@ class KeptSweeps {
     std::size_t seen = 0;
     std::size_t kept = 0;
     std::size_t stride = 1;
-    std::optional<identify::StrokeMoments> reference = {};  // of the first, once others go
+    std::optional<identify::StrokeMoments> reference = {};  // the first one's, once others go
     bool no_reference = false;                              // it lies on no circle
   };
   struct Place {

@@ -52,7 +52,7 @@ enum class LeftOutBecause {
 struct ComparedArms {
   struct LeftOut {
     ArmNumber number;
-    LeftOutBecause because;
+    LeftOutBecause because{};
   };
   std::vector<ArmNumber> numbers;
   std::vector<LeftOut> left_out;

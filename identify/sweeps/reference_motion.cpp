@@ -41,14 +41,17 @@ double ReferenceMotion::step(double last_rad, double angle_rad) const {
   return linear ? by : std::remainder(by, 2 * kPi);
 }
 
-Vector3d ReferenceMotion::departure(const Vector3d& point_mm, double turn_rad) const {
+Eigen::Vector2d ReferenceMotion::across(const Vector3d& point_mm) const {
   const Vector3d from = point_mm - circle.center_mm;
-  const double along =
-      step(sense * (turn_rad - zero_rad), angle_about(point_mm)) * circle.radius_mm;
   const double height = circle.normal.dot(from);
-  if (linear) return {arm.dot(from), height, along};
-  const double off = (from - height * circle.normal).norm();
-  return {off - circle.radius_mm, height, along};
+  if (linear) return {arm.dot(from), height};
+  return {(from - height * circle.normal).norm() - circle.radius_mm, height};
+}
+
+Vector3d ReferenceMotion::departure(const Vector3d& point_mm, double turn_rad) const {
+  const Eigen::Vector2d off = across(point_mm);
+  const double along = step(sense * (turn_rad - zero_rad), angle_about(point_mm));
+  return {off.x(), off.y(), along * circle.radius_mm};
 }
 
 Vector3d ReferenceMotion::departure(const Matrix3d& tool, double turn_rad, double told_rad) const {

@@ -24,6 +24,8 @@ struct ReferenceMotion {
   [[nodiscard]] Eigen::Matrix3d turned(double by_rad) const;
   /// Rotates the measurement frame's vectors into (radial, axial, tangential) at x.
   [[nodiscard]] Eigen::Matrix3d directions(double turn_rad) const;
+  /// Of a point: its radial and axial departure, which are the same at any x.
+  [[nodiscard]] Eigen::Vector2d across(const Eigen::Vector3d& point_mm) const;
   /// Of a point: its departure at x, the tangential from x itself.
   [[nodiscard]] Eigen::Vector3d departure(const Eigen::Vector3d& point_mm, double turn_rad) const;
   /// Of the tool: the rotation vector of its departure from where the told angle says, in the

@@ -52,8 +52,7 @@ void set_aside(const StrokeMoments& stroke, Seen& seen) {
   constexpr double kNear = 10;
   MatrixXd off(2, static_cast<Index>(seen.samples.size()));
   for (std::size_t i = 0; i < seen.samples.size(); ++i)
-    off.col(static_cast<Index>(i)) =
-        stroke.departure(seen.samples[i]->position_mm, stroke.zero_rad).head<2>();
+    off.col(static_cast<Index>(i)) = stroke.across(seen.samples[i]->position_mm);
   const VectorXd near = weights_of(off, kNear);
   for (const double weight : near) seen.beside.push_back(weight == 0);
 }
@@ -136,11 +135,12 @@ void set_errors(const StrokeMoments& stroke, Seen& seen) {
   for (Index i = 0; i < count; ++i) {
     const Sample& sample = *seen.samples[static_cast<std::size_t>(i)];
     const double turn = seen.turns[static_cast<std::size_t>(i)];
-    seen.errors.col(i).head<3>() = stroke.departure(sample.position_mm, turn);
-    if (stroke.about)
-      seen.errors(2, i) = stroke.told ? stroke.circle.radius_mm * stroke.sense *
-                                            (turn - seen.told[static_cast<std::size_t>(i)])
-                                      : 0;
+    seen.errors.col(i).head<2>() = stroke.across(sample.position_mm);
+    if (!stroke.about)
+      seen.errors(2, i) = stroke.departure(sample.position_mm, turn).z();
+    else if (stroke.told)
+      seen.errors(2, i) =
+          stroke.circle.radius_mm * stroke.sense * (turn - seen.told[static_cast<std::size_t>(i)]);
     if (stroke.content.orientation)
       seen.errors.col(i).tail<3>() = stroke.departure(
           orientation(sample), turn, stroke.told ? seen.told[static_cast<std::size_t>(i)] : turn);
