@@ -38,7 +38,7 @@ class RobotService : private StreamSink {
   /// std::runtime_error.
   explicit RobotService(const RobotSettings& settings,
                         std::shared_ptr<RobotThreads> threads = std::make_shared<RobotThreads>());
-  ~RobotService();  ///< as stop()
+  ~RobotService() override;  ///< as stop()
   RobotService(const RobotService&) = delete;
   RobotService& operator=(const RobotService&) = delete;
 

@@ -68,7 +68,7 @@ class KeptSweeps {
     int direction;
     identify::SweepDefect defect;
     bool external_axis_moved;
-    auto operator<=>(const Group&) const = default;
+    friend auto operator<=>(const Group&, const Group&) = default;
   };
   struct Kinds {
     std::size_t seen = 0;

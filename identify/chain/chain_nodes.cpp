@@ -174,6 +174,7 @@ ChainNodes chain_nodes(const CircleEstimate& circles,
     }
   }
   std::vector<bool> known;
+  known.reserve(axes.size());
   for (const auto& axis : axes) known.push_back(axis.has_value());
   return nodes_of(std::move(strokes), home, std::move(known));
 }
