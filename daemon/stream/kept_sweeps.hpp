@@ -68,6 +68,7 @@ class KeptSweeps {
     int direction;
     identify::SweepDefect defect;
     bool external_axis_moved;
+    // NOLINTNEXTLINE(modernize-use-nullptr): it takes the 0 of <=> for a pointer
     friend auto operator<=>(const Group&, const Group&) = default;
   };
   struct Kinds {
