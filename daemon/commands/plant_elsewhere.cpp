@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 fs::path program() {
   const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
   std::error_code error;
-  const fs::path beside = folder / "sweepd-plant";
+  fs::path beside = folder / "sweepd-plant";
   if (fs::exists(beside, error)) return beside;
   return folder.parent_path() / "libexec/sweepd/sweepd-plant";
 }
@@ -26,6 +26,7 @@ int become(const std::vector<std::string>& arguments) {
   std::vector<std::string> words{"sweepd"};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
+  pointers.reserve(words.size() + 1);
   for (auto& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   ::execv(path.c_str(), pointers.data());

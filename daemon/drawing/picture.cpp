@@ -6,6 +6,8 @@
 #include <set>
 #include <utility>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/text/numbers.hpp"
 
 namespace sweepd {
@@ -190,11 +192,10 @@ std::string drawing_style() {
       ".plain{fill:currentColor;stroke:none}"
       "circle{fill:currentColor;stroke:none}circle.hollow{fill:none;stroke:currentColor}";
   for (std::size_t i = 0; i < kLooks.size(); ++i) {
-    const std::string colour(kLooks[i].colour);
-    css += "." + look('l', i) + "{stroke:" + colour +
-           ";stroke-width:1.3;stroke-dasharray:" + std::string(kLooks[i].dash) + "}." +
-           look('d', i) + "{stroke:" + colour + ";stroke-width:3.2;stroke-linecap:round}." +
-           look('f', i) + "{fill:" + colour + "}";
+    css += fmt::format(
+        ".{0}{{stroke:{3};stroke-width:1.3;stroke-dasharray:{4}}}.{1}{{stroke:{3};"
+        "stroke-width:3.2;stroke-linecap:round}}.{2}{{fill:{3}}}",
+        look('l', i), look('d', i), look('f', i), kLooks[i].colour, kLooks[i].dash);
   }
   for (std::size_t depth = 0; depth < kDepths; ++depth)
     css += ".depth" + std::to_string(depth) + "{fill:#0072b2;stroke:none;fill-opacity:" +

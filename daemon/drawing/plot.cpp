@@ -66,7 +66,8 @@ Plot::Plot(Picture& picture, const Frame& frame, const Axis& x, const Axis& y)
     if (axis.ticks == 0) return std::vector<double>();
     if (!axis.logarithmic) return ticks(axis.range, axis.ticks);
     std::vector<double> powers;
-    for (double k = std::ceil(axis.range.low); k <= axis.range.high; ++k) powers.push_back(k);
+    const double first = std::ceil(axis.range.low);
+    for (int k = 0; first + k <= axis.range.high; ++k) powers.push_back(first + k);
     return powers;
   };
   const auto text = [&](const Axis& axis, double value) {

@@ -158,13 +158,15 @@ void draw_small(Picture& picture, const History& history, const SmallPlot& small
 void draw_all(Markup figure, const History& history, const std::vector<SmallPlot>& plots,
               std::string_view what) {
   const double each = kAboveSmall + kSmallHeight + kBelow;
-  const auto rows = static_cast<double>((plots.size() + kAcross - 1) / kAcross);
-  Picture picture(figure, kPageWidth, each * rows, what);
-  for (std::size_t k = 0; k < plots.size(); ++k)
+  const std::size_t rows = (plots.size() + kAcross - 1) / kAcross;
+  Picture picture(figure, kPageWidth, each * static_cast<double>(rows), what);
+  for (std::size_t k = 0; k < plots.size(); ++k) {
+    const std::size_t row = k / kAcross;
     draw_small(picture, history, plots[k],
                {kSmallWidth * static_cast<double>(k % kAcross) + kSmallLeft,
-                each * static_cast<double>(k / kAcross) + kAboveSmall,
-                kSmallWidth - kSmallLeft - 10, kSmallHeight});
+                each * static_cast<double>(row) + kAboveSmall, kSmallWidth - kSmallLeft - 10,
+                kSmallHeight});
+  }
 }
 
 void add_numbers(Markup body, const History& history) {

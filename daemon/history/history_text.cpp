@@ -161,7 +161,7 @@ std::string history_csv(const History& history) {
   std::string csv = "time,campaign,status,state,t_squared,degrees_of_freedom,p,changed,named";
   for (const identify::ArmNumber& number : history.numbers) {
     const std::string name = name_of(number), unit = unit_of(number);
-    csv += ',' + name + '_' + unit + ',' + name + "_low_" + unit + ',' + name + "_high_" + unit;
+    csv += fmt::format(",{0}_{1},{0}_low_{1},{0}_high_{1}", name, unit);
   }
   for (const FrictionSeries& series : history.friction)
     csv += ",friction" + std::to_string(series.joint + 1) + "_a";

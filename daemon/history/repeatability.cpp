@@ -31,7 +31,8 @@ double log_determinant(const Eigen::LLT<MatrixXd>& root) {
 
 double log_multivariate_gamma(double x, Index n) {
   double sum = 0;
-  for (Index j = 0; j < n; ++j) sum += std::lgamma(x - 0.5 * static_cast<double>(j));
+  int sign = 0;  // std::lgamma() writes it to where all threads see it
+  for (Index j = 0; j < n; ++j) sum += ::lgamma_r(x - 0.5 * static_cast<double>(j), &sign);
   return sum;
 }
 
@@ -82,7 +83,7 @@ struct Structure {
     at.fill(std::log(kUsualShare));
     at[kVaryings] = std::log(count());
     double best = likelihood(at);
-    for (double step = 2; step > 0.1; step /= 2)
+    for (const double step : {2.0, 1.0, 0.5, 0.25, 0.125})
       for (bool better = true; better;) {
         better = false;
         for (std::size_t g = 0; g < kParameters; ++g) {

@@ -5,6 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/page/assets.hpp"
 #include "daemon/page/live_stream.hpp"
 #include "daemon/page/metrics.hpp"
@@ -48,7 +50,7 @@ HttpResponse readiness(const ServiceStatus& status) {
   if (status.ready()) return text(200, "ready");
   std::string trouble;
   for (const auto& [robot, reason] : status.not_served)
-    trouble += robot + ": not served: " + reason + '\n';
+    trouble += fmt::format("{}: not served: {}\n", robot, reason);
   return {503, HttpResponse{}.type, trouble};
 }
 
@@ -63,7 +65,7 @@ HttpResponse for_robot(const ServiceStatus& status, std::string_view query, Answ
     if (query.empty() ? status.robots.size() == 1 : query == name) return answer(robot, name);
   }
   for (const auto& [robot, reason] : status.not_served)
-    if (query == robot) return text(404, robot + ": not served: " + reason);
+    if (query == robot) return text(404, fmt::format("{}: not served: {}", robot, reason));
   if (names.empty()) return text(404, "no robot is served");
   if (query.empty()) return text(400, "which robot? add ?robot=NAME with one of:" + names);
   return text(404, "there is no such robot: ?robot=NAME takes one of:" + names);

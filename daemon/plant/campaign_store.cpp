@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <nlohmann/json.hpp>
+#include <spdlog/fmt/fmt.h>
 
 #include "daemon/plant/migrations.hpp"
 #include "daemon/record/session_folder.hpp"
@@ -33,7 +34,7 @@ std::string name_in(const Names& names, const std::string& key) {
 
 /// The folder's name: the key of a campaign.
 std::string session_in(const Names& names) {
-  const std::string session = name_in(names, "session");
+  std::string session = name_in(names, "session");
   if (!session_name(session))
     throw std::invalid_argument("its user property `session` is no name of a session's folder");
   return session;
@@ -47,7 +48,8 @@ SqlValue started_in(const Names& names) {
 
 /// Of the bytes themselves: what was told of them is no proof.
 std::string checked_hash(std::string_view bytes, const Names& names) {
-  const std::string told = name_in(names, "sha256"), is = sha256_of(bytes);
+  const std::string told = name_in(names, "sha256");
+  std::string is = sha256_of(bytes);
   if (!told.empty() && told != is)
     throw std::invalid_argument("its SHA-256 is not the one that was told with it");
   return is;
@@ -170,9 +172,8 @@ void CampaignStore::add_change(const RobotPlace& place, std::string_view bytes,
 void CampaignStore::add_links(const std::map<std::string, std::pair<RobotPlace, ToldLink>>& links) {
   std::string columns, sums;
   for (std::size_t i = 0; i < kLinkColumns.size(); ++i) {
-    const std::string name(kLinkColumns[i]);
-    columns += name + ", ";
-    sums += name + " = link_days." + name + " + excluded." + name + ", ";
+    columns += fmt::format("{}, ", kLinkColumns[i]);
+    sums += fmt::format("{0} = link_days.{0} + excluded.{0}, ", kLinkColumns[i]);
   }
   const std::string add =
       "insert into link_days (robot, day, " + columns +
@@ -227,6 +228,7 @@ std::vector<StoredCampaign> stored_campaigns(Database& database, const RobotPlac
       "order by session, campaigns.id desc",
       {place.site, place.cell, place.robot, session});
   std::vector<StoredCampaign> campaigns;
+  campaigns.reserve(rows.size());
   for (const SqlRow& row : rows) campaigns.push_back({row.at(0), bytes_of_text(row.at(1))});
   return campaigns;
 }

@@ -11,6 +11,7 @@
 namespace sweepd {
 
 std::optional<std::filesystem::path> credential(const std::string& name) {
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody sets it
   const char* const folder = std::getenv("CREDENTIALS_DIRECTORY");
   if (folder == nullptr) return std::nullopt;
   auto file = std::filesystem::path(folder) / name;

@@ -31,7 +31,7 @@ std::filesystem::path ledger_of(const RobotPublisher::Options& options) {
   const auto folder = options.spool / options.place.robot;
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  const auto file = folder / "published";
+  auto file = folder / "published";
   if (options.again) std::filesystem::remove(file, error);
   return file;
 }

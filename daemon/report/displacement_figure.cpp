@@ -189,7 +189,7 @@ std::string displacement_svg(std::string_view displacement_csv, std::size_t acro
   constexpr double kAlone = 420;
   const double height = height_of(slice, across, kAlone);
   pugi::xml_document document;
-  Picture picture(Markup(document), kLeftOfSlice + kAlone + 20,
+  Picture picture(Markup(document.root()), kLeftOfSlice + kAlone + 20,
                   kAboveSlice + height + kBelowSlice + kLegend_px,
                   "Displacement from the specification to the identified arm");
   const double shade = shade_mm(slices.largest());

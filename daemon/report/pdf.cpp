@@ -2,10 +2,10 @@
 
 #include <array>
 #include <cstdlib>
-#include <cstring>
 #include <fstream>
 #include <stdexcept>
 #include <string_view>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -14,8 +14,6 @@
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-extern char** environ;
 
 namespace sweepd {
 namespace {
@@ -27,7 +25,7 @@ constexpr std::array<const char*, 3> kBrowsers{"chromium", "chromium-browser", "
 
 /// The first browser that PATH has.
 std::string browser() {
-  const char* const path = std::getenv("PATH");
+  const char* const path = std::getenv("PATH");  // NOLINT(concurrency-mt-unsafe): nobody sets it
   for (const char* const name : kBrowsers) {
     std::string_view folders = path != nullptr ? path : "/usr/bin:/bin";
     while (!folders.empty()) {
@@ -49,7 +47,8 @@ class Workplace {
     std::string name = (fs::temp_directory_path() / "sweepd-pdf-XXXXXX").string();
     if (::mkdtemp(name.data()) == nullptr)
       throw std::runtime_error("cannot make a folder in " + fs::temp_directory_path().string() +
-                               " (" + std::strerror(errno) + "): name another one with TMPDIR");
+                               " (" + std::generic_category().message(errno) +
+                               "): name another one with TMPDIR");
     path_ = name;
   }
   ~Workplace() {
@@ -79,6 +78,7 @@ std::string file_url(const fs::path& file) {
 /// Runs a program without input and output. Whether it ended well, in time.
 bool run(std::vector<std::string> words, std::chrono::seconds patience) {
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (auto& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   posix_spawn_file_actions_t files;

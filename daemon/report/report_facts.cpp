@@ -36,6 +36,7 @@ ReportFacts no_facts() {
 ReportFacts read_facts(const std::filesystem::path& file) {
   const auto table = TomlTable::load(file);
   std::vector<std::string_view> keys;
+  keys.reserve(kFacts.size());
   for (const Fact& fact : kFacts) keys.push_back(fact.key);
   table.allow_only(keys);
   ReportFacts facts;

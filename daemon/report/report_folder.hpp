@@ -51,6 +51,7 @@ struct PointSums {
 };
 
 /// The files of a folder that a report is made of.
+// NOLINTNEXTLINE(bugprone-exception-escape): what nlohmann's move may throw, it never does
 struct ReportFolder {
   /// Of a joint's points so many are kept for drawing, and one more a stroke, whatever was
   /// recorded: the report of a day is as long as that of a minute.

@@ -53,7 +53,7 @@ constexpr const char* kStyle =
 }  // namespace
 
 Markup begin_page(pugi::xml_document& document, const std::string& title) {
-  auto html = Markup(document).add("html", {{"lang", "en"}});
+  auto html = Markup(document.root()).add("html", {{"lang", "en"}});
   auto head = html.add("head");
   head.add("meta", {{"charset", "utf-8"}});
   head.add("meta", {{"name", "viewport"}, {"content", "width=device-width, initial-scale=1"}});

@@ -14,7 +14,6 @@ namespace sweepd {
 namespace {
 
 using identify::ArmNumber;
-using identify::ArmNumberKind;
 using identify::LeftOutBecause;
 
 /// As many as show two digits of the smallest uncertainty.

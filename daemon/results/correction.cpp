@@ -205,7 +205,7 @@ std::vector<std::string> Correction::warnings() const {
 
 std::string name_of(const ControllerNumber& number, const identify::Arm& arm) {
   using Kind = ControllerNumber::Kind;
-  const std::string joint = std::to_string(number.joint + 1);
+  std::string joint = std::to_string(number.joint + 1);
   switch (number.kind) {
     case Kind::zero:
       return (arm.is_linear(number.joint) ? "b" : "theta") + joint;

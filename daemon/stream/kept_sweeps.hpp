@@ -20,8 +20,8 @@ namespace sweepd {
 /// sweep goes of the kinds that have most sweeps, and of these kinds only every second one is kept
 /// from then on; later every fourth, and so on. The first sweep of a kind stays: nothing that was
 /// swept once is lost to what repeats. Of a sweep that goes, what the chain estimator needs of it
-/// is added to the first one of its kind (Sweep::repeats): a hundredth of the memory, however many
-/// go.
+/// is added to the first one of its kind (Sweep::repeats) if it is moments_like() that one: a
+/// hundredth of the memory, however many go.
 ///
 /// Where the first sweeps of all kinds take more than half of the memory, sweeps lose every second
 /// sample, down to some hundred. Then every second kind goes of the joints and directions that have
@@ -68,7 +68,6 @@ class KeptSweeps {
     int direction;
     identify::SweepDefect defect;
     bool external_axis_moved;
-    // NOLINTNEXTLINE(modernize-use-nullptr): it takes the 0 of <=> for a pointer
     friend auto operator<=>(const Group&, const Group&) = default;
   };
   struct Kinds {

@@ -110,7 +110,6 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
       // stroke of length T 3/10 T (of half the change from end to end).
       const double share = std::min(1.0, 6 * (stroke.end_s - stroke.begin_s) / (end_s - begin_s));
       own.tail<3>() *= share > 0 ? 0.3 * share : 0.3;
-      own /= static_cast<double>(stroke.strokes);  // the mean of as many
     }
     // Of n steps of the last decimal that a coordinate passed, what rounding takes away averages
     // out but for one n-th.

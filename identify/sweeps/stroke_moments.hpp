@@ -86,7 +86,8 @@ struct StrokeMoments : ReferenceMotion {
 
 /// The first moments of a stroke that goes the same way as the one that `like` is of: departures
 /// from that one's reference motion, locked angles minus that one's, at that one's nodes. Nothing
-/// where its samples are spread in another way along the arc.
+/// where its samples are spread in another way along the arc, or where the arm or the device has
+/// moved since: what is not linear in that would be lost in a sum.
 [[nodiscard]] std::optional<StrokeMoments> moments_like(const StrokeMoments& like,
                                                         const Sweep& sweep);
 

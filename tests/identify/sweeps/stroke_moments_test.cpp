@@ -206,3 +206,27 @@ TEST_CASE("A stroke that covers another part of the arc is not like it", "[strok
   CHECK_FALSE(moments_like(*first, part(100, 400)));
   CHECK_FALSE(moments_like(*first, part(0, 10)));
 }
+
+TEST_CASE("A stroke after something has moved is not like it", "[stroke_moments]") {
+  const auto sweeps = repeats(2, 90 * kDegree, true);
+  const auto first = moments_of(sweeps.front(), {1, 3, true});
+  REQUIRE(first);
+  const auto moved = [&](const Vector3d& by_mm, double locked_deg) {
+    auto samples = *sweeps[1].samples;
+    for (Sample& sample : samples) {
+      sample.position_mm += by_mm;
+      sample.angles_rad[2] += locked_deg * kDegree;
+    }
+    Sweep other = sweeps[1];
+    other.samples = std::make_shared<const std::vector<Sample>>(std::move(samples));
+    return moments_like(*first, other).has_value();
+  };
+  CHECK(moved(Vector3d::Zero(), 0));
+  CHECK(moved({0.02, 0.02, 0.02}, 0.002));
+  // The device, or the target.
+  CHECK_FALSE(moved({1, 0, 0}, 0));
+  CHECK_FALSE(moved({0, 1, 0}, 0));
+  CHECK_FALSE(moved({0, 0, 1}, 0));
+  // A home elsewhere.
+  CHECK_FALSE(moved(Vector3d::Zero(), 0.05));
+}
