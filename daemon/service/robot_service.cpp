@@ -31,10 +31,6 @@ constexpr auto kPublished = 1s;
 /// More, after the recording was written, is a disk that has stopped answering.
 constexpr auto kLongestResult = 10min;
 
-/// So many datagrams of others than the session's controller wait for the answer to whose stream it
-/// is: a server needs a few telegrams to tell.
-constexpr std::size_t kMostWaitingDatagrams = 64;
-
 Say say_for(const std::string& name) {
   return [log = Log(name)](Importance importance, const std::string& text) {
     log.say(importance, text);
@@ -210,21 +206,17 @@ void RobotService::take(const rsi::Datagram& datagram, rsi::Handling handling) {
 
 void RobotService::take_from_other(const rsi::Datagram& datagram, rsi::Handling handling,
                                    std::uint32_t peer) {
-  if (waiting_.size() == kMostWaitingDatagrams) waiting_.pop_front();
-  waiting_.push_back({datagram, std::string(datagram.payload), handling, peer});
+  waiting_.add(datagram, handling, peer);
   if (!handling.streams) return;
   session_log_.note("{} streams: it is the controller, and what came before was none",
                     rsi::address_text(peer));
   end_session();
-  std::erase_if(waiting_, [&](const Waiting& other) { return other.peer != peer; });
+  waiting_.leave_only(peer);
   take_waiting();
 }
 
 void RobotService::take_waiting() {
-  for (auto& waiting : std::exchange(waiting_, {})) {
-    waiting.datagram.payload = waiting.payload;
-    take(waiting.datagram, waiting.handling);
-  }
+  waiting_.hand_over([this](const auto& datagram, auto handling) { take(datagram, handling); });
 }
 
 void RobotService::begin_session(const rsi::Datagram& first) {
@@ -234,7 +226,7 @@ void RobotService::begin_session(const rsi::Datagram& first) {
   session_.emplace(inputs_.setup, inputs_.settings.record ? "trace" : "live",
                    static_cast<StreamSink&>(*this), has_currents(first.payload));
   ++threads_->streaming;
-  last_interim_.reset();
+  interim_pace_.begin_session();
   device_.emplace(inputs_.setup);
   turns_ = PlannedTurns(campaign(inputs_.setup, {}).order);
   complaints_.new_stream();
@@ -298,15 +290,10 @@ void RobotService::sweep(const identify::Sweep& sweep) {
   tally_.sweep(sweep, words);
   const auto joint = sweep.joint ? sweep.joint : planned;
   live_.sweep(sweep, joint, joint && *joint < limits.size() && limits[*joint].linear, words);
-  // Those of all robots together take a twentieth of one processor, however long the streams are.
-  constexpr int kShare = 20;
   const auto now = Steady::now();
-  const auto took = identifier_.took();
-  if (last_interim_ && (took == took.zero() ||  // the first one is under way
-                        now - *last_interim_ < kShare * threads_->streaming * took))
-    return;
+  if (!interim_pace_.due(now, identifier_.took(), threads_->streaming)) return;
   if (!session_->worth_identifying()) return;
-  last_interim_ = now;
+  interim_pace_.begin(now);
   identifier_.interim(recording_, session_->snapshot(), session_log_);
 }
 

@@ -3,7 +3,6 @@
 #include <atomic>
 #include <chrono>
 #include <cstddef>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,6 +12,7 @@
 #include "daemon/results/run_json.hpp"
 #include "daemon/service/device_port.hpp"
 #include "daemon/service/identifier.hpp"
+#include "daemon/service/interim_pace.hpp"
 #include "daemon/service/link_complaints.hpp"
 #include "daemon/service/link_watch.hpp"
 #include "daemon/service/live_feed.hpp"
@@ -21,6 +21,7 @@
 #include "daemon/service/robot_state.hpp"
 #include "daemon/service/robot_tally.hpp"
 #include "daemon/service/robot_threads.hpp"
+#include "daemon/service/waiting_datagrams.hpp"
 #include "daemon/settings/settings.hpp"
 #include "daemon/stream/session.hpp"
 #include "daemon/system/heartbeat.hpp"
@@ -118,13 +119,7 @@ class RobotService : private StreamSink {
   std::optional<TurnThreads::Group> disk_;      // of the next session, if it may be another one
   std::string started_;
   std::uint32_t controller_ = 0;  // address
-  struct Waiting {
-    rsi::Datagram datagram;
-    std::string payload;
-    rsi::Handling handling;
-    std::uint32_t peer;  // address
-  };
-  std::deque<Waiting> waiting_;
+  WaitingDatagrams waiting_;
   LinkComplaints complaints_;
   std::uint64_t not_begun_ = 0;  // telegrams before this session
   std::uint64_t missed_ = 0;     // packets of a tap, before this session
@@ -134,7 +129,7 @@ class RobotService : private StreamSink {
   const Steady::time_point began_ = Steady::now();
   Steady::time_point published_;
   Steady::time_point last_datagram_;
-  std::optional<Steady::time_point> last_interim_;  // of the session
+  InterimPace interim_pace_;
 
   std::unique_ptr<TurnThreads::Work> acquisition_;  // its turns use all of the above
 };

@@ -150,13 +150,11 @@ Sweep* KeptSweeps::first_of(const Kind& kind) {
 
 void KeptSweeps::sum_up(const Sweep& sweep, Kind& kind) {
   Sweep* const first = first_of(kind);
-  if (first == nullptr || kind.no_reference || sweep.defect != identify::SweepDefect::none) return;
-  if (!kind.reference) {
-    const auto whole = identify::moments_of(*first, content_of(*first));
-    if (whole) kind.reference = identify::moments_like(*whole, *first);
-    kind.no_reference = !kind.reference;
-    if (kind.no_reference) return;
-  }
+  if (first == nullptr || sweep.defect != identify::SweepDefect::none) return;
+  if (!kind.reference)
+    if (const auto whole = identify::moments_of(*first, content_of(*first)))
+      kind.reference = identify::moments_like(*whole, *first);
+  if (!kind.reference) return;
   const identify::StrokeContent content = content_of(sweep);
   if (content.joints < kind.reference->content.joints ||
       (kind.reference->content.orientation && !content.orientation))

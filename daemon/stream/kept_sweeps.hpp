@@ -85,7 +85,6 @@ class KeptSweeps {
     std::size_t kept = 0;
     std::size_t stride = 1;
     std::optional<identify::StrokeMoments> reference = {};  // the first one's, once others go
-    bool no_reference = false;                              // it lies on no circle
   };
   struct Place {
     Kind* kind;

@@ -175,6 +175,7 @@ void set_weights(StrokeMoments& stroke, StrokeSamples& seen) {
     weigh(left);
     if ((seen.weights - before).cwiseAbs().maxCoeff() < kSettled) break;
   }
+  stroke.blocks.variance_mm2.clear();
   stroke.blocks.curve_orders = static_cast<std::size_t>(curve_orders(count));
   const MatrixXd weighed = left.topRows(kBlockDirections) * seen.weights.cwiseSqrt().asDiagonal();
   for (Index block = 1; block * 8 <= count || block == 1; block *= 2) {

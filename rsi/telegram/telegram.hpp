@@ -37,7 +37,8 @@ inline constexpr std::size_t kDefects = 5;
 ///
 /// Reuse one object: it keeps its memory and stops allocating after the first telegrams. Signals
 /// are views into the datagram last parsed. A telegram that is like the one before but for its
-/// values costs a third of another one. Not thread-safe. Never throws for what a datagram holds.
+/// values is compared with it, and costs less than another one. Not thread-safe. Never throws for
+/// what a datagram holds.
 class Telegram {
  public:
   /// Takes the place of what was parsed before. With a defect, `signals` holds what could be read.
