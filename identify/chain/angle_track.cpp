@@ -91,8 +91,10 @@ std::vector<AngleTrack> angle_tracks(const CircleEstimate& circles,
                              at_home(joint.sweeps[s], circles.home_rad, {}))) &&
           joint.sweeps[s].direction != 0)
         if (auto track = angle_track(joint.sweeps[s], j, *axes[j],
-                                     two_clocks ? joint.sweeps[s].samples->size() : kMostTracked))
+                                     two_clocks ? joint.sweeps[s].samples->size() : kMostTracked)) {
+          track->off_home_rad = off_home_rad(joint.sweeps[s], circles.home_rad);
           tracks.push_back(std::move(*track));
+        }
     // Of the strokes' seen angles each may lack whole turns against the others.
     double least = 0, most = 0;
     for (std::size_t k = first; k < tracks.size(); ++k) {

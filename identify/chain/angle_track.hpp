@@ -19,6 +19,7 @@ struct AngleTrack {
   std::vector<double> time_s, told_rad;  ///< of all samples
   std::vector<double> at_s, seen_rad;    ///< of those that are no outliers
   double middle_rad = 0, half_rad = 0;   ///< of the range that the joint was seen in
+  double off_home_rad = 0;               ///< of the joint locked farthest off home
 
   struct Told {
     double angle_rad = 0;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <numeric>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -88,20 +89,16 @@ class DelayFit {
     for (const AngleTrack& track : tracks_) all.push_back(residuals(track));
     for (std::size_t k = 0; k < tracks_.size(); ++k) {
       const Index own = kOfJoint * static_cast<Index>(tracks_[k].joint);
-      for (std::size_t i = 0; i < all[k].error.size(); ++i) {
-        const double weight = weight_[tracks_[k].joint].at(all[k].speed[i]);
-        const auto row = row_of(tracks_[k], all[k], i);
-        normal.block<kOfJoint, kOfJoint>(own, own) +=
-            weight * row.head<kOfJoint>() * row.head<kOfJoint>().transpose();
-        right.segment<kOfJoint>(own) += weight * all[k].error[i] * row.head<kOfJoint>();
-        for (Index s = shared; s < count; ++s) {
-          const double value = row(kOfJoint + s - shared);
-          normal.block<kOfJoint, 1>(own, s) += weight * value * row.head<kOfJoint>();
-          right(s) += weight * all[k].error[i] * value;
-          for (Index t = shared; t < count; ++t)
-            normal(s, t) += weight * value * row(kOfJoint + t - shared);
-        }
-      }
+      const Products of_stroke = products(tracks_[k], all[k]);
+      const Index both = count - shared;
+      normal.block<kOfJoint, kOfJoint>(own, own) +=
+          of_stroke.normal.topLeftCorner<kOfJoint, kOfJoint>();
+      normal.block(own, shared, kOfJoint, both) +=
+          of_stroke.normal.block(0, kOfJoint, kOfJoint, both);
+      normal.block(shared, shared, both, both) +=
+          of_stroke.normal.block(kOfJoint, kOfJoint, both, both);
+      right.segment<kOfJoint>(own) += of_stroke.right.head<kOfJoint>();
+      right.segment(shared, both) += of_stroke.right.segment(kOfJoint, both);
     }
     for (Index s = shared; s < count; ++s)
       normal.block(s, 0, 1, shared) = normal.block(0, s, shared, 1).transpose();
@@ -163,6 +160,34 @@ class DelayFit {
     return row;
   }
 
+  struct Products {
+    Eigen::Matrix<double, kOfJoint + 2, kOfJoint + 2> normal =
+        Eigen::Matrix<double, kOfJoint + 2, kOfJoint + 2>::Zero();
+    Row right = Row::Zero();
+  };
+  /// Of a stroke whose errors have one in common, as its locked joints stood elsewhere: by chance,
+  /// of variance `apart_`, and by what was told. The variance of all is inverted by Woodbury's
+  /// formula.
+  [[nodiscard]] Products products(const AngleTrack& track, const Residuals& seen) const {
+    Products sums;
+    Row weighted = Row::Zero();
+    double weights = 0, errors = 0;
+    for (std::size_t i = 0; i < seen.error.size(); ++i) {
+      const double weight = weight_[track.joint].at(seen.speed[i]);
+      const Row row = row_of(track, seen, i);
+      sums.normal += weight * row * row.transpose();
+      sums.right += weight * seen.error[i] * row;
+      weighted += weight * row;
+      weights += weight;
+      errors += weight * seen.error[i];
+    }
+    const double apart = apart_ + track.off_home_rad * track.off_home_rad;
+    const double taken = apart / (1 + apart * weights);
+    sums.normal -= taken * weighted * weighted.transpose();
+    sums.right -= taken * errors * weighted;
+    return sums;
+  }
+
   /// How much an angle counts that was taken at some speed.
   struct Weight {
     double still = 1;      ///< variance of errors that speed does not matter to
@@ -183,33 +208,46 @@ class DelayFit {
     return left;
   }
 
-  /// Each joint's errors by their scatter, and by how alike neighbours are.
+  /// Each joint's errors by their scatter within a stroke, and by how alike neighbours are; and how
+  /// far its strokes lie apart.
   void weigh(const std::vector<Residuals>& all, const VectorXd& found) {
     constexpr double kLeast_rad = 1e-9;
     foreign_ = false;
+    double means = 0, by_chance = 0, strokes = 0;
+    double taken = static_cast<double>(found.size()) - kOfJoint * static_cast<double>(joints_);
     for (std::size_t j = 0; j < joints_; ++j) {
-      double squares = 0, next = 0, count = 0;
-      std::vector<double> variances, speeds;
+      double squares = 0, whole = 0, next = 0, count = 0;
+      std::vector<double> variances, speeds, of_strokes;
       for (std::size_t k = 0; k < all.size(); ++k) {
-        if (tracks_[k].joint != j) continue;
-        double before = 0;
-        for (std::size_t i = 0; i < all[k].error.size(); ++i) {
-          const double left = left_of(tracks_[k], all[k], i, found);
-          squares += left * left;
-          if (i > 0) next += left * before;
-          before = left;
-          ++count;
-          variances.push_back(left * left);
+        if (tracks_[k].joint != j || all[k].error.empty()) continue;
+        std::vector<double> left;
+        for (std::size_t i = 0; i < all[k].error.size(); ++i)
+          left.push_back(left_of(tracks_[k], all[k], i, found));
+        const auto size = static_cast<double>(left.size());
+        const double mean = std::accumulate(left.begin(), left.end(), 0.0) / size;
+        for (std::size_t i = 0; i < left.size(); ++i) {
+          const double off = left[i] - mean;
+          squares += off * off;
+          if (i > 0) next += off * (left[i - 1] - mean);
+          whole += left[i] * left[i];
+          variances.push_back(off * off);
           speeds.push_back(all[k].speed[i] * all[k].speed[i]);
         }
+        count += size;
+        means += mean * mean - tracks_[k].off_home_rad * tracks_[k].off_home_rad;
+        of_strokes.push_back(size);
       }
       if (count == 0) continue;
       const double variance = squares / count + kLeast_rad * kLeast_rad;
       const double alike = std::clamp(next / (squares + 1e-300), 0.0, 0.98);
-      foreign_ = foreign_ || variance > kForeign_rad * kForeign_rad;
+      foreign_ = foreign_ || whole / count > kForeign_rad * kForeign_rad;
       weight_[j] = two_clocks_ ? by_speed(variances, speeds, variance) : Weight{variance};
       weight_[j].alone = (1 - alike) / (1 + alike);
+      for (const double size : of_strokes) by_chance += variance / (weight_[j].alone * size);
+      strokes += static_cast<double>(of_strokes.size());
+      taken += both_ways_[j] ? 2 : 1;  // offset and backlash
     }
+    apart_ = strokes > taken ? std::max(0.0, means - by_chance) / (strokes - taken) : 0;
   }
 
   /// The variances as a line over the squared speeds, by least squares that are weighed by it.
@@ -255,6 +293,8 @@ class DelayFit {
   bool two_clocks_;
   std::vector<Weight> weight_;  ///< one a joint
   std::vector<bool> both_ways_;
+  /// Variance of what all errors of a stroke have in common beyond what was told.
+  double apart_ = 0;
   bool foreign_ = false;  ///< some joint's angles do not follow its positions
   double backlash_rad_ = kUsualBacklash_rad;
   double span_s_ = 1;

@@ -43,6 +43,7 @@ void set_circle_axes(CircleEstimate& found, const Resolution& resolution) {
   const double plane = usual_noise(found, &CircleFit::plane_rms_mm);
   const double radial = usual_noise(found, &CircleFit::radial_rms_mm);
   const double quantum = resolution.position_mm / std::sqrt(12.0);
+  const double size = size_by_circles_mm(found);
   for (JointResult& joint : found.joints) {
     Axis axis;
     if (joint.line) {
@@ -57,6 +58,13 @@ void set_circle_axes(CircleEstimate& found, const Resolution& resolution) {
                               std::max({circle.radial_rms_mm, radial, quantum}))};
     } else {
       continue;
+    }
+    if (joint.off_home_rad) {
+      const double square = *joint.off_home_rad * *joint.off_home_rad;
+      const Eigen::Matrix3d off =
+          square * (Eigen::Matrix3d::Identity() - axis.direction * axis.direction.transpose());
+      axis.covariance.topLeftCorner<3, 3>() += off;
+      axis.covariance.bottomRightCorner<3, 3>() += size * size * off;
     }
     if (axis.direction_sigma_rad() < kWorstDirection_rad) joint.axis = std::move(axis);
   }

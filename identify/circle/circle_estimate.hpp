@@ -20,10 +20,14 @@
 namespace identify {
 
 struct JointResult {
-  std::vector<Sweep> sweeps;        ///< all of this joint, in the order of time
-  std::vector<bool> used;           ///< one a sweep: at the common home, and no positioning
+  std::vector<Sweep> sweeps;  ///< all of this joint, in the order of time
+  /// One a sweep: at the common home or, where none was there, close to it; and no positioning.
+  std::vector<bool> used;
   std::optional<CircleFit> circle;  ///< of the used sweeps of one target
   std::size_t circle_target = 0;
+  /// Where no sweep was at the common home: how far off it other joints stood in those that are
+  /// used, at most. Nothing: at home.
+  std::optional<double> off_home_rad;
   /// By the description or the strokes, the joint moves along a line: what is in rad of it (home,
   /// ranges, its angles' errors) is mm * kDegree.
   bool linear = false;
@@ -56,7 +60,8 @@ struct CircleEstimate {
 
 /// The joints' axes by their circles, and of linear joints by their lines, where the direction is
 /// certain enough. The noise of a joint's fit counts as no smaller than its neighbours': a target
-/// near an axis leaves small residuals and a wrong normal.
+/// near an axis leaves small residuals and a wrong normal. Joints that stood off home count with
+/// what that may turn the axis by and, as far away as the robot is large, shift it.
 void set_circle_axes(CircleEstimate& found, const Resolution& resolution);
 
 /// An upper estimate of the robot's size, for where it matters, by the points.

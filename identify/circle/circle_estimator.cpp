@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Geometry>
 
@@ -9,6 +10,7 @@
 #include "identify/dh/axis_senses.hpp"
 #include "identify/dh/dh_comparison.hpp"
 #include "identify/dh/placed_axes.hpp"
+#include "identify/geometry/angle.hpp"
 #include "identify/geometry/warning.hpp"
 #include "identify/sweeps/home.hpp"
 #include "identify/sweeps/joint_assignment.hpp"
@@ -20,6 +22,9 @@ namespace {
 
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
+
+/// So far off home an axis is good enough to start the chain's fit from, which knows better.
+constexpr double kCloseToHome_rad = 0.5 * kDegree;
 
 /// One identification under way.
 class Circles {
@@ -70,21 +75,17 @@ class Circles {
     JointResult& joint = result_.joints[j];
     joint.linear = campaign_.specified && campaign_.specified->is_linear(j);
     SweepDefect worst = SweepDefect::none;
-    std::size_t elsewhere = 0;
     for (const Sweep& given : sweeps_) {
       if (given.joint != j) continue;
       const Sweep sweep = judged_as_line(given, joint.linear);
-      if (sweep.defect != SweepDefect::none) {
+      if (sweep.defect != SweepDefect::none)
         worst = sweep.defect;
-        continue;
-      }
-      const bool home = at_home(sweep, result_.home_rad, campaign_.resolution);
-      if (!home) ++elsewhere;
-      joint.sweeps.push_back(sweep);
-      joint.used.push_back(home && !sweep.positioning);
+      else
+        joint.sweeps.push_back(sweep);
     }
+    choose_sweeps(joint);
     if (std::find(joint.used.begin(), joint.used.end(), true) == joint.used.end()) {
-      if (elsewhere > 0)
+      if (joint.off_home_rad)
         warn("off_home", j,
              joint_name(j) +
                  ": the other joints stood elsewhere than in the other "
@@ -95,6 +96,11 @@ class Circles {
         warn("joint_never_moved", j, joint_name(j) + " was never swept alone");
       return;
     }
+    if (joint.off_home_rad)
+      warn("off_home", j,
+           joint_name(j) + ": in all of its sweeps other joints stood off the common home, by " +
+               fixed(*joint.off_home_rad / kDegree, 3) +
+               " deg or more: the chain allows for that, the circles do not");
     std::size_t first_target = kNoTarget;
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
       if (!joint.used[s]) continue;
@@ -118,6 +124,25 @@ class Circles {
       return circle.normal.dot((from - circle.center_mm).cross(way));
     });
     if (against) joint.circle->normal = -joint.circle->normal;
+  }
+
+  /// Uses those at home. Where there are none, those that are nearest, if that is close: the angles
+  /// tell how close.
+  void choose_sweeps(JointResult& joint) {
+    std::vector<double> off;
+    double least = std::numeric_limits<double>::infinity();
+    bool any_home = false;
+    for (const Sweep& sweep : joint.sweeps) {
+      const bool home = at_home(sweep, result_.home_rad, campaign_.resolution);
+      off.push_back(home ? 0 : off_home_rad(sweep, result_.home_rad));
+      joint.used.push_back(home && !sweep.positioning);
+      any_home = any_home || joint.used.back();
+      if (!sweep.positioning) least = std::min(least, off.back());
+    }
+    if (any_home || !std::isfinite(least)) return;
+    joint.off_home_rad = least;
+    if (least > kCloseToHome_rad) return;
+    for (std::size_t s = 0; s < joint.sweeps.size(); ++s) joint.used[s] = off[s] == least;
   }
 
   /// Of a linear joint. Without a line there is none, or it is described so and turns.

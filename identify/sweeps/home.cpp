@@ -85,14 +85,17 @@ std::vector<std::optional<double>> find_home(const std::vector<Sweep>& sweeps, s
   return home;
 }
 
+double off_home_rad(const Sweep& sweep, const std::vector<std::optional<double>>& home) {
+  double farthest = 0;
+  for (std::size_t k = 0; k < home.size() && has_angles(sweep); ++k)
+    if (k != sweep.joint && home[k])
+      farthest = std::max(farthest, std::abs(locked_angle(sweep, k) - *home[k]));
+  return farthest;
+}
+
 bool at_home(const Sweep& sweep, const std::vector<std::optional<double>>& home,
              const Resolution& resolution) {
-  if (!has_angles(sweep)) return true;
-  for (std::size_t k = 0; k < home.size(); ++k)
-    if (k != sweep.joint && home[k] &&
-        std::abs(locked_angle(sweep, k) - *home[k]) > same_angle(resolution))
-      return false;
-  return true;
+  return off_home_rad(sweep, home) <= same_angle(resolution);
 }
 
 void mark_positioning(std::vector<Sweep>& sweeps, const std::vector<std::optional<double>>& home,

@@ -14,6 +14,11 @@ namespace identify {
                                                            std::size_t joints,
                                                            const Resolution& resolution);
 
+/// How far off home the joint that stood farthest off it was while the sweep ran, 0 where no angles
+/// tell.
+[[nodiscard]] double off_home_rad(const Sweep& sweep,
+                                  const std::vector<std::optional<double>>& home_rad);
+
 /// Whether all joints but the sweeping one stood at home. True where no angles tell otherwise.
 [[nodiscard]] bool at_home(const Sweep& sweep, const std::vector<std::optional<double>>& home_rad,
                            const Resolution& resolution);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "identify/geometry/angle.hpp"
 #include "tests/catch.hpp"
@@ -228,4 +229,41 @@ TEST_CASE("positions that contradict the angles give no axis", "[circle_estimato
   const auto result = identify::identify(segment(samples), for_kr5());
   CHECK(result.status != Status::complete);
   CHECK_FALSE(result.warnings.empty());
+}
+
+TEST_CASE("where joints never come home to the same place, the nearest sweeps serve",
+          "[circle_estimator]") {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<> off(-0.15, 0.15);
+  test::Campaign campaign(test::kr5_arc(), {0.0005, 0.02, 6});
+  constexpr double kStarts[][2] = {{-45, 45}, {-60, -130}, {120, 30}, {90, 0}, {90, 0}, {0, 90}};
+  for (int round = 0; round < 3; ++round)
+    for (std::size_t j = 0; j < 6; ++j) {
+      for (std::size_t k = 0; k < 6; ++k)
+        if (k != j) campaign.move(k, test::kr5_arc().home_rad[k] / kDegree + off(random), 60);
+      campaign.move(j, kStarts[j][0], 60).rest().move(j, kStarts[j][1]).rest();
+      campaign.move(j, test::kr5_arc().home_rad[j] / kDegree, 60).rest();
+    }
+  const auto found = identify::identify(segment(campaign.samples()), for_kr5());
+  CHECK(found.status == Status::complete);
+  CHECK(found.estimator == Estimator::chain);
+  const Warning* warning = find_warning(found, "off_home");
+  REQUIRE(warning);
+  CHECK_THAT(warning->message, Catch::Contains("deg or more"));
+  for (std::size_t i = 0; i < 5; ++i) {
+    CAPTURE(i);
+    const auto covers = [](const DhNumber& number, double truth, double half_turn) {
+      if (number.knowledge != Knowledge::identified) return true;
+      const double error = half_turn > 0 ? std::remainder(number.value - truth, 2 * half_turn)
+                                         : number.value - truth;
+      return std::abs(error) < 4 * number.sigma;
+    };
+    for (const DhEstimate& row : {found.dh[i], found.circle_dh[i]}) {
+      CHECK(covers(row.b_mm, found.specified[i].b_mm, 0));
+      CHECK(covers(row.a_mm, found.specified[i].a_mm, 0));
+      CHECK(covers(row.theta_rad, found.specified[i].theta_rad, kPi));
+      CHECK(covers(row.alpha_rad, found.specified[i].alpha_rad, kPi));
+    }
+    CHECK(found.dh[i].a_mm.sigma < 0.05);
+  }
 }
