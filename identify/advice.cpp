@@ -195,12 +195,10 @@ class Adviser {
     const AngleEvidence& seen = found_.chain->angles[j];
     if (seen.samples == 0) return;
     const CircleFit& circle = *found_.joints[j].circle;
-    // Neighbours in time share their error, and so do the strokes' means.
-    const double correlated = std::sqrt(found_.chain->samples_per_independent);
     const double backlash = std::abs(seen.backlash_rad);
     const double by_delay = direction_by_delay_rad(j, circle.radius_mm);
     if (seen.backlash_sigma_rad > 0 &&
-        backlash > kAdviceSigmas * std::hypot(correlated * seen.backlash_sigma_rad, by_delay) &&
+        backlash > kAdviceSigmas * std::hypot(seen.backlash_sigma_rad, by_delay) &&
         backlash > campaign_.resolution.angle_rad)
       warn("backlash", j,
            "its error depends on the direction of the motion, by " + arcsec(backlash) + " or " +

@@ -46,11 +46,9 @@ std::vector<Warning> advice_of_linear(const Identification& found, std::size_t j
   }
   if (!found.chain || found.chain->angles[j].samples == 0) return advice;
   const AngleEvidence& seen = found.chain->angles[j];
-  // Neighbours in time share their error, and so do the strokes' means.
-  const double correlated = std::sqrt(found.chain->samples_per_independent);
   const double backlash = std::abs(seen.backlash_rad);
   if (seen.backlash_sigma_rad > 0 && backlash > resolution.angle_rad &&
-      backlash > kLinearSigmas * std::hypot(correlated * seen.backlash_sigma_rad, by_delay_rad))
+      backlash > kLinearSigmas * std::hypot(seen.backlash_sigma_rad, by_delay_rad))
     warn("backlash", "its error depends on the direction of the motion, by " + way(backlash) +
                          ": move it in one direction only, or look after the drive");
   if (seen.trust == AngleTrust::free)

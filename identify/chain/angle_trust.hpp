@@ -9,11 +9,13 @@
 namespace identify {
 
 /// The error of a joint's angles as a fit with free angles shows it: one a joint, `trust` smooth or
-/// free. `quantum` is what the printed numbers alone would scatter.
+/// free. `quantum` is what the printed numbers alone would scatter. What strokes have for
+/// themselves, as their locked joints stood elsewhere (`effects`), is no error of the angles.
 [[nodiscard]] std::vector<AngleEvidence> seen_angle_errors(const Chain& chain,
                                                            const ChainNodes& nodes,
                                                            const ChainNoise& noise,
-                                                           const ChainNoise& quantum);
+                                                           const ChainNoise& quantum,
+                                                           const ChainEffects& effects);
 
 /// Sets `size` and `coherence` of every joint whose angles are believed in this fit.
 void test_believed_angles(const Chain& chain, const ChainNodes& nodes, const ChainNoise& noise,

@@ -14,8 +14,24 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Takes the first columns, effects with these variances, out of the products; what is left is of
-/// the others. In units of their own standard deviations, so that a variance may be zero.
+/// Adds to `sum`, whose columns are (first ones, all parameters, y), products whose columns are
+/// (the same first ones, these parameters, y).
+void add(MatrixXd& sum, Index first, Index parameters, const MatrixXd& products,
+         const std::vector<Index>& which) {
+  const Index size = first + parameters + 1;
+  if (sum.size() == 0) sum = MatrixXd::Zero(size, size);
+  std::vector<Index> place;
+  for (Index k = 0; k < first; ++k) place.push_back(k);
+  for (const Index parameter : which) place.push_back(first + parameter);
+  place.push_back(size - 1);
+  for (Index c = 0; c < products.cols(); ++c)
+    for (Index r = 0; r < products.rows(); ++r)
+      sum(place[static_cast<std::size_t>(r)], place[static_cast<std::size_t>(c)]) += products(r, c);
+}
+
+}  // namespace
+
+// In units of the effects' own standard deviations, so that a variance may be zero.
 MatrixXd without_effects(const MatrixXd& products, const VectorXd& variances,
                          double& log_determinant) {
   const Index effects = variances.size();
@@ -33,23 +49,6 @@ MatrixXd without_effects(const MatrixXd& products, const VectorXd& variances,
   left.noalias() -= side.transpose() * side;
   return left;
 }
-
-/// Adds to `sum`, whose columns are (first ones, all parameters, y), products whose columns are
-/// (the same first ones, these parameters, y).
-void add(MatrixXd& sum, Index first, Index parameters, const MatrixXd& products,
-         const std::vector<Index>& which) {
-  const Index size = first + parameters + 1;
-  if (sum.size() == 0) sum = MatrixXd::Zero(size, size);
-  std::vector<Index> place;
-  for (Index k = 0; k < first; ++k) place.push_back(k);
-  for (const Index parameter : which) place.push_back(first + parameter);
-  place.push_back(size - 1);
-  for (Index c = 0; c < products.cols(); ++c)
-    for (Index r = 0; r < products.rows(); ++r)
-      sum(place[static_cast<std::size_t>(r)], place[static_cast<std::size_t>(c)]) += products(r, c);
-}
-
-}  // namespace
 
 Eliminated eliminate(const std::vector<StrokeProducts>& strokes,
                      const std::vector<std::size_t>& home_of, const EffectVariances& variances,

@@ -35,6 +35,12 @@ struct Eliminated {
   double squares = 0;          ///< y^T V^-1 y, before b is fitted
   double log_determinant = 0;  ///< of V, but for that of the weights: log |I + D Z^T W Z|
 };
+/// Takes the first columns, effects with these variances, out of products; what is left is of the
+/// other columns. Adds to the logarithm of V's determinant.
+[[nodiscard]] Eigen::MatrixXd without_effects(const Eigen::MatrixXd& products,
+                                              const Eigen::VectorXd& variances,
+                                              double& log_determinant);
+
 /// `home_of`: of each group.
 [[nodiscard]] Eliminated eliminate(const std::vector<StrokeProducts>& strokes,
                                    const std::vector<std::size_t>& home_of,
@@ -58,6 +64,22 @@ struct EffectColumns {
     return figure * static_cast<Eigen::Index>(targets) + told;
   }
 };
+
+/// How the target moves with a unit's own effects, one a row, at a node: `by_turn` are the columns
+/// of the Jacobian, `place` is from minus one at the stroke's least turn to one at its greatest.
+template <int Size, class ByTurn>
+[[nodiscard]] Eigen::Matrix<double, Eigen::Dynamic, Size> own_effects(
+    const ByTurn& by_turn, const std::vector<bool>& known, std::size_t turning, double place) {
+  const auto turns = static_cast<Eigen::Index>(known.size());
+  Eigen::Matrix<double, Eigen::Dynamic, Size> rows =
+      Eigen::Matrix<double, Eigen::Dynamic, Size>::Zero(turns + 6, Size);
+  for (std::size_t k = 0; k < known.size(); ++k)
+    if (k != turning && known[k])
+      rows.row(static_cast<Eigen::Index>(k)) = by_turn[k].template head<Size>().transpose();
+  rows.template block<3, 3>(turns, 0).setIdentity();
+  rows.template block<3, 3>(turns + 3, 0).diagonal().setConstant(place);
+  return rows;
+}
 
 /// The variances of these columns for `effects` at most those of the shape.
 [[nodiscard]] EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& nodes,

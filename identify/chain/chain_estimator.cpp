@@ -49,10 +49,13 @@ class Estimation {
     estimate.angles.assign(joints_, AngleEvidence{});
     for (AngleEvidence& evidence : estimate.angles) evidence.reason = "no angles";
     if (nodes_.with_angles) {
-      estimate.angles = seen_angle_errors(best.fit.chain, nodes_, best.noise, quantum_);
+      estimate.angles = seen_angle_errors(best.fit.chain, nodes_, best.noise, quantum_, {});
       if (explained_by_print(best, false)) believe_angles(best, estimate.angles);
     }
-    if (!explained_by_print(best, false)) find_effects(best);
+    if (!explained_by_print(best, false)) {
+      find_effects(best);
+      judge_gears(best, estimate.angles);
+    }
     if (nodes_.with_orientation) estimate.with_orientation = add_orientation(best);
     finish(best, estimate);
     return estimate;
@@ -207,6 +210,15 @@ class Estimation {
     }
     nodes_.observations = free_nodes;
     effects_.print_mm = effects_.told_rad = 0;
+  }
+
+  /// Of the angles that are not believed, what their gears have, now that it is known what strokes
+  /// have for themselves.
+  void judge_gears(const Fitted& best, std::vector<AngleEvidence>& evidence) const {
+    if (!nodes_.with_angles) return;
+    const auto now = seen_angle_errors(best.fit.chain, nodes_, best.noise, quantum_, effects_);
+    for (std::size_t j = 0; j < joints_; ++j)
+      if (evidence[j].trust != AngleTrust::trusted) evidence[j] = now[j];
   }
 
   /// How far each joint may have stood from the home that was printed: where its angle hardly

@@ -158,25 +158,17 @@ Eigen::MatrixXd ChainProblem<Size>::effects(const Chain& chain, std::size_t u,
   Eigen::Index column = 0;
   for (const std::size_t s : nodes_.units[u]) {
     const StrokeMoments& stroke = nodes_.strokes[s];
-    const Range own{stroke.from_rad, stroke.to_rad};
     for (std::size_t n = 0; n < stroke.nodes.size(); ++n, column += Size) {
       const ChainObservation& seen = nodes_.observations[nodes_.first[s] + n];
       pose.set(seen.target, turns_of(chain, seen, noise_), false);
       auto block = rows.template middleCols<Size>(column);
-      for (std::size_t k = 0; k < chain.axes.size(); ++k) {
-        if (k == seen.joint || !nodes_.known[k]) continue;
-        const auto row = static_cast<Eigen::Index>(k);
-        const auto turned = pose.by_turn[k].template head<Size>().transpose();
-        if (columns_.own > 0) block.row(row) = turned;
-        if (columns_.home > 0) block.row(at_home + row) = turned;
-      }
-      if (columns_.own > 0) {
-        block.template middleRows<3>(shared - 6).template leftCols<3>().setIdentity();
-        block.template middleRows<3>(shared - 3)
-            .template leftCols<3>()
-            .diagonal()
-            .setConstant(own.place(stroke.nodes[n].turn_rad));
-      }
+      if (columns_.own > 0)
+        block.topRows(columns_.own) = own_effects<Size>(pose.by_turn, nodes_.known, seen.joint,
+                                                        stroke.place_of(stroke.nodes[n].turn_rad));
+      for (std::size_t k = 0; columns_.home > 0 && k < chain.axes.size(); ++k)
+        if (k != seen.joint && nodes_.known[k])
+          block.row(at_home + static_cast<Eigen::Index>(k)) =
+              pose.by_turn[k].template head<Size>().transpose();
       const auto here = polynomials(range.place(seen.turns[seen.joint]));
       if (columns_.figure > 0) {
         // Radial and axial, nothing where the joint stands at its home's turn.

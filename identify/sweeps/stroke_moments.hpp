@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <optional>
@@ -70,6 +71,12 @@ struct StrokeMoments : ReferenceMotion {
   double from_rad = 0;                                  ///< least x
   double to_rad = 0;                                    ///< greatest x
   std::vector<Node> nodes;
+  /// From minus one at the least x to one at the greatest.
+  [[nodiscard]] double place_of(double turn_rad) const {
+    return to_rad > from_rad
+               ? std::clamp((2 * turn_rad - from_rad - to_rad) / (to_rad - from_rad), -1.0, 1.0)
+               : 0;
+  }
 
   /// Of the errors left by the stroke's own curve, radial and axial: the mean square of sums over
   /// 2^b successive samples, divided by 2^b. White noise gives the same for all b.

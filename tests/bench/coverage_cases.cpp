@@ -77,6 +77,8 @@ std::vector<Case> cases() {
   two_homes.homes = 2;
   Strokes repeats;
   repeats.repeats = 3;
+  Strokes back_and_again = back;
+  back_and_again.repeats = 3;
   Strokes at_once;
   at_once.targets_at_once = true;
 
@@ -117,6 +119,15 @@ std::vector<Case> cases() {
   world = with_angles();
   world.gears.backlash_arcsec = 30;
   add("backlash", "30 arcsec, there and back", world, back, 1, {93, 97, Gears::with_backlash});
+  for (const bool plays : {false, true}) {
+    world = with_angles();
+    world.home.sigma_deg = 0.005;
+    if (plays) world.gears.backlash_arcsec = 60;
+    add(plays ? "backlash_home" : "angles_home",
+        std::string("locked joints off by 0.005 deg each stroke, ") +
+            (plays ? "backlash 60 arcsec, " : "") + "angles, there and back three times",
+        world, back_and_again, 1, {93, 97, plays ? Gears::with_backlash : Gears::perfect});
+  }
   for (const bool walk : {false, true}) {
     world = tracker();
     (walk ? world.drift.walk_mm : world.drift.linear_mm) = 0.05;

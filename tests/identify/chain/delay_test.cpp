@@ -112,3 +112,28 @@ TEST_CASE("a backlash is told from a delay by what all joints share", "[delay]")
   REQUIRE(found.delay);
   CHECK(std::abs(found.delay->late_s - 0.004) < 3 * found.delay->sigma_s);
 }
+
+TEST_CASE("strokes whose locked joints stood elsewhere tell less of a delay", "[delay]") {
+  // Each stroke sees its joint turned by what the joints before it were off.
+  const auto seen = GENERATE(true, false);
+  CAPTURE(seen);
+  double squares = 0;
+  constexpr std::uint32_t kRuns = 8;
+  for (std::uint32_t seed = 1; seed <= kRuns; ++seed) {
+    CAPTURE(seed);
+    auto world = tracker_with_angles(0);
+    world.home.sigma_deg = 0.008;
+    world.home.seen = seen;
+    auto strokes = both_ways(0.1);
+    strokes.repeats = 3;
+    const Simulation simulation(some_robot(false, seed), strokes, world, seed);
+    const auto found = identify::identify(simulation.sweeps(), simulation.campaign());
+    REQUIRE(found.delay);
+    squares += std::pow(found.delay->late_s / found.delay->sigma_s, 2);
+    CHECK_FALSE(is_significant(*found.delay));
+    for (const Warning& warning : found.warnings)
+      UNSCOPED_INFO(warning.code << ": " << warning.message);
+    CHECK_FALSE(accuses_gears(found));
+  }
+  CHECK(std::sqrt(squares / kRuns) < 1.8);
+}
