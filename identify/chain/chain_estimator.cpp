@@ -216,9 +216,13 @@ class Estimation {
   /// have for themselves.
   void judge_gears(const Fitted& best, std::vector<AngleEvidence>& evidence) const {
     if (!nodes_.with_angles) return;
-    const auto now = seen_angle_errors(best.fit.chain, nodes_, best.noise, quantum_, effects_);
+    auto now = seen_angle_errors(best.fit.chain, nodes_, best.noise, quantum_, effects_);
+    if (!best.fit.summary.converged) {
+      now.assign(joints_, AngleEvidence{});
+      for (AngleEvidence& nothing : now) nothing.reason = "the chain did not come to its end";
+    }
     for (std::size_t j = 0; j < joints_; ++j)
-      if (evidence[j].trust != AngleTrust::trusted) evidence[j] = now[j];
+      if (evidence[j].trust != AngleTrust::trusted) evidence[j] = std::move(now[j]);
   }
 
   /// How far each joint may have stood from the home that was printed: where its angle hardly

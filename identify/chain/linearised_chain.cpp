@@ -117,6 +117,11 @@ constexpr std::size_t kCount = 5;
 constexpr std::array<Size, kCount> kSizes{&ChainEffects::home_rad, &ChainEffects::drift_mm,
                                           &ChainEffects::figure_mm, &ChainEffects::offset_rad,
                                           &ChainEffects::told_rad};
+constexpr std::size_t kFigure = 2;
+/// Arcs depart from circles by no more than this share of the arm's reach: thirty times what any
+/// arm showed. With more, an axis may be anywhere, its arc being any curve, and takes the blame for
+/// angles that contradict each other.
+constexpr double kMostFigure = 1e-2;
 /// SizeSteps of each effect's size: nothing, then up by this factor.
 using SizeSteps = std::array<int, kCount>;
 
@@ -129,16 +134,20 @@ class SizeGrid {
     // In units of each effect in which they move the target alike.
     const double turn = smallest_mm / reach_mm;
     unit_ = {turn, smallest_mm, smallest_mm, turn, turn};
-    const double range = std::log(reach_mm / smallest_mm) / std::log(kFactor);
-    last_ = 1 + static_cast<int>(std::ceil(std::clamp(range, 1.0, 40.0)));
+    last_.fill(last_step(reach_mm / smallest_mm));
+    last_[kFigure] = last_step(kMostFigure * reach_mm / smallest_mm);
   }
 
   static constexpr double kFactor = 4;
+  static int last_step(double largest) {
+    const double range = std::log(largest) / std::log(kFactor);
+    return 1 + static_cast<int>(std::ceil(std::clamp(range, 1.0, 40.0)));
+  }
 
   [[nodiscard]] double size(std::size_t effect, int step) const {
     return step == 0 ? 0 : unit_[effect] * std::pow(kFactor, step - 1);
   }
-  [[nodiscard]] int last() const { return last_; }
+  [[nodiscard]] int last(std::size_t effect) const { return last_[effect]; }
   double deviance(const SizeSteps& steps) {
     const auto [found, fresh] = known_.try_emplace(steps, 0.0);
     if (fresh) {
@@ -155,12 +164,11 @@ class SizeGrid {
       for (const int by : {-1, 1}) {
         SizeSteps next = steps;
         next[k] += by;
-        if (shape_.*kSizes[k] > 0 && next[k] >= 0 && next[k] <= last_) visit(next);
+        if (shape_.*kSizes[k] > 0 && next[k] >= 0 && next[k] <= last_[k]) visit(next);
       }
   }
   SizeSteps lowest_from(SizeSteps steps) {
     for (bool better = true; better;) {
-      better = false;
       SizeSteps best = steps;
       visit_next_to(steps, [&](const SizeSteps& next) {
         if (deviance(next) < deviance(best)) best = next;
@@ -174,8 +182,8 @@ class SizeGrid {
  private:
   const LinearisedChain& chain_;
   const ChainEffects& shape_;
-  std::array<double, kCount> unit_;
-  int last_;
+  std::array<double, kCount> unit_{};
+  std::array<int, kCount> last_{};
   std::map<SizeSteps, double> known_;
 };
 
@@ -187,8 +195,8 @@ bool is_limited(const LinearisedChain& chain, const ChainEffects& shape, double 
   if (!(shape.*kSizes[effect] > 0)) return true;
   SizeGrid grid(chain, shape, smallest_mm, reach_mm);
   SizeSteps before{}, most{};
-  before[effect] = grid.last() - 1;
-  most[effect] = grid.last();
+  before[effect] = grid.last(effect) - 1;
+  most[effect] = grid.last(effect);
   constexpr double kNumbers = 2.5;
   return grid.deviance(most) - grid.deviance(before) > 2 * kNumbers * std::log(SizeGrid::kFactor);
 }
@@ -207,7 +215,7 @@ ChainEffects effect_sizes(const LinearisedChain& chain, const ChainEffects& shap
   for (std::size_t one = 0; one <= kCount; ++one) {
     if (one < kCount && !(limited.*kSizes[one] > 0)) continue;
     SizeSteps start{};
-    if (one < kCount) start[one] = std::min(4, grid.last());
+    if (one < kCount) start[one] = std::min(4, grid.last(one));
     open.push_back(grid.lowest_from(start));
     least = std::min(least, grid.deviance(open.back()));
   }
