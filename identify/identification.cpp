@@ -105,8 +105,10 @@ Identification estimate(std::vector<Sweep> sweeps, const Campaign& campaign) {
   if (campaign.timed) {
     const auto axes = starting_axes(found);
     found.delay = find_delay(found, axes, campaign.two_clocks);
-    if (found.delay && is_significant(*found.delay))
-      found.chain = estimate_chain(in_step(found, axes, *found.delay), campaign);
+    if (found.delay && is_significant(*found.delay)) {
+      const CircleEstimate& circles = found;
+      found.chain = estimate_chain(in_step(circles, axes, *found.delay), campaign);
+    }
   }
   if (!found.chain) found.chain = estimate_chain(found, campaign);
   if (!found.chain) return found;

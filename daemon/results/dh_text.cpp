@@ -86,11 +86,11 @@ class Table {
   }
 
   struct Line {
-    const char* name;
-    DhNumber DhEstimate::*number;
-    double scale;
-    int decimals;
-    double specified;
+    const char* name = "";
+    DhNumber DhEstimate::*number = nullptr;
+    double scale = 1;
+    int decimals = 0;
+    double specified = 0;
     std::optional<double> difference;
   };
 

@@ -49,8 +49,9 @@ std::vector<JointLimits> limits_in(const nlohmann::ordered_json& result) {
     limits.emplace_back();
     if (!json.is_array() || json.size() != 2 || !json[0].is_number() || !json[1].is_number())
       continue;
-    limits.back().min_deg = json[0].get<double>();
-    limits.back().max_deg = json[1].get<double>();
+    const double least = json[0].get<double>(), most = json[1].get<double>();
+    if (!(least < most)) continue;  // of a joint that cannot move nothing is a range
+    limits.back() = {least, most};
   }
   return limits;
 }

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <optional>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
 #include "identify/dh/dh_comparison.hpp"
@@ -26,7 +28,7 @@ std::string angle_text(double radians) {
 
 /// A measured number with the decimals that it came with: who reads it knows its step again.
 void append_measured(std::string& csv, double value) {
-  std::array<char, 400> digits;
+  std::array<char, 400> digits{};
   const auto [end, error] =
       std::to_chars(digits.data(), digits.data() + digits.size(), rounded(value, kLengthDecimals),
                     std::chars_format::fixed);
@@ -79,13 +81,12 @@ std::string dh_csv(const Outcome& outcome) {
     const auto unit = name.find('_');
     const std::string base = name.substr(0, unit);
     const std::string suffix = name.substr(unit);
-    csv += "," + name + "," + base + "_sigma" + suffix + "," + base + "_specified" + suffix + "," +
-           base + "_difference" + suffix;
+    csv += fmt::format(",{0},{1}_sigma{2},{1}_specified{2},{1}_difference{2}", name, base, suffix);
   }
   csv += ",relation,by_convention,beta_deg,beta_sigma_deg";
   for (const std::string base : {"b", "theta", "a", "alpha", "beta"}) {
     const std::string unit = base == "a" || base == "b" ? "_mm" : "_deg";
-    csv += "," + base + "_low" + unit + "," + base + "_high" + unit;
+    csv += fmt::format(",{0}_low{1},{0}_high{1}", base, unit);
   }
   csv += ",positive,home_deg,variable\n";
   for (std::size_t i = 0; i < found.dh.size(); ++i) {

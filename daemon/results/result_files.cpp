@@ -96,6 +96,7 @@ void make_folder(const std::filesystem::path& folder) {
 
 std::vector<std::string> result_file_names() {
   std::vector<std::string> names;
+  names.reserve(kFiles.size());
   for (const auto& file : kFiles) names.emplace_back(file.name);
   return names;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <nlohmann/json.hpp>
+#include <spdlog/fmt/fmt.h>
 
 #include "daemon/results/chain_json.hpp"
 #include "daemon/results/currents_csv.hpp"
@@ -181,7 +182,8 @@ Json messages(const std::vector<identify::Warning>& all) {
 /// JSON has no word for what is not finite: it becomes null, and its place is named.
 void leave_out_not_finite(Json& json, const std::string& place, Json& places) {
   if (json.is_structured())
-    for (auto& [key, value] : json.items()) leave_out_not_finite(value, place + "/" + key, places);
+    for (auto& [key, value] : json.items())
+      leave_out_not_finite(value, fmt::format("{}/{}", place, key), places);
   else if (json.is_number_float() && !std::isfinite(json.get<double>())) {
     json = nullptr;
     places.push_back(place);
@@ -208,7 +210,7 @@ void print(const Json& json, const std::string& indent, std::string& out) {
                    [](const Json& item) { return item.is_structured() && !item.empty(); });
   const std::string inner = indent + "  ";
   out += json.is_array() ? "[" : "{";
-  std::string_view separator = "";
+  std::string_view separator;
   for (const auto& [key, value] : json.items()) {
     out += separator;
     if (!one_line) out += "\n" + inner;

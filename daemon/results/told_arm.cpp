@@ -21,7 +21,6 @@ namespace sweepd {
 namespace {
 
 using Eigen::Index;
-using identify::Knowledge;
 using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kSchema = "sweepd.result/1";
@@ -143,7 +142,7 @@ std::optional<double> gear_of(const Json& angles, const Json& joint,
 
 /// The tool in the frame of the last axis.
 Eigen::Vector3d tool_of(const Json& result) {
-  const Eigen::Vector3d point = vector_of(part_of(part_of(result, "tool"), "point_mm"));
+  Eigen::Vector3d point = vector_of(part_of(part_of(result, "tool"), "point_mm"));
   if (!point.allFinite()) return Eigen::Vector3d::Zero();
   const auto specified = table_of(list_of(result, "specified"));
   if (specified.empty()) return point;

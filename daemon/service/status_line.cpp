@@ -1,5 +1,7 @@
 #include "daemon/service/status_line.hpp"
 
+#include <spdlog/fmt/fmt.h>
+
 #include "rsi/counted.hpp"
 
 namespace sweepd {
@@ -24,7 +26,7 @@ std::string status_line(const ServiceStatus& status) {
   std::string line;
   for (const auto& standstill : status.standstills) line += "STANDS STILL: " + standstill + "; ";
   for (const auto& [robot, reason] : status.not_served)
-    line += "NOT SERVED: " + robot + ": " + reason + "; ";
+    line += fmt::format("NOT SERVED: {}: {}; ", robot, reason);
   for (const auto& robot : status.robots) line += of(*robot) + "; ";
   if (!line.empty()) line.resize(line.size() - 2);
   return line;

@@ -20,7 +20,7 @@ void start_row(std::string& row, double time_s, std::uint64_t ipoc) {
   row.clear();
   append_fixed(row, time_s, 3);
   row += ',';
-  std::array<char, 20> digits;
+  std::array<char, 20> digits{};
   row.append(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), ipoc).ptr);
 }
 

@@ -78,7 +78,7 @@ void set_priority(int priority, RealTimeReport& report) {
 
 void touch_stack() noexcept {
   constexpr std::size_t kPage = 4096;
-  std::array<volatile char, 64 * kPage> stack;
+  std::array<volatile char, 64 * kPage> stack{};
   for (std::size_t at = 0; at < stack.size(); at += kPage) stack[at] = 0;
 }
 

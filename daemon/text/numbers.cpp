@@ -25,6 +25,7 @@ double rounded(double value, int decimals) {
 }
 
 void append_fixed(std::string& text, double value, int decimals) {
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): written to before it is read
   std::array<char, 400> digits;  // the largest double has 309 digits before the point
   auto* const end = digits.data() + digits.size();
   const double units = std::round(value * power_of_ten(decimals));

@@ -31,7 +31,8 @@ std::string paragraph(const std::string& label, std::string_view text) {
 }
 
 std::string right(std::string text, std::size_t width) {
-  return text.size() < width ? std::string(width - text.size(), ' ') + text : text;
+  if (text.size() < width) text.insert(0, width - text.size(), ' ');
+  return text;
 }
 std::string left(std::string text, std::size_t width) {
   text.resize(std::max(width, text.size()), ' ');

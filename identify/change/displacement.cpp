@@ -18,6 +18,9 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr std::size_t kStarts = 10;
+/// Of a joint's range, in its first step and, halved so often, in its last.
+constexpr double kFirstStep = 0.2;
+constexpr int kHalvings = 6;
 
 double& number_in(std::vector<DhRow>& rows, const ArmNumber& number) {
   DhRow& row = rows[number.joint];
@@ -127,11 +130,12 @@ Displacement largest_displacement(const ComparedArms& arms, const VectorXd& diff
                     [](const auto& one, const auto& other) { return one.first > other.first; });
   best.resize(starts);
   for (auto& [largest, turned] : best)
-    for (double share = 0.2; share > 0.002; share /= 2)
+    for (int halved = 0; halved <= kHalvings; ++halved)
       for (std::size_t j = 0; j < joints; ++j)
         for (const int way : {1, -1}) {
           const auto& [least, most] = reach.ranges[j];
           std::vector<double> at = turned;
+          const double share = kFirstStep / (1 << halved);
           at[j] = std::clamp(at[j] + way * share * (most - least), least, most);
           const double size = (left_at(at) * difference).norm();
           if (size <= largest) continue;

@@ -254,7 +254,7 @@ double score(const ClockMatch& match) {
 
 /// Why nothing matches, where the best of them leaves too much.
 std::string disagreement(const std::vector<ClockMatch>& all, std::size_t motions) {
-  const std::string apart =
+  std::string apart =
       "the motions of the device and those of the angles do not agree: only " +
       std::to_string(all.empty() ? 0 : all.front().matched) + " of " + std::to_string(motions) +
       " fit one offset of the clocks; give the trace that was recorded while the device measured";

@@ -55,6 +55,7 @@ std::vector<Rest> rests_in(const AngleTape& tape, const Motion& angles,
       std::vector<Vector3d> copy = seen;
       const Vector3d middle = median(copy);
       std::vector<double> distances;
+      distances.reserve(seen.size());
       for (const Vector3d& point : seen) distances.push_back((point - middle).norm());
       Rest rest;
       rest.scatter_mm = median_of(distances);
@@ -82,6 +83,7 @@ std::vector<Rest> rests_in(const AngleTape& tape, const Motion& angles,
 /// Those in which the target stood as still as it usually does.
 std::vector<Pose> still_poses(const std::vector<Rest>& rests, std::size_t& restless) {
   std::vector<double> scatters;
+  scatters.reserve(rests.size());
   for (const Rest& rest : rests) scatters.push_back(rest.scatter_mm);
   const double most = kRestless * median_of(scatters) + kRestless_mm;
   std::vector<Pose> poses;

@@ -327,6 +327,7 @@ MatrixXd dh_jacobian(const std::vector<std::optional<Axis>>& axes, double size,
 
 std::vector<DhRow> values(const std::vector<DhEstimate>& table) {
   std::vector<DhRow> rows;
+  rows.reserve(table.size());
   for (const DhEstimate& row : table)
     rows.push_back({row.b_mm.value, row.theta_rad.value, row.a_mm.value, row.alpha_rad.value,
                     row.beta_rad.value});

@@ -55,7 +55,7 @@ class Placement {
 
   [[nodiscard]] Vector3d place(const Axes& z, std::size_t k, const Vector3d& target) const {
     if (k + 1 == z.size() || !z[k + 1]) return target;
-    const Vector3d next = origin(z, k + 1, target);
+    Vector3d next = origin(z, k + 1, target);
     if (parallel_[k] || specified_.empty()) return next;
     const Vector3d& along = z[k + 1]->direction;
     const double sense = std::sin(specified_[k].alpha_rad) < 0 ? -1 : 1;

@@ -79,8 +79,8 @@ class Cloud {
     std::vector<std::size_t> cells(size);
     std::vector<Index> ends(kParts * kParts * kParts + 1);
     for (std::size_t i = 0; i < size; ++i) {
-      const Eigen::Array<int, 1, 3> part =
-          ((points.row(static_cast<Index>(i)).array() - low) * parts).cast<int>();
+      const Eigen::Array<Index, 1, 3> part =
+          ((points.row(static_cast<Index>(i)).array() - low) * parts).cast<Index>();
       cells[i] = static_cast<std::size_t>((part.x() * kParts + part.y()) * kParts + part.z());
       ++ends[cells[i] + 1];
     }

@@ -63,7 +63,7 @@ std::optional<CircleFit> fit_circle(const Matrix3Xd& points) {
                          .topRows<3>()
                          .triangularView<Eigen::Upper>();
   const Eigen::JacobiSVD<Matrix3d> svd(r, Eigen::ComputeFullV);
-  const Vector3d sizes = svd.singularValues();
+  const Vector3d& sizes = svd.singularValues();
   if (sizes(0) <= 0 || sizes(1) <= kLine * sizes(0)) return std::nullopt;
   const MatrixX3d local = centred * svd.matrixV();  // eq. 4
 

@@ -27,6 +27,14 @@ struct Reached {
 /// How the specified arm's target moves with base (shift, turn in mm at a metre) and tool.
 using ByFrames = Eigen::Matrix<double, 3, 9>;
 
+/// The last whole number of steps from zero up to `at_mm`, and the first from there on.
+int steps_below(double at_mm, double step_mm) {
+  return static_cast<int>(std::floor(at_mm / step_mm));
+}
+int steps_above(double at_mm, double step_mm) {
+  return static_cast<int>(std::ceil(at_mm / step_mm));
+}
+
 class Map {
  public:
   Map(const PoseFit& identified, const PlacedArm& specified, const JointRanges& ranges)
@@ -38,11 +46,11 @@ class Map {
     const Vector3d &low = box[0], &high = box[1];
     map.step_mm = kRound_mm * std::ceil((high - low).maxCoeff() / kStepsAcross / kRound_mm);
     std::vector<Reached> grid;
-    const auto from = [&](Index k) { return std::floor(low(k) / map.step_mm); };
-    const auto to = [&](Index k) { return std::ceil(high(k) / map.step_mm); };
-    for (double x = from(0); x <= to(0); ++x)
-      for (double y = from(1); y <= to(1); ++y)
-        for (double z = from(2); z <= to(2); ++z) reach(map.step_mm * Vector3d(x, y, z), grid);
+    const auto from = [&](Index k) { return steps_below(low(k), map.step_mm); };
+    const auto to = [&](Index k) { return steps_above(high(k), map.step_mm); };
+    for (int x = from(0); x <= to(0); ++x)
+      for (int y = from(1); y <= to(1); ++y)
+        for (int z = from(2); z <= to(2); ++z) reach(map.step_mm * Vector3d(x, y, z), grid);
     if (grid.empty()) return map;
     fit_frames(grid);
     for (const Reached& one : grid) map.grid.push_back(displaced(one));
@@ -77,8 +85,8 @@ class Map {
     const Index u = across == 0 ? 1 : 0, v = across == 2 ? 1 : 2;
     DisplacementSlice slice{across, std::round(through(axis)), {}};
     std::vector<Reached> points;
-    for (double a = std::floor(low(u) / step); a <= std::ceil(high(u) / step); ++a)
-      for (double b = std::floor(low(v) / step); b <= std::ceil(high(v) / step); ++b) {
+    for (int a = steps_below(low(u), step); a <= steps_above(high(u), step); ++a)
+      for (int b = steps_below(low(v), step); b <= steps_above(high(v), step); ++b) {
         Vector3d at;
         at(axis) = slice.at_mm;
         at(u) = step * a;
@@ -107,6 +115,7 @@ class Map {
 
   void fit_frames(const std::vector<Reached>& grid) {
     std::vector<Pose> poses;
+    poses.reserve(grid.size());
     for (const Reached& one : grid) poses.push_back(one.pose);
     specified_ = fitted(specified_, Freedom::frames, poses,
                         Eigen::VectorXd::Ones(static_cast<Index>(poses.size())));

@@ -70,7 +70,7 @@ PoseDrift drift_of(const PoseFit& fit) {
     ++drift.numbers;
   }
   const Index half_rows = static_cast<Index>(poses / 2) * fit.rows.front().off.size();
-  if (drift.numbers == 0 || half_rows < 2 * drift.numbers) return drift;
+  if (drift.numbers == 0 || half_rows < Index{2} * drift.numbers) return drift;
   const MatrixXd root =
       scale.asDiagonal() * solved.eigenvectors() * inverse.cwiseSqrt().asDiagonal();
   const VectorXd change = root * inverse.cwiseSqrt().cwiseProduct(g);

@@ -16,7 +16,7 @@
 namespace rsi {
 namespace {
 
-constexpr std::size_t read_buffer_size = 256 * 1024;
+constexpr std::size_t read_buffer_size = 256 << 10;
 constexpr std::string_view section_header = "\x0a\x0d\x0d\x0a";  // in either byte order
 constexpr std::string_view big_endian_magic = "\x1a\x2b\x3c\x4d";
 constexpr std::string_view little_endian_magic = "\x4d\x3c\x2b\x1a";
@@ -239,6 +239,7 @@ std::vector<std::filesystem::path> in_order_of_time(
   std::stable_sort(timed.begin(), timed.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<std::filesystem::path> ordered;
+  ordered.reserve(timed.size());
   for (auto& [time, path] : timed) ordered.push_back(std::move(path));
   return ordered;
 }

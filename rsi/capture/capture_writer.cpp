@@ -64,7 +64,7 @@ std::size_t capture_record_size(std::string_view bytes) noexcept {
 
 namespace {
 
-constexpr std::size_t buffer_size = 256 * 1024;
+constexpr std::size_t buffer_size = 256 << 10;
 
 }  // namespace
 

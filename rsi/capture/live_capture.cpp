@@ -124,8 +124,9 @@ void LiveCapture::look_at(std::optional<std::uint16_t> port) {
   const std::string ours = port ? kinds + " and port " + std::to_string(*port) : kinds;
   const std::string wanted = "((" + ours + ") or (udp and ip[6:2] & 0x1fff != 0))";
   // Behind "vlan" all that follows is read as inside of a tag. Not every link may have one.
-  for (const auto& text :
-       {wanted + " or (vlan and (" + wanted + " or (vlan and " + wanted + ")))", wanted}) {
+  const std::string also_tagged =
+      wanted + " or (vlan and (" + wanted + " or (vlan and " + wanted + ")))";
+  for (const auto& text : {also_tagged, wanted}) {
     bpf_program program{};
     if (pcap_compile(capture_.get(), &program, text.c_str(), 1, PCAP_NETMASK_UNKNOWN) != 0)
       continue;

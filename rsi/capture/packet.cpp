@@ -25,7 +25,7 @@ PacketKind decode_tcp(std::string_view ip, std::size_t at, Datagram& datagram,
                       PacketHeaders& more) {
   if (ip.size() < at + 20) return PacketKind::incomplete;
   const auto tcp = ip.substr(at);
-  const std::size_t header = (byte_at(tcp, 12) >> 4) * 4;
+  const std::size_t header = std::size_t{4} * (byte_at(tcp, 12) >> 4);
   if (header < 20) return PacketKind::foreign;
   if (tcp.size() < header) return PacketKind::incomplete;
   more.sequence = be32(tcp, 4);
@@ -39,7 +39,7 @@ PacketKind decode_tcp(std::string_view ip, std::size_t at, Datagram& datagram,
 PacketKind decode_ipv4(std::string_view ip, Datagram& datagram, PacketHeaders* more) {
   if (!ip.empty() && byte_at(ip, 0) >> 4 != 4) return PacketKind::foreign;
   if (ip.size() < 20) return PacketKind::incomplete;
-  const std::size_t header = (byte_at(ip, 0) & 0xf) * 4;
+  const std::size_t header = std::size_t{4} * (byte_at(ip, 0) & 0xf);
   const std::size_t total = be16(ip, 2);
   const auto protocol = byte_at(ip, 9);
   const bool tcp = more != nullptr && protocol == tcp_protocol;

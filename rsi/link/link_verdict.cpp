@@ -13,7 +13,7 @@ using Limits = VerdictLimits;
 using std::chrono::nanoseconds;
 
 std::string fixed(double value, int decimals) {
-  std::array<char, 400> digits;
+  std::array<char, 400> digits{};
   const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value,
                                  std::chars_format::fixed, decimals);
   return {digits.data(), end.ptr};

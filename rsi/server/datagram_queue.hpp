@@ -46,11 +46,11 @@ class DatagramQueue {
 
  private:
   struct Header {
-    Timestamp time;
+    Timestamp time{};
     Endpoint source;
     Endpoint destination;
-    std::uint32_t size;  // of the payload behind it
-    bool cut;
+    std::uint32_t size = 0;  // of the payload behind it
+    bool cut = false;
     Handling handling;
   };
 

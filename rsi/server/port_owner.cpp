@@ -75,7 +75,8 @@ std::string port_owner(Transport transport, const Endpoint& local) {
     if (id.find_first_not_of("0123456789") != id.npos || !has_one_of(*process, sockets)) continue;
     std::string name;
     std::getline(std::ifstream(process->path() / "comm"), name);
-    return name + " (process " + id + ')';
+    name += " (process " + id + ')';
+    return name;
   }
   return {};
 }

@@ -81,6 +81,7 @@ void Server::hand_over_reply(const Datagram& reply) noexcept {
 void Server::serve(std::span<const Datagram> received) noexcept {
   serving_ = true;
   const auto taken = clock();
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): set for each of `received`
   std::array<Fate, kMostAtOnce> fates;
   std::optional<Candidate> newest;
   for (std::size_t i = 0; i < received.size(); ++i) {

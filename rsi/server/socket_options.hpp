@@ -40,6 +40,7 @@ inline constexpr int kReceiveBuffer = 8 << 20;
 
 /// Wishes for a receive buffer of kReceiveBuffer. What the system made of it, in its own counting.
 template <typename Socket>
+// NOLINTNEXTLINE(bugprone-exception-escape): throws only if an int has another size
 std::size_t enlarge_receive_buffer(Socket& socket) noexcept {
   using Forced = SocketOption<SOL_SOCKET, SO_RCVBUFFORCE>;
   boost::asio::socket_base::receive_buffer_size size(kReceiveBuffer);

@@ -96,6 +96,7 @@ void TcpServer::warm() noexcept {
   for (auto& connection : connections_) close(connection);
 }
 
+// NOLINTNEXTLINE(bugprone-exception-escape): nothing but lack of memory throws
 void TcpServer::run() noexcept {
   accept();
   while (!stopping()) {

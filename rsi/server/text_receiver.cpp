@@ -69,6 +69,7 @@ void TextReceiver::wait_for_datagrams() {
 void TextReceiver::take_datagrams() {
   for (std::size_t i = 0; i < kMostInALook; ++i) {
     udp::endpoint source;
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): the system fills it in
     UdpControl control;
     iovec place{bytes_.data(), bytes_.size()};
     msghdr message{};

@@ -60,7 +60,7 @@ class TextReceiver {
   Endpoint local_;
   Endpoint peer_;
   DatagramQueue queue_{kQueueBytes};
-  std::array<char, 65536> bytes_;
+  std::array<char, 65536> bytes_{};
   std::string lines_;  // over TCP: what came of them
   std::uint32_t system_dropped_ = 0;
   std::atomic<std::uint64_t> dropped_{0};

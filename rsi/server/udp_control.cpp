@@ -13,7 +13,7 @@ void read_control(msghdr& message, Timestamp& time, in_pktinfo& came_to,
       std::memcpy(&came_to, CMSG_DATA(part), sizeof came_to);
     if (part->cmsg_level != SOL_SOCKET) continue;
     if (part->cmsg_type == SO_TIMESTAMPNS) {
-      timespec stamp;
+      timespec stamp{};
       std::memcpy(&stamp, CMSG_DATA(part), sizeof stamp);
       time = std::chrono::seconds(stamp.tv_sec) + std::chrono::nanoseconds(stamp.tv_nsec);
     } else if (part->cmsg_type == SO_RXQ_OVFL) {

@@ -43,9 +43,9 @@ bool attach_filter(udp::socket& socket, std::uint32_t address) noexcept {
 /// What the system fills in for each datagram. Pages that are never needed are never touched.
 struct UdpServer::Buffers {
   std::unique_ptr<char[]> payloads{new char[kMostAtOnce * kLargestDatagram]};
-  std::array<iovec, kMostAtOnce> places;
+  std::array<iovec, kMostAtOnce> places{};
   std::array<udp::endpoint, kMostAtOnce> sources;
-  std::array<UdpControl, kMostAtOnce> controls;
+  std::array<UdpControl, kMostAtOnce> controls{};
   std::array<mmsghdr, kMostAtOnce> messages{};
   std::array<in_pktinfo, kMostAtOnce> came_to{};
   std::array<Datagram, kMostAtOnce> datagrams;
@@ -165,6 +165,7 @@ void UdpServer::wake() noexcept {
   socket_.shutdown(udp::socket::shutdown_receive, not_connected);
 }
 
+// NOLINTNEXTLINE(bugprone-exception-escape): any 32 bits are an IPv4 address
 bool UdpServer::send(std::string_view reply, const Datagram& telegram) noexcept {
   const auto size = static_cast<ssize_t>(reply.size());
   auto to = to_asio<udp>(telegram.source);

@@ -34,6 +34,7 @@ class UdpServer : public Server {
   struct Buffers;
 
   void wake() noexcept override;
+  // NOLINTNEXTLINE(bugprone-exception-escape): see its definition
   [[nodiscard]] bool send(std::string_view reply, const Datagram& telegram) noexcept override;
   /// How many datagrams there were; nothing if the system did not say.
   [[nodiscard]] std::optional<std::size_t> receive(int flags) noexcept;

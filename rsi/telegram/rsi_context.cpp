@@ -85,7 +85,7 @@ class ContextReader {
   /// Wherever they stand: an .rsix may group them.
   void find_objects(const pugi::xml_node& root) {
     struct Walker : pugi::xml_tree_walker {
-      std::vector<Object>* objects;
+      std::vector<Object>* objects = nullptr;
       bool for_each(pugi::xml_node& node) override {
         if (is_named(node, "RSIObject") || !attribute(node, "ObjType").empty())
           objects->push_back({node, attribute(node, "ObjType"), attribute(node, "ObjTypeID"),

@@ -93,7 +93,7 @@ FoundLength find_length(std::string_view before, std::uint32_t length,
 
 namespace {
 
-constexpr std::size_t kCapacity = 2 * 65536;
+constexpr std::size_t kCapacity = 128 << 10;
 /// So many bytes before a telegram are kept to look for a length in.
 constexpr std::size_t kLongestLength = 10;
 /// More blanks make no end tag: it must be known at some point what a '<' begins.
