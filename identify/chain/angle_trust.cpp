@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include <Eigen/LU>
+
 #include "identify/chain/chain_effects.hpp"
 #include "identify/chain/chain_nodes.hpp"
 #include "identify/chain/error_curve.hpp"
@@ -13,6 +15,7 @@ namespace identify {
 namespace {
 
 using Eigen::Index;
+using Eigen::Vector3d;
 
 /// The variance along smooth curves may be this many times that of white noise: by chance it is so
 /// once in 10^8 times (chi squared with six degrees of freedom, over six).
@@ -39,19 +42,23 @@ double rms(double squares, double weights) {
   return weights > 0 ? std::sqrt(std::max(0.0, squares) / weights) : 0;
 }
 
-/// Of the samples of a node: how far their mean angle, as told, is from where the target was seen,
-/// and the sum of squares about that.
-struct AngleError {
+/// A node of a stroke whose angles follow the arc, and how far the mean angle of its samples, as
+/// told, is from where the target was seen.
+struct SeenNode {
+  std::size_t stroke = 0;
+  double place = 0;  ///< from minus one at the stroke's least turn to one
+  const ChainObservation& seen;
+  const NodeScatter<3>& scatter;
+  const ChainPose& pose;
+  Eigen::Matrix3d weight;  ///< of a sample's position
   double mean = 0;
-  double within = 0;
-  double sigma = 0;            ///< that the noise alone gives one sample
-  Eigen::VectorXd by_effects;  ///< what each effect of the stroke's own changes it by
+  double within = 0;  ///< sum of squares about the mean
+  double sigma = 0;   ///< that the noise alone gives one sample
 };
 
-/// Calls `see` with the nodes of strokes whose angles follow the arc.
+/// Calls `see` with one node after the other.
 template <class See>
-void visit(const Chain& chain, const ChainNodes& nodes, const ChainNoise& noise, bool with_effects,
-           const See& see) {
+void visit(const Chain& chain, const ChainNodes& nodes, const ChainNoise& noise, const See& see) {
   ChainPose pose(chain);
   visit_nodes<3>(chain, nodes, noise, [&](std::size_t s, const auto& scatter) {
     const StrokeMoments& stroke = nodes.strokes[s];
@@ -60,19 +67,13 @@ void visit(const Chain& chain, const ChainNodes& nodes, const ChainNoise& noise,
       const ChainObservation& seen = nodes.observations[nodes.first[s] + n];
       pose.set(seen.target, turns_of(chain, seen, noise), false);
       const auto& at = scatter[n].residual;
-      const Eigen::Vector3d along =
-          ChainResidual<3>::base_weight(chain, seen, noise, pose) * at.by_swept;
+      const Eigen::Matrix3d weight = ChainResidual<3>::base_weight(chain, seen, noise, pose);
+      const Eigen::Vector3d along = weight * at.by_swept;
       const double information = along.dot(at.by_swept);
       if (!(information > 0)) continue;
-      AngleError error{at.toward,
-                       along.dot(scatter[n].within * along) / information / information,
-                       at.toward_sigma,
-                       {}};
-      if (with_effects)
-        error.by_effects = own_effects<3>(pose.by_turn, nodes.known, seen.joint,
-                                          stroke.place_of(stroke.nodes[n].turn_rad)) *
-                           along / information;
-      see(s, seen, error);
+      see(SeenNode{s, stroke.place_of(stroke.nodes[n].turn_rad), seen, scatter[n], pose, weight,
+                   at.toward, along.dot(scatter[n].within * along) / information / information,
+                   at.toward_sigma});
     }
   });
 }
@@ -81,7 +82,10 @@ void visit(const Chain& chain, const ChainNodes& nodes, const ChainNoise& noise,
 class Curves {
  public:
   Curves(const ChainNodes& nodes, const ChainEffects& effects)
-      : nodes_(nodes), columns_(own_ones(effects), nodes), unit_(nodes.strokes.size()) {
+      : nodes_(nodes),
+        columns_(own_ones(effects), nodes),
+        figure_mm_(effects.figure_mm),
+        unit_(nodes.strokes.size()) {
     variances_ = variances_of(effects, nodes, columns_).own;
     for (std::size_t u = 0; u < nodes.units.size(); ++u)
       for (const std::size_t s : nodes.units[u]) unit_[s] = u;
@@ -93,12 +97,39 @@ class Curves {
     units_.assign(nodes.units.size(), ErrorCurve::Stroke(columns_.own));
   }
 
-  [[nodiscard]] bool any_effects() const { return columns_.own > 0; }
-  [[nodiscard]] ErrorCurve::Stroke& of_stroke(std::size_t s) { return units_[unit_[s]]; }
-  /// Of what the stroke's own effects make of the error.
-  [[nodiscard]] double variance(std::size_t s, const Eigen::VectorXd& by_effects) const {
-    return by_effects.size() > 0 ? by_effects.cwiseAbs2().dot(variances_[unit_[s]]) : 0;
+  /// Of the angle alone.
+  void add(const SeenNode& at, double error_rad, double weight) {
+    of(at).add(at.seen.turns[at.seen.joint], at.seen.falling, at.seen.weight, error_rad, at.within,
+               weight);
   }
+  /// With what was seen across the motion, where strokes have effects of their own: it tells where
+  /// the locked joints stood. What the effects make of the angle's error is what is returned, as a
+  /// variance.
+  double add_with_effects(const SeenNode& at, double error_rad, double quantum_rad) {
+    const double correlation = nodes_.strokes[at.stroke].correlation;
+    if (columns_.own == 0) {
+      add(at, error_rad, 1 / ((at.sigma * at.sigma + quantum_rad * quantum_rad) * correlation));
+      return 0;
+    }
+    const Vector3d& by_turn = at.scatter.residual.by_swept;
+    const Vector3d told = at.scatter.residual.error - (error_rad + at.mean) * by_turn;
+    // An arc's figure is the same wherever the locked joints stood: no samples average it out.
+    const Vector3d along = by_turn.normalized();
+    const double across = figure_mm_ * figure_mm_ * nodes_.strokes[at.stroke].weight / correlation;
+    const Eigen::Matrix3d covariance =
+        at.weight.inverse() + quantum_rad * quantum_rad * by_turn * by_turn.transpose() +
+        across * (Eigen::Matrix3d::Identity() - along * along.transpose());
+    const Eigen::MatrixXd by_effects =
+        own_effects<3>(at.pose.by_turn, nodes_.known, at.seen.joint, at.place);
+    of(at).add(at.seen.turns[at.seen.joint], at.seen.falling, at.seen.weight,
+               {by_effects, by_turn.transpose(), -told.transpose(), at.scatter.within,
+                covariance.inverse() / correlation});
+    const Vector3d projected = at.weight * by_turn / by_turn.dot(at.weight * by_turn);
+    return (by_effects * projected).cwiseAbs2().dot(variances_[unit_[at.stroke]]);
+  }
+  /// How many errors a sample has in add_with_effects().
+  [[nodiscard]] double errors_a_sample() const { return columns_.own == 0 ? 1 : 3; }
+
   /// One a joint.
   [[nodiscard]] std::vector<ErrorCurve> sums(std::size_t joints) const {
     std::vector<ErrorCurve> curves(joints);
@@ -113,9 +144,11 @@ class Curves {
     effects.figure_mm = effects.told_rad = effects.offset_rad = 0;
     return effects;
   }
+  ErrorCurve::Stroke& of(const SeenNode& at) { return units_[unit_[at.stroke]]; }
 
   const ChainNodes& nodes_;
   EffectColumns columns_;
+  double figure_mm_;
   std::vector<std::size_t> unit_;  ///< of each stroke
   std::vector<Eigen::VectorXd> variances_;
   std::vector<ErrorCurve::Stroke> units_;
@@ -145,18 +178,15 @@ std::vector<AngleEvidence> seen_angle_errors(const Chain& chain, const ChainNode
       astray[stroke.content.joint] = stroke.content.joints > 0;
   }
   Curves plain(nodes, {}), weighed(nodes, effects);
-  visit(chain, nodes, noise, weighed.any_effects(),
-        [&](std::size_t s, const ChainObservation& seen, const AngleError& at) {
-          const double error =
-              std::remainder(seen.measured_turn - seen.turns[seen.joint] - at.mean, 2 * kPi);
-          const double turn = seen.turns[seen.joint];
-          const double quantum_rad = quantum.swept_rad[seen.joint];
-          const double variance = at.sigma * at.sigma + quantum_rad * quantum_rad;
-          plain.of_stroke(s).add(turn, seen.falling, {}, error, seen.weight, at.within, 1);
-          weighed.of_stroke(s).add(turn, seen.falling, at.by_effects, error, seen.weight, at.within,
-                                   1 / (variance * nodes.strokes[s].correlation));
-          expected[seen.joint] += seen.weight * (variance + weighed.variance(s, at.by_effects));
-        });
+  visit(chain, nodes, noise, [&](const SeenNode& at) {
+    const std::size_t joint = at.seen.joint;
+    const double error =
+        std::remainder(at.seen.measured_turn - at.seen.turns[joint] - at.mean, 2 * kPi);
+    const double quantum_rad = quantum.swept_rad[joint];
+    plain.add(at, error, 1);
+    expected[joint] += at.seen.weight * (at.sigma * at.sigma + quantum_rad * quantum_rad +
+                                         weighed.add_with_effects(at, error, quantum_rad));
+  });
   const auto plain_sums = plain.sums(joints), weighed_sums = weighed.sums(joints);
   for (std::size_t j = 0; j < joints; ++j) {
     AngleEvidence& found = evidence[j];
@@ -170,7 +200,7 @@ std::vector<AngleEvidence> seen_angle_errors(const Chain& chain, const ChainNode
         rms(errors.squares() - errors.fit(ErrorCurve::kSmooth).explained, errors.samples());
     found.expected_rms_rad = rms(expected[j], errors.samples());
     const ErrorCurve& against = weighed_sums[j];
-    const double samples = against.samples() / correlation_of(nodes, j);
+    const double samples = weighed.errors_a_sample() * against.samples() / correlation_of(nodes, j);
     const auto smooth = against.fit(ErrorCurve::kSmooth);
     const auto wiggly = against.fit(ErrorCurve::kSmooth + ErrorCurve::kHigher);
     const double left = std::max(0.0, against.squares() - smooth.explained);
@@ -201,12 +231,10 @@ void test_believed_angles(const Chain& chain, const ChainNodes& nodes, const Cha
   ChainNoise printed = quantum;
   for (std::size_t j = 0; j < evidence.size(); ++j)
     if (std::isinf(noise.swept_rad[j])) printed.swept_rad[j] = noise.swept_rad[j];
-  visit(chain, nodes, printed, false,
-        [&](std::size_t s, const ChainObservation& seen, const AngleError& at) {
-          if (std::isfinite(noise.swept_rad[seen.joint]))
-            curves.of_stroke(s).add(seen.turns[seen.joint], seen.falling, {}, at.mean, seen.weight,
-                                    at.within, 1 / (at.sigma * at.sigma));
-        });
+  visit(chain, nodes, printed, [&](const SeenNode& at) {
+    if (std::isfinite(noise.swept_rad[at.seen.joint]))
+      curves.add(at, at.mean, 1 / (at.sigma * at.sigma));
+  });
   const auto sums = curves.sums(evidence.size());
   for (std::size_t j = 0; j < evidence.size(); ++j) {
     if (std::isinf(noise.swept_rad[j])) continue;

@@ -17,6 +17,9 @@ struct Delay {
   double rate_sigma = 0;  ///< 0: `rate` was not asked for
 };
 
+/// A delay of more standard uncertainties is one.
+inline constexpr double kSignificantDelay = 4;
+
 /// How late the controller's angles are against the positions, one figure for the whole campaign:
 /// from how the told angle of each swept joint and the one seen about its axis differ as the joint
 /// turns one way and the other, faster and slower. Each joint may have a smooth error along its arc

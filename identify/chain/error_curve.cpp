@@ -22,24 +22,30 @@ ErrorCurve::Row ErrorCurve::regressors(double turn, bool falling) {
   return row;
 }
 
-ErrorCurve::Stroke::Stroke(Index effects)
-    : row_(effects + Row::SizeAtCompileTime + 1),
-      products_(Eigen::MatrixXd::Zero(row_.size(), row_.size())) {}
-
-void ErrorCurve::Stroke::add(double turn, bool falling, const Eigen::VectorXd& by_effects,
-                             double error, double samples, double within, double certainty) {
-  row_.head(by_effects.size()) = by_effects;
-  row_.segment<Row::SizeAtCompileTime>(by_effects.size()) = regressors(turn, falling);
-  row_(row_.size() - 1) = error;
-  products_.noalias() += (samples * certainty) * row_ * row_.transpose();
-  products_(row_.size() - 1, row_.size() - 1) += within * certainty;
+void ErrorCurve::Stroke::add(double turn, bool falling, double samples, const Errors& errors) {
+  const Index last = size() - 1;
+  rows_.resize(size(), errors.mean.size());
+  rows_.topRows(effects_) = errors.by_effects;
+  rows_.middleRows<Row::SizeAtCompileTime>(effects_) = regressors(turn, falling) * errors.by_turn;
+  rows_.row(last) = errors.mean;
+  weighted_.noalias() = samples * rows_ * errors.weight;
+  products_.triangularView<Eigen::Lower>() += weighted_ * rows_.transpose();
+  products_(last, last) += errors.within.cwiseProduct(errors.weight).sum();
   samples_ += samples;
   (falling ? falls_ : rises_) = true;
 }
 
+void ErrorCurve::Stroke::add(double turn, bool falling, double samples, double error, double within,
+                             double weight) {
+  const auto one = [](double value) { return Eigen::MatrixXd::Constant(1, 1, value); };
+  add(turn, falling, samples,
+      {Eigen::MatrixXd(0, 1), one(1), one(error), one(within), one(weight)});
+}
+
 void ErrorCurve::add(const Stroke& stroke, const Eigen::VectorXd& variances) {
   double log_determinant = 0;
-  const Eigen::MatrixXd left = without_effects(stroke.products_, variances, log_determinant);
+  const Eigen::MatrixXd whole = stroke.products_.selfadjointView<Eigen::Lower>();
+  const Eigen::MatrixXd left = without_effects(whole, variances, log_determinant);
   constexpr Index kLast = Row::SizeAtCompileTime;
   normal_ += left.topLeftCorner<kLast, kLast>();
   right_ += left.topRightCorner<kLast, 1>();

@@ -6,7 +6,8 @@ namespace identify {
 
 /// How the errors of a joint's angles go along its turn, by least squares: offset, scale and
 /// harmonics of the turn, and half a backlash by the direction. The errors of a stroke may have
-/// something in common with no other's, as its locked joints stood elsewhere: random effects.
+/// something in common with no other's, as its locked joints stood elsewhere: random effects. What
+/// is seen across the motion tells of them, too, so that errors may have three components.
 class ErrorCurve {
  public:
   static constexpr Eigen::Index kSmooth = 6;  ///< offset, scale, two harmonics
@@ -20,16 +21,26 @@ class ErrorCurve {
   class Stroke {
    public:
     /// `effects`: how many it has of its own.
-    explicit Stroke(Eigen::Index effects);
-    /// `by_effects`: what each effect changes the error by. `samples` errors have this mean and
-    /// `within`, the sum of squares about it; each has a variance of one over `certainty`.
-    void add(double turn_rad, bool falling, const Eigen::VectorXd& by_effects, double error,
-             double samples, double within, double certainty);
+    explicit Stroke(Eigen::Index effects) : effects_(effects) {}
+    /// Mean of `samples` alike, with weights of one sample.
+    struct Errors {
+      Eigen::MatrixXd by_effects;  ///< one row an effect; a column each of the errors below
+      Eigen::RowVectorXd by_turn;  ///< what a radian does to them
+      Eigen::RowVectorXd mean;
+      Eigen::MatrixXd within;  ///< sum of squares about the mean
+      Eigen::MatrixXd weight;  ///< inverse of a sample's covariance
+    };
+    void add(double turn_rad, bool falling, double samples, const Errors& errors);
+    /// Of the angle alone, without effects.
+    void add(double turn_rad, bool falling, double samples, double error_rad, double within,
+             double weight);
 
    private:
     friend class ErrorCurve;
-    Eigen::VectorXd row_;
-    Eigen::MatrixXd products_;  ///< of (effects, regressors, error)
+    Eigen::Index effects_;
+    Eigen::MatrixXd rows_, weighted_;
+    Eigen::MatrixXd products_ = Eigen::MatrixXd::Zero(size(), size());
+    [[nodiscard]] Eigen::Index size() const { return effects_ + Row::SizeAtCompileTime + 1; }
     double samples_ = 0;
     bool rises_ = false, falls_ = false;
   };

@@ -1,0 +1,311 @@
+#include "identify/chain/delay_fit.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+
+#include <Eigen/Cholesky>
+
+#include "identify/geometry/angle.hpp"
+
+namespace identify {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kMostLate_s = 2;
+/// A stroke whose speed varies less runs at one: what varies is the rounding of its angles.
+constexpr double kSteady = 0.15;
+/// What a built robot's gears have, to begin with, and at least.
+constexpr double kUsualBacklash_rad = 60 * kArcsec;
+constexpr double kLeastBacklash_rad = 0.1 * kArcsec;
+/// Angles that are further off the seen ones are not these joints'.
+constexpr double kForeign_rad = 5 * kDegree;
+
+/// One linearisation after the other of: told angle, shifted by the delay, minus seen angle = the
+/// joint's offset and smooth error + half its backlash by direction.
+class DelayFit {
+ public:
+  /// `two_clocks`: angles are off by the jitter of stamps, the faster the more; and the delay
+  /// grows.
+  DelayFit(const std::vector<AngleTrack>& tracks, std::size_t joints, bool two_clocks)
+      : tracks_(tracks),
+        joints_(joints),
+        two_clocks_(two_clocks),
+        weight_(joints),
+        both_ways_(joints, false) {
+    double begin = tracks.front().at_s.front(), end = begin;
+    std::vector<std::array<bool, 2>> ways(joints, {false, false});
+    for (const AngleTrack& track : tracks) {
+      begin = std::min(begin, track.at_s.front());
+      end = std::max(end, track.at_s.back());
+      ways[track.joint][track.direction > 0] = true;
+    }
+    for (std::size_t j = 0; j < joints; ++j) both_ways_[j] = ways[j][0] && ways[j][1];
+    delay_.at_s = (begin + end) / 2;
+    span_s_ = std::max(end - begin, 1.0);
+  }
+
+  std::optional<Delay> run() {
+    constexpr int kRounds = 12;
+    for (int round = 0; round < kRounds; ++round) {
+      const double before = delay_.late_s;
+      if (!step(false)) return std::nullopt;
+      if (round > 3 && std::abs(delay_.late_s - before) < 1e-9) break;
+    }
+    if (foreign_) return std::nullopt;
+    const Delay alone = delay_;
+    constexpr int kMore = 4;
+    for (int round = 0; round < kMore; ++round)
+      if (!step(true)) return alone;
+    if (two_clocks_ || std::abs(delay_.rate) > kSignificantDelay * delay_.rate_sigma) return delay_;
+    return alone;
+  }
+
+ private:
+  static constexpr Index kOrders = 4;             // of a joint's smooth error
+  static constexpr Index kOfJoint = kOrders + 1;  // and its backlash
+
+  /// Solves the equations at the present delay, and moves it. `with_rate`: it may grow.
+  bool step(bool with_rate) {
+    const Index shared = kOfJoint * static_cast<Index>(joints_);
+    const Index count = shared + (with_rate ? 2 : 1);
+    MatrixXd normal = MatrixXd::Zero(count, count);
+    VectorXd right = VectorXd::Zero(count);
+    std::vector<Residuals> all;
+    for (const AngleTrack& track : tracks_) all.push_back(residuals(track));
+    for (std::size_t k = 0; k < tracks_.size(); ++k) {
+      const Index own = kOfJoint * static_cast<Index>(tracks_[k].joint);
+      const Products of_stroke = products(tracks_[k], all[k]);
+      const Index both = count - shared;
+      normal.block<kOfJoint, kOfJoint>(own, own) +=
+          of_stroke.normal.topLeftCorner<kOfJoint, kOfJoint>();
+      normal.block(own, shared, kOfJoint, both) +=
+          of_stroke.normal.block(0, kOfJoint, kOfJoint, both);
+      normal.block(shared, shared, both, both) +=
+          of_stroke.normal.block(kOfJoint, kOfJoint, both, both);
+      right.segment<kOfJoint>(own) += of_stroke.right.head<kOfJoint>();
+      right.segment(shared, both) += of_stroke.right.segment(kOfJoint, both);
+    }
+    for (Index s = shared; s < count; ++s)
+      normal.block(s, 0, 1, shared) = normal.block(0, s, shared, 1).transpose();
+    // Of joints that turned one way, and where nothing tells: known to be within reason.
+    for (std::size_t j = 0; j < joints_; ++j) {
+      const Index own = kOfJoint * static_cast<Index>(j);
+      for (Index m = 0; m < kOrders; ++m) normal(own + m, own + m) += 1e-4;
+      normal(own + kOrders, own + kOrders) += 1 / (backlash_rad_ * backlash_rad_);
+    }
+    normal(shared, shared) += 1 / (kMostLate_s * kMostLate_s);
+    const Eigen::LDLT<MatrixXd> factors(normal);
+    const VectorXd found = factors.solve(right);
+    const MatrixXd covariance = factors.solve(MatrixXd::Identity(count, count));
+    if (!found.allFinite() || !(covariance(shared, shared) > 0)) return false;
+    delay_.late_s += found(shared);
+    delay_.sigma_s = std::sqrt(covariance(shared, shared));
+    if (with_rate) {
+      delay_.rate += found(shared + 1) / span_s_;
+      delay_.rate_sigma = std::sqrt(std::max(0.0, covariance(shared + 1, shared + 1))) / span_s_;
+    }
+    if (!(std::abs(delay_.late_s) < kMostLate_s)) return false;
+    weigh(all, found);
+    size_backlash(found, covariance);
+    return true;
+  }
+
+  struct Residuals {
+    std::vector<double> error, speed, place, time;
+  };
+
+  [[nodiscard]] Residuals residuals(const AngleTrack& track) const {
+    Residuals found;
+    double mean = 0, squares = 0;
+    for (std::size_t i = 0; i < track.at_s.size(); ++i) {
+      const double since = track.at_s[i] - delay_.at_s;
+      const auto told = track.told(track.at_s[i] + delay_.late_s + delay_.rate * since);
+      if (!told) continue;
+      found.error.push_back(told->angle_rad - track.seen_rad[i]);
+      found.speed.push_back(told->speed_rad_s);
+      found.place.push_back((track.seen_rad[i] - track.middle_rad) / track.half_rad);
+      found.time.push_back(since / span_s_);
+      mean += told->speed_rad_s;
+      squares += told->speed_rad_s * told->speed_rad_s;
+    }
+    if (found.speed.empty()) return found;
+    const auto count = static_cast<double>(found.speed.size());
+    mean /= count;
+    if (squares / count - mean * mean < kSteady * kSteady * mean * mean)
+      std::fill(found.speed.begin(), found.speed.end(), mean);
+    return found;
+  }
+
+  using Row = Eigen::Matrix<double, kOfJoint + 2, 1>;
+  static Row row_of(const AngleTrack& track, const Residuals& seen, std::size_t i) {
+    Row row;
+    const double x = seen.place[i];
+    row << 1, x, 2 * x * x - 1, (4 * x * x - 3) * x, track.direction / 2.0, -seen.speed[i],
+        -seen.speed[i] * seen.time[i];
+    return row;
+  }
+
+  struct Products {
+    Eigen::Matrix<double, kOfJoint + 2, kOfJoint + 2> normal =
+        Eigen::Matrix<double, kOfJoint + 2, kOfJoint + 2>::Zero();
+    Row right = Row::Zero();
+  };
+  /// Of a stroke with errors of its own, as its locked joints stood elsewhere: by chance, of
+  /// variance `apart_`, and by what was told. About an axis that is turned and shifted a little, an
+  /// angle is seen off by a constant and a first harmonic. The covariance of all is inverted by
+  /// Woodbury's formula.
+  [[nodiscard]] Products products(const AngleTrack& track, const Residuals& seen) const {
+    Products sums;
+    Eigen::Matrix<double, kOfJoint + 2, 3> weighted =
+        Eigen::Matrix<double, kOfJoint + 2, 3>::Zero();
+    Eigen::Matrix3d own = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d errors = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < seen.error.size(); ++i) {
+      const double weight = weight_[track.joint].at(seen.speed[i]);
+      const Row row = row_of(track, seen, i);
+      const double turn = track.half_rad * seen.place[i];
+      const Eigen::Vector3d harmonic(1, std::sin(turn), std::cos(turn));
+      sums.normal += weight * row * row.transpose();
+      sums.right += weight * seen.error[i] * row;
+      weighted += weight * row * harmonic.transpose();
+      own += weight * harmonic * harmonic.transpose();
+      errors += weight * seen.error[i] * harmonic;
+    }
+    const double apart = apart_ + track.off_home_rad * track.off_home_rad;
+    if (!(apart > 0)) return sums;
+    own.diagonal().array() += 1 / apart;
+    const Eigen::LLT<Eigen::Matrix3d> solver(own);
+    sums.normal -= weighted * solver.solve(weighted.transpose());
+    sums.right -= weighted * solver.solve(errors);
+    return sums;
+  }
+
+  /// How much an angle counts that was taken at some speed.
+  struct Weight {
+    double still = 1;      ///< variance of errors that speed does not matter to
+    double per_speed = 0;  ///< and of those of time: jitter squared
+    double alone = 1;      ///< the share of errors that tell something new
+    [[nodiscard]] double at(double speed) const {
+      return alone / (still + per_speed * speed * speed);
+    }
+  };
+
+  [[nodiscard]] double left_of(const AngleTrack& track, const Residuals& seen, std::size_t i,
+                               const VectorXd& found) const {
+    const Index shared = kOfJoint * static_cast<Index>(joints_);
+    const Row row = row_of(track, seen, i);
+    double left = seen.error[i] - row.head<kOfJoint>().dot(found.segment<kOfJoint>(
+                                      kOfJoint * static_cast<Index>(track.joint)));
+    for (Index s = shared; s < found.size(); ++s) left -= row(kOfJoint + s - shared) * found(s);
+    return left;
+  }
+
+  /// Each joint's errors by their scatter within a stroke, and by how alike neighbours are; and how
+  /// far its strokes lie apart.
+  void weigh(const std::vector<Residuals>& all, const VectorXd& found) {
+    constexpr double kLeast_rad = 1e-9;
+    foreign_ = false;
+    double means = 0, by_chance = 0, strokes = 0;
+    double taken = static_cast<double>(found.size()) - kOfJoint * static_cast<double>(joints_);
+    for (std::size_t j = 0; j < joints_; ++j) {
+      double squares = 0, whole = 0, next = 0, count = 0;
+      std::vector<double> variances, speeds, of_strokes;
+      for (std::size_t k = 0; k < all.size(); ++k) {
+        if (tracks_[k].joint != j || all[k].error.empty()) continue;
+        std::vector<double> left;
+        for (std::size_t i = 0; i < all[k].error.size(); ++i)
+          left.push_back(left_of(tracks_[k], all[k], i, found));
+        const auto size = static_cast<double>(left.size());
+        const double mean = std::accumulate(left.begin(), left.end(), 0.0) / size;
+        for (std::size_t i = 0; i < left.size(); ++i) {
+          const double off = left[i] - mean;
+          squares += off * off;
+          if (i > 0) next += off * (left[i - 1] - mean);
+          whole += left[i] * left[i];
+          variances.push_back(off * off);
+          speeds.push_back(all[k].speed[i] * all[k].speed[i]);
+        }
+        count += size;
+        const double spread = std::sin(tracks_[k].half_rad) / tracks_[k].half_rad;
+        means +=
+            mean * mean / (1 + spread * spread) - tracks_[k].off_home_rad * tracks_[k].off_home_rad;
+        of_strokes.push_back(size);
+      }
+      if (count == 0) continue;
+      const double variance = squares / count + kLeast_rad * kLeast_rad;
+      const double alike = std::clamp(next / (squares + 1e-300), 0.0, 0.98);
+      foreign_ = foreign_ || whole / count > kForeign_rad * kForeign_rad;
+      weight_[j] = two_clocks_ ? by_speed(variances, speeds, variance) : Weight{variance};
+      weight_[j].alone = (1 - alike) / (1 + alike);
+      for (const double size : of_strokes) by_chance += variance / (weight_[j].alone * size);
+      strokes += static_cast<double>(of_strokes.size());
+      taken += both_ways_[j] ? 2 : 1;  // offset and backlash
+    }
+    apart_ = strokes > taken ? std::max(0.0, means - by_chance) / (strokes - taken) : 0;
+  }
+
+  /// The variances as a line over the squared speeds, by least squares that are weighed by it.
+  static Weight by_speed(const std::vector<double>& variances, const std::vector<double>& speeds,
+                         double mean) {
+    constexpr double kLeastShare = 0.01;  // of the mean variance, at rest
+    Weight weight{mean};
+    for (int round = 0; round < 4; ++round) {
+      double w = 0, ws = 0, wss = 0, wv = 0, wsv = 0;
+      for (std::size_t i = 0; i < speeds.size(); ++i) {
+        const double each = weight.still + weight.per_speed * speeds[i];
+        const double one = 1 / (each * each);
+        w += one;
+        ws += one * speeds[i];
+        wss += one * speeds[i] * speeds[i];
+        wv += one * variances[i];
+        wsv += one * speeds[i] * variances[i];
+      }
+      const double determinant = w * wss - ws * ws;
+      if (!(determinant > 1e-9 * w * wss)) break;
+      weight.per_speed = std::max(0.0, (w * wsv - ws * wv) / determinant);
+      weight.still = std::max(kLeastShare * mean, (wv - weight.per_speed * ws) / w);
+    }
+    return weight;
+  }
+
+  /// Of all joints, by what was found of each and how uncertain that is.
+  void size_backlash(const VectorXd& found, const MatrixXd& covariance) {
+    double squares = 0, count = 0;
+    for (std::size_t j = 0; j < joints_; ++j) {
+      if (!both_ways_[j]) continue;
+      const Index at = kOfJoint * static_cast<Index>(j) + kOrders;
+      squares += found(at) * found(at) + covariance(at, at);
+      ++count;
+    }
+    // A few joints tell little of how large backlash is; it counts as if one more had the usual.
+    squares += kUsualBacklash_rad * kUsualBacklash_rad;
+    backlash_rad_ = std::max(kLeastBacklash_rad, std::sqrt(squares / (count + 1)));
+  }
+
+  const std::vector<AngleTrack>& tracks_;
+  std::size_t joints_;
+  bool two_clocks_;
+  std::vector<Weight> weight_;  ///< one a joint
+  std::vector<bool> both_ways_;
+  /// Variance of each of the three, beyond what was told.
+  double apart_ = 0;
+  bool foreign_ = false;  ///< some joint's angles do not follow its positions
+  double backlash_rad_ = kUsualBacklash_rad;
+  double span_s_ = 1;
+  Delay delay_;
+};
+
+}  // namespace
+
+std::optional<Delay> fitted_delay(const std::vector<AngleTrack>& tracks, std::size_t joints,
+                                  bool two_clocks) {
+  return DelayFit(tracks, joints, two_clocks).run();
+}
+
+}  // namespace identify
