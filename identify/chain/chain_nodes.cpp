@@ -10,6 +10,7 @@
 
 #include "identify/chain/chain_start.hpp"
 #include "identify/geometry/angle.hpp"
+#include "identify/sweeps/home.hpp"
 
 namespace identify {
 namespace {

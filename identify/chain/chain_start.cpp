@@ -10,6 +10,7 @@
 
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/circle_fit.hpp"
+#include "identify/sweeps/home.hpp"
 #include "identify/sweeps/sample.hpp"
 
 namespace identify {

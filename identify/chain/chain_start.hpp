@@ -30,9 +30,6 @@ struct AxisCircle {
                                             Eigen::Vector3d start);
 [[nodiscard]] Eigen::Vector3d meeting_point(const std::vector<AxisCircle>& circles);
 
-/// Joints that stand within this stand at the same home: it changes nothing that gears or loads do.
-inline constexpr double kSameHome_rad = 0.5 * kDegree;
-
 /// An axis for each joint to start from, by a robust circle of the sweeps that the circles used;
 /// it points as the circle's does. Nothing where there is no circle, or hardly one: direction
 /// uncertain by more than a degree. Of a linear joint, the line.

@@ -23,9 +23,6 @@ namespace {
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-/// So far off home an axis is good enough to start the chain's fit from, which knows better.
-constexpr double kCloseToHome_rad = 0.5 * kDegree;
-
 /// One identification under way.
 class Circles {
  public:
@@ -141,7 +138,7 @@ class Circles {
     }
     if (any_home || !std::isfinite(least)) return;
     joint.off_home_rad = least;
-    if (least > kCloseToHome_rad) return;
+    if (least > kSameHome_rad) return;  // the chain's fit starts from what the circles tell
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s) joint.used[s] = off[s] == least;
   }
 

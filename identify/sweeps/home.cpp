@@ -61,26 +61,34 @@ std::vector<std::optional<double>> find_home(const std::vector<Sweep>& sweeps, s
     std::size_t samples = 0;
   };
   std::vector<std::optional<double>> home(joints);
+  // Only sweeps that fit to what is found: with several homes it must not be made of parts of them.
+  std::vector<const Sweep*> fitting;
+  for (const Sweep& sweep : sweeps)
+    if (sweep.joint && has_angles(sweep)) fitting.push_back(&sweep);
   for (std::size_t k = 0; k < joints; ++k) {
     std::vector<Place> places;
-    for (const Sweep& sweep : sweeps) {
-      if (!sweep.joint || *sweep.joint == k || !has_angles(sweep)) continue;
-      const double angle = locked_angle(sweep, k);
+    for (const Sweep* sweep : fitting) {
+      if (*sweep->joint == k) continue;
+      const double angle = locked_angle(*sweep, k);
       auto place = std::find_if(places.begin(), places.end(), [&](const Place& known) {
         return std::abs(known.angle - angle) <= same_angle(resolution);
       });
       if (place == places.end()) place = places.insert(places.end(), Place{angle, {}, 0});
-      const auto more = sweep.samples->size();
+      const auto more = sweep->samples->size();
       const auto all = static_cast<double>(place->samples + more);
       place->angle += (angle - place->angle) * static_cast<double>(more) / all;
       place->samples += more;
-      place->swept.insert(*sweep.joint);
+      place->swept.insert(*sweep->joint);
     }
     const auto best =
         std::max_element(places.begin(), places.end(), [](const Place& a, const Place& b) {
           return std::pair(a.swept.size(), a.samples) < std::pair(b.swept.size(), b.samples);
         });
-    if (best != places.end()) home[k] = best->angle;
+    if (best == places.end()) continue;
+    home[k] = best->angle;
+    std::erase_if(fitting, [&](const Sweep* sweep) {
+      return *sweep->joint != k && std::abs(locked_angle(*sweep, k) - *home[k]) > kSameHome_rad;
+    });
   }
   return home;
 }

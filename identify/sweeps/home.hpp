@@ -3,13 +3,18 @@
 #include <optional>
 #include <vector>
 
+#include "identify/geometry/angle.hpp"
 #include "identify/sweeps/sweep.hpp"
 
 namespace identify {
 
+/// Joints that are locked closer together than this stand at the same home, as well as they came
+/// back to it: it changes nothing that gears or loads do.
+inline constexpr double kSameHome_rad = 0.5 * kDegree;
+
 /// The angle at which each joint was locked while others swept: the one shared by the sweeps of
-/// most other joints (and then of most samples). Nothing for a joint that was never seen locked, or
-/// where no angles are known.
+/// most other joints (and then of most samples), joint by joint among the sweeps at the same home.
+/// Nothing for a joint that was never seen locked, or where no angles are known.
 [[nodiscard]] std::vector<std::optional<double>> find_home(const std::vector<Sweep>& sweeps,
                                                            std::size_t joints,
                                                            const Resolution& resolution);

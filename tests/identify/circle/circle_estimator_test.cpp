@@ -7,6 +7,7 @@
 #include "identify/geometry/angle.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/simulated_campaign.hpp"
+#include "tests/simulation/simulation.hpp"
 
 using namespace identify;
 using identify::test::find_warning;
@@ -266,4 +267,21 @@ TEST_CASE("where joints never come home to the same place, the nearest sweeps se
     }
     CHECK(found.dh[i].a_mm.sigma < 0.05);
   }
+}
+
+TEST_CASE("home is one of several, not made of parts of them", "[circle_estimator]") {
+  const auto seed = GENERATE(1U, 2U, 3U, 4U, 5U, 6U);
+  CAPTURE(seed);
+  simulation::World world;
+  world.angles = true;
+  world.noise.range_mm = world.noise.across_mm = 0.02;
+  world.home.stray_sigma_deg = 0.05;  // each joint comes back elsewhere than it was
+  simulation::Strokes strokes;
+  strokes.homes = 2;
+  strokes.there_and_back = true;
+  const auto robot = simulation::at_random_home(simulation::built(simulation::kr5(), seed), seed);
+  const simulation::Simulation simulation(robot, strokes, world, seed);
+  const auto found = identify::identify(simulation.sweeps(), simulation.campaign());
+  CHECK(found.status == Status::complete);
+  CHECK(found.estimator == Estimator::chain);
 }
