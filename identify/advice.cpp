@@ -179,16 +179,20 @@ class Adviser {
   [[nodiscard]] double direction_by_delay_rad(std::size_t j, double radius_mm) const {
     if (!found_.delay || !is_significant(*found_.delay)) return 0;
     const JointResult& joint = found_.joints[j];
-    double speed = 0, untold = 0;
+    const Delay& delay = *found_.delay;
+    double speed = 0, untold = 0, sigma_s = delay.sigma_s;
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
       const Sweep& sweep = joint.sweeps[s];
       const double seconds = sweep.last().time_s - sweep.first().time_s;
       if (!joint.used[s] || !(seconds > 0)) continue;
       speed = std::max(speed, sweep.range_rad / seconds);
-      untold = std::max(untold, std::min(1.0, std::abs(found_.delay->late_s) / seconds));
+      untold = std::max(untold, std::min(1.0, std::abs(delay.late_s) / seconds));
+      if (delay.rate != 0)
+        sigma_s = std::max(
+            sigma_s,
+            std::hypot(delay.sigma_s, delay.rate_sigma * (sweep.first().time_s - delay.at_s)));
     }
-    return std::hypot(2 * speed * found_.delay->sigma_s,
-                      untold * found_.chain->noise.position_mm / radius_mm);
+    return std::hypot(2 * speed * sigma_s, untold * found_.chain->noise.position_mm / radius_mm);
   }
 
   void judge_angles(std::size_t j) {

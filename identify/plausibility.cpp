@@ -118,6 +118,9 @@ class Judge {
       Axis axis;
     };
     std::optional<Seen> first;
+    // Of errors that are alike from sample to sample, few average out.
+    const double sigmas =
+        kApartSigmas * (found_.chain ? std::sqrt(found_.chain->samples_per_independent) : 1);
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
       if (!joint.used[s] || joint.sweeps[s].target != joint.circle_target) continue;
       const auto points = positions(*joint.sweeps[s].samples);
@@ -136,9 +139,9 @@ class Judge {
       const double apart_rad =
           std::asin(std::min(1.0, circle->normal.cross(first->circle.normal).norm()));
       const double sure_mm =
-          kApartSigmas * std::hypot(axis.point_sigma_mm(), first->axis.point_sigma_mm());
+          sigmas * std::hypot(axis.point_sigma_mm(), first->axis.point_sigma_mm());
       const double sure_rad =
-          kApartSigmas * std::hypot(axis.direction_sigma_rad(), first->axis.direction_sigma_rad());
+          sigmas * std::hypot(axis.direction_sigma_rad(), first->axis.direction_sigma_rad());
       if (!(apart_mm > kApart_mm + sure_mm) && !(apart_rad > kApart_rad + sure_rad)) continue;
       doubt("strokes_disagree", j,
             joint_name(j) + ": its sweeps do not turn about one axis: their circles' centres are " +

@@ -57,7 +57,7 @@ std::vector<AngleEvidence> seen_errors(const Chain& chain,
       residual.set(chain, node, pose, noise);
       node.turns[node.joint] += residual.toward;
     }
-  return seen_angle_errors(chain, nodes, noise, quantum(chain.axes.size()));
+  return seen_angle_errors(chain, nodes, noise, quantum(chain.axes.size()), {});
 }
 
 }  // namespace
