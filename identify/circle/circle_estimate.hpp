@@ -25,8 +25,8 @@ struct JointResult {
   std::vector<bool> used;
   std::optional<CircleFit> circle;  ///< of the used sweeps of one target
   std::size_t circle_target = 0;
-  /// Where no sweep was at the common home: how far off it other joints stood in those that are
-  /// used, at most. Nothing: at home.
+  /// Where no sweep was at the common home: how far off it the joint farthest off it stood in the
+  /// nearest one, used or not. Nothing: at home.
   std::optional<double> off_home_rad;
   /// By the description or the strokes, the joint moves along a line: what is in rad of it (home,
   /// ranges, its angles' errors) is mm * kDegree.

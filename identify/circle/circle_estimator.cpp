@@ -138,8 +138,9 @@ class Circles {
     }
     if (any_home || !std::isfinite(least)) return;
     joint.off_home_rad = least;
-    if (least > kSameHome_rad) return;  // the chain's fit starts from what the circles tell
-    for (std::size_t s = 0; s < joint.sweeps.size(); ++s) joint.used[s] = off[s] == least;
+    if (least > kSameHome_rad) return;
+    for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
+      joint.used[s] = off[s] == least && !joint.sweeps[s].positioning;
   }
 
   /// Of a linear joint. Without a line there is none, or it is described so and turns.
