@@ -120,7 +120,7 @@ class Curves {
         at.weight.inverse() + quantum_rad * quantum_rad * by_turn * by_turn.transpose() +
         across * (Eigen::Matrix3d::Identity() - along * along.transpose());
     const Eigen::MatrixXd by_effects =
-        own_effects<3>(at.pose.by_turn, nodes_.known, at.seen.joint, at.place);
+        own_effects<3>(columns_, at.pose.by_turn, nodes_.known, at.seen, at.place);
     of(at).add(at.seen.turns[at.seen.joint], at.seen.falling, at.seen.weight,
                {by_effects, by_turn.transpose(), -told.transpose(), at.scatter.within,
                 covariance.inverse() / correlation});

@@ -84,7 +84,9 @@ using Eigen::VectorXd;
 EffectColumns::EffectColumns(const ChainEffects& shape, const ChainNodes& nodes)
     : targets(nodes.targets) {
   const auto turns = static_cast<Index>(nodes.known.size());
-  if (shape.home_rad > 0 || shape.drift_mm > 0 || shape.print_mm > 0) own = turns + 6;
+  if (shape.home_rad > 0 || shape.drift_mm > 0 || shape.print_mm > 0 || shape.print_rad > 0)
+    own = turns + 6;
+  if (shape.print_rad > 0) own += turned = 6;
   if (shape.figure_mm > 0) figure = 2 * kFigureOrders;
   if (shape.told_rad > 0) told = kFigureOrders;
   if (shape.offset_rad > 0) home = turns;
@@ -101,21 +103,19 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
   }
   for (const auto& unit : nodes.units) {
     const StrokeMoments& stroke = nodes.strokes[unit.front()];
-    VectorXd own(columns.own);
+    VectorXd own = VectorXd::Zero(columns.own);
     if (columns.own > 0) {
       own.head(turns).setConstant(effects.home_rad * effects.home_rad);
-      own.tail<6>().setConstant(effects.drift_mm * effects.drift_mm);
+      own.segment<6>(turns).setConstant(effects.drift_mm * effects.drift_mm);
       // A random walk's variance over a time D is D/6 a unit of time, that of its slope over a
       // stroke of length T 3/10 T (of half the change from end to end).
       const double share = std::min(1.0, 6 * (stroke.end_s - stroke.begin_s) / (end_s - begin_s));
-      own.tail<3>() *= share > 0 ? 0.3 * share : 0.3;
-    }
-    // Of n steps of the last decimal that a coordinate passed, what rounding takes away averages
-    // out but for one n-th.
-    if (effects.print_mm > 0) {
-      const auto steps = (stroke.extent_mm / effects.print_mm).array();
-      own.segment<3>(turns).array() +=
-          effects.print_mm * effects.print_mm / 12 / (1 + steps.square());
+      own.segment<3>(turns + 3) *= share > 0 ? 0.3 * share : 0.3;
+      const auto shifts = stroke.rounding.shifts(effects.print_mm, effects.print_rad);
+      for (Index at = 0; at <= columns.turned; at += 6) {
+        own.segment<3>(turns + at) += shifts.level.segment<3>(at / 2).matrix();
+        own.segment<3>(turns + at + 3) += shifts.growth.segment<3>(at / 2).matrix();
+      }
     }
     variances.own.push_back(std::move(own));
   }

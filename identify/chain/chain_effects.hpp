@@ -51,11 +51,13 @@ inline constexpr Eigen::Index kFigureOrders = 8;
 
 /// The columns that a problem has: of effects that are zero in `shape` none. A unit's own are a
 /// turn of each joint, three shifts, and three that grow from minus one at a stroke's least turn to
-/// one at its greatest. Those of a group are the orders of each target's radial and then axial
-/// figure, and behind them those of the joint's angle. A home's are a turn of each joint.
+/// one at its greatest. Where printed orientations are shifted, so many follow, of A, B, C. Those
+/// of a group are the orders of each target's radial and then axial figure, and behind them those
+/// of the joint's angle. A home's are a turn of each joint.
 struct EffectColumns {
   EffectColumns(const ChainEffects& shape, const ChainNodes& nodes);
   Eigen::Index own = 0;
+  Eigen::Index turned = 0;  ///< of these, those of A, B, C; the last ones
   Eigen::Index figure = 0;  ///< of one target
   Eigen::Index told = 0;
   Eigen::Index home = 0;
@@ -69,15 +71,22 @@ struct EffectColumns {
 /// of the Jacobian, `place` is from minus one at the stroke's least turn to one at its greatest.
 template <int Size, class ByTurn>
 [[nodiscard]] Eigen::Matrix<double, Eigen::Dynamic, Size> own_effects(
-    const ByTurn& by_turn, const std::vector<bool>& known, std::size_t turning, double place) {
+    const EffectColumns& columns, const ByTurn& by_turn, const std::vector<bool>& known,
+    const ChainObservation& seen, double place) {
   const auto turns = static_cast<Eigen::Index>(known.size());
   Eigen::Matrix<double, Eigen::Dynamic, Size> rows =
-      Eigen::Matrix<double, Eigen::Dynamic, Size>::Zero(turns + 6, Size);
+      Eigen::Matrix<double, Eigen::Dynamic, Size>::Zero(columns.own, Size);
   for (std::size_t k = 0; k < known.size(); ++k)
-    if (k != turning && known[k])
+    if (k != seen.joint && known[k])
       rows.row(static_cast<Eigen::Index>(k)) = by_turn[k].template head<Size>().transpose();
   rows.template block<3, 3>(turns, 0).setIdentity();
   rows.template block<3, 3>(turns + 3, 0).diagonal().setConstant(place);
+  if constexpr (Size == 6)
+    if (columns.turned > 0) {
+      const Eigen::Matrix3d axes = abc_axes(seen.orientation).transpose();
+      rows.template block<3, 3>(turns + 6, 3) = axes;
+      rows.template block<3, 3>(turns + 9, 3) = place * axes;
+    }
   return rows;
 }
 

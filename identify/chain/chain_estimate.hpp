@@ -47,8 +47,10 @@ struct ChainEffects {
   /// How far each joint may stand from where its printed angle says, one a joint: `zero_rad` of the
   /// chain is estimated where its angle is believed. None: it is not.
   std::vector<double> zero_rad;
-  /// Whether positions are shifted by what printing takes away of coordinates that hardly change.
+  /// Steps of the last decimal that X, Y, Z and A, B, C are printed with, where rounding shifts
+  /// whole strokes (StrokeRounding). Zero: it does not.
   double print_mm = 0;
+  double print_rad = 0;
 };
 
 /// What makes an estimate uncertain: the samples' noise, and the effects.

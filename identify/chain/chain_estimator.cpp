@@ -230,25 +230,38 @@ class Estimation {
   /// the steps, their mean tells.
   [[nodiscard]] std::vector<double> unseen_zeros() const {
     const double step = campaign_.resolution.angle_rad;
+    if (!(step > 0)) return std::vector<double>(joints_, kLeastAngle_rad);
     std::vector<double> zeros;
     for (std::size_t j = 0; j < joints_; ++j) {
-      double squares = 0, samples = 0;
+      double sum = 0, samples = 0;
       for (const StrokeMoments& stroke : nodes_.strokes) {
         if (stroke.content.joint == j || !stroke.squares) continue;
         const auto at = static_cast<Eigen::Index>((stroke.content.orientation ? 7 : 4) + j);
-        for (const StrokeMoments::Node& node : stroke.nodes) {
-          squares += node.sums(at, at);
-          samples += node.sums(0, 0);
-        }
+        double squares = 0;
+        for (const StrokeMoments::Node& node : stroke.nodes) squares += node.sums(at, at);
+        const double off =
+            unseen_zero(stroke.locked_rad[j] / step, squares / (stroke.weight * step * step));
+        sum += stroke.weight * off * off;
+        samples += stroke.weight;
       }
-      const double variance = samples > 0 ? squares / samples : 0;
-      // The mean of rounded numbers is off by what is left of the saw tooth's first wave.
-      const double wave = 2 * kPi * kPi * variance / (step * step);
-      const double left =
-          step > 0 ? std::max(std::exp(-wave), 1 / std::sqrt(std::max(1.0, samples))) : 0;
-      zeros.push_back(std::max(kLeastAngle_rad, step / std::sqrt(12.0) * left));
+      const double least = kOfStep / std::sqrt(std::max(1.0, samples));
+      const double off = samples > 0 ? std::sqrt(sum / samples) : kOfStep;
+      zeros.push_back(std::max(kLeastAngle_rad, step * std::max(off, least)));
     }
     return zeros;
+  }
+
+  static constexpr double kOfStep = 0.2887;  // evenly spread over one: 1 / sqrt(12)
+
+  /// Of a joint whose printed angles have this mean and variance, in steps and their squares.
+  static double unseen_zero(double mean, double variance) {
+    const double part = mean - std::floor(mean);
+    // It stood at the edge between two steps and wobbled little, whatever share of them is which.
+    constexpr double kAlike = 1.05;
+    if (variance > 0 && variance <= kAlike * part * (1 - part))
+      return std::min(kOfStep, std::abs(part - 0.5));
+    // The mean of rounded numbers is off by what is left of the saw tooth's first wave.
+    return kOfStep * std::exp(-2 * kPi * kPi * variance);
   }
 
   /// Whether the tool's orientations agree with what the positions found; then they are used.
@@ -267,12 +280,14 @@ class Estimation {
     const auto kept = nodes_.observations;
     ChainNoise noise = best.noise;
     noise.orientation_rad = quantum_.orientation_rad;
+    effects_.print_rad = campaign_.resolution.angle_rad;
     Fitted oriented = settled(chain, noise, true);
     const bool consistent = oriented.fit.summary.converged && explained_by_print(oriented, true);
     if (consistent) {
       best = std::move(oriented);
     } else {
       nodes_.observations = kept;
+      effects_.print_rad = 0;
     }
     return consistent;
   }

@@ -163,7 +163,7 @@ Eigen::MatrixXd ChainProblem<Size>::effects(const Chain& chain, std::size_t u,
       pose.set(seen.target, turns_of(chain, seen, noise_), false);
       auto block = rows.template middleCols<Size>(column);
       if (columns_.own > 0)
-        block.topRows(columns_.own) = own_effects<Size>(pose.by_turn, nodes_.known, seen.joint,
+        block.topRows(columns_.own) = own_effects<Size>(columns_, pose.by_turn, nodes_.known, seen,
                                                         stroke.place_of(stroke.nodes[n].turn_rad));
       for (std::size_t k = 0; columns_.home > 0 && k < chain.axes.size(); ++k)
         if (k != seen.joint && nodes_.known[k])

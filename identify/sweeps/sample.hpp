@@ -65,6 +65,16 @@ struct Resolution {
   return {std::atan2(r(1, 0), r(0, 0)), b, std::atan2(r(2, 1), r(2, 2))};
 }
 
+/// The axes about which small changes of the angles a, b, c turn this orientation, one a column.
+/// Where b is 90 degrees, b's is of no use.
+[[nodiscard]] inline Eigen::Matrix3d abc_axes(const Eigen::Matrix3d& r) {
+  Eigen::Matrix3d axes;
+  axes.col(0) = Eigen::Vector3d::UnitZ();
+  axes.col(1) = Eigen::Vector3d::UnitZ().cross(r.col(0)).normalized();
+  axes.col(2) = r.col(0);
+  return axes;
+}
+
 /// Coordinate by coordinate, the median: a few points anywhere do not shift it far. Reorders
 /// `points`, of which there must be one at least.
 [[nodiscard]] inline Eigen::Vector3d median(std::vector<Eigen::Vector3d>& points) {

@@ -51,6 +51,7 @@ class Lagrange {
 class StrokeCurve {
  public:
   StrokeCurve(const std::vector<double>& turns, double from, double to, Eigen::Index orders);
+  [[nodiscard]] Eigen::Index orders() const { return basis_.rows(); }
   /// What the curve leaves of `errors`, one a column.
   [[nodiscard]] Eigen::MatrixXd left(const Eigen::MatrixXd& errors,
                                      const Eigen::VectorXd& weights) const;

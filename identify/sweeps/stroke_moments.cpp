@@ -154,7 +154,6 @@ std::optional<StrokeMoments> moments_of(const Sweep& sweep, const StrokeContent&
   stroke.falling = sweep.direction < 0;
   stroke.begin_s = sweep.first().time_s;
   stroke.end_s = sweep.last().time_s;
-  stroke.extent_mm = points.rowwise().maxCoeff() - points.rowwise().minCoeff();
   for (std::size_t k = 0; k < content.joints; ++k) {
     const double first = seen.samples.front()->angles_rad[k];
     double sum = 0;

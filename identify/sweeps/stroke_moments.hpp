@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "identify/sweeps/reference_motion.hpp"
+#include "identify/sweeps/stroke_rounding.hpp"
 #include "identify/sweeps/sweep.hpp"
 
 namespace identify {
@@ -67,9 +68,9 @@ struct StrokeMoments : ReferenceMotion {
   std::array<double, kMostJoints> locked_rad{};  ///< mean angle as told; of the turning one nothing
   std::array<bool, kMostJoints> dithers{};       ///< whether the angle told changed at all
 
-  Eigen::Vector3d extent_mm = Eigen::Vector3d::Zero();  ///< greatest minus least coordinate
-  double from_rad = 0;                                  ///< least x
-  double to_rad = 0;                                    ///< greatest x
+  StrokeRounding rounding;
+  double from_rad = 0;  ///< least x
+  double to_rad = 0;    ///< greatest x
   std::vector<Node> nodes;
   /// From minus one at the least x to one at the greatest.
   [[nodiscard]] double place_of(double turn_rad) const {

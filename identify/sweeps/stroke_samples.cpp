@@ -186,6 +186,8 @@ void set_weights(StrokeMoments& stroke, StrokeSamples& seen) {
     stroke.blocks.variance_mm2.push_back(sum /
                                          static_cast<double>(blocks * block * kBlockDirections));
   }
+  stroke.rounding = rounding_of(seen, stroke.content.orientation, curve);
+  stroke.rounding.scatter.head<3>() = stroke.blocks.variance_mm2.front();
 }
 void count_weights(StrokeMoments& stroke, const StrokeSamples& seen) {
   stroke.samples = seen.samples.size();

@@ -34,7 +34,7 @@ void set_range(StrokeMoments& stroke, StrokeSamples& seen);
 /// The reference orientation: the mean of what each sample says, from the middle one.
 void set_orientation(StrokeMoments& stroke, const StrokeSamples& seen);
 void set_errors(const StrokeMoments& stroke, StrokeSamples& seen);
-/// By the distance from the stroke's own curve. Sets the stroke's blocks, too.
+/// By the distance from the stroke's own curve. Sets the stroke's blocks and its rounding, too.
 void set_weights(StrokeMoments& stroke, StrokeSamples& seen);
 void count_weights(StrokeMoments& stroke, const StrokeSamples& seen);
 

@@ -1,6 +1,7 @@
 // The tool's orientation in the chain: what it adds, and when it is left alone.
 
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -8,6 +9,8 @@
 #include "identify/identification.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/simulated_campaign.hpp"
+#include "tests/simulation/simulation.hpp"
+#include "tests/simulation/truth.hpp"
 
 using namespace identify;
 using Eigen::Matrix3d;
@@ -131,4 +134,54 @@ TEST_CASE("in a device's frame the robot's own place is part of the result", "[o
   CHECK(found.dh[0].b_mm.value == 400);
   CHECK(found.dh[0].theta_rad.knowledge == Knowledge::by_convention);
   CHECK(found.dh[1].a_mm.knowledge == Knowledge::identified);
+}
+
+TEST_CASE("what rounding takes away and no sample shows is in the uncertainties", "[orientation]") {
+  struct Printed {
+    int decimals;
+    double wobble_deg, arc_deg;
+    int samples;
+    double ramp;
+  };
+  const auto how = GENERATE(
+      // From sample to sample one step more, nearly.
+      Printed{1, 0, 30, 300, 0},
+      // All speeds; some of A, B and C hardly change.
+      Printed{1, 0, 90, 900, 0.1},
+      // Locked joints that wobble about the edge between two steps.
+      Printed{2, 0.0005, 90, 900, 0});
+  CAPTURE(how.decimals, how.wobble_deg, how.arc_deg);
+  simulation::World world;
+  world.controller = world.orientations = world.angles = true;
+  world.decimals = how.decimals;
+  world.wobble_deg = how.wobble_deg;
+  simulation::Strokes strokes;
+  strokes.arc_deg = how.arc_deg;
+  strokes.samples = how.samples;
+  strokes.ramp = how.ramp;
+  double squares = 0;
+  int numbers = 0, inside = 0;
+  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+    const simulation::Simulation arm(
+        simulation::at_random_home(simulation::built(simulation::kr5(), seed), seed), strokes,
+        world, seed);
+    const auto found = identify::identify(arm.sweeps(), arm.campaign());
+    REQUIRE(found.chain);
+    CHECK(found.chain->with_orientation);
+    const auto truth = simulation::true_table(arm, found.dh, found.home_rad);
+    for (std::size_t j = 0; j < found.dh.size(); ++j)
+      for (const auto& [number, right] : {std::pair(found.dh[j].b_mm, truth[j].b_mm),
+                                          {found.dh[j].a_mm, truth[j].a_mm},
+                                          {found.dh[j].alpha_rad, truth[j].alpha_rad},
+                                          {found.dh[j].theta_rad, truth[j].theta_rad}}) {
+        if (number.knowledge != Knowledge::identified) continue;
+        const double z = (number.value - right) / number.sigma;
+        squares += z * z;
+        inside += std::abs(z) < 1.96;
+        ++numbers;
+      }
+  }
+  CHECK(numbers > 70);
+  CHECK(std::sqrt(squares / numbers) < 1.15);
+  CHECK(inside >= 0.93 * numbers);
 }

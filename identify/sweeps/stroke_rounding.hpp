@@ -1,0 +1,39 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace identify {
+
+struct StrokeSamples;
+class StrokeCurve;
+
+/// What tells how the printed coordinates of a stroke's target were rounded: X, Y, Z (mm) and A, B,
+/// C (rad).
+///
+/// Each number is off by up to half a step of its last decimal: as a variance, step^2 / 12. Of a
+/// coordinate that passes many steps unevenly, this is noise that no two samples share, and
+/// averages out. What does not scatter lies along the stroke, where no number of samples takes it
+/// away: all of it where the coordinate stays within a step, most of it where it goes on by nearly
+/// a whole number of steps from sample to sample, as A, B and C may; X, Y and Z go along an arc.
+struct StrokeRounding {
+  using Coordinates = Eigen::Array<double, 6, 1>;
+  Coordinates extent = Coordinates::Zero();  ///< greatest minus least
+  /// Variance about smooth curves: of X, Y and Z that across the arc.
+  Coordinates scatter = Coordinates::Zero();
+  double samples = 0;
+
+  /// Variances of what rounding shifts the coordinates by over the whole stroke, and of how much
+  /// more from its middle to its ends.
+  struct Shifts {
+    Coordinates level = Coordinates::Zero();
+    Coordinates growth = Coordinates::Zero();
+  };
+  [[nodiscard]] Shifts shifts(double step_mm, double step_rad) const;
+};
+
+/// `curve`: of the turn, which the positions tell. A, B, C are zero where the orientation was not
+/// measured.
+[[nodiscard]] StrokeRounding rounding_of(const StrokeSamples& seen, bool orientation,
+                                         const StrokeCurve& curve);
+
+}  // namespace identify

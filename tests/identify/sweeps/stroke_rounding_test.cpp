@@ -1,0 +1,86 @@
+#include "identify/sweeps/stroke_rounding.hpp"
+
+#include <array>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "identify/geometry/angle.hpp"
+#include "identify/sweeps/stroke_moments.hpp"
+#include "tests/catch.hpp"
+
+using namespace identify;
+using Coordinates = StrokeRounding::Coordinates;
+
+namespace {
+
+constexpr double kStep_mm = 0.1;
+constexpr double kStep_rad = 0.1 * kDegree;
+constexpr double kWhole_rad2 = kStep_rad * kStep_rad / 12;
+
+/// Variances in that of all rounding. The target turns about Z by 60 degrees; A, B and C go on by
+/// so many steps a sample, from beside the middle of one.
+StrokeRounding::Shifts shifts(const std::array<double, 3>& steps_a_sample, double radius_mm,
+                              int samples) {
+  auto all = std::make_shared<std::vector<Sample>>();
+  const auto printed = [](double value, double step) { return std::round(value / step) * step; };
+  for (int i = 0; i < samples; ++i) {
+    const double turn = kPi / 3 * i / (samples - 1);
+    Sample sample;
+    sample.time_s = 0.004 * i;
+    sample.has_position = sample.has_orientation = true;
+    sample.position_mm = {printed(radius_mm * std::cos(turn), kStep_mm),
+                          printed(radius_mm * std::sin(turn), kStep_mm), printed(300.13, kStep_mm)};
+    for (std::size_t k = 0; k < 3; ++k)
+      sample.abc_rad[k] = printed((0.3 + steps_a_sample[k] * i) * kStep_rad, kStep_rad);
+    all->push_back(sample);
+  }
+  Sweep sweep;
+  sweep.samples = all;
+  const auto stroke = moments_of(sweep, {0, 0, true, false});
+  REQUIRE(stroke);
+  auto found = stroke->rounding.shifts(kStep_mm, kStep_rad);
+  for (Coordinates* variances : {&found.level, &found.growth}) {
+    variances->head<3>() /= kStep_mm * kStep_mm / 12;
+    variances->tail<3>() /= kWhole_rad2;
+  }
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("a coordinate that stays is shifted by all that rounding takes away",
+          "[stroke_rounding]") {
+  const auto [level, growth] = shifts({0, 0.618, 0}, 500, 400);
+  for (const int stays : {2, 3, 5}) {
+    CHECK(level(stays) == Approx(1));
+    CHECK(growth(stays) == Approx(0).margin(1e-6));
+  }
+  // Those that pass many steps unevenly are not.
+  for (const int passes : {0, 1, 4}) {
+    CHECK(level(passes) < 0.01);
+    CHECK(growth(passes) < 0.01);
+  }
+}
+
+TEST_CASE("a coordinate that goes on by a whole number of steps, nearly, is shifted and tilted",
+          "[stroke_rounding]") {
+  const auto [level, growth] = shifts({1.001, 2.002, 0.37}, 500, 400);
+  for (const int even : {3, 4}) {
+    CHECK(level(even) > 0.7);
+    CHECK(growth(even) > 0.4);
+  }
+  CHECK(level(5) < 0.01);
+}
+
+TEST_CASE("what is printed to the last digit is not shifted", "[stroke_rounding]") {
+  StrokeRounding rounding;
+  rounding.samples = 100;
+  CHECK(rounding.shifts(0, 0).level.isZero());
+  CHECK(rounding.shifts(0.1, 0).level.head<3>().minCoeff() > 0);
+  CHECK(rounding.shifts(0.1, 0).level.tail<3>().isZero());
+  // Noise beyond the steps takes rounding's pattern away.
+  rounding.extent.setConstant(1000);
+  rounding.scatter.setConstant(1);
+  CHECK(rounding.shifts(0.1, 0.1).level.maxCoeff() < 2e-4 * 0.01 / 12);
+}
