@@ -14,7 +14,9 @@
 namespace sweepd {
 
 int compare(const CompareOptions& options, std::ostream& out) {
-  return compare(options, read_told_arm(options.first), read_told_arm(options.second), out);
+  ToldArm first = read_told_arm(options.first);
+  ToldArm second = read_told_arm(options.second);
+  return compare(options, std::move(first), std::move(second), out);
 }
 
 int compare(const CompareOptions& options, ToldArm first, ToldArm second, std::ostream& out) {

@@ -41,10 +41,10 @@ std::string result_summary(const RobotPlace& place, const FinishedResult& result
 
 SummaryOfChange change_since(const std::filesystem::path& before, const FinishedResult& result) {
   try {
-    return {
-        change_json(change_between(read_told_arm(before),
-                                   told_arm(result.bytes, result.folder / "result.json"), kLevel)),
-        {}};
+    // The order of arguments is the compiler's, and what is said of both being wrong is not.
+    ToldArm was = read_told_arm(before);
+    ToldArm is = told_arm(result.bytes, result.folder / "result.json");
+    return {change_json(change_between(std::move(was), std::move(is), kLevel)), {}};
   } catch (const std::exception& problem) {
     return {std::nullopt, problem.what()};
   }
