@@ -63,4 +63,14 @@ StrokeRounding rounding_of(const StrokeSamples& seen, bool orientation, const St
   return rounding;
 }
 
+double unseen_zero(double mean, double variance) {
+  const double part = mean - std::floor(mean);
+  // It stood at the edge between two steps and wobbled little, whatever share of them is which.
+  constexpr double kAlike = 1.05;
+  if (variance > 0 && variance <= kAlike * part * (1 - part))
+    return std::min(kEvenlySpread, std::abs(part - 0.5));
+  // The mean of rounded numbers is off by what is left of the saw tooth's first wave.
+  return kEvenlySpread * std::exp(-2 * kPi * kPi * variance);
+}
+
 }  // namespace identify

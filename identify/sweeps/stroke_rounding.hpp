@@ -36,4 +36,11 @@ struct StrokeRounding {
 [[nodiscard]] StrokeRounding rounding_of(const StrokeSamples& seen, bool orientation,
                                          const StrokeCurve& curve);
 
+/// Standard deviation of what is spread evenly over one step, in steps: 1 / sqrt(12).
+inline constexpr double kEvenlySpread = 0.2887;
+
+/// How far a joint that stands still may be from the mean of its printed angles. All in steps:
+/// that mean, the variance about it, and what is returned, a standard deviation.
+[[nodiscard]] double unseen_zero(double mean, double variance);
+
 }  // namespace identify
