@@ -34,15 +34,17 @@ std::string explanation(const Outcome& outcome) {
            "deformation is in what is left of the poses, unless loads are described and a joint's "
            "compliance was found.";
   const auto& chain = outcome.identification.chain;
-  return std::string(
-             "the arm as a device measured it: for calibration, and to compare with its "
-             "model. ") +
-         (chain && chain->effects.sag_rad > 0
-              ? "Elastic deformation is in the uncertainties as far as the robot description "
-                "states it (sag_arcsec)."
-              : "Elastic deformation is not in the uncertainties: sag_arcsec in the robot "
-                "description puts it there; sweeps from a second home, or with another load, "
-                "would show it.");
+  const std::string_view elastic =
+      !chain || !(chain->effects.sag_rad > 0)
+          ? "Elastic deformation is not in the uncertainties: sag_arcsec in the robot description "
+            "puts it there, and so do sweeps from a second home."
+      : chain->effects.sag_told
+          ? "Elastic deformation is in the uncertainties as far as the robot description states it "
+            "(sag_arcsec)."
+          : "Elastic deformation is in the uncertainties as far as sweeps from several homes show "
+            "it.";
+  return "the arm as a device measured it: for calibration, and to compare with its model. " +
+         std::string(elastic);
 }
 
 }  // namespace sweepd

@@ -1,5 +1,6 @@
 #include "identify/chain/chain.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -179,9 +180,14 @@ Loads loads_at(const Chain& chain, const Turns& turns) {
   return loads;
 }
 
+/// How far beside the line of its axes a link's weight is, in its length.
+constexpr double kBeside = 0.5;
+
 double lever(const ChainSag& sag, const Loads& loads) {
-  const Vector3d arm = loads.points[sag.load] - loads.points[sag.joint];
-  return loads.up.dot(loads.directions[sag.joint].cross(arm)) / sag.reach_mm;
+  const Vector3d& about = loads.directions[sag.joint];
+  Vector3d arm = loads.points[sag.load] - loads.points[sag.joint];
+  if (sag.beside) arm = about.cross(arm);
+  return loads.up.dot(about.cross(arm)) / sag.reach_mm;
 }
 
 }  // namespace
@@ -191,20 +197,29 @@ std::vector<ChainSag> sags_of(const Chain& chain, const std::vector<bool>& known
   std::vector<ChainSag> sags;
   const auto upright = first_turning(chain);
   if (sag_rad.empty() || !upright || !known[*upright]) return sags;
+  // Weights do not pull about the upright axis.
+  const auto gives_way = [&](std::size_t j) {
+    return known[j] && j != *upright && !chain.axes[j].linear && sag_rad[j] > 0;
+  };
+  double most = 0;
+  for (std::size_t j = 0; j < chain.axes.size(); ++j)
+    if (gives_way(j)) most = std::max(most, sag_rad[j]);
   const Loads home = loads_at(chain, {});
   for (std::size_t j = 0; j < chain.axes.size(); ++j) {
-    if (!known[j] || chain.axes[j].linear || !(sag_rad[j] > 0)) continue;
+    if (!gives_way(j)) continue;
     const std::size_t first = sags.size();
     double reach = 0;  // stretched out
-    std::size_t before = j;
+    std::size_t before = j, loads = 0;
     for (std::size_t load = j + 1; load < home.points.size(); ++load) {
       if (load < known.size() && (!known[load] || chain.axes[load].linear)) continue;
       reach += (home.points[load] - home.points[before]).norm();
       before = load;
-      if (reach > 0) sags.push_back({j, load, reach, 0, 0});
+      if (!(reach > 0)) continue;
+      sags.push_back({j, load, false, reach, 1, 0});
+      if (++loads == 1) sags.push_back({j, load, true, reach, kBeside, 0});
     }
     for (std::size_t s = first; s < sags.size(); ++s)
-      sags[s].sigma_rad = sag_rad[j] / std::sqrt(static_cast<double>(sags.size() - first));
+      sags[s].share *= sag_rad[j] / most / std::sqrt(static_cast<double>(loads));
   }
   return sags;
 }

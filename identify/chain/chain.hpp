@@ -30,8 +30,12 @@ struct ChainAxis {
 struct ChainSag {
   std::size_t joint = 0;
   std::size_t load = 0;  ///< hangs on this axis; on the first target where there is no such axis
+  /// Or where that is after a right angle about the joint: a link's weight is not on the line from
+  /// its axis to the next.
+  bool beside = false;
   double reach_mm = 0;
-  double sigma_rad = 0;  ///< what is known of `rad` beforehand
+  double share =
+      0;  ///< standard deviation of `rad` beforehand, in that of the joint that gives way most
   double rad = 0;
 };
 
@@ -98,10 +102,11 @@ class ChainPose {
   std::array<Eigen::Matrix<double, 3, 2>, kMostJoints> across_;  ///< of each axis
 };
 
-/// A chain's sags for joints that give way by `sag_rad`, one a joint: each joint by the loads that
-/// it carries, which are taken to hang on the axes behind it and on the first target, in shares
-/// that nobody knows. Nothing where the first joint that turns is not `known`: it stands upright,
-/// and tells which way weights pull. Linear joints do not give way.
+/// A chain's sags for joints that give way in proportion to `sag_rad`, one a joint: each joint by
+/// the loads that it carries, which are taken to hang on the axes behind it and on the first
+/// target, and its own link's also beside the next axis, in shares that nobody knows. Nothing where
+/// the first joint that turns is not `known`: it stands upright, and tells which way weights pull.
+/// Linear joints do not give way.
 [[nodiscard]] std::vector<ChainSag> sags_of(const Chain& chain, const std::vector<bool>& known,
                                             const std::vector<double>& sag_rad);
 

@@ -46,40 +46,58 @@ MatrixXd without_effects(const MatrixXd& products, const VectorXd& variances,
       solver.matrixL().solve(MatrixXd(sigma.asDiagonal() * products.topRightCorner(effects, rest)));
   log_determinant += 2 * solver.matrixLLT().diagonal().array().log().sum();
   MatrixXd left = products.bottomRightCorner(rest, rest);
-  left.noalias() -= side.transpose() * side;
+  left.selfadjointView<Eigen::Lower>().rankUpdate(side.transpose(), -1);
+  left.triangularView<Eigen::StrictlyUpper>() = left.transpose();
   return left;
 }
 
-Eliminated eliminate(const std::vector<StrokeProducts>& strokes,
-                     const std::vector<std::size_t>& home_of, const EffectVariances& variances,
-                     Index parameters) {
-  Eliminated all;
-  std::vector<MatrixXd> groups(variances.shared.size());
-  std::vector<MatrixXd> homes(variances.home.size());
-  MatrixXd whole = MatrixXd::Zero(parameters + 1, parameters + 1);
-  for (std::size_t s = 0; s < strokes.size(); ++s) {
-    const std::size_t group = strokes[s].group;
-    add(groups[group], variances.shared[group].size() + variances.home[home_of[group]].size(),
-        parameters, without_effects(strokes[s].products, variances.own[s], all.log_determinant),
-        strokes[s].parameters);
-  }
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    if (groups[g].size() == 0) continue;
-    MatrixXd& home = homes[home_of[g]];
-    const MatrixXd left = without_effects(groups[g], variances.shared[g], all.log_determinant);
-    home = home.size() == 0 ? left : MatrixXd(home + left);
-  }
-  for (std::size_t h = 0; h < homes.size(); ++h)
-    if (homes[h].size() > 0)
-      whole += without_effects(homes[h], variances.home[h], all.log_determinant);
-  all.normal = whole.topLeftCorner(parameters, parameters);
-  all.gradient = whole.topRightCorner(parameters, 1);
-  all.squares = whole(parameters, parameters);
-  return all;
+EffectElimination::EffectElimination(std::vector<StrokeProducts> strokes,
+                                     std::vector<std::size_t> home_of, Index parameters)
+    : strokes_(std::move(strokes)), home_of_(std::move(home_of)), parameters_(parameters) {
+  own_.left.resize(home_of_.size());
 }
 
-using Eigen::Index;
-using Eigen::VectorXd;
+Eliminated EffectElimination::operator()(const EffectVariances& variances) {
+  if (own_.variances != variances.own) {
+    shared_.variances.clear();
+    own_.variances = variances.own;
+    own_.log_determinant = 0;
+    for (MatrixXd& group : own_.left) group.setZero();
+    for (std::size_t s = 0; s < strokes_.size(); ++s) {
+      const std::size_t group = strokes_[s].group;
+      add(own_.left[group], variances.shared[group].size() + variances.home[home_of_[group]].size(),
+          parameters_,
+          without_effects(strokes_[s].products, variances.own[s], own_.log_determinant),
+          strokes_[s].parameters);
+    }
+  }
+  if (shared_.variances != variances.shared) {
+    shared_.variances = variances.shared;
+    shared_.log_determinant = own_.log_determinant;
+    shared_.left.resize(variances.home.size());
+    for (MatrixXd& home : shared_.left) home.setZero();
+    for (std::size_t g = 0; g < home_of_.size(); ++g) {
+      if (own_.left[g].size() == 0) continue;  // no stroke is of it
+      MatrixXd& home = shared_.left[home_of_[g]];
+      const MatrixXd left =
+          without_effects(own_.left[g], variances.shared[g], shared_.log_determinant);
+      if (home.size() == 0)
+        home = left;
+      else
+        home += left;
+    }
+  }
+  Eliminated all;
+  all.log_determinant = shared_.log_determinant;
+  MatrixXd whole = MatrixXd::Zero(parameters_ + 1, parameters_ + 1);
+  for (std::size_t h = 0; h < shared_.left.size(); ++h)
+    if (shared_.left[h].size() > 0)
+      whole += without_effects(shared_.left[h], variances.home[h], all.log_determinant);
+  all.normal = whole.topLeftCorner(parameters_, parameters_);
+  all.gradient = whole.topRightCorner(parameters_, 1);
+  all.squares = whole(parameters_, parameters_);
+  return all;
+}
 
 EffectColumns::EffectColumns(const ChainEffects& shape, const ChainNodes& nodes)
     : targets(nodes.targets) {
@@ -123,7 +141,7 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
   if (columns.figure > 0)
     for (Index at = 0; at < columns.figure * static_cast<Index>(columns.targets); ++at) {
       const auto order = static_cast<double>(at % kFigureOrders + 1);
-      const double sigma = effects.figure_mm / (order * order);
+      const double sigma = effects.figure_mm * std::pow(order, -effects.figure_power);
       shared(at) = sigma * sigma;
     }
   shared.tail(columns.told).setConstant(effects.told_rad * effects.told_rad);

@@ -41,10 +41,29 @@ struct Eliminated {
                                               const Eigen::VectorXd& variances,
                                               double& log_determinant);
 
-/// `home_of`: of each group.
-[[nodiscard]] Eliminated eliminate(const std::vector<StrokeProducts>& strokes,
-                                   const std::vector<std::size_t>& home_of,
-                                   const EffectVariances& variances, Eigen::Index parameters);
+/// Takes all effects out of strokes' products. Where the next variances differ only in the outer
+/// levels, what was found of the inner ones stands.
+class EffectElimination {
+ public:
+  /// `home_of`: of each group.
+  EffectElimination(std::vector<StrokeProducts> strokes, std::vector<std::size_t> home_of,
+                    Eigen::Index parameters);
+  [[nodiscard]] Eliminated operator()(const EffectVariances& variances);
+
+ private:
+  /// What is left once the effects of one level, with these variances, are out.
+  struct Level {
+    std::vector<Eigen::VectorXd> variances;
+    std::vector<Eigen::MatrixXd> left;
+    double log_determinant = 0;
+  };
+
+  std::vector<StrokeProducts> strokes_;
+  std::vector<std::size_t> home_of_;
+  Eigen::Index parameters_;
+  Level own_;     ///< left: one a group
+  Level shared_;  ///< left: one a home
+};
 
 /// Orders of a figure, from the first on, and of what angles are off by, from none on.
 inline constexpr Eigen::Index kFigureOrders = 8;

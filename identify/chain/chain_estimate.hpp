@@ -30,10 +30,11 @@ struct ChainEffects {
   /// Of the measuring device's place in a stroke, each coordinate. It walks on during a stroke.
   double drift_mm = 0;
   /// Of the figure that a stroke describes, radial and axial, from a circle: the standard deviation
-  /// of the coefficient of its first Chebyshev polynomial; it falls with the square of the order.
+  /// of the coefficient of its first Chebyshev polynomial; it falls with this power of the order.
   /// At home, which is one pose of the arm however it was reached, there is no such departure.
   /// Strokes of one joint and target from one home share their figure.
   double figure_mm = 0;
+  double figure_power = 2;
   /// Of each joint's place at another home from where its angle says: what its gear and the load
   /// are off by there and were not at the first home. Strokes from one home share it.
   double offset_rad = 0;
@@ -41,8 +42,10 @@ struct ChainEffects {
   /// deviation of the coefficient of each Chebyshev polynomial. An even motion printed with few
   /// decimals leaves such a pattern. Strokes of one joint from one home share it.
   double told_rad = 0;
-  /// What the joint that gives way most does so by, as is known beforehand: `sags` of the chain.
+  /// What the joint that gives way most does so by under the weight that it carries: `sags` of the
+  /// chain.
   double sag_rad = 0;
+  bool sag_told = false;  ///< that is known beforehand; else sweeps from several homes show it
 
   /// How far each joint may stand from where its printed angle says, one a joint: `zero_rad` of the
   /// chain is estimated where its angle is believed. None: it is not.

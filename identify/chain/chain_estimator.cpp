@@ -9,6 +9,7 @@
 #include "identify/chain/chain_fit.hpp"
 #include "identify/chain/chain_noise.hpp"
 #include "identify/chain/chain_start.hpp"
+#include "identify/chain/effect_sizes.hpp"
 #include "identify/chain/linearised_chain.hpp"
 #include "identify/geometry/angle.hpp"
 
@@ -116,13 +117,20 @@ class Estimation {
 
   /// What is left beyond the samples' noise, and the fit that knows of it.
   void find_effects(Fitted& best) {
+    const bool several_homes = nodes_.homes.size() > 1;
     best.fit.chain.sags = sags_of(best.fit.chain, nodes_.known, campaign_.sag_rad);
+    effects_.sag_told = !best.fit.chain.sags.empty();
     for (const ChainSag& sag : best.fit.chain.sags)
       effects_.sag_rad = std::max(effects_.sag_rad, campaign_.sag_rad[sag.joint]);
     ChainEffects shape = effects_;
+    if (several_homes && !effects_.sag_told) {
+      best.fit.chain.sags =
+          sags_of(best.fit.chain, nodes_.known, std::vector<double>(joints_, 1.0));
+      shape.sag_rad = best.fit.chain.sags.empty() ? 0 : 1;
+    }
     shape.figure_mm = 1;
     shape.home_rad = shape.drift_mm = nodes_.units.size() > 1 ? 1 : 0;  // from stroke to stroke
-    shape.offset_rad = nodes_.homes.size() > 1 ? 1 : 0;
+    shape.offset_rad = several_homes ? 1 : 0;
     constexpr int kRounds = 2;
     for (int round = 0; round < kRounds; ++round) size_effects(best, shape);
   }
@@ -134,9 +142,12 @@ class Estimation {
       weight += stroke.weight / stroke.correlation;
       strokes += static_cast<double>(stroke.strokes);
     }
-    const LinearisedChain linearised(best.fit.chain, nodes_, best.noise, shape, false);
+    LinearisedChain linearised(best.fit.chain, nodes_, best.noise, shape, false);
     effects_ = effect_sizes(linearised, shape, best.noise.position_mm / std::sqrt(weight / strokes),
                             reach_mm(best.fit.chain));
+    // A joint whose sag may be anything could not be told from its angle, and one of none has no
+    // sag.
+    if (!(effects_.sag_rad > 0)) best.fit.chain.sags.clear();
     best.fit = fit_chain(best.fit.chain, nodes_, best.noise, effects_, false);
   }
 
@@ -244,24 +255,11 @@ class Estimation {
         sum += stroke.weight * off * off;
         samples += stroke.weight;
       }
-      const double least = kOfStep / std::sqrt(std::max(1.0, samples));
-      const double off = samples > 0 ? std::sqrt(sum / samples) : kOfStep;
+      const double least = kEvenlySpread / std::sqrt(std::max(1.0, samples));
+      const double off = samples > 0 ? std::sqrt(sum / samples) : kEvenlySpread;
       zeros.push_back(std::max(kLeastAngle_rad, step * std::max(off, least)));
     }
     return zeros;
-  }
-
-  static constexpr double kOfStep = 0.2887;  // evenly spread over one: 1 / sqrt(12)
-
-  /// Of a joint whose printed angles have this mean and variance, in steps and their squares.
-  static double unseen_zero(double mean, double variance) {
-    const double part = mean - std::floor(mean);
-    // It stood at the edge between two steps and wobbled little, whatever share of them is which.
-    constexpr double kAlike = 1.05;
-    if (variance > 0 && variance <= kAlike * part * (1 - part))
-      return std::min(kOfStep, std::abs(part - 0.5));
-    // The mean of rounded numbers is off by what is left of the saw tooth's first wave.
-    return kOfStep * std::exp(-2 * kPi * kPi * variance);
   }
 
   /// Whether the tool's orientations agree with what the positions found; then they are used.
@@ -317,8 +315,8 @@ class Estimation {
     estimate.effects = effects_;
     estimate.home_scatter_mm =
         std::hypot(effects_.home_rad * reach_mm(best.fit.chain), effects_.drift_mm);
-    const LinearisedChain linearised(best.fit.chain, nodes_, best.noise, effects_,
-                                     estimate.with_orientation);
+    LinearisedChain linearised(best.fit.chain, nodes_, best.noise, effects_,
+                               estimate.with_orientation);
     best.fit.parts = linearised.parts();
     set_fitted_axes(estimate, best.fit, nodes_.known, nodes_.targets);
   }

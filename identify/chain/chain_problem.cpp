@@ -57,7 +57,7 @@ void ChainProblem<Size>::follow() {
 
 template <int Size>
 NormalEquations ChainProblem<Size>::linearised(const Chain& chain) {
-  const auto all = eliminate(products(chain), nodes_.home_of, variances_, count_all(chain));
+  const auto all = EffectElimination(products(chain), nodes_.home_of, count_all(chain))(variances_);
   NormalEquations equations{all.normal, all.gradient, all.squares / 2};
   const Eigen::VectorXd known = prior(chain);
   equations.normal.diagonal() += known;
@@ -79,9 +79,10 @@ Eigen::VectorXd ChainProblem<Size>::prior(const Chain& chain) const {
     if (shape_.zero_rad[j] > 0)
       known(count(chain) + static_cast<Eigen::Index>(j)) =
           1 / (shape_.zero_rad[j] * shape_.zero_rad[j]);
-  for (std::size_t s = 0; s < chain.sags.size(); ++s)
-    known(first_sag(chain) + static_cast<Eigen::Index>(s)) =
-        1 / (chain.sags[s].sigma_rad * chain.sags[s].sigma_rad);
+  for (std::size_t s = 0; s < chain.sags.size(); ++s) {
+    const double sigma_rad = chain.sags[s].share * shape_.sag_rad;
+    known(first_sag(chain) + static_cast<Eigen::Index>(s)) = 1 / (sigma_rad * sigma_rad);
+  }
   return known;
 }
 

@@ -84,11 +84,31 @@ TEST_CASE("Effects eliminated step by step are generalised least squares with al
     MatrixXd covariance = of.z * of.effects.asDiagonal() * of.z.transpose();
     covariance.diagonal() += of.weights.cwiseInverse();
     const Eigen::LLT<MatrixXd> solver(covariance);
-    const auto found = eliminate(of.strokes, of.home_of, of.variances, Example::kParameters);
+    EffectElimination eliminate(of.strokes, of.home_of, Example::kParameters);
+    const auto found = eliminate(of.variances);
     CHECK(found.normal.isApprox(of.x.transpose() * solver.solve(of.x), 1e-9));
     CHECK(found.gradient.isApprox(of.x.transpose() * solver.solve(of.y), 1e-9));
     CHECK(found.squares == Approx(of.y.dot(solver.solve(of.y))).epsilon(1e-9));
     const double all = 2 * solver.matrixLLT().diagonal().array().log().sum();
     CHECK(found.log_determinant == Approx(all + of.weights.array().log().sum()).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("Effects eliminated after others are what they are at once", "[chain_effects]") {
+  Random random(62);
+  const Example of(random, false);
+  EffectElimination eliminate(of.strokes, of.home_of, Example::kParameters);
+  for (int run = 0; run < 40; ++run) {
+    const Example other(random, false);
+    EffectVariances variances = of.variances;  // one level or two differ from those before
+    if (run % 2 == 0) variances.home = other.variances.home;
+    if (run % 3 == 0) variances.shared = other.variances.shared;
+    if (run % 5 == 0) variances.own = other.variances.own;
+    const auto found = eliminate(variances);
+    const auto fresh = EffectElimination(of.strokes, of.home_of, Example::kParameters)(variances);
+    CHECK(found.normal == fresh.normal);
+    CHECK(found.gradient == fresh.gradient);
+    CHECK(found.squares == fresh.squares);
+    CHECK(found.log_determinant == fresh.log_determinant);
   }
 }

@@ -1,0 +1,101 @@
+#include "identify/chain/effect_sizes.hpp"
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "identify/geometry/angle.hpp"
+#include "identify/identification.hpp"
+#include "tests/catch.hpp"
+#include "tests/simulation/simulation.hpp"
+#include "tests/simulation/truth.hpp"
+
+using namespace identify;
+using simulation::Simulation;
+
+namespace {
+
+/// How the estimates' errors compare with what is stated, all identified lengths and angles.
+double rms_z(const std::vector<Simulation>& campaigns) {
+  double squares = 0, count = 0;
+  for (const Simulation& campaign : campaigns) {
+    const auto found = identify::identify(campaign.sweeps(), campaign.campaign());
+    const auto truth = simulation::true_table(campaign, found.dh, found.home_rad);
+    REQUIRE(found.estimator == Estimator::chain);
+    for (std::size_t i = 0; i < found.dh.size(); ++i)
+      for (const auto& [number, actual] :
+           {std::pair(found.dh[i].a_mm, truth[i].a_mm), std::pair(found.dh[i].b_mm, truth[i].b_mm),
+            std::pair(found.dh[i].alpha_rad, truth[i].alpha_rad)}) {
+        if (number.knowledge != Knowledge::identified) continue;
+        const double z = (number.value - actual) / number.sigma;
+        squares += z * z;
+        ++count;
+      }
+  }
+  return std::sqrt(squares / count);
+}
+
+std::vector<Simulation> sagging(bool told, int homes = 1) {
+  simulation::World world;
+  world.noise.range_mm = world.noise.across_mm = 0.02;
+  world.placed = true;
+  world.sag_arcsec = 60;
+  world.sag_told = told;
+  simulation::Strokes how;
+  how.arc_deg = 90;
+  how.samples = 300;
+  how.homes = homes;
+  if (homes > 1) {
+    world.angles = true;
+    world.decimals = 4;
+  }
+  std::vector<Simulation> all;
+  for (const std::uint32_t seed : {1U, 2U, 3U, 4U})
+    all.emplace_back(simulation::at_random_home(simulation::built(simulation::kr5(), seed), seed),
+                     how, world, seed);
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("Uncertainties hold for an arm that sags as its description says", "[effect_sizes]") {
+  CHECK(rms_z(sagging(false)) > 2);
+  CHECK(rms_z(sagging(true)) < 1.3);
+}
+
+TEST_CASE("Sweeps from a second home show how far joints give way", "[effect_sizes][long]") {
+  const auto campaigns = sagging(false, 2);
+  CHECK(rms_z(campaigns) < 1.3);
+  const auto found = identify::identify(campaigns.front().sweeps(), campaigns.front().campaign());
+  REQUIRE(found.chain);
+  CHECK_FALSE(found.chain->effects.sag_told);
+  CHECK(found.chain->effects.sag_rad > 20 * kArcsec);
+  CHECK(found.chain->effects.sag_rad < 180 * kArcsec);
+}
+
+TEST_CASE("Uncertainties hold for arcs that show how far they are from circles",
+          "[effect_sizes][long]") {
+  simulation::World world;
+  world.noise.range_mm = world.noise.across_mm = 0.02;
+  world.placed = true;
+  world.shape.rms_mm = 0.02;
+  simulation::Strokes how;
+  how.arc_deg = 90;
+  how.samples = 1500;
+  std::vector<Simulation> all;
+  for (std::uint32_t seed = 1; seed <= 8; ++seed)
+    all.emplace_back(simulation::at_random_home(simulation::built(simulation::kr5(), seed), seed),
+                     how, world, seed);
+  CHECK(rms_z(all) < 1.3);
+}
+
+TEST_CASE("The budget says what sag has of the uncertainties", "[effect_sizes]") {
+  const auto campaign = sagging(true).front();
+  const auto found = identify::identify(campaign.sweeps(), campaign.campaign());
+  double sag = 0, all = found.dh_covariance.trace();
+  for (const auto& share : found.dh_budget)
+    if (share.cause == Cause::sag) sag = share.variances.sum();
+  CHECK(found.chain->effects.sag_rad == Approx(60 * kArcsec));
+  CHECK(sag > 0.1 * all);
+  CHECK(sag < all);
+}
