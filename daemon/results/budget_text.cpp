@@ -29,7 +29,7 @@ std::string size(Cause cause, const Identification& found) {
     case Cause::drift:
       return length(effects.drift_mm);
     case Cause::figure:
-      return length(effects.figure_mm);
+      return length(effects.figure_mm());
     case Cause::offset:
       return angle(effects.offset_rad);
     case Cause::print:

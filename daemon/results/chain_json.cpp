@@ -29,7 +29,7 @@ Json noise(const identify::ChainEstimate& estimate) {
 Json effects(const identify::ChainEffects& seen) {
   return {{"home_deg", json_angle(seen.home_rad)},
           {"drift_mm", json_length(seen.drift_mm)},
-          {"figure_mm", json_length(seen.figure_mm)},
+          {"figure_mm", json_length(seen.figure_mm())},
           {"offset_deg", json_angle(seen.offset_rad)},
           {"sag_deg", json_angle(seen.sag_rad)}};
 }

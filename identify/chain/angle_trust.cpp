@@ -84,7 +84,7 @@ class Curves {
   Curves(const ChainNodes& nodes, const ChainEffects& effects)
       : nodes_(nodes),
         columns_(own_ones(effects), nodes),
-        figure_mm_(effects.figure_mm),
+        figure_mm_(effects.figure_mm()),
         unit_(nodes.strokes.size()) {
     variances_ = variances_of(effects, nodes, columns_).own;
     for (std::size_t u = 0; u < nodes.units.size(); ++u)
@@ -141,7 +141,8 @@ class Curves {
  private:
   static ChainEffects own_ones(ChainEffects effects) {
     effects.home_rad += effects.offset_rad;
-    effects.figure_mm = effects.told_rad = effects.offset_rad = 0;
+    effects.figures_mm = {};
+    effects.told_rad = effects.offset_rad = 0;
     return effects;
   }
   ErrorCurve::Stroke& of(const SeenNode& at) { return units_[unit_[at.stroke]]; }

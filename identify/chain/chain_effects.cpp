@@ -1,11 +1,14 @@
 #include "identify/chain/chain_effects.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include <Eigen/Cholesky>
+
+#include "identify/geometry/angle.hpp"
 
 namespace identify {
 namespace {
@@ -105,10 +108,44 @@ EffectColumns::EffectColumns(const ChainEffects& shape, const ChainNodes& nodes)
   if (shape.home_rad > 0 || shape.drift_mm > 0 || shape.print_mm > 0 || shape.print_rad > 0)
     own = turns + 6;
   if (shape.print_rad > 0) own += turned = 6;
-  if (shape.figure_mm > 0) figure = 2 * kFigureOrders;
+  if (shape.figure_mm() > 0) figure = 2 * kFigureOrders;
   if (shape.told_rad > 0) told = kFigureOrders;
   if (shape.offset_rad > 0) home = turns;
 }
+
+namespace {
+
+/// How large the coefficients of a law's orders are, from the first on, that of the first being
+/// one. `arc_rad`: half of it.
+VectorXd fall_of(FigureLaw law, double arc_rad) {
+  VectorXd sizes(kFigureOrders);
+  for (Index m = 0; m < kFigureOrders; ++m) {
+    const auto order = static_cast<double>(m + 1);
+    if (law != FigureLaw::waves || arc_rad == 0) {
+      sizes(m) = std::pow(order, law == FigureLaw::square ? -2 : -3);
+      continue;
+    }
+    // cos(k q) and sin(k q) over the arc: 2 J_m(k arc) (Abramowitz & Stegun, 9.1.44 f.).
+    constexpr std::array kWaves{7.5, 1.0, 0.3};
+    double squares = 0;
+    for (std::size_t k = 0; k < kWaves.size(); ++k)
+      squares += std::pow(
+          kWaves[k] * std::cyl_bessel_j(order, static_cast<double>(k + 1) * std::min(arc_rad, kPi)),
+          2);
+    sizes(m) = std::sqrt(squares);
+  }
+  return sizes / sizes(0);
+}
+
+VectorXd figure_variances(const ChainEffects& effects, double arc_rad) {
+  VectorXd variances = VectorXd::Zero(kFigureOrders);
+  for (std::size_t law = 0; law < kFigureLaws.size(); ++law)
+    if (effects.figures_mm[law] > 0)
+      variances += (effects.figures_mm[law] * fall_of(kFigureLaws[law], arc_rad)).cwiseAbs2();
+  return variances;
+}
+
+}  // namespace
 
 EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& nodes,
                              const EffectColumns& columns) {
@@ -137,15 +174,20 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
     }
     variances.own.push_back(std::move(own));
   }
-  VectorXd shared(columns.shared());
-  if (columns.figure > 0)
-    for (Index at = 0; at < columns.figure * static_cast<Index>(columns.targets); ++at) {
-      const auto order = static_cast<double>(at % kFigureOrders + 1);
-      const double sigma = effects.figure_mm * std::pow(order, -effects.figure_power);
-      shared(at) = sigma * sigma;
+  std::vector<double> arcs(nodes.home_of.size());  // of the groups; half of them
+  for (std::size_t u = 0; u < nodes.units.size(); ++u)
+    for (const std::size_t s : nodes.units[u]) {
+      double& arc = arcs[nodes.group[u]];
+      arc = std::max(arc, (nodes.strokes[s].to_rad - nodes.strokes[s].from_rad) / 2);
     }
-  shared.tail(columns.told).setConstant(effects.told_rad * effects.told_rad);
-  variances.shared.assign(nodes.home_of.size(), shared);
+  for (const double arc : arcs) {
+    VectorXd shared(columns.shared());
+    const VectorXd figure = columns.figure > 0 ? figure_variances(effects, arc) : VectorXd();
+    for (Index at = 0; at + columns.told < shared.size(); ++at)
+      shared(at) = figure(at % kFigureOrders);
+    shared.tail(columns.told).setConstant(effects.told_rad * effects.told_rad);
+    variances.shared.push_back(std::move(shared));
+  }
   variances.home.assign(nodes.homes.size(),
                         VectorXd::Constant(columns.home, effects.offset_rad * effects.offset_rad));
   variances.home.front().setZero();

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <optional>
@@ -22,6 +24,13 @@ struct ChainNoise {
   std::vector<double> swept_rad;  ///< of a sweeping joint's angle, one a joint
 };
 
+/// How the figures of arcs fall with the order of their Chebyshev polynomials: with its square,
+/// with its third power, or as the waves of a whole turn, a half and a third of it do over the arc.
+/// Weight that bends locked joints is of the last kind: much of what circles take up, and hardly
+/// more.
+enum class FigureLaw { square, cube, waves };
+inline constexpr std::array kFigureLaws{FigureLaw::square, FigureLaw::cube, FigureLaw::waves};
+
 /// How far what was measured departs from the chain beyond the samples' noise: standard deviations
 /// of random effects. Zero: there is none.
 struct ChainEffects {
@@ -30,11 +39,13 @@ struct ChainEffects {
   /// Of the measuring device's place in a stroke, each coordinate. It walks on during a stroke.
   double drift_mm = 0;
   /// Of the figure that a stroke describes, radial and axial, from a circle: the standard deviation
-  /// of the coefficient of its first Chebyshev polynomial; it falls with this power of the order.
-  /// At home, which is one pose of the arm however it was reached, there is no such departure.
-  /// Strokes of one joint and target from one home share their figure.
-  double figure_mm = 0;
-  double figure_power = 2;
+  /// of the coefficient of its first Chebyshev polynomial, one a law by which the others fall. It
+  /// is the sum of such figures. At home, which is one pose of the arm however it was reached,
+  /// there is no such departure. Strokes of one joint and target from one home share their figure.
+  std::array<double, kFigureLaws.size()> figures_mm{};
+  [[nodiscard]] double figure_mm() const {
+    return std::hypot(figures_mm[0], figures_mm[1], figures_mm[2]);
+  }
   /// Of each joint's place at another home from where its angle says: what its gear and the load
   /// are off by there and were not at the first home. Strokes from one home share it.
   double offset_rad = 0;

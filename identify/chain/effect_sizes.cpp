@@ -12,58 +12,72 @@
 namespace identify {
 namespace {
 
-using Size = double ChainEffects::*;
-constexpr std::size_t kCount = 6;
-constexpr std::array<Size, kCount> kSizes{&ChainEffects::home_rad,  &ChainEffects::drift_mm,
-                                          &ChainEffects::figure_mm, &ChainEffects::offset_rad,
-                                          &ChainEffects::told_rad,  &ChainEffects::sag_rad};
-constexpr std::size_t kFigure = 2, kSag = 5;
-/// Whether the size of this effect is asked for.
-bool is_open(const ChainEffects& shape, std::size_t effect) {
-  return shape.*kSizes[effect] > 0 && !(effect == kSag && shape.sag_told);
-}
+constexpr std::size_t kCount = 6, kFigure = 2, kSag = 5;
+/// Steps of each effect's size: nothing, then up by a factor.
+using SizeSteps = std::array<int, kCount>;
+
 /// Arcs depart from circles by no more than this share of the arm's reach: thirty times what any
 /// arm showed. With more, an axis may be anywhere, its arc being any curve, and takes the blame for
 /// angles that contradict each other.
 constexpr double kMostFigure = 1e-2;
 /// Nor do joints give way by more, rad.
 constexpr double kMostSag = 1e-2;
-/// SizeSteps of each effect's size: nothing, then up by this factor.
-using SizeSteps = std::array<int, kCount>;
+
+/// What is to be sized, and in which units.
+struct SizeTask {
+  LinearisedChain* chain;
+  ChainEffects shape;
+  double smallest_mm;
+  double reach_mm;
+  std::size_t law;  ///< of figures, all of which are of one
+
+  [[nodiscard]] double& in(ChainEffects& effects, std::size_t effect) const {
+    const std::array<double*, kCount> sizes{&effects.home_rad,        &effects.drift_mm,
+                                            &effects.figures_mm[law], &effects.offset_rad,
+                                            &effects.told_rad,        &effects.sag_rad};
+    return *sizes[effect];
+  }
+  /// Whether the size of this effect is asked for.
+  [[nodiscard]] bool is_open(std::size_t effect) const {
+    ChainEffects asked = shape;
+    return in(asked, effect) > 0 && !(effect == kSag && shape.sag_told);
+  }
+};
 
 /// The likelihood over the grid of sizes, computed where it is asked for.
 class SizeGrid {
  public:
-  SizeGrid(LinearisedChain& chain, const ChainEffects& shape, double smallest_mm, double reach_mm)
-      : chain_(chain), shape_(shape) {
+  explicit SizeGrid(const SizeTask& task) : task_(task), none_(task.shape) {
+    none_.figures_mm = {};
+    for (std::size_t k = 0; k < kCount; ++k) {
+      open_[k] = task.is_open(k);
+      if (open_[k]) task.in(none_, k) = 0;
+    }
     // In units of each effect in which they move the target alike.
-    const double turn = smallest_mm / reach_mm;
-    unit_ = {turn, smallest_mm, smallest_mm, turn, turn, turn};
-    last_.fill(last_step(reach_mm / smallest_mm));
-    last_[kFigure] = last_step(kMostFigure * reach_mm / smallest_mm);
-    last_[kSag] = last_step(kMostSag * reach_mm / smallest_mm);
+    const double turn = task.smallest_mm / task.reach_mm;
+    unit_ = {turn, task.smallest_mm, task.smallest_mm, turn, turn, turn};
+    last_.fill(last_step(1 / turn));
+    last_[kFigure] = last_step(kMostFigure / turn);
+    last_[kSag] = last_step(kMostSag / turn);
   }
 
   static constexpr double kFactor = 4;
-  static int last_step(double largest) {
-    const double range = std::log(largest) / std::log(kFactor);
-    return 1 + static_cast<int>(std::ceil(std::clamp(range, 1.0, 40.0)));
-  }
-
   [[nodiscard]] double size(std::size_t effect, int step) const {
     return step == 0 ? 0 : unit_[effect] * std::pow(kFactor, step - 1);
   }
   [[nodiscard]] int last(std::size_t effect) const { return last_[effect]; }
+  [[nodiscard]] bool is_open(std::size_t effect) const { return open_[effect]; }
+
   double deviance(const SizeSteps& steps) {
     const auto known = known_.find(steps);
     if (known != known_.end()) return known->second;
     std::vector<int> sags = {0};
-    if (is_open(shape_, kSag))
+    if (open_[kSag])
       for (int step = 1; step <= last_[kSag]; ++step) sags.push_back(step);
     std::vector<double> sizes;
     for (const int step : sags)
-      sizes.push_back(is_open(shape_, kSag) ? size(kSag, step) : shape_.sag_rad);
-    const auto found = chain_.deviances(effects(steps), sizes);
+      sizes.push_back(open_[kSag] ? size(kSag, step) : task_.shape.sag_rad);
+    const auto found = task_.chain->deviances(effects(steps), sizes);
     SizeSteps here = steps;
     for (std::size_t k = 0; k < sags.size(); ++k) {
       here[kSag] = sags[k];
@@ -79,9 +93,9 @@ class SizeGrid {
     for (double by = std::sqrt(kFactor); by > kFine; by = std::sqrt(by))
       for (std::size_t k = 0; k < kCount; ++k)
         for (const double times : {by, 1 / by}) {
-          if (!is_open(shape_, k) || steps[k] == 0) continue;
+          if (!open_[k] || steps[k] == 0) continue;
           unit_[k] *= times;
-          const double here = finite(chain_.deviance(effects(steps)));
+          const double here = finite(task_.chain->deviance(effects(steps)));
           if (here < least)
             least = here;
           else
@@ -95,7 +109,7 @@ class SizeGrid {
       for (const int by : {-1, 1}) {
         SizeSteps next = steps;
         next[k] += by;
-        if (is_open(shape_, k) && next[k] >= 0 && next[k] <= last_[k]) visit(next);
+        if (open_[k] && next[k] >= 0 && next[k] <= last_[k]) visit(next);
       }
   }
   SizeSteps lowest_from(SizeSteps steps) {
@@ -112,16 +126,21 @@ class SizeGrid {
 
  private:
   static constexpr double kFine = 1.1;
+  static int last_step(double largest) {
+    const double range = std::log(largest) / std::log(kFactor);
+    return 1 + static_cast<int>(std::ceil(std::clamp(range, 1.0, 40.0)));
+  }
   [[nodiscard]] ChainEffects effects(const SizeSteps& steps) const {
-    ChainEffects effects = shape_;
+    ChainEffects effects = none_;
     for (std::size_t k = 0; k < kCount; ++k)
-      if (is_open(shape_, k)) effects.*kSizes[k] = size(k, steps[k]);
+      if (open_[k]) task_.in(effects, k) = size(k, steps[k]);
     return effects;
   }
   static double finite(double deviance) { return std::isfinite(deviance) ? deviance : 1e300; }
 
-  LinearisedChain& chain_;
-  const ChainEffects& shape_;
+  SizeTask task_;
+  ChainEffects none_;  ///< of those that are open
+  std::array<bool, kCount> open_{};
   std::array<double, kCount> unit_{};
   std::array<int, kCount> last_{};
   std::map<SizeSteps, double> known_;
@@ -130,10 +149,9 @@ class SizeGrid {
 /// Whether the data limit the size of this effect: far beyond all that was seen, each number that
 /// tells of it takes log(size^2) from the likelihood. With two or fewer the mean size has no limit:
 /// a campaign of one stroke says nothing of other strokes.
-bool is_limited(LinearisedChain& chain, const ChainEffects& shape, double smallest_mm,
-                double reach_mm, std::size_t effect) {
-  if (!is_open(shape, effect)) return true;
-  SizeGrid grid(chain, shape, smallest_mm, reach_mm);
+bool is_limited(const SizeTask& task, std::size_t effect) {
+  if (!task.is_open(effect)) return true;
+  SizeGrid grid(task);
   SizeSteps before{}, most{};
   before[effect] = grid.last(effect) - 1;
   most[effect] = grid.last(effect);
@@ -143,91 +161,117 @@ bool is_limited(LinearisedChain& chain, const ChainEffects& shape, double smalle
 
 /// What the likelihood says of all combinations of sizes.
 struct WeighedSizes {
-  double least = 0;                           ///< deviance
   double evidence = 0;                        ///< sum of the weights, that of the least is one
   std::array<double, kCount> mean_squares{};  ///< of each effect
 };
 
-WeighedSizes weighed(LinearisedChain& chain, const ChainEffects& shape, double smallest_mm,
-                     double reach_mm) {
-  ChainEffects limited = shape;
-  for (std::size_t k = 0; k < kCount; ++k)
-    if (!is_limited(chain, shape, smallest_mm, reach_mm, k)) limited.*kSizes[k] = 0;
-  SizeGrid grid(chain, limited, smallest_mm, reach_mm);
-  // From nothing, and from each effect alone.
-  std::vector<SizeSteps> open;
-  for (std::size_t one = 0; one <= kCount; ++one) {
-    if (one < kCount && !is_open(limited, one)) continue;
-    SizeSteps start{};
-    if (one < kCount) start[one] = std::min(4, grid.last(one));
-    open.push_back(grid.lowest_from(start));
-  }
-  const auto lower = [&](const SizeSteps& a, const SizeSteps& b) {
-    return grid.deviance(a) < grid.deviance(b);
-  };
-  grid.centre(*std::min_element(open.begin(), open.end(), lower));
-  WeighedSizes found;
-  found.least = grid.deviance(*std::min_element(open.begin(), open.end(), lower));
-  // All around that is not out of the question.
-  constexpr double kOut = 10;
-  // Beforehand, no effect counts as much as so many sizes of it. Less, and white noise alone would
-  // widen every interval; more, and what hardly shows would be passed over.
-  constexpr double kNone = 50;
-  std::set<SizeSteps> seen;
-  while (!open.empty()) {
-    const SizeSteps here = open.back();
-    open.pop_back();
-    if (!seen.insert(here).second) continue;
-    double weight = std::exp((found.least - grid.deviance(here)) / 2);
-    for (std::size_t k = 0; k < kCount; ++k)
-      if (here[k] == 0 && is_open(limited, k)) weight *= kNone;
-    found.evidence += weight;
-    for (std::size_t k = 0; k < kCount; ++k)
-      found.mean_squares[k] += weight * grid.size(k, here[k]) * grid.size(k, here[k]);
-    grid.visit_next_to(here, [&](const SizeSteps& next) {
-      if (grid.deviance(next) < found.least + kOut) open.push_back(next);
+/// Finds the likelihood's maximum, and then what is likely around it.
+class SizeSearch {
+ public:
+  explicit SizeSearch(const SizeTask& task) : grid_(task) {
+    // From nothing, and from each effect alone.
+    for (std::size_t one = 0; one <= kCount; ++one) {
+      if (one < kCount && !grid_.is_open(one)) continue;
+      SizeSteps start{};
+      if (one < kCount) start[one] = std::min(4, grid_.last(one));
+      open_.push_back(grid_.lowest_from(start));
+    }
+    std::sort(open_.begin(), open_.end(), [&](const SizeSteps& a, const SizeSteps& b) {
+      return grid_.deviance(a) > grid_.deviance(b);
     });
+    grid_.centre(open_.back());
+    least_ = grid_.deviance(open_.back());
   }
-  for (double& squares : found.mean_squares) squares /= found.evidence;
-  return found;
-}
+  [[nodiscard]] double least() const { return least_; }
 
-/// How figures may fall with the order, and how likely that is beforehand. The steeper, the more
-/// there may be of what circles take up without a trace.
-struct Fall {
-  double power, chance;
+  WeighedSizes weighed() {
+    // All around that is not out of the question.
+    constexpr double kOut = 10;
+    std::set<SizeSteps> seen;
+    while (!open_.empty()) {
+      const SizeSteps here = open_.back();
+      open_.pop_back();
+      if (grid_.deviance(here) > least_ + kOut || !seen.insert(here).second) continue;
+      least_ = std::min(least_, grid_.deviance(here));
+      grid_.visit_next_to(here, [&](const SizeSteps& next) { open_.push_back(next); });
+    }
+    // Beforehand, no effect counts as much as so many sizes of it. Less, and white noise alone
+    // would widen every interval; more, and what hardly shows would be passed over.
+    constexpr double kNone = 50;
+    WeighedSizes found;
+    for (const SizeSteps& here : seen) {
+      double weight = std::exp((least_ - grid_.deviance(here)) / 2);
+      for (std::size_t k = 0; k < kCount; ++k)
+        if (here[k] == 0 && grid_.is_open(k)) weight *= kNone;
+      found.evidence += weight;
+      for (std::size_t k = 0; k < kCount; ++k)
+        found.mean_squares[k] += weight * grid_.size(k, here[k]) * grid_.size(k, here[k]);
+    }
+    for (double& squares : found.mean_squares) squares /= found.evidence;
+    return found;
+  }
+
+ private:
+  SizeGrid grid_;
+  std::vector<SizeSteps> open_;  ///< the lowest is the last
+  double least_ = 0;
 };
-constexpr std::array<Fall, 2> kFalls{{{2, 0.6}, {3, 0.4}}};
+
+/// How likely each law of figures is beforehand. The steeper it falls, the more there may be of
+/// what circles take up without a trace: waves have to be seen.
+constexpr std::array<double, kFigureLaws.size()> kChances{0.6, 0.38, 0.02};
 
 }  // namespace
 
 ChainEffects effect_sizes(LinearisedChain& chain, const ChainEffects& shape, double smallest_mm,
                           double reach_mm) {
-  std::vector<WeighedSizes> found;
-  double least = std::numeric_limits<double>::infinity();
-  for (const Fall& fall : kFalls) {
-    ChainEffects falling = shape;
-    falling.figure_power = fall.power;
-    found.push_back(weighed(chain, falling, smallest_mm, reach_mm));
-    least = std::min(least, found.back().least);
-    if (!is_open(shape, kFigure)) break;
+  const SizeTask asked{&chain, shape, smallest_mm, reach_mm, 0};
+  SizeTask limited = asked;
+  for (std::size_t k = 0; k < kCount; ++k)
+    if (k != kFigure && !is_limited(asked, k)) asked.in(limited.shape, k) = 0;
+  struct ByLaw {
+    SizeTask task;
+    SizeSearch search;
+    double chance;
+  };
+  std::vector<ByLaw> laws;
+  double most = -std::numeric_limits<double>::infinity();  // logarithm of what is likeliest
+  const auto likely = [](const ByLaw& law) {
+    return std::log(law.chance) - law.search.least() / 2;
+  };
+  for (std::size_t law = 0; law < kFigureLaws.size(); ++law) {
+    if (law > 0 && !asked.is_open(kFigure)) break;
+    SizeTask task = limited;
+    task.law = law;
+    if (!is_limited(task, kFigure)) task.in(task.shape, kFigure) = 0;
+    laws.push_back({task, SizeSearch(task), kChances[law]});
+    most = std::max(most, likely(laws.back()));
   }
-  // The mixture's variances of the first order, and of one that is seen.
-  constexpr double kSeen = 4;
-  double sum = 0, figure_seen = 0;
-  std::array<double, kCount> squares{};
-  for (std::size_t f = 0; f < found.size(); ++f) {
-    const double weight =
-        kFalls[f].chance * found[f].evidence * std::exp((least - found[f].least) / 2);
-    sum += weight;
-    for (std::size_t k = 0; k < kCount; ++k) squares[k] += weight * found[f].mean_squares[k];
-    figure_seen += weight * found[f].mean_squares[kFigure] * std::pow(kSeen, -2 * kFalls[f].power);
+  // What would not be heard is not asked.
+  constexpr double kHeard = 0.04;
+  std::erase_if(laws, [&](const ByLaw& law) { return likely(law) < most + std::log(kHeard); });
+  std::vector<WeighedSizes> found;
+  for (ByLaw& law : laws) {
+    found.push_back(law.search.weighed());
+    most = std::max(most, likely(law));
+  }
+  double sum = 0;
+  for (std::size_t l = 0; l < laws.size(); ++l) {
+    found[l].evidence *= std::exp(likely(laws[l]) - most);
+    sum += found[l].evidence;
   }
   ChainEffects effects = shape;
-  for (std::size_t k = 0; k < kCount; ++k)
-    if (is_open(shape, k)) effects.*kSizes[k] = std::sqrt(squares[k] / sum);
-  if (figure_seen > 0)
-    effects.figure_power = std::log(squares[kFigure] / figure_seen) / (2 * std::log(kSeen));
+  effects.figures_mm = {};
+  for (std::size_t k = 0; k < kCount; ++k) {
+    if (!asked.is_open(k)) continue;
+    double squares = 0;
+    for (std::size_t l = 0; l < laws.size(); ++l) {
+      const double share = found[l].evidence / sum * found[l].mean_squares[k];
+      squares += share;
+      if (k == kFigure) laws[l].task.in(effects, k) = std::sqrt(share);
+    }
+    if (k != kFigure) asked.in(effects, k) = std::sqrt(squares);
+  }
   return effects;
 }
 

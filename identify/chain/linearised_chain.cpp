@@ -108,8 +108,7 @@ std::vector<ChainEstimate::Part> LinearisedChain::parts() {
   ChainEffects home, drift, figure, offset, print;
   home.home_rad = shape_.home_rad;
   drift.drift_mm = shape_.drift_mm;
-  figure.figure_mm = shape_.figure_mm;
-  figure.figure_power = shape_.figure_power;
+  figure.figures_mm = shape_.figures_mm;
   offset.offset_rad = shape_.offset_rad;
   print.print_mm = shape_.print_mm;
   print.print_rad = shape_.print_rad;

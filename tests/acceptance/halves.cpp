@@ -11,6 +11,7 @@
 #include "daemon/text/units.hpp"
 #include "identify/geometry/angle.hpp"
 #include "identify/identification.hpp"
+#include "tests/simulation/simulation.hpp"
 
 namespace acceptance {
 namespace {
@@ -59,6 +60,15 @@ identify::Sweep part_of(const identify::Sweep& sweep, double from, double to) {
   return part;
 }
 
+Halves halves_of(const std::vector<identify::Sweep>& sweeps, const identify::Campaign& campaign) {
+  const auto identified = [&](double from, double to) {
+    std::vector<identify::Sweep> parts;
+    for (const auto& sweep : sweeps) parts.push_back(part_of(sweep, from, to));
+    return identify::identify(parts, campaign);
+  };
+  return {identified(0, 0.5), identified(0.5, 1)};
+}
+
 Halves halves_of(const Logs& logs) {
   std::vector<std::string> columns;
   for (std::size_t from = 0; from < logs.columns.size();) {
@@ -81,12 +91,7 @@ Halves halves_of(const Logs& logs) {
   campaign.joints = logs.files.size();
   campaign.resolution = reader.resolution();
   campaign.device_frame = true;
-  const auto identified = [&](double from, double to) {
-    std::vector<identify::Sweep> parts;
-    for (const auto& sweep : sweeps) parts.push_back(part_of(sweep, from, to));
-    return identify::identify(parts, campaign);
-  };
-  return {identified(0, 0.5), identified(0.5, 1)};
+  return halves_of(sweeps, campaign);
 }
 
 /// Next to where the first half states the axis.
@@ -111,6 +116,14 @@ void add(Apart& apart, const identify::Axis& one, const identify::Axis& other) {
     apart.direction_deg.push_back(sweepd::degrees(basis.col(k).dot(turn)));
     apart.z.push_back(basis.col(k).dot(shift) / std::sqrt(shift_covariance(k, k)));
     apart.place_mm.push_back(basis.col(k).dot(shift));
+  }
+}
+
+void add_axes(Apart& apart, const Halves& halves) {
+  for (std::size_t j = 0; j < halves.first.joints.size(); ++j) {
+    const auto& one = halves.first.joints[j].axis;
+    const auto& other = halves.second.joints[j].axis;
+    if (one && other) add(apart, *one, *other);
   }
 }
 
@@ -144,12 +157,32 @@ std::vector<HalvesApart> halves_apart(const std::filesystem::path& data) {
   for (const Logs& logs : logs_in(data)) {
     const Halves halves = halves_of(logs);
     HalvesApart& apart = all.emplace_back(HalvesApart{logs.name, {}, table_apart(halves)});
-    for (std::size_t j = 0; j < logs.files.size(); ++j) {
-      const auto& one = halves.first.joints[j].axis;
-      const auto& other = halves.second.joints[j].axis;
-      if (one && other) add(apart.axes, *one, *other);
-    }
+    add_axes(apart.axes, halves);
   }
+  return all;
+}
+
+std::vector<HalvesApart> sagging_halves_apart(double sag_arcsec, std::uint32_t arms) {
+  std::vector<HalvesApart> all{{"kr5", {}, {}}, {"iiwa", {}, {}}};
+  for (HalvesApart& of_kind : all)
+    for (std::uint32_t seed = 1; seed <= arms; ++seed) {
+      auto robot =
+          simulation::built(of_kind.arm == "kr5" ? simulation::kr5() : simulation::iiwa(), seed);
+      robot.elastic.clear();
+      for (std::size_t j = 1; j < robot.arm.joints(); ++j) robot.elastic.push_back(j);
+      simulation::World world;
+      world.noise.range_mm = world.noise.across_mm = 0.0003;  // a micrometre that is printed
+      world.sag_arcsec = sag_arcsec;
+      simulation::Strokes how;
+      how.arc_deg = 140;
+      how.samples = 184;
+      const simulation::Simulation simulation(simulation::at_random_home(robot, seed), how, world,
+                                              seed);
+      auto campaign = simulation.campaign();
+      campaign.specified.reset();
+      campaign.device_frame = true;
+      add_axes(of_kind.axes, halves_of(simulation.sweeps(), campaign));
+    }
   return all;
 }
 

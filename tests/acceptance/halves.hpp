@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -22,6 +23,11 @@ struct HalvesApart {
 };
 /// Of all arms in the folders sweep-logs and sweep-logs-scene of `data`.
 [[nodiscard]] std::vector<HalvesApart> halves_apart(const std::filesystem::path& data);
+
+/// The axes of simulated arms all of whose joints but the first are elastic, up to `sag_arcsec`,
+/// seen without noise but for a printed micrometre, over arcs of 140 degrees: what weight does to
+/// locked joints while another turns. So many arms of each kind, built and standing at random.
+[[nodiscard]] std::vector<HalvesApart> sagging_halves_apart(double sag_arcsec, std::uint32_t arms);
 
 [[nodiscard]] double root_mean_square(const std::vector<double>& values);
 

@@ -25,3 +25,13 @@ TEST_CASE("Halves of real sweeps agree within their uncertainties", "[halves]") 
     }
   }
 }
+
+// Simulated arms, of which there may be many: real arms that are seen without noise are few.
+TEST_CASE("Halves of arcs that weight bends agree within their uncertainties", "[halves]") {
+  for (const double sag_arcsec : {300.0, 1500.0})
+    for (const auto& [arm, axes, table] : sagging_halves_apart(sag_arcsec, 10)) {
+      INFO(arm << ", " << sag_arcsec << " arcsec");
+      CHECK(axes.z.size() >= 240);
+      CHECK(root_mean_square(axes.z) <= 1.5);
+    }
+}

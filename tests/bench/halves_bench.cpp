@@ -1,5 +1,5 @@
-// Whether the uncertainties of real arms contain what halves of their sweeps differ by: a table of
-// tests/acceptance/halves.hpp.
+// Whether the uncertainties of real arms, and of simulated ones that bend, contain what halves of
+// their sweeps differ by: a table of tests/acceptance/halves.hpp.
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "daemon/text/numbers.hpp"
 #include "tests/acceptance/halves.hpp"
 #include "tests/bench/table.hpp"
 
@@ -39,4 +40,7 @@ int main(int argc, char** argv) {
     print(halves.arm, "axes", halves.axes);
     print(halves.arm, "a b alpha", halves.table);
   }
+  for (const double sag_arcsec : {60.0, 300.0, 1500.0})
+    for (const auto& halves : acceptance::sagging_halves_apart(sag_arcsec, 20))
+      print("sim. " + halves.arm, "sag " + sweepd::fixed(sag_arcsec, 0) + "\"", halves.axes);
 }
