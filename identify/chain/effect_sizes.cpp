@@ -103,6 +103,28 @@ class SizeGrid {
         }
     known_.clear();
   }
+  /// By how much the mean square of this effect is larger than the grid has it, which is too coarse
+  /// for one that the data tell well: along its sizes alone, around these steps.
+  double widening(const SizeSteps& steps, std::size_t effect) {
+    constexpr int kParts = 6;  // of a step of the grid
+    if (!open_[effect] || steps[effect] == 0) return 1;
+    ChainEffects here = effects(steps);
+    double& size = task_.in(here, effect);
+    const double centre = size;
+    const double least = deviance(steps);
+    double fine = 0, fine_squares = 0, coarse = 0, coarse_squares = 0;
+    for (int part = -2 * kParts; part <= 2 * kParts; ++part) {
+      const double times = std::pow(kFactor, static_cast<double>(part) / kParts);
+      size = times * centre;
+      const double weight = std::exp((least - finite(task_.chain->deviance(here))) / 2);
+      fine += weight;
+      fine_squares += weight * times * times;
+      if (part % kParts != 0) continue;
+      coarse += weight;
+      coarse_squares += weight * times * times;
+    }
+    return std::max(1.0, fine_squares / fine / (coarse_squares / coarse));
+  }
   template <class Visit>
   void visit_next_to(const SizeSteps& steps, const Visit& visit) {
     for (std::size_t k = 0; k < kCount; ++k)
@@ -181,6 +203,7 @@ class SizeSearch {
     });
     grid_.centre(open_.back());
     least_ = grid_.deviance(open_.back());
+    for (std::size_t k = 0; k < kCount; ++k) widening_[k] = grid_.widening(open_.back(), k);
   }
   [[nodiscard]] double least() const { return least_; }
 
@@ -207,7 +230,7 @@ class SizeSearch {
       for (std::size_t k = 0; k < kCount; ++k)
         found.mean_squares[k] += weight * grid_.size(k, here[k]) * grid_.size(k, here[k]);
     }
-    for (double& squares : found.mean_squares) squares /= found.evidence;
+    for (std::size_t k = 0; k < kCount; ++k) found.mean_squares[k] *= widening_[k] / found.evidence;
     return found;
   }
 
@@ -215,6 +238,7 @@ class SizeSearch {
   SizeGrid grid_;
   std::vector<SizeSteps> open_;  ///< the lowest is the last
   double least_ = 0;
+  std::array<double, kCount> widening_{};
 };
 
 /// How likely each law of figures is beforehand. The steeper it falls, the more there may be of
