@@ -3,6 +3,7 @@
 #include <future>
 
 #include <CLI/CLI.hpp>
+#include <malloc.h>
 #include <nlohmann/json.hpp>
 
 #include "daemon/commands/command_options.hpp"
@@ -83,6 +84,13 @@ void write_run_file(const ReplayOptions& options, const rsi::ConversationSearch&
                    run_json("replay", given, options.arguments, inputs));
 }
 
+/// What one step gives back, the next one takes: pages that come anew from the system would be as
+/// much work as what is written into them.
+void keep_memory() {
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, 64 << 20);
+}
+
 class Rows : public StreamSink {
  public:
   Rows(std::optional<LineFile>& file, DeviceRecording& device) : file_(file), device_(device) {}
@@ -99,6 +107,7 @@ class Rows : public StreamSink {
 }  // namespace
 
 int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) {
+  keep_memory();
   ReplayOptions options = given;
   if (options.output) check_output(options);
   options.traces = rsi::in_order_of_time(given.traces);
@@ -135,8 +144,11 @@ int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) 
   const bool all_written = !samples || samples->error().empty();
   if (!all_written) errors << "sweepd: " << samples->error() << '\n';
   samples.reset();
-  if (samples_file && all_written) samples_file->commit();
+  std::future<void> committed;  // the disk takes as long as the engine
+  if (samples_file && all_written)
+    committed = std::async(std::launch::async, [&] { samples_file->commit(); });
   Outcome outcome = outcome_of(device.with_device(session->snapshot()));
+  if (committed.valid()) committed.get();
   if (!search.chosen) outcome.identification.reason = "no RSI telegrams in the capture";
   if (options.output) {
     write_run_file(options, search, hashes.get());

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "rsi/ascii.hpp"
-#include "rsi/telegram/telegram.hpp"
+#include "rsi/telegram/decimal.hpp"
 
 namespace sweepd {
 namespace {

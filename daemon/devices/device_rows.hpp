@@ -10,7 +10,7 @@
 
 #include "daemon/devices/device_layout.hpp"
 #include "daemon/devices/device_text.hpp"
-#include "rsi/telegram/telegram.hpp"
+#include "rsi/telegram/decimal.hpp"
 
 namespace sweepd {
 

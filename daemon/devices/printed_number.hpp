@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "rsi/telegram/telegram.hpp"
+#include "rsi/telegram/decimal.hpp"
 
 namespace sweepd {
 

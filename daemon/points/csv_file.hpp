@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "daemon/devices/device_text.hpp"
-#include "rsi/telegram/telegram.hpp"
+#include "rsi/telegram/decimal.hpp"
 
 namespace sweepd {
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "daemon/report/json_part.hpp"
+#include "rsi/telegram/decimal.hpp"
 
 namespace sweepd {
 
@@ -21,6 +22,7 @@ namespace sweepd {
 
 /// Not a number where there is none.
 [[nodiscard]] inline double value_in(std::string_view cell) {
+  if (rsi::Decimal number; rsi::read_short(cell, number)) return number.value;
   double value = kNothing;
   std::from_chars(cell.data(), cell.data() + cell.size(), value);
   return value;

@@ -1,7 +1,6 @@
 #include "daemon/results/result_csv.hpp"
 
 #include <array>
-#include <charconv>
 #include <optional>
 
 #include <spdlog/fmt/fmt.h>
@@ -24,15 +23,6 @@ std::string length_text(double mm) {
 }
 std::string angle_text(double radians) {
   return fixed(degrees(radians), kAngleDecimals);
-}
-
-/// A measured number with the decimals that it came with: who reads it knows its step again.
-void append_measured(std::string& csv, double value) {
-  std::array<char, 400> digits{};
-  const auto [end, error] =
-      std::to_chars(digits.data(), digits.data() + digits.size(), rounded(value, kLengthDecimals),
-                    std::chars_format::fixed);
-  csv.append(digits.data(), end);
 }
 
 /// Distances from the fitted circle's plane and from the circle; of a linear joint from the line,
@@ -173,11 +163,12 @@ std::string sweeps_csv(const Outcome& outcome) {
         append_fixed(csv, sample.time_s, 3);
         for (const double value : sample.position_mm) {
           csv += ',';
-          append_measured(csv, value);
+          append_measured(csv, value, kLengthDecimals);
         }
         for (std::size_t k = 0; k < angles; ++k) {
           csv += ',';
-          if (k < sample.joints) append_measured(csv, degrees(sample.angles_rad[k]));
+          if (k < sample.joints)
+            append_measured(csv, degrees(sample.angles_rad[k]), kLengthDecimals);
         }
         if (joints[j].used[s]) {
           for (const double residual : off_fit(joints[j], sample.position_mm)) add(residual);
@@ -203,9 +194,10 @@ std::string poses_csv(const Outcome& outcome) {
   for (std::size_t i = 0; i < found.poses.size(); ++i) {
     const identify::Pose& pose = found.poses[i];
     csv += std::to_string(i + 1) + "," + std::to_string(pose.target + 1);
-    for (const double value : pose.sample.position_mm) append_measured(csv += ',', value);
+    for (const double value : pose.sample.position_mm)
+      append_measured(csv += ',', value, kLengthDecimals);
     for (std::size_t j = 0; j < joints; ++j)
-      append_measured(csv += ',', degrees(pose.sample.angles_rad[j]));
+      append_measured(csv += ',', degrees(pose.sample.angles_rad[j]), kLengthDecimals);
     for (const double off : found.fit.rows[i].off.head<3>()) append_fixed(csv += ',', off, 6);
     append_fixed(csv += ',', found.fit.sigmas_off(i), 3);
     csv += '\n';

@@ -10,8 +10,6 @@
 namespace sweepd {
 namespace {
 
-constexpr std::size_t kHeldBack = 4;
-
 /// A longer stroke is ended and goes on as another: two minutes of motion at 4 ms, 5 MB.
 constexpr std::size_t kLongestStroke = 32'768;
 
@@ -34,7 +32,9 @@ Pipeline::Pipeline(std::size_t joints, const SignalNames& signals, StreamSink& s
                    bool with_currents)
     : sink_(sink),
       reader_(signals, joints, with_currents),
-      segmenter_(std::min(joints, signals.angles.size()), kLongestStroke) {}
+      segmenter_(std::min(joints, signals.angles.size()), kLongestStroke) {
+  std::iota(order_.begin(), order_.end(), std::uint8_t{0});
+}
 
 bool Pipeline::telegram(const rsi::Datagram& datagram) {
   auto defect = telegram_.parse(datagram.payload);
@@ -48,12 +48,14 @@ bool Pipeline::telegram(const rsi::Datagram& datagram) {
   const bool restarted = arrival == rsi::Arrival::restart;
   if (restarted) finish();
 
-  Waiting waiting{reader_.read(telegram_), std::move(spare_row_), reader_.currents()};
+  Waiting& waiting = places_[order_[waiting_]];
+  waiting.sample = reader_.read(telegram_);
+  waiting.currents = reader_.currents();
   waiting.sample.time_s =
       clock_.seconds(telegram_.ipoc(), datagram.time, link_.statistics().step(), restarted);
   start_row(waiting.row, waiting.sample.time_s, telegram_.ipoc());
   reader_.append_csv(waiting.row);
-  hold(std::move(waiting));
+  hold();
   release(kHeldBack);
   return true;
 }
@@ -67,21 +69,24 @@ SourceCounts Pipeline::counts() const {
   return {link_.statistics().counts(), malformed_, reader_.unusable(), link_.statistics().cycle()};
 }
 
-void Pipeline::hold(Waiting waiting) {
-  auto place = waiting_.end();
-  while (place != waiting_.begin() && std::prev(place)->sample.time_s > waiting.sample.time_s)
-    --place;
-  waiting_.insert(place, std::move(waiting));
+/// The first of the free places is taken.
+void Pipeline::hold() {
+  const auto is_later = [&](std::size_t before) {
+    return places_[order_[before]].sample.time_s > places_[order_[before + 1]].sample.time_s;
+  };
+  for (std::size_t at = waiting_++; at > 0 && is_later(at - 1); --at)
+    std::swap(order_[at - 1], order_[at]);
 }
 
 void Pipeline::release(std::size_t keep) {
-  for (; waiting_.size() > keep; waiting_.pop_front()) {
-    Waiting& next = waiting_.front();
+  while (waiting_ > keep) {
+    const Waiting& next = places_[order_.front()];
     if (next.currents) sink_.currents(next.sample, *next.currents);
     sink_.sample(next.sample, next.row);
     segmenter_.set_resolution(reader_.resolution());
     report(segmenter_.push(next.sample));
-    spare_row_ = std::move(next.row);
+    std::rotate(order_.begin(), order_.begin() + 1,
+                order_.begin() + static_cast<std::ptrdiff_t>(waiting_--));
   }
 }
 

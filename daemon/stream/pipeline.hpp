@@ -2,8 +2,8 @@
 
 #include <array>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -76,8 +76,9 @@ class Pipeline {
     std::string row;
     std::optional<Currents> currents;
   };
+  static constexpr std::size_t kHeldBack = 4;
 
-  void hold(Waiting waiting);
+  void hold();
   void release(std::size_t keep);
   void report(const std::vector<identify::Sweep>& sweeps) const;
 
@@ -89,8 +90,11 @@ class Pipeline {
   identify::Segmenter segmenter_;
   std::array<std::uint64_t, rsi::kDefects> malformed_{};
   /// Samples wait until a few others have come: one that was overtaken still finds its place.
-  std::deque<Waiting> waiting_;
-  std::string spare_row_;  // keeps its memory
+  std::array<Waiting, kHeldBack + 1> places_;
+  /// All places: those where samples wait, in the order of time, and behind them those that are
+  /// free.
+  std::array<std::uint8_t, kHeldBack + 1> order_{};
+  std::size_t waiting_ = 0;
 };
 
 }  // namespace sweepd

@@ -6,7 +6,8 @@
 
 #include "daemon/text/units.hpp"
 #include "rsi/ascii.hpp"
-#include "rsi/telegram/ipoc.hpp"
+#include "rsi/telegram/decimal.hpp"
+#include "rsi/words.hpp"
 
 namespace sweepd {
 namespace {
@@ -35,46 +36,47 @@ SampleReader::SampleReader(const SignalNames& names, std::size_t joints, bool wi
       external_.push_back({rsi::SignalPlace("EIPos", axis)});
 }
 
-std::optional<double> SampleReader::value(const rsi::Telegram& telegram, Source& source,
-                                          int& decimals) {
-  const rsi::Signal* const signal = source.place.in(telegram);
-  source.text = {};
-  if (signal == nullptr) return std::nullopt;
-  const auto number = rsi::decimal(signal->text);
-  if (!number || std::abs(number->value) > kLargestMeasured) {
-    ++unusable_;
-    return std::nullopt;
+/// Sets the values of those that are there and numbers that can be measured; returns how many.
+std::size_t SampleReader::take(const rsi::Telegram& telegram, std::span<Source> sources,
+                               int& decimals, double* values) {
+  std::size_t found = 0;
+  for (Source& source : sources) {
+    double& value = *values++;
+    source.text = {};
+    const rsi::Signal* const signal = source.place.in(telegram);
+    if (signal == nullptr) continue;
+    rsi::Decimal number;
+    if (!rsi::read(signal->text, number) || std::abs(number.value) > kLargestMeasured) {
+      ++unusable_;
+      continue;
+    }
+    source.text = rsi::trimmed(signal->text);
+    decimals = std::max(decimals, number.decimals);
+    value = number.value;
+    ++found;
   }
-  source.text = rsi::trimmed(signal->text);
-  decimals = std::max(decimals, number->decimals);
-  return number->value;
+  return found;
 }
 
 identify::Sample SampleReader::read(const rsi::Telegram& telegram) {
   identify::Sample sample;
   int position_decimals = position_decimals_;
   int angle_decimals = angle_decimals_;
-  std::array<std::optional<double>, 6> pose;
-  for (std::size_t k = 0; k < 6; ++k)
-    pose[k] = value(telegram, pose_[k], k < 3 ? position_decimals : angle_decimals);
-  if (pose[0] && pose[1] && pose[2]) {
-    sample.position_mm = {*pose[0], *pose[1], *pose[2]};
-    sample.has_position = true;
-  }
-  if (pose[3] && pose[4] && pose[5]) {
-    for (std::size_t k = 0; k < 3; ++k) sample.abc_rad[k] = radians(*pose[k + 3]);
-    sample.has_orientation = true;
-  }
-  std::size_t found = 0;
-  for (std::size_t j = 0; j < angles_.size(); ++j) {
-    const auto angle = value(telegram, angles_[j], angle_decimals);
-    if (!angle) continue;
-    sample.angles_rad[j] = radians(*angle);
-    ++found;
-  }
+  const std::span pose(pose_);
+  sample.has_position =
+      take(telegram, pose.first(3), position_decimals, sample.position_mm.data()) == 3;
+  if (!sample.has_position) sample.position_mm.setZero();
+  sample.has_orientation = take(telegram, pose.last(3), angle_decimals, sample.abc_rad.data()) == 3;
+  for (double& angle : sample.abc_rad) angle = sample.has_orientation ? radians(angle) : 0;
+  const std::size_t found = take(telegram, angles_, angle_decimals, sample.angles_rad.data());
+  for (double& angle : sample.angles_rad) angle = radians(angle);
   if (found == angles_.size()) sample.joints = static_cast<std::uint8_t>(found);
   follow_external_axes(telegram);
-  read_currents(telegram);
+  Currents currents;
+  currents.fill(kNoCurrent);
+  int ignored = 0;
+  read_currents_.reset();
+  if (take(telegram, currents_, ignored, currents.data()) > 0) read_currents_ = currents;
   sample.external_place = external_place_;
 
   if (position_decimals != position_decimals_ || angle_decimals != angle_decimals_) {
@@ -100,29 +102,22 @@ void SampleReader::follow_external_axes(const rsi::Telegram& telegram) {
   }
 }
 
-void SampleReader::read_currents(const rsi::Telegram& telegram) {
-  read_currents_.reset();
-  for (std::size_t j = 0; j < currents_.size(); ++j) {
-    int decimals = 0;
-    const auto current = value(telegram, currents_[j], decimals);
-    if (j == 0 && currents_[j].text.empty() && !current) break;  // all are sent, or none
-    if (!read_currents_) {
-      read_currents_.emplace();
-      read_currents_->fill(kNoCurrent);
-    }
-    if (current) (*read_currents_)[j] = *current;
-  }
-}
-
 void SampleReader::append_csv(std::string& row) const {
-  const auto append = [&](const Source& source) {
-    row += ',';
-    row += source.text;
+  const auto each = [&](const auto& see) {
+    for (const auto& source : pose_) see(source.text);
+    for (const auto& source : angles_) see(source.text);
+    if (with_currents_)
+      for (const auto& source : currents_) see(source.text);
   };
-  for (const auto& source : pose_) append(source);
-  for (const auto& source : angles_) append(source);
-  if (with_currents_)
-    for (const auto& source : currents_) append(source);
+  const std::size_t before = row.size();
+  std::size_t size = before;
+  each([&](std::string_view text) { size += 1 + text.size(); });
+  row.resize(size);
+  char* at = row.data() + before;
+  each([&](std::string_view text) {
+    *at++ = ',';
+    at = rsi::copy(at, text.data(), text.size());
+  });
 }
 
 std::string SampleReader::csv_header() const {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -43,9 +44,9 @@ class SampleReader {
     std::string_view text = {};
   };
 
-  std::optional<double> value(const rsi::Telegram& telegram, Source& source, int& decimals);
+  std::size_t take(const rsi::Telegram& telegram, std::span<Source> sources, int& decimals,
+                   double* values);
   void follow_external_axes(const rsi::Telegram& telegram);
-  void read_currents(const rsi::Telegram& telegram);
 
   std::vector<Source> pose_;  // X Y Z A B C
   std::vector<Source> angles_;

@@ -4,15 +4,52 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 
 namespace sweepd {
 namespace {
 
 constexpr std::array kPowers{1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9};
 
+/// Up to here a double says no more than its whole number of units does.
+constexpr double kMostUnits = 1e15;
+constexpr std::size_t kLongest = 400;  // the largest double has 309 digits before the point
+
 double power_of_ten(int exponent) {
   const auto index = static_cast<std::size_t>(exponent);
   return index < kPowers.size() ? kPowers[index] : std::pow(10.0, exponent);
+}
+
+constexpr auto kPairs = [] {
+  std::array<char, 200> pairs{};
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    pairs[k] = static_cast<char>('0' + (k % 2 == 0 ? k / 20 : k / 2 % 10));
+  return pairs;
+}();
+
+/// So many units of the last decimal, below kMostUnits.
+void append_units(std::string& text, double units, int decimals) {
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): written to before it is read
+  std::array<char, kLongest> digits;
+  char* const end = digits.data() + digits.size();
+  char* at = end;
+  auto rest = static_cast<std::uint64_t>(std::abs(units));
+  const auto write_digit = [&] {
+    *--at = static_cast<char>('0' + rest % 10);
+    rest /= 10;
+  };
+  const auto write_pair = [&] {
+    std::memcpy(at -= 2, &kPairs[2 * (rest % 100)], 2);
+    rest /= 100;
+  };
+  if (decimals % 2 == 1) write_digit();
+  for (int pairs = decimals / 2; pairs > 0; --pairs) write_pair();
+  if (decimals > 0) *--at = '.';
+  while (rest >= 100) write_pair();
+  write_digit();
+  if (rest > 0) write_digit();
+  if (units < 0) *--at = '-';
+  text.append(at, static_cast<std::size_t>(end - at));
 }
 
 }  // namespace
@@ -25,25 +62,26 @@ double rounded(double value, int decimals) {
 }
 
 void append_fixed(std::string& text, double value, int decimals) {
-  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): written to before it is read
-  std::array<char, 400> digits;  // the largest double has 309 digits before the point
-  auto* const end = digits.data() + digits.size();
   const double units = std::round(value * power_of_ten(decimals));
-  if (!(std::abs(units) < 1e15)) {
-    text.append(digits.data(), std::to_chars(digits.data(), end, rounded(value, decimals),
-                                             std::chars_format::fixed, decimals)
-                                   .ptr);
-    return;
+  if (std::abs(units) < kMostUnits) return append_units(text, units, decimals);
+  std::array<char, kLongest> digits{};
+  text.append(digits.data(),
+              std::to_chars(digits.data(), digits.data() + digits.size(), rounded(value, decimals),
+                            std::chars_format::fixed, decimals)
+                  .ptr);
+}
+
+void append_measured(std::string& text, double value, int decimals) {
+  double units = std::round(value * power_of_ten(decimals));
+  if (std::abs(units) < kMostUnits) {
+    auto rest = static_cast<std::int64_t>(units);
+    for (; decimals > 0 && rest % 10 == 0; --decimals) rest /= 10;
+    return append_units(text, static_cast<double>(rest), decimals);
   }
-  // Up to 15 digits a double says no more than the whole number of units does.
-  auto rest = static_cast<std::uint64_t>(std::abs(units));
-  char* at = end;
-  for (int i = 0; i < decimals; ++i, rest /= 10) *--at = static_cast<char>('0' + rest % 10);
-  if (decimals > 0) *--at = '.';
-  do *--at = static_cast<char>('0' + rest % 10);
-  while ((rest /= 10) > 0);
-  if (units < 0) *--at = '-';
-  text.append(at, static_cast<std::size_t>(end - at));
+  std::array<char, kLongest> digits{};
+  text.append(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(),
+                                           rounded(value, decimals), std::chars_format::fixed)
+                                 .ptr);
 }
 
 std::string fixed(double value, int decimals) {

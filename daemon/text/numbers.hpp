@@ -10,6 +10,10 @@ namespace sweepd {
 /// The same, appended to `text`.
 void append_fixed(std::string& text, double value, int decimals);
 
+/// The same without zeros at its end: a measured number with the decimals that it came with, if
+/// these are no more.
+void append_measured(std::string& text, double value, int decimals);
+
 /// `value` rounded to so many decimals: what a file holds of it.
 [[nodiscard]] double rounded(double value, int decimals);
 

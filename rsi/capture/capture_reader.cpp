@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <pcap/pcap.h>
+#include <stdio_ext.h>
 #include <sys/types.h>
 
 #include "rsi/counted.hpp"
@@ -30,15 +31,23 @@ std::uint64_t number(std::string_view bytes, bool big_endian) {
   return value;
 }
 
+/// One thread reads, so that nothing has to be locked.
+void take_buffer(std::FILE* file, std::vector<char>& buffer) {
+  std::setvbuf(file, buffer.data(), _IOFBF, buffer.size());
+  __fsetlocking(file, FSETLOCKING_BYCALLER);
+}
+
 }  // namespace
 
 CaptureSections::CaptureSections(const std::filesystem::path& path)
-    : file_(std::fopen(path.c_str(), "rbe")) {
+    : file_buffer_(read_buffer_size),
+      section_buffer_(read_buffer_size),
+      file_(std::fopen(path.c_str(), "rbe")) {
   if (!file_)
     throw CaptureError("cannot open capture " + path.string() + ": " +
                        std::generic_category().message(errno) +
                        ": check the name and the permissions");
-  std::setvbuf(file_.get(), nullptr, _IOFBF, read_buffer_size);
+  take_buffer(file_.get(), file_buffer_);
 }
 
 bool CaptureSections::next() {
@@ -63,7 +72,7 @@ std::FILE* CaptureSections::open() {
   };
   std::FILE* const section =
       fopencookie(this, "rb", {.read = read_section, .write = {}, .seek = {}, .close = {}});
-  if (section != nullptr) std::setvbuf(section, nullptr, _IOFBF, read_buffer_size);
+  if (section != nullptr) take_buffer(section, section_buffer_);
   return section;
 }
 

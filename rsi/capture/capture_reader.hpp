@@ -45,6 +45,8 @@ class CaptureSections {
   std::size_t read(char* bytes, std::size_t size);
   void begin_block();
 
+  // Whose sizes the C library heeds only where they are given to it; they outlive the files.
+  std::vector<char> file_buffer_, section_buffer_;
   std::unique_ptr<std::FILE, Close> file_;
   bool begun_ = false;
   bool at_header_ = false;  // of a section that was not begun

@@ -28,41 +28,43 @@ std::optional<Arrival> Link::telegram(const Datagram& datagram) {
 
 std::optional<Arrival> Link::telegram(const Datagram& datagram, const Telegram& telegram,
                                       Defect defect) {
-  Kept cycle;
-  cycle.received = datagram.time;
-  cycle.malformed = defect != Defect::none || datagram.cut;
-  cycle.ipoc = defect == Defect::none ? telegram.ipoc() : ipoc_number(find_ipoc(datagram.payload));
-  if (const Signal* const delay = delay_.in(telegram)) cycle.delay = ipoc_number(delay->text);
-  if (cycle.malformed) ++report_.malformed;
-  if (!cycle.ipoc) {
+  const bool malformed = defect != Defect::none || datagram.cut;
+  const auto ipoc =
+      defect == Defect::none ? telegram.ipoc() : ipoc_number(find_ipoc(datagram.payload));
+  std::optional<std::uint64_t> delay;
+  if (const Signal* const signal = delay_.in(telegram)) delay = ipoc_number(signal->text);
+  if (malformed) ++report_.malformed;
+  Arrival arrival = Arrival::in_order;
+  if (ipoc) {
+    Datagram whole = datagram;
+    whole.cut = malformed;
+    arrival = statistics_.add(whole, *ipoc, delay);
+  } else {
     ++report_.unanswerable;
-    keep(cycle);
-    return std::nullopt;
   }
-  Datagram whole = datagram;
-  whole.cut = cycle.malformed;
-  cycle.arrival = statistics_.add(whole, *cycle.ipoc, cycle.delay);
-  if (cycle.counts()) {
-    if (newest_) {
-      cycle.since = std::clamp(datagram.time - newest_->received, -kLongest, kLongest);
-      if (cycle.arrival == Arrival::in_order) cycle.rise = *cycle.ipoc - *newest_->ipoc;
-    } else {
-      report_.start = datagram.time;
-    }
-    if (cycle.arrival != Arrival::reordered) {
-      const auto late_runs = statistics_.counts().late_runs;
-      cycle.begins_late_run = late_runs != late_runs_;
-      late_runs_ = late_runs;
-      newest_ = cycle;
-    }
-  }
-  keep(cycle);
-  return cycle.arrival;
-}
-
-void Link::keep(const Kept& cycle) {
   if (size_ == kMost) settle(kBatch, false);
-  cycles_[size_++] = cycle;
+  Kept& cycle = cycles_[size_++];  // made in its place: it is large
+  cycle = {};
+  cycle.received = datagram.time;
+  cycle.ipoc = ipoc;
+  cycle.delay = delay;
+  cycle.arrival = arrival;
+  cycle.malformed = malformed;
+  if (!ipoc) return std::nullopt;
+  if (!cycle.counts()) return arrival;
+  if (newest_) {
+    cycle.since = std::clamp(datagram.time - newest_->received, -kLongest, kLongest);
+    if (arrival == Arrival::in_order) cycle.rise = *ipoc - newest_->ipoc;
+  } else {
+    report_.start = datagram.time;
+  }
+  if (arrival != Arrival::reordered) {
+    const auto late_runs = statistics_.counts().late_runs;
+    cycle.begins_late_run = late_runs != late_runs_;
+    late_runs_ = late_runs;
+    newest_ = {datagram.time, *ipoc};
+  }
+  return arrival;
 }
 
 void Link::reply(const Datagram& datagram) {

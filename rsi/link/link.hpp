@@ -73,7 +73,6 @@ class Link {
     }
   };
 
-  void keep(const Kept& cycle);
   void lay_out();
   [[nodiscard]] bool clock_stepped(std::size_t index) const;
   [[nodiscard]] Nanoseconds deviation(const Kept& cycle) const;
@@ -95,8 +94,12 @@ class Link {
   std::array<Kept, kMost> cycles_{};
   std::size_t size_ = 0;
   std::uint64_t late_runs_ = 0;
-  std::optional<Kept> newest_;   // in order
-  Nanoseconds settled_until_{};  // its time since the first telegram
+  struct Newest {
+    Timestamp received{};
+    std::uint64_t ipoc = 0;
+  };
+  std::optional<Newest> newest_;  // in order
+  Nanoseconds settled_until_{};   // its time since the first telegram
   Nanoseconds unit_ = std::chrono::milliseconds(1);
   Nanoseconds cycle_{};
   Place late_run_;

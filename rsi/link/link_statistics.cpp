@@ -1,8 +1,10 @@
 #include "rsi/link/link_statistics.hpp"
 
 #include <algorithm>
-#include <functional>
+#include <bit>
 #include <string_view>
+
+#include "rsi/words.hpp"
 
 namespace rsi {
 
@@ -27,12 +29,27 @@ bool older(std::uint64_t ipoc, std::uint64_t other) {
   return other - ipoc - 1 < std::uint64_t{1} << 63;
 }
 
+/// A hash of all bytes. Four words at a time: std::hash waits for each one before the next, which
+/// is a tenth of all the work on a telegram.
+std::uint64_t hash_of(std::string_view content) {
+  const auto add = [](std::uint64_t& sum, std::uint64_t word) {
+    sum = std::rotl((sum ^ word) * 0x9e37'79b9'7f4a'7c15, 29);
+  };
+  std::array<std::uint64_t, 4> sums{1, 2, 3, content.size()};
+  for (; content.size() >= 32; content.remove_prefix(32))
+    for (std::size_t k = 0; k < sums.size(); ++k) add(sums[k], word_at(content.data() + 8 * k));
+  for (; content.size() >= 8; content.remove_prefix(8)) add(sums[0], word_at(content.data()));
+  add(sums[1], word_at(content.data(), content.size()));
+  for (const std::uint64_t sum : {sums[1], sums[2], sums[3]}) add(sums[0], sum);
+  return sums[0];
+}
+
 }  // namespace
 
 Arrival LinkStatistics::add(const Datagram& datagram, std::uint64_t ipoc,
                             std::optional<std::uint64_t> delay) {
   Seen came{ipoc, {}, datagram.time};
-  if (!datagram.cut) came.content = std::hash<std::string_view>()(datagram.payload);
+  if (!datagram.cut) came.content = hash_of(datagram.payload);
   const Arrival arrival = run_.distinct == 0 ? Arrival::in_order : judge(came, datagram.source);
   if (arrival == Arrival::restart && datagram.cut && run_.whole > 0) return Arrival::stray;
   ++counts_.telegrams;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "rsi/ascii.hpp"
+#include "rsi/telegram/decimal.hpp"
 #include "rsi/telegram/ipoc.hpp"
 #include "rsi/telegram/telegram.hpp"
 #include "rsi/telegram/wire_layout.hpp"

@@ -2,8 +2,6 @@
 
 #include <array>
 #include <atomic>
-#include <charconv>
-#include <cmath>
 
 #include "rsi/ascii.hpp"
 #include "rsi/telegram/ipoc.hpp"
@@ -226,60 +224,9 @@ std::optional<std::size_t> Telegram::find(std::string_view element,
   return std::nullopt;
 }
 
-const Signal* SignalPlace::in(const Telegram& telegram) noexcept {
-  if (names_ != telegram.names()) {
-    at_ = telegram.find(element_, attribute_);
-    names_ = telegram.names();
-  }
-  return at_ ? &telegram.signals()[*at_] : nullptr;
-}
-
-std::optional<Decimal> decimal(std::string_view text) noexcept {
-  // Nearly every number has at most 15 digits and no exponent. Then digits and power of ten are
-  // exact doubles, and one division gives the nearest double, as from_chars would.
-  static constexpr std::array kPowers{1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-                                      1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  std::uint64_t all_digits = 0;
-  const auto take_digits = [&] {
-    const char* const begin = at;
-    for (unsigned digit; at != end && (digit = static_cast<unsigned>(*at - '0')) <= 9; ++at)
-      all_digits = 10 * all_digits + digit;
-    return static_cast<std::size_t>(at - begin);
-  };
-  const bool negative = at != end && *at == '-';
-  if (negative) ++at;
-  const std::size_t whole = take_digits();
-  std::size_t fraction = 0;
-  if (at != end && *at == '.') {
-    ++at;
-    fraction = take_digits();
-  }
-  if (at == end && whole > 0 && whole + fraction <= 15) {
-    const double size = static_cast<double>(all_digits) / kPowers[fraction];
-    return Decimal{negative ? -size : size, static_cast<int>(fraction)};
-  }
-  const auto value = number(text);
-  if (!value) return std::nullopt;
-  return Decimal{*value, decimals(text)};
-}
-
-std::optional<double> number(std::string_view text) noexcept {
-  text = trimmed(text);
-  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
-  double value = 0;
-  const auto* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc() || stop != end || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
-
-int decimals(std::string_view text) noexcept {
-  const auto point = text.find('.');
-  if (point == std::string_view::npos) return 0;
-  const auto end = text.find_first_not_of("0123456789", point + 1);
-  return static_cast<int>((end == std::string_view::npos ? text.size() : end) - point - 1);
+void SignalPlace::look(const Telegram& telegram) noexcept {
+  at_ = telegram.find(element_, attribute_);
+  names_ = telegram.names();
 }
 
 }  // namespace rsi

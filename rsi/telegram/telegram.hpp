@@ -72,26 +72,18 @@ class SignalPlace {
       : element_(std::move(element)), attribute_(std::move(attribute)) {}
 
   /// Null if the telegram has none. Names are looked at only where their order has changed.
-  [[nodiscard]] const Signal* in(const Telegram& telegram) noexcept;
+  [[nodiscard]] const Signal* in(const Telegram& telegram) noexcept {
+    if (names_ != telegram.names()) look(telegram);
+    return at_ ? &telegram.signals()[*at_] : nullptr;
+  }
 
  private:
+  void look(const Telegram& telegram) noexcept;
+
   std::string element_;
   std::string attribute_;
   std::uint64_t names_ = 0;
   std::optional<std::size_t> at_;
 };
-
-/// A number as it was printed.
-struct Decimal {
-  double value = 0;
-  int decimals = 0;  ///< digits after the decimal point: "-90.0" has 1
-};
-
-/// A finite decimal number, with or without sign and exponent; nothing for anything else.
-[[nodiscard]] std::optional<Decimal> decimal(std::string_view text) noexcept;
-[[nodiscard]] std::optional<double> number(std::string_view text) noexcept;
-
-/// Digits after the decimal point of a number as it was printed: "-90.0" has 1.
-[[nodiscard]] int decimals(std::string_view text) noexcept;
 
 }  // namespace rsi

@@ -1,10 +1,10 @@
 #include "rsi/telegram/telegram_shape.hpp"
 
 #include <array>
-#include <cstring>
 
 #include "rsi/ascii.hpp"
 #include "rsi/telegram/telegram.hpp"
+#include "rsi/words.hpp"
 
 namespace rsi {
 namespace {
@@ -19,6 +19,25 @@ constexpr auto kNoValue = [] {
 const char* end_of_value(const char* at, const char* end) {
   while (at != end && !kNoValue[static_cast<unsigned char>(*at)]) ++at;
   return at;
+}
+
+/// Not zero if a byte is none that numbers have, + to 9: those above are among these.
+inline std::uint64_t not_numeric(std::uint64_t word) {
+  constexpr std::uint64_t kHigh = 0x80 * kEachByte;
+  const std::uint64_t below = ~((word | kHigh) - '+' * kEachByte);
+  const std::uint64_t above = word + (0x7f - '9') * kEachByte;
+  return (below | above | word) & kHigh;
+}
+
+/// Whether a value that begins here ends after so many bytes.
+inline bool ends_after(std::size_t size, const char* at, const char* end) {
+  if (static_cast<std::size_t>(end - at) <= size || !kNoValue[static_cast<unsigned char>(at[size])])
+    return false;
+  if (size >= 4 && size < 8)
+    if (not_numeric(half_word_at(at) | half_word_at(at + size - 4) << 32) == 0) return true;
+  if (size >= 8 && size <= 16)
+    if ((not_numeric(word_at(at)) | not_numeric(word_at(at + size - 8))) == 0) return true;
+  return end_of_value(at, at + size) == at + size;
 }
 
 bool plain_text(std::string_view value) {
@@ -77,40 +96,47 @@ bool TelegramShape::add(Slot slot, std::string_view value, std::size_t at) {
   if (slot.kind == Slot::Kind::attribute ? !quoted : !between_tags) return false;
   slot.gap = rest_;
   slot.gap_size = at - rest_;
+  slot.value_size = value.size();
   slots_.push_back(slot);
   rest_ = end;
   return true;
 }
 
 bool TelegramShape::read(std::string_view datagram, std::vector<Signal>& signals,
-                         std::string_view& ipoc) const {
+                         std::string_view& ipoc) {
   if (slots_.empty()) return false;
-  signals.clear();
+  signals.resize(slots_.size() - 1);  // one is the IPOC
+  Signal* signal = signals.data();
   const char* at = datagram.data();
   const char* const end = at + datagram.size();
-  const auto takes = [&](const char* wanted, std::size_t size) {
-    if (static_cast<std::size_t>(end - at) < size || std::memcmp(at, wanted, size) != 0)
+  const auto takes = [&](std::size_t from, std::size_t size) {
+    if (static_cast<std::size_t>(end - at) < size || !equal(at, learned_.data() + from, size))
       return false;
     at += size;
     return true;
   };
   std::string_view element;
-  for (const Slot& slot : slots_) {
+  for (Slot& slot : slots_) {
     const char* const gap = at;
-    if (!takes(learned_.data() + slot.gap, slot.gap_size)) return false;
-    const char* const begin = at;
-    at = end_of_value(at, end);
-    const std::string_view value(begin, static_cast<std::size_t>(at - begin));
+    if (!takes(slot.gap, slot.gap_size)) return false;
+    std::size_t& size = slot.value_size;
+    if (!ends_after(size, at, end)) {
+      // Mostly a sign has come or gone.
+      size = size > 0 && ends_after(size - 1, at, end) ? size - 1 : size + 1;
+      if (!ends_after(size, at, end)) size = static_cast<std::size_t>(end_of_value(at, end) - at);
+    }
+    const std::string_view value(at, size);
+    at += size;
     if (slot.kind != Slot::Kind::attribute && !plain_text(value)) return false;
     if (slot.kind == Slot::Kind::ipoc) {
       ipoc = value;
       continue;
     }
     if (slot.element != Slot::kAsBefore) element = {gap + slot.element, slot.element_size};
-    signals.push_back({element, {gap + slot.attribute, slot.attribute_size}, value});
+    *signal++ = {element, {gap + slot.attribute, slot.attribute_size}, value};
   }
   const std::size_t rest = learned_.size() - rest_;
-  return static_cast<std::size_t>(end - at) == rest && takes(learned_.data() + rest_, rest);
+  return static_cast<std::size_t>(end - at) == rest && takes(rest_, rest);
 }
 
 }  // namespace rsi

@@ -24,7 +24,7 @@ class TelegramShape {
 
   /// False if the datagram has another shape. Else `signals` and `ipoc` are those of the datagram.
   [[nodiscard]] bool read(std::string_view datagram, std::vector<Signal>& signals,
-                          std::string_view& ipoc) const;
+                          std::string_view& ipoc);
 
  private:
   /// A value, and the gap between the value before and it. Names are places in that gap.
@@ -39,6 +39,7 @@ class TelegramShape {
     std::size_t element_size = 0;
     std::size_t attribute = 0;
     std::size_t attribute_size = 0;
+    std::size_t value_size = 0;  ///< in the telegram last read: nearly always the next one's, too
   };
 
   bool add(Slot slot, std::string_view value, std::size_t at);

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "daemon/text/numbers.hpp"
-#include "rsi/telegram/telegram.hpp"
+#include "rsi/telegram/decimal.hpp"
 
 namespace acceptance {
 

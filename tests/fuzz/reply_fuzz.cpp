@@ -3,8 +3,8 @@
 #include <pugixml.hpp>
 
 #include "rsi/ascii.hpp"
+#include "rsi/telegram/decimal.hpp"
 #include "rsi/telegram/reply.hpp"
-#include "rsi/telegram/telegram.hpp"
 #include "tests/fuzz/property.hpp"
 
 using fuzz::expect;

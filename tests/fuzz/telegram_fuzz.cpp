@@ -20,6 +20,7 @@
 #include <pugixml.hpp>
 
 #include "rsi/ascii.hpp"
+#include "rsi/telegram/decimal.hpp"
 #include "rsi/telegram/ipoc.hpp"
 #include "rsi/telegram/telegram.hpp"
 #include "tests/fuzz/property.hpp"

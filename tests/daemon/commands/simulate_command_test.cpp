@@ -10,6 +10,7 @@
 #include "daemon/settings/toml_table.hpp"
 #include "daemon/text/units.hpp"
 #include "rsi/capture/capture_reader.hpp"
+#include "rsi/telegram/decimal.hpp"
 #include "rsi/telegram/telegram.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/simulations.hpp"

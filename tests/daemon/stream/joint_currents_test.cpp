@@ -117,4 +117,8 @@ TEST_CASE("Currents are those of the telegram, empty where one is missing or no 
   REQUIRE(parsed.parse(none) == rsi::Defect::none);
   static_cast<void>(reader.read(parsed));
   CHECK_FALSE(reader.currents());
+  // Nor are those of the telegram before told again.
+  row.clear();
+  reader.append_csv(row);
+  CHECK(row == ",,,,,,,,,,,,");
 }

@@ -48,6 +48,41 @@ TEST_CASE("values of any length are read by the shape", "[telegram_shape]") {
                    R"(<E 01="b c"/></Rob>)") == "4711|RIst.X=-1000.25|RIst.Y=|DiL.=15 4|E.01=b c");
 }
 
+TEST_CASE("values are read whatever sizes those of the telegram before had", "[telegram_shape]") {
+  Telegram telegram;
+  TelegramShape shape;
+  REQUIRE(telegram.parse(kOne) == rsi::Defect::none);
+  shape.learn(kOne, telegram.signals(), rsi::find_ipoc(kOne));
+  std::vector<Signal> signals;
+  std::string_view ipoc;
+  for (const std::string_view x :
+       {"1.0", "-1.0", "1.0", "", "1234567", "-1234567", "123456789.123456", "-123456789.123456",
+        "12345678.12345678.12345678", "-", "abcdefgh", "abc", "x y z", "\x80\xff\x80\xff\x80"})
+    for (const std::string_view number : {"17", "18446744073709551615", "0"}) {
+      std::string datagram(kOne);
+      datagram.replace(datagram.find("17"), 2, number);
+      datagram.replace(datagram.find("1.0"), 3, x);
+      CAPTURE(datagram);
+      REQUIRE(shape.read(datagram, signals, ipoc));
+      CHECK(text_of(signals, ipoc) ==
+            std::string(number) + "|RIst.X=" + std::string(x) + "|RIst.Y=-2.5|DiL.=0|E.01=a");
+    }
+  // Markup anywhere in a value: the parser has to look.
+  for (std::size_t at = 0; at <= 20; ++at)
+    for (const char markup : {'<', '>', '=', '\'', '"'}) {
+      std::string value(20, '7');
+      value.insert(at, 1, markup);
+      for (const std::string_view before : {value.substr(0, at), std::string(21, '7')}) {
+        std::string datagram(kOne);
+        datagram.replace(datagram.find("1.0"), 3, before);
+        REQUIRE(shape.read(datagram, signals, ipoc));
+        datagram = kOne;
+        datagram.replace(datagram.find("1.0"), 3, value);
+        CHECK_FALSE(shape.read(datagram, signals, ipoc));
+      }
+    }
+}
+
 TEST_CASE("what is not the same but for its values has another shape", "[telegram_shape]") {
   const std::string one(kOne);
   const auto with = [&](std::string_view from, std::string_view to) {

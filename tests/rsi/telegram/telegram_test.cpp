@@ -1,6 +1,5 @@
 #include "rsi/telegram/telegram.hpp"
 
-#include <cmath>
 #include <random>
 #include <string>
 
@@ -192,37 +191,4 @@ TEST_CASE("a place follows its signal when the telegram changes", "[telegram]") 
   CHECK(is(text, R"(<Rob><T>70</T><R Y="3" X="1"/><IPOC>5</IPOC></Rob>)") == "70");
   CHECK(is(y, R"(<Rob><R X="1"/><IPOC>6</IPOC></Rob>)") == "none");
   CHECK(is(y, R"(<Rob><R X="1" Y="2"/><IPOC>7</IPOC></Rob>)") == "2");
-}
-
-TEST_CASE("numbers are read the same in every locale, and only finite ones", "[telegram]") {
-  CHECK(rsi::number("-90.0") == -90.0);
-  CHECK(rsi::number(" +1.5e-3 ") == 0.0015);
-  for (const auto* text : {"", "1,5", "nan", "inf", "1.5x", "--1", "+-1", "0x10", "1e999"})
-    CHECK_FALSE(rsi::number(text));
-  CHECK(rsi::decimals("-90.0") == 1);
-  CHECK(rsi::decimals("12") == 0);
-  CHECK(rsi::decimals("0.1234e-3") == 4);
-}
-
-TEST_CASE("a printed number is read to the nearest double, with its decimals", "[telegram]") {
-  std::mt19937_64 random(3);
-  for (int round = 0; round < 20'000; ++round) {
-    std::string text = random() % 2 == 0 ? "-" : "";
-    for (auto whole = 1 + random() % 9; whole > 0; --whole)
-      text += static_cast<char>('0' + random() % 10);
-    const auto decimals = random() % 10;
-    if (decimals > 0) text += '.';
-    for (auto left = decimals; left > 0; --left) text += static_cast<char>('0' + random() % 10);
-    CAPTURE(text);
-    const auto read = rsi::decimal(text);
-    REQUIRE(read);
-    REQUIRE(read->value == *rsi::number(text));
-    REQUIRE(read->decimals == static_cast<int>(decimals));
-  }
-  for (const char* text : {"", "-", ".", "-.", "1.2.3", "1-2", "--1", "nan", "inf", "1e999", "0x1"})
-    CHECK_FALSE(rsi::decimal(text));
-  CHECK(rsi::decimal("1.5e2")->value == 150);
-  CHECK(rsi::decimal(" +2.50 ")->value == 2.5);
-  CHECK(rsi::decimal(".5")->value == 0.5);
-  CHECK(std::signbit(rsi::decimal("-0.0000")->value));
 }

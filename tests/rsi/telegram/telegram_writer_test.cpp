@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "rsi/telegram/decimal.hpp"
 #include "rsi/telegram/telegram.hpp"
 #include "tests/catch.hpp"
 
