@@ -279,17 +279,17 @@ std::optional<SeenTurn> seen_turn(const Identification& found, std::size_t joint
   for (std::size_t k = 0; k < found.joints.size(); ++k)
     if (estimate.axes[k] && found.home_rad[k] && sample.joints > k)
       turns[k] = sample.angles_rad[k] - *found.home_rad[k];
-  Turns before{};
-  Turns after = turns;
-  std::copy_n(turns.begin(), joint, before.begin());
-  std::fill_n(after.begin(), joint + 1, 0.0);
-
   const ChainAxis& axis = estimate.chain.axes[joint];
   const Vector3d& z = axis.direction;
-  const auto from_axis = [&](const Vector3d& point) -> Vector3d { return point - axis.point_mm; };
-  const Vector3d start = from_axis(estimate.chain.target_mm(target, after));
-  const Vector3d here =
-      from_axis(estimate.chain.displacement(before).inverse(Eigen::Isometry) * sample.position_mm);
+  // The target as the joints behind carry it, and what was seen as if those before stood at home.
+  Vector3d start = estimate.chain.targets_mm[target];
+  for (std::size_t k = estimate.chain.axes.size(); k-- > joint + 1;)
+    start = estimate.chain.axes[k].displacement(turns[k]) * start;
+  Vector3d here = sample.position_mm;
+  for (std::size_t k = 0; k < joint; ++k)
+    here = estimate.chain.axes[k].displacement(-turns[k]) * here;
+  start -= axis.point_mm;
+  here -= axis.point_mm;
   SeenTurn seen;
   if (axis.linear) {
     const Vector3d off = here - start;

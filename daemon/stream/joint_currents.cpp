@@ -37,19 +37,21 @@ JointCurrents::Joint::Friction JointCurrents::Joint::friction() const {
 void JointCurrents::take(const identify::Sample& sample, const Currents& currents) {
   if (sample.joints == 0) return;
   if (!recent_.empty() && !(sample.time_s - recent_.back().sample.time_s < kLongestPause_s &&
-                            sample.time_s > recent_.back().sample.time_s))
+                            sample.time_s > recent_.back().sample.time_s)) {
     recent_.clear();
+    middle_ = 0;
+  }
   recent_.push_back({sample, currents});
-  const auto at_or_before = [&](double time_s) {
-    const auto later =
-        std::upper_bound(recent_.begin(), recent_.end(), time_s + 1e-9,
-                         [](double time, const Moment& one) { return time < one.sample.time_s; });
-    return later == recent_.begin() ? later : std::prev(later);
+  const auto is_at = [&](std::size_t index, double spans) {
+    return recent_[index].sample.time_s <= sample.time_s - spans * kSpan_s + 1e-9;
   };
-  const auto first = at_or_before(sample.time_s - 2 * kSpan_s);
-  if (first->sample.time_s > sample.time_s - 2 * kSpan_s + 1e-9) return;
-  look(*first, *at_or_before(sample.time_s - kSpan_s), recent_.back());
-  recent_.erase(recent_.begin(), first);
+  while (middle_ + 1 < recent_.size() && is_at(middle_ + 1, 1)) ++middle_;
+  if (!is_at(0, 2)) return;
+  while (is_at(1, 2)) {
+    recent_.drop();
+    --middle_;
+  }
+  look(recent_.front(), recent_[middle_], recent_.back());
 }
 
 void JointCurrents::look(const Moment& before, const Moment& middle, const Moment& now) {
@@ -58,16 +60,19 @@ void JointCurrents::look(const Moment& before, const Moment& middle, const Momen
            (to.sample.time_s - from.sample.time_s);
   };
   const std::size_t joints = now.sample.joints;
+  std::array<double, identify::kMostJoints> speeds{};
   std::size_t moving = 0;
-  for (std::size_t j = 1; j < joints; ++j)
-    if (std::abs(speed(before, now, j)) > std::abs(speed(before, now, moving))) moving = j;
+  for (std::size_t j = 0; j < joints; ++j) {
+    speeds[j] = std::abs(speed(before, now, j));
+    if (speeds[j] > speeds[moving]) moving = j;
+  }
   const double fast = speed(before, now, moving);
   if (moving >= kMostCurrents || !(std::abs(fast) > kSlowest_deg_s)) return;
   if (std::abs(speed(before, middle, moving) - speed(middle, now, moving)) >
       kSteadyShare * std::abs(fast))
     return;
   for (std::size_t j = 0; j < joints; ++j)
-    if (j != moving && std::abs(speed(before, now, j)) > kSteadyShare * std::abs(fast)) return;
+    if (j != moving && speeds[j] > kSteadyShare * std::abs(fast)) return;
   const double current = middle.currents[moving];
   if (!std::isfinite(current)) return;
   if (joints_.size() <= moving) joints_.resize(moving + 1);

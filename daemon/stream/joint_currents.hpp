@@ -2,12 +2,12 @@
 
 #include <array>
 #include <cstddef>
-#include <deque>
 #include <limits>
 #include <map>
 #include <vector>
 
 #include "identify/sweeps/sample.hpp"
+#include "identify/sweeps/window.hpp"
 
 namespace sweepd {
 
@@ -63,7 +63,8 @@ class JointCurrents {
   };
   void look(const Moment& before, const Moment& middle, const Moment& now);
 
-  std::deque<Moment> recent_;
+  identify::Window<Moment> recent_;
+  std::size_t middle_ = 0;  // the last one of recent_ that is a span old
   std::vector<Joint> joints_;
 };
 

@@ -11,6 +11,8 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
+#include "identify/geometry/median.hpp"
+
 namespace identify {
 namespace {
 
@@ -35,6 +37,16 @@ double rms(const VectorXd& values) {
   return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
 }
 
+/// std::atan2(), which is slow: from point to point, angles are mostly so small that a few terms
+/// are right to the last bit.
+double small_angle(double sine, double cosine) {
+  constexpr double kSmall = 0.01;
+  const double t = sine / cosine;
+  if (!(cosine > 0 && std::abs(t) < kSmall)) return std::atan2(sine, cosine);
+  const double square = t * t;
+  return t * (1 - square * (1.0 / 3 - square * (1.0 / 5 - square / 7)));
+}
+
 /// The angle swept about the centre: the extent of the running sum of the steps from point to
 /// point.
 double swept_angle(const Matrix3Xd& local) {
@@ -43,7 +55,7 @@ double swept_angle(const Matrix3Xd& local) {
   double highest = 0;
   for (Eigen::Index i = 1; i < local.cols(); ++i) {
     const double x0 = local(0, i - 1), y0 = local(1, i - 1), x1 = local(0, i), y1 = local(1, i);
-    angle += std::atan2(x0 * y1 - y0 * x1, x0 * x1 + y0 * y1);
+    angle += small_angle(x0 * y1 - y0 * x1, x0 * x1 + y0 * y1);
     lowest = std::min(lowest, angle);
     highest = std::max(highest, angle);
   }
@@ -166,22 +178,49 @@ double squared_distance(const CircleFit& circle, const Vector3d& point) {
   return off.plane_mm * off.plane_mm + off.radial_mm * off.radial_mm;
 }
 
-/// The squared distance that a share of so many of the points has at most.
-double squared_within(double share, const CircleFit& circle, const Matrix3Xd& points, Index judges,
-                      std::vector<double>& room) {
-  room.clear();
-  const Index step = std::max<Index>(1, points.cols() / judges);
-  for (Index i = 0; i < points.cols(); i += step)
-    room.push_back(squared_distance(circle, points.col(i)));
-  const auto place =
-      room.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(room.size()));
-  std::nth_element(room.begin(), place, room.end());
-  return *place;
-}
+/// Some of the points, by whose distances circles are judged.
+class Judges {
+ public:
+  /// So many at least, where there are as many, evenly from all.
+  Judges(const Matrix3Xd& points, Index wanted)
+      : points_(points(Eigen::all, Eigen::seq(0, points.cols() - 1,
+                                              std::max<Index>(1, points.cols() / wanted)))),
+        origin_(points_.rowwise().mean()) {
+    points_.colwise() -= origin_.array();
+    sizes_ = points_.square().colwise().sum();
+  }
 
-double median_squared(const CircleFit& circle, const Matrix3Xd& points, std::vector<double>& room) {
-  return squared_within(0.5, circle, points, kJudges, room);
-}
+  /// Whether more than a share of so many of them are nearer than that: to count is a tenth of the
+  /// work of sorting.
+  [[nodiscard]] bool nearer(double share, const CircleFit& circle, double squared) {
+    measure(circle);
+    Index near = 0;
+    for (const double distance : squared_) near += distance < squared ? 1 : 0;
+    return near > static_cast<Index>(share * static_cast<double>(squared_.size()));
+  }
+  /// The squared distance that half of them have at most.
+  [[nodiscard]] double median_squared(const CircleFit& circle) {
+    measure(circle);
+    return median_in({squared_.data(), static_cast<std::size_t>(squared_.size())});
+  }
+
+ private:
+  void measure(const CircleFit& circle) {
+    const Vector3d& n = circle.normal;
+    const Vector3d c = circle.center_mm - origin_;
+    const auto &x = points_.row(0), &y = points_.row(1), &z = points_.row(2);
+    height_ = n(0) * x + n(1) * y + n(2) * z - n.dot(c);
+    squared_ = sizes_ - 2 * c(0) * x - 2 * c(1) * y - 2 * c(2) * z + c.squaredNorm();
+    squared_ = height_.square() +
+               ((squared_ - height_.square()).max(0).sqrt() - circle.radius_mm).square();
+  }
+
+  using Row = Eigen::Array<double, 1, Eigen::Dynamic>;
+  Eigen::Array<double, 3, Eigen::Dynamic, Eigen::RowMajor> points_;  // from the origin
+  Vector3d origin_;
+  Row sizes_;             // their squared lengths
+  Row height_, squared_;  // room for one circle
+};
 
 }  // namespace
 
@@ -194,23 +233,22 @@ std::optional<CircleFit> fit_robust_circle(const Matrix3Xd& points) {
     const Index count = std::max<Index>(1, (part + 1) * points.cols() / 3 - from);
     return points.col(from + static_cast<Index>(random() % static_cast<std::uint32_t>(count)));
   };
-  std::vector<double> room;
+  Judges first(points, kFirstJudges), judges(points, kJudges);
   std::optional<CircleFit> best;
   double least = std::numeric_limits<double>::infinity();
   for (int triple = 0; triple < kTriples; ++triple) {
     const Vector3d a = third(0), b = third(1), c = third(2);
     const auto circle = circle_through(a, b, c);
-    if (!circle || squared_within(0.25, *circle, points, kFirstJudges, room) > least) continue;
-    if (const double median = median_squared(*circle, points, room); median < least) {
-      least = median;
-      best = circle;
-    }
+    if (!circle || !first.nearer(0.25, *circle, least) || !judges.nearer(0.5, *circle, least))
+      continue;
+    least = judges.median_squared(*circle);
+    best = circle;
   }
   if (!best) return std::nullopt;
   // A median of chi squared with two degrees of freedom is 1.386; the circle through three points
   // is itself off, so be generous. Twice, since the second circle is much better than the first.
   for (int round = 0; round < 2; ++round) {
-    const double bound = 36 * median_squared(*best, points, room) / 1.386;
+    const double bound = 36 * judges.median_squared(*best) / 1.386;
     Matrix3Xd close(3, points.cols());
     Index count = 0;
     for (Index i = 0; i < points.cols(); ++i)

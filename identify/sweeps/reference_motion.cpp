@@ -38,7 +38,7 @@ double ReferenceMotion::angle_about(const Vector3d& point_mm) const {
 
 double ReferenceMotion::step(double last_rad, double angle_rad) const {
   const double by = angle_rad - last_rad;
-  return linear ? by : std::remainder(by, 2 * kPi);
+  return linear ? by : short_way(by);
 }
 
 Eigen::Vector2d ReferenceMotion::across(const Vector3d& point_mm) const {

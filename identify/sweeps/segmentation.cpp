@@ -42,7 +42,7 @@ std::vector<Sweep> Segmenter::push(const Sample& sample) {
     decide(window_[undecided_]);
     ++undecided_;
     while (window_.front().time_s < window_[undecided_ - 1].time_s - kHalfWindow_s) {
-      window_.pop_front();
+      window_.drop();
       --undecided_;
     }
   }
@@ -77,13 +77,13 @@ void Segmenter::decide(const Sample& centre) {
 
 Segmenter::Motion Segmenter::joint_motion(const Sample& first, const Sample& last) {
   const double seconds = last.time_s - first.time_s;
+  const double starting = starts(kJointStarts_rad_s, resolution_.angle_rad);
+  const double stopping = stops(kJointStops_rad_s, resolution_.angle_rad);
   Motion motion;
   int moving = 0;
   for (std::size_t j = 0; j < joints_; ++j) {
     const double speed = (last.angles_rad[j] - first.angles_rad[j]) / seconds;
-    const double threshold = joint_moves_[j] ? stops(kJointStops_rad_s, resolution_.angle_rad)
-                                             : starts(kJointStarts_rad_s, resolution_.angle_rad);
-    joint_moves_[j] = std::abs(speed) > threshold;
+    joint_moves_[j] = std::abs(speed) > (joint_moves_[j] ? stopping : starting);
     if (!joint_moves_[j]) continue;
     ++moving;
     motion = {static_cast<int>(j), speed > 0 ? 1 : -1};
@@ -93,9 +93,8 @@ Segmenter::Motion Segmenter::joint_motion(const Sample& first, const Sample& las
 
 void Segmenter::close() {
   if (motion_.joint != kNothing && stroke_.size() > 1) {
-    trim();
     Sweep sweep;
-    sweep.samples = std::make_shared<const std::vector<Sample>>(std::exchange(stroke_, {}));
+    sweep.samples = trimmed();
     sweep.joint = static_cast<std::size_t>(motion_.joint);
     sweep.direction = motion_.sign;
     judge_by_angles(sweep);
@@ -105,17 +104,15 @@ void Segmenter::close() {
   motion_ = {};
 }
 
-void Segmenter::trim() {
-  const Sample first = stroke_.front();
-  const Sample last = stroke_.back();
+std::shared_ptr<const std::vector<Sample>> Segmenter::trimmed() const {
+  const Sample& first = stroke_.front();
+  const Sample& last = stroke_.back();
   const double rest = std::max(kRest * travel(first, last), 1.5 * resolution_.angle_rad);
   auto begin = stroke_.begin();
   auto end = stroke_.end();
   while (end - begin > 2 && travel(first, *(begin + 1)) <= rest) ++begin;
   while (end - begin > 2 && travel(last, *(end - 2)) <= rest) --end;
-  stroke_.erase(end, stroke_.end());
-  stroke_.erase(stroke_.begin(), begin);
-  stroke_.shrink_to_fit();  // it is kept: what it grew to is up to twice of that
+  return std::make_shared<const std::vector<Sample>>(begin, end);
 }
 
 double Segmenter::travel(const Sample& from, const Sample& to) const {
@@ -124,19 +121,18 @@ double Segmenter::travel(const Sample& from, const Sample& to) const {
 }
 
 void Segmenter::judge_by_angles(Sweep& sweep) const {
-  const auto moved = [&](std::size_t j) {
-    double lowest = sweep.first().angles_rad[j];
-    double highest = lowest;
-    for (const Sample& sample : *sweep.samples) {
-      lowest = std::min(lowest, sample.angles_rad[j]);
-      highest = std::max(highest, sample.angles_rad[j]);
+  auto lowest = sweep.first().angles_rad;
+  auto highest = lowest;
+  for (const Sample& sample : *sweep.samples)
+    for (std::size_t j = 0; j < joints_; ++j) {
+      lowest[j] = std::min(lowest[j], sample.angles_rad[j]);
+      highest[j] = std::max(highest[j], sample.angles_rad[j]);
     }
-    return highest - lowest;
-  };
-  sweep.range_rad = moved(*sweep.joint);
+  sweep.range_rad = highest[*sweep.joint] - lowest[*sweep.joint];
   const double still = std::max(kStill_rad, 2.5 * resolution_.angle_rad);
   for (std::size_t j = 0; j < joints_; ++j)
-    if (j != *sweep.joint && moved(j) > still) sweep.defect = SweepDefect::other_joint_moved;
+    if (j != *sweep.joint && highest[j] - lowest[j] > still)
+      sweep.defect = SweepDefect::other_joint_moved;
   if (sweep.samples->size() < kFewestSamples) sweep.defect = SweepDefect::too_few_samples;
   if (sweep.range_rad < kShortestRange_rad) sweep.defect = SweepDefect::too_short;
 }

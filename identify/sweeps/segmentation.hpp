@@ -1,7 +1,7 @@
 #pragma once
 
 #include <array>
-#include <deque>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -9,6 +9,7 @@
 #include "identify/sweeps/position_segmentation.hpp"
 #include "identify/sweeps/sample.hpp"
 #include "identify/sweeps/sweep.hpp"
+#include "identify/sweeps/window.hpp"
 
 namespace identify {
 
@@ -66,7 +67,8 @@ class Segmenter {
   void decide(const Sample& centre);
   [[nodiscard]] Motion joint_motion(const Sample& first, const Sample& last);
   void close();
-  void trim();
+  /// The stroke without rest at its ends, in memory of its own: `stroke_` keeps its.
+  [[nodiscard]] std::shared_ptr<const std::vector<Sample>> trimmed() const;
   [[nodiscard]] double travel(const Sample& from, const Sample& to) const;
   void judge_by_angles(Sweep& sweep) const;
 
@@ -74,7 +76,7 @@ class Segmenter {
   std::size_t most_samples_;
   Resolution resolution_;
   std::optional<bool> with_angles_;
-  std::deque<Sample> window_;
+  Window<Sample> window_;
   std::size_t undecided_ = 0;  // index in window_ of the first sample without a verdict
   std::array<bool, kMostJoints> joint_moves_{};
   Motion motion_;

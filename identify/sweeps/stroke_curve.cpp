@@ -2,59 +2,54 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
-
-#include <Eigen/Cholesky>
 
 #include "identify/geometry/median.hpp"
 
 namespace identify {
 
+using Eigen::ArrayXd;
 using Eigen::Index;
 using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
-StrokeCurve::StrokeCurve(const std::vector<double>& turns, double from, double to, Index orders)
-    : basis_(orders, static_cast<Index>(turns.size())) {
-  for (Index i = 0; i < basis_.cols(); ++i) {
-    const double x =
-        to > from ? (2 * turns[static_cast<std::size_t>(i)] - from - to) / (to - from) : 0;
-    double before = 1, value = x;
-    for (Index m = 0; m < orders; ++m) {
-      basis_(m, i) = m == 0 ? 1 : value;
-      if (m > 0) before = std::exchange(value, 2 * x * value - before);
-    }
-  }
+StrokeCurve::StrokeCurve(const ArrayXd& turns, double from, double to, Index orders)
+    : basis_(orders, turns.size()) {
+  basis_.row(0).setOnes();
+  const double half = (to - from) / 2;
+  set_chebyshev(basis_, half > 0 ? ArrayXd((turns - (from + to) / 2) / half)
+                                 : ArrayXd(ArrayXd::Zero(turns.size())));
 }
 
-MatrixXd StrokeCurve::left(const MatrixXd& errors, const VectorXd& weights) const {
-  const MatrixXd weighted = basis_ * weights.asDiagonal();
-  MatrixXd normal = weighted * basis_.transpose();
+void StrokeCurve::weigh(const ArrayXd& weights) {
+  if (weights_.size() == weights.size() && (weights_ == weights).all()) return;
+  weights_ = weights;
+  MatrixXd normal = (basis_.rowwise() * weights.transpose()).matrix() * basis_.matrix().transpose();
   normal.diagonal() *= 1 + 1e-12;
-  const MatrixXd found = normal.ldlt().solve(weighted * errors.transpose());
-  return errors - found.transpose() * basis_;
+  normal_.compute(normal);
 }
 
-VectorXd weights_of(const MatrixXd& left, double wide) {
-  const auto directions = static_cast<double>(left.rows());
-  // The farthest direction counts: what a locked joint's wobble does is in more than one.
-  VectorXd farthest = VectorXd::Zero(left.cols());
-  for (Index d = 0; d < left.rows(); ++d) {
-    std::vector<double> sizes(static_cast<std::size_t>(left.cols()));
-    for (Index i = 0; i < left.cols(); ++i)
-      sizes[static_cast<std::size_t>(i)] = std::abs(left(d, i));
-    constexpr double kMedianOfNormal = 0.6745;
-    const double sigma = std::max(1e-10, median_of(std::move(sizes)) / kMedianOfNormal);
-    farthest = farthest.cwiseMax(left.row(d).transpose().cwiseAbs() / sigma);
+SampleRows StrokeCurve::left(const Eigen::Ref<const SampleRows>& errors) const {
+  const MatrixXd found = normal_.solve(
+      basis_.matrix() * (errors.rowwise() * weights_.transpose()).matrix().transpose());
+  return errors - (found.transpose() * basis_.matrix()).array();
+}
+
+ArrayXd distances_of(const Eigen::Ref<const SampleRows>& errors) {
+  constexpr double kMedianOfNormal = 0.6745;
+  ArrayXd farthest = ArrayXd::Zero(errors.cols());
+  ArrayXd sizes;
+  for (Index d = 0; d < errors.rows(); ++d) {
+    sizes = errors.row(d).abs();
+    const double middle = median_in({sizes.data(), static_cast<std::size_t>(sizes.size())});
+    const double sigma = std::max(1e-10, middle / kMedianOfNormal);
+    farthest = farthest.max(errors.row(d).abs().transpose() / sigma);
   }
-  VectorXd weights(left.cols());
+  return farthest;
+}
+
+ArrayXd weights_of(const ArrayXd& distances, Index directions, double wide) {
   constexpr double kPlateau = 2.5;  // a distance that a good sample hardly passes
-  const double plateau = wide * (std::sqrt(directions) + kPlateau);
-  for (Index i = 0; i < weights.size(); ++i) {
-    const double share = std::clamp(2 - farthest(i) / plateau, 0.0, 1.0);
-    weights(i) = share * share;
-  }
-  return weights;
+  const double plateau = wide * (std::sqrt(static_cast<double>(directions)) + kPlateau);
+  return (2 - distances / plateau).max(0).min(1).square();
 }
 
 }  // namespace identify

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -13,6 +14,7 @@
 namespace identify {
 namespace {
 
+using Eigen::ArrayXd;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
@@ -21,88 +23,116 @@ using Eigen::VectorXd;
 /// Longer strokes are cut: twelve nodes hold what a model says over so much.
 constexpr double kSection_rad = kPi / 4;
 
+constexpr Index kMostNodes = 12;
+
 /// Of so many samples. More nodes than this and some get weights near zero, and means far from all
 /// samples: equally spaced ones determine polynomials of twice their number's root (Rakhmanov 2007,
 /// Annals of Mathematics 165).
-std::size_t node_count(double samples) {
-  return static_cast<std::size_t>(
-      std::clamp(2 * std::sqrt(samples), 2.0, static_cast<double>(Lagrange::kMostNodes)));
+Index node_count(double samples) {
+  return static_cast<Index>(
+      std::clamp(2 * std::sqrt(samples), 2.0, static_cast<double>(kMostNodes)));
 }
 
-/// The sections of the turn, each with its nodes.
+/// The sections of the turn, each with its Chebyshev nodes.
 class Sections {
  public:
-  Sections(double from, double to, std::size_t sections, std::size_t nodes)
-      : from_(from), range_(to - from), nodes_(nodes) {
-    const auto at = [&](std::size_t k) {
-      return from + range_ * static_cast<double>(k) / static_cast<double>(sections);
-    };
-    for (std::size_t s = 0; s < sections; ++s) lagrange_.emplace_back(at(s), at(s + 1), nodes);
+  Sections(const StrokeMoments& stroke, std::size_t samples) : from_(stroke.from_rad) {
+    const double range = stroke.to_rad - stroke.from_rad;
+    // Along a line all that a model says is linear in the turn.
+    if (!stroke.linear) count_ = static_cast<Index>(std::max(1.0, std::ceil(range / kSection_rad)));
+    length_ = range / static_cast<double>(count_);
+    const Index nodes = node_count(static_cast<double>(samples) / static_cast<double>(count_));
+    places_.resize(nodes);
+    for (Index k = 0; k < nodes; ++k)
+      places_(k) = std::cos(static_cast<double>(2 * k + 1) * kPi / static_cast<double>(2 * nodes));
+    lagrange_.resize(nodes, nodes);
+    lagrange_.row(0).setConstant(2 / static_cast<double>(nodes));
+    set_chebyshev(lagrange_, places_);
+    lagrange_.row(0) /= 2;
   }
-  [[nodiscard]] std::vector<double> turns() const {
-    std::vector<double> turns;
-    for (const Lagrange& section : lagrange_)
-      for (std::size_t k = 0; k < nodes_; ++k) turns.push_back(section.node(k));
-    return turns;
+  [[nodiscard]] Index count() const { return count_; }
+  [[nodiscard]] Index nodes() const { return places_.size(); }
+  [[nodiscard]] double turn(Index section, Index node) const {
+    return from_ + length_ * (static_cast<double>(section) + (places_(node) + 1) / 2);
   }
-  /// Calls `see` with the place of each node of this turn's section and its polynomial's value.
-  template <class See>
-  void visit(double turn, const See& see) const {
-    const double place =
-        range_ > 0 ? (turn - from_) / range_ * static_cast<double>(lagrange_.size()) : 0;
-    const auto section =
-        std::min(lagrange_.size() - 1, static_cast<std::size_t>(std::max(0.0, place)));
-    Lagrange::Values values;
-    lagrange_[section].at(turn, values);
-    for (std::size_t k = 0; k < nodes_; ++k) see(section * nodes_ + k, values[k]);
+  [[nodiscard]] Index at(double turn_rad) const {
+    const double place = length_ > 0 ? (turn_rad - from_) / length_ : 0;
+    return std::clamp<Index>(static_cast<Index>(place), 0, count_ - 1);
   }
+  /// Of these turns, from minus one to one in their section.
+  [[nodiscard]] ArrayXd places(Index section, const Eigen::Ref<const ArrayXd>& turns) const {
+    if (!(length_ > 0)) return ArrayXd::Constant(turns.size(), places_(0));
+    return (turns - turn(section, 0)) * (2 / length_) + places_(0);
+  }
+  /// One column a node: its polynomial, in Chebyshev polynomials.
+  [[nodiscard]] const SampleRows& lagrange() const { return lagrange_; }
 
  private:
-  double from_, range_;
-  std::size_t nodes_;
-  std::vector<Lagrange> lagrange_;
+  double from_;
+  Index count_ = 1;
+  double length_ = 0;
+  ArrayXd places_;
+  SampleRows lagrange_;
 };
 
-Sections sections_of(const StrokeMoments& stroke, std::size_t samples) {
-  const double range = stroke.to_rad - stroke.from_rad;
-  // Along a line all that a model says is linear in the turn.
-  const auto sections = static_cast<std::size_t>(
-      stroke.linear ? 1.0 : std::max(1.0, std::ceil(range / kSection_rad)));
-  return {stroke.from_rad, stroke.to_rad, sections,
-          node_count(static_cast<double>(samples) / static_cast<double>(sections))};
+/// z, one column a sample.
+SampleRows whole(const StrokeMoments& stroke, const StrokeSamples& seen) {
+  const Index with_errors = seen.errors.rows();
+  const auto joints = static_cast<Index>(stroke.content.joints);
+  SampleRows z(1 + with_errors + joints, seen.turns.size());
+  z.row(0).setOnes();
+  z.middleRows(1, with_errors) = seen.errors;
+  for (Index i = 0; i < z.cols(); ++i) {
+    const auto& told = seen.samples[static_cast<std::size_t>(i)]->angles_rad;
+    for (Index k = 0; k < joints; ++k)
+      z(1 + with_errors + k, i) =
+          told[static_cast<std::size_t>(k)] - stroke.locked_rad[static_cast<std::size_t>(k)];
+  }
+  if (joints > 0) z.row(1 + with_errors + static_cast<Index>(stroke.content.joint)).setZero();
+  return z;
 }
 
-/// Sets the nodes' sums, of all products or of z alone.
+/// Sets the nodes' sums, of all products or of z alone: with Chebyshev polynomials in place of the
+/// nodes' own, which are sums of these, block by block.
 void add_moments(StrokeMoments& stroke, const StrokeSamples& seen, const Sections& sections) {
-  const Index with_errors = stroke.content.orientation ? 6 : 3;
-  const auto wobbles = static_cast<Index>(stroke.content.joints);
-  const Index size = 1 + with_errors + wobbles;
-  stroke.nodes.clear();
-  for (const double turn : sections.turns())
-    stroke.nodes.push_back({turn, MatrixXd::Zero(size, stroke.squares ? size : 1)});
-  VectorXd z(size);
-  z(0) = 1;
-  for (std::size_t i = 0; i < seen.samples.size(); ++i) {
-    const double weight = seen.weights(static_cast<Index>(i));
-    if (weight == 0) continue;
-    z.segment(1, with_errors) = seen.errors.col(static_cast<Index>(i)).head(with_errors);
-    for (Index k = 0; k < wobbles; ++k) {
-      const auto joint = static_cast<std::size_t>(k);
-      z(1 + with_errors + k) = joint == stroke.content.joint
-                                   ? 0
-                                   : seen.samples[i]->angles_rad[joint] - stroke.locked_rad[joint];
-    }
-    sections.visit(seen.turns[i], [&](std::size_t k, double value) {
-      auto& sums = stroke.nodes[k].sums;
-      if (stroke.squares)
-        sums.selfadjointView<Eigen::Lower>().rankUpdate(z, weight * value);
-      else
-        sums.col(0).noalias() += (weight * value) * z;
-    });
+  constexpr Index kBlock = 64;
+  const SampleRows z = whole(stroke, seen);
+  const Index size = z.rows();
+  SampleRows products(stroke.squares ? size * (size + 1) / 2 : size, kBlock);
+  SampleRows polynomials(sections.nodes(), kBlock);
+  std::vector<MatrixXd> sums(static_cast<std::size_t>(sections.count()),
+                             MatrixXd::Zero(products.rows(), sections.nodes()));
+  for (Index begin = 0, count = 0; begin < z.cols(); begin += count) {
+    const Index section = sections.at(seen.turns(begin));
+    count = 1;
+    while (count < kBlock && begin + count < z.cols() &&
+           sections.at(seen.turns(begin + count)) == section)
+      ++count;
+    polynomials.row(0).head(count) = seen.weights.segment(begin, count);
+    set_chebyshev(polynomials.leftCols(count),
+                  sections.places(section, seen.turns.segment(begin, count)));
+    const auto block = z.middleCols(begin, count);
+    if (!stroke.squares) products.leftCols(count) = block;
+    for (Index r = 0, product = 0; stroke.squares && r < size; ++r)
+      for (Index c = 0; c <= r; ++c)
+        products.row(product++).head(count) = block.row(r) * block.row(c);
+    sums[static_cast<std::size_t>(section)].noalias() +=
+        products.leftCols(count).matrix() * polynomials.leftCols(count).matrix().transpose();
   }
-  if (!stroke.squares) return;
-  for (StrokeMoments::Node& node : stroke.nodes)
-    node.sums.triangularView<Eigen::StrictlyUpper>() = node.sums.transpose();
+  stroke.nodes.clear();
+  for (Index section = 0; section < sections.count(); ++section) {
+    const MatrixXd at_nodes =
+        sums[static_cast<std::size_t>(section)] * sections.lagrange().matrix();
+    for (Index k = 0; k < sections.nodes(); ++k) {
+      MatrixXd whole = at_nodes.col(k);
+      if (stroke.squares) {
+        whole.resize(size, size);
+        for (Index r = 0, product = 0; r < size; ++r)
+          for (Index c = 0; c <= r; ++c) whole(r, c) = whole(c, r) = at_nodes(product++, k);
+      }
+      stroke.nodes.push_back({sections.turn(section, k), std::move(whole)});
+    }
+  }
 }
 
 /// A node with hardly any weight has a mean far from all samples.
@@ -141,36 +171,34 @@ bool same_place(const StrokeMoments& like, const StrokeMoments& stroke) {
 
 std::optional<StrokeMoments> moments_of(const Sweep& sweep, const StrokeContent& content) {
   StrokeSamples seen = samples_in(sweep);
-  Eigen::Matrix3Xd points(3, static_cast<Index>(seen.samples.size()));
-  for (std::size_t i = 0; i < seen.samples.size(); ++i)
-    points.col(static_cast<Index>(i)) = seen.samples[i]->position_mm;
+  const std::size_t count = seen.samples.size();
   StrokeMoments stroke;
   stroke.content = content;
   stroke.linear = content.linear;
-  const Vector3d middle = seen.samples.empty() ? Vector3d(Vector3d::Zero())
-                                               : seen.samples[seen.samples.size() / 2]->position_mm;
-  if (!set_reference(stroke, points, middle)) return std::nullopt;
+  const Vector3d middle =
+      count == 0 ? Vector3d(Vector3d::Zero()) : seen.samples[count / 2]->position_mm;
+  if (!set_reference(stroke, seen.positions_mm.matrix(), middle)) return std::nullopt;
   stroke.target = sweep.target;
   stroke.falling = sweep.direction < 0;
   stroke.begin_s = sweep.first().time_s;
   stroke.end_s = sweep.last().time_s;
-  for (std::size_t k = 0; k < content.joints; ++k) {
-    const double first = seen.samples.front()->angles_rad[k];
-    double sum = 0;
-    for (const Sample* sample : seen.samples) {
-      sum += sample->angles_rad[k] - first;
-      stroke.dithers[k] = stroke.dithers[k] || sample->angles_rad[k] != first;
+  const auto& first = seen.samples.front()->angles_rad;
+  for (const Sample* sample : seen.samples)
+    for (std::size_t k = 0; k < content.joints; ++k) {
+      stroke.locked_rad[k] += sample->angles_rad[k] - first[k];
+      stroke.dithers[k] = stroke.dithers[k] || sample->angles_rad[k] != first[k];
     }
-    stroke.locked_rad[k] = first + sum / static_cast<double>(seen.samples.size());
-  }
-  set_aside(stroke, seen);
+  for (std::size_t k = 0; k < content.joints; ++k)
+    stroke.locked_rad[k] = first[k] + stroke.locked_rad[k] / static_cast<double>(count);
+  set_across(stroke, seen);
   set_turns(stroke, seen);
   set_range(stroke, seen);
+  set_said(stroke, seen);
   set_orientation(stroke, seen);
   set_errors(stroke, seen);
   set_weights(stroke, seen);
   count_weights(stroke, seen);
-  add_moments(stroke, seen, sections_of(stroke, seen.samples.size()));
+  add_moments(stroke, seen, Sections(stroke, count));
   return stroke;
 }
 
@@ -180,20 +208,20 @@ std::optional<StrokeMoments> moments_like(const StrokeMoments& like, const Sweep
   StrokeMoments stroke = like;
   stroke.squares = false;
   stroke.strokes = 1;
-  set_aside(stroke, seen);
+  set_across(stroke, seen);
   set_turns_by(like, seen);
   set_range(stroke, seen);
+  set_said(stroke, seen);
   set_errors(stroke, seen);
   set_weights(stroke, seen);
   // Polynomials grow fast beyond the section that they are made for.
   const double beyond = 0.002 * (like.to_rad - like.from_rad);
-  for (std::size_t i = 0; i < seen.turns.size(); ++i)
-    if (seen.turns[i] < like.from_rad - beyond || seen.turns[i] > like.to_rad + beyond)
-      seen.weights(static_cast<Index>(i)) = 0;
+  seen.weights = (seen.turns < like.from_rad - beyond || seen.turns > like.to_rad + beyond)
+                     .select(0, seen.weights);
   stroke.from_rad = like.from_rad;
   stroke.to_rad = like.to_rad;
   count_weights(stroke, seen);
-  add_moments(stroke, seen, sections_of(like, like.samples));
+  add_moments(stroke, seen, Sections(like, like.samples));
   if (!same_spread(like, stroke) || !same_place(like, stroke)) return std::nullopt;
   return stroke;
 }

@@ -39,27 +39,27 @@ StrokeRounding::Shifts StrokeRounding::shifts(double step_mm, double step_rad) c
 
 StrokeRounding rounding_of(const StrokeSamples& seen, bool orientation, const StrokeCurve& curve) {
   StrokeRounding rounding;
-  const auto count = static_cast<Index>(seen.samples.size());
+  const Index count = seen.positions_mm.cols();
   if (count == 0) return rounding;
-  Eigen::MatrixXd since(6, count);  // the first sample
-  since.col(0).setZero();
+  SampleRows angles(3, count);  // since the first sample, on beyond half a turn
+  angles.col(0).setZero();
   for (Index i = 1; i < count; ++i) {
-    const Sample& before = *seen.samples[static_cast<std::size_t>(i - 1)];
-    const Sample& here = *seen.samples[static_cast<std::size_t>(i)];
-    since.col(i).head<3>() = here.position_mm - seen.samples.front()->position_mm;
-    // Angles go on beyond half a turn.
+    const auto& before = seen.samples[static_cast<std::size_t>(i - 1)]->abc_rad;
+    const auto& here = seen.samples[static_cast<std::size_t>(i)]->abc_rad;
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto at = static_cast<Index>(3 + k);
-      since(at, i) =
-          since(at, i - 1) + std::remainder(here.abc_rad[k] - before.abc_rad[k], 2 * kPi);
+      const auto at = static_cast<Index>(k);
+      angles(at, i) = angles(at, i - 1) + short_way(here[k] - before[k]);
     }
   }
-  rounding.extent = since.rowwise().maxCoeff() - since.rowwise().minCoeff();
+  const auto extent = [](const SampleRows& rows) -> Eigen::Array3d {
+    return rows.rowwise().maxCoeff() - rows.rowwise().minCoeff();
+  };
+  rounding.extent << extent(seen.positions_mm), extent(angles);
   rounding.samples = seen.weights.sum();
   if (!orientation) return rounding;
-  const Eigen::MatrixXd left = curve.left(since.bottomRows<3>(), seen.weights);
   const double free = std::max(1.0, rounding.samples - static_cast<double>(curve.orders()));
-  rounding.scatter.tail<3>() = (left.cwiseAbs2() * seen.weights).array() / free;
+  rounding.scatter.tail<3>() =
+      (curve.left(angles).square().rowwise() * seen.weights.transpose()).rowwise().sum() / free;
   return rounding;
 }
 

@@ -5,193 +5,247 @@
 #include <limits>
 #include <utility>
 
-#include <Eigen/Geometry>
-
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/median.hpp"
-#include "identify/sweeps/stroke_curve.hpp"
+#include "identify/geometry/sines.hpp"
 
 namespace identify {
 namespace {
 
+using Eigen::ArrayXd;
 using Eigen::Index;
 using Eigen::Matrix3d;
-using Eigen::MatrixXd;
+using Eigen::Quaterniond;
 using Eigen::Vector3d;
-using Eigen::VectorXd;
 
-Vector3d rotation_vector(const Matrix3d& rotation) {
+Vector3d rotation_vector(const Quaterniond& rotation) {
+  // Departures are small: the series' next term is below 1e-19 of the first.
+  constexpr double kSmall = 1e-3;
+  const double squared = rotation.vec().squaredNorm();
+  if (squared < kSmall * kSmall)
+    return std::copysign(2 + squared * (1.0 / 3 + squared * (3.0 / 20)), rotation.w()) *
+           rotation.vec();
   const Eigen::AngleAxisd turn(rotation);
   return turn.angle() * turn.axis();
 }
-/// The angles about the circle, unwrapped along the motion.
-std::vector<double> angles_about(const StrokeMoments& stroke, const StrokeSamples& seen) {
-  std::vector<double> about(seen.samples.size());
-  double last = 0;
-  for (std::size_t i = 0; i < about.size(); ++i) {
-    const double angle = stroke.angle_about(seen.samples[i]->position_mm);
-    if (!seen.beside[i]) last += stroke.step(last, angle);
-    about[i] = last;
-  }
-  return about;
+
+double median_of_row(SampleRows& rows, Index row) {
+  return median_in({rows.row(row).data(), static_cast<std::size_t>(rows.cols())});
 }
+
+ArrayXd told_angles(const StrokeMoments& stroke, const StrokeSamples& seen) {
+  ArrayXd told(static_cast<Index>(seen.samples.size()));
+  for (std::size_t i = 0; i < seen.samples.size(); ++i)
+    told(static_cast<Index>(i)) = seen.samples[i]->angles_rad[stroke.content.joint];
+  return told;
+}
+
+/// Where the angle was told it says what the tool should be.
+const ArrayXd& best_told(const StrokeMoments& stroke, const StrokeSamples& seen) {
+  return stroke.told ? seen.told : seen.turns;
+}
+
 /// Orders of the stroke's own curve.
 Index curve_orders(Index samples) {
   return std::clamp<Index>(samples / 8, 1, 8);
 }
+
+/// Of the weighted errors: see StrokeMoments::Blocks.
+std::vector<double> variances_of_blocks(SampleRows sums) {
+  const Index count = sums.cols();
+  std::vector<double> variances;
+  Index blocks = count;
+  for (Index block = 1; block * 8 <= count || block == 1; block *= 2) {
+    if (block > 1) {
+      blocks /= 2;
+      for (Index b = 0; b < blocks; ++b) sums.col(b) = sums.col(2 * b) + sums.col(2 * b + 1);
+    }
+    variances.push_back(sums.leftCols(blocks).square().sum() /
+                        static_cast<double>(blocks * block * sums.rows()));
+  }
+  return variances;
+}
+
 }  // namespace
 
 StrokeSamples samples_in(const Sweep& sweep) {
   StrokeSamples seen;
+  seen.samples.reserve(sweep.samples->size());
   for (const Sample& sample : *sweep.samples)
     if (sample.has_position && sample.position_mm.allFinite()) seen.samples.push_back(&sample);
+  seen.positions_mm.resize(3, static_cast<Index>(seen.samples.size()));
+  for (std::size_t i = 0; i < seen.samples.size(); ++i)
+    seen.positions_mm.col(static_cast<Index>(i)) = seen.samples[i]->position_mm;
   return seen;
 }
-void set_aside(const StrokeMoments& stroke, StrokeSamples& seen) {
+
+void set_across(const StrokeMoments& stroke, StrokeSamples& seen) {
   constexpr double kNear = 10;
-  MatrixXd off(2, static_cast<Index>(seen.samples.size()));
-  for (std::size_t i = 0; i < seen.samples.size(); ++i)
-    off.col(static_cast<Index>(i)) = stroke.across(seen.samples[i]->position_mm);
-  const VectorXd near = weights_of(off, kNear);
-  for (const double weight : near) seen.beside.push_back(weight == 0);
-}
-void set_turns(StrokeMoments& stroke, StrokeSamples& seen) {
-  const std::size_t count = seen.samples.size();
-  std::vector<double> about = angles_about(stroke, seen);
-  if (stroke.content.joints > 0) {
-    const auto told = [&](std::size_t i) {
-      return seen.samples[i]->angles_rad[stroke.content.joint];
-    };
-    double mean_told = 0, mean_about = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      mean_told += told(i) / static_cast<double>(count);
-      mean_about += about[i] / static_cast<double>(count);
-    }
-    double together = 0;
-    for (std::size_t i = 0; i < count; ++i)
-      together += (told(i) - mean_told) * (about[i] - mean_about);
-    stroke.sense = together < 0 ? -1 : 1;
-    std::vector<double> apart(count);
-    for (std::size_t i = 0; i < count; ++i)
-      apart[i] = about[i] - mean_about - stroke.sense * (told(i) - mean_told);
-    const double middle = median_of(apart);
-    for (double& one : apart) one = std::abs(one - middle);
-    constexpr double kFollows_rad = 0.1;
-    stroke.told = median_of(apart) < kFollows_rad;
-    if (stroke.told) {
-      stroke.zero_rad = mean_told;
-      const double there = mean_about + middle;
-      stroke.shift(there);
-      // A hundredth of a radian of noise in x moves what a model says by 1e-4 of its size.
-      constexpr double kSmallCircle = 0.01;
-      stroke.about =
-          stroke.linear || stroke.circle.radial_rms_mm < kSmallCircle * stroke.circle.radius_mm;
-      for (std::size_t i = 0; i < count; ++i) seen.told.push_back(told(i));
-      if (!stroke.about) {
-        seen.turns = seen.told;
-        return;
-      }
-      for (double& one : about) one = stroke.zero_rad + stroke.sense * (one - there);
-    } else {
-      stroke.sense = 1;
-    }
+  const Index count = seen.positions_mm.cols();
+  const Matrix3d directions = stroke.directions(stroke.zero_rad);
+  const SampleRows from = seen.positions_mm.colwise() - stroke.circle.center_mm.array();
+  const auto along = [&](Index k) {
+    return directions(k, 0) * from.row(0) + directions(k, 1) * from.row(1) +
+           directions(k, 2) * from.row(2);
+  };
+  seen.errors.setZero(stroke.content.orientation ? 6 : 3, count);
+  seen.errors.row(0) = along(0);
+  seen.errors.row(1) = along(1);
+  seen.errors.row(2) = along(2);
+  if (stroke.linear) {
+    seen.turns = seen.errors.row(2) / stroke.circle.radius_mm;
+  } else {
+    seen.turns.resize(count);
+    for (Index i = 0; i < count; ++i)
+      seen.turns(i) = std::atan2(seen.errors(2, i), seen.errors(0, i));
+    seen.errors.row(0) = (seen.errors.row(0).square() + seen.errors.row(2).square()).sqrt() -
+                         stroke.circle.radius_mm;
   }
-  seen.turns = std::move(about);
+  seen.errors.row(2).setZero();
+  seen.distances = distances_of(seen.errors.topRows(2));
+  seen.beside = weights_of(seen.distances, 2, kNear) == 0;
+  // Unwrapped along the motion.
+  double last = 0;
+  for (Index i = 0; i < count; ++i) {
+    if (!seen.beside(i)) last += stroke.step(last, seen.turns(i));
+    seen.turns(i) = last;
+  }
 }
+
+void set_turns(StrokeMoments& stroke, StrokeSamples& seen) {
+  if (stroke.content.joints == 0) return;
+  ArrayXd told = told_angles(stroke, seen);
+  const double mean_told = told.mean(), mean_about = seen.turns.mean();
+  stroke.sense = ((told - mean_told) * (seen.turns - mean_about)).sum() < 0 ? -1 : 1;
+  SampleRows apart = (seen.turns - mean_about - stroke.sense * (told - mean_told)).transpose();
+  const double middle = median_of_row(apart, 0);
+  apart = (apart - middle).abs();
+  constexpr double kFollows_rad = 0.1;
+  stroke.told = median_of_row(apart, 0) < kFollows_rad;
+  if (!stroke.told) {
+    stroke.sense = 1;
+    return;
+  }
+  stroke.zero_rad = mean_told;
+  const double there = mean_about + middle;
+  stroke.shift(there);
+  // A hundredth of a radian of noise in x moves what a model says by 1e-4 of its size.
+  constexpr double kSmallCircle = 0.01;
+  stroke.about =
+      stroke.linear || stroke.circle.radial_rms_mm < kSmallCircle * stroke.circle.radius_mm;
+  seen.turns = stroke.about ? ArrayXd(stroke.zero_rad + stroke.sense * (seen.turns - there)) : told;
+  seen.told = std::move(told);
+}
+
 void set_turns_by(const StrokeMoments& like, StrokeSamples& seen) {
-  seen.turns = angles_about(like, seen);
-  for (double& turn : seen.turns) turn = like.zero_rad + like.sense * turn;
+  seen.turns = like.zero_rad + like.sense * seen.turns;
   if (!like.linear) {
-    const auto [least, greatest] = std::minmax_element(seen.turns.begin(), seen.turns.end());
-    const double off = (*least + *greatest - like.from_rad - like.to_rad) / 2;
-    const double whole = off - std::remainder(off, 2 * kPi);
-    for (double& turn : seen.turns) turn -= whole;
+    const double off =
+        (seen.turns.minCoeff() + seen.turns.maxCoeff() - like.from_rad - like.to_rad) / 2;
+    seen.turns -= off - std::remainder(off, 2 * kPi);
   }
   if (!like.told) return;
-  for (const Sample* sample : seen.samples)
-    seen.told.push_back(sample->angles_rad[like.content.joint]);
+  seen.told = told_angles(like, seen);
   if (!like.about) seen.turns = seen.told;
 }
+
 void set_range(StrokeMoments& stroke, StrokeSamples& seen) {
-  stroke.from_rad = std::numeric_limits<double>::infinity();
-  stroke.to_rad = -stroke.from_rad;
-  for (std::size_t i = 0; i < seen.turns.size(); ++i) {
-    if (seen.beside[i]) continue;
-    stroke.from_rad = std::min(stroke.from_rad, seen.turns[i]);
-    stroke.to_rad = std::max(stroke.to_rad, seen.turns[i]);
-  }
-  for (double& turn : seen.turns) turn = std::clamp(turn, stroke.from_rad, stroke.to_rad);
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  stroke.from_rad = seen.beside.select(kInfinite, seen.turns).minCoeff();
+  stroke.to_rad = seen.beside.select(-kInfinite, seen.turns).maxCoeff();
+  seen.turns = seen.turns.max(stroke.from_rad).min(stroke.to_rad);
 }
+
+void set_said(const StrokeMoments& stroke, StrokeSamples& seen) {
+  if (!stroke.content.orientation) return;
+  const ArrayXd& told = best_told(stroke, seen);
+  seen.said.reserve(seen.samples.size());
+  Sines a, b, c, back;
+  for (std::size_t i = 0; i < seen.samples.size(); ++i) {
+    // Rz(a) Ry(b) Rx(c), as orientation() has it, by half angles.
+    const auto& abc = seen.samples[i]->abc_rad;
+    a.set(abc[0] / 2);
+    b.set(abc[1] / 2);
+    c.set(abc[2] / 2);
+    const Quaterniond tool(a.cosine * b.cosine * c.cosine + a.sine * b.sine * c.sine,
+                           a.cosine * b.cosine * c.sine - a.sine * b.sine * c.cosine,
+                           a.cosine * b.sine * c.cosine + a.sine * b.cosine * c.sine,
+                           a.sine * b.cosine * c.cosine - a.cosine * b.sine * c.sine);
+    if (!stroke.linear)
+      back.set(stroke.sense * (stroke.zero_rad - told(static_cast<Index>(i))) / 2);
+    const Vector3d turn = back.sine * stroke.circle.normal;
+    seen.said.push_back(Quaterniond(back.cosine, turn.x(), turn.y(), turn.z()) * tool);
+  }
+}
+
 void set_orientation(StrokeMoments& stroke, const StrokeSamples& seen) {
   if (!stroke.content.orientation) return;
-  const auto said = [&](std::size_t i) {
-    const double turn = stroke.told ? seen.told[i] : seen.turns[i];
-    return Matrix3d(stroke.turned(stroke.zero_rad - turn) * orientation(*seen.samples[i]));
-  };
-  const Matrix3d start = said(seen.samples.size() / 2);
-  std::vector<Vector3d> off(seen.samples.size());
-  for (std::size_t i = 0; i < off.size(); ++i)
-    off[i] = rotation_vector(said(i) * start.transpose());
-  const Vector3d middle = median(off);
-  stroke.orientation = Eigen::AngleAxisd(middle.norm(), middle.stableNormalized()) * start;
+  const Quaterniond start = seen.said[seen.said.size() / 2];
+  SampleRows off(3, static_cast<Index>(seen.said.size()));
+  for (std::size_t i = 0; i < seen.said.size(); ++i)
+    off.col(static_cast<Index>(i)) = rotation_vector(seen.said[i] * start.conjugate());
+  const Vector3d middle(median_of_row(off, 0), median_of_row(off, 1), median_of_row(off, 2));
+  stroke.orientation =
+      Eigen::AngleAxisd(middle.norm(), middle.stableNormalized()) * start.toRotationMatrix();
 }
+
 void set_errors(const StrokeMoments& stroke, StrokeSamples& seen) {
-  const auto count = static_cast<Index>(seen.samples.size());
-  seen.errors.setZero(6, count);
+  const Index count = seen.turns.size();
+  if (!stroke.about) {
+    for (Index i = 0; i < count; ++i)
+      seen.errors(2, i) = stroke.departure(Vector3d(seen.positions_mm.col(i)), seen.turns(i)).z();
+  } else if (stroke.told) {
+    seen.errors.row(2) =
+        stroke.circle.radius_mm * stroke.sense * (seen.turns - seen.told).transpose();
+  }
+  if (!stroke.content.orientation) return;
+  const Quaterniond back = Quaterniond(stroke.orientation).conjugate();
+  const Matrix3d directions = stroke.directions(stroke.zero_rad);
+  Sines ahead;
   for (Index i = 0; i < count; ++i) {
-    const Sample& sample = *seen.samples[static_cast<std::size_t>(i)];
-    const double turn = seen.turns[static_cast<std::size_t>(i)];
-    seen.errors.col(i).head<2>() = stroke.across(sample.position_mm);
-    if (!stroke.about)
-      seen.errors(2, i) = stroke.departure(sample.position_mm, turn).z();
-    else if (stroke.told)
-      seen.errors(2, i) =
-          stroke.circle.radius_mm * stroke.sense * (turn - seen.told[static_cast<std::size_t>(i)]);
-    if (stroke.content.orientation)
-      seen.errors.col(i).tail<3>() = stroke.departure(
-          orientation(sample), turn, stroke.told ? seen.told[static_cast<std::size_t>(i)] : turn);
+    // From where the told angle says, in the directions at x: see ReferenceMotion::departure().
+    const Vector3d off =
+        directions * rotation_vector(seen.said[static_cast<std::size_t>(i)] * back);
+    if (stroke.told && !stroke.linear) ahead.set(stroke.sense * (seen.told(i) - seen.turns(i)));
+    seen.errors(3, i) = ahead.cosine * off(0) - ahead.sine * off(2);
+    seen.errors(4, i) = off(1);
+    seen.errors(5, i) = ahead.sine * off(0) + ahead.cosine * off(2);
   }
 }
+
 void set_weights(StrokeMoments& stroke, StrokeSamples& seen) {
-  const auto count = static_cast<Index>(seen.samples.size());
+  const Index count = seen.turns.size();
   const Index directions = stroke.told ? 3 : 2;
-  const MatrixXd errors = seen.errors.topRows(directions);
-  const StrokeCurve curve(seen.turns, stroke.from_rad, stroke.to_rad, curve_orders(count));
+  StrokeCurve curve(seen.turns, stroke.from_rad, stroke.to_rad, curve_orders(count));
   // The wobble of locked joints, which their angles tell, is in these errors, and not everywhere
   // along the stroke as large.
   const double wide = stroke.content.joints > 0 ? 2 : 1;
-  const auto weigh = [&](const MatrixXd& left) {
-    seen.weights = weights_of(left, wide);
-    for (Index i = 0; i < count; ++i)
-      if (seen.beside[static_cast<std::size_t>(i)]) seen.weights(i) = 0;
+  const auto weigh = [&](const ArrayXd& distances, Index rows) {
+    seen.weights = seen.beside.select(0, weights_of(distances, rows, wide));
   };
-  weigh(errors.topRows(2));  // the circle is robust; what is told may be off
-  MatrixXd left;
+  weigh(seen.distances, 2);  // the circle is robust; what is told may be off
+  SampleRows left;
   constexpr int kMostRounds = 4;
   constexpr double kSettled = 1e-3;
   for (int round = 0; round < kMostRounds; ++round) {
-    const VectorXd before = seen.weights;
-    left = curve.left(errors, before);
-    weigh(left);
-    if ((seen.weights - before).cwiseAbs().maxCoeff() < kSettled) break;
+    const ArrayXd before = seen.weights;
+    curve.weigh(before);
+    left = curve.left(seen.errors.topRows(directions));
+    weigh(distances_of(left), directions);
+    if ((seen.weights - before).abs().maxCoeff() < kSettled) break;
   }
-  stroke.blocks.variance_mm2.clear();
-  stroke.blocks.curve_orders = static_cast<std::size_t>(curve_orders(count));
-  const MatrixXd weighed = left.topRows(kBlockDirections) * seen.weights.cwiseSqrt().asDiagonal();
-  for (Index block = 1; block * 8 <= count || block == 1; block *= 2) {
-    double sum = 0;
-    const Index blocks = count / block;
-    for (Index b = 0; b < blocks; ++b)
-      sum += weighed.middleCols(b * block, block).rowwise().sum().squaredNorm();
-    stroke.blocks.variance_mm2.push_back(sum /
-                                         static_cast<double>(blocks * block * kBlockDirections));
-  }
+  stroke.blocks.curve_orders = static_cast<std::size_t>(curve.orders());
+  stroke.blocks.variance_mm2 = variances_of_blocks(left.topRows(kBlockDirections).rowwise() *
+                                                   seen.weights.sqrt().transpose());
+  curve.weigh(seen.weights);
   stroke.rounding = rounding_of(seen, stroke.content.orientation, curve);
   stroke.rounding.scatter.head<3>() = stroke.blocks.variance_mm2.front();
 }
+
 void count_weights(StrokeMoments& stroke, const StrokeSamples& seen) {
   stroke.samples = seen.samples.size();
   stroke.weight = seen.weights.sum();
-  stroke.outliers = static_cast<std::size_t>((seen.weights.array() < 0.5).count());
+  stroke.outliers = static_cast<std::size_t>((seen.weights < 0.5).count());
 }
+
 }  // namespace identify
