@@ -48,6 +48,9 @@ MatrixXd without_effects(const MatrixXd& products, const VectorXd& variances,
   const MatrixXd side =
       solver.matrixL().solve(MatrixXd(sigma.asDiagonal() * products.topRightCorner(effects, rest)));
   log_determinant += 2 * solver.matrixLLT().diagonal().array().log().sum();
+  // Where a stroke has gaps, nodes may have negative weights: of effects so large that this shows,
+  // its sums tell nothing.
+  if (solver.info() != Eigen::Success) log_determinant = std::numeric_limits<double>::infinity();
   MatrixXd left = products.bottomRightCorner(rest, rest);
   left.selfadjointView<Eigen::Lower>().rankUpdate(side.transpose(), -1);
   left.triangularView<Eigen::StrictlyUpper>() = left.transpose();

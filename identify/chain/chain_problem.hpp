@@ -49,14 +49,14 @@ class Information {
     return whole.selfadjointView<Eigen::Lower>();
   }
 
-  /// Of the scaled-back matrix, over what has information.
-  [[nodiscard]] double log_determinant() const {
-    double sum = 0;
-    for (Eigen::Index i = 0; i < values_.size(); ++i) {
-      if (informed(i)) sum += std::log(values_(i));
-      if (scale_(i) > 0) sum -= 2 * std::log(scale_(i));
-    }
-    return sum;
+  /// The directions with information, one a column, of unit length where the matrix has a unit
+  /// diagonal.
+  [[nodiscard]] Eigen::MatrixXd determined() const {
+    Eigen::MatrixXd all(vectors_.rows(), vectors_.cols());
+    Eigen::Index count = 0;
+    for (Eigen::Index i = 0; i < values_.size(); ++i)
+      if (informed(i)) all.col(count++) = vectors_.col(i);
+    return all.leftCols(count);
   }
 
   /// What the directions without information add to covariance(): one a column, of parameters that

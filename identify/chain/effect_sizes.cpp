@@ -71,16 +71,15 @@ class SizeGrid {
   double deviance(const SizeSteps& steps) {
     const auto known = known_.find(steps);
     if (known != known_.end()) return known->second;
-    std::vector<int> sags = {0};
+    std::vector<double> sags(static_cast<std::size_t>(open_[kSag] ? last_[kSag] + 1 : 1),
+                             task_.shape.sag_rad);
     if (open_[kSag])
-      for (int step = 1; step <= last_[kSag]; ++step) sags.push_back(step);
-    std::vector<double> sizes;
-    for (const int step : sags)
-      sizes.push_back(open_[kSag] ? size(kSag, step) : task_.shape.sag_rad);
-    const auto found = task_.chain->deviances(effects(steps), sizes);
+      for (int step = 0; step <= last_[kSag]; ++step)
+        sags[static_cast<std::size_t>(step)] = size(kSag, step);
+    const auto found = task_.chain->deviances(effects(steps), sags);
     SizeSteps here = steps;
     for (std::size_t k = 0; k < sags.size(); ++k) {
-      here[kSag] = sags[k];
+      here[kSag] = static_cast<int>(k);
       known_[here] = finite(found[k]);
     }
     return known_.at(steps);
@@ -90,7 +89,8 @@ class SizeGrid {
   /// step.
   void centre(const SizeSteps& steps) {
     double least = deviance(steps);
-    for (double by = std::sqrt(kFactor); by > kFine; by = std::sqrt(by))
+    double by = kFactor;
+    while ((by = std::sqrt(by)) > kFine)
       for (std::size_t k = 0; k < kCount; ++k)
         for (const double times : {by, 1 / by}) {
           if (!open_[k] || steps[k] == 0) continue;
@@ -116,6 +116,7 @@ class SizeGrid {
     for (int part = -2 * kParts; part <= 2 * kParts; ++part) {
       const double times = std::pow(kFactor, static_cast<double>(part) / kParts);
       size = times * centre;
+      if (size > this->size(effect, last_[effect])) break;
       const double weight = std::exp((least - finite(task_.chain->deviance(here))) / 2);
       fine += weight;
       fine_squares += weight * times * times;
@@ -181,6 +182,19 @@ bool is_limited(const SizeTask& task, std::size_t effect) {
   return grid.deviance(most) - grid.deviance(before) > 2 * kNumbers * std::log(SizeGrid::kFactor);
 }
 
+/// So much above the least, a deviance is out of the question.
+constexpr double kOut = 10;
+
+/// Whether the data tell that there is this effect.
+bool is_shown(const SizeTask& task, std::size_t effect) {
+  if (!task.is_open(effect)) return false;
+  SizeGrid grid(task);
+  const double none = grid.deviance({});
+  for (SizeSteps steps{}; ++steps[effect] <= grid.last(effect);)
+    if (grid.deviance(steps) < none - kOut) return true;
+  return false;
+}
+
 /// What the likelihood says of all combinations of sizes.
 struct WeighedSizes {
   double evidence = 0;                        ///< sum of the weights, that of the least is one
@@ -209,7 +223,6 @@ class SizeSearch {
 
   WeighedSizes weighed() {
     // All around that is not out of the question.
-    constexpr double kOut = 10;
     std::set<SizeSteps> seen;
     while (!open_.empty()) {
       const SizeSteps here = open_.back();
@@ -267,7 +280,8 @@ ChainEffects effect_sizes(LinearisedChain& chain, const ChainEffects& shape, dou
     if (law > 0 && !asked.is_open(kFigure)) break;
     SizeTask task = limited;
     task.law = law;
-    if (!is_limited(task, kFigure)) task.in(task.shape, kFigure) = 0;
+    // Arms limit figures where the data do not. Only where these show none, none is assumed.
+    if (!is_limited(task, kFigure) && !is_shown(task, kFigure)) task.in(task.shape, kFigure) = 0;
     laws.push_back({task, SizeSearch(task), kChances[law]});
     most = std::max(most, likely(laws.back()));
   }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 #include "identify/chain/chain_problem.hpp"
 
@@ -32,6 +33,9 @@ LinearisedChain::LinearisedChain(const Chain& chain, ChainNodes& nodes, const Ch
     set(ChainProblem<6>(chain, nodes, noise, shape));
   else
     set(ChainProblem<3>(chain, nodes, noise, shape));
+  const Eigen::Index others = prior_.size() - sags;
+  const MatrixXd noise_alone = (*eliminated_)(variances_of({}, nodes, columns_)).normal;
+  determined_ = Information(noise_alone.topLeftCorner(others, others)).determined();
 }
 
 MatrixXd LinearisedChain::sags_first(const Eliminated& all) const {
@@ -49,26 +53,27 @@ MatrixXd LinearisedChain::sags_first(const Eliminated& all) const {
 
 namespace {
 
-/// Minus twice the logarithm of the restricted likelihood, from products of (parameters, y).
-double deviance_of(const MatrixXd& products, double log_determinant) {
+/// Minus twice the logarithm of the restricted likelihood, from products of (parameters, y), along
+/// these directions alone. Whichever effects there are, it is of the same directions: one more or
+/// less would be worth the logarithm of what rounding leaves of it.
+double deviance_of(const MatrixXd& products, const MatrixXd& directions, double log_determinant) {
   const Eigen::Index y = products.rows() - 1;
-  std::vector<Eigen::Index> seen;  // parameters that something depends on
-  for (Eigen::Index k = 0; k < y; ++k)
-    if (products(k, k) > 0) seen.push_back(k);
-  const MatrixXd normal = products(seen, seen);
-  const VectorXd gradient = products(seen, y);
-  // By Cholesky's factors where all is determined, which is many times faster.
-  const VectorXd scale = normal.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::LLT<MatrixXd> factors(scale.asDiagonal() * normal * scale.asDiagonal());
-  const VectorXd pivots = factors.matrixLLT().diagonal();
-  if (factors.info() == Eigen::Success && pivots.minCoeff() > std::sqrt(kNoInformation)) {
-    const VectorXd side = factors.matrixL().solve(scale.cwiseProduct(gradient));
-    return log_determinant + 2 * (pivots.array() / scale.array()).log().sum() + products(y, y) -
-           side.squaredNorm();
-  }
-  const Information information(normal);
-  const VectorXd step = information.step(gradient, 0);
-  return log_determinant + information.log_determinant() + products(y, y) - step.dot(gradient);
+  if (directions.cols() == 0) return log_determinant + products(y, y);
+  const MatrixXd normal = directions.transpose() * products.topLeftCorner(y, y) * directions;
+  const VectorXd side = directions.transpose() * products.col(y).head(y);
+  // By Cholesky's factors where rounding does not count, which is many times faster.
+  constexpr double kFine = 1e-10, kRounding = 1e-14;
+  const Eigen::LLT<MatrixXd> factors(normal);
+  const VectorXd pivots = factors.matrixLLT().diagonal().cwiseAbs2();
+  if (factors.info() == Eigen::Success && pivots.minCoeff() > kFine * pivots.maxCoeff())
+    return log_determinant + pivots.array().log().sum() + products(y, y) -
+           factors.matrixL().solve(side).squaredNorm();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(normal);
+  const VectorXd values =
+      solver.eigenvalues().cwiseMax(kRounding * solver.eigenvalues().maxCoeff());
+  const VectorXd along = solver.eigenvectors().transpose() * side;
+  return log_determinant + values.array().log().sum() + products(y, y) -
+         (along.array().square() / values.array()).sum();
 }
 
 }  // namespace
@@ -82,7 +87,7 @@ std::vector<double> LinearisedChain::deviances(const ChainEffects& effects,
     double log_determinant = all.log_determinant;
     const VectorXd sigma = sag_rad * sag_shares_;
     const MatrixXd left = without_effects(products, sigma.cwiseAbs2(), log_determinant);
-    found.push_back(deviance_of(left, log_determinant));
+    found.push_back(deviance_of(left, determined_, log_determinant));
   }
   return found;
 }

@@ -37,6 +37,9 @@ class LinearisedChain {
   Eigen::VectorXd prior_;  ///< of each parameter
   Eigen::VectorXd sags_;   ///< the chain's: the last of them
   Eigen::VectorXd sag_shares_;
+  /// Directions, one a column, that the samples tell of where there is nothing but noise. Effects
+  /// leave less of each, but neither take one away nor add one.
+  Eigen::MatrixXd determined_;
 };
 
 }  // namespace identify

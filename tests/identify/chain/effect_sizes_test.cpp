@@ -1,8 +1,11 @@
 #include "identify/chain/effect_sizes.hpp"
 
 #include <cmath>
+#include <memory>
 #include <utility>
 #include <vector>
+
+#include <Eigen/LU>
 
 #include "identify/geometry/angle.hpp"
 #include "identify/identification.hpp"
@@ -98,4 +101,45 @@ TEST_CASE("The budget says what sag has of the uncertainties", "[effect_sizes]")
   CHECK(found.chain->effects.sag_rad == Approx(60 * kArcsec));
   CHECK(sag > 0.1 * all);
   CHECK(sag < all);
+}
+
+TEST_CASE("An arc that is seen to be no circle is never taken for one, also where it has gaps",
+          "[effect_sizes]") {
+  simulation::World world;
+  world.noise.range_mm = world.noise.across_mm = 0.05;
+  world.shape.rms_mm = 0.3;
+  simulation::Strokes how;
+  how.arc_deg = 120;
+  how.samples = 1200;
+  Campaign alone;
+  alone.joints = 1;
+  std::size_t circles = 0, apart = 0;
+  for (std::uint32_t seed = 1; seed <= 20; ++seed) {
+    const Simulation campaign(
+        simulation::at_random_home(simulation::built(simulation::kr5(), seed), seed), how, world,
+        seed);
+    std::vector<Axis> axes;
+    for (const std::size_t half : {std::size_t{0}, std::size_t{1}}) {
+      Sweep part = campaign.sweeps().front();
+      const std::vector<Sample> all = *part.samples;
+      std::vector<Sample> kept;
+      for (std::size_t i = 0; i < all.size(); ++i)
+        if (10 * i / all.size() % 2 == half) kept.push_back(all[i]);
+      part.samples = std::make_shared<const std::vector<Sample>>(std::move(kept));
+      part.joint = 0;
+      part.direction = 1;
+      const auto found = identify::identify({part}, alone);
+      REQUIRE(found.joints[0].axis);
+      axes.push_back(*found.joints[0].axis);
+      circles += found.chain && found.chain->effects.figure_mm() == 0;
+    }
+    const auto basis = across(axes[0].direction);
+    const Eigen::Vector2d off = basis.transpose() * (axes[1].direction - axes[0].direction);
+    const Eigen::Matrix2d covariance =
+        basis.transpose() * (axes[0].covariance + axes[1].covariance).topLeftCorner<3, 3>() * basis;
+    const double squares = off.dot(covariance.inverse() * off);
+    apart += squares > 13.8;  // by chance in a thousandth
+  }
+  CHECK(circles == 0);
+  CHECK(apart <= 1);
 }
