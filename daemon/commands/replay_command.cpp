@@ -87,8 +87,10 @@ void write_run_file(const ReplayOptions& options, const rsi::ConversationSearch&
 /// What one step gives back, the next one takes: pages that come anew from the system would be as
 /// much work as what is written into them.
 void keep_memory() {
+  // NOLINTBEGIN(concurrency-mt-unsafe): there is no other thread yet
   mallopt(M_MMAP_THRESHOLD, 32 << 20);
   mallopt(M_TRIM_THRESHOLD, 64 << 20);
+  // NOLINTEND(concurrency-mt-unsafe)
 }
 
 class Rows : public StreamSink {
