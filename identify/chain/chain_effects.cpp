@@ -48,9 +48,13 @@ MatrixXd without_effects(const MatrixXd& products, const VectorXd& variances,
   const MatrixXd side =
       solver.matrixL().solve(MatrixXd(sigma.asDiagonal() * products.topRightCorner(effects, rest)));
   log_determinant += 2 * solver.matrixLLT().diagonal().array().log().sum();
-  // Where a stroke has gaps, nodes may have negative weights: of effects so large that this shows,
-  // its sums tell nothing.
-  if (solver.info() != Eigen::Success) log_determinant = std::numeric_limits<double>::infinity();
+  // The unit matrix and squares have no pivot below one. Where a stroke has gaps, nodes may have
+  // negative weights: of effects so large that this shows, its sums tell nothing.
+  constexpr double kRounding = 1e-14;
+  const double least = 0.99 - kRounding * inner.diagonal().maxCoeff();
+  if (solver.info() != Eigen::Success ||
+      !(solver.matrixLLT().diagonal().cwiseAbs2().minCoeff() > least))
+    log_determinant = std::numeric_limits<double>::infinity();
   MatrixXd left = products.bottomRightCorner(rest, rest);
   left.selfadjointView<Eigen::Lower>().rankUpdate(side.transpose(), -1);
   left.triangularView<Eigen::StrictlyUpper>() = left.transpose();

@@ -62,6 +62,7 @@ class SizeGrid {
   }
 
   static constexpr double kFactor = 4;
+  static constexpr double kBeyond = 1e300;  ///< in place of a deviance that cannot be judged
   [[nodiscard]] double size(std::size_t effect, int step) const {
     return step == 0 ? 0 : unit_[effect] * std::pow(kFactor, step - 1);
   }
@@ -159,7 +160,7 @@ class SizeGrid {
       if (open_[k]) task_.in(effects, k) = size(k, steps[k]);
     return effects;
   }
-  static double finite(double deviance) { return std::isfinite(deviance) ? deviance : 1e300; }
+  static double finite(double deviance) { return std::isfinite(deviance) ? deviance : kBeyond; }
 
   SizeTask task_;
   ChainEffects none_;  ///< of those that are open
@@ -169,15 +170,17 @@ class SizeGrid {
   std::map<SizeSteps, double> known_;
 };
 
-/// Whether the data limit the size of this effect: far beyond all that was seen, each number that
-/// tells of it takes log(size^2) from the likelihood. With two or fewer the mean size has no limit:
-/// a campaign of one stroke says nothing of other strokes.
+/// Whether the data limit the size of this effect: far beyond all that was seen, at the largest
+/// that can be judged, each number that tells of it takes log(size^2) from the likelihood. With two
+/// or fewer the mean size has no limit: a campaign of one stroke says nothing of other strokes.
 bool is_limited(const SizeTask& task, std::size_t effect) {
   if (!task.is_open(effect)) return true;
   SizeGrid grid(task);
-  SizeSteps before{}, most{};
-  before[effect] = grid.last(effect) - 1;
+  SizeSteps most{};
   most[effect] = grid.last(effect);
+  while (most[effect] > 1 && !(grid.deviance(most) < SizeGrid::kBeyond)) --most[effect];
+  SizeSteps before = most;
+  --before[effect];
   constexpr double kNumbers = 2.5;
   return grid.deviance(most) - grid.deviance(before) > 2 * kNumbers * std::log(SizeGrid::kFactor);
 }

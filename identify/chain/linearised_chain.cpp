@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 #include "identify/chain/chain_problem.hpp"
 
@@ -55,25 +55,19 @@ namespace {
 
 /// Minus twice the logarithm of the restricted likelihood, from products of (parameters, y), along
 /// these directions alone. Whichever effects there are, it is of the same directions: one more or
-/// less would be worth the logarithm of what rounding leaves of it.
+/// less would be worth the logarithm of what rounding leaves of it. Infinite where the effects are
+/// so large that rounding is most of what they leave.
 double deviance_of(const MatrixXd& products, const MatrixXd& directions, double log_determinant) {
   const Eigen::Index y = products.rows() - 1;
   if (directions.cols() == 0) return log_determinant + products(y, y);
-  const MatrixXd normal = directions.transpose() * products.topLeftCorner(y, y) * directions;
-  const VectorXd side = directions.transpose() * products.col(y).head(y);
-  // By Cholesky's factors where rounding does not count, which is many times faster.
-  constexpr double kFine = 1e-10, kRounding = 1e-14;
-  const Eigen::LLT<MatrixXd> factors(normal);
+  const Eigen::LLT<MatrixXd> factors(directions.transpose() * products.topLeftCorner(y, y) *
+                                     directions);
+  constexpr double kFine = 1e-13;  // of what noise alone leaves
   const VectorXd pivots = factors.matrixLLT().diagonal().cwiseAbs2();
-  if (factors.info() == Eigen::Success && pivots.minCoeff() > kFine * pivots.maxCoeff())
-    return log_determinant + pivots.array().log().sum() + products(y, y) -
-           factors.matrixL().solve(side).squaredNorm();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(normal);
-  const VectorXd values =
-      solver.eigenvalues().cwiseMax(kRounding * solver.eigenvalues().maxCoeff());
-  const VectorXd along = solver.eigenvectors().transpose() * side;
-  return log_determinant + values.array().log().sum() + products(y, y) -
-         (along.array().square() / values.array()).sum();
+  if (factors.info() != Eigen::Success || !(pivots.minCoeff() > kFine))
+    return std::numeric_limits<double>::infinity();
+  const VectorXd side = factors.matrixL().solve(directions.transpose() * products.col(y).head(y));
+  return log_determinant + pivots.array().log().sum() + products(y, y) - side.squaredNorm();
 }
 
 }  // namespace
