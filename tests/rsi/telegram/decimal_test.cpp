@@ -44,7 +44,7 @@ TEST_CASE("a number with any other byte in any place is read as number() reads i
        {"0.0", "12.5", "-123.4567", "1234.56789", "9999.9999", "12345678."})
     for (std::size_t at = 0; at <= text.size(); ++at)
       for (int byte = 0; byte < 256; ++byte)
-        for (const std::size_t replaced : {0, 1}) {
+        for (const std::size_t replaced : {std::size_t{0}, std::size_t{1}}) {
           std::string other = text;
           other.replace(at, replaced, 1, static_cast<char>(byte));
           CAPTURE(other);
