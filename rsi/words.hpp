@@ -39,6 +39,7 @@ inline constexpr std::uint64_t kEachByte = 0x0101'0101'0101'0101;
 }
 
 [[nodiscard]] inline bool equal(const char* a, const char* b, std::size_t size) noexcept {
+  if (size == 0) return true;  // they may be null then
   if (size < 4 || size > 16) return std::memcmp(a, b, size) == 0;
   if (size < 8)
     return half_word_at(a) == half_word_at(b) &&
@@ -48,6 +49,7 @@ inline constexpr std::uint64_t kEachByte = 0x0101'0101'0101'0101;
 
 /// Returns where the copy ends.
 inline char* copy(char* to, const char* from, std::size_t size) noexcept {
+  if (size == 0) return to;  // `from` may be null then
   if (size < 4 || size > 16) {
     std::memcpy(to, from, size);
   } else if (size < 8) {

@@ -44,6 +44,8 @@ TEST_CASE("texts of any size are compared by every byte", "[words]") {
 }
 
 TEST_CASE("texts of any size are copied, and nothing beside them", "[words]") {
+  CHECK(rsi::copy(nullptr, nullptr, 0) == nullptr);
+  CHECK(rsi::equal(nullptr, nullptr, 0));
   for (std::size_t size = 0; size <= 40; ++size) {
     CAPTURE(size);
     const auto text = bytes(size);
