@@ -72,7 +72,7 @@ void append_fixed(std::string& text, double value, int decimals) {
 }
 
 void append_measured(std::string& text, double value, int decimals) {
-  double units = std::round(value * power_of_ten(decimals));
+  const double units = std::round(value * power_of_ten(decimals));
   if (std::abs(units) < kMostUnits) {
     auto rest = static_cast<std::int64_t>(units);
     for (; decimals > 0 && rest % 10 == 0; --decimals) rest /= 10;
