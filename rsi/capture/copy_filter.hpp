@@ -26,8 +26,9 @@ namespace rsi {
 /// time, the one of the first copy. Takes any bytes. One thread.
 class CopyFilter {
  public:
-  /// Copies come within this; two telegrams never do with the same IPOC, but where one was doubled.
-  static constexpr std::chrono::milliseconds kTogether{2};
+  /// Copies come within this, though the kernel stamps one of them a time slice late. Two telegrams
+  /// never do with the same IPOC, but where one was doubled.
+  static constexpr std::chrono::milliseconds kTogether{20};
   /// So many packets tell how often each comes.
   static constexpr std::size_t kDecides = 32;
 
