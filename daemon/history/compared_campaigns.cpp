@@ -5,13 +5,13 @@
 #include <map>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
 
 #include "daemon/history/campaign_scatter.hpp"
 #include "daemon/report/json_part.hpp"
 #include "daemon/results/change_test.hpp"
+#include "identify/geometry/symmetric_eigen.hpp"
 
 namespace sweepd {
 namespace {

@@ -5,10 +5,10 @@
 #include <utility>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include "daemon/results/change_test.hpp"
+#include "identify/geometry/symmetric_eigen.hpp"
 
 namespace sweepd {
 namespace {

@@ -9,6 +9,7 @@
 #include "daemon/drawing/view.hpp"
 #include "daemon/report/joint_shapes.hpp"
 #include "daemon/text/numbers.hpp"
+#include "identify/geometry/symmetric_eigen.hpp"
 
 namespace sweepd {
 namespace {

@@ -5,13 +5,14 @@
 #include <cstdint>
 #include <numeric>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/non_central_chi_squared.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/quadrature/gauss.hpp>
 #include <boost/math/tools/roots.hpp>
+
+#include "identify/geometry/symmetric_eigen.hpp"
 
 namespace sweepd {
 namespace {

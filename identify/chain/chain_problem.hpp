@@ -7,11 +7,11 @@
 #include <vector>
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 
 #include "identify/chain/chain_effects.hpp"
 #include "identify/chain/chain_nodes.hpp"
 #include "identify/chain/chain_residual.hpp"
+#include "identify/geometry/symmetric_eigen.hpp"
 
 namespace identify {
 

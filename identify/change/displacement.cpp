@@ -6,6 +6,7 @@
 
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/halton.hpp"
+#include "identify/geometry/symmetric_eigen.hpp"
 #include "identify/models/kinematic_model.hpp"
 
 namespace identify {
@@ -113,8 +114,7 @@ Displacement largest_displacement(const ComparedArms& arms, const VectorXd& diff
     normal += frames.transpose() * frames;
     mixed += frames.transpose() * motion.by_numbers(turns[k]);
   }
-  const MatrixXd taken_up =
-      Eigen::CompleteOrthogonalDecomposition<MatrixXd>(MatrixXd(normal)).solve(mixed);
+  const MatrixXd taken_up = least_norm(normal, mixed);
   const auto left_at = [&](const std::vector<double>& at) -> Eigen::Matrix3Xd {
     return motion.by_numbers(at) - motion.by_frames(at) * taken_up;
   };

@@ -4,9 +4,8 @@
 #include <cmath>
 #include <numeric>
 
-#include <Eigen/Eigenvalues>
-
 #include "identify/geometry/angle.hpp"
+#include "identify/geometry/symmetric_eigen.hpp"
 #include "identify/poses/arm_columns.hpp"
 
 namespace identify {
@@ -144,8 +143,8 @@ class LevelFitting {
   void decompose(const MatrixXd& normal) {
     const VectorXd scale =
         normal.diagonal().unaryExpr([](double d) { return d > 0 ? 1 / std::sqrt(d) : 0.0; });
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(scale.asDiagonal() * normal *
-                                                         scale.asDiagonal());
+    const MatrixXd scaled = scale.asDiagonal() * normal * scale.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(scaled);
     VectorXd inverse = solver.eigenvalues();
     open_ = VectorXd::Zero(normal.rows());
     for (Index i = 0; i < inverse.size(); ++i) {

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+
+#include "identify/geometry/symmetric_eigen.hpp"
 
 namespace identify {
 
@@ -67,12 +67,6 @@ constexpr double kRelationSigmas = 3;
 constexpr double kAlmostParallel = 0.0175;  // sine of a degree
 constexpr double kNoDirection_rad = 0.25;   // of two axes together: nothing tells how they lie
 constexpr double kDirectionRounding_rad = 1e-15;  // no direction is better known
-
-double largest_sigma(const Matrix3d& covariance) {
-  if (!covariance.allFinite()) return std::numeric_limits<double>::infinity();
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, solver.eigenvalues()(2)));
-}
 
 }  // namespace
 

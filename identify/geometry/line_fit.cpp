@@ -8,10 +8,10 @@
 #include <vector>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 #include "identify/geometry/line.hpp"
 #include "identify/geometry/median.hpp"
+#include "identify/geometry/symmetric_eigen.hpp"
 
 namespace identify {
 namespace {
@@ -72,7 +72,8 @@ bool refine(LineFit& line, const Matrix3Xd& close) {
   if (close.cols() < 3) return false;
   line.point_mm = close.rowwise().mean();
   const Matrix3Xd from = close.colwise() - line.point_mm;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(from * from.transpose());
+  const Eigen::Matrix3d scatter = from * from.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
   if (!(solver.eigenvalues()(2) > 0)) return false;
   line.direction = solver.eigenvectors().col(2);
   const Eigen::VectorXd along = from.transpose() * line.direction;

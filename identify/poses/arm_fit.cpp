@@ -4,9 +4,8 @@
 #include <cmath>
 #include <numeric>
 
-#include <Eigen/Eigenvalues>
-
 #include "identify/geometry/median.hpp"
+#include "identify/geometry/symmetric_eigen.hpp"
 #include "identify/poses/arm_columns.hpp"
 
 namespace identify {

@@ -3,9 +3,8 @@
 #include <cmath>
 #include <optional>
 
-#include <Eigen/QR>
-
 #include "identify/geometry/line.hpp"
+#include "identify/geometry/symmetric_eigen.hpp"
 #include "identify/poses/observability.hpp"
 
 namespace identify {
@@ -126,7 +125,7 @@ class Map {
       normal += frames.transpose() * frames;
       mixed += frames.transpose() * by_parameters(pose);
     }
-    taken_up_ = Eigen::CompleteOrthogonalDecomposition<MatrixXd>(MatrixXd(normal)).solve(mixed);
+    taken_up_ = least_norm(normal, mixed);
   }
 
   [[nodiscard]] DisplacedPoint displaced(const Reached& one) const {

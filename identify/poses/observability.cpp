@@ -5,7 +5,8 @@
 #include <vector>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+
+#include "identify/geometry/symmetric_eigen.hpp"
 
 namespace identify {
 
@@ -32,9 +33,7 @@ Observability observability_of(const PoseFit& fit) {
     count += weight;
     const Eigen::Matrix3d of =
         row.by_parameter.topRows<3>() * fit.covariance * row.by_parameter.topRows<3>().transpose();
-    seen.displacement_mm =
-        std::max(seen.displacement_mm,
-                 std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(of).eigenvalues()(2)));
+    seen.displacement_mm = std::max(seen.displacement_mm, largest_sigma(of));
   }
   std::vector<Index> there;  // without a tool that was not seen
   for (Index i = 0; i < unit.size(); ++i)

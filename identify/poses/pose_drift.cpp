@@ -4,7 +4,8 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+
+#include "identify/geometry/symmetric_eigen.hpp"
 
 namespace identify {
 
@@ -60,7 +61,7 @@ PoseDrift drift_of(const PoseFit& fit) {
   const VectorXd unit = scale.cwiseInverse();
   const MatrixXd all = unit.asDiagonal() * fit.covariance * unit.asDiagonal();
   const MatrixXd middle = one - one * all * one;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solved(0.5 * (middle + middle.transpose()));
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solved(MatrixXd(0.5 * (middle + middle.transpose())));
   const VectorXd g = solved.eigenvectors().transpose() * scale.cwiseProduct(first.score);
   VectorXd inverse = VectorXd::Zero(g.size());
   for (Index k = 0; k < g.size(); ++k) {

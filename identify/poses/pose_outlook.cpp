@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 #include "identify/chain/chain_fit.hpp"
 #include "identify/chain/chain_problem.hpp"
 #include "identify/chain/chain_table.hpp"
+#include "identify/geometry/symmetric_eigen.hpp"
 #include "identify/poses/arm_fit.hpp"
 #include "identify/poses/observability.hpp"
 #include "identify/poses/pose_estimate.hpp"
@@ -23,10 +22,6 @@ using Eigen::MatrixXd;
 
 ChainParameters forecast_parameters(const PoseModel& model) {
   return {model.chain.axes.size(), model.chain.targets_mm.size()};
-}
-
-double worst_direction(const Matrix3d& covariance) {
-  return std::sqrt(Eigen::SelfAdjointEigenSolver<Matrix3d>(covariance).eigenvalues()(2));
 }
 
 }  // namespace
@@ -78,7 +73,7 @@ PoseOutlook PoseForecast::outlook(const std::vector<PoseRow>& poses,
   for (const PoseRow& row : workspace)
     found.displacement_mm =
         std::max(found.displacement_mm,
-                 worst_direction(row.by_parameter * fit.covariance * row.by_parameter.transpose()));
+                 largest_sigma(row.by_parameter * fit.covariance * row.by_parameter.transpose()));
   ChainEstimate expected;
   set_fitted_axes(expected, fit, std::vector<bool>(campaign_.joints, true), 1);
   std::vector<DhRow> specified = campaign_.specified->rows;

@@ -65,7 +65,7 @@ void check_doubt(const Identification& found, std::string_view code,
 
 }  // namespace
 
-TEST_CASE("clean campaigns are never in doubt, however inaccurate", "[plausibility]") {
+TEST_CASE("clean campaigns are never in doubt, however inaccurate", "[plausibility][long]") {
   const auto seed = GENERATE(1U, 2U);
   CAPTURE(seed);
   World world = tracker(false);
@@ -125,7 +125,7 @@ TEST_CASE("metres in a column for millimetres are named", "[plausibility]") {
 }
 
 TEST_CASE("a mirrored frame is told from angles, whichever coordinate is negated",
-          "[plausibility]") {
+          "[plausibility][long]") {
   const auto seed = GENERATE(1U, 2U, 3U);
   const auto axis = GENERATE(0, 1, 2);
   for (const auto& robot : {some_kr5(seed), some_iiwa(seed)}) {
@@ -140,7 +140,7 @@ TEST_CASE("a mirrored frame is told from angles, whichever coordinate is negated
   }
 }
 
-TEST_CASE("exchanged joints are both named, with angles or without", "[plausibility]") {
+TEST_CASE("exchanged joints are both named, with angles or without", "[plausibility][long]") {
   const auto seed = GENERATE(1U, 2U, 3U);
   const bool angles = GENERATE(false, true);
   CAPTURE(seed, angles);
@@ -198,7 +198,7 @@ TEST_CASE("noise of few points is no bend, beside joints whose points are too fe
 }
 
 TEST_CASE("a joint that turns while another one is swept is a doubt, without angles",
-          "[plausibility]") {
+          "[plausibility][long]") {
   const auto seed = GENERATE(1U, 2U, 3U);
   const auto from = GENERATE(-2.5, 0.0);  // at the sweep's begin
   Strokes strokes;

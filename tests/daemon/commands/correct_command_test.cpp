@@ -117,7 +117,7 @@ TEST_CASE("Each level says what is to be corrected, and by how much", "[correct_
   CHECK_THAT(result.out.str(), ContainsSubstring("Only KUKA's service"));
 }
 
-TEST_CASE("A program's points are corrected into another file", "[correct_command]") {
+TEST_CASE("A program's points are corrected into another file", "[correct_command][long]") {
   CorrectableFolder result;
   auto options = result.options(CorrectionLevel::targets);
   options.program = result.folder.write("P.dat", kTwoPoints);
@@ -163,7 +163,8 @@ TEST_CASE("Options that do not go together, and programs that are none, are refu
   CHECK_THROWS_AS(correct(options, result.out), std::invalid_argument);
 }
 
-TEST_CASE("Results that nothing is corrected by are refused with the reason", "[correct_command]") {
+TEST_CASE("Results that nothing is corrected by are refused with the reason",
+          "[correct_command][long]") {
   CorrectableFolder result;
   const auto options = result.options(CorrectionLevel::mastering);
   const auto refused = [&](const char* why) {

@@ -118,7 +118,7 @@ TEST_CASE("a stream of points gives the specified table", "[identify_command][lo
 }
 
 TEST_CASE("a stream of noisy positions gives the specified table, and says what its noise hides",
-          "[identify_command]") {
+          "[identify_command][long]") {
   const TemporaryFolder folder;
   const Layout layout{.times = true};
   auto measured = measured_kr5({.position_mm = 0.3, .seed = 5});
@@ -179,7 +179,7 @@ TEST_CASE("points that name their joint give the specified table", "[identify_co
 }
 
 TEST_CASE("points that contradict what a robot can be leave a doubtful result: exit 3",
-          "[identify_command]") {
+          "[identify_command][long]") {
   const TemporaryFolder folder;
   auto measured = measured_kr5(kTracker);
   std::string code;

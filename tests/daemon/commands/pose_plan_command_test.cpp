@@ -114,7 +114,7 @@ TEST_CASE("A table of poses that nobody has filled in is refused with what to do
 }
 
 TEST_CASE("Poses with wrong options, or what KRL cannot say, leave no file",
-          "[pose_plan_command]") {
+          "[pose_plan_command][long]") {
   const TemporaryFolder folder;
   auto options = planned_poses(12, folder / "poses");
   options.poses.candidates = 100;

@@ -205,7 +205,7 @@ TEST_CASE("one joint of six is a partial result and exit 0", "[replay_command]")
 }
 
 TEST_CASE("an external axis that moved while joints were swept makes the result doubtful: exit 3",
-          "[replay_command]") {
+          "[replay_command][long]") {
   const TemporaryFolder folder;
   auto file = content(kEthernet);
   const std::string position = "<ELEMENT TAG=\"DEF_RIst\"";

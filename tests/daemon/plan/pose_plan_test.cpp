@@ -129,7 +129,7 @@ TEST_CASE("Too few poses, no poses left, a forbidden home and no table are refus
 }
 
 TEST_CASE("The program drives to every pose and rests there, by RSI only where a file is named",
-          "[pose_plan]") {
+          "[pose_plan][long]") {
   const RobotDescription robot = kr5_description();
   PosePlan plan = plan_poses(robot, quick_task(12));
   plan.poses[3].over_home = true;

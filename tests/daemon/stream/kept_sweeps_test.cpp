@@ -102,7 +102,7 @@ TEST_CASE("all sweeps are kept while there is memory", "[kept_sweeps]") {
 }
 
 TEST_CASE("what a program repeats is kept in whole rounds, spread evenly over the stream",
-          "[kept_sweeps]") {
+          "[kept_sweeps][long]") {
   const auto program = usual_program();
   const auto kinds = static_cast<int>(program.size());
   constexpr int kRounds = 250;

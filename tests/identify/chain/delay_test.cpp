@@ -113,7 +113,7 @@ TEST_CASE("a backlash is told from a delay by what all joints share", "[delay]")
   CHECK(std::abs(found.delay->late_s - 0.004) < 3 * found.delay->sigma_s);
 }
 
-TEST_CASE("strokes whose locked joints stood elsewhere tell less of a delay", "[delay]") {
+TEST_CASE("strokes whose locked joints stood elsewhere tell less of a delay", "[delay][long]") {
   // Each stroke sees its joint turned by what the joints before it were off.
   const auto seen = GENERATE(true, false);
   CAPTURE(seen);

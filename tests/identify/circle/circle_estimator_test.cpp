@@ -269,7 +269,7 @@ TEST_CASE("where joints never come home to the same place, the nearest sweeps se
   }
 }
 
-TEST_CASE("home is one of several, not made of parts of them", "[circle_estimator]") {
+TEST_CASE("home is one of several, not made of parts of them", "[circle_estimator][long]") {
   const auto seed = GENERATE(1U, 2U, 3U, 4U, 5U, 6U);
   CAPTURE(seed);
   simulation::World world;

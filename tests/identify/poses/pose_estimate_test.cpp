@@ -87,7 +87,7 @@ TEST_CASE("Ellipsoids hold what was not fitted", "[pose_estimate]") {
   CHECK(share < 0.98);
 }
 
-TEST_CASE("Sweeps and poses together are no worse than either", "[pose_estimate]") {
+TEST_CASE("Sweeps and poses together are no worse than either", "[pose_estimate][long]") {
   double sweeps = 0, poses = 0, both = 0;
   Judged all;
   for (std::uint32_t seed = 1; seed <= 12; ++seed) {
