@@ -56,14 +56,14 @@ void CopyFilter::take(const Datagram& datagram, std::uint16_t identification, bo
       directions_[answers ? 1 : 0].add(datagram.time, hash_of(datagram, identification));
   if (decided_) return judge(datagram, before, answers);
   held_.push_back({datagram, std::string(datagram.payload), before, answers});
-  if (directions_[0].packets() + directions_[1].packets() > kDecides) settle();
+  if (directions_[0].told() + directions_[1].told() >= kDecides) settle();
 }
 
 void CopyFilter::settle() {
   if (decided_ || held_.empty()) return;
   // The newest may still get their copies: they tell nothing yet.
   for (auto& direction : directions_) direction.close(held_.back().datagram.time, false);
-  if (directions_[0].packets() + directions_[1].packets() <= kDecides)
+  if (directions_[0].told() + directions_[1].told() < kDecides)
     for (auto& direction : directions_) direction.close({}, true);
   decided_ = true;
   for (auto& held : std::exchange(held_, {})) {

@@ -22,7 +22,7 @@ namespace rsi {
 /// copies is the tap's own, and every so manieth copy is let through: telegrams that the link
 /// doubled stay double, and one whose copy the tap has missed stays single.
 ///
-/// The first kDecides packets wait until that number is known. Datagrams keep their order and their
+/// The first packets wait until kDecides have told that number. Datagrams keep their order and their
 /// time, the one of the first copy. Takes any bytes. One thread.
 class CopyFilter {
  public:
@@ -61,7 +61,7 @@ class CopyFilter {
     /// Groups whose copies have all come, or with `all` every group, tell how many they were.
     void close(Timestamp now, bool all);
     [[nodiscard]] unsigned times() const noexcept { return times_; }
-    [[nodiscard]] std::size_t packets() const noexcept { return told_.size() + open_.size(); }
+    [[nodiscard]] std::size_t told() const noexcept { return told_.size(); }
 
    private:
     std::deque<Group> open_;

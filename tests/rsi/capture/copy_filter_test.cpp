@@ -120,6 +120,17 @@ TEST_CASE("a copy that is seen some cycles late is a copy", "[copy_filter]") {
   CHECK(tapped.filter().copies() == 2000U);
 }
 
+TEST_CASE("what comes faster than copies are waited for is decided just so", "[copy_filter]") {
+  std::size_t passed = 0;
+  rsi::CopyFilter filter([&](const rsi::Datagram&) { ++passed; });
+  for (int i = 0; i < 1000; ++i)
+    for (int copy = 0; copy < 2; ++copy)
+      filter.take({500us * i + 20us * copy, kController, kServer, std::to_string(i), false}, 0,
+                  false);
+  CHECK(passed == 1000);
+  CHECK(filter.copies() == 1000U);
+}
+
 TEST_CASE("a few telegrams before a pause are let through, and order and bytes stay",
           "[copy_filter]") {
   Tapped tapped;
