@@ -97,22 +97,29 @@ TEST_CASE("what waits together is handed over in its order, the reply behind its
 
 TEST_CASE("a telegram has the time at which the kernel received it, not that of its processing",
           "[udp_server]") {
-  UdpServer server(on_loopback());
-  UdpController controller(server);
-  const auto before = rsi::now();
-  controller.send(telegram(4));
-  const auto sent = rsi::now();
-  std::this_thread::sleep_until(std::chrono::steady_clock::now() + 20ms);
-  std::thread thread([&] { server.run(); });
-  controller.receive();
-  server.stop();
-  thread.join();
-  Datagram datagram;
-  REQUIRE(server.datagrams().pop(datagram));
-  CHECK(datagram.time >= before);
-  CHECK(datagram.time <= sent);  // over loopback the receiver has it before send() returns
-  REQUIRE(server.datagrams().pop(datagram));
-  CHECK(datagram.time >= sent + 20ms);
+  // The kernel begins to stamp somewhat after a first socket has asked for it: on a busy machine
+  // telegrams come before.
+  const UdpServer asks(on_loopback());
+  bool stamped = false;
+  for (int round = 0; round < 100 && !stamped; ++round) {
+    UdpServer server(on_loopback());
+    UdpController controller(server);
+    const auto before = rsi::now();
+    controller.send(telegram(4));
+    const auto sent = rsi::now();
+    std::this_thread::sleep_until(std::chrono::steady_clock::now() + 20ms);
+    std::thread thread([&] { server.run(); });
+    controller.receive();
+    server.stop();
+    thread.join();
+    Datagram datagram;
+    REQUIRE(server.datagrams().pop(datagram));
+    CHECK(datagram.time >= before);
+    stamped = datagram.time <= sent;  // over loopback the receiver has it before send() returns
+    REQUIRE(server.datagrams().pop(datagram));
+    CHECK(datagram.time >= sent + 20ms);
+  }
+  CHECK(stamped);
 }
 
 TEST_CASE("what the system drops for want of room is counted, and nothing else is lost",
