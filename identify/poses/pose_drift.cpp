@@ -61,7 +61,8 @@ PoseDrift drift_of(const PoseFit& fit) {
   const VectorXd unit = scale.cwiseInverse();
   const MatrixXd all = unit.asDiagonal() * fit.covariance * unit.asDiagonal();
   const MatrixXd middle = one - one * all * one;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solved(MatrixXd(0.5 * (middle + middle.transpose())));
+  const MatrixXd symmetric = 0.5 * (middle + middle.transpose());
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solved(symmetric);
   const VectorXd g = solved.eigenvectors().transpose() * scale.cwiseProduct(first.score);
   VectorXd inverse = VectorXd::Zero(g.size());
   for (Index k = 0; k < g.size(); ++k) {

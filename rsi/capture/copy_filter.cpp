@@ -10,7 +10,7 @@ namespace {
 /// Copies that a packet has at most: more are a flood.
 constexpr unsigned kMostTimes = 8;
 
-/// Of those that may be open at once; cycles are 4 ms, so mostly it is one.
+/// Of those that may be open at once; cycles are 4 ms, so mostly they are six.
 constexpr std::size_t kMostOpen = 64;
 
 std::size_t hash_of(const Datagram& datagram, std::uint16_t identification) {

@@ -22,8 +22,8 @@ namespace rsi {
 /// copies is the tap's own, and every so manieth copy is let through: telegrams that the link
 /// doubled stay double, and one whose copy the tap has missed stays single.
 ///
-/// The first packets wait until kDecides have told that number. Datagrams keep their order and their
-/// time, the one of the first copy. Takes any bytes. One thread.
+/// The first packets wait until kDecides have told that number. Datagrams keep their order and
+/// their time, the one of the first copy. Takes any bytes. One thread.
 class CopyFilter {
  public:
   /// Copies come within this, though the kernel stamps one of them a time slice late. Two telegrams

@@ -120,7 +120,8 @@ TEST_CASE("a copy that is seen some cycles late is a copy", "[copy_filter]") {
   CHECK(tapped.filter().copies() == 2000U);
 }
 
-TEST_CASE("what comes faster than copies are waited for is decided just so", "[copy_filter]") {
+TEST_CASE("telegrams that come faster than their copies are decided all the same",
+          "[copy_filter]") {
   std::size_t passed = 0;
   rsi::CopyFilter filter([&](const rsi::Datagram&) { ++passed; });
   for (int i = 0; i < 1000; ++i)
