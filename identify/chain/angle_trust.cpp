@@ -86,6 +86,7 @@ class Curves {
         columns_(own_ones(effects), nodes),
         figure_mm_(effects.figure_mm()),
         unit_(nodes.strokes.size()) {
+    columns_.wander = 0;  // what strokes have in common is not asked for
     variances_ = variances_of(effects, nodes, columns_).own;
     for (std::size_t u = 0; u < nodes.units.size(); ++u)
       for (const std::size_t s : nodes.units[u]) unit_[s] = u;

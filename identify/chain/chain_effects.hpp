@@ -70,19 +70,23 @@ inline constexpr Eigen::Index kFigureOrders = 8;
 
 /// The columns that a problem has: of effects that are zero in `shape` none. A unit's own are a
 /// turn of each joint, three shifts, and three that grow from minus one at a stroke's least turn to
-/// one at its greatest. Where printed orientations are shifted, so many follow, of A, B, C. Those
-/// of a group are the orders of each target's radial and then axial figure, and behind them those
-/// of the joint's angle. A home's are a turn of each joint.
+/// one at its greatest. Where printed orientations are shifted, so many follow, of A, B, C; where a
+/// device wanders, three that bend, as the second Legendre polynomial of the stroke's turn. Those
+/// of a group are the orders of each target's radial and then axial figure, behind them three shifts
+/// where several units share a device that wanders, and those of the joint's angle. A home's are a
+/// turn of each joint.
 struct EffectColumns {
   EffectColumns(const ChainEffects& shape, const ChainNodes& nodes);
   Eigen::Index own = 0;
-  Eigen::Index turned = 0;  ///< of these, those of A, B, C; the last ones
+  Eigen::Index turned = 0;  ///< of these, those of A, B, C
+  Eigen::Index bent = 0;    ///< and the last ones
   Eigen::Index figure = 0;  ///< of one target
+  Eigen::Index wander = 0;
   Eigen::Index told = 0;
   Eigen::Index home = 0;
   std::size_t targets = 0;
   [[nodiscard]] Eigen::Index shared() const {
-    return figure * static_cast<Eigen::Index>(targets) + told;
+    return figure * static_cast<Eigen::Index>(targets) + wander + told;
   }
 };
 
@@ -106,10 +110,14 @@ template <int Size, class ByTurn>
       rows.template block<3, 3>(turns + 6, 3) = axes;
       rows.template block<3, 3>(turns + 9, 3) = place * axes;
     }
+  if (columns.bent > 0)
+    rows.template block<3, 3>(columns.own - 3, 0).diagonal().setConstant(1.5 * place * place - 0.5);
   return rows;
 }
 
-/// The variances of these columns for `effects` at most those of the shape.
+/// The variances of these columns for `effects` at most those of the shape. A device that wanders
+/// has gone less far between two strokes the sooner one follows the other: a group's have so much
+/// of their shifts in common. Without columns for that, each stroke has its own.
 [[nodiscard]] EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& nodes,
                                            const EffectColumns& columns);
 

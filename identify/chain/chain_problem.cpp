@@ -186,6 +186,8 @@ Eigen::MatrixXd ChainProblem<Size>::effects(const Chain& chain, std::size_t u,
           block.row(at + kFigureOrders + m).template head<3>() = value * axial.transpose();
         }
       }
+      if (columns_.wander > 0)
+        block.template block<3, 3>(at_home - columns_.told - 3, 0).setIdentity();
       if (columns_.told > 0 && !free(seen))
         block.middleRows(at_home - columns_.told, columns_.told) =
             here.template head<kFigureOrders>() *

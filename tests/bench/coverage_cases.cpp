@@ -132,6 +132,7 @@ std::vector<Case> cases() {
     world = tracker();
     (walk ? world.drift.walk_mm : world.drift.linear_mm) = 0.05;
     add(walk ? "drift_walk" : "drift", walk ? "0.05 mm, a random walk" : "0.05 mm, evenly", world);
+    if (walk) add("drift_walk_back", "the same, there and back", world, back);
   }
   world = tracker();
   world.noise.range_mm = 0.005;

@@ -66,6 +66,23 @@ TEST_CASE("Uncertainties hold for an arm that sags as its description says", "[e
   CHECK(rms_z(sagging(true)) < 1.3);
 }
 
+TEST_CASE("Uncertainties hold where a device walks and sweeps go there and back",
+          "[effect_sizes][long]") {
+  simulation::World world;
+  world.noise.range_mm = world.noise.across_mm = 0.02;
+  world.placed = true;
+  world.drift.walk_mm = 0.05;
+  simulation::Strokes how;
+  how.there_and_back = true;
+  how.ramp = 0.1;
+  std::vector<Simulation> campaigns;
+  for (std::uint32_t seed = 1; seed <= 24; ++seed)
+    campaigns.emplace_back(
+        simulation::at_random_home(simulation::built(simulation::kr5(), seed), seed), how, world,
+        seed);
+  CHECK(rms_z(campaigns) == Approx(1).margin(0.15));
+}
+
 TEST_CASE("Sweeps from a second home show how far joints give way", "[effect_sizes][long]") {
   const auto campaigns = sagging(false, 2);
   CHECK(rms_z(campaigns) < 1.3);
