@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -109,13 +110,24 @@ Eliminated EffectElimination::operator()(const EffectVariances& variances) {
   return all;
 }
 
+namespace {
+
+/// Whether a joint has swept more than once, wherever from.
+bool sweeps_again(const ChainNodes& nodes) {
+  std::set<std::size_t> joints;
+  for (const auto& unit : nodes.units) joints.insert(nodes.strokes[unit.front()].content.joint);
+  return nodes.units.size() > joints.size();
+}
+
+}  // namespace
+
 EffectColumns::EffectColumns(const ChainEffects& shape, const ChainNodes& nodes)
     : targets(nodes.targets) {
   const auto turns = static_cast<Index>(nodes.known.size());
   if (shape.home_rad > 0 || shape.drift_mm > 0 || shape.print_mm > 0 || shape.print_rad > 0)
     own = turns + 6;
   if (shape.print_rad > 0) own += turned = 6;
-  if (shape.drift_mm > 0) own += bent = 3;
+  if (shape.drift_mm > 0 && sweeps_again(nodes)) own += bent = 3;
   if (shape.figure_mm() > 0) figure = 2 * kFigureOrders;
   if (shape.drift_mm > 0 && nodes.units.size() > nodes.home_of.size()) wander = 3;
   if (shape.told_rad > 0) told = kFigureOrders;
@@ -166,8 +178,8 @@ double seconds_of(const ChainNodes& nodes) {
 
 /// Which share of the variance of a random walk's places, their means over strokes, the units of
 /// each group have in common. Over a time D it is D/6 a unit of time, half of that of what lies
-/// between two places if they were independent. Between the means over two strokes of length T whose
-/// middles are a time t apart, not overlapping, the variance is t - T/3 a unit of time.
+/// between two places if they were independent. Between the means over two strokes of length T
+/// whose middles are a time t apart, not overlapping, the variance is t - T/3 a unit of time.
 std::vector<double> in_common(const ChainNodes& nodes) {
   struct Pairs {
     double apart_s = 0;  ///< sum of t - T/3
@@ -181,8 +193,7 @@ std::vector<double> in_common(const ChainNodes& nodes) {
     for (std::size_t v = 0; v < u; ++v) {
       if (nodes.group[u] != nodes.group[v]) continue;
       const StrokeMoments &one = stroke(u), &other = stroke(v);
-      const double middles_s =
-          std::abs(one.begin_s + one.end_s - other.begin_s - other.end_s) / 2;
+      const double middles_s = std::abs(one.begin_s + one.end_s - other.begin_s - other.end_s) / 2;
       const double length_s = (one.end_s - one.begin_s + other.end_s - other.begin_s) / 2;
       Pairs& both = pairs[nodes.group[u]];
       both.apart_s += std::max(0.0, middles_s - length_s / 3);

@@ -156,22 +156,20 @@ TEST_CASE("With random effects the stated covariance is the scatter, and the sam
   for (int run = 0; run < kRuns; ++run) {
     auto samples = sweeps_of(chain, how, random);
     std::vector<Turns> off(3);
-    std::vector<Eigen::Vector3d> drift, slope, bend;
+    std::vector<Eigen::Vector3d> drift, slope;
     for (Turns& turns : off) {
       for (std::size_t k = 0; k < 3; ++k) turns[k] = random.normal(effects.home_rad);
       drift.push_back(random.vector(effects.drift_mm));
       // These sweeps tell no time from one to the next: all that can be is taken for granted.
       slope.push_back(random.vector(std::sqrt(0.3) * effects.drift_mm));
-      bend.push_back(random.vector(std::sqrt((1.0 / 7 + 1.0 / 3) / 4) * effects.drift_mm));
     }
     for (ChainObservation& seen : samples) {
       Turns there = seen.turns;
       for (std::size_t k = 0; k < 3; ++k)
         if (k != seen.joint) there[k] += off[seen.sweep][k];
-      const double place = seen.turns[seen.joint] / how.to_rad;
       seen.position_mm += chain.target_mm(0, there) - chain.target_mm(0, seen.turns) +
-                          drift[seen.sweep] + place * slope[seen.sweep] +
-                          (1.5 * place * place - 0.5) * bend[seen.sweep];
+                          drift[seen.sweep] +
+                          seen.turns[seen.joint] / how.to_rad * slope[seen.sweep];
     }
     auto nodes = nodes_of(samples, 3);
     const auto scatter = [&](const ChainEffects& known) -> VectorXd {
