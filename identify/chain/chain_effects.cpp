@@ -179,12 +179,16 @@ double seconds_of(const ChainNodes& nodes) {
 /// Which share of the variance of a random walk's places, their means over strokes, the units of
 /// each group have in common. Over a time D it is D/6 a unit of time, half of that of what lies
 /// between two places if they were independent. Between the means over two strokes of length T
-/// whose middles are a time t apart, not overlapping, the variance is t - T/3 a unit of time.
+/// whose middles are a time t apart, not overlapping, the variance is t - T/3 a unit of time. Where
+/// strokes of one joint overlap, times begin anew with each, and nothing tells how far apart they
+/// are.
 std::vector<double> in_common(const ChainNodes& nodes) {
   struct Pairs {
     double apart_s = 0;  ///< sum of t - T/3
     double count = 0;
   };
+  constexpr double kOverlapping = 0.9;  // of a stroke's length
+  const double seconds = seconds_of(nodes);
   std::vector<Pairs> pairs(nodes.home_of.size());
   const auto stroke = [&](std::size_t u) -> const StrokeMoments& {
     return nodes.strokes[nodes.units[u].front()];
@@ -196,13 +200,13 @@ std::vector<double> in_common(const ChainNodes& nodes) {
       const double middles_s = std::abs(one.begin_s + one.end_s - other.begin_s - other.end_s) / 2;
       const double length_s = (one.end_s - one.begin_s + other.end_s - other.begin_s) / 2;
       Pairs& both = pairs[nodes.group[u]];
-      both.apart_s += std::max(0.0, middles_s - length_s / 3);
+      both.apart_s += middles_s < kOverlapping * length_s ? seconds / 3 : middles_s - length_s / 3;
       ++both.count;
     }
   std::vector<double> shares;
   for (const Pairs& all : pairs)
-    shares.push_back(
-        all.count > 0 ? std::max(0.0, 1 - 3 * all.apart_s / (all.count * seconds_of(nodes))) : 0);
+    shares.push_back(all.count > 0 ? std::max(0.0, 1 - 3 * all.apart_s / (all.count * seconds))
+                                   : 0);
   return shares;
 }
 

@@ -112,3 +112,43 @@ TEST_CASE("Effects eliminated after others are what they are at once", "[chain_e
     CHECK(found.log_determinant == fresh.log_determinant);
   }
 }
+
+TEST_CASE("Strokes have so much of a device's place in common as their times tell",
+          "[chain_effects]") {
+  Random random(63);
+  const Chain chain = identify::test::random_chain(2, 1, random);
+  identify::test::Measured how;
+  auto there = identify::test::sweeps_of(chain, how, random);
+  auto back = there;
+  for (auto& seen : back) seen.sweep += 2;
+  there.insert(there.end(), back.begin(), back.end());
+  auto nodes = identify::test::nodes_of(there, 2);
+  REQUIRE(nodes.units.size() == 4);
+  ChainEffects effects;
+  effects.drift_mm = 0.1;
+  const EffectColumns columns(effects, nodes);
+  REQUIRE(columns.wander == 3);
+  REQUIRE(columns.bent == 3);
+  const auto timed = [&](double after_s) {
+    // Each joint's second stroke begins so long after its first one; the campaign takes 12 s.
+    for (std::size_t s = 0; s < 4; ++s) {
+      const double begin_s = (nodes.strokes[s].content.joint == 0 ? 0 : 6) + (s < 2 ? 0 : after_s);
+      nodes.strokes[s].begin_s = begin_s;
+      nodes.strokes[s].end_s = begin_s + 1;
+    }
+    nodes.strokes.back().end_s = 12;
+    nodes.strokes.back().begin_s = 11;
+    return variances_of(effects, nodes, columns);
+  };
+  const auto share = [&](const EffectVariances& variances) {
+    // What is not shared is a stroke's own: the three shifts behind the two joints' turns.
+    const double shared = variances.shared[nodes.group[0]](0);
+    CHECK(shared + variances.own[0](2) == Approx(0.01));
+    return shared / 0.01;
+  };
+  CHECK(share(timed(1)) == Approx(1 - 3 * (1 - 1.0 / 3) / 12));
+  CHECK(share(timed(3)) == Approx(1 - 3 * (3 - 1.0 / 3) / 12));
+  CHECK(share(timed(5)) == 0);    // as far apart as any
+  CHECK(share(timed(0)) == 0);    // times begin anew with each
+  CHECK(share(timed(0.5)) == 0);  // nor can a joint sweep twice at once
+}
