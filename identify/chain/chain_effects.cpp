@@ -204,6 +204,7 @@ std::vector<double> in_common(const ChainNodes& nodes) {
       ++both.count;
     }
   std::vector<double> shares;
+  shares.reserve(pairs.size());
   for (const Pairs& all : pairs)
     shares.push_back(all.count > 0 ? std::max(0.0, 1 - 3 * all.apart_s / (all.count * seconds))
                                    : 0);
