@@ -119,6 +119,51 @@ bool sweeps_again(const ChainNodes& nodes) {
   return nodes.units.size() > joints.size();
 }
 
+/// From the first sample of all strokes to the last one.
+double seconds_of(const ChainNodes& nodes) {
+  double begin_s = std::numeric_limits<double>::infinity(), end_s = -begin_s;
+  for (const StrokeMoments& stroke : nodes.strokes) {
+    begin_s = std::min(begin_s, stroke.begin_s);
+    end_s = std::max(end_s, stroke.end_s);
+  }
+  return end_s - begin_s;
+}
+
+/// Which share of the variance of a random walk's places, their means over strokes, the units of
+/// each group have in common. Over a time D it is D/6 a unit of time, half of that of what lies
+/// between two places if they were independent. Between the means over two strokes of length T
+/// whose middles are a time t apart, not overlapping, the variance is t - T/3 a unit of time. Where
+/// strokes of one joint overlap, times begin anew with each, and nothing tells how far apart they
+/// are.
+std::vector<double> shares_in_common(const ChainNodes& nodes) {
+  struct Pairs {
+    double apart_s = 0;  ///< sum of t - T/3
+    double count = 0;
+  };
+  constexpr double kOverlapping = 0.9;  // of a stroke's length
+  const double seconds = seconds_of(nodes);
+  std::vector<Pairs> pairs(nodes.home_of.size());
+  const auto stroke = [&](std::size_t u) -> const StrokeMoments& {
+    return nodes.strokes[nodes.units[u].front()];
+  };
+  for (std::size_t u = 0; u < nodes.units.size(); ++u)
+    for (std::size_t v = 0; v < u; ++v) {
+      if (nodes.group[u] != nodes.group[v]) continue;
+      const StrokeMoments &one = stroke(u), &other = stroke(v);
+      const double middles_s = std::abs(one.begin_s + one.end_s - other.begin_s - other.end_s) / 2;
+      const double length_s = (one.end_s - one.begin_s + other.end_s - other.begin_s) / 2;
+      Pairs& both = pairs[nodes.group[u]];
+      both.apart_s += middles_s < kOverlapping * length_s ? seconds / 3 : middles_s - length_s / 3;
+      ++both.count;
+    }
+  std::vector<double> shares;
+  shares.reserve(pairs.size());
+  for (const Pairs& all : pairs)
+    shares.push_back(all.count > 0 ? std::max(0.0, 1 - 3 * all.apart_s / (all.count * seconds))
+                                   : 0);
+  return shares;
+}
+
 }  // namespace
 
 EffectColumns::EffectColumns(const ChainEffects& shape, const ChainNodes& nodes)
@@ -129,7 +174,10 @@ EffectColumns::EffectColumns(const ChainEffects& shape, const ChainNodes& nodes)
   if (shape.print_rad > 0) own += turned = 6;
   if (shape.drift_mm > 0 && sweeps_again(nodes)) own += bent = 3;
   if (shape.figure_mm() > 0) figure = 2 * kFigureOrders;
-  if (shape.drift_mm > 0 && nodes.units.size() > nodes.home_of.size()) wander = 3;
+  if (shape.drift_mm > 0 && nodes.units.size() > nodes.home_of.size()) {
+    wander = 3;
+    in_common = shares_in_common(nodes);
+  }
   if (shape.told_rad > 0) told = kFigureOrders;
   if (shape.offset_rad > 0) home = turns;
 }
@@ -166,51 +214,6 @@ VectorXd figure_variances(const ChainEffects& effects, double arc_rad) {
   return variances;
 }
 
-/// From the first sample of all strokes to the last one.
-double seconds_of(const ChainNodes& nodes) {
-  double begin_s = std::numeric_limits<double>::infinity(), end_s = -begin_s;
-  for (const StrokeMoments& stroke : nodes.strokes) {
-    begin_s = std::min(begin_s, stroke.begin_s);
-    end_s = std::max(end_s, stroke.end_s);
-  }
-  return end_s - begin_s;
-}
-
-/// Which share of the variance of a random walk's places, their means over strokes, the units of
-/// each group have in common. Over a time D it is D/6 a unit of time, half of that of what lies
-/// between two places if they were independent. Between the means over two strokes of length T
-/// whose middles are a time t apart, not overlapping, the variance is t - T/3 a unit of time. Where
-/// strokes of one joint overlap, times begin anew with each, and nothing tells how far apart they
-/// are.
-std::vector<double> in_common(const ChainNodes& nodes) {
-  struct Pairs {
-    double apart_s = 0;  ///< sum of t - T/3
-    double count = 0;
-  };
-  constexpr double kOverlapping = 0.9;  // of a stroke's length
-  const double seconds = seconds_of(nodes);
-  std::vector<Pairs> pairs(nodes.home_of.size());
-  const auto stroke = [&](std::size_t u) -> const StrokeMoments& {
-    return nodes.strokes[nodes.units[u].front()];
-  };
-  for (std::size_t u = 0; u < nodes.units.size(); ++u)
-    for (std::size_t v = 0; v < u; ++v) {
-      if (nodes.group[u] != nodes.group[v]) continue;
-      const StrokeMoments &one = stroke(u), &other = stroke(v);
-      const double middles_s = std::abs(one.begin_s + one.end_s - other.begin_s - other.end_s) / 2;
-      const double length_s = (one.end_s - one.begin_s + other.end_s - other.begin_s) / 2;
-      Pairs& both = pairs[nodes.group[u]];
-      both.apart_s += middles_s < kOverlapping * length_s ? seconds / 3 : middles_s - length_s / 3;
-      ++both.count;
-    }
-  std::vector<double> shares;
-  shares.reserve(pairs.size());
-  for (const Pairs& all : pairs)
-    shares.push_back(all.count > 0 ? std::max(0.0, 1 - 3 * all.apart_s / (all.count * seconds))
-                                   : 0);
-  return shares;
-}
-
 }  // namespace
 
 EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& nodes,
@@ -219,14 +222,15 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
   const auto turns = static_cast<Index>(nodes.known.size());
   const double seconds = seconds_of(nodes);
   const double drift = effects.drift_mm * effects.drift_mm;
-  std::vector<double> common(nodes.home_of.size());
-  if (columns.wander > 0) common = in_common(nodes);
+  const auto in_common = [&](std::size_t group) {
+    return columns.wander > 0 ? columns.in_common[group] : 0;
+  };
   for (std::size_t u = 0; u < nodes.units.size(); ++u) {
     const StrokeMoments& stroke = nodes.strokes[nodes.units[u].front()];
     VectorXd own = VectorXd::Zero(columns.own);
     if (columns.own > 0) {
       own.head(turns).setConstant(effects.home_rad * effects.home_rad);
-      own.segment<3>(turns).setConstant(drift * (1 - common[nodes.group[u]]));
+      own.segment<3>(turns).setConstant(drift * (1 - in_common(nodes.group[u])));
       // Over a stroke of length T, the coefficient of a random walk's n-th Legendre polynomial has
       // the variance T/4 (1/(2n+3) + 1/(2n-1)) in units of a unit of time's (integrated by parts).
       const double share = std::min(1.0, 6 * (stroke.end_s - stroke.begin_s) / seconds);
@@ -252,7 +256,7 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
     const VectorXd figure = columns.figure > 0 ? figure_variances(effects, arcs[g]) : VectorXd();
     const Index figures = shared.size() - columns.wander - columns.told;
     for (Index at = 0; at < figures; ++at) shared(at) = figure(at % kFigureOrders);
-    shared.segment(figures, columns.wander).setConstant(drift * common[g]);
+    shared.segment(figures, columns.wander).setConstant(drift * in_common(g));
     shared.tail(columns.told).setConstant(effects.told_rad * effects.told_rad);
     variances.shared.push_back(std::move(shared));
   }

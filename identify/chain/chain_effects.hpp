@@ -82,6 +82,7 @@ struct EffectColumns {
   Eigen::Index bent = 0;    ///< and the last ones
   Eigen::Index figure = 0;  ///< of one target
   Eigen::Index wander = 0;
+  std::vector<double> in_common;  ///< which share of a wandering device's shifts; one a group
   Eigen::Index told = 0;
   Eigen::Index home = 0;
   std::size_t targets = 0;

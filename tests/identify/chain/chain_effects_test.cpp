@@ -126,9 +126,6 @@ TEST_CASE("Strokes have so much of a device's place in common as their times tel
   REQUIRE(nodes.units.size() == 4);
   ChainEffects effects;
   effects.drift_mm = 0.1;
-  const EffectColumns columns(effects, nodes);
-  REQUIRE(columns.wander == 3);
-  REQUIRE(columns.bent == 3);
   const auto timed = [&](double after_s) {
     // Each joint's second stroke begins so long after its first one; the campaign takes 12 s.
     for (std::size_t s = 0; s < 4; ++s) {
@@ -138,6 +135,9 @@ TEST_CASE("Strokes have so much of a device's place in common as their times tel
     }
     nodes.strokes.back().end_s = 12;
     nodes.strokes.back().begin_s = 11;
+    const EffectColumns columns(effects, nodes);
+    REQUIRE(columns.wander == 3);
+    REQUIRE(columns.bent == 3);
     return variances_of(effects, nodes, columns);
   };
   const auto share = [&](const EffectVariances& variances) {

@@ -38,6 +38,16 @@ double rms_z(const std::vector<Simulation>& campaigns) {
   return std::sqrt(squares / count);
 }
 
+/// Of so many KR 5 as built, each from a home of its own.
+std::vector<Simulation> campaigns_of(std::uint32_t count, const simulation::Strokes& how,
+                                     const simulation::World& world) {
+  std::vector<Simulation> all;
+  for (std::uint32_t seed = 1; seed <= count; ++seed)
+    all.emplace_back(simulation::at_random_home(simulation::built(simulation::kr5(), seed), seed),
+                     how, world, seed);
+  return all;
+}
+
 std::vector<Simulation> sagging(bool told, int homes = 1) {
   simulation::World world;
   world.noise.range_mm = world.noise.across_mm = 0.02;
@@ -52,11 +62,7 @@ std::vector<Simulation> sagging(bool told, int homes = 1) {
     world.angles = true;
     world.decimals = 4;
   }
-  std::vector<Simulation> all;
-  for (const std::uint32_t seed : {1U, 2U, 3U, 4U})
-    all.emplace_back(simulation::at_random_home(simulation::built(simulation::kr5(), seed), seed),
-                     how, world, seed);
-  return all;
+  return campaigns_of(4, how, world);
 }
 
 }  // namespace
@@ -75,12 +81,7 @@ TEST_CASE("Uncertainties hold where a device walks and sweeps go there and back"
   simulation::Strokes how;
   how.there_and_back = true;
   how.ramp = 0.1;
-  std::vector<Simulation> campaigns;
-  for (std::uint32_t seed = 1; seed <= 24; ++seed)
-    campaigns.emplace_back(
-        simulation::at_random_home(simulation::built(simulation::kr5(), seed), seed), how, world,
-        seed);
-  CHECK(rms_z(campaigns) == Approx(1).margin(0.15));
+  CHECK(rms_z(campaigns_of(24, how, world)) == Approx(1).margin(0.15));
 }
 
 TEST_CASE("Sweeps from a second home show how far joints give way", "[effect_sizes][long]") {
@@ -102,11 +103,7 @@ TEST_CASE("Uncertainties hold for arcs that show how far they are from circles",
   simulation::Strokes how;
   how.arc_deg = 90;
   how.samples = 1500;
-  std::vector<Simulation> all;
-  for (std::uint32_t seed = 1; seed <= 8; ++seed)
-    all.emplace_back(simulation::at_random_home(simulation::built(simulation::kr5(), seed), seed),
-                     how, world, seed);
-  CHECK(rms_z(all) < 1.3);
+  CHECK(rms_z(campaigns_of(8, how, world)) < 1.3);
 }
 
 TEST_CASE("The budget says what sag has of the uncertainties", "[effect_sizes]") {
