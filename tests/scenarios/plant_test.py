@@ -3,8 +3,9 @@
 equal to its file to the byte.
 
     plant_test.py SWEEPD SOURCE_FOLDER [MINUTES]
+    plant_test.py SWEEPD SOURCE_FOLDER full-spool
 
-The broker is away for MINUTES, some seconds without it.
+The broker is away for MINUTES, some seconds without it. Or the spool's disk is full.
 """
 import csv
 import hashlib
@@ -205,7 +206,6 @@ def scenario(plant, outage, long):
     until(lambda: plant.database.ask("select count(*) from link_days") == "1", "links of the day", 60)
     for program in programs:
         assert program.end() == 0, program.log.read_text()
-    full_spool(plant)
 
 
 def strangers(plant, collector):
@@ -283,6 +283,8 @@ def other_password(plant, publisher):
 
 
 def full_spool(plant):
+    for number in range(1, 8):
+        plant.campaign_ends(number)
     spool = plant.folder / "full"
     spool.mkdir()
     if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "none", spool], capture_output=True).returncode:
@@ -308,7 +310,7 @@ def numbers_of(text):
 
 def main():
     sweepd, source = (pathlib.Path(path).resolve() for path in sys.argv[1:3])
-    outage = 60 * float(sys.argv[3]) if len(sys.argv) > 3 else 1
+    what = sys.argv[3] if len(sys.argv) > 3 else ""
     if missing():
         print(f"not available here: {missing()}")
         return
@@ -317,7 +319,10 @@ def main():
         os.chmod(folder, 0o755)
         plant = Plant(sweepd, source, folder)
         try:
-            scenario(plant, outage, len(sys.argv) > 3)
+            if what == "full-spool":
+                full_spool(plant)
+            else:
+                scenario(plant, 60 * float(what) if what else 1, what != "")
         except BaseException:
             for log in sorted(folder.glob("*.log")):
                 print(f"--- {log.name}\n{log.read_text(errors='replace')[-4000:]}")
