@@ -28,9 +28,9 @@ void check(const PointsFile& file) {
 }
 
 /// The angles of all samples.
-class AngleRecorder : public StreamSink {
+class Angles : public StreamSink {
  public:
-  explicit AngleRecorder(identify::AngleTape& tape) : tape_(tape) {}
+  explicit Angles(identify::AngleTape& tape) : tape_(tape) {}
   void sample(const identify::Sample& sample, std::string_view) override { tape_.add(sample); }
 
  private:
@@ -57,7 +57,7 @@ Outcome joined_with_trace(const std::vector<PointsFile>& files,
   take->files = files.size();
   take->required = true;
 
-  AngleRecorder angles(take->angles);
+  Angles angles(take->angles);
   Session session(setup, "points", angles);
   const auto ordered = rsi::in_order_of_time(traces);
   const auto search = rsi::find_conversation(ordered);
