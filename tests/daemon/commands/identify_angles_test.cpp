@@ -18,10 +18,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-const fs::path kKr5 = kConfig / "robots/kr5_arc.toml";
-const fs::path kPaperPlan = kConfig / "plans/kr5_arc_90deg.toml";
-
-fs::path trace_in(const TemporaryFolder& folder, const fs::path& plan = kPaperPlan) {
+fs::path trace_in(const TemporaryFolder& folder, const fs::path& plan = kPlan) {
   auto options = simulation_of(plan);
   options.write = folder / "trace.pcap";
   options.force = true;
@@ -39,7 +36,7 @@ Result identified(const TemporaryFolder& folder, const std::string& device_file)
   IdentifyOptions options;
   options.points = {folder.write("take.csv", device_file)};
   options.angles = {folder / "trace.pcap"};
-  options.robot = kKr5;
+  options.robot = kRobot;
   options.output = folder / "result";
   options.force = true;
   std::ostringstream report;
@@ -62,7 +59,7 @@ TEST_CASE("A device's file without angles is identified with those of a trace",
     device.rate = 4e-5;
     device.jitter_s = 0.005;
     device.loss = 0.02;
-    const auto result = identified(folder, device_file(device_play(kKr5, kPaperPlan, device)));
+    const auto result = identified(folder, device_file(device_play(kRobot, kPlan, device)));
     INFO(result.report);
     CHECK(result.code == 0);
     CHECK(result.json["status"] == Json("complete"));
@@ -87,7 +84,7 @@ TEST_CASE("A device's file without angles is identified with those of a trace",
 TEST_CASE("A trace of other motion is refused, saying so", "[identify_angles]") {
   const TemporaryFolder folder;
   trace_in(folder, kConfig / "plans/kr5_arc_30deg.toml");
-  const auto result = identified(folder, device_file(device_play(kKr5, kPaperPlan, {})));
+  const auto result = identified(folder, device_file(device_play(kRobot, kPlan, {})));
   CHECK(result.code == 1);
   CHECK(result.json["status"] == Json("failed"));
   CHECK_THAT(result.json["reason"].get<std::string>(), ContainsSubstring("do not agree"));
