@@ -61,13 +61,13 @@ bool of_poses(const PointsFile& file, const IdentifyOptions& options) {
   return !options.per_joint && (options.poses || holds_poses(file));
 }
 
-struct Points {
+struct GivenPoints {
   std::vector<PointsFile> files;
   identify::Resolution resolution;
   PointCounts counts;
 };
 
-Points read_points(const IdentifyOptions& options, std::size_t most_joints) {
+GivenPoints read_points(const IdentifyOptions& options, std::size_t most_joints) {
   Progress progress("identify", options.quiet ? Progress::Terminal{} : Progress::standard_error());
   double all = 0;
   for (const auto& path : options.points) {
@@ -76,7 +76,7 @@ Points read_points(const IdentifyOptions& options, std::size_t most_joints) {
       all += static_cast<double>(size);
   }
   PointsReader reader(column_names(options.columns), most_joints, options.format);
-  Points points;
+  GivenPoints points;
   double before = 0;
   for (const auto& path : options.points) {
     double read = 0;
@@ -94,7 +94,7 @@ Points read_points(const IdentifyOptions& options, std::size_t most_joints) {
 }
 
 /// As many joints as the points speak of; six, as RSI has, where they do not.
-std::size_t joints_in(const IdentifyOptions& options, const Points& points) {
+std::size_t joints_in(const IdentifyOptions& options, const GivenPoints& points) {
   std::size_t joints = options.per_joint ? points.files.size() : 0;
   for (const auto& file : points.files) {
     joints = std::max(joints, file.angles);
@@ -127,7 +127,7 @@ void check_file(const PointsFile& file, const IdentifyOptions& options, std::siz
 
 /// Whose joint each sweep is; without angles or a column for it, some may be left for the engine.
 /// What noise hides in streams without angles is told to `campaign`.
-std::vector<Sweep> sweeps_in(const Points& points, const IdentifyOptions& options,
+std::vector<Sweep> sweeps_in(const GivenPoints& points, const IdentifyOptions& options,
                              const RobotSetup& setup, identify::Campaign& campaign) {
   std::vector<Sweep> sweeps;
   for (std::size_t k = 0; k < points.files.size(); ++k) {
@@ -169,7 +169,7 @@ nlohmann::ordered_json formats_of(const std::vector<PointsFile>& files) {
 Outcome identified_points(const IdentifyOptions& options, RobotSetup setup, std::ostream& out,
                           nlohmann::ordered_json& formats) {
   const auto declared = declared_joints(options, setup);
-  Points points = read_points(options, declared.value_or(identify::kMostJoints));
+  GivenPoints points = read_points(options, declared.value_or(identify::kMostJoints));
   if (!options.quiet) tell_formats(points.files, out);
   formats = formats_of(points.files);
   if (declared) setup.joints = *declared;

@@ -28,9 +28,9 @@ void check(const PointsFile& file) {
 }
 
 /// The angles of all samples.
-class Angles : public StreamSink {
+class AngleRecorder : public StreamSink {
  public:
-  explicit Angles(identify::AngleTape& tape) : tape_(tape) {}
+  explicit AngleRecorder(identify::AngleTape& tape) : tape_(tape) {}
   void sample(const identify::Sample& sample, std::string_view) override { tape_.add(sample); }
 
  private:
@@ -57,7 +57,7 @@ Outcome joined_with_trace(const std::vector<PointsFile>& files,
   take->files = files.size();
   take->required = true;
 
-  Angles angles(take->angles);
+  AngleRecorder angles(take->angles);
   Session session(setup, "points", angles);
   const auto ordered = rsi::in_order_of_time(traces);
   const auto search = rsi::find_conversation(ordered);

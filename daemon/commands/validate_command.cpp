@@ -30,7 +30,7 @@ using identify::Pose;
 
 /// poses.csv has so many decimals.
 constexpr double kSame_mm = 1e-5;
-constexpr double kSame_rad = 1e-7;
+constexpr double kSamePose_rad = 1e-7;
 
 /// Slices of the displacement, across X, Y and Z.
 constexpr std::array kSliceFiles = {"displacement-x.svg", "displacement-y.svg",
@@ -93,7 +93,7 @@ void name_targets(Poses& read, const PosePredictor& predictor) {
 bool same(const Pose& a, const Pose& b) {
   if ((a.sample.position_mm - b.sample.position_mm).cwiseAbs().maxCoeff() > kSame_mm) return false;
   for (std::size_t j = 0; j < a.sample.joints; ++j)
-    if (std::abs(a.sample.angles_rad[j] - b.sample.angles_rad[j]) > kSame_rad) return false;
+    if (std::abs(a.sample.angles_rad[j] - b.sample.angles_rad[j]) > kSamePose_rad) return false;
   return true;
 }
 

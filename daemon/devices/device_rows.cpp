@@ -26,10 +26,10 @@ constexpr double kFarFromRotation = 0.02;
 bool is_missing(std::string_view text) {
   if (text.empty()) return true;
   if (text.size() > 9) return false;
-  static constexpr std::array<std::string_view, 10> kWords{
+  static constexpr std::array<std::string_view, 10> kNothing{
       {"nan", "-nan", "null", "na", "n/a", "none", "-nan(ind)", "nan(ind)", "1.#qnan", "-1.#ind"}};
   return text.find_first_not_of('-') == std::string_view::npos ||
-         std::any_of(kWords.begin(), kWords.end(),
+         std::any_of(kNothing.begin(), kNothing.end(),
                      [&](std::string_view word) { return rsi::equal_ignoring_case(text, word); });
 }
 

@@ -49,7 +49,7 @@ bool is_coordinate(std::string_view field) {
   return number && text.find_first_of(".eE") != std::string::npos;
 }
 
-std::size_t next_line(const DeviceText& text, std::size_t line) {
+std::size_t line_from(const DeviceText& text, std::size_t line) {
   while (line < text.lines() && text.is_passed_over(line)) ++line;
   return line;
 }
@@ -90,7 +90,7 @@ std::optional<Table> named_table(const DeviceText& text) {
     table.is_named = true;
     table.header = line;
     table.columns = names.size();
-    table.begin = next_line(text, line + 1);
+    table.begin = line_from(text, line + 1);
     if (text.is_passed_over(line) && table.begin < text.lines())  // the names stand in a comment
       table.separator = separator_in(text.line(table.begin));
     const auto units = fields_of(text.line(table.begin), table.separator);
@@ -101,7 +101,7 @@ std::optional<Table> named_table(const DeviceText& text) {
     if (length_unit_mm(below) > 0) {
       table.unit = below;
       table.is_told = true;
-      table.begin = next_line(text, table.begin + 1);
+      table.begin = line_from(text, table.begin + 1);
     }
     return table;
   }
@@ -111,7 +111,7 @@ std::optional<Table> named_table(const DeviceText& text) {
 /// SpatialAnalyzer's order: names, x, y, z, more.
 std::optional<Table> ordered_table(const DeviceText& text) {
   Table table;
-  table.begin = table.header = next_line(text, 0);
+  table.begin = table.header = line_from(text, 0);
   const auto line = text.line(table.begin);
   table.separator = separator_in(line);
   const auto fields = fields_of(line, table.separator);

@@ -120,7 +120,7 @@ void append_value(std::string& csv, double value, int decimals) {
 }
 
 /// A name may have a comma or a quote in it, or what a terminal obeys.
-std::string quoted(const std::string& text) {
+std::string csv_quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : rsi::printable(text))
     out += c == '"' ? std::string("\"\"") : std::string(1, c);
@@ -171,8 +171,8 @@ std::string history_csv(const History& history) {
     std::string named;
     for (const std::size_t k : campaign.named)
       named += (named.empty() ? "" : " ") + name_of(history.numbers[k]);
-    csv += utc_text(campaign.record.time) + ',' + quoted(campaign.record.name) + ',' +
-           campaign.record.arm->status + ',' + quoted(campaign.state);
+    csv += utc_text(campaign.record.time) + ',' + csv_quoted(campaign.record.name) + ',' +
+           campaign.record.arm->status + ',' + csv_quoted(campaign.state);
     append_value(csv, campaign.tested ? campaign.t_squared : kNothing, 3);
     csv += ',' + std::to_string(campaign.told);
     append_value(csv, campaign.tested ? campaign.p : kNothing, 6);

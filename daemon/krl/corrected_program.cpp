@@ -14,7 +14,7 @@
 namespace sweepd {
 namespace {
 
-using Angles = std::array<double, 6>;
+using AxisAngles = std::array<double, 6>;
 using Eigen::Isometry3d;
 using identify::CorrectedJoints;
 
@@ -174,13 +174,13 @@ class Program {
     return options_.flange.inverse() * Eigen::Translation3d(controller_.targets_mm.front());
   }
 
-  [[nodiscard]] Angles told_angles(const KrlAggregate& point) const {
-    Angles angles;
+  [[nodiscard]] AxisAngles told_angles(const KrlAggregate& point) const {
+    AxisAngles angles;
     for (std::size_t j = 0; j < 6; ++j) angles[j] = radians(krl_number(point, kAxes[j]));
     return angles;
   }
 
-  [[nodiscard]] Angles angles_of(const KrlAggregate& point, const PointFrames& frames) const {
+  [[nodiscard]] AxisAngles angles_of(const KrlAggregate& point, const PointFrames& frames) const {
     if (is_axis_point(point)) return told_angles(point);
     if (!arm_)
       refuse(point,
@@ -208,7 +208,7 @@ class Program {
     return turned_as(*found, *turn_bits);
   }
 
-  void check_limits(const KrlAggregate& point, const Angles& angles) const {
+  void check_limits(const KrlAggregate& point, const AxisAngles& angles) const {
     for (std::size_t j = 0; j < std::min<std::size_t>(6, options_.limits.size()); ++j) {
       const auto& [least, most] = options_.limits[j];
       if (angles[j] < least - kPrinted_rad || angles[j] > most + kPrinted_rad)
@@ -231,7 +231,7 @@ class Program {
     const PointFrames frames = frames_of(point);
     const CorrectedJoints joints(identified_, controller_, options_.flange * frames.tool);
     done.from_target_mm = joints.from_target_mm();
-    const Angles before = angles_of(point, frames);
+    const AxisAngles before = angles_of(point, frames);
     check_limits(point, before);
     if (arm_ && arm_->from_singular_rad(before) < kSingular_rad)
       refuse(point, fmt::format("lies in the wrist's singularity (joint 5 at {:.3f} deg), where "

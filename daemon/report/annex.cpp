@@ -13,7 +13,7 @@ using Json = nlohmann::ordered_json;
 /// So many joints stand beside each other.
 constexpr std::size_t kColumns = 6;
 
-std::vector<std::string> split(const std::string& text, char at) {
+std::vector<std::string> fields_of(const std::string& text, char at) {
   std::vector<std::string> parts;
   for (std::size_t begin = 0; begin <= text.size();) {
     const auto end = std::min(text.find(at, begin), text.size());
@@ -51,13 +51,13 @@ void add_columns(Markup parent, const std::string& caption, const std::vector<st
 }
 
 void add_dh_csv(Markup parent, const std::string& csv) {
-  auto lines = split(csv, '\n');
+  auto lines = fields_of(csv, '\n');
   if (lines.size() < 2) return;
-  auto names = split(lines.front(), ',');
+  auto names = fields_of(lines.front(), ',');
   std::vector<std::vector<std::string>> joints;
   for (std::size_t i = 1; i < lines.size(); ++i) {
     if (lines[i].empty()) continue;
-    auto cells = split(lines[i], ',');
+    auto cells = fields_of(lines[i], ',');
     if (!cells.empty()) cells.erase(cells.begin());
     joints.push_back(std::move(cells));
   }
@@ -111,7 +111,7 @@ void add_model(Markup parent, const char* title, const Json& model) {
 }
 
 /// A word of a command as a shell takes it.
-std::string quoted(const std::string& word) {
+std::string shell_word(const std::string& word) {
   const auto plain = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
            std::string_view("/._-+=:,@").find(c) != std::string_view::npos;
@@ -126,7 +126,7 @@ std::string joined(const Json& words) {
   std::string text;
   for (const Json& word : words)
     text += (text.empty() ? "" : " ") +
-            quoted(word.is_string() ? word.get<std::string>() : word.dump());
+            shell_word(word.is_string() ? word.get<std::string>() : word.dump());
   return text;
 }
 
@@ -138,7 +138,7 @@ std::string command_of(const ReportFolder& folder) {
     return "sweepd " + joined(words);
   if (text_of(run, "command") != "run") return {};
   const std::string robot = text_of(run, "description");
-  return "sweepd replay trace.pcap" + (robot.empty() ? "" : " --robot " + quoted(robot)) +
+  return "sweepd replay trace.pcap" + (robot.empty() ? "" : " --robot " + shell_word(robot)) +
          " --output again";
 }
 

@@ -13,7 +13,7 @@ constexpr std::array kPowers{1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9};
 
 /// Up to here a double says no more than its whole number of units does.
 constexpr double kMostUnits = 1e15;
-constexpr std::size_t kLongest = 400;  // the largest double has 309 digits before the point
+constexpr std::size_t kLongestNumber = 400;  // the largest double has 309 digits before the point
 
 double power_of_ten(int exponent) {
   const auto index = static_cast<std::size_t>(exponent);
@@ -30,7 +30,7 @@ constexpr auto kPairs = [] {
 /// So many units of the last decimal, below kMostUnits.
 void append_units(std::string& text, double units, int decimals) {
   // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): written to before it is read
-  std::array<char, kLongest> digits;
+  std::array<char, kLongestNumber> digits;
   char* const end = digits.data() + digits.size();
   char* at = end;
   auto rest = static_cast<std::uint64_t>(std::abs(units));
@@ -64,7 +64,7 @@ double rounded(double value, int decimals) {
 void append_fixed(std::string& text, double value, int decimals) {
   const double units = std::round(value * power_of_ten(decimals));
   if (std::abs(units) < kMostUnits) return append_units(text, units, decimals);
-  std::array<char, kLongest> digits{};
+  std::array<char, kLongestNumber> digits{};
   text.append(digits.data(),
               std::to_chars(digits.data(), digits.data() + digits.size(), rounded(value, decimals),
                             std::chars_format::fixed, decimals)
@@ -78,7 +78,7 @@ void append_measured(std::string& text, double value, int decimals) {
     for (; decimals > 0 && rest % 10 == 0; --decimals) rest /= 10;
     return append_units(text, static_cast<double>(rest), decimals);
   }
-  std::array<char, kLongest> digits{};
+  std::array<char, kLongestNumber> digits{};
   text.append(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(),
                                            rounded(value, decimals), std::chars_format::fixed)
                                  .ptr);

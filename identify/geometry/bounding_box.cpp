@@ -76,9 +76,10 @@ PrincipalFrame frame_of(const Matrix3Xd& points, double flat) {
   // The width in direction u is at least |edge . u| for every edge, hence at least
   // |edges^T u| / sqrt(rank).
   edges = frame.axes.transpose() * edges;
-  using UpTo3 = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 3, 3>;
-  const Eigen::JacobiSVD<UpTo3> svd(edges.topLeftCorner(frame.rank, frame.rank));
-  frame.least_width = svd.singularValues()(frame.rank - 1) / std::sqrt(frame.rank);
+  // Directions that the set does not have are none of the least wide.
+  for (int k = frame.rank; k < 3; ++k) edges(k, k) = length;
+  const Eigen::JacobiSVD<Matrix3d> svd(edges);
+  frame.least_width = svd.singularValues()(2) / std::sqrt(frame.rank);
   return frame;
 }
 

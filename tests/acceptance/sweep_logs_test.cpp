@@ -89,14 +89,14 @@ std::optional<identify::Axis> axis_of(const Sweep& stroke, const Wanted& wanted)
 
 /// How far two axes are apart, in their standard uncertainties: the direction, and across it the
 /// place of the one where the other is stated.
-struct Apart {
+struct AxesApart {
   double direction_deg = 0;
   double direction_sigmas = 0;
   double place_mm = 0;
   double place_sigmas = 0;
 };
 
-Apart apart(const identify::Axis& one, const identify::Axis& other) {
+AxesApart apart(const identify::Axis& one, const identify::Axis& other) {
   const auto basis = identify::across(one.direction);
   const Eigen::Vector2d turn = basis.transpose() * (other.direction - one.direction);
   const Eigen::Matrix2d turn_covariance =
@@ -191,7 +191,7 @@ TEST_CASE("Uncertainties of real axes contain what halves of a sweep differ by",
       const auto other = axis_of(*stroke, [&](std::size_t i) { return !first(i); });
       REQUIRE(one);
       REQUIRE(other);
-      const Apart off = apart(*one, *other);
+      const AxesApart off = apart(*one, *other);
       std::cout << left(name, 17) << left(what, 19) << right(off.direction_deg, 5, 14)
                 << right(off.direction_sigmas, 2, 8) << right(off.place_mm, 4, 10)
                 << right(off.place_sigmas, 2, 8) << '\n';

@@ -18,7 +18,7 @@ using identify::test::segment;
 
 namespace {
 
-accuracy::Simulated kr5(double arc_deg = 90) {
+accuracy::Simulated kr5_swept(double arc_deg = 90) {
   accuracy::Simulated robot;
   robot.arm = kr5_arc();
   robot.targets_mm = {robot.arm.tool_mm};
@@ -50,7 +50,7 @@ std::string message(const Identification& found, std::string_view code,
 }  // namespace
 
 TEST_CASE("a clean campaign of 90 degrees gets no advice", "[advice][long]") {
-  const auto found = identified(kr5());
+  const auto found = identified(kr5_swept());
   CHECK(found.estimator == Estimator::chain);
   for (const Warning& warning : found.warnings)
     UNSCOPED_INFO(warning.code + ": " + warning.message);
@@ -76,7 +76,7 @@ TEST_CASE("the paper's campaign, moved as a controller moves, gets none either",
 }
 
 TEST_CASE("a target near an axis is told, and what another point would give", "[advice][long]") {
-  auto robot = kr5();
+  auto robot = kr5_swept();
   robot.targets_mm = {{1.7, 0, 215}};
   const auto found = identified(robot);
   CHECK_THAT(message(found, "target_near_axis", 5),
@@ -85,7 +85,7 @@ TEST_CASE("a target near an axis is told, and what another point would give", "[
 
 TEST_CASE("a short arc is told, and what a longer one would give comes true", "[advice]") {
   const auto world = accuracy::tracker(0.05);
-  auto robot = kr5();
+  auto robot = kr5_swept();
   robot.ranges[3] = {-8, 8};
   const auto found = identified(robot, world);
   const auto text = message(found, "arc_short", 3);
@@ -100,7 +100,7 @@ TEST_CASE("a short arc is told, and what a longer one would give comes true", "[
 
 TEST_CASE("an arc that gives no axis at all is told", "[advice]") {
   const auto coarse = accuracy::tracker(0.15);
-  auto robot = kr5();
+  auto robot = kr5_swept();
   robot.ranges[5] = {-4, 4};
   const auto found = identified(robot, coarse);
   CHECK_FALSE(found.joints[5].axis);
@@ -108,7 +108,7 @@ TEST_CASE("an arc that gives no axis at all is told", "[advice]") {
 }
 
 TEST_CASE("a joint swept much less than the others is told with the factor", "[advice][long]") {
-  auto robot = kr5();
+  auto robot = kr5_swept();
   robot.ranges[4] = {75, 105};
   const auto found = identified(robot);
   CHECK_THAT(message(found, "range_unbalanced", 4),
@@ -117,20 +117,20 @@ TEST_CASE("a joint swept much less than the others is told with the factor", "[a
 }
 
 TEST_CASE("a quick target is told with its speed", "[advice]") {
-  auto robot = kr5();
+  auto robot = kr5_swept();
   robot.samples = 100;  // 90 degrees in 0.396 s
   CHECK_THAT(message(identified(robot), "speed_high", 5), ContainsSubstring("mm/s, 3.2 mm"));
 }
 
 TEST_CASE("coarsely printed numbers are told, in words that fit any device", "[advice]") {
-  CHECK_THAT(message(identified(kr5(), accuracy::controller(1)), "low_precision", {}),
+  CHECK_THAT(message(identified(kr5_swept(), accuracy::controller(1)), "low_precision", {}),
              ContainsSubstring("0.1000 mm") && ContainsSubstring("on a KUKA controller"));
 }
 
 TEST_CASE("steps are told only of numbers that there are", "[advice][issue11][point_20][long]") {
-  auto campaign = campaign_of(kr5(), kController);
+  auto campaign = campaign_of(kr5_swept(), kController);
   campaign.resolution = {0, 0.1 * kDegree};
-  const auto sweeps = sweeps_of(kr5(), kController, 1);
+  const auto sweeps = sweeps_of(kr5_swept(), kController, 1);
   CHECK_THAT(message(identify::identify(sweeps, campaign), "low_precision", {}),
              ContainsSubstring("in steps of 0.1000°:") && !ContainsSubstring("mm"));
   campaign.resolution = {0.1, 0};
@@ -141,7 +141,7 @@ TEST_CASE("steps are told only of numbers that there are", "[advice][issue11][po
 TEST_CASE("an angle that depends on the direction of the motion is told", "[advice][long]") {
   // Joint 2 there and back; on the way back its angle reads 20 arcsec more.
   constexpr double kBacklash_rad = 20 * kArcsec;
-  const auto robot = kr5();
+  const auto robot = kr5_swept();
   auto sweeps = sweeps_of(robot, kController, 1);
   auto back = changed({sweeps[1]}, [&](Sweep& sweep, std::vector<Sample>& samples) {
     sweep.direction = -sweep.direction;
@@ -164,7 +164,7 @@ TEST_CASE("a smooth error of a joint's angles is told with its size", "[advice]"
   uneven.angles = true;
   uneven.gears.second_arcsec = 100;
   uneven.gears.joint = 1;
-  const auto found = identified(kr5(), uneven);
+  const auto found = identified(kr5_swept(), uneven);
   CHECK_THAT(message(found, "transmission_error", 1), ContainsSubstring("arcsec from lowest"));
   CHECK_FALSE(std::any_of(found.warnings.begin(), found.warnings.end(), [](const Warning& warning) {
     return warning.code == "transmission_error" && warning.joint != 1u;
@@ -172,7 +172,7 @@ TEST_CASE("a smooth error of a joint's angles is told with its size", "[advice]"
 }
 
 TEST_CASE("angles that follow no pattern are told to be unused", "[advice][long]") {
-  const auto robot = kr5();
+  const auto robot = kr5_swept();
   std::mt19937 random(1);
   std::normal_distribution<> normal;
   const auto sweeps =
@@ -187,20 +187,20 @@ TEST_CASE("angles that follow no pattern are told to be unused", "[advice][long]
 TEST_CASE("noise that is alike from sample to sample is told", "[advice][long]") {
   auto slow = accuracy::tracker(0.02);
   slow.noise.correlation = 0.95;
-  CHECK_THAT(message(identified(kr5(), slow), "correlated_noise", {}),
+  CHECK_THAT(message(identified(kr5_swept(), slow), "correlated_noise", {}),
              ContainsSubstring("samples tell as much as one"));
 }
 
 TEST_CASE("points far off are told with their share", "[advice]") {
   auto interrupted = accuracy::tracker(0.02);
   interrupted.noise.outlier_share = 0.05;
-  CHECK_THAT(message(identified(kr5(), interrupted), "outliers", {}),
+  CHECK_THAT(message(identified(kr5_swept(), interrupted), "outliers", {}),
              ContainsSubstring(" of 6000 samples ("));
 }
 
 TEST_CASE("sweeps that miss each other's home are told", "[advice][long]") {
   const auto world = accuracy::tracker(0.02);
-  const auto robot = kr5();
+  const auto robot = kr5_swept();
   // The target was knocked before joint 4 swept.
   const auto sweeps =
       changed(sweeps_of(robot, world, 1), [](Sweep& sweep, std::vector<Sample>& samples) {
@@ -212,7 +212,7 @@ TEST_CASE("sweeps that miss each other's home are told", "[advice][long]") {
 }
 
 TEST_CASE("orientations that contradict the positions are told", "[advice][long]") {
-  const auto robot = kr5();
+  const auto robot = kr5_swept();
   const auto sweeps =
       changed(sweeps_of(robot, kController, 1), [](Sweep&, std::vector<Sample>& samples) {
         for (Sample& sample : samples) {
@@ -225,7 +225,7 @@ TEST_CASE("orientations that contradict the positions are told", "[advice][long]
 }
 
 TEST_CASE("a fit that did not end is told", "[advice][long]") {
-  const auto robot = kr5();
+  const auto robot = kr5_swept();
   auto found = identified(robot);
   found.chain->summary.converged = false;
   found.chain->summary.ending = "too many iterations";

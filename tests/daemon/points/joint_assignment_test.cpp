@@ -22,23 +22,23 @@ namespace {
 
 using Order = std::vector<std::size_t>;
 
-struct Range {
+struct SweptRange {
   double start_deg;
   double end_deg;
 };
-constexpr std::array<Range, 6> kWide{
+constexpr std::array<SweptRange, 6> kWide{
     {{-45, 45}, {-60, -130}, {120, 30}, {90, 0}, {90, 0}, {0, 90}}};
-constexpr std::array<Range, 6> kNarrow{
+constexpr std::array<SweptRange, 6> kNarrow{
     {{-15, 15}, {-60, -90}, {120, 90}, {90, 60}, {90, 60}, {0, 30}}};
 
 /// A campaign of an arm seen by its positions alone: the strokes of each joint.
 struct Seen {
   identify::Arm arm;
-  std::array<Range, 6> ranges;
+  std::array<SweptRange, 6> ranges;
   std::vector<std::vector<Sweep>> strokes;  // one a joint, with their joint and direction
 };
 
-Seen seen(const identify::Arm& arm, const std::array<Range, 6>& ranges,
+Seen seen(const identify::Arm& arm, const std::array<SweptRange, 6>& ranges,
           const std::vector<double>& home_rad) {
   Seen result{arm, ranges, std::vector<std::vector<Sweep>>(6)};
   identify::Arm posed = arm;  // as the simulation begins at its home
@@ -166,7 +166,7 @@ TEST_CASE(
   const auto arm = identify::test::kr5_arc();
   std::vector<double> elsewhere;
   for (const double angle : {80, -75, 100, 25, 55, 10}) elsewhere.push_back(angle * kDegree);
-  constexpr std::array<Range, 6> kRanges{
+  constexpr std::array<SweptRange, 6> kRanges{
       {{40, 120}, {-110, -40}, {60, 140}, {0, 80}, {20, 90}, {10, 100}}};
   const Seen campaign = seen(arm, kRanges, elsewhere);
   for (const Order& order : orders())

@@ -75,7 +75,7 @@ std::size_t memory(const KeptSweeps& kept) {
 }
 
 /// Runs a program over and over: sweep n is number n % its size.
-void run(KeptSweeps& kept, const std::vector<Way>& program, int rounds, bool with_angles = true) {
+void play(KeptSweeps& kept, const std::vector<Way>& program, int rounds, bool with_angles = true) {
   int number = 0;
   for (int round = 0; round < rounds; ++round)
     for (const Way& way : program) kept.keep(sweep(way, number++, with_angles));
@@ -94,7 +94,7 @@ std::vector<Way> usual_program() {
 
 TEST_CASE("all sweeps are kept while there is memory", "[kept_sweeps]") {
   KeptSweeps kept(24 * kMemory);
-  run(kept, usual_program(), 2);
+  play(kept, usual_program(), 2);
   CHECK(kept.sweeps().size() == 24);
   CHECK(kept.left_out().sweeps == 0);
   CHECK_FALSE(kept.left_out().kinds);
@@ -109,7 +109,7 @@ TEST_CASE("what a program repeats is kept in whole rounds, spread evenly over th
   for (const std::size_t most : {60U, 61U, 66U, 71U, 100U}) {
     CAPTURE(most);
     KeptSweeps kept(most * kMemory);
-    run(kept, program, kRounds);
+    play(kept, program, kRounds);
     CHECK(memory(kept) <= most * kMemory);
     CHECK(kept.sweeps().size() > most / 2 - program.size());
     CHECK(kept.left_out().sweeps == program.size() * kRounds - kept.sweeps().size());
@@ -130,7 +130,7 @@ TEST_CASE("what goes stays as sums, and a copy that was taken does not change", 
   constexpr int kRounds = 200;
   const auto program = usual_program();
   KeptSweeps kept(60 * kMemory);
-  run(kept, program, kRounds / 2);
+  play(kept, program, kRounds / 2);
   const auto strokes = [](const std::vector<Sweep>& sweeps) {
     std::size_t sum = sweeps.size();
     for (const Sweep& one : sweeps)
@@ -139,7 +139,7 @@ TEST_CASE("what goes stays as sums, and a copy that was taken does not change", 
   };
   const auto before = kept.sweeps();
   CHECK(strokes(before) == program.size() * kRounds / 2);
-  run(kept, program, kRounds / 2);
+  play(kept, program, kRounds / 2);
   CHECK(strokes(before) == program.size() * kRounds / 2);
   CHECK(strokes(kept.sweeps()) == program.size() * kRounds);
   for (const Sweep& one : kept.sweeps())
@@ -198,7 +198,7 @@ TEST_CASE("no kind is lost because of its place in the program", "[kept_sweeps]"
       program.push_back({1, 0, k % 2 == 0 ? 60.0 : -60.0, 5});
     }
     KeptSweeps kept(64 * kMemory);
-    run(kept, program, 150);
+    play(kept, program, 150);
     std::set<long> homes;
     std::set<int> directions;
     for (const Sweep& one : kept.sweeps()) {
@@ -297,7 +297,7 @@ TEST_CASE("without angles whole turns of the program are kept, however often the
         program.end(),
         {{joint, 0, -45}, {joint, -45, 45}, {joint, 45, -45}, {joint, -45, 45}, {joint, 45, 0}});
   KeptSweeps kept(64 * kMemory);
-  run(kept, program, 300, false);
+  play(kept, program, 300, false);
   const auto found = numbers(kept);
   REQUIRE(found.size() % 10 == 0);
   REQUIRE(found.size() >= 30);
