@@ -5,6 +5,7 @@
 
 The order of the rooms is that of add_subdirectory in rsi/, identify/ and daemon/CMakeLists.txt, from
 the ground up. What lies in rsi/ itself is below its rooms; in identify/ and daemon/, above them.
+What daemon/ builds in_one_thread has no means for more: ThreadSanitizer does not see it.
 The libraries never print, log or abort. First the check has to find what is planted in a folder of
 its own, then nothing in the tree.
 """
@@ -18,6 +19,7 @@ POSIX = r"<([a-z_0-9]+|(sys|net|netinet|arpa|linux)/[a-z_0-9]+)\.h>"
 TALKING = r"<(iostream|ostream|print|syncstream|cassert|assert\.h|syslog\.h)>"
 BUSY = (r"<(thread|mutex|shared_mutex|condition_variable|future|stop_token|semaphore|latch|barrier"
         r"|atomic|fstream|filesystem|cstdio)>")
+THREADS = re.compile(r"std::(j?thread|\w*mutex|condition_variable|atomic|future|async|call_once)\b|asio|beast")
 # Another library in here needs a decision.
 LAYERS = {  # may include, may not include
     "rsi": (f"{STANDARD}|{POSIX}|<boost/|<pugixml\\.hpp>|<pcap/|\"rsi/", TALKING),
@@ -36,7 +38,18 @@ def rooms(root, layer):
     return own + named if layer == "rsi" else named + own
 
 
+def in_one_thread(root):
+    """The units, without their endings."""
+    for path in (root / "daemon").glob("*/CMakeLists.txt"):
+        text = path.read_text()
+        sources = re.search(r"^set\(sources\s([^)]*)\)", text, re.M)
+        for files in re.findall(r"^in_one_thread\(([^)]*)\)", text, re.M):
+            files = files.replace("${sources}", sources[1] if sources else "")
+            yield from (path.parent / file.removesuffix(".cpp") for file in files.split())
+
+
 def violations(root):
+    single = set(in_one_thread(root))
     floor = {}
     for layer in LAYERS:
         for height, room in enumerate(rooms(root, layer)):
@@ -52,6 +65,8 @@ def violations(root):
             for number, line in enumerate(path.read_text().splitlines(), 1):
                 code = re.sub(r"//.*", "", line)
                 where = f"{name}:{number}: {line.strip()}"
+                if path.with_suffix("") in single and THREADS.search(code):
+                    yield f"{where}  (this unit is built in_one_thread)"
                 header = re.match(r'\s*#\s*include\s*([<"].*)', code)
                 if not header:
                     if layer != "daemon" and ENDING.search(code):
@@ -102,6 +117,10 @@ def planted():
         (1, "rsi/low/some.cpp", "#include <Eigen/Core>"),
         (1, "rsi/low/some.cpp", "#include <spdlog/spdlog.h>"),
         (0, "rsi/low/some.cpp", "#include <sys/eventfd.h>"),
+        (1, "daemon/low/one.cpp", "std::mutex mutex;"),
+        (1, "daemon/low/one.hpp", '#include "rsi/asio.hpp"'),
+        (0, "daemon/low/one.cpp", "std::this_thread::sleep_for(1s);"),
+        (0, "daemon/low/some.cpp", "std::mutex mutex;"),
     ]
     cases += [(1, "identify/low/some.cpp", f"  #  include {header}  // needed here") for header in
               ("<thread>", "<fstream>", "<boost/asio/buffer.hpp>", "<unistd.h>", '"daemon/some.hpp"')]
@@ -119,6 +138,8 @@ def planted():
                 (root / layer).mkdir()
                 (root / layer / "CMakeLists.txt").write_text(
                     "add_subdirectory(low)\nadd_subdirectory(high)\n")
+            (root / "daemon/low").mkdir()
+            (root / "daemon/low/CMakeLists.txt").write_text("set(sources one.cpp)\nin_one_thread(${sources})\n")
             (root / name).parent.mkdir(exist_ok=True)
             (root / name).write_text(line + "\n")
             seen = list(violations(root))
