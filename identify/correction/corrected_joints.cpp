@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/QR>
+#include <Eigen/Geometry>
 
+#include "identify/geometry/symmetric_eigen.hpp"
 #include "identify/poses/pose_rows.hpp"
 
 namespace identify {
@@ -49,8 +50,10 @@ CorrectedJoints::CorrectedJoints(const PoseFit& identified, const PlacedArm& con
   for (std::size_t j = 0; j < last; ++j)
     on_axis = on_axis * transform(controller.arm.row_at(j, before[j]));
   const Vector3d axis = controller.arm.positive[last] * on_axis.linear().col(2);
-  const Eigen::Quaterniond turn =
-      Eigen::Quaterniond::FromTwoVectors(axis, model.chain.axes[last].direction);
+  const Vector3d& identified_axis = model.chain.axes[last].direction;
+  const Vector3d across = axis.cross(identified_axis);
+  const Eigen::AngleAxisd turn(std::atan2(across.norm(), axis.dot(identified_axis)),
+                               across.stableNormalized());
   const Eigen::Matrix3d rotation = turn * frame.linear();
   const Vector3d target = model.chain.targets_mm[nearest];
   // Target 0 is the tool from now on, with the covariance of the measured one.
@@ -98,7 +101,7 @@ CorrectedJoints::Reached CorrectedJoints::reach(const std::vector<double>& angle
     at.set(0, fit_.model.turned(fit_.model.told(pose_at(reached.angles_rad).sample)), false);
     MatrixXd by_joint(6, joints);
     for (Index j = 0; j < joints; ++j) by_joint.col(j) = at.by_turn[static_cast<std::size_t>(j)];
-    const Eigen::VectorXd by = by_joint.completeOrthogonalDecomposition().solve(off);
+    const Eigen::VectorXd by = least_norm(by_joint, off);
     if (!by.allFinite() || by.cwiseAbs().maxCoeff() > kMostStep_rad) return reached;
     for (Index j = 0; j < joints; ++j) reached.angles_rad[static_cast<std::size_t>(j)] += by(j);
     if (by.cwiseAbs().maxCoeff() < kLastCorrection_rad) break;

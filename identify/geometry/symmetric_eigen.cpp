@@ -25,8 +25,8 @@ double largest_sigma(const Matrix3d& covariance) {
   return std::sqrt(std::max(0.0, solver.eigenvalues()(2)));
 }
 
-MatrixXd least_norm(const MatrixXd& normal, const MatrixXd& right) {
-  return Eigen::CompleteOrthogonalDecomposition<MatrixXd>(normal).solve(right);
+MatrixXd least_norm(const MatrixXd& left, const MatrixXd& right) {
+  return Eigen::CompleteOrthogonalDecomposition<MatrixXd>(left).solve(right);
 }
 
 }  // namespace identify

@@ -19,8 +19,7 @@ namespace identify {
 /// The standard deviation along the direction that is known worst; infinite where one is not known.
 [[nodiscard]] double largest_sigma(const Eigen::Matrix3d& covariance);
 
-/// The X of least norm that fits `normal` X = `right` best, also where `normal` is singular.
-[[nodiscard]] Eigen::MatrixXd least_norm(const Eigen::MatrixXd& normal,
-                                         const Eigen::MatrixXd& right);
+/// The X of least norm that fits `left` X = `right` best, whatever the rank of `left`.
+[[nodiscard]] Eigen::MatrixXd least_norm(const Eigen::MatrixXd& left, const Eigen::MatrixXd& right);
 
 }  // namespace identify

@@ -18,17 +18,18 @@
 #include "daemon/settings/robot_description.hpp"
 #include "daemon/settings/sweep_plan.hpp"
 #include "rsi/telegram/reply.hpp"
+#include "tests/config_folder.hpp"
 #include "tests/process_threads.hpp"
 
 namespace bench {
 
 using boost::asio::ip::udp;
 using std::filesystem::path;
+using sweepd::test::kEthernet;
+using sweepd::test::kPlan;
+using sweepd::test::kRobot;
 
 namespace {
-
-const path kConfig = path(SWEEPD_SOURCE_DIR) / "config";
-const path kRobot = kConfig / "robots/kr5_arc.toml";
 
 path proc(int process) {
   return path("/proc") / std::to_string(process);
@@ -48,7 +49,7 @@ void transfer(Operation operation, int file, Byte* bytes, std::size_t size) {
 }  // namespace
 
 const path& ethernet_file() {
-  static const path file = kConfig / "controller/krc4/sweepd_ethernet.xml";
+  static const path file = kEthernet;
   return file;
 }
 
@@ -107,7 +108,7 @@ std::string_view Telegrams::next() {
 }
 
 sweepd::SimulatedRobot Telegrams::start() {
-  return {sweepd::load_robot(kRobot), sweepd::load_plan(kConfig / "plans/kr5_arc_90deg.toml"), {}};
+  return {sweepd::load_robot(kRobot), sweepd::load_plan(kPlan), {}};
 }
 
 double quantile_us(std::vector<std::chrono::nanoseconds>& times, double q) {

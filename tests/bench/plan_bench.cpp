@@ -24,7 +24,6 @@ using identify::Knowledge;
 
 namespace {
 
-const std::filesystem::path kConfig = std::filesystem::path(SWEEPD_SOURCE_DIR) / "config";
 constexpr std::array kNumbers{&DhEstimate::b_mm, &DhEstimate::theta_rad, &DhEstimate::a_mm,
                               &DhEstimate::alpha_rad, &DhEstimate::beta_rad};
 constexpr std::array kNames{"b", "theta", "a", "alpha", "beta"};
@@ -93,8 +92,8 @@ std::vector<Errors> simulated(const Options& options, const sweepd::RobotDescrip
 
 void compare(const Options& options, const std::string& title, const std::string& plan_file,
              const sweepd::Measurement& measurement) {
-  const auto robot = sweepd::load_robot(kConfig / "robots/kr5_arc.toml");
-  const auto plan = sweepd::load_plan(kConfig / "plans" / plan_file);
+  const auto robot = sweepd::load_robot(sweepd::test::kRobot);
+  const auto plan = sweepd::load_plan(sweepd::test::kConfig / "plans" / plan_file);
   const auto prediction = sweepd::look_ahead(robot, plan, measurement).prediction;
   const auto runs = simulated(options, robot, plan, measurement);
 

@@ -45,26 +45,27 @@
 #include "rsi/telegram/ethernet_config.hpp"
 #include "rsi/telegram/telegram_writer.hpp"
 #include "tests/bench/table.hpp"
+#include "tests/config_folder.hpp"
 #include "tests/daemon/temporary_folder.hpp"
 #include "tests/rsi/addresses.hpp"
 
 namespace {
 
 using std::filesystem::path;
+using sweepd::test::kConfig;
+using sweepd::test::kEthernet;
+using sweepd::test::kPlan;
+using sweepd::test::kRobot;
 
 constexpr double kRatioAim = 0.5;
 constexpr double kSpeedAim = 300'000;  // telegrams per second
 constexpr std::uintmax_t kMemoryAim = 64'000'000;
 
-const path kConfig = path(SWEEPD_SOURCE_DIR) / "config";
-const path kRobot = kConfig / "robots/kr5_arc.toml";
-const path kPlan = kConfig / "plans/kr5_arc_90deg.toml";
-
 /// The shipped plan, its sweeps as often as it takes for so many telegrams.
 void write_long_plan(const path& file, std::uint64_t telegrams) {
   const std::string text = sweepd::test::content(kPlan);
   const auto sweeps = text.find("\n[[sweep]]");
-  if (sweeps == std::string::npos) throw std::runtime_error(kPlan.string() + ": has no sweeps");
+  if (sweeps == std::string::npos) throw std::runtime_error(std::string(kPlan) + ": has no sweeps");
   const auto once =
       sweepd::SimulatedRobot(sweepd::load_robot(kRobot), sweepd::load_plan(kPlan), {}).cycles();
   std::ofstream out(file);
@@ -84,8 +85,7 @@ void write_capture(const path& file, const path& plan) {
 /// All joints swing, each at its own pace; angles and currents have noise.
 void write_production(const path& file, std::uint64_t telegrams) {
   using namespace std::chrono_literals;
-  const rsi::TelegramWriter writer(
-      rsi::EthernetConfig::load(kConfig / "controller/krc4/sweepd_ethernet.xml"), 4);
+  const rsi::TelegramWriter writer(rsi::EthernetConfig::load(kEthernet), 4);
   rsi::CaptureWriter capture(file);
   rsi::Datagram datagram{1'700'000'000s, rsi::test::kController, rsi::test::kServer, {}, false};
   constexpr std::array kMiddle_deg{0.0, -90.0, 90.0, 0.0, 60.0, 0.0};

@@ -17,7 +17,9 @@ using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
-const std::filesystem::path kController = kConfig / "controller";
+std::filesystem::path controller() {
+  return kConfig / "controller";
+}
 
 /// The value between <KEY> and </KEY> becomes another, as an engineer edits it.
 std::string edited(std::string xml, const std::string& key, const std::string& value) {
@@ -35,7 +37,7 @@ struct ShippedFile {
 class Campaign {
  public:
   explicit Campaign(const ShippedFile& shipped) : shipped_(shipped) {
-    const auto original = rsi::EthernetConfig::load(kController / shipped.name);
+    const auto original = rsi::EthernetConfig::load(controller() / shipped.name);
     only_send_ = original.only_send;
     const bool tcp = original.protocol == rsi::EthernetConfig::Protocol::TCP;
     const std::string port = std::to_string(tcp ? free_tcp_port() : free_port());
@@ -43,11 +45,11 @@ class Campaign {
     // What the file tells the engineer to edit, and nothing else.
     const auto ethernet =
         folder_.write("ethernet.xml",
-                      edited(edited(content(kController / shipped.name), "IP_NUMBER", "127.0.0.1"),
+                      edited(edited(content(controller() / shipped.name), "IP_NUMBER", "127.0.0.1"),
                              "PORT", port));
     const auto settings = folder_.write(
         "sweepd.toml", "[http]\nlisten = \"off\"\n[[robot]]\nname = \"kr5-arc\"\ndescription = \"" +
-                           kRobot.string() + "\"\nlisten = \"" + address +
+                           std::string(kRobot) + "\"\nlisten = \"" + address +
                            "\"\noutput = \"output\"\nethernet_config = \"ethernet.xml\"\n" +
                            shipped.settings);
     const auto checked = run_sweepd({"check", "--files-only", "--config", settings.string()});
@@ -113,7 +115,7 @@ class Campaign {
 TEST_CASE("each Ethernet file for the controller passes sweepd check as it is shipped",
           "[controller_files]") {
   std::size_t files = 0;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(kController)) {
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(controller())) {
     const auto name = entry.path().filename().string();
     if (!name.ends_with(".xml") || name.ends_with(".rsi.xml")) continue;
     ++files;
