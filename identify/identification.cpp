@@ -102,6 +102,7 @@ void take_chain(Identification& found, const Campaign& campaign, Estimator estim
 
 Identification estimate(std::vector<Sweep> sweeps, const Campaign& campaign) {
   Identification found = by_circles(estimate_circles(std::move(sweeps), campaign));
+  if (campaign.device_frame && !found.dh.empty()) leave_first_to_frame(found.dh, found.specified);
   if (campaign.timed) {
     const auto axes = starting_axes(found);
     found.delay = find_delay(found, axes, campaign.two_clocks);

@@ -180,6 +180,7 @@ void RecordWriter::delete_old(const RecordingSettings& settings) {
     in_use = {session_->files->folder().filename().string(), session_->files->part()};
   const auto deleted =
       delete_old_recordings(robot_folder_, settings, std::chrono::system_clock::now(), in_use);
+  if (deleted.of_session > 0) session_->recording->outlived(deleted.of_session);
   if (deleted.files > 0)
     say_(Importance::note,
          "deleted the oldest recordings in " + robot_folder_.string() +

@@ -25,6 +25,7 @@ Recording::Counts& Recording::Counts::operator+=(const Counts& other) {
   pauses += other.pauses;
   folders_deleted += other.folders_deleted;
   deleted += other.deleted;
+  files_deleted += other.files_deleted;
   return *this;
 }
 
@@ -66,6 +67,11 @@ void Recording::deleted(const RecordCount& records) {
   const std::lock_guard lock(mutex_);
   ++counts_.folders_deleted;
   counts_.deleted += records;
+}
+
+void Recording::outlived(std::uint64_t files) {
+  const std::lock_guard lock(mutex_);
+  counts_.files_deleted += files;
 }
 
 void Recording::lost(Missing reason, const RecordCount& records) {

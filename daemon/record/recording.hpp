@@ -48,9 +48,12 @@ class Recording {
     /// went with it.
     std::uint64_t folders_deleted = 0;
     RecordCount deleted;
+    /// Files of this session that went while it was written, as keep_bytes and keep_days say.
+    std::uint64_t files_deleted = 0;
 
     [[nodiscard]] bool complete() const {
-      return memory_full == RecordCount{} && disk == RecordCount{} && folders_deleted == 0;
+      return memory_full == RecordCount{} && disk == RecordCount{} && folders_deleted == 0 &&
+             files_deleted == 0;
     }
     Counts& operator+=(const Counts& other);
   };
@@ -69,6 +72,7 @@ class Recording {
   void written(const RecordCount& records, std::uint64_t files, std::uint64_t bytes);
   void paused();
   void deleted(const RecordCount& records);
+  void outlived(std::uint64_t files);
   void lost(Missing reason, const RecordCount& records);
   void finish();
 

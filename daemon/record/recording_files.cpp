@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
+#include <map>
 #include <system_error>
 #include <utility>
 
@@ -168,6 +170,32 @@ std::string part_name(std::string_view stem, std::string_view ending, unsigned p
     name.append(4 - std::min<std::size_t>(digits.size(), 4), '0').append(digits);
   }
   return name.append(ending);
+}
+
+std::optional<unsigned> part_of(std::string_view name, std::string_view stem,
+                                std::string_view ending) {
+  if (!name.starts_with(stem) || !name.ends_with(ending)) return std::nullopt;
+  unsigned part = 1;
+  if (name.size() > stem.size() + 1 + ending.size()) {
+    const auto digits = name.substr(stem.size() + 1, name.size() - stem.size() - 1 - ending.size());
+    std::from_chars(digits.data(), digits.data() + digits.size(), part);
+  }
+  return name == part_name(stem, ending, part) ? std::optional(part) : std::nullopt;
+}
+
+std::vector<std::filesystem::path> traces_of(const std::filesystem::path& folder) {
+  std::map<unsigned, std::filesystem::path> found;
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    std::error_code ignored;
+    const auto part = part_of(entry->path().filename().string(), "trace", ".pcap");
+    if (part && entry->is_regular_file(ignored)) found.emplace(*part, entry->path());
+  }
+  std::vector<std::filesystem::path> traces;
+  traces.reserve(found.size());
+  for (const auto& [part, trace] : found) traces.push_back(trace);
+  return traces;
 }
 
 }  // namespace sweepd

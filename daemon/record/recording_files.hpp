@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "daemon/record/recording.hpp"
 
@@ -120,5 +121,11 @@ class RecordingFiles {
 
 /// "trace", ".pcap" and 2 give trace-0002.pcap; 1 gives trace.pcap.
 [[nodiscard]] std::string part_name(std::string_view stem, std::string_view ending, unsigned part);
+/// The number in such a name; nothing if it is none.
+[[nodiscard]] std::optional<unsigned> part_of(std::string_view name, std::string_view stem,
+                                              std::string_view ending);
+/// The parts of a folder's trace that are there, in the order in which they were written, whatever
+/// the clock did meanwhile: the first ones may have been deleted.
+[[nodiscard]] std::vector<std::filesystem::path> traces_of(const std::filesystem::path& folder);
 
 }  // namespace sweepd

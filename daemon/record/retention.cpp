@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <functional>
 #include <limits>
 #include <map>
@@ -20,7 +19,6 @@
 
 #include "daemon/record/recording_files.hpp"
 #include "daemon/record/session_folder.hpp"
-#include "rsi/ascii.hpp"
 
 namespace sweepd {
 namespace {
@@ -52,26 +50,13 @@ class Folder {
   DIR* entries_;
 };
 
-std::optional<unsigned> whole_number(std::string_view text) {
-  unsigned value = 0;
-  if (!rsi::all_digits(text)) return std::nullopt;
-  const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
-  return end.ec == std::errc{} ? std::optional(value) : std::nullopt;
-}
-
 /// What of a session is not in numbered parts goes with the last one.
 constexpr unsigned kAfterAllParts = std::numeric_limits<unsigned>::max();
 
 std::optional<unsigned> part_of(std::string_view name) {
   for (const auto& [stem, ending] :
        {std::pair<std::string_view, std::string_view>{"trace", ".pcap"}, {"samples", ".csv"}}) {
-    if (!name.starts_with(stem) || !name.ends_with(ending)) continue;
-    unsigned part = 1;
-    if (name.size() > stem.size() + ending.size())
-      part =
-          whole_number(name.substr(stem.size() + 1, name.size() - stem.size() - ending.size() - 1))
-              .value_or(1);
-    if (name == part_name(stem, ending, part)) return part;
+    if (const auto part = sweepd::part_of(name, stem, ending)) return part;
   }
   constexpr std::array<std::string_view, 4> kBesideResults{"sweeps.csv", "link.txt", "link.json",
                                                            "last_cycles.csv"};
@@ -191,7 +176,10 @@ void sweep(const std::filesystem::path& robot_folder, const RecordingSettings& s
     const bool beyond = settings.keep_bytes > 0 && bytes > settings.keep_bytes;
     if (!old && !beyond) continue;
     if (part.session == in_use.session && key.second >= in_use.part) continue;
+    const auto before = sweeping.deleted.files;
     remove(robot.descriptor(), part, sweeping);
+    if (part.session == in_use.session)
+      sweeping.deleted.of_session += sweeping.deleted.files - before;
     bytes -= part.bytes;
   }
 }

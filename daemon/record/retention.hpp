@@ -18,6 +18,7 @@ struct InUse {
 struct Deleted {
   std::uint64_t files = 0;
   std::uint64_t bytes = 0;
+  std::uint64_t of_session = 0;  ///< files of the session that is being written, among them
   std::string trouble;  ///< what could not be looked at or deleted first, and why; empty: nothing
 };
 

@@ -14,6 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "daemon/record/recording_files.hpp"
 #include "rsi/ascii.hpp"
 
 namespace sweepd {
@@ -22,10 +23,10 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_unfinished(const fs::path& folder) {
-  std::error_code error;
-  if (!fs::is_regular_file(folder / "trace.pcap", error)) return false;
+  if (traces_of(folder).empty()) return false;
   std::ifstream stream(folder / "run.json", std::ios::binary);
   // Without it nobody knows whose results these are.
+  std::error_code error;
   if (!stream) return !fs::exists(folder / "result.json", error);
   const auto run = nlohmann::json::parse(stream, nullptr, false);
   return run.is_object() && run.value("command", nlohmann::json()) == "run" &&

@@ -25,6 +25,7 @@ Json json(const Recording::Counts& counts) {
     recording["folders_deleted"] = counts.folders_deleted;
     recording["deleted"] = json(counts.deleted);
   }
+  if (counts.files_deleted > 0) recording["files_deleted"] = counts.files_deleted;
   return recording;
 }
 

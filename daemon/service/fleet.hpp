@@ -25,7 +25,8 @@ class Fleet {
 
   void serve();
   /// Robots that went are let go, those that came are served, the others take over what they can.
-  void reload(const Robots& robots);
+  /// A robot that streams and only has another name keeps the old one.
+  void reload(Robots robots);
   void report_link();
   void let_all_go();
 
@@ -49,6 +50,7 @@ class Fleet {
   void tidy();
 
  private:
+  void keep_names(Robots& robots) const;
   [[nodiscard]] bool all(bool (RobotKeeper::*is)() const) const;
 
   const std::function<void()> on_change_;

@@ -1,5 +1,6 @@
 #include "daemon/service/robot_inputs.hpp"
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 #include <utility>
@@ -11,11 +12,12 @@
 namespace sweepd {
 namespace {
 
-std::vector<std::filesystem::path> files_of(const RobotSettings& settings) {
-  std::vector<std::filesystem::path> files;
+using Files = std::vector<std::filesystem::path>;
+
+Files files_of(const RobotSettings& settings) {
+  Files files;
   if (!settings.description.empty()) files.push_back(settings.description);
-  for (const auto& file : {settings.plan, settings.ethernet_config})
-    if (file) files.push_back(*file);
+  if (settings.plan) files.push_back(*settings.plan);
   return files;
 }
 
@@ -43,29 +45,37 @@ RunFacts RobotInputs::run_facts() const {
   facts.description = settings.description;
   facts.ethernet_config = settings.ethernet_config;
   facts.inputs = hashes;
+  facts.inputs.insert(facts.inputs.end(), ethernet.begin(), ethernet.end());
   return facts;
 }
 
 RobotInputs RobotInputs::read(const RobotSettings& settings) {
   return {settings, load_setup(settings), hashes_of(files_of(settings)),
+          hashes_of(settings.ethernet_config ? Files{*settings.ethernet_config} : Files{}),
           file_system_of(settings.output / settings.name)};
 }
 
 ReloadedInputs::ReloadedInputs(const RobotSettings& given)
-    : given_(given), ethernet_xml_(content(given.ethernet_config)) {}
+    : started_with_(given), given_(given), ethernet_xml_(content(given.ethernet_config)) {}
 
 void ReloadedInputs::reload(const RobotSettings& settings, const Log& log) {
-  const auto changed = change(given_, settings);
   auto inputs = RobotInputs::read(settings);
+  const auto waits = change(started_with_, settings).after_restart;
+  auto changed = change(given_, settings).live;
   given_ = settings;
-  if (!changed.after_restart.empty())
-    log.warning("only a restart of sweepd takes over {}", fmt::join(changed.after_restart, ", "));
+  if (!waits.empty()) log.warning("only a restart of sweepd takes over {}", fmt::join(waits, ", "));
   if (content(settings.ethernet_config) != ethernet_xml_)
     log.warning("the Ethernet file has changed: restart sweepd before RSI uses it");
+  // The recorder has its settings as soon as they are read.
+  const auto at_once = std::stable_partition(changed.begin(), changed.end(), [](const auto& key) {
+    return !key.starts_with("recording.");
+  });
+  if (at_once != changed.end()) log.note("taken over: {}", fmt::join(at_once, changed.end(), ", "));
+  changed.erase(at_once, changed.end());
   log.note("{}",
-           changed.live.empty()
+           changed.empty()
                ? std::string("description and plan read again, for the next session")
-               : fmt::format("taken over for the next session: {}", fmt::join(changed.live, ", ")));
+               : fmt::format("taken over for the next session: {}", fmt::join(changed, ", ")));
   const std::lock_guard lock(mutex_);
   waiting_ = std::move(inputs);
 }

@@ -19,8 +19,9 @@ namespace sweepd {
 struct RobotInputs {
   RobotSettings settings;
   RobotSetup setup;
-  std::vector<FileHash> hashes;  ///< of description, plan, Ethernet file
-  TurnThreads::Group disk;       ///< the file system of the output
+  std::vector<FileHash> hashes;    ///< of description and plan
+  std::vector<FileHash> ethernet;  ///< of the Ethernet file
+  TurnThreads::Group disk;         ///< the file system of the output
 
   /// Where its sessions lie.
   [[nodiscard]] std::filesystem::path folder() const { return settings.output / settings.name; }
@@ -46,6 +47,7 @@ class ReloadedInputs {
   [[nodiscard]] std::optional<RobotInputs> take();
 
  private:
+  const RobotSettings started_with_;
   RobotSettings given_;       // by the last reload
   std::string ethernet_xml_;  // what the Ethernet file held at the start
   std::mutex mutex_;

@@ -19,15 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<fs::path> traces_of(const fs::path& folder) {
-  std::vector<fs::path> traces;
-  for (unsigned part = 1;; ++part) {
-    auto trace = folder / part_name("trace", ".pcap", part);
-    if (!fs::is_regular_file(trace)) return traces;
-    traces.push_back(std::move(trace));
-  }
-}
-
 /// How many telegrams a result was made of that is there already; 0: none is.
 std::uint64_t telegrams_of_result(const fs::path& folder) {
   std::ifstream stream(folder / "result.json", std::ios::binary);
@@ -41,7 +32,7 @@ std::uint64_t telegrams_of_result(const fs::path& folder) {
 SessionReplay::SessionReplay(fs::path folder, const RobotSetup& setup)
     : folder_(std::move(folder)), lock_(folder_), device_(setup) {
   if (!lock_.held()) throw std::runtime_error(folder_.string() + ": another sweepd writes there");
-  traces_ = rsi::in_order_of_time(traces_of(folder_));
+  traces_ = traces_of(folder_);
   const auto search = rsi::find_conversation(traces_);
   if (search.chosen) conversation_ = *search.chosen;
   std::reverse(traces_.begin(), traces_.end());

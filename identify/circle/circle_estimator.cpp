@@ -110,15 +110,20 @@ class Circles {
       return;
     }
     if (fit_as_line(j, points)) return;
-    joint.circle = fit_circle(points);
-    if (!joint.circle) {
+    const auto usual = fit_usual_circle(points);
+    if (!usual) {
       warn("not_an_arc", j,
            joint_name(j) + ": " + std::string(remedy(SweepDefect::not_an_arc, false)));
       return;
     }
+    joint.circle = usual->circle;
     const CircleFit& circle = *joint.circle;
-    const bool against = orient(j, [&](const Vector3d& from, const Vector3d& way) -> double {
+    const auto along = [&](const Vector3d& from, const Vector3d& way) -> double {
       return circle.normal.dot((from - circle.center_mm).cross(way));
+    };
+    const bool against = orient(j, along, [&](const Vector3d& point) {
+      const CircleResidual off = residual(circle, point);
+      return std::hypot(off.plane_mm, off.radial_mm) > usual->within_mm;
     });
     if (against) joint.circle->normal = -joint.circle->normal;
   }
@@ -159,8 +164,8 @@ class Circles {
     if (!joint.linear) return false;
     joint.line = std::move(verdict.line);
     Vector3d& along = joint.line->direction;
-    if (orient(j, [&](const Vector3d&, const Vector3d& way) { return along.dot(way); }))
-      along = -along;
+    const auto go = [&](const Vector3d&, const Vector3d& way) { return along.dot(way); };
+    if (orient(j, go, [](const Vector3d&) { return false; })) along = -along;
     return true;
   }
 
@@ -169,8 +174,8 @@ class Circles {
   /// Whether the fit points against the joint's positive rotation (or way), by how far each step
   /// goes along it: pooled strokes run both ways, and so may one. Where angles are told, what was
   /// swept as they rose counts against what was as they fell; where not, a stroke's direction.
-  template <class Along>
-  bool orient(std::size_t j, const Along& along) {
+  template <class Along, class Stray>
+  bool orient(std::size_t j, const Along& along, const Stray& is_stray) {
     JointResult& joint = result_.joints[j];
     double by_angles = 0, by_direction = 0, by_motion = 0;
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
@@ -178,7 +183,7 @@ class Circles {
       if (!joint.used[s] || sweep.target != joint.circle_target) continue;
       const Sample* before = nullptr;
       for (const Sample& sample : *sweep.samples) {
-        if (!sample.has_position) continue;
+        if (!sample.has_position || is_stray(sample.position_mm)) continue;
         if (before != nullptr) {
           const double swept = along(before->position_mm, sample.position_mm - before->position_mm);
           if (sample.joints > j && before->joints > j)

@@ -50,4 +50,11 @@ inline constexpr double kOutlierDistances = 6;
 /// nothing.
 [[nodiscard]] std::optional<CircleFit> fit_robust_circle(const Eigen::Matrix3Xd& points_mm);
 
+/// `fit_circle` of all points but strays: a single point far off would turn it over.
+struct UsualCircle {
+  CircleFit circle;
+  double within_mm = 0;  ///< points farther off it are strays; infinite: there is none
+};
+[[nodiscard]] std::optional<UsualCircle> fit_usual_circle(const Eigen::Matrix3Xd& points_mm);
+
 }  // namespace identify

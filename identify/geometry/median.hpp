@@ -52,4 +52,11 @@ namespace identify {
   return median_in(values);
 }
 
+/// How much more than the median distance from a circle says its points scatter where they are few:
+/// the circle comes near to those that it was chosen by. 1 + 5/(n - p) (Rousseeuw & Leroy 1987,
+/// Robust Regression and Outlier Detection, sec. 5.1), with p = 3 points that tell a circle.
+[[nodiscard]] inline double for_few(std::ptrdiff_t points) {
+  return 1 + 5 / static_cast<double>(std::max<std::ptrdiff_t>(1, points - 3));
+}
+
 }  // namespace identify

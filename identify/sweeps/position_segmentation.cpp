@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include <Eigen/Cholesky>
 
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/circle_fit.hpp"
+#include "identify/geometry/median.hpp"
 #include "identify/sweeps/sample.hpp"
 #include "identify/sweeps/segmentation.hpp"
 
@@ -228,19 +230,42 @@ namespace {
 constexpr double kSway_rad = 2 * kDegree;
 constexpr double kFewestInStroke = 4;
 
-/// Turned about the circle, unwrapped.
+/// Turned about the circle, unwrapped. A point that is beside it stands where the one before it
+/// did.
 std::vector<double> turns_about(const CircleFit& circle, const Eigen::Matrix3Xd& points) {
+  constexpr double kBeside = 10;  // root mean squares
+  constexpr double kRounding = 1e-6;
+  const double most_mm = std::max(kBeside * std::hypot(circle.plane_rms_mm, circle.radial_rms_mm),
+                                  kRounding * circle.radius_mm);
   const Eigen::Vector3d across = circle.normal.unitOrthogonal();
   const Eigen::Vector3d up = circle.normal.cross(across);
   std::vector<double> turns;
-  double last = 0;
+  std::optional<double> last;
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
     const Eigen::Vector3d from = points.col(i) - circle.center_mm;
-    const double angle = std::atan2(up.dot(from), across.dot(from));
-    last = turns.empty() ? angle : last + std::remainder(angle - last, 2 * kPi);
-    turns.push_back(last);
+    const CircleResidual off = residual(circle, points.col(i));
+    if (std::hypot(off.plane_mm, off.radial_mm) <= most_mm) {
+      const double angle = std::atan2(up.dot(from), across.dot(from));
+      last = last ? *last + std::remainder(angle - *last, 2 * kPi) : angle;
+    }
+    if (last) turns.push_back(*last);
   }
+  if (last)
+    turns.insert(turns.begin(), static_cast<std::size_t>(points.cols()) - turns.size(),
+                 turns.front());
   return turns;
+}
+
+/// Of each number, and of up to two before and behind it: a stray one is passed over.
+std::vector<double> running_medians(const std::vector<double>& numbers) {
+  constexpr std::size_t kBeside = 2;
+  std::vector<double> medians;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const std::size_t beside = std::min({kBeside, i, numbers.size() - 1 - i});
+    const auto begin = numbers.begin() + static_cast<std::ptrdiff_t>(i - beside);
+    medians.push_back(median_of({begin, begin + static_cast<std::ptrdiff_t>(2 * beside + 1)}));
+  }
+  return medians;
 }
 
 }  // namespace
@@ -252,7 +277,7 @@ std::vector<std::size_t> turning_points(const std::vector<Sample>& samples) {
   if (!circle) return {};
   const double noise = circle->radial_rms_mm / circle->radius_mm;
   const double sway = std::max(kSway_rad, 6 * noise);
-  const auto turns = turns_about(*circle, points);
+  const auto turns = running_medians(turns_about(*circle, points));
   std::vector<std::size_t> found;
   // The farthest point of the stroke under way; the stroke has ended once the motion came back from
   // it by more than a sway.

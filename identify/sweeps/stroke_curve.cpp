@@ -40,7 +40,7 @@ ArrayXd distances_of(const Eigen::Ref<const SampleRows>& errors) {
   for (Index d = 0; d < errors.rows(); ++d) {
     sizes = errors.row(d).abs();
     const double middle = median_in({sizes.data(), static_cast<std::size_t>(sizes.size())});
-    const double sigma = std::max(1e-10, middle / kMedianOfNormal);
+    const double sigma = std::max(1e-10, for_few(errors.cols()) * middle / kMedianOfNormal);
     farthest = farthest.max(errors.row(d).abs().transpose() / sigma);
   }
   return farthest;

@@ -79,7 +79,7 @@ TcpServer::TcpServer(Options options) : Server(std::move(options)) {
 void TcpServer::warm() noexcept {
   Server::warm();
   constexpr std::string_view kTelegram = "<Rob Type=\"KUKA\"><IPOC>1</IPOC></Rob>";
-  for (auto& [socket, peer, local, broken, framer] : connections_) {
+  for (auto& [socket, peer, local, broken, spoke, framer] : connections_) {
     const auto room = framer.room();
     std::memset(room.data(), 0, room.size());
     std::memcpy(room.data(), kTelegram.data(), kTelegram.size());
@@ -130,7 +130,11 @@ void TcpServer::admit() noexcept {
     add_foreign(1);
     return close(*accepted_);
   }
-  if (next_->socket.is_open()) receive_next();  // it may have spoken
+  if (next_->socket.is_open()) {  // they may have spoken
+    receive();
+    receive_next();
+  }
+  if (next_->socket.is_open() && !served_->spoke) std::swap(served_, next_);
   Connection*& place = served_->socket.is_open() ? next_ : served_;
   close(*place);
   std::swap(place, accepted_);
@@ -203,6 +207,7 @@ void TcpServer::serve_received(std::string_view first) noexcept {
       if (telegram.empty()) break;
       datagrams_[count] = {time, served_->peer, served_->local, telegram, false};
       spoke_ = looking_;
+      served_->spoke = true;
     }
     if (count > 0) serve({datagrams_.data(), count});
   } while (count == datagrams_.size());
@@ -213,7 +218,7 @@ void TcpServer::close(Connection& connection) noexcept {
   error_code ignored;
   connection.socket.close(ignored);
   connection.framer.reset();
-  connection.broken = false;
+  connection.broken = connection.spoke = false;
   count_skipped();
 }
 

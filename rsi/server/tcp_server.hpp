@@ -19,8 +19,9 @@ namespace rsi {
 ///
 /// One connection is served. A new one waits, and takes its place with its first telegram: a
 /// controller that was switched off leaves the old one behind, and one that says nothing must not
-/// end a stream. One waits at most, and no longer than ten seconds beside one that speaks. Those of
-/// strangers are closed and counted as foreign. A connection on which a reply does not leave whole
+/// end a stream. One waits at most, and no longer than ten seconds beside one that speaks. Where
+/// neither has said anything, a third takes the place of the older one. Those of strangers are
+/// closed and counted as foreign. A connection on which a reply does not leave whole
 /// and at once is closed, since what follows could not be told apart.
 ///
 /// A telegram is handed over as a datagram from the controller's end of the connection to local(),
@@ -44,6 +45,7 @@ class TcpServer : public Server {
     Endpoint peer{};
     Endpoint local{};
     bool broken = false;  // a reply did not leave: what has come is taken, then it is closed
+    bool spoke = false;
     TcpFramer framer{};
   };
 

@@ -110,27 +110,29 @@ void TextReceiver::accept() {
     peer_ = {};
     if (const auto peer = connection_.remote_endpoint(ignored); !ignored) peer_ = from_asio(peer);
     lines_.clear();
+    ++connections_;
     read();
     accept();
   });
 }
 
 void TextReceiver::read() {
-  connection_.async_read_some(boost::asio::buffer(bytes_),
-                              [this](const error_code& error, std::size_t count) {
-                                if (error == boost::asio::error::operation_aborted) return;
-                                if (error) {
-                                  error_code ignored;
-                                  connection_.close(ignored);
-                                  return;
-                                }
-                                take_bytes(count);
-                                // One that floods is made to wait.
-                                if (count > kMostPayload)
-                                  pause();
-                                else
-                                  read();
-                              });
+  connection_.async_read_some(
+      boost::asio::buffer(bytes_),
+      [this, of = connections_](const error_code& error, std::size_t count) {
+        if (of != connections_) return;
+        if (error) {
+          error_code ignored;
+          connection_.close(ignored);
+          return;
+        }
+        take_bytes(count);
+        // One that floods is made to wait.
+        if (count > kMostPayload)
+          pause();
+        else
+          read();
+      });
 }
 
 void TextReceiver::take_bytes(std::size_t count) {
@@ -153,8 +155,8 @@ void TextReceiver::take_bytes(std::size_t count) {
 
 void TextReceiver::pause() {
   pause_.expires_after(kBetweenLooks);
-  pause_.async_wait([this](const error_code& error) {
-    if (error) return;
+  pause_.async_wait([this, of = connections_](const error_code& error) {
+    if (error || of != connections_) return;
     if (socket_.is_open())
       wait_for_datagrams();
     else if (connection_.is_open())

@@ -61,7 +61,8 @@ class TextReceiver {
   Endpoint peer_;
   DatagramQueue queue_{kQueueBytes};
   std::array<char, 65536> bytes_{};
-  std::string lines_;  // over TCP: what came of them
+  std::string lines_;              // over TCP: what came of them
+  std::uint64_t connections_ = 0;  // what was begun for an earlier one does not go on
   std::uint32_t system_dropped_ = 0;
   std::atomic<std::uint64_t> dropped_{0};
 };

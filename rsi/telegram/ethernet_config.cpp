@@ -71,6 +71,8 @@ class Reader {
   void read();
 
  private:
+  void check_list(const pugi::xml_node& section);
+  void check_child(const pugi::xml_node& node, std::string_view name, bool received);
   void read_config(const pugi::xml_node& section);
   std::vector<Element> read_list(const pugi::xml_node& section);
   Element read_element(const pugi::xml_node& node);
@@ -116,6 +118,15 @@ void Reader::read() {
   for (const char* section : {"CONFIG", "SEND"})
     if (!root.child(section)) fail(root, section, "a section of this name in <ROOT>", "");
 
+  for (const auto& section : root.children()) {
+    if (section.type() != pugi::node_element) continue;
+    const std::string_view name = section.name();
+    if (name != "CONFIG" && name != "SEND" && name != "RECEIVE")
+      fail(section, "<ROOT>", "the sections CONFIG, SEND and RECEIVE alone", name);
+    if (section.previous_sibling(section.name()))
+      fail(section, "<ROOT>", "each section once", name);
+    if (name != "CONFIG") check_list(section);
+  }
   read_config(root.child("CONFIG"));
   config_.send = read_list(root.child("SEND"));
   check_sent(root.child("SEND"));
@@ -123,6 +134,23 @@ void Reader::read() {
     config_.receive = read_list(receive);
   else if (!config_.only_send)
     warn(root, "RECEIVE: this section is missing: replies will carry nothing but the IPOC");
+}
+
+void Reader::check_list(const pugi::xml_node& section) {
+  const bool received = std::string_view(section.name()) == "RECEIVE";
+  for (const auto& elements : section.children()) {
+    check_child(elements, "ELEMENTS", received);
+    for (const auto& element : elements.children()) check_child(element, "ELEMENT", received);
+  }
+}
+
+/// What is received and not understood may be a tag that moves the robot.
+void Reader::check_child(const pugi::xml_node& node, std::string_view name, bool received) {
+  if (node.type() != pugi::node_element || node.name() == name) return;
+  if (received)
+    fail(node, "<" + std::string(node.parent().name()) + ">", std::string(name) + " alone",
+         node.name());
+  warn(node, std::string(node.name()) + ": expected " + std::string(name) + ": not used");
 }
 
 std::optional<std::string> Reader::value(const pugi::xml_node& config, const char* key) {
@@ -192,12 +220,7 @@ std::vector<Element> Reader::read_list(const pugi::xml_node& section) {
   std::unordered_map<std::string, int> line_of_tag;
   std::unordered_map<int, std::string> tag_of_channel;
   for (const auto& elements : section.children("ELEMENTS"))
-    for (const auto& node : elements.children()) {
-      if (node.type() != pugi::node_element) continue;
-      if (std::string_view(node.name()) != "ELEMENT") {
-        warn(node, std::string(node.name()) + ": expected ELEMENT: not used");
-        continue;
-      }
+    for (const auto& node : elements.children("ELEMENT")) {
       auto element = read_element(node);
       if (received) check_received(node, element);
       const auto [same, is_first] = line_of_tag.try_emplace(element.tag, element.line);

@@ -39,6 +39,11 @@ std::size_t match_any(std::string_view before, LengthPrefix form, std::uint32_t 
   return 0;
 }
 
+/// Whether these may be just the bytes that controllers put between telegrams.
+bool says_nothing(std::string_view bytes) noexcept {
+  return std::all_of(bytes.begin(), bytes.end(), [](char c) { return is_blank(c) || c == '\0'; });
+}
+
 }  // namespace
 
 std::string_view text(LengthPrefix form) noexcept {
@@ -86,8 +91,10 @@ FoundLength find_length(std::string_view before, std::uint32_t length,
                         LengthPrefix likely) noexcept {
   if (before.empty()) return {};
   if (const auto size = match_any(before, likely, length); size > 0) return {likely, size};
-  for (const auto form : kForms)
-    if (const auto size = match_any(before, form, length); size > 0) return {form, size};
+  for (const auto form : kForms) {
+    const auto size = match_any(before, form, length);
+    if (size > 0 && !says_nothing(before.substr(before.size() - size))) return {form, size};
+  }
   return {};
 }
 

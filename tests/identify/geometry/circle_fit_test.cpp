@@ -180,6 +180,26 @@ TEST_CASE("Without outliers the robust circle is the plain one, with the motion'
   CHECK(robust->normal.dot(arc.normal) > 0.999);
 }
 
+TEST_CASE("The usual circle is the plain one of all points but those far off", "[circle_fit]") {
+  Random random(14);
+  for (const Index count : {9, 60, 600}) {
+    Arc arc = random_arc(count, 0.02, random);
+    const auto plain = fit_circle(arc.points);
+    const auto same = fit_usual_circle(arc.points);
+    REQUIRE(same.has_value());
+    CHECK(same->circle.points == plain->points);
+    CHECK(same->circle.radius_mm == plain->radius_mm);
+    CHECK(std::isinf(same->within_mm));
+    arc.points.col(count / 3) += Vector3d(150, -60, 80);
+    const auto usual = fit_usual_circle(arc.points);
+    REQUIRE(usual.has_value());
+    CHECK(static_cast<Index>(usual->circle.points) == count - 1);
+    CHECK(std::abs(usual->circle.radius_mm - plain->radius_mm) < 3);
+    CHECK(usual->circle.normal.dot(arc.normal) > 0.999);
+  }
+  CHECK_FALSE(fit_usual_circle(Matrix3Xd::Zero(3, 50)));
+}
+
 TEST_CASE("Points that make no circle have no robust one either", "[circle_fit]") {
   CHECK_FALSE(fit_robust_circle(Matrix3Xd(3, 0)));
   CHECK_FALSE(fit_robust_circle(Matrix3Xd::Zero(3, 50)));

@@ -235,6 +235,18 @@ TEST_CASE("Each turn of the motion is found, where it is and no other", "[positi
   CHECK(turning_points(along({-90, 90, -90}, 0.02)).size() == 1);
 }
 
+TEST_CASE("A point far off is no turn", "[position_segmentation]") {
+  auto samples = along({-50, 40, -50}, 0.02);
+  const auto turns = turning_points(samples);
+  REQUIRE(turns.size() == 1);
+  for (const auto& off : {Eigen::Vector3d(130, 0, 0), {0, -130, 40}, {900, 0, -2000}})
+    for (const std::size_t at : {std::size_t{30}, std::size_t{61}, samples.size() - 4}) {
+      auto strayed = samples;
+      strayed[at].position_mm += off;
+      CHECK(turning_points(strayed) == turns);
+    }
+}
+
 TEST_CASE("Points in no order, and on no circle, have no turns", "[position_segmentation]") {
   auto samples = along({0, 90}, 0.02);
   std::shuffle(samples.begin(), samples.end(), std::mt19937(5));

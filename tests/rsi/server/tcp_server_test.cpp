@@ -177,6 +177,17 @@ TEST_CASE("without a configured controller one that says nothing does not keep o
   CHECK(running.server.counts().foreign == 1);
 }
 
+TEST_CASE("where nobody has spoken, who comes third takes the place of who came first",
+          "[tcp_server]") {
+  TcpRunning running(on_loopback());
+  TcpController silent(running.server, 0x7f000002);
+  TcpController controller(running.server);
+  { TcpController probe(running.server, 0x7f000003); }
+  CHECK(silent.closed_by_server());
+  for (std::uint64_t ipoc : {4U, 8U, 12U}) CHECK(controller.answered(ipoc));
+  running.stop();
+}
+
 TEST_CASE("a new connection of the controller takes the place of the one left behind",
           "[tcp_server]") {
   TcpRunning running(on_loopback());

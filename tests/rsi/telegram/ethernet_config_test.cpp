@@ -186,6 +186,28 @@ TEST_CASE("what is no Ethernet file is refused with the place where that shows",
   CHECK_THAT(error_of(std::string(3, '\xff')), ContainsSubstring("eth.xml:1:"));
 }
 
+TEST_CASE("a list of received tags that is not understood is refused, and never passed over",
+          "[ethernet_config]") {
+  const std::string tag = R"(<ELEMENT TAG="RKorr.X" TYPE="DOUBLE" INDX="1"/>)";
+  const auto with = [&](const std::string& received) {
+    return error_of("<ROOT><CONFIG>" + kSettings + "</CONFIG><SEND><ELEMENTS>" + kSent +
+                    "</ELEMENTS></SEND>\n" + received + "</ROOT>");
+  };
+  CHECK(with("<RECEIVE><ELEMENTS>" + tag + "</ELEMENTS></RECEIVE>") == "no error");
+  CHECK_THAT(
+      with("<RECEIVE><ELEMENTS/></RECEIVE>\n<RECEIVE><ELEMENTS>" + tag + "</ELEMENTS></RECEIVE>"),
+      ContainsSubstring("eth.xml:3:1: <ROOT>: expected each section once, found \"RECEIVE\""));
+  CHECK_THAT(with("<RECEIVE>" + tag + "</RECEIVE>"),
+             ContainsSubstring("<RECEIVE>: expected ELEMENTS alone, found \"ELEMENT\""));
+  CHECK_THAT(with("<RECEIVE><Elements>" + tag + "</Elements></RECEIVE>"),
+             ContainsSubstring("<RECEIVE>: expected ELEMENTS alone, found \"Elements\""));
+  CHECK_THAT(with("<RECEIVE><ELEMENTS><element/></ELEMENTS></RECEIVE>"),
+             ContainsSubstring("<ELEMENTS>: expected ELEMENT alone, found \"element\""));
+  CHECK_THAT(with("<Receive><ELEMENTS>" + tag + "</ELEMENTS></Receive>"),
+             ContainsSubstring("expected the sections CONFIG, SEND and RECEIVE alone, found "
+                               "\"Receive\""));
+}
+
 TEST_CASE("what is said about a file is one line, whatever the file holds", "[ethernet_config]") {
   CHECK_THAT(error_of_tag(R"(TAG="a&#10;&#27;b" TYPE="LONG" INDX="1")"),
              ContainsSubstring("found \"a??b\""));

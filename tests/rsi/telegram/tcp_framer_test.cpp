@@ -261,3 +261,20 @@ TEST_CASE("however a stream of anything is cut, the result is the same", "[tcp_f
     REQUIRE(bytes <= stream.size());
   }
 }
+
+TEST_CASE("blanks between telegrams are no length, whatever the telegram's size", "[tcp_framer]") {
+  const std::string empty = "<Rob><A></A><IPOC>1</IPOC></Rob>";
+  for (const auto& [size, between] : {std::pair(2572, "\r\n"s),
+                                      {2573, "\r\n"s},
+                                      {3336, "\r\n"s},
+                                      {2570, "\n\n"s},
+                                      {2558, "\n\0"s},
+                                      {2560, "\n\0"s}}) {
+    std::string telegram = empty;
+    telegram.insert(8, std::string(static_cast<std::size_t>(size) - empty.size(), 'x'));
+    const auto found = framed(telegram + between + telegram + between + telegram);
+    CHECK(found.telegrams.size() == 3);
+    for (const auto prefix : found.prefixes) CHECK(prefix == LengthPrefix::none);
+    CHECK(found.skipped == 0);
+  }
+}
