@@ -1,15 +1,68 @@
 #include "daemon/commands/command_options.hpp"
 
+#include <charconv>
+#include <cmath>
+
 #include <CLI/CLI.hpp>
 
+#include "rsi/ascii.hpp"
+
 namespace sweepd {
+namespace {
+
+/// Nothing where `text` as a whole is no such number.
+template <typename Number>
+std::optional<Number> number_in(const std::string& text) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// Help has `expected` in brackets, see help_text.cpp.
+template <typename Number, typename Holds>
+CLI::Validator expecting(const std::string& expected, const Holds& holds) {
+  return {[=](std::string& text) {
+            const auto value = number_in<Number>(text);
+            return value && holds(*value)
+                       ? std::string()
+                       : "expected " + expected + ", found " + rsi::printable(text);
+          },
+          "(" + expected + ")"};
+}
+
+}  // namespace
+
+CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
+  const bool open = most == std::numeric_limits<std::uint64_t>::max();
+  return expecting<std::uint64_t>(
+      std::to_string(least) + (open ? " or more" : " to " + std::to_string(most)),
+      [=](std::uint64_t value) { return least <= value && value <= most; });
+}
+
+CLI::Validator zero_or_more() {
+  return expecting<double>("0 or more",
+                           [](double value) { return value >= 0 && std::isfinite(value); });
+}
+
+CLI::Validator more_than_zero() {
+  return expecting<double>("more than 0",
+                           [](double value) { return value > 0 && std::isfinite(value); });
+}
+
+void refuse_value(const std::string& option, const std::string& expected,
+                  const std::string& found) {
+  throw CLI::ValidationError(option, expected + ", found " + rsi::printable(found));
+}
 
 void add_filter(CLI::App& command, rsi::ConversationFilter& filter) {
   command.add_option("--port", filter.port, "Take the conversation whose RSI server has this port")
+      ->check(whole_number(1, 65535))
       ->type_name("PORT")
       ->default_str("that of the busiest conversation");
   command
-      .add_option("--controller", parsed(filter.controller, rsi::parse_address),
+      .add_option("--controller",
+                  parsed(filter.controller, rsi::parse_address, "--controller", kAnAddress),
                   "Take the conversation of the controller with this IPv4 address")
       ->type_name("ADDRESS")
       ->default_str("that of the busiest conversation");

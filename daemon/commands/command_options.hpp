@@ -1,8 +1,10 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,7 +13,8 @@
 
 namespace CLI {  // NOLINT(readability-identifier-naming): theirs
 class App;
-}
+class Validator;
+}  // namespace CLI
 
 namespace sweepd {
 
@@ -29,13 +32,30 @@ void add_columns(CLI::App& command, std::string& columns);
 void add_output(CLI::App& command, std::optional<std::filesystem::path>& output);
 void add_force(CLI::App& command, bool& force);
 void add_quiet(CLI::App& command, bool& quiet);
+/// A whole number from `least` to `most`.
+[[nodiscard]] CLI::Validator whole_number(
+    std::uint64_t least, std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
+[[nodiscard]] CLI::Validator zero_or_more();
+[[nodiscard]] CLI::Validator more_than_zero();
+
+inline constexpr const char* kAnAddress = "expected an IPv4 address, as 192.168.1.20";
+inline constexpr const char* kAnEndpoint =
+    "expected an IPv4 address and a port (1 to 65535), as 192.168.1.10:49152";
+
+/// Throws CLI::ValidationError: what was expected of the option, and what it is.
+[[noreturn]] void refuse_value(const std::string& option, const std::string& expected,
+                               const std::string& found);
+
 /// The value of an option that is an endpoint or an address.
 template <typename Value, typename Parse>
 std::function<bool(const std::vector<std::string>&)> parsed(std::optional<Value>& into,
-                                                            const Parse& parse) {
-  return [&into, parse](const std::vector<std::string>& texts) {
+                                                            const Parse& parse,
+                                                            const std::string& option,
+                                                            const std::string& expected) {
+  return [&into, parse, option, expected](const std::vector<std::string>& texts) {
     into = parse(texts.front());
-    return into.has_value();
+    if (!into) refuse_value(option, expected, texts.front());
+    return true;
   };
 }
 

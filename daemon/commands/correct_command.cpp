@@ -1,7 +1,6 @@
 #include "daemon/commands/correct_command.hpp"
 
 #include <fstream>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -12,6 +11,7 @@
 #include "daemon/commands/help_text.hpp"
 #include "daemon/commands/outputs.hpp"
 #include "daemon/krl/krl_frame.hpp"
+#include "daemon/system/whole_file.hpp"
 #include "rsi/counted.hpp"
 
 namespace sweepd {
@@ -26,12 +26,7 @@ std::string krl_bytes(const fs::path& file) {
   std::error_code error;
   if (const auto size = fs::file_size(file, error); !error && size > kMostBytes)
     throw std::runtime_error(file.string() + " is too large for a KRL file: is it another one?");
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream bytes;
-  bytes << in.rdbuf();
-  if (!in.is_open() || in.bad())
-    throw std::runtime_error(file.string() + " cannot be read: give a .dat file");
-  return std::move(bytes).str();
+  return whole_file(file);
 }
 
 /// KrlError's findings, each behind the file's name.
@@ -67,7 +62,8 @@ void check_together(const CorrectOptions& options) {
         "--write where the corrected one goes");
   if (!targets && (options.program || options.write || options.config || !options.leave.empty()))
     throw std::invalid_argument(
-        "--program, --write, --config and --leave are of --level targets: add that");
+        "--program, --write, --config and --leave need --level targets: choose it, or leave them "
+        "out");
 }
 
 void check_axes(const Correctable& of) {

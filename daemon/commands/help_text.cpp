@@ -20,7 +20,7 @@ std::vector<std::string> split(const std::string& text, char at) {
 }
 
 /// CLI11 tells in one text what is taken, and what of that: "FILE", "UINT:UINT in [1 - 12]",
-/// "FLOAT:NONNEGATIVE", "device|robot:{device,robot}".
+/// "FLOAT:(0 or more)", "device|robot:{device,robot}".
 void describe_value(const std::string& type, CommandOption& option) {
   option.value = type;
   if (const auto set = type.find(":{"); set != type.npos) {
@@ -31,9 +31,9 @@ void describe_value(const std::string& type, CommandOption& option) {
     const auto limits = type.substr(range + 5, type.size() - range - 6);
     const auto dash = limits.find(" - ");
     option.range = limits.substr(0, dash) + " to " + limits.substr(dash + 3);
-  } else if (const auto least = type.find(":NONNEGATIVE"); least != type.npos) {
-    option.value = type.substr(0, least);
-    option.range = "0 or more";
+  } else if (const auto words = type.find(":("); words != type.npos) {
+    option.value = type.substr(0, words);
+    option.range = type.substr(words + 2, type.size() - words - 3);
   }
   if (option.value == "UINT" || option.value == "INT") option.value = "N";
   if (option.value == "FLOAT") option.value = "NUMBER";

@@ -108,7 +108,7 @@ CLI::App* add_history(CLI::App& app, HistoryCommandOptions& options) {
       ->add_option("--of", options.kind,
                    "Take results of the arm, or of the controller's model. The two are never mixed")
       ->check(CLI::IsMember({"arm", "model"}))
-      ->type_name("KIND")
+      ->type_name("arm|model")
       ->default_str("arm where there is any");
   command
       ->add_option("--level", options.level,

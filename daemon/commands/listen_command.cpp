@@ -124,7 +124,10 @@ CLI::App* add_listen(CLI::App& app, ListenOptions& options) {
       "Show what a measuring device sends over UDP or TCP, and what its columns make of it\n"
       "It ends with Ctrl-C, and tells then how many lines came, and how fast.");
   command
-      ->add_option("PORT", parsed(options.port, parse_text_port),
+      ->add_option("PORT",
+                   parsed(options.port, parse_text_port, "PORT",
+                          "expected udp:// or tcp://, an IPv4 address and a port (1 to "
+                          "65535), as udp://0.0.0.0:5005"),
                    "Listen here: udp://ADDRESS:PORT or tcp://ADDRESS:PORT")
       ->type_name("");
   command->add_option("--config", options.config, "Take port and columns from these settings")
@@ -135,9 +138,11 @@ CLI::App* add_listen(CLI::App& app, ListenOptions& options) {
       ->type_name("NAMES");
   command->add_flag("--print", options.print, "Print each line, and what the columns make of it");
   command->add_option("--lines", options.lines, "End after so many lines")
+      ->check(whole_number(1))
       ->type_name("N")
       ->default_str("no end");
   command->add_option("--seconds", options.seconds, "End after this time")
+      ->check(more_than_zero())
       ->type_name("S")
       ->default_str("no end");
   command->footer(
@@ -150,7 +155,7 @@ CLI::App* add_listen(CLI::App& app, ListenOptions& options) {
   return command;
 }
 
-int listen(const ListenOptions& options, std::ostream& out) {
+int listen(const ListenOptions& options, std::ostream& out, std::ostream& errors) {
   const DeviceSettings device = device_of(options);
   Shown shown(device.columns.text, options.print, out);
   ProcessEvents events({SIGINT, SIGTERM});
@@ -158,7 +163,8 @@ int listen(const ListenOptions& options, std::ostream& out) {
                              device.listen.endpoint);
   out << "listening on " << text(device.listen) << std::endl;
   std::thread thread([&] { receiver.run(); });
-  const auto ends = Steady::now() + std::chrono::duration<double>(options.seconds);
+  const auto began = Steady::now();
+  const auto ends = began + std::chrono::duration<double>(options.seconds);
   const auto is_over = [&] {
     return (options.lines > 0 && shown.lines() >= options.lines) ||
            (options.seconds > 0 && Steady::now() >= ends);
@@ -172,7 +178,17 @@ int listen(const ListenOptions& options, std::ostream& out) {
   receiver.stop();
   thread.join();
   shown.summary(receiver.dropped());
-  return shown.lines() > 0 && (device.columns.text.empty() || shown.points() > 0) ? 0 : 1;
+  if (shown.lines() == 0)
+    errors << fmt::format(
+        "sweepd: nothing came to {} in {:.1f} s: see the device's target address and port, and the "
+        "firewall\n",
+        text(device.listen), std::chrono::duration<double>(Steady::now() - began).count());
+  else if (!device.columns.text.empty() && shown.points() == 0)
+    errors << "sweepd: no line is a point by the columns " + device.columns.text +
+                  ": see the lines with --print, and correct the columns\n";
+  else
+    return 0;
+  return kFailed;
 }
 
 }  // namespace sweepd

@@ -27,8 +27,9 @@ struct ListenOptions {
 CLI::App* add_listen(CLI::App& app, ListenOptions& options);
 
 /// Shows what a device sends until it is told to end: SIGINT, SIGTERM, --lines or --seconds.
-/// Returns 1 where nothing came that the columns fit. Throws std::invalid_argument, ConfigError,
-/// and std::runtime_error where it cannot listen.
-[[nodiscard]] int listen(const ListenOptions& options, std::ostream& out = std::cout);
+/// Returns 1 where nothing came that the columns fit, and `errors` says so. Throws
+/// std::invalid_argument, ConfigError, and std::runtime_error where it cannot listen.
+[[nodiscard]] int listen(const ListenOptions& options, std::ostream& out = std::cout,
+                         std::ostream& errors = std::cerr);
 
 }  // namespace sweepd

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "daemon/system/atomic_file.hpp"
 #include "daemon/system/line_file.hpp"
 
 namespace sweepd {
@@ -45,9 +46,7 @@ std::string command_of(const fs::path& folder) {
 }
 
 [[noreturn]] void fail(const fs::path& path) {
-  throw std::runtime_error("cannot write " + path.string() + " (" +
-                           std::generic_category().message(errno) +
-                           "): check the folder's permissions and the free space");
+  throw std::runtime_error(cannot_write(path, errno));
 }
 
 }  // namespace

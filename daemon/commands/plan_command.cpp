@@ -28,11 +28,26 @@ void check(const PlanOptions& options) {
         "program");
   if (options.write_plan && !options.propose)
     throw std::invalid_argument("--write-plan: expected --propose, as it writes the proposal");
+  if (!options.krl && !options.name.empty())
+    throw std::invalid_argument(
+        "--name: expected --krl, as it names the KRL program: add it, or leave --name out");
 }
 
 Measurement measurement_of(const PlanOptions& options) {
   return {std::chrono::milliseconds(options.cycle_ms), options.precision, options.wobble_deg,
           options.position_sigma_mm};
+}
+
+/// Throws with all of the options that KRL cannot express.
+void check_krl_options(const PlanOptions& options) {
+  if (!options.krl && !options.rsi_file.empty())
+    throw std::invalid_argument(
+        "--rsi-file: expected --krl, whose program loads it: add it, or leave --rsi-file out");
+  if (!options.krl) return;
+  std::string text;
+  for (const std::string& finding : krl_findings(options.krl_options({})))
+    text += (text.empty() ? "" : "\n") + finding;
+  if (!text.empty()) throw std::invalid_argument(text);
 }
 
 /// Throws with all that KRL cannot express.
@@ -72,6 +87,7 @@ KrlOptions PlanOptions::krl_options(const RobotDescription& of) const {
 }
 
 int plan(const PlanOptions& options, std::ostream& out, std::ostream& errors) {
+  check_krl_options(options);
   if (options.poses.count > 0) return plan_static_poses(options, out);
   check(options);
   RobotDescription robot = load_robot(options.robot);
@@ -134,11 +150,12 @@ CLI::App* add_plan(CLI::App& app, PlanOptions& options) {
   add_robot(*command, options.robot);
   auto* what = command->add_option_group("What");
   what->add_option("--plan", options.plan, "Read the sweep plan from this file")->type_name("FILE");
-  what->add_option("--poses", options.poses.count,
-                   "Choose so many static poses in place of sweeps, which a device will measure: "
-                   "those that together tell most")
-      ->check(CLI::Range(1, 1000))
-      ->type_name("N");
+  auto* poses =
+      what->add_option("--poses", options.poses.count,
+                       "Choose so many static poses in place of sweeps, which a device will "
+                       "measure: those that together tell most")
+          ->check(CLI::Range(1, 1000))
+          ->type_name("N");
   what->require_option(1);
   command
       ->add_option("--cycle-ms", options.cycle_ms,
@@ -199,6 +216,7 @@ CLI::App* add_plan(CLI::App& app, PlanOptions& options) {
       ->add_option("--krl-tool", options.krl_tool,
                    "Use the controller's tool of this number in the KRL program, whose point is "
                    "the target")
+      ->check(whole_number(1, kMostKrlTools))
       ->capture_default_str();
   command
       ->add_option("--rsi-file", options.rsi_file,
@@ -206,7 +224,7 @@ CLI::App* add_plan(CLI::App& app, PlanOptions& options) {
                    "iiqka)")
       ->type_name("NAME")
       ->default_str("sweepd_udp.xml, sweepd.rsi or sweepd; a program of poses has no RSI then");
-  add_pose_options(*command, options.poses);
+  add_pose_options(*command, options.poses, *poses);
   add_force(*command, options.force);
   command->footer(exit_status(
       {kOk,

@@ -9,6 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "daemon/commands/command_options.hpp"
 #include "daemon/commands/outputs.hpp"
 #include "daemon/plan/pose_plan_text.hpp"
 #include "daemon/plan/pose_program.hpp"
@@ -37,7 +38,8 @@ KrlProgram checked_program(const PosePlan& plan, const KrlOptions& krl) {
 
 }  // namespace
 
-void add_pose_options(CLI::App& command, PoseTask& poses) {
+void add_pose_options(CLI::App& command, PoseTask& poses, CLI::Option& count) {
+  const std::size_t before = command.get_options().size();
   PoseLimits& limits = poses.limits;
   command
       .add_option_function<std::array<double, 3>>(
@@ -69,7 +71,7 @@ void add_pose_options(CLI::App& command, PoseTask& poses) {
   command
       .add_option("--arm-radius-mm", limits.arm_radius_mm,
                   "Keep the line of sight this far off the arm. With 0 it may cross it")
-      ->check(CLI::NonNegativeNumber)
+      ->check(zero_or_more())
       ->capture_default_str();
   command
       .add_option_function<std::vector<double>>(
@@ -93,13 +95,15 @@ void add_pose_options(CLI::App& command, PoseTask& poses) {
   command
       .add_option("--column-mm", limits.column_mm,
                   "Keep all behind the third axis this far off axis 1, up to the height of axis 2")
-      ->check(CLI::PositiveNumber)
+      ->check(more_than_zero())
       ->type_name("R");
   for (const auto& [name, value, help] :
        {std::tuple{"--speed-deg-s", &poses.speed_deg_s,
                    "Drive from pose to pose at this speed of every axis"},
         std::tuple{"--dwell-s", &poses.dwell_s, "Rest so many seconds at each pose"}})
     command.add_option(name, *value, help)->check(CLI::Range(0.1, 1000.0))->capture_default_str();
+  const auto all = command.get_options();
+  for (std::size_t k = before; k < all.size(); ++k) all[k]->needs(&count);
 }
 
 int plan_static_poses(const PlanOptions& options, std::ostream& out) {

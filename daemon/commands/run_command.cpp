@@ -257,7 +257,7 @@ CLI::App* add_run(CLI::App& app, RunOptions& options) {
       ->type_name("DIR")
       ->default_str("the `output` of each robot's settings");
   command
-      ->add_option("--listen", parsed(options.listen, rsi::parse_endpoint),
+      ->add_option("--listen", parsed(options.listen, rsi::parse_endpoint, "--listen", kAnEndpoint),
                    "Receive telegrams on this IPv4 address and port, where the settings have one "
                    "robot")
       ->type_name("ADDRESS:PORT")

@@ -235,7 +235,7 @@ CLI::App* add_simulate(CLI::App& app, SimulateOptions& options) {
   add_robot_and_plan(*command, options.robot, options.plan);
   auto* target = command->add_option_group("Target");
   target
-      ->add_option("--to", parsed(options.to, rsi::parse_endpoint),
+      ->add_option("--to", parsed(options.to, rsi::parse_endpoint, "--to", kAnEndpoint),
                    "Send the telegrams to the RSI server at this IPv4 address and port in real "
                    "time, over TCP where the Ethernet file says so and else over UDP")
       ->type_name("ADDRESS:PORT");
@@ -252,11 +252,12 @@ CLI::App* add_simulate(CLI::App& app, SimulateOptions& options) {
   command
       ->add_option("--seed", options.seed,
                    "Start the random numbers of wobble and faults from this number")
+      ->check(whole_number(0))
       ->capture_default_str();
   command
       ->add_option("--wobble-deg", options.wobble_deg,
                    "Let every joint wobble with this standard deviation, in degrees")
-      ->check(CLI::NonNegativeNumber)
+      ->check(zero_or_more())
       ->capture_default_str();
   command
       ->add_option("--precision", options.precision,
@@ -271,6 +272,7 @@ CLI::App* add_simulate(CLI::App& app, SimulateOptions& options) {
   command
       ->add_option("--timeout-cycles", options.timeout_cycles,
                    "Stop after this many unanswered cycles in a row, as a controller does")
+      ->check(whole_number(1))
       ->capture_default_str();
   command
       ->add_option_function<std::string>(
@@ -284,6 +286,7 @@ CLI::App* add_simulate(CLI::App& app, SimulateOptions& options) {
       ->check(CLI::IsMember({"controller", "sweepd"}))
       ->default_str("controller");
   command->add_option("--first-ipoc", options.first_ipoc, "Give the first telegram this IPOC")
+      ->check(whole_number(0))
       ->capture_default_str();
   for (const auto& [name, value, help] :
        {std::tuple{"--lose-percent", &options.lose_percent,

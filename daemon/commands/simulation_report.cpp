@@ -140,7 +140,7 @@ std::string text(const SimulationReport& report) {
   std::string text = fmt::format("Simulated {} {}, {} of {}: {}.\n", report.live ? "to" : "into",
                                  report.target, duration_text(cycles(report) * report.cycle),
                                  duration_text(report.planned * report.cycle), ending(report));
-  text += report_row("telegrams", telegrams, fmt::format("one each {} ms", report.cycle.count()));
+  text += report_row("telegrams", telegrams, fmt::format("one every {} ms", report.cycle.count()));
   text += report_row("  lost on purpose", link.wire.lost);
   text += report_row("  duplicated on purpose", link.wire.duplicated);
   text += report_row("  swapped on purpose", link.wire.swapped, "pairs");

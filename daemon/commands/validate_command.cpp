@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <iterator>
 #include <stdexcept>
 #include <utility>
@@ -20,6 +19,7 @@
 #include "daemon/report/displacement_figure.hpp"
 #include "daemon/results/displacement_csv.hpp"
 #include "daemon/results/validation.hpp"
+#include "daemon/system/whole_file.hpp"
 #include "daemon/text/text_layout.hpp"
 #include "rsi/counted.hpp"
 
@@ -43,13 +43,10 @@ struct Result {
 
 Result result_in(const std::filesystem::path& folder) {
   const auto file = folder / "result.json";
-  std::ifstream in(file, std::ios::binary);
-  if (!in)
-    throw std::runtime_error(file.string() +
-                             ": cannot be read: give a folder that identify has written");
+  const std::string text = whole_file(file);
   nlohmann::ordered_json json;
   try {
-    json = nlohmann::ordered_json::parse(in);
+    json = nlohmann::ordered_json::parse(text);
     if (json.contains("poses")) return {pose_predictor(json.at("poses")), limits_in(json)};
   } catch (const std::exception& error) {
     throw std::runtime_error(file.string() + ": is not as sweepd writes it (" + error.what() +

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
-#include <sstream>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/system/whole_file.hpp"
 #include "rsi/ascii.hpp"
 
 namespace sweepd {
@@ -72,13 +71,11 @@ std::string decoded(const std::filesystem::path& path, std::string bytes) {
 }  // namespace
 
 std::string bytes_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream content;
-  // A folder can be opened, but not read.
-  if (file && !std::filesystem::is_directory(path)) content << file.rdbuf();
-  if (!file || std::filesystem::is_directory(path))
-    throw CsvError(path.string() + ": cannot be read: give a text file of columns");
-  return std::move(content).str();
+  try {
+    return whole_file(path);
+  } catch (const std::runtime_error& error) {
+    throw CsvError(error.what());
+  }
 }
 
 DeviceText::DeviceText(std::filesystem::path path, std::string bytes)

@@ -11,12 +11,18 @@ namespace {
 
 constexpr double kTick = 4;
 
+bool holds_two_ticks(const Range& range, double step) {
+  return std::floor(range.high / step + 1e-9) > std::ceil(range.low / step - 1e-9);
+}
+
+/// A smaller one than for `about` ticks where an axis would have one alone.
 double step_of(const Range& range, std::size_t about) {
   const double rough = range.size() / static_cast<double>(std::max<std::size_t>(about, 1));
   const double power = std::pow(10, std::floor(std::log10(rough)));
-  for (const double factor : {1.0, 2.0, 5.0})
-    if (factor * power >= 0.999 * rough) return factor * power;
-  return 10 * power;
+  double step = 10 * power;
+  for (const double factor : {5.0, 2.0, 1.0, 0.5})
+    if (factor * power >= 0.999 * rough || !holds_two_ticks(range, step)) step = factor * power;
+  return step;
 }
 
 /// What a tick at the logarithm `value` says.

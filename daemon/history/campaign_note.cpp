@@ -10,6 +10,7 @@
 
 #include "daemon/report/csv_cells.hpp"
 #include "daemon/report/json_part.hpp"
+#include "daemon/system/atomic_file.hpp"
 #include "daemon/text/utc.hpp"
 
 namespace sweepd {
@@ -51,11 +52,7 @@ std::string note_line(const CampaignNote& note) {
 
 void append_note(const std::filesystem::path& folder, const CampaignNote& note) {
   const auto path = folder / kNotesFile;
-  const auto fail = [&](int reason) {
-    throw std::runtime_error("cannot write " + path.string() + " (" +
-                             std::generic_category().message(reason) +
-                             "): check the folder's permissions and the free space");
-  };
+  const auto fail = [&](int reason) { throw std::runtime_error(cannot_write(path, reason)); };
   const int file = open(path.c_str(), O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC, 0644);
   if (file < 0) fail(errno);
   const off_t size = lseek(file, 0, SEEK_END);

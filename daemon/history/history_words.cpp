@@ -1,7 +1,6 @@
 #include "daemon/history/history_words.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -48,13 +47,11 @@ int decimals_of(const History& history, bool lengths) {
     if (history.numbers[k].length == lengths)
       least = std::min(
           least, 2 * in_unit(history.numbers[k], history.fit_sigma(static_cast<Eigen::Index>(k))));
-  return least > 0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(least))), 3, 7) : 7;
+  return decimals_for(least, kFewestOfChange, kMostOfChange);
 }
 
 std::string told_with(double value, double sigma) {
-  const int decimals =
-      sigma > 0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(2 * sigma))), 0, 7) : 4;
-  return fixed(value, decimals);
+  return fixed(value, sigma > 0 ? decimals_for(2 * sigma, 0, kMostOfChange) : 4);
 }
 
 std::string when(const History& history, const DatedChange& change) {
@@ -96,7 +93,7 @@ std::string alarms_words(const History& history) {
     tested += campaign.tested;
     alarms += campaign.changed;
   }
-  return fmt::format("{} of {} are called changed; of unchanged ones {:.3g} % would be.", alarms,
+  return fmt::format("{} of {} called changed; {:.3g} % of unchanged ones would be.", alarms,
                      rsi::counted(tested, "campaign"), 100 * history.level);
 }
 

@@ -99,7 +99,8 @@ class Program {
     CorrectedProgram program;
     std::string findings;
     for (const std::string& name : options_.leave)
-      if (named(all_, name) == nullptr) throw KrlError("it has no " + name + " to leave");
+      if (named(all_, name) == nullptr)
+        throw KrlError("has no point " + name + ": correct --leave");
     std::size_t points = 0, count = 0;
     for (const KrlAggregate& one : all_) {
       if (!is_point(one)) continue;

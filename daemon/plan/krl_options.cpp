@@ -14,7 +14,6 @@ namespace {
 
 constexpr std::size_t kMostJoints = 6;
 constexpr std::size_t kLongestName = 24;
-constexpr int kMostTools = 128;
 constexpr double kMostInKrl_deg = 10'000;
 
 /// Words that cannot be the program's name: of KRL, and those that the program declares.
@@ -37,12 +36,12 @@ void check_name(const std::string& name, std::vector<std::string>& findings) {
                      });
   if (!valid)
     findings.push_back(
-        "name: expected a letter, then letters, digits and underscores, 24 characters at most, "
+        "--name: expected a letter, then letters, digits and underscores, 24 characters at most, "
         "found '" +
         rsi::printable(name) + "': choose another name for the KRL program");
   else if (std::any_of(kTaken.begin(), kTaken.end(),
                        [&](const char* word) { return rsi::equal_ignoring_case(name, word); }))
-    findings.push_back("name: expected a name of its own, found '" + name +
+    findings.push_back("--name: expected a name of its own, found '" + name +
                        "', which KRL or the program uses: choose another name");
 }
 
@@ -83,21 +82,26 @@ std::optional<double> krl_max_speed(const KrlOptions& options, std::size_t joint
   return std::isfinite(speed_deg_s) && speed_deg_s > 0 ? speeds[joint - 1] : std::nullopt;
 }
 
-std::vector<std::string> krl_findings(const SweepPlan& plan, const KrlOptions& options) {
+std::vector<std::string> krl_findings(const KrlOptions& options) {
   std::vector<std::string> findings;
   check_name(options.name, findings);
-  if (options.tool < 1 || options.tool > kMostTools)
-    findings.push_back(
-        fmt::format("tool: expected a number from 1 to 128, found {}: give the number of the tool "
-                    "whose point is off axis 6",
-                    options.tool));
+  if (options.tool < 1 || options.tool > kMostKrlTools)
+    findings.push_back(fmt::format(
+        "--krl-tool: expected 1 to 128, found {}: give the number of the tool whose point "
+        "is off axis 6",
+        options.tool));
   const std::string file = krl_rsi_file(options);
   if (file.size() > 60 || !std::all_of(file.begin(), file.end(), [](char c) {
         return rsi::is_letter(c) || rsi::is_digit(c) || c == '_' || c == '.' || c == '-';
       }))
     findings.push_back(
-        "rsi_file: expected a file name of letters, digits, _ . and -, 60 at most, found '" +
+        "--rsi-file: expected a file name of letters, digits, _ . and -, 60 at most, found '" +
         rsi::printable(file) + "': rename it on the controller");
+  return findings;
+}
+
+std::vector<std::string> krl_findings(const SweepPlan& plan, const KrlOptions& options) {
+  std::vector<std::string> findings = krl_findings(options);
   const std::size_t joints = plan.home_deg.size();
   if (joints < 1 || joints > kMostJoints) {
     findings.push_back(

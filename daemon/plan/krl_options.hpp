@@ -14,6 +14,8 @@ namespace sweepd {
 /// (RSI 6: KR C5 with iiQKA.OS2).
 enum class KrlDialect { krc2, krc4, iiqka };
 
+inline constexpr int kMostKrlTools = 128;
+
 struct KrlOptions {
   KrlDialect dialect = KrlDialect::krc4;
   /// Of the program and of its files: a letter, then letters, digits and underscores, at most 24.
@@ -36,6 +38,10 @@ struct KrlOptions {
 
 /// What joint `joint`, from 1, can do at 100 %; nothing where that is not known.
 [[nodiscard]] std::optional<double> krl_max_speed(const KrlOptions& options, std::size_t joint);
+
+/// What of the options alone KRL cannot express, one sentence each, which names the option of
+/// `sweepd plan`.
+[[nodiscard]] std::vector<std::string> krl_findings(const KrlOptions& options);
 
 /// What of `plan` or `options` KRL cannot express, one sentence each; empty if krl_program can
 /// write it. Whether the robot can do it is check_plan's question.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <vector>
 
 #include <spdlog/fmt/fmt.h>
@@ -39,10 +40,18 @@ std::vector<ChangedNumber> numbers_of_change(const Json& change) {
                          number_of(json, "difference"),
                          kCoverageOfU * number_of(json, "sigma"),
                          number_of(json, "smallest_change"),
-                         name.ends_with("_mm") ? 3 : 4,
+                         kMostOfChange,
                          flag_of(json, "changed")};
     if (std::isfinite(number.difference) && number.expanded > 0) all.push_back(number);
   }
+  // As many for all of a unit as the best known one has.
+  std::map<std::string, double> least;
+  for (const ChangedNumber& number : all) {
+    double& of_unit = least.try_emplace(number.unit, 1.0).first->second;
+    of_unit = std::min(of_unit, number.expanded);
+  }
+  for (ChangedNumber& number : all)
+    number.decimals = decimals_for(least.at(number.unit), kFewestOfChange, kMostOfChange);
   return all;
 }
 
@@ -79,7 +88,7 @@ void draw_differences(Markup figure, const std::vector<ChangedNumber>& numbers) 
 }
 
 std::string displacement_words(const Json& json) {
-  return fmt::format("{:.3f} mm (95 %: {:.3f} to {:.3f})", number_of(json, "largest_mm"),
+  return fmt::format("{:.4f} mm (95 %: {:.4f} to {:.4f})", number_of(json, "largest_mm"),
                      number_of(json, "low_mm"), number_of(json, "high_mm"));
 }
 

@@ -200,11 +200,12 @@ void add_residual_figures(Markup parent, const ReportFolder& folder) {
   if (folder.strokes.empty()) return;
   auto figure = add_figure(
       parent, "Residuals along each arc.",
-      "Left: off the plane of the circle (axial, blue, solid) and off the circle (radial, red, "
-      "dashed); of a linear joint the two directions across its line. Right: the error of the "
-      "angle "
-      "(blue, solid) and that part of it which repeats (red, dashed). Thin lines are two root mean "
-      "squares. Where a file has no angles, the angle is the one about the fitted circle.");
+      "Left: how far the target stands from where the fit to all sweeps (chain) has it, along the "
+      "axis (axial, blue, solid) and away from the axis (radial, red, dashed); of a linear joint "
+      "the two directions across its line. Where that fit has none, the distances are those from "
+      "the joint's fitted circle. Right: the error of the angle (blue, solid) and that part of it "
+      "which repeats (red, dashed). Thin lines are two root mean squares. Where a file has no "
+      "angles, the angle is the one about the fitted circle.");
   figure.set("class", "long");
   constexpr double kRow = 138;
   constexpr double kHeight = 84;

@@ -160,12 +160,10 @@ void add_displacement(Markup parent, const ReportFolder& folder) {
       fmt::format(
           "how far the first target stands off, base and tool fitted: {:.3f} mm root mean "
           "square at {} points of the workspace, at most {:.3f} ± {:.3f} mm (95 %) at X "
-          "{:.0f}, Y {:.0f}, Z {:.0f} mm of the robot's base. DrawnSlices through the target at "
-          "home: lines show the direction from the middle of a cell, as long as it where "
-          "the displacement is as "
-          "the darkest shade; a dot is where it is no larger than its 95 % band. "
-          "displacement.csv has "
-          "all of it.",
+          "{:.0f}, Y {:.0f}, Z {:.0f} mm of the robot's base. Slices through the target at home. "
+          "A line in each cell shows the direction of the displacement. It is as long as the cell "
+          "where the displacement is that of the darkest shade. A dot stands where the "
+          "displacement is no larger than its 95 % band. displacement.csv has all of it.",
           std::sqrt(squares / static_cast<double>(grid.points.size())), grid.points.size(),
           most->size, most->band, most->at.x(), most->at.y(), most->at.z()));
   const double each = kSlices_px / 3;

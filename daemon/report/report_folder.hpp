@@ -15,9 +15,11 @@ namespace sweepd {
 struct StrokePoint {
   Eigen::Vector3d position_mm;
   double time_s;
-  double angle;         ///< of the joint that moves, degrees; of a linear joint mm
-  double axial_mm;      ///< off the plane of its circle
-  double radial_mm;     ///< off its circle, away from the axis
+  double angle;  ///< of the joint that moves, degrees; of a linear joint mm
+  /// From where the chain has the target, along the axis and away from it; without a chain, off
+  /// the plane of its circle and off the circle.
+  double axial_mm;
+  double radial_mm;
   double along_arcsec;  ///< error of the angle
   double curve_arcsec;  ///< that part of it which repeats
 };

@@ -86,6 +86,8 @@ std::vector<DhLine> dh_lines(const ReportFolder& folder) {
       line.specified = known(specified, key);
       line.difference = known(difference, key);
       line.by_convention = is_set(row, key);
+      if (line.unit == "deg" && line.identified && line.specified && !line.by_convention)
+        *line.identified -= 360 * std::nearbyint((*line.identified - *line.specified) / 360);
       line.relation = text_of(row, "relation");
       lines.push_back(std::move(line));
     }
@@ -112,11 +114,8 @@ Departures departures(const std::vector<DhLine>& lines) {
 
 std::string told(double value, const DhLine& line) {
   int decimals = kUsualDecimals;
-  if (line.sigma && *line.sigma > 0)
-    decimals = 1 - static_cast<int>(std::floor(std::log10(kCoverage * *line.sigma)));
-  else if (line.sigma)
-    decimals = most_decimals(line);
-  return fixed(value, std::clamp(decimals, 0, most_decimals(line)));
+  if (line.sigma) decimals = decimals_for(kCoverage * *line.sigma, 0, most_decimals(line));
+  return fixed(value, decimals);
 }
 
 void add_dh_table(Markup parent, const std::vector<DhLine>& lines) {
@@ -168,6 +167,13 @@ void add_dh_table(Markup parent, const std::vector<DhLine>& lines) {
   if (std::any_of(lines.begin(), lines.end(),
                   [](const auto& line) { return !line.by_convention && !line.identified; }))
     notes += "“–”: the data do not determine this number. ";
+  if (std::any_of(lines.begin(), lines.end(), [](const auto& line) {
+        return line.symbol == std::string_view("θ") && line.identified && line.specified &&
+               !line.by_convention && !line.difference;
+      }))
+    notes +=
+        "“–” beside θ: not compared, since the controller's angles at home are not known: give "
+        "--plan, or angles. ";
   if (compared) notes += "Each interval has a scale of its own. A filled one does not hold zero.";
   if (!notes.empty()) parent.put("p", notes, {{"class", "note"}});
 }

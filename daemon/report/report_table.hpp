@@ -22,7 +22,7 @@ struct DhLine {
   std::string relation = {};  ///< of the joint's axis to the next one
 };
 
-/// All numbers of the result, joint by joint.
+/// All numbers of the result, joint by joint; identified angles in the turn of the specified ones.
 [[nodiscard]] std::vector<DhLine> dh_lines(const ReportFolder& folder);
 
 /// How many identified numbers differ from the specification by more than U, and how many could.

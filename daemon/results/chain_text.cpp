@@ -20,7 +20,7 @@ std::string fit_text(const ChainEstimate& estimate) {
       rsi::counted(estimate.samples, "sample") + ", " + rsi::counted(estimate.outliers, "outlier") +
           ", position noise " + fixed(1000 * estimate.noise.position_mm, 3) + " um, " +
           fixed(estimate.samples_per_independent, 1) +
-          " samples an independent one, orientations " +
+          " samples tell as much as one independent sample, orientations " +
           (estimate.with_orientation ? "used" : "not used") + "; " + std::string(summary.ending) +
           ", after " + rsi::counted(static_cast<std::uint64_t>(summary.iterations), "iteration"));
 }

@@ -1,7 +1,6 @@
 #include "daemon/results/change_text.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -25,11 +24,8 @@ struct ChangeDecimals {
       double& least = number.length ? least_length : least_angle;
       least = std::min(least, 2 * in_unit(number, change.test.numbers[k].sigma));
     }
-    const auto digits = [](double value) {
-      return std::clamp(1 - static_cast<int>(std::floor(std::log10(value))), 3, 7);
-    };
-    length = digits(least_length);
-    angle = digits(least_angle);
+    length = decimals_for(least_length, kFewestOfChange, kMostOfChange);
+    angle = decimals_for(least_angle, kFewestOfChange, kMostOfChange);
   }
   [[nodiscard]] int of(const ArmNumber& number) const { return number.length ? length : angle; }
   int length = 0;

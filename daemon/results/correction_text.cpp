@@ -100,8 +100,10 @@ std::string mastering_text(const Correction& correction) {
             verdict_text(zero, "master anew") + "\n";
   }
   text += "\n" + labelled("offset",
-                          "Where the controller shows q, the joint really stands at q + offset, "
-                          "counted as the controller counts.");
+                          "the zero with which the specified lengths fit the measured arm best, as "
+                          "the controller counts. It also makes up for lengths that are off, so it "
+                          "is not where the joint stands. `--level machine-data` tells zeros and "
+                          "lengths apart.");
   text += labelled("U", "expanded uncertainty, k = 2; what is left counts as noise");
   text += labelled("chance",
                    "that an arm whose zero is right shows as much (all joints together, Holm); "

@@ -1,5 +1,7 @@
 #include "daemon/results/dh_text.hpp"
 
+#include <cmath>
+
 #include "daemon/results/outcome.hpp"
 #include "daemon/text/text_layout.hpp"
 #include "daemon/text/units.hpp"
@@ -55,6 +57,10 @@ class Table {
     text_ += "\n";
     for (std::size_t i = 0; i < found_.dh.size(); ++i) row(i);
     if (conventions_) text_ += "\n(set): not determined by the data, but set by convention.\n";
+    if (homeless_)
+      text_ += "\n" + paragraph("theta  ",
+                                "-: not compared, since the controller's angles at home are not "
+                                "known: give --plan, or angles.");
     formula();
     return std::move(text_);
   }
@@ -119,7 +125,7 @@ class Table {
   }
 
   void line(std::size_t i, const Line& line) {
-    const DhNumber& number_found = found_.dh[i].*line.number;
+    const DhNumber number_found = in_turn(found_.dh[i].*line.number, line);
     const bool first = line.number == &DhEstimate::b_mm;
     text_ += right(first ? std::to_string(i + 1) : "", 5) + "   " + left(line.name, kName - 8) +
              number(value(number_found, line.scale), line.decimals, kValue);
@@ -131,20 +137,31 @@ class Table {
     } else {
       text_ += number(sigma, line.decimals, kSigma);
     }
-    if (with_circle_) text_ += number(circle(i, line), line.decimals, kValue);
+    if (with_circle_) text_ += number(circle(i, line, number_found), line.decimals, kValue);
     if (compared()) {
       std::optional<double> difference;
       if (line.difference) difference = line.scale * *line.difference;
+      homeless_ = homeless_ || (line.number == &DhEstimate::theta_rad && !found_.home_rad[i] &&
+                                number_found.knowledge == Knowledge::identified);
       text_ += number(line.scale * line.specified, line.decimals, kValue) +
                number(difference, line.decimals, kValue);
     }
     text_ += "\n";
   }
 
+  /// An angle within half a turn of the specified one.
+  [[nodiscard]] DhNumber in_turn(DhNumber number, const Line& line) const {
+    constexpr double kTurn = 2 * identify::kPi;
+    if (compared() && line.scale != 1 && number.knowledge == Knowledge::identified)
+      number.value -= kTurn * std::nearbyint((number.value - line.specified) / kTurn);
+    return number;
+  }
+
   /// The circles' value; an angle within half a turn of the identified one.
-  [[nodiscard]] std::optional<double> circle(std::size_t i, const Line& line) const {
+  [[nodiscard]] std::optional<double> circle(std::size_t i, const Line& line,
+                                             const DhNumber& found) const {
     DhNumber number = found_.circle_dh[i].*line.number;
-    const double identified = (found_.dh[i].*line.number).value;
+    const double identified = found.value;
     if (line.scale != 1) number.value = identified + identify::wrapped(number.value - identified);
     return value(number, line.scale);
   }
@@ -153,6 +170,7 @@ class Table {
   std::vector<identify::DhDifference> differences_;
   bool with_circle_;
   bool conventions_ = false;
+  bool homeless_ = false;
   std::string text_;
 };
 

@@ -58,7 +58,7 @@ std::string percent(std::uint64_t part, std::uint64_t whole) {
 std::string cycle_remark(const LinkReport& report) {
   if (!report.step) return {};
   if (report.cycle == nanoseconds(0)) return fmt::format("IPOC rises by {}", *report.step);
-  return fmt::format("one each {} ms, IPOC rises by {}",
+  return fmt::format("one every {} ms, IPOC rises by {}",
                      fixed(us(report.cycle) / 1e3, report.ipoc_counts_ms ? 0 : 3), *report.step);
 }
 

@@ -73,8 +73,13 @@ std::optional<Outcome> joined_outcome(const Snapshot& snapshot, std::string& pro
 }
 
 Outcome plain_outcome(const Snapshot& snapshot) {
-  return {snapshot.robot, snapshot.source_kind, snapshot.counts,
-          identify::identify(snapshot.sweeps, snapshot.campaign, snapshot.poses)};
+  Outcome outcome{snapshot.robot, snapshot.source_kind, snapshot.counts,
+                  identify::identify(snapshot.sweeps, snapshot.campaign, snapshot.poses)};
+  if (snapshot.sweeps.empty() && !snapshot.poses.empty())  // nobody meant to sweep a joint
+    std::erase_if(outcome.identification.warnings, [](const identify::Warning& warning) {
+      return warning.code == "joint_never_moved";
+    });
+  return outcome;
 }
 
 /// With what a device saw beside the controller, if there was one.

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <map>
-#include <sstream>
 #include <stdexcept>
 #include <string_view>
 
@@ -14,6 +12,7 @@
 
 #include "daemon/report/json_part.hpp"
 #include "daemon/results/outcome.hpp"
+#include "daemon/system/whole_file.hpp"
 #include "daemon/text/units.hpp"
 #include "identify/dh/dh.hpp"
 
@@ -163,18 +162,6 @@ std::filesystem::path result_file(const std::filesystem::path& path) {
   return std::filesystem::is_directory(path) ? path / "result.json" : path;
 }
 
-namespace {
-
-std::string result_bytes(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) refuse(file, "cannot be read: give a folder or its result.json");
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return std::move(text).str();
-}
-
-}  // namespace
-
 Json parse_result(const std::filesystem::path& file, std::string_view text) {
   Json json = Json::parse(text, nullptr, false);
   const std::string schema = text_of(json, "schema");
@@ -187,7 +174,7 @@ Json parse_result(const std::filesystem::path& file, std::string_view text) {
 }
 
 Json read_result(const std::filesystem::path& file) {
-  return parse_result(file, result_bytes(file));
+  return parse_result(file, whole_file(file));
 }
 
 ToldArm read_told_arm(const std::filesystem::path& path) {

@@ -22,12 +22,20 @@ struct File {
 [[noreturn]] void fail(const std::filesystem::path& path, const std::filesystem::path& beside) {
   const int reason = errno;
   unlink(beside.c_str());  // on a full disk its bytes are wanted
-  throw std::runtime_error("cannot write " + path.string() + " (" +
-                           std::generic_category().message(reason) +
-                           "): check the folder's permissions and the free space");
+  throw std::runtime_error(cannot_write(path, reason));
 }
 
 }  // namespace
+
+std::string cannot_write(const std::filesystem::path& path, int error) {
+  const char* const remedy = error == EISDIR   ? "name a file"
+                             : error == ENOENT ? "make that folder first, or name another one"
+                             : error == ENOTDIR
+                                 ? "name another folder"
+                                 : "check the folder's permissions and the free space";
+  return "cannot write " + path.string() + " (" + std::generic_category().message(error) +
+         "): " + remedy;
+}
 
 void write_atomically(const std::filesystem::path& path, std::string_view content) {
   const auto beside = std::filesystem::path(path).concat(".tmp");

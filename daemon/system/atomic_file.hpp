@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 namespace sweepd {
@@ -9,5 +10,8 @@ namespace sweepd {
 /// and that it is on the disk when this returns: written beside it, synced, renamed. Throws
 /// std::runtime_error with the path and the reason.
 void write_atomically(const std::filesystem::path& path, std::string_view content);
+
+/// Why `path` cannot be written, by the number of the error, and what to do.
+[[nodiscard]] std::string cannot_write(const std::filesystem::path& path, int error);
 
 }  // namespace sweepd

@@ -2,10 +2,11 @@
 
 #include <cerrno>
 #include <stdexcept>
-#include <system_error>
 
 #include <fcntl.h>
 #include <unistd.h>
+
+#include "daemon/system/atomic_file.hpp"
 
 namespace sweepd {
 namespace {
@@ -13,8 +14,7 @@ namespace {
 constexpr std::size_t kBuffer = 256 << 10;
 
 std::string reason(const std::filesystem::path& path) {
-  return "cannot write " + path.string() + " (" + std::generic_category().message(errno) +
-         "): check the folder's permissions and the free space";
+  return cannot_write(path, errno);
 }
 
 }  // namespace

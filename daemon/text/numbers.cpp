@@ -1,5 +1,6 @@
 #include "daemon/text/numbers.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -82,6 +83,12 @@ void append_measured(std::string& text, double value, int decimals) {
   text.append(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(),
                                            rounded(value, decimals), std::chars_format::fixed)
                                  .ptr);
+}
+
+int decimals_for(double uncertainty, int fewest, int most) {
+  if (!(uncertainty > 0)) return most;
+  return static_cast<int>(
+      std::clamp(1 - std::floor(std::log10(uncertainty)), double(fewest), double(most)));
 }
 
 std::string fixed(double value, int decimals) {

@@ -14,6 +14,11 @@ void append_fixed(std::string& text, double value, int decimals);
 /// these are no more.
 void append_measured(std::string& text, double value, int decimals);
 
+/// As many decimals as show two digits of `uncertainty`, within these; the most where it is zero.
+[[nodiscard]] int decimals_for(double uncertainty, int fewest, int most);
+/// Those of a change of an arm's numbers, mm or degrees.
+inline constexpr int kFewestOfChange = 3, kMostOfChange = 7;
+
 /// `value` rounded to so many decimals: what a file holds of it.
 [[nodiscard]] double rounded(double value, int decimals);
 

@@ -164,6 +164,12 @@ TEST_CASE("what an option takes is told in words, whichever checks are made of i
   CHECK(option_of("identify", "--joints").range == "1 to 12");
   CHECK(option_of("identify", "--joints").value == "N");
   CHECK(option_of("simulate", "--wobble-deg").range == "0 or more");
+  CHECK(option_of("plan", "--column-mm").range == "more than 0");
+  CHECK(option_of("plan", "--column-mm").value == "R");
+  CHECK(option_of("plan", "--krl-tool").range == "1 to 128");
+  CHECK(option_of("plan", "--device").needs == std::vector<std::string>{"--poses"});
+  CHECK(option_of("listen", "--lines").range == "1 or more");
+  CHECK(option_of("history", "--of").value == "arm|model");
   CHECK(option_of("simulate", "--wobble-deg").fallback == "0.0001");
   CHECK(option_of("identify", "--frame").choices == std::vector<std::string>{"device", "robot"});
   CHECK(option_of("plan", "--write-plan").needs == std::vector<std::string>{"--propose"});
@@ -174,6 +180,43 @@ TEST_CASE("what an option takes is told in words, whichever checks are made of i
   CHECK(option_of("replay", "TRACE").repeated);
   CHECK(option_of("simulate", "--to").alternative == 1);
   CHECK(option_of("simulate", "--write").alternative == 1);
+}
+
+TEST_CASE("a value that an option does not take is told beside what it takes", "[help_text]") {
+  const auto refused = [](std::initializer_list<const char*> given) {
+    std::vector<const char*> words{"sweepd"};
+    for (const char* word : given) words.push_back(word);
+    std::string said = "nothing";
+    try {
+      static_cast<void>(CommandLine().execute(static_cast<int>(words.size()), words.data()));
+    } catch (const std::invalid_argument& error) {
+      said = error.what();
+    }
+    return said;
+  };
+  const auto simulate = [&](const char* option, const char* value) {
+    return refused({"simulate", "--robot", "r", "--plan", "p", option, value});
+  };
+  CHECK_THAT(simulate("--to", "localhost:4000"),
+             StartsWith("--to: expected an IPv4 address and a port (1 to 65535), as "
+                        "192.168.1.10:49152, found localhost:4000: "));
+  CHECK_THAT(simulate("--seed", "-1"), StartsWith("--seed: expected 0 or more, found -1: "));
+  CHECK_THAT(simulate("--wobble-deg", "-1"),
+             StartsWith("--wobble-deg: expected 0 or more, found -1: "));
+  CHECK_THAT(refused({"replay", "x", "--controller", "robot"}),
+             StartsWith("--controller: expected an IPv4 address, as 192.168.1.20, found robot: "));
+  CHECK_THAT(refused({"replay", "x", "--port", "99999"}),
+             StartsWith("--port: expected 1 to 65535, found 99999: "));
+  CHECK_THAT(refused({"listen", "udp://localhost:5005"}),
+             StartsWith("PORT: expected udp:// or tcp://, "));
+  CHECK_THAT(refused({"listen", "udp://0.0.0.0:5005", "--lines", "0"}),
+             StartsWith("--lines: expected 1 or more, found 0: "));
+  CHECK_THAT(refused({"plan", "--robot", "r", "--poses", "40", "--column-mm", "-1"}),
+             StartsWith("--column-mm: expected more than 0, found -1: "));
+  CHECK_THAT(refused({"plan", "--robot", "r", "--plan", "p", "--krl-tool", "200"}),
+             StartsWith("--krl-tool: expected 1 to 128, found 200: "));
+  CHECK_THAT(refused({"plan", "--robot", "r", "--plan", "p", "--device", "1,2,3"}),
+             StartsWith("--device requires --poses: "));
 }
 
 TEST_CASE("an option without a group is hidden", "[help_text]") {

@@ -338,6 +338,9 @@ TEST_CASE("options that contradict each other or the files are told", "[identify
   wanted = points_options(std::vector<fs::path>(7, bare), folder / "out");
   wanted.per_joint = true;
   check_usage(wanted, "7 files for 6 joints");
+  wanted.poses = true;
+  check_usage(wanted, "--poses and --per-joint exclude each other: leave one out");
+  wanted.poses = false;
   wanted.points = {listed};
   check_csv_error(wanted, "listed.csv: expected no column joint");
   check_csv_error(

@@ -174,5 +174,6 @@ TEST_CASE("a file that was not finished leaves the one before it", "[outputs][is
   CHECK(content(file) == "before");
   CHECK_THROWS_WITH(OutputFile(file / "y"),
                     ContainsSubstring("cannot write " + file.string() + "/y "));
+  CHECK_THROWS_WITH(OutputFile(folder / "none/y"), ContainsSubstring("make that folder first"));
   CHECK(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()) == 1);
 }

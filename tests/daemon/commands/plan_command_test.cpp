@@ -14,6 +14,7 @@
 
 using namespace sweepd;
 using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::StartsWith;
 using sweepd::test::content;
 using sweepd::test::kConfig;
 using sweepd::test::TemporaryFolder;
@@ -210,8 +211,18 @@ TEST_CASE("what KRL cannot express, and options that contradict each other, are 
   const TemporaryFolder folder;
   auto options = writing(options_of(), folder);
   options.name = "1st try";
-  CHECK_THAT(error_of(options), ContainsSubstring("KRL: name: expected a letter"));
+  CHECK_THROWS_AS(run(options), std::invalid_argument);
+  CHECK_THROWS_WITH(run(options), StartsWith("--name: expected a letter"));
+  options.name = "";
+  options.rsi_file = "a\"b";
+  CHECK_THROWS_WITH(run(options), StartsWith("--rsi-file: expected a file name"));
   CHECK(fs::is_empty(folder.path()));
+  auto no_program = options_of();
+  no_program.name = "foo";
+  CHECK_THROWS_WITH(run(no_program), StartsWith("--name: expected --krl"));
+  no_program.name = "";
+  no_program.rsi_file = "foo";
+  CHECK_THROWS_WITH(run(no_program), StartsWith("--rsi-file: expected --krl"));
 
   auto no_folder = options_of();
   no_folder.krl = KrlDialect::krc2;

@@ -63,7 +63,7 @@ TEST_CASE("a capture holds each cycle's telegram with the time, IPOC and address
       {.cycle = std::chrono::milliseconds(12), .wobble_deg = 1e-4, .seed = 1, .tool_mm = {}});
   REQUIRE(telegrams.size() == robot.cycles());
   CHECK_THAT(outcome.report,
-             ContainsSubstring(std::to_string(telegrams.size()) + " one each 12 ms"));
+             ContainsSubstring(std::to_string(telegrams.size()) + " one every 12 ms"));
 
   rsi::Telegram telegram;
   rsi::SignalValues values;

@@ -38,7 +38,7 @@ TEST_CASE("a flawless run is reported in lined up figures, and nothing is wrong 
   CHECK(problem(report).empty());
   CHECK(text(report) ==
         "Simulated to 127.0.0.1:49152, 4.0 s of 4.0 s: the plan was played to its end.\n"
-        "telegrams                     1000 one each 4 ms\n"
+        "telegrams                     1000 one every 4 ms\n"
         "  lost on purpose                0\n"
         "  duplicated on purpose          0\n"
         "  swapped on purpose             0 pairs\n"
@@ -104,7 +104,7 @@ TEST_CASE("a capture has no replies to report", "[simulation_report]") {
   CHECK(problem(report).empty());
   CHECK(text(report) ==
         "Simulated into trace.pcap, 6.0 s of 6.0 s: the plan was played to its end.\n"
-        "telegrams                      500 one each 12 ms\n"
+        "telegrams                      500 one every 12 ms\n"
         "  lost on purpose                5\n"
         "  duplicated on purpose          3\n"
         "  swapped on purpose             2 pairs\n");

@@ -97,7 +97,8 @@ TEST_CASE("Poses that were kept back judge a result, and used ones are refused",
     CHECK(document.child("svg").select_nodes("//rect").size() > 100);
   }
   CHECK_THAT(content(result / "report.html"),
-             ContainsSubstring("From the specification to the arm that was identified"));
+             ContainsSubstring("From the specification to the arm that was identified") &&
+                 ContainsSubstring("mm of the robot's base. Slices through the target at home."));
 
   options.points = {held, fit};
   CHECK_THROWS_WITH(validate(options, out),
@@ -125,7 +126,8 @@ TEST_CASE("A result without poses, another file, and poses without angles are re
   ValidateOptions options;
   options.result = folder.path();
   options.points = {folder.write("held.csv", lines_of(built_kr5(5).poses(30), 0, 30))};
-  CHECK_THROWS_WITH(validate(options, out), ContainsSubstring("cannot be read"));
+  CHECK_THROWS_WITH(validate(options, out),
+                    ContainsSubstring("cannot be read: No such file or directory: "));
   (void)folder.write("result.json", R"({"schema":"sweepd.result/1"})");
   CHECK_THROWS_WITH(validate(options, out), ContainsSubstring("not made of static poses"));
   (void)folder.write("result.json", R"({"poses":{"model":{"axes":[1]}}})");
@@ -135,6 +137,16 @@ TEST_CASE("A result without poses, another file, and poses without angles are re
   auto wanted =
       of_poses(folder.write("bare.csv", "pose,x_mm,y_mm,z_mm\n1,2,3,4\n"), folder / "none");
   CHECK_THROWS_WITH(identify_points(wanted, out), ContainsSubstring("joint angles"));
+}
+
+TEST_CASE("Too few static poses are told as such, and no sweep is missed", "[validate_command]") {
+  const TemporaryFolder folder;
+  std::ostringstream out;
+  const auto few = folder.write("few.csv", lines_of(built_kr5(6).poses(30), 0, 4));
+  CHECK(identify_points(of_poses(few, folder / "result"), out) == 1);
+  const auto warnings = Json::parse(content(folder / "result/result.json"))["warnings"];
+  REQUIRE(warnings.size() == 1);
+  CHECK(warnings[0]["code"].get<std::string>() == "poses_not_used");
 }
 
 TEST_CASE("A pose visited again tells accuracy and repeatability", "[validate_command][long]") {

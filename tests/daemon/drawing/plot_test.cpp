@@ -26,6 +26,15 @@ TEST_CASE("ticks are round, within the range, and about as many as asked for", "
   CHECK(ticks({0, INFINITY}, 5).empty());
 }
 
+TEST_CASE("no axis has one tick alone", "[plot]") {
+  CHECK(ticks({-9, 9}, 1) == std::vector<double>{-5, 0, 5});
+  CHECK(ticks({0.1, 1.4}, 3) == std::vector<double>{0.5, 1});
+  for (int low = -40; low < 40; ++low)
+    for (const double size : {1.0, 1.9, 4.9, 9.9})
+      for (const std::size_t about : {1U, 2U, 3U, 5U})
+        CHECK(ticks({0.1 * low, 0.1 * low + size}, about).size() >= 2);
+}
+
 TEST_CASE("ticks have as many decimals as tell them apart", "[plot]") {
   CHECK(tick_text(0.25, 0.05) == "0.25");
   CHECK(tick_text(200, 100) == "200");

@@ -107,6 +107,8 @@ TEST_CASE("without marks it is said what is assumed", "[history][long]") {
   CHECK_THAT(sweepd::repeatability_words(few), ContainsSubstring("alarms may be false"));
   const History one = history_of({campaigns(1, 0), {}, {}}, {});
   CHECK_THAT(history_text(one), ContainsSubstring("too few campaigns"));
+  CHECK_THAT(sweepd::alarms_words(few), ContainsSubstring(" campaigns called changed; 5 % of "
+                                                          "unchanged ones would be."));
 }
 
 TEST_CASE("marks of one season do not make an alarm of the others", "[history][long]") {

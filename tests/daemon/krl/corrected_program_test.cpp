@@ -224,7 +224,7 @@ TEST_CASE("What cannot be corrected is refused with its line", "[corrected_progr
   CHECK(left.text == good);
   CHECK(left.points.front().left);
   other.options.leave = {"XP7"};
-  other.refuses(good, "it has no XP7 to leave");
+  other.refuses(good, "has no point XP7: correct --leave");
   other = cell;
   other.options.base.reset();
   other.refuses(good, "XP1 needs its base");

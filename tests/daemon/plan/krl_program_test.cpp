@@ -232,11 +232,11 @@ TEST_CASE("what KRL cannot express is said, and nothing is written", "[krl_progr
   }
   SECTION("a tool that no controller has") {
     given.tool = 0;
-    text = "tool: expected a number from 1 to 128";
+    text = "--krl-tool: expected 1 to 128, found 0";
   }
   SECTION("an RSI file that would end the string") {
     given.rsi_file = "a\",x)";
-    text = "rsi_file: expected";
+    text = "--rsi-file: expected";
   }
   SECTION("a sweep slower than one per cent") {
     plan.sweeps[5].speed_deg_s = 7;

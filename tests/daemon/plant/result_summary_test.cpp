@@ -24,5 +24,5 @@ TEST_CASE("a summary says of which robot, what, and of which bytes", "[result_su
 TEST_CASE("what cannot be compared says why", "[result_summary]") {
   const auto change = sweepd::change_since("/missing", {"s", "/f", "{}", "", "", ""});
   CHECK_FALSE(change.json);
-  CHECK_THAT(change.why_not, Catch::Matchers::ContainsSubstring("/missing cannot be read"));
+  CHECK_THAT(change.why_not, Catch::Matchers::ContainsSubstring("/missing: cannot be read"));
 }

@@ -8,6 +8,7 @@
 
 #include "daemon/results/result_files.hpp"
 #include "daemon/text/numbers.hpp"
+#include "daemon/text/units.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/chain_outcomes.hpp"
 #include "tests/daemon/outcomes.hpp"
@@ -80,6 +81,8 @@ TEST_CASE("the report of a complete run has the paper's figures and all numbers 
   CHECK_THAT(words, ContainsSubstring("All 6 joints are identified"));
   CHECK_THAT(words, ContainsSubstring("The numbers describe the controller's model"));
   CHECK_THAT(words, ContainsSubstring("not stated"));
+  CHECK_THAT(words, ContainsSubstring("how far the target stands from where the fit to all sweeps "
+                                      "(chain) has it"));
   std::istringstream csv(content(folder / "dh.csv"));
   std::string line;
   std::getline(csv, line);
@@ -88,6 +91,21 @@ TEST_CASE("the report of a complete run has the paper's figures and all numbers 
     for (std::string cell; std::getline(cells, cell, ',');)
       if (!cell.empty()) CHECK_THAT(words, ContainsSubstring(" " + cell + " "));
   }
+}
+
+TEST_CASE("the page has angles in the turn of the specified ones, and says why one is not compared",
+          "[html_report]") {
+  Outcome outcome = complete_outcome();
+  auto& found = outcome.identification;
+  found.specified[3].theta_rad = 3;
+  found.dh[3].theta_rad.value = -3;
+  const auto words = words_of(report_html(outcome));
+  CHECK_THAT(words, ContainsSubstring(" " + fixed(360 - degrees(3), 2)) &&
+                        !ContainsSubstring("“–” beside θ"));
+  found.home_rad[3].reset();
+  CHECK_THAT(words_of(report_html(outcome)),
+             ContainsSubstring("“–” beside θ: not compared, since the controller's angles at home "
+                               "are not known: give --plan, or angles."));
 }
 
 TEST_CASE("the same files give the same bytes", "[html_report]") {

@@ -44,7 +44,7 @@ TEST_CASE("a flawless link is reported in lined up figures", "[link_text]") {
         "Verdict: good\n"
         "  Nothing is wrong with this link.\n"
         "\n"
-        "Telegrams                     1002   one each 4 ms, IPOC rises by 4\n"
+        "Telegrams                     1002   one every 4 ms, IPOC rises by 4\n"
         "  lost                           0\n"
         "  duplicated                     0\n"
         "  reordered                      0\n"

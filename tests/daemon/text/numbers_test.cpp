@@ -37,6 +37,14 @@ TEST_CASE("numbers have so many decimals, rounded half up, and no negative zero"
   CHECK(sweepd::fixed(std::numeric_limits<double>::infinity(), 2) == "inf");
 }
 
+TEST_CASE("two digits of an uncertainty say how many decimals a number has", "[numbers]") {
+  CHECK(sweepd::decimals_for(0.034, 0, 7) == 3);
+  CHECK(sweepd::decimals_for(0.00034, 3, 7) == 5);
+  CHECK(sweepd::decimals_for(12, 3, 7) == 3);
+  CHECK(sweepd::decimals_for(1e-300, 3, 7) == 7);
+  CHECK(sweepd::decimals_for(0, 3, 7) == 7);
+}
+
 TEST_CASE("a measured number has the decimals that it came with", "[numbers]") {
   CHECK(measured(0, 6) == "0");
   CHECK(measured(-0.0, 6) == "0");
