@@ -224,12 +224,17 @@ std::optional<Warning> contradiction_of_specified(const Identification& found,
   if (auto cause =
           explained(explanation, size_ratio(found.dh, found.specified), found.joints.size()))
     return cause;
+  const bool by_sense = explanation.fits_with_other_senses();
+  // That nothing tells the senses was said, with the tables that they may give: no robot is to
+  // blame.
+  if (by_sense && std::any_of(found.warnings.begin(), found.warnings.end(),
+                              [](const Warning& one) { return one.code == "direction_ambiguous"; }))
+    return std::nullopt;
   std::string message =
       "joint " + std::to_string(worst.row + 1) + ": " + worst.text +
       ": no built robot is so far off its specified table. Is it this robot, "
       "did its joints move one at a time, and are home and the joints' order right?";
-  if (explanation.fits_with_other_senses())
-    message += " With other senses of rotation the table fits";
+  if (by_sense) message += " With other senses of rotation the table fits";
   return Warning{"specified_contradicted", worst.row, std::move(message)};
 }
 

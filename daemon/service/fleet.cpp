@@ -21,8 +21,7 @@ void Fleet::serve() {
   for (const auto& [name, keeper] : robots_) keeper->serve();
 }
 
-void Fleet::reload(Robots robots) {
-  keep_names(robots);
+void Fleet::reload(const Robots& robots) {
   std::set<std::string> names;
   for (const auto& robot : robots) names.insert(robot.name);
   for (auto robot = robots_.begin(); robot != robots_.end();) {
@@ -44,29 +43,6 @@ void Fleet::reload(Robots robots) {
           robots_.emplace(robot.name, std::make_unique<RobotKeeper>(robot, threads_, on_change_));
       came->second->serve();
     }
-  }
-}
-
-/// A robot that is let go has no port for a moment, and a controller that streams stops for want of
-/// replies. So one that only has another name keeps the one that it had, until it is silent.
-void Fleet::keep_names(Robots& robots) const {
-  const auto is_named = [&](const std::string& name) {
-    return std::any_of(robots.begin(), robots.end(),
-                       [&](const RobotSettings& robot) { return robot.name == name; });
-  };
-  for (const auto& [name, keeper] : robots_) {
-    if (is_named(name)) continue;
-    const auto status = keeper->state().status;
-    const auto state = status ? status->state.newest() : nullptr;
-    if (!state || !state->stream) continue;
-    const auto renamed = std::find_if(robots.begin(), robots.end(), [&](const auto& robot) {
-      return !robots_.contains(robot.name) && robot.listen == state->listen;
-    });
-    if (renamed == robots.end()) continue;
-    Log(name).warning(
-        "RSI streams: it keeps this name; reload again after the stream to name it {}",
-        renamed->name);
-    renamed->name = name;
   }
 }
 

@@ -25,8 +25,7 @@ class Fleet {
 
   void serve();
   /// Robots that went are let go, those that came are served, the others take over what they can.
-  /// A robot that streams and only has another name keeps the old one.
-  void reload(Robots robots);
+  void reload(const Robots& robots);
   void report_link();
   void let_all_go();
 
@@ -50,7 +49,6 @@ class Fleet {
   void tidy();
 
  private:
-  void keep_names(Robots& robots) const;
   [[nodiscard]] bool all(bool (RobotKeeper::*is)() const) const;
 
   const std::function<void()> on_change_;

@@ -261,7 +261,7 @@ bool Identifier::drain(Steady::time_point deadline) {
         "the last result of the session {} is not written: make room on the disk; the next start "
         "of sweepd makes it from the recording, as far as there is one",
         end->started);
-  return unwritten_.empty();
+  return true;
 }
 
 void Identifier::publish(const Identified& identified, bool interim, const Log& log) {

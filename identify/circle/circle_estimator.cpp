@@ -240,8 +240,10 @@ class Circles {
     if (!senses.ambiguous.empty()) {
       const auto best =
           placed_table(turned(with(senses.senses)), result_.specified, size_by_circles_mm(result_));
-      const auto other =
-          placed_table(turned(with(senses.other)), result_.specified, size_by_circles_mm(result_));
+      std::vector<std::vector<DhEstimate>> others;
+      for (const auto& other : senses.others)
+        others.push_back(
+            placed_table(turned(with(other)), result_.specified, size_by_circles_mm(result_)));
       std::string joints;
       for (const std::size_t j : senses.ambiguous)
         joints += (joints.empty() ? "" : ", ") + std::to_string(j + 1);
@@ -249,7 +251,7 @@ class Circles {
                       std::string(senses.ambiguous.size() > 1 ? "s " : " ") + joints +
                       (senses.ambiguous.size() > 1 ? " turn" : " turns");
       warn("direction_ambiguous", senses.ambiguous.front(),
-           result_.doubt + ": " + differing_numbers(best, other) +
+           result_.doubt + ": " + differing_numbers(best, others) +
                "; record joint angles, or give the plan that was run and the home pose");
     }
     for (const std::size_t j : senses.against)

@@ -71,7 +71,6 @@ AxisSenses senses_of(const std::vector<std::optional<Axis>>& axes,
   const auto best = std::min_element(
       all.begin(), all.end(), [](const Scored& a, const Scored& b) { return a.turns < b.turns; });
   found.senses = best->senses;
-  double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t j = 0; j < axes.size(); ++j) {
     const bool other_way = std::any_of(all.begin(), all.end(), [&](const Scored& one) {
       return one.senses[j] != best->senses[j];
@@ -80,10 +79,7 @@ AxisSenses senses_of(const std::vector<std::optional<Axis>>& axes,
     if (known[j] == SenseBy::plan && best->senses[j] < 0) found.against.push_back(j);
   }
   for (const Scored& one : all)
-    if (one.senses != best->senses && one.score < nearest) {
-      nearest = one.score;
-      found.other = one.senses;
-    }
+    if (one.senses != best->senses) found.others.push_back(one.senses);
   return found;
 }
 

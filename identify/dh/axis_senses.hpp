@@ -21,8 +21,8 @@ struct AxisSenses {
   std::vector<int> senses;             ///< one a joint: +1 as the axis is given, -1 against it
   std::vector<std::size_t> ambiguous;  ///< joints whose other sense agrees as well
   std::vector<std::size_t> against;    ///< joints that turn against their plan
-  /// The best senses that turn the ambiguous joints round.
-  std::vector<int> other;
+  /// All other senses that agree as well, each one a joint.
+  std::vector<std::vector<int>> others;
 };
 
 /// Scores all senses together: by the geometry of every two and three axes against the arm (at one

@@ -35,23 +35,34 @@ std::vector<DhDifference> compare_with_specified(
 }
 
 std::string differing_numbers(const std::vector<DhEstimate>& table,
-                              const std::vector<DhEstimate>& other) {
+                              const std::vector<std::vector<DhEstimate>>& others) {
   std::string text;
-  const auto compare = [&](const char* name, std::size_t j, const DhNumber& here,
-                           const DhNumber& there, double unit, const char* unit_name) {
+  const auto compare = [&](const char* name, std::size_t j, DhNumber DhEstimate::*number,
+                           double unit, const char* unit_name) {
     constexpr double kChanged = 0.01;
-    if (here.knowledge != Knowledge::identified || there.knowledge != Knowledge::identified ||
-        std::abs(there.value - here.value) / unit < kChanged)
-      return;
+    const DhNumber& here = table[j].*number;
+    if (here.knowledge != Knowledge::identified) return;
+    std::vector<double> seen{here.value / unit};
+    std::string values;
+    for (const auto& other : others) {
+      const DhNumber& there = other[j].*number;
+      const double value = there.value / unit;
+      if (there.knowledge != Knowledge::identified ||
+          std::any_of(seen.begin(), seen.end(),
+                      [&](double before) { return std::abs(value - before) < kChanged; }))
+        continue;
+      seen.push_back(value);
+      values += (values.empty() ? "" : " or ") + fixed(value, 2);
+    }
+    if (values.empty()) return;
     text += (text.empty() ? "" : ", ") + std::string(name) + std::to_string(j + 1) + " would be " +
-            fixed(there.value / unit, 2) + " instead of " + fixed(here.value / unit, 2) + " " +
-            unit_name;
+            values + " instead of " + fixed(seen.front(), 2) + " " + unit_name;
   };
-  for (std::size_t j = 0; j < std::min(table.size(), other.size()); ++j) {
-    compare("b", j, table[j].b_mm, other[j].b_mm, 1, "mm");
-    compare("theta", j, table[j].theta_rad, other[j].theta_rad, kDegree, "deg");
-    compare("a", j, table[j].a_mm, other[j].a_mm, 1, "mm");
-    compare("alpha", j, table[j].alpha_rad, other[j].alpha_rad, kDegree, "deg");
+  for (std::size_t j = 0; j < table.size(); ++j) {
+    compare("b", j, &DhEstimate::b_mm, 1, "mm");
+    compare("theta", j, &DhEstimate::theta_rad, kDegree, "deg");
+    compare("a", j, &DhEstimate::a_mm, 1, "mm");
+    compare("alpha", j, &DhEstimate::alpha_rad, kDegree, "deg");
   }
   return text.empty() ? "the table would be the same" : "the other way, " + text;
 }

@@ -23,9 +23,9 @@ struct DhDifference {
     const std::vector<DhEstimate>& dh, const std::vector<DhRow>& specified,
     const std::vector<std::optional<double>>& home_rad);
 
-/// Which identified numbers are others in `other`, in words: "b4 would be 620.00 instead of -620.00
-/// mm, …".
+/// Which identified numbers are others in any of these tables, in words: "b4 would be 620.00 or
+/// 310.00 instead of -620.00 mm, …".
 [[nodiscard]] std::string differing_numbers(const std::vector<DhEstimate>& table,
-                                            const std::vector<DhEstimate>& other);
+                                            const std::vector<std::vector<DhEstimate>>& others);
 
 }  // namespace identify

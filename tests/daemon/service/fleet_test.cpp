@@ -163,42 +163,6 @@ TEST_CASE("robots come, go and change places while others are served",
   CHECK(ends(fleet));
 }
 
-TEST_CASE("a robot that streams keeps its name through a reload, and its replies go on",
-          "[fleet]") {
-  const TemporaryFolder folder;
-  auto robot = settings("old", folder);
-  Fleet fleet({robot});
-  fleet.serve();
-  REQUIRE(eventually([&] { return served(fleet) == Names{"old"}; }));
-  ServiceStatus status;
-  fleet.tell(status);
-  robot.listen = status.robots.front()->state.newest()->listen;
-
-  boost::asio::io_context context;
-  udp::socket controller(context, udp::endpoint(boost::asio::ip::address_v4::loopback(), 0));
-  controller.connect({boost::asio::ip::address_v4(robot.listen.address), robot.listen.port});
-  std::uint64_t ipoc = 0;
-  const auto send = [&] {
-    ipoc += 4;
-    controller.send(boost::asio::buffer("<Rob><IPOC>" + std::to_string(ipoc) + "</IPOC></Rob>"));
-  };
-  send();
-  REQUIRE(eventually([&] { return status.robots.front()->state.newest()->stream.has_value(); }));
-  robot.name = "new";
-  fleet.reload({robot});
-  CHECK(served(fleet) == Names{"old"});
-  send();
-  CHECK(eventually([&] { return controller.available() > 0; }));
-  CHECK(eventually([&] {
-    send();
-    return status.robots.front()->state.newest()->server.answered > 2;
-  }));
-  REQUIRE(eventually([&] { return !status.robots.front()->state.newest()->stream; }));
-  fleet.reload({robot});
-  CHECK(eventually([&] { return served(fleet) == Names{"new"}; }));
-  CHECK(ends(fleet));
-}
-
 TEST_CASE("a disk that does not answer holds up neither a start, nor a reload, nor the end",
           "[fleet][issue11][point_6][point_7]") {
   const TemporaryFolder folder;
