@@ -292,7 +292,7 @@ std::optional<UsualCircle> fit_usual_circle(const Matrix3Xd& points) {
     if (most_mm <= std::max(kRounding_mm, kSuspicious * from.usual_mm))
       return UsualCircle{*plain, kInfinite};
   }
-  const auto as_it_is = plain ? std::optional(UsualCircle{*plain, kInfinite}) : std::nullopt;
+  auto as_it_is = plain ? std::optional(UsualCircle{*plain, kInfinite}) : std::nullopt;
   const auto robust = fit_robust_circle(points);
   if (!robust) return as_it_is;
   const auto from = distances_from(*robust, points);
