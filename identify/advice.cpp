@@ -73,11 +73,10 @@ class Adviser {
   void run() {
     for (std::size_t j = 0; j < found_.joints.size(); ++j) {
       if (found_.joints[j].line) advise_linear(j);
-      const auto seen = seen_circle(found_.joints[j]);  // strays have no say
-      if (!seen) continue;
-      if (!judge_axis(j, seen->circle)) compare_with_others(j);
+      if (!found_.joints[j].circle) continue;
+      if (!judge_axis(j)) compare_with_others(j);
       judge_speed(j);
-      if (found_.chain) judge_angles(j, seen->circle);
+      if (found_.chain) judge_angles(j);
     }
     judge_height();
     judge_resolution();
@@ -99,8 +98,9 @@ class Adviser {
   }
 
   /// Whether there was something to say.
-  bool judge_axis(std::size_t j, const CircleFit& circle) {
+  bool judge_axis(std::size_t j) {
     const JointResult& joint = found_.joints[j];
+    const CircleFit& circle = *joint.circle;
     std::string seen = "radius " + fixed(circle.radius_mm, 1) + " mm";
     // Where noise runs round and round a point there is none.
     if (circle.arc_rad < 2 * kPi) seen += ", arc " + degrees(circle.arc_rad);
@@ -213,9 +213,10 @@ class Adviser {
     return std::hypot(2 * speed * sigma_s, untold * found_.chain->noise.position_mm / radius_mm);
   }
 
-  void judge_angles(std::size_t j, const CircleFit& circle) {
+  void judge_angles(std::size_t j) {
     const AngleEvidence& seen = found_.chain->angles[j];
     if (seen.samples == 0) return;
+    const CircleFit& circle = *found_.joints[j].circle;
     const double backlash = std::abs(seen.backlash_rad);
     const double by_delay = direction_by_delay_rad(j, circle.radius_mm);
     if (seen.backlash_sigma_rad > 0 &&
@@ -230,10 +231,10 @@ class Adviser {
            "its angles were not used, each of its circles stands by its points alone: " +
                seen.reason + " (error " + arcsec(seen.error_rms_rad) + " rms, " +
                arcsec(seen.expected_rms_rad) + " expected)");
-    if (seen.trust == AngleTrust::smooth) judge_curve(j, seen, circle.radius_mm);
+    if (seen.trust == AngleTrust::smooth) judge_curve(j, seen);
   }
 
-  void judge_curve(std::size_t j, const AngleEvidence& seen, double radius_mm) {
+  void judge_curve(std::size_t j, const AngleEvidence& seen) {
     const JointResult& joint = found_.joints[j];
     const auto home = found_.home_rad[j];
     if (!home || !joint.axis || seen.coherence <= kLeastCoherence) return;
@@ -254,12 +255,12 @@ class Adviser {
     }
     const double swing = highest - lowest;
     // A circle's centre that is off looks like a smooth error, too.
-    const double uncertainty = joint.axis->point_sigma_mm() / radius_mm;
+    const double uncertainty = joint.axis->point_sigma_mm() / joint.circle->radius_mm;
     if (swing <= std::max(kLeastCurve_rad, 2 * kAdviceSigmas * uncertainty)) return;
     warn("transmission_error", j,
          "its angles are off by a smooth curve of " + arcsec(swing) + " from lowest to highest (" +
-             brief(swing * radius_mm) + " mm at the target) between " + degrees(*home + from) +
-             " and " + degrees(*home + to) +
+             brief(swing * joint.circle->radius_mm) + " mm at the target) between " +
+             degrees(*home + from) + " and " + degrees(*home + to) +
              ": they were not used; the curve is part of the result");
   }
 

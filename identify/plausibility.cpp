@@ -56,9 +56,9 @@ class Judge {
   void judge_strokes(const Resolution& resolution) {
     judge_external_axes();
     judge_copies(resolution);
-    for (const JointResult& joint : found_.joints) circles_.push_back(seen_circle(joint));
+    for (const JointResult& joint : found_.joints) scatter_.push_back(circle_scatter(joint));
     for (std::size_t j = 0; j < found_.joints.size(); ++j)
-      if (circles_[j] && !strokes_disagree(j) && !is_no_circle(j)) judge_angles(j);
+      if (scatter_[j] && !strokes_disagree(j) && !is_no_circle(j)) judge_angles(j);
     judge_home();
   }
 
@@ -154,14 +154,15 @@ class Judge {
 
   bool is_no_circle(std::size_t j) {
     std::vector<double> peers;
-    for (std::size_t k = 0; k < circles_.size(); ++k)
-      if (k != j && circles_[k]) peers.push_back(circles_[k]->usual_mm);
+    for (std::size_t k = 0; k < scatter_.size(); ++k)
+      if (k != j && scatter_[k]) peers.push_back(scatter_[k]->usual_mm);
     const double peer = median_of(peers);
-    const double usual = circles_[j]->usual_mm;
+    const double usual = scatter_[j]->usual_mm;
     const bool above_peers =
         peers.size() >= 2 && usual > kMisfit_mm && usual > kMisfitToPeers * peer;
     if (!above_peers && is_bent(j)) return true;
-    const double no_circle = std::max(kOffCurve_mm, kNoCircleShare * circles_[j]->circle.radius_mm);
+    const double no_circle =
+        std::max(kOffCurve_mm, kNoCircleShare * found_.joints[j].circle->radius_mm);
     if (!above_peers && !(usual > no_circle)) return false;
     std::string message = joint_name(j) + ": its points lie on no circle: they are ";
     message += fixed(usual, 1) + " mm off";
@@ -172,11 +173,11 @@ class Judge {
   }
 
   bool is_bent(std::size_t j) {
-    if (!circles_[j]->bent_mm) return false;
+    if (!scatter_[j]->bent_mm) return false;
     std::vector<double> peers;
-    for (std::size_t k = 0; k < circles_.size(); ++k)
-      if (k != j && circles_[k] && circles_[k]->bent_mm) peers.push_back(*circles_[k]->bent_mm);
-    const double bent = *circles_[j]->bent_mm;
+    for (std::size_t k = 0; k < scatter_.size(); ++k)
+      if (k != j && scatter_[k] && scatter_[k]->bent_mm) peers.push_back(*scatter_[k]->bent_mm);
+    const double bent = *scatter_[j]->bent_mm;
     const double peer = median_of(peers);
     if (peers.size() < 2 || !(bent > kBent_mm) || !(bent > kBentToPeers * peer)) return false;
     doubt("circle_misfit", j,
@@ -191,10 +192,10 @@ class Judge {
   void judge_home() {
     std::vector<AxisCircle> circles;
     std::vector<std::size_t> joints;
-    for (std::size_t j = 0; j < circles_.size(); ++j) {
-      if (!circles_[j] || found_.joints[j].circle_target != found_.joints.front().circle_target)
+    for (std::size_t j = 0; j < scatter_.size(); ++j) {
+      if (!scatter_[j] || found_.joints[j].circle_target != found_.joints.front().circle_target)
         continue;
-      const CircleFit& circle = circles_[j]->circle;
+      const CircleFit& circle = *found_.joints[j].circle;
       circles.push_back({{circle.normal, circle.center_mm},
                          circle.center_mm + circle.radius_mm * circle.normal.unitOrthogonal()});
       joints.push_back(j);
@@ -232,8 +233,8 @@ class Judge {
   /// stroke there and back, shifts both.
   void judge_angles(std::size_t j) {
     const JointResult& joint = found_.joints[j];
-    const CircleFit& circle = circles_[j]->circle;
-    if (circle.radius_mm < kLeastRadius * circles_[j]->usual_mm) return;
+    const CircleFit& circle = *found_.joints[j].circle;
+    if (circle.radius_mm < kLeastRadius * scatter_[j]->usual_mm) return;
     const Vector3d x = circle.normal.unitOrthogonal();
     const Vector3d y = circle.normal.cross(x);
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
@@ -278,7 +279,7 @@ class Judge {
   }
 
   Identification& found_;
-  std::vector<std::optional<SeenCircle>> circles_;  // one a joint
+  std::vector<std::optional<CircleScatter>> scatter_;  // one a joint
 };
 
 }  // namespace

@@ -18,21 +18,6 @@ using Eigen::Vector3d;
 
 constexpr std::size_t kSections = 12;
 constexpr std::size_t kFewestInSection = 5;
-/// Closer than this the plain fit will do; farther off, outliers may have turned it over.
-constexpr double kSure_mm = 0.05;
-
-Eigen::Matrix3Xd points_of(const JointResult& joint) {
-  std::vector<Vector3d> points;
-  for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
-    if (!joint.used[s] || joint.sweeps[s].target != joint.circle_target) continue;
-    for (const Sample& sample : *joint.sweeps[s].samples)
-      if (sample.has_position) points.push_back(sample.position_mm);
-  }
-  Eigen::Matrix3Xd columns(3, static_cast<Eigen::Index>(points.size()));
-  Eigen::Index at = 0;
-  for (const Vector3d& point : points) columns.col(at++) = point;
-  return columns;
-}
 
 /// How far the middle one of the points is from a circle.
 double usual_distance_mm(const CircleFit& circle, const Eigen::Matrix3Xd& points) {
@@ -80,23 +65,11 @@ std::optional<double> bent_mm(const CircleFit& circle, const Eigen::Matrix3Xd& p
 
 }  // namespace
 
-std::optional<SeenCircle> seen_circle(const JointResult& joint) {
+std::optional<CircleScatter> circle_scatter(const JointResult& joint) {
   if (!joint.circle) return std::nullopt;
-  const auto points = points_of(joint);
-  SeenCircle seen{*joint.circle, usual_distance_mm(*joint.circle, points), {}};
-  seen.bent_mm = bent_mm(seen.circle, points, seen.usual_mm);
-  // Most of the time the plain fit will do.
-  if (std::max(seen.circle.plane_rms_mm, seen.circle.radial_rms_mm) <= kSure_mm) return seen;
-  const auto robust = fit_robust_circle(points);
-  if (!robust) return seen;
-  // Outliers may have turned the plain one over.
-  const Vector3d positive = joint.axis ? joint.axis->direction : joint.circle->normal;
-  const double sense = robust->normal.dot(positive) < 0 ? -1 : 1;
-  seen.circle = *robust;
-  seen.circle.normal *= sense;
-  seen.usual_mm = usual_distance_mm(seen.circle, points);
-  seen.bent_mm = bent_mm(seen.circle, points, seen.usual_mm);
-  return seen;
+  const auto points = used_points(joint, joint.circle_target);
+  const double usual_mm = usual_distance_mm(*joint.circle, points);
+  return CircleScatter{usual_mm, bent_mm(*joint.circle, points, usual_mm)};
 }
 
 namespace {

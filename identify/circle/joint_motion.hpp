@@ -9,9 +9,8 @@
 
 namespace identify {
 
-/// A joint's circle that outliers have not spoiled.
-struct SeenCircle {
-  CircleFit circle;
+/// How the points of a joint's circle lie about it; a few far off do not matter.
+struct CircleScatter {
   double usual_mm = 0;  ///< distance of the middle one of its points
   /// Of the middle ones of its arc's sections, root mean square; nothing where points are too few
   /// for it.
@@ -19,7 +18,7 @@ struct SeenCircle {
 };
 
 /// Nothing where the joint has no circle.
-[[nodiscard]] std::optional<SeenCircle> seen_circle(const JointResult& joint);
+[[nodiscard]] std::optional<CircleScatter> circle_scatter(const JointResult& joint);
 
 /// How the target moves in a joint's sweeps.
 struct JointMotion {

@@ -261,49 +261,28 @@ std::optional<CircleFit> fit_robust_circle(const Matrix3Xd& points) {
   return best->points > 0 ? best : fit_circle(points);
 }
 
-namespace {
-
-struct Distances {
-  std::vector<double> all_mm;
-  double usual_mm = 0;  ///< the middle one; where points are few, more
-};
-
-Distances distances_from(const CircleFit& circle, const Matrix3Xd& points) {
-  Distances distances;
-  for (Index i = 0; i < points.cols(); ++i)
-    distances.all_mm.push_back(std::sqrt(squared_distance(circle, points.col(i))));
-  distances.usual_mm = for_few(points.cols()) * median_of(distances.all_mm);
-  return distances;
-}
-
-}  // namespace
-
 std::optional<UsualCircle> fit_usual_circle(const Matrix3Xd& points) {
-  constexpr double kInfinite = std::numeric_limits<double>::infinity();
-  // Times the middle distance: noise alone hardly goes there. Of few points one draws the circle so
-  // near to itself that this does not tell.
-  constexpr double kSuspicious = 5;
-  constexpr Index kFew = 100;
+  /// Closer than this no point can have turned the plain circle over.
+  constexpr double kSure_mm = 0.05;
   constexpr double kRounding_mm = 1e-6;
   const auto plain = fit_circle(points);
-  if (plain && points.cols() > kFew) {
-    const auto from = distances_from(*plain, points);
-    const double most_mm = *std::max_element(from.all_mm.begin(), from.all_mm.end());
-    if (most_mm <= std::max(kRounding_mm, kSuspicious * from.usual_mm))
-      return UsualCircle{*plain, kInfinite};
+  const bool sure = plain && std::max(plain->plane_rms_mm, plain->radial_rms_mm) <= kSure_mm;
+  if (const auto robust = sure ? std::nullopt : fit_robust_circle(points)) {
+    std::vector<double> distances;
+    for (Index i = 0; i < points.cols(); ++i)
+      distances.push_back(std::sqrt(squared_distance(*robust, points.col(i))));
+    const double within_mm =
+        std::max(kRounding_mm, kOutlierDistances * for_few(points.cols()) * median_of(distances));
+    Matrix3Xd close(3, points.cols());
+    Index count = 0;
+    for (Index i = 0; i < points.cols(); ++i)
+      if (distances[static_cast<std::size_t>(i)] <= within_mm) close.col(count++) = points.col(i);
+    if (count < points.cols())
+      if (const auto circle = fit_circle(close.leftCols(count)))
+        return UsualCircle{*circle, within_mm};
   }
-  auto as_it_is = plain ? std::optional(UsualCircle{*plain, kInfinite}) : std::nullopt;
-  const auto robust = fit_robust_circle(points);
-  if (!robust) return as_it_is;
-  const auto from = distances_from(*robust, points);
-  const double within_mm = std::max(kRounding_mm, kOutlierDistances * from.usual_mm);
-  Matrix3Xd close(3, points.cols());
-  Index count = 0;
-  for (Index i = 0; i < points.cols(); ++i)
-    if (from.all_mm[static_cast<std::size_t>(i)] <= within_mm) close.col(count++) = points.col(i);
-  if (count == points.cols()) return as_it_is;
-  const auto circle = fit_circle(close.leftCols(count));
-  return circle ? std::optional(UsualCircle{*circle, within_mm}) : as_it_is;
+  if (!plain) return std::nullopt;
+  return UsualCircle{*plain, std::numeric_limits<double>::infinity()};
 }
 
 }  // namespace identify

@@ -71,8 +71,7 @@ class Reader {
   void read();
 
  private:
-  void check_list(const pugi::xml_node& section);
-  void check_child(const pugi::xml_node& node, std::string_view name, bool received);
+  bool is_understood(const pugi::xml_node& node, std::string_view name, bool received);
   void read_config(const pugi::xml_node& section);
   std::vector<Element> read_list(const pugi::xml_node& section);
   Element read_element(const pugi::xml_node& node);
@@ -125,7 +124,6 @@ void Reader::read() {
       fail(section, "<ROOT>", "the sections CONFIG, SEND and RECEIVE alone", name);
     if (section.previous_sibling(section.name()))
       fail(section, "<ROOT>", "each section once", name);
-    if (name != "CONFIG") check_list(section);
   }
   read_config(root.child("CONFIG"));
   config_.send = read_list(root.child("SEND"));
@@ -136,21 +134,15 @@ void Reader::read() {
     warn(root, "RECEIVE: this section is missing: replies will carry nothing but the IPOC");
 }
 
-void Reader::check_list(const pugi::xml_node& section) {
-  const bool received = std::string_view(section.name()) == "RECEIVE";
-  for (const auto& elements : section.children()) {
-    check_child(elements, "ELEMENTS", received);
-    for (const auto& element : elements.children()) check_child(element, "ELEMENT", received);
-  }
-}
-
 /// What is received and not understood may be a tag that moves the robot.
-void Reader::check_child(const pugi::xml_node& node, std::string_view name, bool received) {
-  if (node.type() != pugi::node_element || node.name() == name) return;
+bool Reader::is_understood(const pugi::xml_node& node, std::string_view name, bool received) {
+  if (node.type() != pugi::node_element) return false;
+  if (node.name() == name) return true;
   if (received)
     fail(node, "<" + std::string(node.parent().name()) + ">", std::string(name) + " alone",
          node.name());
   warn(node, std::string(node.name()) + ": expected " + std::string(name) + ": not used");
+  return false;
 }
 
 std::optional<std::string> Reader::value(const pugi::xml_node& config, const char* key) {
@@ -219,8 +211,10 @@ std::vector<Element> Reader::read_list(const pugi::xml_node& section) {
   std::vector<Element> list;
   std::unordered_map<std::string, int> line_of_tag;
   std::unordered_map<int, std::string> tag_of_channel;
-  for (const auto& elements : section.children("ELEMENTS"))
-    for (const auto& node : elements.children("ELEMENT")) {
+  for (const auto& elements : section.children()) {
+    if (!is_understood(elements, "ELEMENTS", received)) continue;
+    for (const auto& node : elements.children()) {
+      if (!is_understood(node, "ELEMENT", received)) continue;
       auto element = read_element(node);
       if (received) check_received(node, element);
       const auto [same, is_first] = line_of_tag.try_emplace(element.tag, element.line);
@@ -233,6 +227,7 @@ std::vector<Element> Reader::read_list(const pugi::xml_node& section) {
                        other->second + "\" already: give each tag a channel of its own");
       list.push_back(std::move(element));
     }
+  }
   return list;
 }
 

@@ -41,8 +41,8 @@ struct FoundLength {
 
 /// The length at the end of `before`, which is what stands before an XML text of `length` bytes. A
 /// line end, CR LF or NUL behind the XML may be counted in: up to two bytes more. Digits may have
-/// leading zeros. Where two forms fit, `likely` is taken, and only `likely` where the bytes may as well
-/// be blanks and NULs between telegrams. `none` if none fits.
+/// leading zeros. Where two forms fit, `likely` is taken, and only `likely` where the bytes may as
+/// well be blanks and NULs between telegrams. `none` if none fits.
 [[nodiscard]] FoundLength find_length(std::string_view before, std::uint32_t length,
                                       LengthPrefix likely) noexcept;
 

@@ -95,14 +95,11 @@ TEST_CASE("the report of a complete run has the paper's figures and all numbers 
 
 TEST_CASE("the page has angles in the turn of the specified ones, and says why one is not compared",
           "[html_report]") {
-  Outcome outcome = complete_outcome();
-  auto& found = outcome.identification;
-  found.specified[3].theta_rad = 3;
-  found.dh[3].theta_rad.value = -3;
+  Outcome outcome = outcome_in_another_turn();
   const auto words = words_of(report_html(outcome));
   CHECK_THAT(words, ContainsSubstring(" " + fixed(360 - degrees(3), 2)) &&
                         !ContainsSubstring("“–” beside θ"));
-  found.home_rad[3].reset();
+  outcome.identification.home_rad[3].reset();
   CHECK_THAT(words_of(report_html(outcome)),
              ContainsSubstring("“–” beside θ: not compared, since the controller's angles at home "
                                "are not known: give --plan, or angles."));

@@ -10,6 +10,7 @@
 #include "tests/eventually.hpp"
 
 using namespace rsi;
+using boost::asio::ip::tcp;
 
 namespace {
 
@@ -43,6 +44,12 @@ class Receiving {
   std::string text_;
   std::thread thread_;
 };
+
+tcp::socket connected(boost::asio::io_context& context, const Receiving& receiving) {
+  tcp::socket socket(context);
+  socket.connect(to_asio<tcp>(receiving.receiver.local()));
+  return socket;
+}
 
 }  // namespace
 
@@ -90,15 +97,11 @@ TEST_CASE("A flood is dropped and counted, and memory stays bounded", "[text_rec
 TEST_CASE("Over TCP whole lines are handed over, of the newest connection", "[text_receiver]") {
   Receiving receiving(Transport::tcp);
   boost::asio::io_context context;
-  using boost::asio::ip::tcp;
-  const auto to = to_asio<tcp>(receiving.receiver.local());
-  tcp::socket first(context);
-  first.connect(to);
+  auto first = connected(context, receiving);
   first.send(boost::asio::buffer(std::string("1,2")));
   first.send(boost::asio::buffer(std::string(",3\n4,5,6\nrest")));
   REQUIRE(sweepd::test::eventually([&] { return receiving.text() == "1,2,3\n4,5,6\n"; }));
-  tcp::socket second(context);
-  second.connect(to);
+  auto second = connected(context, receiving);
   second.send(boost::asio::buffer(std::string("7,8,9\n")));
   REQUIRE(sweepd::test::eventually([&] { return receiving.text() == "1,2,3\n4,5,6\n7,8,9\n"; }));
 
@@ -110,14 +113,10 @@ TEST_CASE("Over TCP every line of a new connection comes once, whatever the one 
           "[text_receiver]") {
   Receiving receiving(Transport::tcp);
   boost::asio::io_context context;
-  using boost::asio::ip::tcp;
-  const auto to = to_asio<tcp>(receiving.receiver.local());
-  tcp::socket before(context);
-  before.connect(to);
+  auto before = connected(context, receiving);
   before.send(boost::asio::buffer(std::string(20'000, '\n')));
   std::this_thread::sleep_for(std::chrono::milliseconds(2));  // it is read, and its reader pauses
-  tcp::socket after(context);
-  after.connect(to);
+  auto after = connected(context, receiving);
   std::string lines;
   for (int line = 0; line < 200'000; ++line) lines += std::to_string(line) + ",101598.25\n";
   std::thread sender([&] {
