@@ -277,12 +277,24 @@ class Adviser {
              "the ETHERNET object)");
   }
 
+  void judge_uneven_joints(const ChainEffects& effects) {
+    for (std::size_t j = 0; j < found_.joints.size(); ++j) {
+      const double home_rad = effects.home_rad_of(j);
+      if (home_rad > effects.home_rad)
+        warn("joint_not_held", j,
+             joint_name(j) + ": while it was locked it stood elsewhere from sweep to sweep, by " +
+                 fixed(home_rad / kDegree, 4) + "°, the other joints by " +
+                 fixed(effects.home_rad / kDegree, 4) + "°: look after its brake and its gear");
+      const double times = effects.figure_times_of(j);
+      if (times > 1)
+        warn("arc_bent", j,
+             joint_name(j) + ": its arc departs from a circle " + brief(times) +
+                 " times as far as the other joints': look after its bearing, and whether another "
+                 "joint moved along");
+    }
+  }
+
   void judge_fit(const ChainEstimate& chain) {
-    if (!chain.summary.converged)
-      warn("not_converged", {},
-           "the chain estimator did not come to its end (" + std::string(chain.summary.ending) +
-               ", after " + std::to_string(chain.summary.iterations) +
-               " iterations): the numbers are those of the circles");
     const auto samples = static_cast<double>(std::max<std::size_t>(1, chain.samples));
     const double share = static_cast<double>(chain.outliers) / samples;
     if (share > kManyOutliers)
@@ -296,6 +308,7 @@ class Adviser {
            "errors of successive samples are alike: " + fixed(chain.samples_per_independent, 0) +
                " samples tell as much as one; uncertainties allow for it; more sweeps help, "
                "denser samples do not");
+    judge_uneven_joints(chain.effects);
     if (chain.home_scatter_mm > kHomeScatter_mm)
       warn("home_not_shared", {},
            "from sweep to sweep the target stood off home by " + brief(chain.home_scatter_mm) +

@@ -54,6 +54,7 @@ class Judge {
   explicit Judge(Identification& found) : found_(found) {}
 
   void judge_strokes(const Resolution& resolution) {
+    judge_fit();
     judge_external_axes();
     judge_copies(resolution);
     for (const JointResult& joint : found_.joints) scatter_.push_back(circle_scatter(joint));
@@ -65,6 +66,19 @@ class Judge {
  private:
   void doubt(std::string_view code, std::optional<std::size_t> joint, std::string message) {
     found_.doubts.push_back({std::string(code), joint, std::move(message)});
+  }
+
+  /// Circles know of no errors but the samples' noise: their uncertainties are too small wherever
+  /// there are others.
+  void judge_fit() {
+    if (!found_.chain || found_.chain->summary.converged || found_.estimator != Estimator::circle)
+      return;
+    const Summary& fit = found_.chain->summary;
+    doubt("not_converged", std::nullopt,
+          "the chain estimator did not come to its end (" + std::string(fit.ending) + ", after " +
+              std::to_string(fit.iterations) +
+              " iterations): the numbers are those of the circles, and may be farther off than "
+              "their uncertainties say");
   }
 
   void judge_external_axes() {

@@ -83,8 +83,8 @@ class Curves {
  public:
   Curves(const ChainNodes& nodes, const ChainEffects& effects)
       : nodes_(nodes),
+        effects_(effects),
         columns_(own_ones(effects), nodes),
-        figure_mm_(effects.figure_mm()),
         unit_(nodes.strokes.size()) {
     columns_.wander = 0;  // what strokes have in common is not asked for
     variances_ = variances_of(effects, nodes, columns_).own;
@@ -116,7 +116,8 @@ class Curves {
     const Vector3d told = at.scatter.residual.error - (error_rad + at.mean) * by_turn;
     // An arc's figure is the same wherever the locked joints stood: no samples average it out.
     const Vector3d along = by_turn.normalized();
-    const double across = figure_mm_ * figure_mm_ * nodes_.strokes[at.stroke].weight / correlation;
+    const double figure_mm = effects_.figure_mm() * effects_.figure_times_of(at.seen.joint);
+    const double across = figure_mm * figure_mm * nodes_.strokes[at.stroke].weight / correlation;
     const Eigen::Matrix3d covariance =
         at.weight.inverse() + quantum_rad * quantum_rad * by_turn * by_turn.transpose() +
         across * (Eigen::Matrix3d::Identity() - along * along.transpose());
@@ -149,8 +150,8 @@ class Curves {
   ErrorCurve::Stroke& of(const SeenNode& at) { return units_[unit_[at.stroke]]; }
 
   const ChainNodes& nodes_;
+  const ChainEffects& effects_;
   EffectColumns columns_;
-  double figure_mm_;
   std::vector<std::size_t> unit_;  ///< of each stroke
   std::vector<Eigen::VectorXd> variances_;
   std::vector<ErrorCurve::Stroke> units_;

@@ -229,7 +229,8 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
     const StrokeMoments& stroke = nodes.strokes[nodes.units[u].front()];
     VectorXd own = VectorXd::Zero(columns.own);
     if (columns.own > 0) {
-      own.head(turns).setConstant(effects.home_rad * effects.home_rad);
+      for (Index k = 0; k < turns; ++k)
+        own(k) = std::pow(effects.home_rad_of(static_cast<std::size_t>(k)), 2);
       own.segment<3>(turns).setConstant(drift * (1 - in_common(nodes.group[u])));
       // Over a stroke of length T, the coefficient of a random walk's n-th Legendre polynomial has
       // the variance T/4 (1/(2n+3) + 1/(2n-1)) in units of a unit of time's (integrated by parts).
@@ -246,14 +247,19 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
     variances.own.push_back(std::move(own));
   }
   std::vector<double> arcs(nodes.home_of.size());  // of the groups; half of them
-  for (std::size_t u = 0; u < nodes.units.size(); ++u)
+  std::vector<std::size_t> joints(arcs.size());
+  for (std::size_t u = 0; u < nodes.units.size(); ++u) {
+    joints[nodes.group[u]] = nodes.strokes[nodes.units[u].front()].content.joint;
     for (const std::size_t s : nodes.units[u]) {
       double& arc = arcs[nodes.group[u]];
       arc = std::max(arc, (nodes.strokes[s].to_rad - nodes.strokes[s].from_rad) / 2);
     }
+  }
   for (std::size_t g = 0; g < arcs.size(); ++g) {
     VectorXd shared(columns.shared());
-    const VectorXd figure = columns.figure > 0 ? figure_variances(effects, arcs[g]) : VectorXd();
+    VectorXd figure;
+    if (columns.figure > 0)
+      figure = figure_variances(effects, arcs[g]) * std::pow(effects.figure_times_of(joints[g]), 2);
     const Index figures = shared.size() - columns.wander - columns.told;
     for (Index at = 0; at < figures; ++at) shared(at) = figure(at % kFigureOrders);
     shared.segment(figures, columns.wander).setConstant(drift * in_common(g));

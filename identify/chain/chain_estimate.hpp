@@ -56,6 +56,16 @@ struct ChainEffects {
   /// What the joint that gives way most does so by under the weight that it carries: `sags` of the
   /// chain.
   double sag_rad = 0;
+  /// How many times as large one joint's `home_rad`, as a locked one, and `figures_mm`, as the
+  /// sweeping one, are as the other joints': one a joint, none where all are alike.
+  std::vector<double> home_times;
+  std::vector<double> figure_times;
+  [[nodiscard]] double home_rad_of(std::size_t joint) const {
+    return home_rad * (home_times.empty() ? 1 : home_times[joint]);
+  }
+  [[nodiscard]] double figure_times_of(std::size_t joint) const {
+    return figure_times.empty() ? 1 : figure_times[joint];
+  }
   bool sag_told = false;  ///< that is known beforehand; else sweeps from several homes show it
 
   /// How far each joint may stand from where its printed angle says, one a joint: `zero_rad` of the

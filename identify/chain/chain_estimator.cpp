@@ -11,6 +11,7 @@
 #include "identify/chain/chain_start.hpp"
 #include "identify/chain/effect_sizes.hpp"
 #include "identify/chain/linearised_chain.hpp"
+#include "identify/chain/uneven_joints.hpp"
 #include "identify/geometry/angle.hpp"
 
 namespace identify {
@@ -132,7 +133,11 @@ class Estimation {
     shape.home_rad = shape.drift_mm = nodes_.units.size() > 1 ? 1 : 0;  // from stroke to stroke
     shape.offset_rad = several_homes ? 1 : 0;
     constexpr int kRounds = 2;
-    for (int round = 0; round < kRounds; ++round) size_effects(best, shape);
+    for (int round = 0; round < kRounds; ++round) {
+      size_effects(best, shape);
+      shape.home_times = effects_.home_times;
+      shape.figure_times = effects_.figure_times;
+    }
   }
 
   /// The effects that the shape has, and the fit that knows of them.
@@ -145,6 +150,7 @@ class Estimation {
     LinearisedChain linearised(best.fit.chain, nodes_, best.noise, shape, false);
     effects_ = effect_sizes(linearised, shape, best.noise.position_mm / std::sqrt(weight / strokes),
                             reach_mm(best.fit.chain));
+    find_uneven_joints(linearised, joints_, effects_);
     // A joint whose sag may be anything could not be told from its angle, and one of none has no
     // sag.
     if (!(effects_.sag_rad > 0)) best.fit.chain.sags.clear();
@@ -313,8 +319,10 @@ class Estimation {
     estimate.samples_per_independent = weight / sum;
 
     estimate.effects = effects_;
-    estimate.home_scatter_mm =
-        std::hypot(effects_.home_rad * reach_mm(best.fit.chain), effects_.drift_mm);
+    double home_rad = 0;
+    for (std::size_t j = 0; j < joints_; ++j)
+      home_rad = std::max(home_rad, effects_.home_rad_of(j));
+    estimate.home_scatter_mm = std::hypot(home_rad * reach_mm(best.fit.chain), effects_.drift_mm);
     LinearisedChain linearised(best.fit.chain, nodes_, best.noise, effects_,
                                estimate.with_orientation);
     best.fit.parts = linearised.parts();

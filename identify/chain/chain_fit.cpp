@@ -18,8 +18,10 @@ using Eigen::VectorXd;
 constexpr double kSmallStep = 1e-7;
 /// So close the end may be rounding's.
 constexpr double kCloseStep = 1e-2;
-/// A step that is left for rounding's sake: it adds a fiftieth to an uncertainty at most.
+/// A step that is left, since rounding or effects that turn along lead no further: it adds a
+/// fiftieth to an uncertainty at most.
 constexpr double kHarmlessStep = 0.2;
+constexpr std::string_view kNearly = "converged to a fraction of the uncertainties";
 /// Steps that shrink so lead somewhere.
 constexpr double kShrinks = 0.7;
 constexpr double kFirstDamping = 1e-6;
@@ -67,7 +69,7 @@ class Fitting {
       ++summary.iterations;
       if (!step()) {
         summary.converged = here_.to_go < kHarmlessStep;
-        summary.ending = summary.converged ? "converged to rounding" : "no better place found";
+        summary.ending = summary.converged ? kNearly : "no better place found";
         break;
       }
     }
@@ -96,8 +98,9 @@ class Fitting {
       summary.converged = true;
       return "converged";
     }
-    if (summary.iterations == most_iterations) return "no convergence";
-    return std::nullopt;
+    if (summary.iterations < most_iterations) return std::nullopt;
+    summary.converged = here_.to_go < kHarmlessStep;
+    return summary.converged ? kNearly : "no convergence";
   }
 
   /// Goes to a better place, if there is one.

@@ -106,8 +106,10 @@ std::vector<ChainEstimate::Part> LinearisedChain::parts() {
   };
   ChainEffects home, drift, figure, offset, print;
   home.home_rad = shape_.home_rad;
+  home.home_times = shape_.home_times;
   drift.drift_mm = shape_.drift_mm;
   figure.figures_mm = shape_.figures_mm;
+  figure.figure_times = shape_.figure_times;
   offset.offset_rad = shape_.offset_rad;
   print.print_mm = shape_.print_mm;
   print.print_rad = shape_.print_rad;

@@ -311,14 +311,3 @@ TEST_CASE("orientations that contradict the positions are told", "[advice][long]
   const auto found = identify::identify(sweeps, campaign_of(robot, kController));
   CHECK_THAT(message(found, "orientation_inconsistent", {}), ContainsSubstring("A, B, C"));
 }
-
-TEST_CASE("a fit that did not end is told", "[advice][long]") {
-  const auto robot = kr5_swept();
-  auto found = identified(robot);
-  found.chain->summary.converged = false;
-  found.chain->summary.ending = "too many iterations";
-  found.estimator = Estimator::circle;
-  found.warnings.clear();
-  add_advice(found, campaign_of(robot, kController));
-  CHECK_THAT(message(found, "not_converged", {}), ContainsSubstring("too many iterations"));
-}

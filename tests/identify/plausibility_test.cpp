@@ -7,6 +7,7 @@
 #include "tests/simulation/simulation.hpp"
 
 using namespace identify;
+using Catch::Matchers::ContainsSubstring;
 using identify::test::Change;
 using identify::test::changed;
 using identify::test::find_warning;
@@ -268,4 +269,17 @@ TEST_CASE("an external axis that moves during a sweep is a doubt, between sweeps
     check_doubt(found, "external_axis_moved", 3);
   else
     CHECK(found.status == Status::complete);
+}
+
+TEST_CASE("circles in place of a fit that did not end are a doubt", "[plausibility]") {
+  const Simulation simulation(some_kr5(10), {}, tracker(false), 10);
+  auto found = identify::identify(simulation.sweeps(), simulation.campaign());
+  REQUIRE(found.doubts.empty());
+  found.chain->summary.converged = false;
+  found.chain->summary.ending = "too many iterations";
+  found.estimator = Estimator::circle;
+  judge_plausibility(found, simulation.campaign());
+  REQUIRE(found.doubts.size() == 1);
+  CHECK(found.doubts.front().code == "not_converged");
+  CHECK_THAT(found.doubts.front().message, ContainsSubstring("too many iterations"));
 }

@@ -110,7 +110,8 @@ std::vector<identify::Sweep> Simulation::sweeps() const {
     std::vector<double> locked = homes_[stroke.home];  // where the encoders stand
     std::vector<double> play(joints, 0.0);             // what they do not see
     for (std::size_t k = 0; k < joints; ++k) {
-      const double error = k == j ? 0 : world_.home.sigma_deg * kDegree * normal(home_errors);
+      const bool stays = k == j || world_.home.joint.value_or(k) != k;
+      const double error = stays ? 0 : world_.home.sigma_deg * kDegree * normal(home_errors);
       locked[k] += stray[k];
       (world_.home.seen || world_.controller ? locked[k] : play[k]) += error;
     }

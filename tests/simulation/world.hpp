@@ -29,6 +29,7 @@ struct HomeError {
   bool seen = false;     ///< by the encoders; else it is play behind them
   /// Each joint after its own strokes, until it is swept again; the encoders see it.
   double stray_sigma_deg = 0;
+  std::optional<std::size_t> joint;  ///< only this one's; nothing: all joints'
 };
 
 /// Where the arm is beyond what the encoder says.

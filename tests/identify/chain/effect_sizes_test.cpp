@@ -72,6 +72,19 @@ TEST_CASE("Uncertainties hold for an arm that sags as its description says", "[e
   CHECK(rms_z(sagging(true)) < 1.3);
 }
 
+TEST_CASE("Uncertainties hold where one joint alone does not stay where it was locked",
+          "[effect_sizes][uneven_joints][long]") {
+  simulation::World world;
+  world.noise.range_mm = world.noise.across_mm = 0.02;
+  world.placed = true;
+  world.home.sigma_deg = 0.03;
+  world.home.joint = 0;
+  simulation::Strokes how;
+  how.samples = 100;
+  how.repeats = 3;
+  CHECK(rms_z(campaigns_of(8, how, world)) < 1.1);
+}
+
 TEST_CASE("Uncertainties hold where a device walks and sweeps go there and back",
           "[effect_sizes][long]") {
   simulation::World world;

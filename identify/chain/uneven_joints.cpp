@@ -1,0 +1,69 @@
+#include "identify/chain/uneven_joints.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace identify {
+namespace {
+
+constexpr double kFactor = 2;
+constexpr std::size_t kSteps = 8;  // up to 256 times
+/// So much less deviance there has to be.
+constexpr double kShown = 10;
+
+/// One joint's effect is so many times as large as the others'.
+struct Uneven {
+  double* times = nullptr;
+  double larger = 1;
+  double gain = 0;  ///< less deviance
+};
+
+Uneven judged(LinearisedChain& chain, const ChainEffects& sizes, double& times, double now) {
+  std::array<double, kSteps + 1> deviances{};
+  double least = now;
+  for (std::size_t step = 0; step <= kSteps; ++step) {
+    times = std::pow(kFactor, step);
+    const double here = step == 0 ? now : chain.deviance(sizes);
+    deviances[step] = std::isfinite(here) ? here : std::numeric_limits<double>::max();
+    least = std::min(least, deviances[step]);
+    if (step == 1 && !(least < now)) break;
+  }
+  times = 1;
+  if (!(least < now - kShown)) return {};
+  double weights = 0, squares = 0;
+  for (std::size_t step = 0; step <= kSteps; ++step) {
+    const double weight = std::exp((least - deviances[step]) / 2);
+    weights += weight;
+    squares += weight * std::pow(kFactor, 2 * step);
+  }
+  return {&times, std::sqrt(squares / weights), now - least};
+}
+
+}  // namespace
+
+void find_uneven_joints(LinearisedChain& chain, std::size_t joints, ChainEffects& sizes) {
+  sizes.home_times.assign(joints, 1);
+  sizes.figure_times.assign(joints, 1);
+  std::vector<double*> even;
+  for (std::size_t j = 0; j < joints; ++j) {
+    if (sizes.home_rad > 0) even.push_back(&sizes.home_times[j]);
+    if (sizes.figure_mm() > 0) even.push_back(&sizes.figure_times[j]);
+  }
+  // The worst one first: what it takes is not another one's.
+  while (!even.empty()) {
+    const double now = chain.deviance(sizes);
+    Uneven worst;
+    for (double* times : even) {
+      const Uneven one = judged(chain, sizes, *times, now);
+      if (one.gain > worst.gain) worst = one;
+    }
+    if (worst.times == nullptr) return;
+    *worst.times = worst.larger;
+    std::erase(even, worst.times);
+  }
+}
+
+}  // namespace identify
