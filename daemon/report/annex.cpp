@@ -130,16 +130,21 @@ std::string joined(const Json& words) {
   return text;
 }
 
-/// The command that makes the same result.json again; empty where run.json does not tell.
-std::string command_of(const ReportFolder& folder) {
-  const Json& run = folder.run;
-  if (!run.is_object()) return {};
-  if (const Json& words = list_of(run, "arguments"); !words.empty())
-    return "sweepd " + joined(words);
-  if (text_of(run, "command") != "run") return {};
-  const std::string robot = text_of(run, "description");
-  return "sweepd replay trace.pcap" + (robot.empty() ? "" : " --robot " + shell_word(robot)) +
-         " --output again";
+/// The command that makes the same result.json again, as far as run.json tells.
+void add_command(Markup parent, const Json& run) {
+  std::string how = "This command makes the same result.json again:";
+  std::string command;
+  if (const Json& words = list_of(run, "arguments"); !words.empty()) {
+    command = "sweepd " + joined(words);
+  } else if (text_of(run, "command") == "run") {
+    how =
+        "SETTINGS is the settings file of the daemon. In the folder of this session, if it was "
+        "recorded, this command makes the same result.json again:";
+    command = "sweepd replay trace*.pcap --config SETTINGS --output again";
+  }
+  if (command.empty()) return;
+  parent.put("p", how);
+  parent.add("pre").add("bdi").text(command);
 }
 
 void add_origin(Markup parent, const ReportFolder& folder) {
@@ -148,10 +153,7 @@ void add_origin(Markup parent, const ReportFolder& folder) {
   if (run.is_object())
     parent.put("p", "sweepd " + text_of(run, "sweepd") + ", command " + text_of(run, "command") +
                         ". Estimator: " + text_of(folder.result, "estimator") + ".");
-  if (const auto command = command_of(folder); !command.empty()) {
-    parent.put("p", "This command makes the same result.json again:");
-    parent.add("pre").add("bdi").text(command);
-  }
+  if (run.is_object()) add_command(parent, run);
   const Json inputs = run.is_object() ? list_of(run, "inputs") : Json::array();
   if (inputs.empty()) return;
   auto table = parent.add("table", {{"class", "inputs"}});

@@ -8,6 +8,7 @@
 
 #include "daemon/report/report_table.hpp"
 #include "daemon/text/numbers.hpp"
+#include "daemon/text/utc.hpp"
 #include "rsi/counted.hpp"
 
 namespace sweepd {
@@ -51,6 +52,25 @@ std::string source_text(const Json& source) {
   if (const double cycle_ms = number_of(source, "cycle_ms"); cycle_ms > 0)
     text += ", one every " + fixed(cycle_ms, 3) + " ms";
   return fmt::format("{}, {} lost, {} malformed", text, count("lost"), count("malformed"));
+}
+
+/// "2026-11-25 13:19:30 UTC"; as it is where it is no time.
+std::string moment_text(const std::string& started) {
+  const auto time = parse_utc(started);
+  if (!time) return started;
+  const auto text = utc_text(*time);
+  return text.substr(0, 10) + ' ' + text.substr(11, 8) + " UTC";
+}
+
+/// The verdict, with what made it so.
+std::string link_text(const Json& link) {
+  std::string text = text_of(link, "verdict");
+  const char* before = ": ";
+  for (const Json& reason : list_of(link, "reasons")) {
+    text += before + text_of(reason, "message");
+    before = ", ";
+  }
+  return text;
 }
 
 std::string home_text(const Json& result) {
@@ -136,12 +156,15 @@ void add_first_page(Markup parent, const ReportFolder& folder, const ReportFacts
   auto list = page.add("div", {{"class", "facts"}});
   add_fact(list, "Folder", folder.name);
   if (!text_of(folder.run, "started").empty())
-    add_fact(list, "Started", text_of(folder.run, "started"));
+    add_fact(list, "Started", moment_text(text_of(folder.run, "started")));
   add_fact(list, "Data", source_text(part_of(result, "source")));
+  if (const auto link = link_text(folder.link); !link.empty()) add_fact(list, "Link", link);
   add_fact(list, "Home", home_text(result));
   for (const auto& [name, text] : facts)
     add_fact(list, name, text.empty() ? "not stated" : text, text.empty() ? "missing" : "given");
-  page.put("p", "sweepd cannot know what is in italics. It is printed as it was given (--facts).",
+  page.put("p",
+           "sweepd cannot know the facts in italics. Those that are not stated can be given with "
+           "sweepd report --facts FILE.",
            {{"class", "note"}});
 }
 

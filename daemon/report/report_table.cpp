@@ -174,7 +174,10 @@ void add_dh_table(Markup parent, const std::vector<DhLine>& lines) {
     notes +=
         "“–” beside θ: not compared, since the controller's angles at home are not known: give "
         "--plan, or angles. ";
-  if (compared) notes += "Each interval has a scale of its own. A filled one does not hold zero.";
+  if (compared)
+    notes +=
+        "Each interval has a scale of its own. A filled bar means that the difference is larger "
+        "than U.";
   if (!notes.empty()) parent.put("p", notes, {{"class", "note"}});
 }
 

@@ -105,6 +105,22 @@ TEST_CASE("the page has angles in the turn of the specified ones, and says why o
                                "are not known: give --plan, or angles."));
 }
 
+TEST_CASE("start, link and the command that repeats a session are told as they are",
+          "[html_report]") {
+  const TemporaryFolder folder;
+  write_result(folder.path(), complete_outcome());
+  (void)folder.write("run.json", R"({"schema": "sweepd.run/1", "sweepd": "1", "command": "run",
+    "started": "20261125T131930Z", "description": "robots/kr5_arc.toml"})");
+  (void)folder.write("link.json", R"({"schema": "sweepd.link/1", "verdict": "bad",
+    "reasons": [{"grade": "bad", "code": "lost", "message": "57 telegrams are lost"}]})");
+  const ReportFolder read = read_report_folder(folder.path());
+  const auto words = words_of(html_report(std::span(&read, 1)));
+  CHECK_THAT(words, ContainsSubstring(" 2026-11-25 13:19:30 UTC "));
+  CHECK_THAT(words, ContainsSubstring(" bad: 57 telegrams are lost "));
+  CHECK_THAT(words, ContainsSubstring("sweepd replay trace*.pcap --config SETTINGS"));
+  CHECK_THAT(words, !ContainsSubstring("--robot robots/kr5_arc.toml"));
+}
+
 TEST_CASE("the same files give the same bytes", "[html_report]") {
   const TemporaryFolder folder;
   write_result(folder.path(), complete_outcome());
