@@ -10,6 +10,7 @@
 #include "daemon/commands/date_option.hpp"
 #include "daemon/commands/exit_codes.hpp"
 #include "daemon/commands/help_text.hpp"
+#include "daemon/history/campaign_folders.hpp"
 #include "daemon/history/campaign_note.hpp"
 #include "daemon/text/utc.hpp"
 #include "rsi/ascii.hpp"
@@ -32,7 +33,7 @@ void print_notes(const std::filesystem::path& folder, std::ostream& out) {
     out << '\n';
   }
   for (const std::size_t line : found.broken_lines)
-    out << "line " << line << " is no note; it is passed over\n";
+    out << "line " << line << " is left out, as it is no note: correct it or delete it\n";
 }
 
 }  // namespace
@@ -48,6 +49,10 @@ int note(const NoteOptions& options, std::ostream& out) {
     print_notes(options.folder, out);
     return 0;
   }
+  if (!holds_campaigns(options.folder))
+    throw std::runtime_error(options.folder.string() +
+                             " holds no result: give a folder of results, or the one that holds "
+                             "those of a robot");
   if (options.at && options.measured)
     throw std::invalid_argument("--at and --measured are two dates of one note: make two notes");
   one.measured = options.measured.has_value();

@@ -83,7 +83,8 @@ void look(const fs::path& path, int depth, std::set<fs::path>& seen, std::vector
   found.notes.insert(found.notes.end(), notes.notes.begin(), notes.notes.end());
   for (const std::size_t line : notes.broken_lines)
     found.messages.push_back("Line " + std::to_string(line) + " of " +
-                             (path / kNotesFile).string() + " is no note; it is passed over.");
+                             (path / kNotesFile).string() +
+                             " is left out, as it is no note: correct it or delete it.");
   if (depth == kDeepest) return;
   std::vector<fs::path> below;
   std::error_code error;
@@ -151,6 +152,14 @@ std::vector<CampaignRecord> indexed(const fs::path& file, bool rebuild,
 }
 
 }  // namespace
+
+bool holds_campaigns(const fs::path& path) {
+  FoundCampaigns ignored;
+  std::vector<fs::path> folders;
+  std::set<fs::path> seen;
+  look(path.lexically_normal(), 0, seen, folders, ignored);
+  return !folders.empty();
+}
 
 FoundCampaigns campaigns_in(const std::vector<fs::path>& paths, const IndexOptions& options) {
   FoundCampaigns found;

@@ -25,6 +25,9 @@ struct FoundCampaigns {
   std::vector<std::string> messages;    ///< sentences on what was missing, changed or broken
 };
 
+/// Whether it is a folder of results, or has one in it, at most two levels deep.
+[[nodiscard]] bool holds_campaigns(const std::filesystem::path& path);
+
 /// Each path is a folder of results, or one with such folders in it, at most two levels deep. Says
 /// what the index knew and the folders no longer have. An index that cannot be used is no error:
 /// the folders are read. Throws std::runtime_error where a path is no folder.

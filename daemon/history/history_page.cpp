@@ -15,6 +15,7 @@
 #include "daemon/results/change.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
+#include "identify/models/kinematic_model.hpp"
 #include "rsi/counted.hpp"
 
 namespace sweepd {
@@ -52,7 +53,8 @@ void add_changes(Markup body, const History& history) {
     item.text(sentence);
     for (const CampaignNote& note : history.notes_near(change))
       if (!note.text.empty())
-        item.put("p", "Note of " + date_of(note.time) + ": " + note.text, {{"class", "note"}});
+        item.put("p", "Note of " + date_of(history, note.time) + ": " + note.text,
+                 {{"class", "note"}});
   };
   for (const DatedChange& change : history.changes) add(change, change_sentence(history, change));
   for (const DatedChange& change : history.friction_changes)
@@ -182,7 +184,8 @@ void add_numbers(Markup body, const History& history) {
                        return in_unit(number, history.campaigns[i].values(at) - from);
                      },
                      [&history, number, at](std::size_t i) {
-                       return kOf95 * in_unit(number, history.campaigns[i].sigma(at));
+                       return identify::kSigmasOf95Percent *
+                              in_unit(number, history.campaigns[i].sigma(at));
                      },
                      changes});
   }
@@ -272,7 +275,7 @@ void add_notes(Markup body, const History& history) {
     for (const auto& [campaign, note] : history.notes) {
       if (note.text.empty()) continue;
       auto row = rows.add("tr");
-      row.put("td", date_of(note.time)).put("td", note.text).put("td", campaign);
+      row.put("td", date_of(history, note.time)).put("td", note.text).put("td", campaign);
     }
   }
   if (history.messages.empty() && history.left_out.empty()) return;
@@ -294,8 +297,8 @@ std::string history_page(const History& history) {
   body.put("p", verdict_words(history),
            {{"class", history.changes.empty() ? "verdict" : "verdict partial"}});
   body.put("p", rsi::counted(history.campaigns.size(), "campaign") + ", " +
-                    date_of(history.campaigns.front().record.time) + " to " +
-                    date_of(history.campaigns.back().record.time) +
+                    date_of(history, history.campaigns.front().record.time) + " to " +
+                    date_of(history, history.campaigns.back().record.time) +
                     ". Reference: " + history.campaigns[history.reference].record.name +
                     (history.reference_state.size() > 1
                          ? ", with all " + std::to_string(history.reference_state.size()) +

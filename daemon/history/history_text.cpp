@@ -13,6 +13,7 @@
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/text_layout.hpp"
 #include "daemon/text/utc.hpp"
+#include "identify/models/kinematic_model.hpp"
 #include "rsi/ascii.hpp"
 #include "rsi/counted.hpp"
 
@@ -20,12 +21,14 @@ namespace sweepd {
 namespace {
 
 constexpr std::size_t kMostListed = 12;
+constexpr std::size_t kDate = 18;
 
 std::string beginning(const History& history) {
   const auto& campaigns = history.campaigns;
   return history.robot + ": " + rsi::counted(campaigns.size(), "campaign") + " of " +
          (history.describes == "arm" ? "the arm" : "the controller's model") + ", " +
-         date_of(campaigns.front().record.time) + " to " + date_of(campaigns.back().record.time);
+         date_of(history, campaigns.front().record.time) + " to " +
+         date_of(history, campaigns.back().record.time);
 }
 
 std::string changes(const History& history) {
@@ -34,7 +37,7 @@ std::string changes(const History& history) {
     out += paragraph("* ", sentence);
     for (const CampaignNote& note : history.notes_near(change))
       if (!note.text.empty())
-        out += paragraph("    note of " + date_of(note.time) + ": ", note.text);
+        out += paragraph("    note of " + date_of(history, note.time) + ": ", note.text);
   };
   for (const DatedChange& change : history.changes) add(change, change_sentence(history, change));
   if (history.changes.empty()) out += paragraph("", verdict_words(history));
@@ -73,15 +76,15 @@ std::string campaign_line(const History& history, const ComparedCampaign& campai
                               : !campaign.changed ? "-"
                               : named.empty()     ? "changed"
                                                   : "changed: " + named;
-  return left(date_of(campaign.record.time), 12) + right(fixed(campaign.t_squared, 1), 10) +
-         right(fixed(campaign.p, 4), 9) + "  " +
+  return left(date_of(history, campaign.record.time), kDate) +
+         right(fixed(campaign.t_squared, 1), 10) + right(fixed(campaign.p, 4), 9) + "  " +
          left(campaign.record.link ? campaign.record.link->verdict : "-", 10) +
          left(campaign.record.arm->status, 10) + verdict + '\n';
 }
 
 std::string last_campaigns(const History& history) {
-  std::string out = left("date", 12) + right("T2", 10) + right("p", 9) + "  " + left("link", 10) +
-                    left("status", 10) + "verdict\n";
+  std::string out = left("date", kDate) + right("T2", 10) + right("p", 9) + "  " +
+                    left("link", 10) + left("status", 10) + "verdict\n";
   const std::size_t from =
       history.campaigns.size() - std::min(history.campaigns.size(), kMostListed);
   for (std::size_t i = from; i < history.campaigns.size(); ++i)
@@ -140,7 +143,7 @@ std::string history_text(const History& history) {
   out += '\n' + numbers(history) + '\n';
   const ComparedCampaign& reference = history.campaigns[history.reference];
   out += paragraph("reference     ",
-                   reference.record.name + " of " + date_of(reference.record.time) +
+                   reference.record.name + " of " + date_of(history, reference.record.time) +
                        (history.reference_state.size() > 1
                             ? ", with all " + std::to_string(history.reference_state.size()) +
                                   " campaigns of its state: their mean"
@@ -181,7 +184,7 @@ std::string history_csv(const History& history) {
     for (std::size_t k = 0; k < history.numbers.size(); ++k) {
       const auto at = static_cast<Eigen::Index>(k);
       const identify::ArmNumber& number = history.numbers[k];
-      for (const double bars : {0.0, -kOf95, kOf95})
+      for (const double bars : {0.0, -identify::kSigmasOf95Percent, identify::kSigmasOf95Percent})
         append_value(csv, in_unit(number, campaign.values(at) + bars * campaign.sigma(at)), 7);
     }
     for (const FrictionSeries& series : history.friction) append_value(csv, series.values_a[i], 4);

@@ -8,6 +8,7 @@
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
 #include "daemon/text/utc.hpp"
+#include "identify/models/kinematic_model.hpp"
 #include "rsi/counted.hpp"
 
 namespace sweepd {
@@ -20,8 +21,8 @@ std::string sentence(const History& history, const DatedChange& change, const st
   };
   const std::string band = signed_told(size) + ' ' + unit +
                            (change.kind == ChangeKind::drift ? " a year" : "") +
-                           " (95 %: " + signed_told(size - kOf95 * sigma) + " to " +
-                           signed_told(size + kOf95 * sigma) + ") ";
+                           " (95 %: " + signed_told(size - identify::kSigmasOf95Percent * sigma) +
+                           " to " + signed_told(size + identify::kSigmasOf95Percent * sigma) + ") ";
   switch (change.kind) {
     case ChangeKind::jump:
       return name + " jumped by " + band + when(history, change) + '.';
@@ -41,6 +42,15 @@ std::string date_of(std::chrono::nanoseconds time) {
   return utc_text(time).substr(0, 10);
 }
 
+std::string date_of(const History& history, std::chrono::nanoseconds time) {
+  const auto& campaigns = history.campaigns;
+  const bool same_day =
+      std::adjacent_find(campaigns.begin(), campaigns.end(), [](const auto& a, const auto& b) {
+        return date_of(a.record.time) == date_of(b.record.time);
+      }) != campaigns.end();
+  return same_day ? date_of(time) + ' ' + utc_text(time).substr(11, 5) : date_of(time);
+}
+
 int decimals_of(const History& history, bool lengths) {
   double least = 1;
   for (std::size_t k = 0; k < history.numbers.size(); ++k)
@@ -55,7 +65,9 @@ std::string told_with(double value, double sigma) {
 }
 
 std::string when(const History& history, const DatedChange& change) {
-  const auto date = [&](std::size_t at) { return date_of(history.campaigns[at].record.time); };
+  const auto date = [&](std::size_t at) {
+    return date_of(history, history.campaigns[at].record.time);
+  };
   if (change.kind == ChangeKind::odd) return "on " + date(change.at);
   if (change.kind == ChangeKind::drift)
     return "since " + date(change.at) +

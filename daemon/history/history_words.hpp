@@ -6,11 +6,10 @@
 
 namespace sweepd {
 
-/// Half of an interval of 95 %, in standard deviations.
-inline constexpr double kOf95 = 1.96;
-
 /// "2024-03-01".
 [[nodiscard]] std::string date_of(std::chrono::nanoseconds time);
+/// "2024-03-01"; "2024-03-01 13:19" where several campaigns are of one day.
+[[nodiscard]] std::string date_of(const History& history, std::chrono::nanoseconds time);
 /// As many as show two digits of the smallest uncertainty of the lengths, or of the angles.
 [[nodiscard]] int decimals_of(const History& history, bool lengths);
 /// With as many decimals as its uncertainty tells.

@@ -25,12 +25,24 @@ std::vector<std::pair<double, std::string>> date_ticks(const Range& range, std::
   const auto low =
       std::chrono::floor<days>(std::chrono::sys_time<std::chrono::nanoseconds>(time_at(range.low)));
   std::vector<std::pair<double, std::string>> ticks;
-  const auto add = [&](sys_days day, std::size_t from, std::size_t length) {
-    const std::chrono::nanoseconds time = day.time_since_epoch();
+  const auto add = [&](std::chrono::sys_seconds when, std::size_t from, std::size_t length) {
+    const std::chrono::nanoseconds time = when.time_since_epoch();
     const double at = years(time);
     if (at >= range.low && at <= range.high)
       ticks.emplace_back(at, utc_text(time).substr(from, length));
   };
+  if (each < kDay) {
+    constexpr double kMinute = kDay / 1440;
+    int step = 1;
+    for (const int next : {2, 5, 10, 15, 30, 60, 120, 180, 360, 720, 1440})
+      if (each > step * kMinute) step = next;
+    for (std::chrono::sys_seconds time = low; years(time.time_since_epoch()) <= range.high;
+         time += std::chrono::minutes(step)) {
+      const bool midnight = std::chrono::floor<days>(time) == time;
+      add(time, midnight ? 5 : 11, 5);
+    }
+    return ticks;
+  }
   if (each < kMonth) {
     int step = 1;
     for (const int next : {2, 5, 10, 15})
@@ -50,7 +62,7 @@ std::vector<std::pair<double, std::string>> date_ticks(const Range& range, std::
   for (std::chrono::year_month_day day =
            std::chrono::year(year) / std::chrono::January / 1 + months(begin);
        years(sys_days(day).time_since_epoch()) <= range.high; day += months(step))
-    add(day, 0, step < 12 ? 7 : 4);
+    add(sys_days(day), 0, step < 12 ? 7 : 4);
   return ticks;
 }
 

@@ -9,8 +9,8 @@
 
 namespace sweepd {
 
-/// Of some years, months or days: places on an axis in years since the Unix epoch, with their
-/// names: 2024, 2024-03, 03-15.
+/// Of some years, months, days or times of day: places on an axis in years since the Unix epoch,
+/// with their names: 2024, 2024-03, 03-15, 13:30.
 [[nodiscard]] std::vector<std::pair<double, std::string>> date_ticks(const Range& years,
                                                                      std::size_t about);
 

@@ -73,6 +73,14 @@ class RobotFolder {
 
 }  // namespace
 
+TEST_CASE("a note in a folder without any result is refused", "[note_command]") {
+  const TemporaryFolder folder;
+  std::ostringstream out;
+  CHECK_THROWS_WITH(sweepd::note({folder.path(), {"hello"}, {}, {}, {}}, out),
+                    ContainsSubstring("holds no result: give a folder of results"));
+  CHECK_FALSE(fs::exists(folder / "notes.jsonl"));
+}
+
 TEST_CASE("history tells the crash, and the note beside it", "[history_command][long]") {
   RobotFolder folder;
   folder.note({folder.robot(), {"collision,", "A4"}, {}, "2024-05-20", {}});
