@@ -9,6 +9,7 @@
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/text_layout.hpp"
 #include "daemon/text/units.hpp"
+#include "identify/models/kinematic_model.hpp"
 #include "rsi/counted.hpp"
 
 namespace sweepd {
@@ -17,8 +18,6 @@ namespace {
 using identify::DhEstimate;
 using identify::DhNumber;
 using identify::Knowledge;
-
-constexpr double kSigmasOf95 = 1.959963985;
 
 /// A number of a sweep; of a linear joint, under a heading of degrees, with its unit.
 std::string of_sweep(const PlannedSweep& sweep, double value, int decimals, std::size_t width) {
@@ -105,7 +104,9 @@ std::string dh_text(const PlanOutlook& outlook) {
       const bool known = found.knowledge == Knowledge::identified;
       text += line_start(j, one) + number(specified_value(specified[j], one), 4, kValueColumn) +
               sigma_text(found, one, decimals.count(), kSigmaColumn) +
-              (known ? sigma_text(found, one, decimals.count(), kSigmaColumn, kSigmasOf95) : "") +
+              (known ? sigma_text(found, one, decimals.count(), kSigmaColumn,
+                                  identify::kSigmasOf95Percent)
+                     : "") +
               "\n";
     }
     if (j + 1 < outlook.prediction.dh.size())

@@ -144,7 +144,7 @@ ReportFolder read_report_folder(const std::filesystem::path& path) {
   ReportFolder folder;
   const auto file = path / "result.json";
   folder.result = json_of(file);
-  if (text_of(folder.result, "schema") != "sweepd.result/1")
+  if (text_of(folder.result, "schema") != kResultSchema)
     throw std::runtime_error(
         file.string() +
         (std::filesystem::exists(file) ? " holds no result of sweepd" : " is not there") +

@@ -11,6 +11,9 @@
 
 namespace sweepd {
 
+/// What result.json says of itself.
+inline constexpr const char* kResultSchema = "sweepd.result/1";
+
 /// One row of sweeps.csv, as far as a picture needs it. Not a number where the file has nothing.
 struct StrokePoint {
   Eigen::Vector3d position_mm;
@@ -59,7 +62,7 @@ struct ReportFolder {
   /// recorded: the report of a day is as long as that of a minute.
   static constexpr std::size_t kMostPoints = 1600;
 
-  nlohmann::ordered_json result;  ///< sweepd.result/1
+  nlohmann::ordered_json result;  ///< of kResultSchema
   nlohmann::ordered_json run;     ///< run.json; null where there is none
   nlohmann::ordered_json link;    ///< link.json; null where there is none
   std::string dh_csv;             ///< empty where there is none

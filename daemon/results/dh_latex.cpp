@@ -17,13 +17,6 @@ using identify::Knowledge;
 
 constexpr int kMostDecimals = 9;
 
-/// As many decimals as leave two digits of `uncertainty`.
-int decimals_for(double uncertainty) {
-  if (!(uncertainty > 0)) return kLengthDecimals;
-  const double first = std::floor(std::log10(uncertainty));
-  return static_cast<int>(std::clamp(1 - first, 0.0, static_cast<double>(kMostDecimals)));
-}
-
 /// Without zeros at the end.
 std::string short_number(double value) {
   std::string text = fixed(value, kLengthDecimals);
@@ -48,7 +41,7 @@ struct Entry {
 std::string line(const Entry& entry, std::size_t joint, bool compared) {
   const double value = entry.scale * entry.found.value;
   const double half = identify::kSigmasOf95Percent * entry.scale * entry.found.sigma;
-  const int decimals = decimals_for(half);
+  const int decimals = half > 0 ? decimals_for(half, 0, kMostDecimals) : kLengthDecimals;
   std::string text = std::string(" & $") + entry.symbol + "_{" + std::to_string(joint) + "}$ (" +
                      entry.unit + ") & ";
   if (entry.found.knowledge == Knowledge::undetermined)

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/report/report_folder.hpp"
 #include "daemon/results/chain_json.hpp"
 #include "daemon/results/currents_csv.hpp"
 #include "daemon/results/described.hpp"
@@ -226,7 +227,7 @@ void print(const Json& json, const std::string& indent, std::string& out) {
 
 std::string result_json(const Outcome& outcome) {
   const Identification& found = outcome.identification;
-  Json json = {{"schema", "sweepd.result/1"},
+  Json json = {{"schema", kResultSchema},
                {"robot", outcome.robot},
                {"status", identify::text(found.status)}};
   if (!found.reason.empty()) json["reason"] = found.reason;

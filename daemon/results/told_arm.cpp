@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/report/json_part.hpp"
+#include "daemon/report/report_folder.hpp"
 #include "daemon/results/outcome.hpp"
 #include "daemon/system/whole_file.hpp"
 #include "daemon/text/units.hpp"
@@ -22,7 +23,6 @@ namespace {
 using Eigen::Index;
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view kSchema = "sweepd.result/1";
 constexpr std::array<const char*, 5> kDhNames = {"b", "theta", "a", "alpha", "beta"};
 constexpr double kUsualTurn_deg = 90;
 /// Of fewer axes nothing but one row would be compared.
@@ -165,10 +165,10 @@ std::filesystem::path result_file(const std::filesystem::path& path) {
 Json parse_result(const std::filesystem::path& file, std::string_view text) {
   Json json = Json::parse(text, nullptr, false);
   const std::string schema = text_of(json, "schema");
-  if (schema == kSchema) return json;
+  if (schema == kResultSchema) return json;
   refuse(file, schema.starts_with("sweepd.result/")
                    ? "has the schema " + schema + ", and this sweepd reads " +
-                         std::string(kSchema) + ": use the sweepd that wrote it for both"
+                         std::string(kResultSchema) + ": use the sweepd that wrote it for both"
                    : "holds no result of sweepd: give a folder that run, replay or identify has "
                      "written, or its result.json");
 }
