@@ -80,9 +80,10 @@ struct TomlTable::Node {
   std::string file;
   std::string prefix;  ///< of its keys in errors: "robot."
 
-  [[nodiscard]] const toml::node& get(std::string_view key, const std::string& expected) const {
+  [[nodiscard]] const toml::node& get(std::string_view key, const std::string& expected,
+                                      const std::string& remedy = "add it to this table") const {
     if (const toml::node* node = table->get(key)) return *node;
-    fail(key, *table, "missing: expected " + expected + ": add it to this table");
+    fail(key, *table, "missing: expected " + expected + ": " + remedy);
   }
 
   /// The table that `value` is, which stands under `key` of this one.
@@ -105,8 +106,11 @@ struct TomlTable::Node {
   [[noreturn]] void wrong_type(std::string_view key, const toml::node& node,
                                const std::string& expected) const {
     std::string remedy = "correct it";
-    if (node.is_string() && expected.find("number") != std::string::npos)
-      remedy = "write it without quotes";
+    const std::string* text = node.is_string() ? &node.as_string()->get() : nullptr;
+    if (text != nullptr && expected.find("number") != std::string::npos)
+      remedy = text->find_first_of("0123456789") == 0 && text->find(' ') != std::string::npos
+                   ? "write the number alone, without unit and quotes"
+                   : "write it without quotes";
     else if (node.is_number() && expected.find("string") != std::string::npos)
       remedy = "put it in quotes";
     fail(key, node, "expected " + expected + ", found " + in_words(&node) + ": " + remedy);
@@ -164,8 +168,12 @@ TomlTable TomlTable::parse(std::string_view text, const std::filesystem::path& f
     const toml::table* top = root.get();
     return TomlTable(std::make_shared<const Node>(Node{std::move(root), top, name, ""}));
   } catch (const toml::parse_error& error) {
-    throw ConfigError(place(name, error.source().begin) + "not valid TOML: " +
-                      rsi::printable(error.description()) + ": correct the syntax");
+    const bool twice =
+        error.description().find("redefine existing table") != std::string_view::npos;
+    throw ConfigError(place(name, error.source().begin) +
+                      "not valid TOML: " + rsi::printable(error.description()) + ": " +
+                      (twice ? "write double brackets, [[...]], where there are several of them"
+                             : "correct the syntax"));
   }
 }
 
@@ -246,7 +254,7 @@ std::vector<std::string> TomlTable::texts(std::string_view key) const {
 std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
   const std::string header = "[[" + std::string(key) + "]]";
   const std::string expected = "at least one table " + header;
-  const toml::node& node = node_->get(key, expected);
+  const toml::node& node = node_->get(key, expected, "add one for each " + std::string(key));
   if (node.is_table())
     node_->fail(key, node,
                 "expected " + header + ", found a single table: double the square brackets");

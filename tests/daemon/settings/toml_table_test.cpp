@@ -103,6 +103,9 @@ TEST_CASE("a value of a wrong type is described beside what was expected, with i
   CHECK(table_error([&] { return t.whole_number("silence_ms", 0, 1); }) ==
         "some/file.toml:1:14: silence_ms: expected a whole number of milliseconds, found the "
         "string \"abc\": write it without quotes");
+  CHECK_THAT(
+      table_error([] { return toml("disk_bytes = \"5 GB\"").whole_number("disk_bytes", 0, 9); }),
+      Catch::Matchers::EndsWith("write the number alone, without unit and quotes"));
   CHECK(table_error([&] { return t.number("speed_deg_s", 0, 1); }) ==
         "some/file.toml:2:15: speed_deg_s: expected a number of degrees per second, found true: "
         "correct it");
@@ -200,7 +203,11 @@ TEST_CASE("an array of tables is not mistaken for a table", "[toml_table]") {
              Catch::Matchers::ContainsSubstring(
                  "at least one table [[robot]], found an array of 0 values"));
   CHECK_THAT(table_error([] { return toml("\n").tables("robot"); }),
-             Catch::Matchers::ContainsSubstring("missing: expected at least one table [[robot]]"));
+             Catch::Matchers::EndsWith(
+                 "missing: expected at least one table [[robot]]: add one for each robot"));
+  CHECK_THAT(table_error([] { return toml("[robot]\nx = 1\n[robot]\n"); }),
+             Catch::Matchers::EndsWith("write double brackets, [[...]], where there are several of "
+                                       "them"));
   CHECK_THAT(
       table_error([] { return toml("[[robot]]\n").table("robot"); }),
       Catch::Matchers::ContainsSubstring("expected a table [robot], found an array of 1 value"));
