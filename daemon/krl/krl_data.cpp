@@ -193,7 +193,7 @@ std::vector<KrlAggregate> krl_aggregates(std::string_view text) {
 KrlAggregate krl_aggregate(std::string_view text) {
   text = without_blanks(text);
   if (text.starts_with('{') != text.ends_with('}') || text.size() == 1)
-    throw KrlError("its braces are not closed");
+    throw KrlError("its braces are not closed: write { before it and } behind it");
   if (text.starts_with('{')) text = text.substr(1, text.size() - 2);
   KrlAggregate aggregate;
   aggregate.line = 1;

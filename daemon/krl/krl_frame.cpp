@@ -20,11 +20,11 @@ constexpr int kFrameDecimals = 4;
 double krl_number(const KrlAggregate& aggregate, std::string_view field) {
   const std::string who = aggregate.name.empty() ? "" : aggregate.name + ": ";
   const KrlField* found = aggregate.find(field);
-  if (found == nullptr) throw KrlError(who + std::string(field) + " is missing");
+  if (found == nullptr) throw KrlError(who + std::string(field) + " is missing: add it");
   const auto value = found->number();
-  if (!value) throw KrlError(who + std::string(field) + " is no number");
+  if (!value) throw KrlError(who + std::string(field) + " is no number: write one");
   if (std::abs(*value) > kMostOfRobots)
-    throw KrlError(who + std::string(field) + " is too large for a robot");
+    throw KrlError(who + std::string(field) + " is too large for a robot: correct it");
   return *value;
 }
 

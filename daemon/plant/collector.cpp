@@ -70,7 +70,7 @@ void Collector::take(const BrokerLink::Message& message) {
 
 void Collector::store(const BrokerLink::Message& message) {
   const auto topic = parse_topic(message.topic);
-  if (!topic) throw std::invalid_argument("its topic is none of sweepd");
+  if (!topic) throw std::invalid_argument("sweepd has no such topic");
   if (topic->kind == "result") {
     const bool is_new = open().add_result(topic->place, message.payload, message.names);
     if (!is_new) return;
