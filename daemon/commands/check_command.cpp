@@ -61,7 +61,7 @@ class Check {
       findings_.ok(robot.description.string() + ": " + rsi::counted(setup.joints, "joint") +
                    (setup.description->arm ? "" : ", no specified DH table"));
       if (robot.plan) plan(*setup.description, *setup.plan);
-      if (robot.device.there()) device(robot.device);
+      if (robot.device.there()) device(robot.device, robot.name);
     } catch (const ConfigError& problem) {
       findings_.error(problem.what());
     }
@@ -83,13 +83,14 @@ class Check {
                   config ? &*config : nullptr, findings_);
   }
 
-  void device(const DeviceSettings& device) {
+  void device(const DeviceSettings& device, const std::string& robot) {
     try {
       const DeviceLines lines(device.columns.text);
       findings_.ok("device on " + text(device.listen) + ": lines of " + device.columns.text +
                    (lines.with_times() ? "" : ", with the times at which they come"));
     } catch (const std::invalid_argument& problem) {
-      findings_.error("device: " + std::string(problem.what()));
+      findings_.error(options_.config->string() + ": [[robot.device]] of " + robot + ": " +
+                      problem.what());
     }
     if (options_.files_only) return;
     const auto transport = device.listen.tcp ? rsi::Transport::tcp : rsi::Transport::udp;

@@ -189,7 +189,8 @@ std::string CsvFile::place() const {
 }
 
 std::string CsvFile::header_place() const {
-  return declared_ ? "--columns" : fmt::format("{}: line {}", path_.string(), header_line_);
+  if (declared_) return path_.empty() ? "columns" : "--columns";
+  return fmt::format("{}: line {}", path_.string(), header_line_);
 }
 
 std::vector<std::string> column_names(std::string_view columns) {

@@ -26,7 +26,8 @@ class CsvFile {
   /// Reads the whole file. The first line names the columns, unless `columns` does; then a first
   /// line without any number in the columns that have a name is passed over as a header.
   explicit CsvFile(const std::filesystem::path& path, std::vector<std::string> columns = {});
-  /// The same of a file whose content was read already.
+  /// The same of a file whose content was read already. Without a path, `columns` are not those of
+  /// the command line.
   CsvFile(std::filesystem::path path, std::string content, std::vector<std::string> columns);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }

@@ -43,12 +43,12 @@ DeviceLines::DeviceLines(std::string_view columns) {
   count_ = names.size();
   if (names.empty())
     throw std::invalid_argument(
-        "--columns: expected names of columns with commas between, found nothing: name them");
+        "columns: expected names of columns with commas between, found nothing: name them");
   const CsvFile file("", "0\n", names);
   columns_ = point_columns(file);
   if (columns_.joint || columns_.sweep || !columns_.angles.empty())
     throw std::invalid_argument(
-        "--columns: expected times, targets and positions of a device, found a column for joints, "
+        "columns: expected times, targets and positions of a device, found a column for joints, "
         "sweeps or joint angles: skip it with -, as the controller tells them");
   if (!columns_.target) targets_.emplace_back();
 }

@@ -51,10 +51,11 @@ Places places_in(const CsvFile& file) {
     if (column.empty() || is_passed_over(column)) continue;
     const auto parts = name_and_unit(column);
     if (!is_known(parts))
-      file.fail_header(k,
-                       "expected a known column, found another: rename it, or name all columns "
-                       "with --columns, - for one to skip; known are " +
-                           std::string(kPointColumns));
+      file.fail_header(
+          k, std::string("expected a known column, found another: rename it, or ") +
+                 (file.path().empty() ? "write - to skip it"
+                                      : "name all columns with --columns, - for one to skip") +
+                 "; known are " + std::string(kPointColumns));
     if (!places.emplace(parts.name, Place{k, parts.size}).second)
       file.fail_header(k, "expected each value once, found " + std::string(parts.name) +
                               " a second time: skip one of the two with --columns");

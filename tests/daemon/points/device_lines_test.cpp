@@ -5,6 +5,7 @@
 #include "tests/catch.hpp"
 
 using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::StartsWith;
 using sweepd::DeviceLines;
 using sweepd::Point;
 using Line = sweepd::DeviceLines::Line;
@@ -52,4 +53,8 @@ TEST_CASE("Columns that a device cannot have are refused", "[device_lines]") {
   CHECK_THROWS_WITH(DeviceLines("joint,x_mm,y_mm,z_mm"), ContainsSubstring("controller tells"));
   CHECK_THROWS_WITH(DeviceLines("t_s,x_mm,y_mm,z_mm,a1_deg"), ContainsSubstring("controller"));
   CHECK_THROWS_AS(DeviceLines(""), std::invalid_argument);
+  // They may stand in the settings: no option of the command line is named.
+  CHECK_THROWS_WITH(DeviceLines("t_s,x,y_mm,z_mm"),
+                    StartsWith("columns, column 2 (x): expected a known column") &&
+                        ContainsSubstring("write - to skip it") && !ContainsSubstring("--"));
 }
