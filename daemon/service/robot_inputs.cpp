@@ -1,6 +1,5 @@
 #include "daemon/service/robot_inputs.hpp"
 
-#include <algorithm>
 #include <fstream>
 #include <sstream>
 #include <utility>
@@ -60,22 +59,18 @@ ReloadedInputs::ReloadedInputs(const RobotSettings& given)
 
 void ReloadedInputs::reload(const RobotSettings& settings, const Log& log) {
   auto inputs = RobotInputs::read(settings);
-  const auto waits = change(started_with_, settings).after_restart;
-  auto changed = change(given_, settings).live;
+  const auto waits = change(started_with_, settings).of(TakesEffect::after_restart);
+  const auto changed = change(given_, settings);
   given_ = settings;
   if (!waits.empty()) log.warning("only a restart of sweepd takes over {}", fmt::join(waits, ", "));
   if (content(settings.ethernet_config) != ethernet_xml_)
     log.warning("the Ethernet file has changed: restart sweepd before RSI uses it");
-  // The recorder has its settings as soon as they are read.
-  const auto at_once = std::stable_partition(changed.begin(), changed.end(), [](const auto& key) {
-    return !key.starts_with("recording.");
-  });
-  if (at_once != changed.end()) log.note("taken over: {}", fmt::join(at_once, changed.end(), ", "));
-  changed.erase(at_once, changed.end());
-  log.note("{}",
-           changed.empty()
-               ? std::string("description and plan read again, for the next session")
-               : fmt::format("taken over for the next session: {}", fmt::join(changed, ", ")));
+  if (const auto& keys = changed.of(TakesEffect::at_once); !keys.empty())
+    log.note("taken over: {}", fmt::join(keys, ", "));
+  const auto& next = changed.of(TakesEffect::next_session);
+  log.note("{}", next.empty()
+                     ? std::string("description and plan read again, for the next session")
+                     : fmt::format("taken over for the next session: {}", fmt::join(next, ", ")));
   const std::lock_guard lock(mutex_);
   waiting_ = std::move(inputs);
 }

@@ -142,6 +142,10 @@ struct Reader {
       if (!is_signal(name))
         table.fail(option.key, "expected signals like \"Act_X\" or \"Pos.X\", found \"" + name +
                                    "\": write the element, or element.attribute");
+    for (auto name = names->begin(); name != names->end(); ++name)
+      if (std::find(names->begin(), name, *name) != name)
+        table.fail(option.key, "expected each signal once, found \"" + *name +
+                                   "\" twice: name the signal of each joint");
   }
   void operator()(Triple* triple) const {
     Names names;
@@ -266,16 +270,25 @@ void read_options(const TomlTable& table, const Options& options,
 std::vector<OptionText> option_texts(const Options& options, const std::string& prefix) {
   std::vector<OptionText> texts;
   for (const Option& option : options) {
-    OptionText text{prefix + std::string(option.key), "", "", required(option.field),
-                    std::string(option.help)};
+    OptionText text{prefix + std::string(option.key),
+                    "",
+                    "",
+                    required(option.field),
+                    std::string(option.help),
+                    option.takes_effect};
     std::visit(Describer{option, text}, option.field);
     texts.push_back(std::move(text));
   }
   return texts;
 }
 
+Option at_once(Option option) {
+  option.takes_effect = TakesEffect::at_once;
+  return option;
+}
+
 Option after_restart(Option option) {
-  option.live = false;
+  option.takes_effect = TakesEffect::after_restart;
   return option;
 }
 
@@ -285,16 +298,14 @@ SettingsChange differing(const Options& from, const Options& to, const std::stri
     const bool same =
         std::visit([&](auto* value) { return *value == *std::get<decltype(value)>(to[i].field); },
                    from[i].field);
-    if (!same)
-      (from[i].live ? change.live : change.after_restart)
-          .push_back(prefix + std::string(from[i].key));
+    if (!same) change.of(from[i].takes_effect).push_back(prefix + std::string(from[i].key));
   }
   return change;
 }
 
 void take_over_live(const Options& to, const Options& from) {
   for (std::size_t i = 0; i < to.size(); ++i)
-    if (to[i].live)
+    if (to[i].takes_effect != TakesEffect::after_restart)
       std::visit([&](auto* value) { *value = *std::get<decltype(value)>(from[i].field); },
                  to[i].field);
 }

@@ -34,11 +34,11 @@ struct Option {
   std::string_view help;
   std::int64_t least = 0;  ///< of a whole number
   std::int64_t most = 0;
-  /// A sweepd that runs takes it over; else it belongs to what is made once, at the start.
-  bool live = true;
+  TakesEffect takes_effect = TakesEffect::next_session;
 };
 using Options = std::vector<Option>;
 
+[[nodiscard]] Option at_once(Option option);
 [[nodiscard]] Option after_restart(Option option);
 
 /// Fills the fields of what `table` holds; there may also be `more_keys` in it, which are somebody

@@ -68,7 +68,7 @@ Options options_of(RobotSettings& robot) {
 }
 
 Options options_of(RecordingSettings& recording) {
-  return {
+  Options options = {
       {"memory_bytes", &recording.memory_bytes, "room for what waits for a slow disk", 1 << 20,
        1 << 30},
       {"rotate_bytes", &recording.rotate_bytes,
@@ -82,6 +82,8 @@ Options options_of(RecordingSettings& recording) {
       {"keep_days", &recording.keep, "recordings older than this go, results stay; 0: none go", 0,
        36'500},
   };
+  for (Option& option : options) option = at_once(option);  // the recorder has them once read
+  return options;
 }
 
 Options options_of(SignalNames& signals) {
@@ -139,26 +141,68 @@ SettingsChange change_between(T& from, T& to) {
   SettingsChange all;
   for (std::size_t i = 0; i < before.size(); ++i) {
     auto some = differing(before[i].options, after[i].options, before[i].prefix());
-    append(all.live, std::move(some.live));
-    append(all.after_restart, std::move(some.after_restart));
+    for (std::size_t when = 0; when < all.keys.size(); ++when)
+      append(all.keys[when], std::move(some.keys[when]));
   }
   return all;
 }
 
-/// A socket on 0.0.0.0 takes the port on every address.
-bool collide(const rsi::Endpoint& a, const rsi::Endpoint& b) {
-  return a.port == b.port && (a.address == b.address || a.address == 0 || b.address == 0);
-}
+/// A port that is listened on, and whose it is.
+struct Taken {
+  rsi::Endpoint endpoint;
+  /// Nothing: a controller's. Its Ethernet file tells its transport, and in recordings its port
+  /// alone tells its telegrams from a device's lines.
+  std::optional<bool> tcp;
+  std::string owner;
+};
+
+/// The ports of the whole file. No two sockets get the same one, and what is refused to one of them
+/// is only seen when sweepd runs.
+class TakenPorts {
+ public:
+  void pages(const rsi::Endpoint& endpoint) { pages_ = {endpoint, true, "the pages"}; }
+  void controller(const rsi::Endpoint& endpoint, const TomlTable& table) {
+    take({endpoint, std::nullopt, fmt::format("the robot in line {}", table.line())}, table,
+         rsi::text(endpoint));
+  }
+  void device(const TextPort& port, const TomlTable& table) {
+    Taken device{port.endpoint, port.tcp, fmt::format("the device in line {}", table.line())};
+    if (pages_ && port.tcp && overlap(*pages_, device)) fail(table, sweepd::text(port), *pages_);
+    take(std::move(device), table, sweepd::text(port));
+  }
+
+ private:
+  /// A socket on 0.0.0.0 takes the port on every address.
+  static bool overlap(const Taken& a, const Taken& b) {
+    const auto here = a.endpoint.address, there = b.endpoint.address;
+    return a.endpoint.port == b.endpoint.port && (here == there || here == 0 || there == 0);
+  }
+  [[noreturn]] static void fail(const TomlTable& table, const std::string& found,
+                                const Taken& other) {
+    table.fail("listen", fmt::format("expected an address and port of its own, found {}, which "
+                                     "collides with {} of {}: choose another port",
+                                     found, rsi::text(other.endpoint), other.owner));
+  }
+  void take(Taken port, const TomlTable& table, const std::string& found) {
+    for (const Taken& other : taken_)
+      if (overlap(port, other) && (!port.tcp || !other.tcp || port.tcp == other.tcp))
+        fail(table, found, other);
+    taken_.push_back(std::move(port));
+  }
+
+  std::optional<Taken> pages_;
+  std::vector<Taken> taken_;
+};
 
 /// At most one: points of several devices are in frames of their own.
-void read_device(const TomlTable& robot, const Options& options, const fs::path& folder) {
-  if (!robot.has(kDevice)) return;
+std::optional<TomlTable> device_table(const TomlTable& robot) {
+  if (!robot.has(kDevice)) return std::nullopt;
   const auto devices = robot.tables(kDevice);
   if (devices.size() > 1)
     devices[1].fail("listen",
                     "expected one [[robot.device]] of a robot, found another: what two "
                     "devices measure is in two frames; leave one out");
-  read_options(devices.front(), options, {}, folder);
+  return devices.front();
 }
 
 }  // namespace
@@ -185,14 +229,17 @@ Settings load_settings(const fs::path& file) {
   const std::vector<TomlTable> tables = top.tables(kRobot);
 
   Settings settings{file, {}, {}, {}};
+  if (const auto http = top.table(kHttp))
+    read_options(*http, options_of(settings.http), {}, folder);
+  TakenPorts ports;
+  if (settings.http.listen) ports.pages(*settings.http.listen);
   for (const TomlTable& table : tables) {
     RobotSettings robot;
+    const auto device = device_table(table);
     for (const Section& section : sections_of(robot)) {
       if (section.table.empty())
         read_options(table, section.options, {kSignals, kRecording, kDevice}, folder);
-      else if (section.table == kDevice)
-        read_device(table, section.options, folder);
-      else if (const auto inner = table.table(section.table))
+      else if (const auto inner = section.table == kDevice ? device : table.table(section.table))
         read_options(*inner, section.options, {}, folder);
     }
     if (!robot.answers_with_zeros.names.empty() && !robot.ethernet_config)
@@ -200,26 +247,15 @@ Settings load_settings(const fs::path& file) {
                  "expected `ethernet_config` beside it, whose tags it names, found nothing: add "
                  "that key");
 
-    for (std::size_t i = 0; i < settings.robots.size(); ++i) {
-      const auto other = fmt::format(" of the robot in line {}", tables[i].line());
+    for (std::size_t i = 0; i < settings.robots.size(); ++i)
       if (robot.name == settings.robots[i].name)
-        table.fail("name", "expected a name of its own, found the name" + other + ": change one");
-      if (collide(robot.listen, settings.robots[i].listen))
-        table.fail("listen", fmt::format("expected an address and port of its own, found {}, which "
-                                         "collides with {}{}: choose "
-                                         "another port",
-                                         rsi::text(robot.listen),
-                                         rsi::text(settings.robots[i].listen), other));
-    }
-    const auto& device = robot.device.listen;
-    if (robot.device.there() && collide(device.endpoint, robot.listen))
-      table.fail("device", fmt::format("expected a port of its own, found {}, which is that of the "
-                                       "controller's telegrams: choose another port",
-                                       text(device)));
+        table.fail("name", fmt::format("expected a name of its own, found the name of the robot in "
+                                       "line {}: change one",
+                                       tables[i].line()));
+    ports.controller(robot.listen, table);
+    if (device) ports.device(robot.device.listen, *device);
     settings.robots.push_back(std::move(robot));
   }
-  if (const auto http = top.table(kHttp))
-    read_options(*http, options_of(settings.http), {}, folder);
   if (const auto publish = top.table(kPublish))
     settings.publish = read_publish_settings(*publish, folder);
   return settings;

@@ -106,6 +106,9 @@ struct HttpSettings {
   HostNames hosts;
 };
 
+/// When a sweepd that runs heeds another value of a key, after it read its settings again.
+enum class TakesEffect { at_once, next_session, after_restart };
+
 struct Settings {
   std::filesystem::path file;
   std::vector<RobotSettings> robots;  ///< at least one
@@ -119,12 +122,17 @@ struct Settings {
 
 /// What differs between two settings of a robot with one name, by key.
 struct SettingsChange {
-  std::vector<std::string> live;           ///< can be taken over by a sweepd that runs
-  std::vector<std::string> after_restart;  ///< the server's own: need a new one
+  std::array<std::vector<std::string>, 3> keys;
+  [[nodiscard]] std::vector<std::string>& of(TakesEffect when) {
+    return keys[static_cast<std::size_t>(when)];
+  }
+  [[nodiscard]] const std::vector<std::string>& of(TakesEffect when) const {
+    return keys[static_cast<std::size_t>(when)];
+  }
 };
 [[nodiscard]] SettingsChange change(RobotSettings from, RobotSettings to);
 [[nodiscard]] SettingsChange change(HttpSettings from, HttpSettings to);
-/// What is live of `from`, another reading of the same robot's settings.
+/// All but what needs a restart of `from`, another reading of the same robot's settings.
 void take_over_live(RobotSettings& robot, RobotSettings from);
 
 /// An option in words, for a manual.
@@ -134,6 +142,7 @@ struct OptionText {
   std::string fallback;  ///< the default as TOML; empty if there is none
   bool required = false;
   std::string help;  ///< one line
+  TakesEffect takes_effect = TakesEffect::next_session;
 };
 [[nodiscard]] std::vector<OptionText> robot_options();  ///< of [[robot]]
 [[nodiscard]] std::vector<OptionText> http_options();   ///< of [http]

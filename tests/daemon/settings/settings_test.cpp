@@ -10,6 +10,7 @@
 #include "tests/daemon/texts.hpp"
 
 using sweepd::load_settings;
+using sweepd::TakesEffect;
 using sweepd::test::replaced;
 namespace fs = std::filesystem;
 
@@ -164,6 +165,9 @@ TEST_CASE("signals are an element, or an element and an attribute", "[settings]"
                Catch::Matchers::ContainsSubstring("found \"" + wrong + "\": write the element"));
   CHECK_THAT(settings_error(kRobotText + "[robot.signals]\nangles = []\n"),
              Catch::Matchers::ContainsSubstring("expected 1 to 12 signals"));
+  CHECK(settings_error(kRobotText + "[robot.signals]\nangles = [\"E.A1\", \"E.A2\", \"E.A1\"]\n") ==
+        "7:10: robot.signals.angles: expected each signal once, found \"E.A1\" twice: name the "
+        "signal of each joint");
 }
 
 TEST_CASE("two robots share neither a name nor a port on one address", "[settings]") {
@@ -182,6 +186,36 @@ TEST_CASE("two robots share neither a name nor a port on one address", "[setting
   SECTION("one port on two addresses is fine") {
     CHECK(settings_error(replaced(kRobotText, "0.0.0.0", "10.0.0.1") +
                          replaced(second, "0.0.0.0:49153", "10.0.0.2:49152")) == "no error");
+  }
+}
+
+TEST_CASE("no two ports of the file are the same, whoever listens on them", "[settings]") {
+  using Catch::Matchers::ContainsSubstring;
+  const std::string second = replaced(replaced(kRobotText, "\"a\"", "\"b\""), "49152", "49153");
+  const auto device = [](const std::string& listen) {
+    return "[[robot.device]]\nlisten = \"" + listen + "\"\ncolumns = \"x_mm,y_mm,z_mm\"\n";
+  };
+  CHECK(settings_error(kRobotText + device("udp://0.0.0.0:5005") + second +
+                       device("udp://10.0.0.1:5005")) ==
+        "15:10: robot.device.listen: expected an address and port of its own, found "
+        "udp://10.0.0.1:5005, which collides with 0.0.0.0:5005 of the device in line 6: choose "
+        "another port");
+  CHECK(settings_error(kRobotText + device("udp://0.0.0.0:5005") + second +
+                       device("tcp://0.0.0.0:5005")) == "no error");
+  CHECK_THAT(settings_error(kRobotText + device("udp://0.0.0.0:49153") + second),
+             ContainsSubstring("collides with 0.0.0.0:49153 of the device in line 6"));
+  CHECK_THAT(settings_error(kRobotText + second + device("udp://0.0.0.0:49152")),
+             ContainsSubstring("collides with 0.0.0.0:49152 of the robot in line 1"));
+  SECTION("a recording tells a device from its controller by the port alone") {
+    CHECK_THAT(settings_error(kRobotText + device("tcp://0.0.0.0:49152")),
+               ContainsSubstring("collides with 0.0.0.0:49152 of the robot in line 1"));
+  }
+  SECTION("the pages are on a TCP port, also where the file does not name it") {
+    CHECK_THAT(settings_error(kRobotText + device("tcp://0.0.0.0:19152")),
+               ContainsSubstring("collides with 127.0.0.1:19152 of the pages"));
+    CHECK(settings_error(kRobotText + device("udp://0.0.0.0:19152")) == "no error");
+    CHECK(settings_error(kRobotText + device("tcp://0.0.0.0:19152") +
+                         "[http]\nlisten = \"off\"\n") == "no error");
   }
 }
 
@@ -234,8 +268,8 @@ TEST_CASE("the pages are served on the loopback interface unless [http] says oth
       http("[http]\nlisten = \"0.0.0.0:80\"\nhosts = [\"cell-pc\", \"10.0.0.5\"]\n");
   CHECK(changed.listen == rsi::parse_endpoint("0.0.0.0:80"));
   CHECK(changed.hosts.names == std::vector<std::string>{"cell-pc", "10.0.0.5"});
-  CHECK(sweepd::change(http(""), http("")).after_restart.empty());
-  CHECK(sweepd::change(http(""), changed).after_restart ==
+  CHECK(sweepd::change(http(""), http("")).of(TakesEffect::after_restart).empty());
+  CHECK(sweepd::change(http(""), changed).of(TakesEffect::after_restart) ==
         std::vector<std::string>{"http.listen", "http.hosts"});
 }
 
@@ -300,6 +334,23 @@ TEST_CASE("the shipped settings show every option, and the true default of each"
   }
 }
 
+TEST_CASE("the documents tell which options need a restart", "[settings]") {
+  std::ifstream in(fs::path(SWEEPD_SOURCE_DIR) / "docs" / "install.md");
+  auto options = sweepd::robot_options();
+  for (auto& option : sweepd::http_options()) options.push_back(std::move(option));
+  std::size_t compared = 0;
+  for (std::string line; std::getline(in, line) && line != "### `[publish]`";)
+    for (const auto& option : options) {
+      const std::string key = option.key.substr(option.key.find('.') + 1);
+      if (!line.starts_with("| `" + key + "` |")) continue;
+      INFO(line);
+      CHECK((line.find("| yes |") != line.npos) ==
+            (option.takes_effect == TakesEffect::after_restart));
+      ++compared;
+    }
+  CHECK(compared >= options.size());
+}
+
 TEST_CASE("tags to be answered with zeros need the Ethernet file that has them",
           "[settings][issue11][point_1]") {
   CHECK_THAT(settings_error(kRobotText + "answers_with_zeros = [\"RKorr.X\"]\n"),
@@ -336,8 +387,8 @@ TEST_CASE("real time and recording have keys of their own", "[settings]") {
 TEST_CASE("what differs between two settings is told, and what of it needs a restart",
           "[settings]") {
   sweepd::RobotSettings from;
-  CHECK(sweepd::change(from, from).live.empty());
-  CHECK(sweepd::change(from, from).after_restart.empty());
+  CHECK(sweepd::change(from, from).of(TakesEffect::next_session).empty());
+  CHECK(sweepd::change(from, from).of(TakesEffect::after_restart).empty());
   auto to = from;
   to.silence = std::chrono::milliseconds(3000);
   to.plan = "plan.toml";
@@ -351,17 +402,20 @@ TEST_CASE("what differs between two settings is told, and what of it needs a res
   to.real_time.wish = sweepd::RealTime::off;
   to.real_time.cpus = {1};
   const auto change = sweepd::change(from, to);
-  CHECK(change.live ==
-        std::vector<std::string>{"plan", "silence_ms", "signals.angles", "recording.keep_days"});
-  CHECK(change.after_restart == std::vector<std::string>{"listen", "controller", "ethernet_config",
-                                                         "answers_with_zeros", "queue_bytes",
-                                                         "realtime", "cpus"});
+  CHECK(change.of(TakesEffect::next_session) ==
+        std::vector<std::string>{"plan", "silence_ms", "signals.angles"});
+  CHECK(change.of(TakesEffect::at_once) == std::vector<std::string>{"recording.keep_days"});
+  CHECK(change.of(TakesEffect::after_restart) ==
+        std::vector<std::string>{"listen", "controller", "ethernet_config", "answers_with_zeros",
+                                 "queue_bytes", "realtime", "cpus"});
 
-  // What is said to be live is what a sweepd that runs takes over.
+  // What is said to need no restart is what a sweepd that runs takes over.
   auto running = from;
   sweepd::take_over_live(running, to);
-  CHECK(sweepd::change(running, to).live.empty());
-  CHECK(sweepd::change(running, to).after_restart == change.after_restart);
+  CHECK(sweepd::change(running, to).of(TakesEffect::at_once).empty());
+  CHECK(sweepd::change(running, to).of(TakesEffect::next_session).empty());
+  CHECK(sweepd::change(running, to).of(TakesEffect::after_restart) ==
+        change.of(TakesEffect::after_restart));
   CHECK(running.silence == to.silence);
   CHECK(running.listen == from.listen);
 }
@@ -387,7 +441,7 @@ TEST_CASE("a robot may have a device that sends lines of text", "[settings]") {
   CHECK_THAT(settings_error(kRobotText + replaced(device, "udp://0.0.0.0:5005", "5005")),
              ContainsSubstring("write it like \"udp://0.0.0.0:5005\""));
   CHECK_THAT(settings_error(kRobotText + replaced(device, "5005", "49152")),
-             ContainsSubstring("a port of its own"));
+             ContainsSubstring("port of its own"));
   CHECK_THAT(settings_error(kRobotText + device + replaced(device, "5005", "5006")),
              ContainsSubstring("expected one [[robot.device]]"));
   CHECK_THAT(settings_error(kRobotText + "[[robot.device]]\nlisten = \"udp://0.0.0.0:5005\"\n"),
