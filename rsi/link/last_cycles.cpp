@@ -107,18 +107,17 @@ LastCycles::Event LastCycles::event(std::size_t index) const {
   const Cycle& seen = cycles_[index];
   if (seen.send_failed) return Event::send_failed;
   if (seen.malformed) return Event::malformed;
-  if (seen.replied) {
-    const bool late = cycle_time_.count() > 0 && *seen.replied - seen.received > cycle_time_;
-    return late ? Event::late : Event::answered;
+  if (!seen.replied) {
+    if (seen.arrival == Arrival::duplicate || seen.arrival == Arrival::completed)
+      return Event::duplicate;
+    if (!expects_replies_) return Event::received;
   }
-  if (seen.arrival == Arrival::duplicate || seen.arrival == Arrival::completed)
-    return Event::duplicate;
-  if (!expects_replies_) return Event::received;
-  const nanoseconds since = cycles_.back().received - seen.received;
-  for (std::size_t later = index + 1; later < cycles_.size(); ++later)
-    if (const auto& replied = cycles_[later].replied)
-      return *replied - seen.received <= 2 * cycle_time_ ? Event::superseded : Event::unanswered;
-  return since < cycle_time_ || index + 1 == cycles_.size() ? Event::received : Event::unanswered;
+  const Fate became = fate(cycles_, index, cycle_time_);
+  const bool waits =
+      index + 1 == cycles_.size() || cycles_.back().received - seen.received < cycle_time_;
+  if (became == Fate::unanswered && waits) return Event::received;
+  constexpr std::array kEvents{Event::answered, Event::late, Event::superseded, Event::unanswered};
+  return kEvents[static_cast<std::size_t>(became)];
 }
 
 std::uint64_t LastCycles::lost_before(const Cycle& cycle) const {

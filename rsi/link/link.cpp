@@ -21,6 +21,16 @@ std::chrono::nanoseconds later(std::chrono::nanoseconds time, std::chrono::nanos
 
 }  // namespace
 
+Fate fate(std::span<const Cycle> cycles, std::size_t index, std::chrono::nanoseconds cycle) {
+  const Cycle& of = cycles[index];
+  if (of.replied) return fate(*of.replied - of.received, std::nullopt, cycle);
+  const auto later = cycles.subspan(index + 1);
+  const auto next = std::find_if(later.begin(), later.end(),
+                                 [](const Cycle& one) { return one.replied.has_value(); });
+  if (next == later.end()) return Fate::unanswered;
+  return fate(std::nullopt, *next->replied - of.received, cycle);
+}
+
 std::optional<Arrival> Link::telegram(const Datagram& datagram) {
   const Defect defect = telegram_.parse(datagram.payload);
   return telegram(datagram, telegram_, defect);
@@ -62,6 +72,7 @@ std::optional<Arrival> Link::telegram(const Datagram& datagram, const Telegram& 
     const auto late_runs = statistics_.counts().late_runs;
     cycle.begins_late_run = late_runs != late_runs_;
     late_runs_ = late_runs;
+    if (delay) cycle.late_run = static_cast<std::int64_t>(statistics_.late_run());
     newest_ = {datagram.time, *ipoc};
   }
   return arrival;
@@ -195,9 +206,9 @@ void Link::score_arrival(const Kept& cycle) {
 
 void Link::score_late_run(const Kept& cycle) {
   if (cycle.arrival == Arrival::reordered) return;
-  if (cycle.begins_late_run || cycle.delay.value_or(0) == 0) end_run(late_run_, report_.late_runs);
+  if (cycle.begins_late_run || cycle.late_run == 0) end_run(late_run_, report_.late_runs);
   if (cycle.begins_late_run) late_run_ = {cycle.at, *cycle.ipoc, 0};
-  late_run_.amount = std::max(late_run_.amount, static_cast<std::int64_t>(cycle.delay.value_or(0)));
+  late_run_.amount = std::max(late_run_.amount, cycle.late_run);
 }
 
 void Link::score_reply(const Kept& cycle, bool at_end) {
@@ -217,22 +228,21 @@ void Link::score_reply(const Kept& cycle, bool at_end) {
 
 bool Link::replied_in_time(const Kept& cycle) {
   ReplyCounts& counts = report_.replies;
-  if (!cycle.replied) {
-    const bool soon = cycle.next_reply && *cycle.next_reply - cycle.at <= 2 * cycle_;
-    ++(soon ? counts.superseded : counts.unanswered);
-    return false;
-  }
-  if (!cycle.timed) {
+  std::optional<Nanoseconds> to_reply, to_next_reply;
+  if (cycle.replied) to_reply = cycle.timed ? *cycle.replied - cycle.received : 0ns;
+  if (cycle.next_reply) to_next_reply = *cycle.next_reply - cycle.at;
+  if (cycle.timed) {
+    report_.latency.add(*to_reply);
+    report_.slowest.add({cycle.at, *cycle.ipoc, to_reply->count()});
+  } else if (cycle.replied) {
     ++counts.untimed;
-    ++counts.in_time;
-    return true;
   }
-  const Nanoseconds latency = *cycle.replied - cycle.received;
-  report_.latency.add(latency);
-  report_.slowest.add({cycle.at, *cycle.ipoc, latency.count()});
-  const bool late = cycle_ > 0ns && latency > cycle_;
-  ++(late ? counts.late : counts.in_time);
-  return !late;
+  const Fate became = fate(to_reply, to_next_reply, cycle_);
+  ++(became == Fate::in_time      ? counts.in_time
+     : became == Fate::late       ? counts.late
+     : became == Fate::superseded ? counts.superseded
+                                  : counts.unanswered);
+  return became == Fate::in_time;
 }
 
 void Link::end_run(Place& run, WorstPlaces& runs) {

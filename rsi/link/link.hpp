@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "rsi/datagram.hpp"
@@ -23,7 +24,17 @@ struct Cycle {
   std::uint64_t rise = 0;    ///< of the IPOC since the telegram in order before; 0: none counts
   bool malformed = false;    ///< no whole telegram
   bool send_failed = false;  ///< the system refused to send the reply
+
+  /// What begins no cycle is only kept for who looks at the last ones.
+  [[nodiscard]] bool counts() const {
+    return ipoc && arrival != Arrival::duplicate && arrival != Arrival::completed &&
+           arrival != Arrival::stray;
+  }
 };
+
+/// Of one of the last cycles, by what is known of those after it. Times are as they were stamped.
+[[nodiscard]] Fate fate(std::span<const Cycle> cycles, std::size_t index,
+                        std::chrono::nanoseconds cycle);
 
 /// A link, from the datagrams of one controller in both directions, in the order in which they came
 /// and went; the order counts, their time stamps may jump. All that is told of a link comes from
@@ -60,17 +71,12 @@ class Link {
   struct Kept : Cycle {
     Nanoseconds since{};  // the telegram in order before, by the clock
     bool begins_late_run = false;
+    std::int64_t late_run = 0;  // late replies in a row up to this one
     // Laid out when it is settled:
     bool clock_stepped = false;               // since the telegram before
     bool timed = false;                       // its latency can be trusted
     Nanoseconds at{};                         // since the first telegram, without clock steps
     std::optional<Nanoseconds> next_reply{};  // when the next one to a newer telegram left
-
-    /// What begins no cycle is only kept for who looks at the last ones.
-    [[nodiscard]] bool counts() const {
-      return ipoc && arrival != Arrival::duplicate && arrival != Arrival::completed &&
-             arrival != Arrival::stray;
-    }
   };
 
   void lay_out();

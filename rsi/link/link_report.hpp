@@ -47,6 +47,17 @@ class WorstPlaces {
   std::size_t size_ = 0;
 };
 
+/// What became of a telegram that is to be answered.
+enum class Fate { in_time, late, superseded, unanswered };
+/// Told from the times from its coming to its reply, and to the next reply to a newer telegram; as
+/// far as there are any. `cycle`: zero while it is not known.
+[[nodiscard]] constexpr Fate fate(std::optional<std::chrono::nanoseconds> to_reply,
+                                  std::optional<std::chrono::nanoseconds> to_next_reply,
+                                  std::chrono::nanoseconds cycle) noexcept {
+  if (to_reply) return cycle.count() > 0 && *to_reply > cycle ? Fate::late : Fate::in_time;
+  return to_next_reply && *to_next_reply <= 2 * cycle ? Fate::superseded : Fate::unanswered;
+}
+
 /// What became of the telegrams, each counted once however often it came or was answered.
 struct ReplyCounts {
   std::uint64_t sent = 0;  ///< replies seen, of any kind; with none the rest is zero too

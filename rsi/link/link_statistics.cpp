@@ -67,7 +67,7 @@ Arrival LinkStatistics::add(const Datagram& datagram, std::uint64_t ipoc,
     ++counts_.restarts;
     counts_.lost += lost_in(run_);
     run_ = {};
-    delay_ = 0;
+    delay_.reset();
   }
   if (run_.distinct == 0) {
     run_ = {.oldest = ipoc, .newest = ipoc};
@@ -173,13 +173,18 @@ void LinkStatistics::learn_pace(std::uint64_t rise, const Milestone& now) {
 void LinkStatistics::count_late(std::uint64_t ipoc, std::uint64_t delay) {
   // Within a run of late replies Delay rises with each cycle. Where it rose by less it was 0 in
   // between, and a new run has begun.
-  if (delay > 0) {
+  if (!delay_) {
+    counts_.missed_before += delay;
+    delay_before_ = delay;
+  } else {
     const std::uint64_t cycles =
         std::max<std::uint64_t>(1, (ipoc - delay_ipoc_) / step().value_or(1));
-    const bool goes_on = delay_ > 0 && delay >= delay_ + cycles;
-    *counts_.late_replies += goes_on ? delay - delay_ : delay;
-    if (!goes_on) ++counts_.late_runs;
-    counts_.longest_late_run = std::max(counts_.longest_late_run, delay);
+    const bool goes_on = *delay_ > 0 && delay >= *delay_ + cycles;
+    if (!goes_on) delay_before_ = 0;
+    const std::uint64_t counted = goes_on ? *delay_ : 0;
+    *counts_.late_replies += delay - counted;
+    if (delay > 0 && counted == delay_before_) ++counts_.late_runs;
+    counts_.longest_late_run = std::max(counts_.longest_late_run, delay - delay_before_);
   }
   delay_ = delay;
   delay_ipoc_ = ipoc;

@@ -39,6 +39,8 @@ struct LinkCounts {
   std::uint64_t restarts = 0;
   /// Replies that the controller missed in time, by its Delay; not known where it sends none.
   std::optional<std::uint64_t> late_replies;
+  /// Those that it had missed before the first telegram that was seen; not among the former.
+  std::uint64_t missed_before = 0;
   std::uint64_t late_runs = 0;  ///< runs of consecutive late replies
   std::uint64_t longest_late_run = 0;
 };
@@ -58,6 +60,8 @@ class LinkStatistics {
   Arrival add(const Datagram& datagram, std::uint64_t ipoc, std::optional<std::uint64_t> delay);
 
   [[nodiscard]] LinkCounts counts() const;
+  /// Late replies in a row up to the last telegram that had a Delay.
+  [[nodiscard]] std::uint64_t late_run() const { return delay_.value_or(0) - delay_before_; }
   /// The telegrams never were on a network: they come from loopback, or from their own destination.
   [[nodiscard]] bool same_machine() const { return same_machine_; }
 
@@ -115,8 +119,9 @@ class LinkStatistics {
   Run run_;
   Endpoint source_;
   bool same_machine_ = false;
-  std::uint64_t delay_ = 0;  // the last one, and its telegram
+  std::optional<std::uint64_t> delay_;  // the last one of this run, and its telegram
   std::uint64_t delay_ipoc_ = 0;
+  std::uint64_t delay_before_ = 0;  // of the late run, what was before the first telegram
   std::array<std::uint64_t, kLargestStep + 1> steps_{};  // how often IPOC rose by so much
   std::uint64_t usual_step_ = 0;                         // the most frequent, of equals the least
   std::array<Seen, kRecent> recent_;  // of this run, number k at k modulo kRecent

@@ -109,7 +109,9 @@ class Judge {
                      : "all were answered within a cycle of their coming here, so the time went on "
                        "the way from or to the controller: cable, switch, other load on its port";
     else if (here >= late)
-      message += "the server did not answer these in time, see below";
+      message +=
+          "the server did not answer these in time; link.txt and `sweepd inspect` list its slowest "
+          "replies";
     else
       message +=
           rsi::counted(here, "telegram was", "telegrams were") + " not answered in time here and " +
@@ -242,6 +244,10 @@ class Judge {
       add(Grade::good, "restarts",
           "RSI began anew " + rsi::counted(link.restarts, "time") +
               ": if no program on the controller did that, look there for why it stopped");
+    if (link.missed_before > 0)
+      add(Grade::good, "missed_before",
+          "the controller had missed " + rsi::counted(link.missed_before, "reply", "replies") +
+              " before the first telegram that was seen: nobody answered until then");
     if (report_.clock_steps > 0) clock_steps();
     if (report_.replies.sent > 0 && !report_.link.late_replies)
       add(Grade::good, "no_delay",

@@ -206,6 +206,27 @@ TEST_CASE("the controller's Delay counts runs of late replies", "[link_statistic
   CHECK(link.counts().longest_late_run == 4);
 }
 
+TEST_CASE("replies that the controller missed before its first telegram was seen are counted apart",
+          "[link_statistics]") {
+  RestingLink link;
+  std::uint64_t ipoc = 0;
+  const auto add = [&](std::uint64_t delay) { link.add(ipoc += 4, kController, delay); };
+  add(248);
+  CHECK(link.counts().late_replies == 0);
+  CHECK(link.counts().missed_before == 248);
+  CHECK(link.counts().late_runs == 0);
+  add(249);
+  add(250);
+  CHECK(link.counts().late_replies == 2);
+  CHECK(link.counts().late_runs == 1);
+  CHECK(link.counts().longest_late_run == 2);
+  for (const std::uint64_t delay : {0u, 1u, 0u}) add(delay);
+  CHECK(link.counts().late_replies == 3);
+  CHECK(link.counts().late_runs == 2);
+  CHECK(link.counts().longest_late_run == 2);
+  CHECK(link.counts().missed_before == 248);
+}
+
 TEST_CASE("runs of late replies are told apart even if what came between them was lost",
           "[link_statistics]") {
   RestingLink link;

@@ -376,6 +376,17 @@ TEST_CASE("runs of late replies by the controller's Delay have their places, the
   check_place(runs[4], 40ms, 1'000'040, 1);
 }
 
+TEST_CASE("a run of late replies begins with the first one that was seen", "[link]") {
+  MonitoredLink link;
+  const std::vector<std::uint64_t> delays{248, 249, 250, 0, 0, 1, 0};
+  for (std::uint64_t k = 0; k < delays.size(); ++k)
+    link.stream.telegram(link.stream.at(k), link.stream.ipoc(k), delays[k]);
+  const auto runs = link.report().late_runs;
+  REQUIRE(runs.places().size() == 2);
+  check_place(runs.places()[0], 4ms, 1'000'004, 2);
+  check_place(runs.places()[1], 20ms, 1'000'020, 1);
+}
+
 TEST_CASE("faults at random are counted exactly over a long stream", "[link]") {
   std::mt19937 random(11);
   std::uniform_real_distribution<> chance;

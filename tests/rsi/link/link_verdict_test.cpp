@@ -88,7 +88,7 @@ TEST_CASE("the controller's Delay is explained by what was seen here", "[link_ve
   report.silent_runs.add({1s, 5, 2});
   const auto here = rsi::verdict(report);
   REQUIRE(reason(here, "late_at_controller") != nullptr);
-  CHECK_THAT(reason(here, "late_at_controller")->message, ContainsSubstring("see below"));
+  CHECK_THAT(reason(here, "late_at_controller")->message, ContainsSubstring("its slowest"));
   report.replies.late = 1;
   report.link.lost = 1;
   const auto both = rsi::verdict(report);
@@ -202,6 +202,9 @@ TEST_CASE("restarts, clock steps and missing Delay are good to know, and no faul
   check_only(report, Grade::good, "no_delay", "DEF_Delay");
   report.replies = {};
   CHECK(rsi::verdict(report).reasons.empty());
+  report = flawless();
+  report.link.missed_before = 248;
+  check_only(report, Grade::good, "missed_before", "had missed 248 replies before");
   report = flawless();
   report.ipoc_counts_ms = false;
   check_only(report, Grade::good, "ipoc_no_clock", "simulator");
