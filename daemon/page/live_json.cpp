@@ -74,6 +74,7 @@ std::string cycles_json(const std::vector<LiveSlice>& slices) {
     json["at_s"].push_back(number(slice.at_s, 2));
     json["cycles"].push_back(slice.cycles);
     json["late"].push_back(slice.late);
+    json["superseded"].push_back(slice.superseded);
     json["unanswered"].push_back(slice.unanswered);
     json["latency_us"].push_back(some_us(slice.latency_us));
     json["latency_max_us"].push_back(some_us(slice.latency_max_us));

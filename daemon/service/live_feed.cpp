@@ -85,22 +85,31 @@ void LiveFeed::take_cycles(const rsi::Link& link, bool expects_replies) {
   const auto all = link.last();
   auto first = all.end() - static_cast<std::ptrdiff_t>(std::min(telegrams_, all.size()));
   auto end = all.end();
-  // The reply to the newest one may be on its way.
-  if (first != end && expects_replies && !std::prev(end)->replied) --end;
-  telegrams_ = static_cast<std::size_t>(all.end() - end);
   const auto unit = link.statistics().unit();
-  const auto cycle = link.statistics().cycle();
+  const auto cycle = link.statistics().cycle().value_or(std::chrono::nanoseconds(0));
+  // The reply to the newest ones, or to one that supersedes them, may be on its way.
+  while (first != end && expects_replies && !std::prev(end)->replied &&
+         (end == all.end() || all.back().received - std::prev(end)->received < 2 * cycle))
+    --end;
+  telegrams_ = static_cast<std::size_t>(all.end() - end);
   std::vector<double> latencies;
   for (auto now = first; now != end; ++now) {
-    if (!now->ipoc) continue;
+    if (!now->counts()) continue;
     ++slice_.cycles;
-    if (now->replied) {
-      const auto latency = *now->replied - now->received;
-      latencies.push_back(us(latency));
-      if (cycle && latency > *cycle) ++slice_.late;
-    } else if (expects_replies) {
-      ++slice_.unanswered;
-    }
+    if (now->replied) latencies.push_back(us(*now->replied - now->received));
+    if (now->replied || expects_replies)
+      switch (rsi::fate(all, static_cast<std::size_t>(now - all.begin()), cycle)) {
+        case rsi::Fate::in_time:
+          break;
+        case rsi::Fate::late:
+          ++slice_.late;
+          break;
+        case rsi::Fate::superseded:
+          ++slice_.superseded;
+          break;
+        case rsi::Fate::unanswered:
+          ++slice_.unanswered;
+      }
     if (now->rise == 0 || now->arrival != rsi::Arrival::in_order || now == all.begin()) continue;
     const auto pace = now->received - std::prev(now)->received;
     const auto off = pace - static_cast<std::int64_t>(now->rise) * unit;

@@ -32,7 +32,8 @@ struct LiveSlice {
 
   std::uint32_t cycles = 0;      ///< telegrams that are settled
   std::uint32_t late = 0;        ///< of these, answered later than a cycle after they came
-  std::uint32_t unanswered = 0;  ///< of these, with no reply of their own
+  std::uint32_t superseded = 0;  ///< of these, without a reply as a newer one got it
+  std::uint32_t unanswered = 0;  ///< of these, without any reply
   /// Telegram to reply, the median and the longest; difference from the pace, the largest.
   /// Negative: there was none.
   float latency_us = -1, latency_max_us = -1, jitter_us = -1;

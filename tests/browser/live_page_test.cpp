@@ -113,7 +113,7 @@ TEST_CASE("all joints go from moving to used, and the table has the digits of re
       for (const auto& [key, value] : json[table][row].items()) {
         const auto place = table + "/" + std::to_string(row) + "/" + key;
         const auto shown = browser.run("return document.querySelector('[data-number=\"" + place +
-                                       "\"]')?.textContent ?? null");
+                                       "\"]')?.title || null");
         if (shown.is_null() || !value.is_number()) continue;
         INFO(place);
         CHECK(shown == value.dump());
@@ -162,6 +162,10 @@ std::shared_ptr<sweepd::RobotStatus> odd_robot() {
   state.name = "odd";
   state.stream = {"20250101T000000Z", std::chrono::seconds(-1), 0, std::chrono::milliseconds(4)};
   state.sessions = 1;
+  state.replies = true;
+  state.link.in_time = 1000;
+  state.link.missed_by_controller = 5;
+  state.recording_paused = true;
   robot->state.publish(state);
   sweepd::LiveSlice slice;
   slice.session = 1;
@@ -239,6 +243,12 @@ TEST_CASE("what sweepd tells is only text, and a result may have twelve joints",
     CHECK(browser.becomes("document.querySelector('main').textContent.includes('onerror=alert')"));
     CHECK(browser.text("document.querySelectorAll('main script, main img').length") == "0");
     CHECK(browser.text("document.title") != "x");
+    CHECK(
+        browser.becomes("document.querySelector('main').textContent.toLowerCase().includes('the "
+                        "recording is paused')"));
+    CHECK(
+        browser.becomes("document.querySelector('main').textContent.match(/controller missed 5|"
+                        "sweepd started5/)"));
     browser.screenshot(kScreenshots / (target == "/" ? "odd_robots.png" : "odd_whole.png"), true);
   }
   CHECK(browser.text("document.querySelectorAll('.lanes tbody tr').length") == "12");

@@ -15,13 +15,14 @@ export function make_link() {
     return element("li", {}, line, text);
   };
   const late_key = element("span", { class: "dot" }, "● ");
+  const cycle_key = key("dashed", "text", "cycle");
   const legend = element("ul", { class: "legend" },
     key("", "joint1", "latency, median"), key("dashed", "joint3", "latency, longest"),
-    key("dotted", "joint4", "jitter, largest"), key("dashed", "text", "cycle"),
-    element("li", {}, late_key, "late or unanswered"));
+    key("dotted", "joint4", "jitter, largest"), cycle_key,
+    element("li", {}, late_key, "not answered in time"));
   const body = element("tbody");
   const cells = {};
-  for (const [name, label] of [["latency", "Latency, median and longest"], ["jitter", "Jitter, largest"], ["late", "Late or unanswered"], ["lost", "Lost on the way, since sweepd started"]]) {
+  for (const [name, label] of [["latency", "Latency, median and longest"], ["jitter", "Jitter, largest"], ["late", "Not answered in time by sweepd"], ["missed", "Not in time at the controller, since sweepd started"], ["lost", "Lost on the way, since sweepd started"]]) {
     cells[name] = element("td", { class: "number", "data-link": name }, "none");
     body.append(row("td", [element("th", { scope: "row" }, label), cells[name]]));
   }
@@ -109,13 +110,17 @@ export function make_link() {
     },
     state(state) {
       cycle_us = state.stream?.cycle_ms ? state.stream.cycle_ms * 1000 : cycle_us;
+      const missed = state.replies.missed_by_controller;
+      cycle_key.hidden = cycle_us === null || data[0].length === 0;
+      say(cells.missed, missed === null ? "it does not tell" : String(missed));
+      cells.missed.className = missed > 0 ? "number bad" : "number";
       say(cells.lost, String(state.telegrams.lost));
     },
     cycles(cycles) {
       cycles.at_s.forEach((at_s, i) => {
         data[0].push(at_s);
         SERIES.forEach((name, s) => data[s + 1].push(cycles[name][i]));
-        late.push(cycles.late[i] + cycles.unanswered[i]);
+        late.push(cycles.late[i] + cycles.superseded[i] + cycles.unanswered[i]);
       });
       const first = data[0].findIndex((at_s) => at_s >= data[0].at(-1) - WINDOW_S);
       data.forEach((column) => column.splice(0, first));

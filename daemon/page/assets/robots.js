@@ -1,6 +1,6 @@
 // The first page: all robots of this sweepd, asked for every two seconds.
 import { connection } from "./live.js";
-import { bdi, counted, element, head, panel, row, say, utc } from "./text.js";
+import { bdi, counted, disk_words, element, head, panel, row, say, utc } from "./text.js";
 
 const PAUSE_MS = 2000;
 
@@ -15,7 +15,9 @@ function reply_words(robot) {
   const { in_time, late, superseded, unanswered } = robot.replies;
   const bad = late + superseded + unanswered;
   if (in_time + bad === 0) return "none yet";
-  return bad === 0 ? `${counted(in_time, "reply", "replies")} in time` : `${bad} of ${in_time + bad} not in time`;
+  const here = bad === 0 ? `${counted(in_time, "reply", "replies")} left in time` : `${bad} of ${in_time + bad} did not leave in time`;
+  const missed = robot.replies.missed_by_controller;
+  return missed > 0 ? `${here}; the controller missed ${missed}` : here;
 }
 
 function sweep_words(robot) {
@@ -30,10 +32,14 @@ function result_words(robot) {
   return (robot.result.interim ? "interim: " : "") + robot.result.status + warnings;
 }
 
+function result_cell(robot) {
+  const waiting = disk_words(robot);
+  return element("td", {}, result_words(robot), waiting ? element("span", { class: "bad" }, `; ${waiting}`) : null);
+}
+
 function robot_row(robot) {
   const link = element("a", { href: "/?robot=" + encodeURIComponent(robot.robot) }, bdi(robot.robot));
-  const cells = [element("th", { scope: "row" }, link), stream_words(robot), reply_words(robot), sweep_words(robot), result_words(robot)];
-  if (robot.recording.paused) cells[1] = element("td", { class: "bad" }, cells[1] + "; the recording is paused");
+  const cells = [element("th", { scope: "row" }, link), stream_words(robot), reply_words(robot), sweep_words(robot), result_cell(robot)];
   return row("td", cells);
 }
 

@@ -1,14 +1,23 @@
-// The DH table with its uncertainties, in the digits of result.json, and what sweepd warns of.
+// The DH table with its uncertainties, the digits of result.json behind them, and what sweepd warns of.
 import { bdi, element, head, panel, row, say } from "./text.js";
 
 const NUMBERS = [["b", "_mm", "b", "mm"], ["theta", "_deg", "θ", "°"], ["a", "_mm", "a", "mm"], ["alpha", "_deg", "α", "°"], ["beta", "_deg", "β", "°"]];
 const STATUS = {
-  complete: "Every joint has an axis, and nothing contradicts.",
-  doubtful: "Something contradicts: do not use the numbers before the reasons under Warnings are understood.",
+  complete: "Every joint has an axis, and nothing in the data contradicts the result.",
+  doubtful: "Something in the data contradicts the result: do not use the numbers before the reasons under Warnings are understood.",
   partial: "Not every joint has an axis yet.",
   failed: "No axis was found.",
 };
 const NONE = "–";
+/** Of each column, so that points stand below each other. */
+const DECIMALS = { value: 4, sigma: 5, specified: 3 };
+
+function shown(digits, decimals) {
+  if (digits === null || digits === undefined) return NONE;
+  const fixed = Number(digits).toFixed(decimals);
+  if (Number(fixed) !== 0) return fixed;
+  return Number(digits) > 0 && decimals === DECIMALS.sigma ? `<${(10 ** -decimals).toFixed(decimals)}` : (0).toFixed(decimals);
+}
 
 export function make_table() {
   const body = element("tbody");
@@ -26,7 +35,8 @@ export function make_table() {
   let result = null;
   let session = null;
 
-  const cell = (text, key) => element("td", key ? { class: "number", "data-number": key } : { class: "number" }, text ?? NONE);
+  /** The digits themselves are in the title. */
+  const cell = (digits, key, decimals) => element("td", { class: "number", "data-number": key, ...(digits ? { title: digits } : {}) }, shown(digits, decimals));
 
   function number_row(index, [name, suffix, sign, unit], rows, first) {
     const key = name + suffix;
@@ -34,10 +44,10 @@ export function make_table() {
     const by_convention = found.by_convention?.includes(key);
     const cells = [
       element("th", { scope: "row" }, `${sign} ${unit}`),
-      cell(found[key], `dh/${index}/${key}`),
-      cell(by_convention ? "set" : found[`${name}_sigma${suffix}`], `dh/${index}/${name}_sigma${suffix}`),
-      cell(rows.difference[index]?.[key], `difference/${index}/${key}`),
-      cell(rows.specified[index]?.[key], `specified/${index}/${key}`),
+      cell(found[key], `dh/${index}/${key}`, DECIMALS.value),
+      by_convention ? element("td", { class: "number" }, "set") : cell(found[`${name}_sigma${suffix}`], `dh/${index}/${name}_sigma${suffix}`, DECIMALS.sigma),
+      cell(rows.difference[index]?.[key], `difference/${index}/${key}`, DECIMALS.value),
+      cell(rows.specified[index]?.[key], `specified/${index}/${key}`, DECIMALS.specified),
     ];
     if (first > 0) cells.unshift(element("th", { scope: "rowgroup", rowspan: first }, String(index + 1)));
     return row("td", cells, first > 0 ? { class: "first" } : {});

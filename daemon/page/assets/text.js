@@ -44,6 +44,12 @@ export const utc = (text) => text.replace("T", " ").replace(/\.\d+Z$/, " UTC");
 
 export const counted = (count, one, many = one + "s") => `${count} ${count === 1 ? one : many}`;
 
+/** What of a robot is not on the disk, as that has no room or refuses; empty: all is. */
+export function disk_words(robot) {
+  const waits = robot.results_pending > 0 && robot.result && !robot.result.interim;
+  return [waits ? "the result's files wait for room on the disk" : "", robot.recording.paused ? "the recording is paused" : ""].filter(Boolean).join(", ");
+}
+
 export const dark = matchMedia("(prefers-color-scheme: dark)");
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 

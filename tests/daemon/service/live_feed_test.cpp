@@ -111,10 +111,42 @@ TEST_CASE("a slice tells latency, jitter, late and missing replies", "[live_feed
   const auto slice = slices.after(0, 0, 600).slices.back();
   CHECK(slice.cycles == 12);
   CHECK(slice.late == 1);
-  CHECK(slice.unanswered == 1);
+  CHECK(slice.superseded == 1);
   CHECK(slice.latency_us == Approx(20));
   CHECK(slice.latency_max_us == Approx(5000));
   CHECK(slice.jitter_us == Approx(300).margin(1));
+}
+
+TEST_CASE("a slice counts a cycle as the link does: superseded, unanswered, and no copy",
+          "[live_feed]") {
+  LiveSlices slices;
+  LiveFeed live(slices);
+  rsi::Link link;
+  live.begin_session("s");
+  std::uint64_t ipoc = 1000;
+  auto time = std::chrono::microseconds(1s);
+  const auto next = [&](std::optional<std::chrono::microseconds> latency) {
+    exchange(link, live, ipoc += 4, time += 4ms, latency);
+  };
+  for (int i = 0; i < 50; ++i) next(20us);
+  for (int i = 0; i < 4; ++i) next(std::nullopt);
+  live.tick(link, true, 0.1);  // of the last two nothing is known yet
+  next(20us);
+  exchange(link, live, ipoc, time + 100us, std::nullopt);  // a copy
+  for (int i = 0; i < 5; ++i) next(20us);
+  live.tick(link, true, 0.2);
+  std::uint64_t cycles = 0, superseded = 0, unanswered = 0;
+  for (const auto& slice : slices.after(0, 0, 600).slices) {
+    cycles += slice.cycles;
+    superseded += slice.superseded;
+    unanswered += slice.unanswered;
+  }
+  const auto report = link.report();
+  CHECK(report.replies.superseded == 1);
+  CHECK(report.replies.unanswered == 3);
+  CHECK(superseded == report.replies.superseded);
+  CHECK(unanswered == report.replies.unanswered);
+  CHECK(cycles == 60);
 }
 
 TEST_CASE("a sweep has its path, and the sweeps of a session before go", "[live_feed]") {
