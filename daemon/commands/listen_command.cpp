@@ -66,7 +66,7 @@ class Shown {
   [[nodiscard]] std::size_t lines() const { return count_; }
   [[nodiscard]] std::size_t points() const { return by_kind_[0]; }
 
-  void summary(std::uint64_t dropped) const {
+  void summary(std::uint64_t dropped, std::uint64_t too_long) const {
     out_ << fmt::format("{} in {}", rsi::counted(count_, "line"),
                         rsi::counted(datagrams_, "datagram"));
     if (count_ > 1 && last_ > *first_)
@@ -76,7 +76,12 @@ class Shown {
     for (std::size_t k = 0; lines_ && k < by_kind_.size(); ++k)
       if (by_kind_[k] > 0)
         out_ << fmt::format("{:8}  {}\n", by_kind_[k], text(static_cast<DeviceLines::Line>(k)));
-    if (dropped > 0) out_ << fmt::format("{:8}  dropped, as they came too fast\n", dropped);
+    if (too_long > 0)
+      out_ << fmt::format("{:8}  left out, as they are longer than {} bytes\n", too_long,
+                          rsi::TextReceiver::kLongestLine);
+    if (dropped > 0)
+      out_ << fmt::format("{:8}  datagrams dropped, as they came faster than {} a second\n",
+                          dropped, rsi::TextReceiver::kMostInASecond);
   }
 
  private:
@@ -177,7 +182,7 @@ int listen(const ListenOptions& options, std::ostream& out, std::ostream& errors
   }
   receiver.stop();
   thread.join();
-  shown.summary(receiver.dropped());
+  shown.summary(receiver.dropped(), receiver.too_long());
   if (shown.lines() == 0)
     errors << fmt::format(
         "sweepd: nothing came to {} in {:.1f} s: see the device's target address and port, and the "

@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/points/device_lines.hpp"
 #include "daemon/settings/toml_table.hpp"
 #include "daemon/system/realtime.hpp"
@@ -33,13 +35,23 @@ void DevicePort::start() {
 }
 
 std::optional<std::string> DevicePort::complaint(std::chrono::steady_clock::time_point now) {
-  const auto dropped = receiver_.dropped();
-  if (dropped == said_ || now < again_) return std::nullopt;
-  std::string text = rsi::counted(dropped - said_, "datagram", "datagrams") +
-                     (dropped - said_ == 1 ? " was " : " were ") +
-                     "dropped, as the device sends faster than 10,000 lines a second: let it send "
-                     "less, and keep others off its port";
-  said_ = dropped;
+  using rsi::TextReceiver;
+  const auto dropped = receiver_.dropped() - dropped_, too_long = receiver_.too_long() - too_long_;
+  if (now < again_ || dropped + too_long == 0) return std::nullopt;
+  std::string text;
+  if (dropped > 0)
+    text = fmt::format(
+        "{} dropped, as they came faster than {} a second: let the device send less, and keep "
+        "others off its port",
+        rsi::counted(dropped, "datagram was", "datagrams were"), TextReceiver::kMostInASecond);
+  if (too_long > 0)
+    text += fmt::format(
+        "{}more than {} bytes without an end of line came {}, and were left out: let the device "
+        "end each line",
+        text.empty() ? "" : "; ", TextReceiver::kLongestLine,
+        rsi::counted(too_long, "time", "times"));
+  dropped_ += dropped;
+  too_long_ += too_long;
   again_ = now + std::chrono::minutes(1);
   return text;
 }

@@ -31,7 +31,7 @@ class DevicePort {
  private:
   rsi::TextReceiver receiver_;
   std::thread thread_;
-  std::uint64_t said_ = 0;
+  std::uint64_t dropped_ = 0, too_long_ = 0;  // that were said
   std::chrono::steady_clock::time_point again_{};
 };
 

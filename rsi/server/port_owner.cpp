@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include <arpa/inet.h>
+#include <unistd.h>
 
 namespace rsi {
 namespace {
@@ -81,16 +82,21 @@ std::string port_owner(Transport transport, const Endpoint& local) {
   return {};
 }
 
-std::string cannot_listen(Transport transport, const Endpoint& local, int error) {
+std::string cannot_listen(Transport transport, const Endpoint& local, int error,
+                          std::string_view other_port) {
   const auto place = text(transport) + ' ' + text(local);
   if (error != EADDRINUSE)
     return "cannot listen on " + place + " (" + std::generic_category().message(error) +
            "): use an address of this machine, or 0.0.0.0";
   const auto owner = port_owner(transport, local);
-  return place + " is in use by another program" +
-         (owner.empty() ? ": stop that one (as root, `ss -ulptn` names it)"
-                        : ", " + owner + ": stop it") +
-         ", or choose another port here and in the controller's Ethernet file";
+  const bool own = owner.ends_with("(process " + std::to_string(::getpid()) + ')');
+  std::string text = place + " is in use by ";
+  if (own)
+    text += "this program itself: ";
+  else
+    text += owner.empty() ? "another program: stop that one (as root, `ss -ulptn` names it), or "
+                          : "another program, " + owner + ": stop it, or ";
+  return text.append(other_port);
 }
 
 }  // namespace rsi

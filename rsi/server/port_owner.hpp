@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "rsi/endpoint.hpp"
 
@@ -16,6 +17,9 @@ enum class Transport { udp, tcp };
 [[nodiscard]] std::string port_owner(Transport transport, const Endpoint& local);
 
 /// Why this program cannot listen there, and what to do, in a sentence. `error`: the errno of bind.
-[[nodiscard]] std::string cannot_listen(Transport transport, const Endpoint& local, int error);
+/// `other_port`: how another port is chosen, after "or".
+[[nodiscard]] std::string cannot_listen(
+    Transport transport, const Endpoint& local, int error,
+    std::string_view other_port = "choose another port here and in the controller's Ethernet file");
 
 }  // namespace rsi

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 
 #include "rsi/asio_endpoint.hpp"
@@ -16,13 +17,10 @@ namespace {
 using namespace std::chrono_literals;
 using boost::system::error_code;
 
-constexpr auto kBetweenLooks = 10ms;
-/// In one look: 10,000 datagrams a second are more than any device sends.
-constexpr std::size_t kMostInALook = 100;
 /// Some hundred datagrams, as the system counts them.
 constexpr int kReceiveBytes = 256 << 10;
-/// No line of numbers is as long as what fits into one network frame of most.
-constexpr std::size_t kMostPayload = 8192;
+/// How a person gets another port.
+constexpr std::string_view kOtherPort = "choose another port here and at the device";
 
 }  // namespace
 
@@ -31,7 +29,8 @@ TextReceiver::TextReceiver(Transport transport, const Endpoint& listen) {
   if (transport == Transport::udp) {
     socket_.open(udp::v4(), error);
     if (!error) socket_.bind(to_asio<udp>(listen), error);
-    if (error) throw std::runtime_error(cannot_listen(transport, listen, error.value()));
+    if (error)
+      throw std::runtime_error(cannot_listen(transport, listen, error.value(), kOtherPort));
     error_code ignored;
     socket_.set_option(boost::asio::socket_base::receive_buffer_size(kReceiveBytes), ignored);
     socket_.set_option(SocketOption<SOL_SOCKET, SO_TIMESTAMPNS>(1), ignored);
@@ -43,24 +42,43 @@ TextReceiver::TextReceiver(Transport transport, const Endpoint& listen) {
     if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
     if (!error) acceptor_.bind(to_asio<tcp>(listen), error);
     if (!error) acceptor_.listen(1, error);
-    if (error) throw std::runtime_error(cannot_listen(transport, listen, error.value()));
+    if (error)
+      throw std::runtime_error(cannot_listen(transport, listen, error.value(), kOtherPort));
     local_ = from_asio(acceptor_.local_endpoint());
     accept();
   }
 }
 
 void TextReceiver::run() noexcept {
-  while (!context_.stopped()) {
+  for (bool failed = false; !context_.stopped(); failed = true) {
     try {
+      if (failed) begin_again();
       context_.run();
       return;
-    } catch (const std::exception&) {  // no memory: on with the next one
+    } catch (const std::exception&) {  // no memory
+      std::this_thread::sleep_for(kBetweenLooks);
     }
   }
 }
 
+/// What threw waits for nothing any more, and the end of a line may be lost with it.
+void TextReceiver::begin_again() {
+  error_code ignored;
+  socket_.cancel(ignored);
+  acceptor_.cancel(ignored);
+  connection_.cancel(ignored);
+  pause_.cancel();
+  again_.cancel();
+  lines_.clear();
+  in_long_line_ = true;
+  if (socket_.is_open()) return wait_for_datagrams();
+  accept();
+  if (connection_.is_open()) read();
+}
+
 void TextReceiver::wait_for_datagrams() {
   socket_.async_wait(udp::socket::wait_read, [this](const error_code& error) {
+    if (error == boost::asio::error::operation_aborted) return;
     if (!error) take_datagrams();
     pause();
   });
@@ -86,12 +104,13 @@ void TextReceiver::take_datagrams() {
     std::uint32_t dropped = system_dropped_;
     read_control(message, time, ignored, dropped);
     dropped_ += dropped - std::exchange(system_dropped_, dropped);
-    const auto taken = std::min(static_cast<std::size_t>(size), kMostPayload);
-    queue_.push({time.count() == 0 ? now() : time,
-                 from_asio(source),
-                 local_,
-                 {bytes_.data(), taken},
-                 taken < static_cast<std::size_t>(size)});
+    if (time.count() == 0) time = now();
+    std::string_view text(bytes_.data(), static_cast<std::size_t>(size));
+    if (text.size() > kLongestLine) text.remove_prefix(hand_over(time, from_asio(source), text));
+    if (text.size() > kLongestLine)
+      ++too_long_;
+    else if (!text.empty() || size == 0)
+      queue_.push({time, from_asio(source), local_, text, false});
   }
 }
 
@@ -110,6 +129,7 @@ void TextReceiver::accept() {
     peer_ = {};
     if (const auto peer = connection_.remote_endpoint(ignored); !ignored) peer_ = from_asio(peer);
     lines_.clear();
+    in_long_line_ = false;
     ++connections_;
     read();
     accept();
@@ -120,7 +140,7 @@ void TextReceiver::read() {
   connection_.async_read_some(
       boost::asio::buffer(bytes_),
       [this, of = connections_](const error_code& error, std::size_t count) {
-        if (of != connections_) return;
+        if (of != connections_ || error == boost::asio::error::operation_aborted) return;
         if (error) {
           error_code ignored;
           connection_.close(ignored);
@@ -128,7 +148,7 @@ void TextReceiver::read() {
         }
         take_bytes(count);
         // One that floods is made to wait.
-        if (count > kMostPayload)
+        if (count > kLongestLine)
           pause();
         else
           read();
@@ -136,20 +156,32 @@ void TextReceiver::read() {
 }
 
 void TextReceiver::take_bytes(std::size_t count) {
-  const auto time = now();
-  lines_.append(bytes_.data(), count);
-  std::size_t begin = 0;
-  while (true) {
-    const auto end = lines_.rfind('\n', begin + kMostPayload - 1);
-    if (end == std::string::npos || end < begin) break;
-    queue_.push(
-        {time, peer_, local_, std::string_view(lines_).substr(begin, end + 1 - begin), false});
-    begin = end + 1;
+  std::string_view fresh(bytes_.data(), count);
+  if (in_long_line_) {
+    const auto end = fresh.find('\n');
+    if (end == fresh.npos) return;
+    fresh.remove_prefix(end + 1);
+    in_long_line_ = false;
   }
-  lines_.erase(0, begin);
-  if (lines_.size() > kLongestLine) {
-    lines_.clear();
-    ++dropped_;
+  lines_.append(fresh);
+  lines_.erase(0, hand_over(now(), peer_, lines_));
+  if (lines_.size() < kLongestLine) return;
+  lines_.clear();
+  in_long_line_ = true;
+  ++too_long_;
+}
+
+std::size_t TextReceiver::hand_over(Timestamp time, const Endpoint& source, std::string_view text) {
+  for (std::size_t begin = 0;;) {
+    auto end = text.rfind('\n', begin + kLongestLine - 1);
+    if (end != text.npos && end >= begin) {
+      queue_.push({time, source, local_, text.substr(begin, end + 1 - begin), false});
+    } else {
+      end = text.find('\n', begin);
+      if (end == text.npos) return begin;
+      ++too_long_;
+    }
+    begin = end + 1;
   }
 }
 

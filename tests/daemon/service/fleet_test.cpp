@@ -102,7 +102,7 @@ TEST_CASE("a robot that cannot be served keeps no other from it, and is served o
   REQUIRE(eventually([&] { return fleet.settled(); }));
   CHECK(served(fleet) == Names{"arc"});
   CHECK(fleet.beats().size() == 1);
-  CHECK_THAT(reason(fleet, "port"), ContainsSubstring("in use by another program"));
+  CHECK_THAT(reason(fleet, "port"), ContainsSubstring("in use by this program itself"));
   CHECK_THAT(reason(fleet, "folder"), ContainsSubstring("cannot make the folder"));
 
   other.reset();

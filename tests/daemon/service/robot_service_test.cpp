@@ -444,7 +444,7 @@ TEST_CASE("what makes serving impossible is said before anything is served", "[r
     const RobotService first(settings(folder / "out"));
     auto robot = settings(folder / "out");
     robot.listen = first.local();
-    CHECK_THROWS_WITH(RobotService(robot), ContainsSubstring("in use by another program"));
+    CHECK_THROWS_WITH(RobotService(robot), ContainsSubstring("in use by this program itself"));
   }
   SECTION("an output folder that cannot be made") {
     const auto robot = settings(folder.write("file", "") / "out");

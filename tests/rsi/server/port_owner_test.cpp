@@ -45,8 +45,11 @@ TEST_CASE("why a port cannot be had is said with what to do", "[port_owner]") {
     const ip::udp::socket udp(context, {ip::address_v4(kLoopback), 0});
     place.port = udp.local_endpoint().port();
     CHECK(rsi::cannot_listen(Transport::udp, place, EADDRINUSE) ==
-          "UDP " + rsi::text(place) + " is in use by another program, " + this_program() +
-              ": stop it, or choose another port here and in the controller's Ethernet file");
+          "UDP " + rsi::text(place) +
+              " is in use by this program itself: choose another port here and in the "
+              "controller's Ethernet file");
+    CHECK_THAT(rsi::cannot_listen(Transport::udp, place, EADDRINUSE, "choose another"),
+               ContainsSubstring("itself: choose another") && !ContainsSubstring("controller"));
   }
   CHECK_THAT(rsi::cannot_listen(Transport::tcp, place, EADDRINUSE), ContainsSubstring("ss -ulptn"));
   CHECK_THAT(rsi::cannot_listen(Transport::tcp, place, EADDRNOTAVAIL),

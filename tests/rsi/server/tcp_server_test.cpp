@@ -352,12 +352,12 @@ TEST_CASE("a TCP port belongs to one server alone, and is free again after it", 
     CHECK_THROWS_WITH(
         TcpServer(options),
         Catch::Matchers::ContainsSubstring("TCP " + rsi::text(first.server.local()) +
-                                           " is in use by another program, rsi_tests (") &&
+                                           " is in use by this program itself: ") &&
             Catch::Matchers::ContainsSubstring("choose another port"));
     auto everywhere = options;
     everywhere.listen.address = 0;
     CHECK_THROWS_WITH(TcpServer(everywhere),
-                      Catch::Matchers::ContainsSubstring("is in use by another program"));
+                      Catch::Matchers::ContainsSubstring("is in use by this program itself"));
     // The server ends this connection, so its side of it lingers.
     TcpController controller(first.server);
     CHECK(controller.answered(4));

@@ -106,7 +106,37 @@ TEST_CASE("Over TCP whole lines are handed over, of the newest connection", "[te
   REQUIRE(sweepd::test::eventually([&] { return receiving.text() == "1,2,3\n4,5,6\n7,8,9\n"; }));
 
   second.send(boost::asio::buffer(std::string(10'000, 'x')));
-  CHECK(sweepd::test::eventually([&] { return receiving.receiver.dropped() == 1; }));
+  CHECK(sweepd::test::eventually([&] { return receiving.receiver.too_long() == 1; }));
+}
+
+TEST_CASE("A line that is too long is left out to its end, and counted as what it is",
+          "[text_receiver]") {
+  const std::string lines = "1,2,3\n" + std::string(20'000, '9') + ",5,6\n7,8,9\n";
+  const auto all = [](Receiving& receiving) {
+    return sweepd::test::eventually([&] { return receiving.text() == "1,2,3\n7,8,9\n"; }) &&
+           receiving.receiver.too_long() == 1 && receiving.receiver.dropped() == 0;
+  };
+  boost::asio::io_context context;
+  SECTION("over TCP, in one piece") {
+    Receiving receiving(Transport::tcp);
+    connected(context, receiving).send(boost::asio::buffer(lines));
+    CHECK(all(receiving));
+  }
+  SECTION("over TCP, in pieces") {
+    Receiving receiving(Transport::tcp);
+    auto socket = connected(context, receiving);
+    socket.send(boost::asio::buffer(lines.substr(0, 15'000)));
+    REQUIRE(sweepd::test::eventually([&] { return receiving.receiver.too_long() == 1; }));
+    socket.send(boost::asio::buffer(lines.substr(15'000)));
+    CHECK(all(receiving));
+  }
+  SECTION("over UDP") {
+    Receiving receiving(Transport::udp);
+    boost::asio::ip::udp::socket socket(context, boost::asio::ip::udp::v4());
+    socket.send_to(boost::asio::buffer(lines),
+                   to_asio<boost::asio::ip::udp>(receiving.receiver.local()));
+    CHECK(all(receiving));
+  }
 }
 
 TEST_CASE("Over TCP every line of a new connection comes once, whatever the one before it sent",

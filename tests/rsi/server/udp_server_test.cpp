@@ -322,7 +322,7 @@ TEST_CASE("a port belongs to one server alone, and the message says what to do",
   auto options = on_loopback();
   options.listen = first.local();
   CHECK_THROWS_WITH(UdpServer(std::move(options)),
-                    Catch::Matchers::ContainsSubstring("in use by another program, rsi_tests (") &&
+                    Catch::Matchers::ContainsSubstring("in use by this program itself: ") &&
                         Catch::Matchers::ContainsSubstring("choose another port"));
   auto elsewhere = on_loopback();
   elsewhere.listen = {0x08080808, 49152};
