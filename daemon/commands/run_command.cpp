@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -65,11 +66,20 @@ class Reading {
     Log().note("reading the settings again");
     service_manager::reloading();
     std::packaged_task<Settings()> task(read);
-    settings_ = task.get_future();
-    thread_ = std::thread([task = std::move(task), &events]() mutable {
-      task();
-      events.wake();
-    });
+    auto settings = task.get_future();
+    try {
+      thread_ = std::thread([task = std::move(task), &events]() mutable {
+        task();
+        events.wake();
+      });
+      settings_ = std::move(settings);
+    } catch (const std::system_error& error) {
+      Log().error(
+          "the settings cannot be read again ({}); sweepd goes on with the settings that "
+          "it had: send SIGHUP once more",
+          error.code().message());
+      service_manager::ready();
+    }
   }
   [[nodiscard]] bool under_way() const { return settings_.valid(); }
   [[nodiscard]] bool done() const {

@@ -105,8 +105,10 @@ bool RobotService::stop(std::chrono::seconds patience) {
   if (!reply_thread_.runs()) return true;
   acquisition_.reset();
   server_->settle();
-  while (!drain()) {
-  }
+  bool all = drain();
+  for (const auto until = Steady::now() + patience; !all && Steady::now() < until;) all = drain();
+  if (!all)
+    log_.error("{} is flooded: what came last is not recorded; see who sends", rsi::text(local_));
   end_session();
   publish();
   // The result waits for the recording.

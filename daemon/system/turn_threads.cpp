@@ -1,14 +1,26 @@
 #include "daemon/system/turn_threads.hpp"
 
 #include <algorithm>
+#include <exception>
 #include <system_error>
 
+#include "daemon/system/log.hpp"
 #include "daemon/system/realtime.hpp"
 
 namespace sweepd {
 namespace {
 
 using Steady = std::chrono::steady_clock;
+
+void say_failure(const char* name, const std::exception& error) noexcept {
+  try {
+    Log().error(
+        "the {} thread could not do its work ({}); it tries again each second: see what "
+        "uses up the memory of this machine",
+        name, error.what());
+  } catch (const std::exception&) {  // no memory for words either
+  }
+}
 
 }  // namespace
 
@@ -81,6 +93,15 @@ void TurnThreads::move(Work& work, Group group) {
   }
 }
 
+TurnThreads::Next TurnThreads::turn_of(Work& work) const {
+  try {
+    return work.turn_();
+  } catch (const std::exception& error) {
+    if (!std::exchange(work.failed_, true)) say_failure(name_, error);
+    return {Steady::now() + std::chrono::seconds(1)};
+  }
+}
+
 void TurnThreads::run(Thread& self) {
   name_thread(name_);
   std::unique_lock lock(mutex_);
@@ -97,7 +118,7 @@ void TurnThreads::run(Thread& self) {
     self.waiting.erase(self.waiting.begin());
     work->in_turn_ = true;
     lock.unlock();
-    const Next next = work->turn_();
+    const Next next = turn_of(*work);
     lock.lock();
     work->in_turn_ = false;
     if (work->ending_) {

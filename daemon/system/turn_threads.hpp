@@ -28,7 +28,8 @@ class TurnThreads {
     Time due;                         ///< there is no turn before, unless it is woken
     std::optional<Group> group = {};  ///< of this one from now on, if the system has a thread
   };
-  /// Does what is to be done now. Does not throw.
+  /// Does what is to be done now. Where it throws, that is said once, and the next turn is a second
+  /// later.
   using Turn = std::function<Next()>;
 
   class Work {
@@ -58,6 +59,7 @@ class TurnThreads {
     bool in_turn_ = false;
     bool woken_ = false;   // meanwhile
     bool ending_ = false;  // behind this turn
+    bool failed_ = false;  // of its thread: a turn threw, and that was said
   };
 
   /// `name`: of 15 letters at most, of all the threads. A group has at most `most` of them, and
@@ -82,6 +84,7 @@ class TurnThreads {
   };
 
   void run(Thread& self);
+  Next turn_of(Work& work) const;
   // With the mutex held:
   /// A thread that runs, with one more work.
   Work::Place taken_on(Group group);

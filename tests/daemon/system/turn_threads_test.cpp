@@ -4,6 +4,7 @@
 #include <atomic>
 #include <future>
 #include <memory>
+#include <new>
 #include <string>
 #include <thread>
 #include <utility>
@@ -54,6 +55,19 @@ int threads_named(const std::string& name) {
 }
 
 }  // namespace
+
+TEST_CASE("a turn that throws ends neither the thread nor the work of others", "[turn_threads]") {
+  TurnThreads threads("test", 1, 8);
+  std::atomic<int> failed{0}, others{0};
+  const auto failing = threads.begin(0, [&]() -> Next {
+    ++failed;
+    throw std::bad_alloc();
+  });
+  const auto other = threads.begin(0, [&] { return ++others, Next{Steady::now() + 1ms}; });
+  CHECK(eventually([&] { return failed == 1 && others > 10; }));
+  failing->wake();
+  CHECK(eventually([&] { return failed > 1; }));
+}
 
 TEST_CASE("work has a turn at first, when it is due, and when it is woken", "[turn_threads]") {
   TurnThreads threads("test", 1, 1);
