@@ -60,6 +60,12 @@ class Check {
       const RobotSetup setup = load_setup(robot);
       findings_.ok(robot.description.string() + ": " + rsi::counted(setup.joints, "joint") +
                    (setup.description->arm ? "" : ", no specified DH table"));
+      if (const auto named = robot.signals.angles.size(); named < setup.joints)
+        findings_.warning(fmt::format(
+            "{}: signals.angles of robot {}: expected {} signals, one for each joint of {}, found "
+            "{}: name them all, or the joints that are not named are not seen",
+            options_.config->string(), robot.name, setup.joints, robot.description.string(),
+            named));
       if (robot.plan) plan(*setup.description, *setup.plan);
       if (robot.device.there()) device(robot.device, robot.name);
     } catch (const ConfigError& problem) {

@@ -10,16 +10,12 @@
 #include "rsi/words.hpp"
 
 namespace sweepd {
-namespace {
 
-/// "AIPos.A1" is an attribute, "DiL" the text of an element.
 rsi::SignalPlace place_of(const std::string& name) {
   const auto dot = name.find('.');
   if (dot == std::string::npos) return rsi::SignalPlace(name);
   return rsi::SignalPlace(name.substr(0, dot), name.substr(dot + 1));
 }
-
-}  // namespace
 
 SampleReader::SampleReader(const SignalNames& names, std::size_t joints, bool with_currents)
     : with_currents_(with_currents) {

@@ -13,6 +13,9 @@
 
 namespace sweepd {
 
+/// "AIPos.A1" is an attribute, "DiL" the text of an element.
+[[nodiscard]] rsi::SignalPlace place_of(const std::string& name);
+
 /// Takes the measured values out of telegrams: where rsi ends and identify begins.
 class SampleReader {
  public:

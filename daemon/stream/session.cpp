@@ -1,10 +1,34 @@
 #include "daemon/stream/session.hpp"
 
+#include <algorithm>
+#include <span>
 #include <utility>
 
 #include "identify/sweeps/sweep.hpp"
+#include "rsi/telegram/telegram.hpp"
 
 namespace sweepd {
+
+std::vector<std::string> missing_signals(const SignalNames& names, std::size_t joints,
+                                         std::string_view telegram) {
+  rsi::Telegram parsed;
+  if (parsed.parse(telegram) != rsi::Defect::none) return {};
+  std::vector<std::string> missing;
+  const auto look = [&](std::span<const std::string> wanted, std::span<const std::string> usual) {
+    std::vector<std::string> absent;
+    for (const auto& name : wanted)
+      if (place_of(name).in(parsed) == nullptr) absent.push_back(name);
+    if (absent.size() < wanted.size() ||
+        !std::equal(wanted.begin(), wanted.end(), usual.begin(),
+                    usual.begin() + std::min(wanted.size(), usual.size())))
+      missing.insert(missing.end(), absent.begin(), absent.end());
+  };
+  const SignalNames usual;
+  look(names.position, usual.position);
+  look(names.orientation, usual.orientation);
+  look(std::span(names.angles).first(std::min(joints, names.angles.size())), usual.angles);
+  return missing;
+}
 
 bool has_currents(std::string_view telegram) {
   return telegram.find("<MACur") != std::string_view::npos;

@@ -234,6 +234,15 @@ TEST_CASE("signals that the controller does not send are warned about, once for 
                               ContainsSubstring("AIPos.A1") && !ContainsSubstring("AIPos.A2"));
 }
 
+TEST_CASE("angles that leave out joints of the description are warned about", "[check_command]") {
+  const Sound folder;
+  static_cast<void>(folder.write(
+      "sweepd.toml", settings_with() + "[robot.signals]\nangles = [\"AIPos.A1\", \"AIPos.A2\"]\n"));
+  const auto result = folder.check();
+  CHECK(result.code == 0);
+  CHECK_THAT(result.text, ContainsSubstring("expected 6 signals, one for each joint"));
+}
+
 TEST_CASE("settings without an Ethernet file are fine, with a warning of what that means",
           "[check_command]") {
   const Sound folder;

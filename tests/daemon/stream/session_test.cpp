@@ -44,6 +44,23 @@ struct Heard : sweepd::StreamSink {
 
 }  // namespace
 
+TEST_CASE("signals that the settings name and telegrams do not have are told", "[session]") {
+  const std::string text =
+      "<Rob Type=\"KUKA\"><RIst X=\"1\" Y=\"2\" Z=\"3\"/><AIPos A1=\"1\" "
+      "A2=\"2\"/><IPOC>1</IPOC></Rob>";
+  sweepd::SignalNames names;
+  const auto missing = [&](std::size_t joints) {
+    return sweepd::missing_signals(names, joints, text);
+  };
+  CHECK(missing(2).empty());  // nobody asked for A, B, C
+  CHECK(missing(3) == std::vector<std::string>{"AIPos.A3"});
+  names.angles = {"AIPos.A1", "AIPos.A7"};
+  CHECK(missing(6) == std::vector<std::string>{"AIPos.A7"});
+  names.angles = {"Joint.A"};
+  CHECK(missing(6) == std::vector<std::string>{"Joint.A"});
+  CHECK(sweepd::missing_signals(names, 6, "<Rob>").empty());
+}
+
 TEST_CASE("a session recognises sweeps, and identifies from them", "[session]") {
   Heard heard;
   Session session(setup(), "trace", heard);
