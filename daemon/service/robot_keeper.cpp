@@ -225,7 +225,8 @@ void RobotKeeper::take_over(Lock& lock) {
   try {
     service->reload(settings);
   } catch (const std::exception& error) {
-    log_.error("{}", error.what());
+    log_.error("{}; the robot goes on with the settings, description and plan that it had",
+               error.what());
   }
   lock.lock();
   busy_ = false;
