@@ -170,7 +170,10 @@ Machine look_at_machine(const RobotSettings& robot, rsi::Transport transport) {
   if (robot.real_time.wish != RealTime::off) machine.real_time = try_real_time(robot.real_time);
   const auto folder = nearest(robot.output / robot.name);
   machine.room = disk_room(folder);
-  if (::access(folder.c_str(), W_OK | X_OK) != 0)
+  std::error_code unknown;
+  if (!std::filesystem::is_directory(folder, unknown) && !unknown)
+    machine.cannot_write = folder.string() + ": is no folder: move it away, or set `output`";
+  else if (::access(folder.c_str(), W_OK | X_OK) != 0)
     machine.cannot_write = (robot.output / robot.name).string() + ": cannot be written (" +
                            std::generic_category().message(errno) +
                            "): give the folder to the user who runs sweepd, or set `output`";

@@ -1,5 +1,6 @@
 #include "daemon/commands/machine.hpp"
 
+#include <fstream>
 #include <sstream>
 
 #include "rsi/asio.hpp"
@@ -143,6 +144,12 @@ TEST_CASE("looking at the machine finds who has the port, and its own addresses"
   CHECK(machine.room.has_value());
   CHECK(machine.real_time.granted.size() + machine.real_time.refused.size() == 2);
   CHECK_FALSE(std::filesystem::exists(settings.output));
+
+  // A file where the folder ought to be is no question of rights.
+  settings.output = folder.path() / "file";
+  std::ofstream(settings.output) << "x";
+  CHECK_THAT(look_at_machine(settings, rsi::Transport::tcp).cannot_write,
+             ContainsSubstring("file: is no folder: move it away"));
 
   // The same port over TCP is free.
   const Machine tcp = look_at_machine(settings, rsi::Transport::tcp);
