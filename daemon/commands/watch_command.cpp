@@ -45,6 +45,7 @@ std::optional<rsi::Conversation> find_rsi(const WatchOptions& options) {
   std::uint64_t datagrams = 0;
   auto word = Steady::now() + kWord;
   while (!events.next_signal()) {
+    log_repeats();
     events.wait_until(Steady::now());  // lets signals in
     rsi::Datagram datagram;
     rsi::PacketHeaders headers;
