@@ -81,13 +81,15 @@ std::string reply_rows(const SimulationReport& report) {
 
 std::string latency_rows(const rsi::LatencyHistogram& latency) {
   if (latency.count() == 0) return {};
-  const auto microseconds = [](std::string_view label, std::chrono::nanoseconds time) {
-    return report_row(label, fixed(static_cast<double>(time.count()) / 1e3, 1), "µs");
+  const auto microseconds = [](std::string_view label, std::chrono::nanoseconds time,
+                               std::string_view of = {}) {
+    return report_row(label, fixed(static_cast<double>(time.count()) / 1e3, 1),
+                      fmt::format("µs{}", of));
   };
   return microseconds("latency p50", latency.quantile(0.5)) +
          microseconds("latency p99", latency.quantile(0.99)) +
          microseconds("latency p99.9", latency.quantile(0.999)) +
-         microseconds("latency max", latency.max());
+         microseconds("latency max", latency.max(), ", of replies in time");
 }
 
 std::uint64_t beyond(std::uint64_t count, std::uint64_t excused) {

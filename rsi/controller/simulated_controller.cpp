@@ -111,7 +111,7 @@ void SimulatedController::on_reply(std::string_view payload, const Endpoint& sou
   if (time - sent_ >= cycle_)
     return count(
         ReplyFault::late, subject,
-        "it took " + std::to_string((time - sent_) / std::chrono::microseconds(1)) + " us");
+        "it took " + std::to_string((time - sent_) / std::chrono::microseconds(1)) + " µs");
   if (!content.missing.empty()) {
     count(ReplyFault::missing_tag, subject, content.missing);
     if (!allowed(ReplyFault::missing_tag)) return;

@@ -50,7 +50,7 @@ TEST_CASE("a flawless run is reported in lined up figures, and nothing is wrong 
         "latency p50                   20.0 µs\n"
         "latency p99                   20.0 µs\n"
         "latency p99.9                 20.0 µs\n"
-        "latency max                   20.0 µs\n");
+        "latency max                   20.0 µs, of replies in time\n");
 }
 
 TEST_CASE("what a controller accepts is remarked on, and is no problem",

@@ -126,7 +126,7 @@ TEST_CASE("a late reply counts for no cycle, neither before nor after the next t
   bench.answer(500, 4ms);  // the cycle is over, even if the next telegram is not out yet
   CHECK(bench.count(ReplyFault::late) == 1);
   CHECK_THAT(bench.controller.first_fault(),
-             ContainsSubstring("reply to IPOC 500 from 10.0.0.5:49152: late: it took 4000 us"));
+             ContainsSubstring("reply to IPOC 500 from 10.0.0.5:49152: late: it took 4000 µs"));
   bench.cycle();
   CHECK(bench.delay() == "1");
   bench.answer(500);
