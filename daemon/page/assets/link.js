@@ -111,7 +111,7 @@ export function make_link() {
     state(state) {
       cycle_us = state.stream?.cycle_ms ? state.stream.cycle_ms * 1000 : cycle_us;
       const missed = state.replies.missed_by_controller;
-      cycle_key.hidden = cycle_us === null || data[0].length === 0;
+      cycle_key.hidden = cycle_us === null;
       say(cells.missed, missed === null ? "it does not tell" : String(missed));
       cells.missed.className = missed > 0 ? "number bad" : "number";
       say(cells.lost, String(state.telegrams.lost));
