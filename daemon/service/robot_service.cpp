@@ -173,9 +173,8 @@ bool RobotService::drain() {
 
 /// Lines of the device that came while no session was under way are of no use.
 void RobotService::take_device() {
-  constexpr std::size_t kMostOfDevice = 2000;
   rsi::Datagram datagram;
-  for (std::size_t i = 0; i < kMostOfDevice && device_port_->pop(datagram); ++i) {
+  for (std::size_t i = 0; i < kMostInATurn && device_port_->pop(datagram); ++i) {
     if (!session_) continue;
     recorder_.datagram(datagram);
     device_->device(datagram);
