@@ -226,7 +226,7 @@ std::string report(const Outcome& outcome) {
   text += source_text(outcome) + home_text(found) + "\n";
   const bool any_sweep = std::any_of(found.joints.begin(), found.joints.end(),
                                      [](const auto& joint) { return !joint.sweeps.empty(); });
-  if (!is_given(outcome) && (any_sweep || !found.poses)) text += swept(found);
+  if (any_sweep) text += swept(found);
   if (found.poses) text += poses_text(*found.poses) + "\n";
   const bool any_axis =
       found.status != identify::Status::failed && (found.bounding_box || found.poses);
@@ -238,12 +238,11 @@ std::string report(const Outcome& outcome) {
     if (any_sweep) text += chain_text(*found.chain);
   }
   if (any_axis && found.bounding_box) text += "\n" + boxes(found);
-  if (!found.warnings.empty()) {
-    text += "\nWarnings\n";
-    for (const auto& warning : found.warnings)
-      text += paragraph("  - ", warning.message + " [" + warning.code + "]");
-  }
-  return text;
+  std::string warnings;
+  for (const auto& warning : found.warnings)
+    if (warning.message != found.reason)  // else the status has it
+      warnings += paragraph("  - ", warning.message + " [" + warning.code + "]");
+  return warnings.empty() ? text : text + "\nWarnings\n" + warnings;
 }
 
 std::string sweep_line(const identify::Sweep& sweep, std::optional<std::size_t> planned,

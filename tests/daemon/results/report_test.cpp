@@ -167,6 +167,16 @@ TEST_CASE("a report says the cycle as it was measured, and what it does not know
                  ContainsSubstring("late by the controller's count 1, in 1 run of at most 1"));
 }
 
+TEST_CASE("what the status says is no warning besides, and nothing swept is no table", "[report]") {
+  auto outcome = failed_outcome();
+  outcome.identification.reason = "10 poses give 30 rows: measure more";
+  outcome.identification.warnings = {{"poses_not_used", {}, outcome.identification.reason}};
+  for (auto& joint : outcome.identification.joints) joint.sweeps.clear();
+  const auto text = report(outcome);
+  CHECK_THAT(text, ContainsSubstring("10 poses give 30 rows") && !ContainsSubstring("Warnings") &&
+                       !ContainsSubstring("joint  sweeps"));
+}
+
 TEST_CASE("long texts, large counts, odd numbers and twelve joints fit as well", "[report]") {
   auto outcome = partial_outcome();
   auto& found = outcome.identification;
