@@ -6,13 +6,25 @@
 #include <string>
 
 #include <CLI/CLI.hpp>
+#include <poll.h>
+#include <unistd.h>
 
 #include "daemon/commands/bash_completion.hpp"
 #include "daemon/commands/command_table.hpp"
 #include "daemon/commands/exit_codes.hpp"
 #include "daemon/commands/help_text.hpp"
+#include "daemon/commands/usage_problem.hpp"
 
 namespace sweepd {
+namespace {
+
+/// `... | head`: that is no mistake.
+bool reader_went() {
+  pollfd output{STDOUT_FILENO, 0, 0};
+  return ::poll(&output, 1, 0) == 1 && (output.revents & POLLERR) != 0;
+}
+
+}  // namespace
 
 CommandLine::CommandLine()
     : app_(std::make_unique<CLI::App>(
@@ -38,7 +50,7 @@ CommandLine::CommandLine()
       {kOk,
        kError,
        kWrongUsage,
-       {3,
+       {kAdverse,
         "The result is doubtful (identify, replay), replies were right but late (simulate), or the "
         "robot has changed (compare, history)."},
        kWrongFile}));
@@ -49,6 +61,15 @@ CommandLine::CommandLine()
 CommandLine::~CommandLine() = default;
 
 int CommandLine::execute(int argc, const char* const* argv) {
+  const int code = run(argc, argv);
+  if (std::cout.flush() || reader_went()) return code;
+  std::cerr
+      << "sweepd: standard output cannot be written, and is not complete: free some space, or "
+         "write it elsewhere\n";
+  return code == 0 ? kFailed : code;
+}
+
+int CommandLine::run(int argc, const char* const* argv) {
   arguments_.assign(argv + std::min(argc, 1), argv + argc);
   try {
     app_->parse(argc, argv);
@@ -57,11 +78,11 @@ int CommandLine::execute(int argc, const char* const* argv) {
     return app_->exit(printed);
   } catch (const CLI::ParseError& problem) {
     const auto commands = app_->get_subcommands();
-    const bool unknown = commands.empty() && argc > 1 && argv[1][0] != '-';
-    throw std::invalid_argument(
-        (unknown ? std::string(argv[1]) + " is no command" : std::string(problem.what())) +
-        ": `sweepd " + (commands.empty() ? "" : commands.front()->get_name() + " ") +
-        "--help` tells how it is used");
+    if (!commands.empty()) throw std::invalid_argument(usage_problem(*commands.front(), problem));
+    std::string text = "name a command";
+    if (argc > 1)
+      text = std::string(argv[1]) + (argv[1][0] == '-' ? " is no option" : " is no command");
+    throw std::invalid_argument(text + ": `sweepd --help` tells how it is used");
   }
 }
 

@@ -21,12 +21,15 @@ class CommandLine {
 
   /// Runs the command that the arguments of main() ask for, or prints the help that they ask for.
   /// Returns the exit code; throws what the command throws, and std::invalid_argument for wrong
-  /// usage, whose text says how it is used.
+  /// usage, whose text says how it is used. What could not be printed is told on standard error,
+  /// and no success.
   [[nodiscard]] int execute(int argc, const char* const* argv);
 
   [[nodiscard]] const CLI::App& app() const { return *app_; }
 
  private:
+  int run(int argc, const char* const* argv);
+
   std::unique_ptr<CLI::App> app_;
   std::vector<std::string> arguments_;  // without the program's name
   int exit_code_ = 0;

@@ -22,7 +22,7 @@ int compare(const CompareOptions& options, std::ostream& out) {
 int compare(const CompareOptions& options, ToldArm first, ToldArm second, std::ostream& out) {
   const Change change = change_between(std::move(first), std::move(second), options.level);
   out << (options.json ? change_json(change) : change_text(change));
-  return change.test.changed ? kChanged : 0;
+  return change.test.changed ? kAdverse : 0;
 }
 
 CLI::App* add_compare(CLI::App& app, CompareOptions& options) {
@@ -51,7 +51,7 @@ CLI::App* add_compare(CLI::App& app, CompareOptions& options) {
       ->type_name("CONNECTION");
   command->add_flag("--json", options.json, "Print JSON in place of the text");
   command->footer(exit_status({{0, "No change is seen."},
-                               {kChanged, "The robot has changed."},
+                               {kAdverse, "The robot has changed."},
                                {kFailed,
                                 "The two cannot be compared. A line on standard error says why, "
                                 "and what to do."},

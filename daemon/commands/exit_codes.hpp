@@ -1,16 +1,18 @@
 #pragma once
 
+#include <iosfwd>
 #include <string_view>
 
 namespace sweepd {
 
+struct Outcome;
+
 // How the program ends.
 inline constexpr int kFailed = 1;
 inline constexpr int kUsage = 2;
-/// Every reply was right: a busy machine, perhaps, and not a wrong server.
-inline constexpr int kLate = 3;
-/// The robot is another than it was.
-inline constexpr int kChanged = 3;
+/// All was done, and the answer is not the one that is hoped for: a doubtful result, a robot that
+/// has changed, replies that were right and late.
+inline constexpr int kAdverse = 3;
 inline constexpr int kConfigError = 78;  // EX_CONFIG of sysexits.h
 
 struct ExitCode {
@@ -25,8 +27,12 @@ inline constexpr ExitCode kWrongUsage{kUsage,
 inline constexpr ExitCode kWrongFile{
     kConfigError, "A configuration file is wrong. Standard error names the file and the line."};
 inline constexpr ExitCode kDoubtful{
-    3,
+    kAdverse,
     "The result is doubtful: the data contradict themselves, or what a built robot can be. The "
     "result files are written. The first lines of the report say why."};
+
+/// That of the commands that identify. Where nothing is identified `errors` gets a line that says
+/// why.
+[[nodiscard]] int exit_code(const Outcome& outcome, std::ostream& errors);
 
 }  // namespace sweepd

@@ -96,7 +96,7 @@ int export_csv(const ExportOptions& given, std::ostream& out, std::ostream& erro
   options.traces = rsi::in_order_of_time(given.traces);
   const auto search = rsi::find_conversation(options.traces, options.filter);
   if (!search.note.empty()) errors << "sweepd: " << search.note << '\n';
-  if (!search.chosen) return 1;
+  if (!search.chosen) return kFailed;
 
   std::optional<OutputFile> output;
   std::optional<LineFile> file;
@@ -140,12 +140,12 @@ int export_csv(const ExportOptions& given, std::ostream& out, std::ostream& erro
     file->flush();
     if (!file->error().empty()) {
       errors << "sweepd: " << file->error() << '\n';
-      return 1;
+      return kFailed;
     }
     file.reset();
     output->commit();
   }
-  return telegrams > 0 ? 0 : 1;
+  return telegrams > 0 ? kOk.code : kFailed;
 }
 
 CLI::App* add_export(CLI::App& app, ExportOptions& options) {

@@ -29,12 +29,15 @@ fs::path folder_of(const fs::path& given, const fs::path& config) {
   std::error_code error;
   if (fs::exists(given, error)) return given;
   if (!fs::exists(config, error))
-    throw std::runtime_error(given.string() + " is no folder, and there are no settings " +
-                             config.string() + " that could tell a robot of this name");
+    throw std::runtime_error(
+        given.string() + " is no folder, and there are no settings " + config.string() +
+        " that could tell a robot of this name: name a folder of results, or the "
+        "settings with --config");
   const Settings settings = load_settings(config);
   for (const RobotSettings& robot : settings.robots)
     if (robot.name == given) return robot.output / robot.name;
-  throw std::runtime_error(given.string() + " is no folder, and no robot in " + config.string());
+  throw std::runtime_error(given.string() + " is no folder, and no robot in " + config.string() +
+                           ": name a folder of results, or a robot of these settings");
 }
 
 std::pair<std::chrono::nanoseconds, std::chrono::nanoseconds> period(const std::string& text) {
@@ -73,7 +76,7 @@ int show_history(const HistoryCommandOptions& options, FoundCampaigns found, std
   if (options.csv) write_output(*options.csv, history_csv(history));
   if (options.html) write_output(*options.html, history_page(history));
   out << history_text(history);
-  return history.changes.empty() ? 0 : kChanged;
+  return history.changes.empty() ? 0 : kAdverse;
 }
 
 CLI::App* add_history(CLI::App& app, HistoryCommandOptions& options) {
@@ -131,7 +134,7 @@ CLI::App* add_history(CLI::App& app, HistoryCommandOptions& options) {
       ->type_name("CONNECTION");
   add_force(*command, options.force);
   command->footer(exit_status({{0, "No change is seen that can be dated."},
-                               {kChanged, "A change is seen."},
+                               {kAdverse, "A change is seen."},
                                kError,
                                kWrongUsage,
                                kWrongFile}));

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/commands/exit_codes.hpp"
 #include "daemon/commands/joined_points.hpp"
 #include "daemon/commands/outputs.hpp"
 #include "daemon/devices/device_formats.hpp"
@@ -276,7 +277,7 @@ void write_run_file(const IdentifyOptions& options, const nlohmann::ordered_json
 
 }  // namespace
 
-int identify_points(const IdentifyOptions& options, std::ostream& out) {
+int identify_points(const IdentifyOptions& options, std::ostream& out, std::ostream& errors) {
   if (options.list_formats) {
     out << format_list();
     return 0;
@@ -293,7 +294,7 @@ int identify_points(const IdentifyOptions& options, std::ostream& out) {
     write_result(*options.output, outcome);
   }
   if (!options.quiet) out << report(outcome);
-  return exit_code(outcome);
+  return exit_code(outcome, errors);
 }
 
 }  // namespace sweepd

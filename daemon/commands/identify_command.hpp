@@ -37,7 +37,8 @@ struct IdentifyOptions {
 /// one axis was identified, 3 if the result is doubtful. Throws CsvError, ConfigError,
 /// std::invalid_argument for options that contradict each other and as Outputs where results may
 /// not be written, and std::runtime_error.
-[[nodiscard]] int identify_points(const IdentifyOptions& options, std::ostream& report = std::cout);
+[[nodiscard]] int identify_points(const IdentifyOptions& options, std::ostream& report = std::cout,
+                                  std::ostream& errors = std::cerr);
 
 CLI::App* add_identify(CLI::App& app, IdentifyOptions& options);  // identify_options.cpp
 

@@ -21,7 +21,7 @@ int inspect(const InspectOptions& options, std::ostream& out, std::ostream& erro
   const auto traces = rsi::in_order_of_time(options.traces);
   const auto search = rsi::find_conversation(traces, options.filter);
   if (!search.note.empty()) errors << "sweepd: " << search.note << '\n';
-  if (!search.chosen) return 1;
+  if (!search.chosen) return kFailed;
   rsi::Link monitor;
   read_traces(traces, "inspect", options.quiet, errors, [&](const rsi::Datagram& datagram) {
     const auto direction = search.chosen->direction(datagram);
@@ -34,7 +34,7 @@ int inspect(const InspectOptions& options, std::ostream& out, std::ostream& erro
   else if (options.json)
     write_output(*options.json, link_json(*search.chosen, report));
   if (!json_only && !options.quiet) out << link_text(*search.chosen, report);
-  return rsi::verdict(report).grade == rsi::Grade::bad ? 1 : 0;
+  return rsi::verdict(report).grade == rsi::Grade::bad ? kFailed : kOk.code;
 }
 
 CLI::App* add_inspect(CLI::App& app, InspectOptions& options) {
@@ -53,7 +53,7 @@ CLI::App* add_inspect(CLI::App& app, InspectOptions& options) {
   add_quiet(*command, options.quiet);
   add_force(*command, options.force);
   command->footer(exit_status(
-      {{0, "The link is good or marginal."},
+      {{kOk.code, "The link is good or marginal."},
        {kFailed,
         "The link is bad, or the captures have no RSI, or a file cannot be read or written."},
        kWrongUsage}));

@@ -115,7 +115,7 @@ int plan(const PlanOptions& options, std::ostream& out, std::ostream& errors) {
   const PlanOutlook& judged = proposal && !options.krl ? proposal->outlook : outlook;
   out << std::flush;
   for (const std::string& refusal : judged.refusals) errors << "sweepd: " << refusal << '\n';
-  if (!judged.refusals.empty()) return 1;
+  if (!judged.refusals.empty()) return kFailed;
 
   std::vector<std::pair<std::filesystem::path, std::string>> files;
   if (proposal && options.write_plan)

@@ -128,19 +128,21 @@ int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) 
   DeviceRecording device(setup);
   Rows rows(samples, device);
   std::optional<Session> session;
-  const auto begin = [&](bool with_currents) {
-    session.emplace(setup, "trace", rows, with_currents);
+  const auto begin = [&](std::string_view telegram) {
+    if (const auto words = missing_signals(setup.signals, setup.joints, telegram); !words.empty())
+      errors << "sweepd: " << words << '\n';
+    session.emplace(setup, "trace", rows, has_currents(telegram));
     if (samples) samples->append(session->csv_header());
   };
   if (search.chosen)
     read_traces(options.traces, "replay", options.quiet, errors, [&](const auto& datagram) {
       if (device.is_device(datagram)) return device.device(datagram);
       if (search.chosen->direction(datagram) != rsi::Direction::from_controller) return;
-      if (!session) begin(has_currents(datagram.payload));
+      if (!session) begin(datagram.payload);
       device.telegram(datagram);
       session->telegram(datagram);
     });
-  if (!session) begin(false);
+  if (!session) begin({});
   session->finish();
   if (samples) samples->flush();
   const bool all_written = !samples || samples->error().empty();
@@ -157,7 +159,8 @@ int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) 
     write_result(*options.output, outcome);
   }
   if (!options.quiet) out << report(outcome);
-  return all_written ? exit_code(outcome) : 1;
+  // Without telegrams the search has said why.
+  return all_written && search.chosen ? exit_code(outcome, errors) : kFailed;
 }
 
 CLI::App* add_replay(CLI::App& app, ReplayOptions& options) {

@@ -209,7 +209,7 @@ int Simulation::finish(const SimulationReport& report, const std::string& proble
   if (!options_.quiet) report_ << text(report) << std::flush;
   if (problem.empty()) return 0;
   errors_ << "sweepd: " + problem + '\n' << std::flush;
-  return only_late(report) ? kLate : kFailed;
+  return only_late(report) ? kAdverse : kFailed;
 }
 
 }  // namespace
@@ -303,7 +303,7 @@ CLI::App* add_simulate(CLI::App& app, SimulateOptions& options) {
       exit_status({{0, "The plan was played to its end, and every reply was right and in time."},
                    kError,
                    kWrongUsage,
-                   {kLate,
+                   {kAdverse,
                     "Every reply was right, but some came late or not at all, as from a busy "
                     "machine."},
                    kWrongFile}));

@@ -53,14 +53,6 @@ struct Outcome {
 /// Runs the engine. The same snapshot gives the same outcome.
 [[nodiscard]] Outcome outcome_of(const Snapshot& snapshot);
 
-/// That of the commands that identify: 1 where not one axis was found, 3 where the result is
-/// doubtful.
-[[nodiscard]] inline int exit_code(const Outcome& outcome) {
-  using identify::Status;
-  const Status status = outcome.identification.status;
-  return status == Status::failed ? 1 : status == Status::doubtful ? 3 : 0;
-}
-
 /// Lengths in files: mm to so many decimals, that is a nanometre and less than noise.
 inline constexpr int kLengthDecimals = 6;
 /// Angles in files: degrees to so many decimals.

@@ -277,15 +277,19 @@ TEST_CASE("the number of joints comes from the points where nothing else tells i
 TEST_CASE("points in which nothing is swept are exit 1 with the reason", "[identify_command]") {
   const TemporaryFolder folder;
   std::ostringstream report;
+  std::ostringstream errors;
   auto wanted = points_options(
       {folder.write("points.csv", "t_s,x_mm,y_mm,z_mm\n0,1,2,3\n1,1,2,3\n")}, folder / "out");
-  CHECK(identify_points(wanted, report) == 1);
+  CHECK(identify_points(wanted, report, errors) == 1);
   CHECK_THAT(report.str(), ContainsSubstring("failed: no sweep of a single joint was seen"));
+  CHECK_THAT(report.str(), !ContainsSubstring("joint  sweeps  used"));
   CHECK(Json::parse(content(folder / "out/result.json"))["status"] == "failed");
   wanted.quiet = true;
   std::ostringstream nothing;
-  CHECK(identify_points(wanted, nothing) == 1);
+  errors.str("");
+  CHECK(identify_points(wanted, nothing, errors) == 1);
   CHECK(nothing.str().empty());
+  CHECK_THAT(errors.str(), Catch::Matchers::StartsWith("sweepd: nothing is identified: no sweep"));
 }
 
 TEST_CASE("the axes of a KR 5 as lines give its table", "[identify_command]") {

@@ -1,0 +1,21 @@
+#include "daemon/commands/exit_codes.hpp"
+
+#include <ostream>
+
+#include "daemon/results/outcome.hpp"
+
+namespace sweepd {
+
+int exit_code(const Outcome& outcome, std::ostream& errors) {
+  const auto& found = outcome.identification;
+  if (found.status == identify::Status::doubtful) return kAdverse;
+  if (found.status != identify::Status::failed) return kOk.code;
+  errors << "sweepd: nothing is identified: " << found.reason;
+  // The first warning has what to do.
+  if (!found.warnings.empty() && found.warnings.front().message != found.reason)
+    errors << ": " << found.warnings.front().message;
+  errors << '\n';
+  return kFailed;
+}
+
+}  // namespace sweepd

@@ -1,0 +1,81 @@
+#include "daemon/commands/command_line.hpp"
+
+#include <iostream>
+#include <stdexcept>
+#include <streambuf>
+#include <vector>
+
+#include "tests/catch.hpp"
+
+using Catch::Matchers::StartsWith;
+using sweepd::CommandLine;
+
+namespace {
+
+int execute(std::vector<const char*> words) {
+  words.insert(words.begin(), "sweepd");
+  return CommandLine().execute(static_cast<int>(words.size()), words.data());
+}
+
+std::string problem(const std::vector<const char*>& words) {
+  try {
+    static_cast<void>(execute(words));
+  } catch (const std::invalid_argument& wrong) {
+    return wrong.what();
+  }
+  return "no problem";
+}
+
+/// Takes the place of a stream's buffer.
+class Instead {
+ public:
+  Instead(std::ostream& stream, std::streambuf* buffer)
+      : stream_(stream), before_(stream.rdbuf(buffer)) {}
+  ~Instead() { stream_.rdbuf(before_); }
+  Instead(const Instead&) = delete;
+  Instead& operator=(const Instead&) = delete;
+
+ private:
+  std::ostream& stream_;
+  std::streambuf* before_;
+};
+
+/// A disk without room.
+struct Full : std::streambuf {};
+
+}  // namespace
+
+TEST_CASE("what cannot be printed is told, and no success", "[command_line]") {
+  Full full;
+  std::stringbuf errors;
+  int code = 0;
+  {
+    const Instead out(std::cout, &full);
+    const Instead err(std::cerr, &errors);
+    code = execute({"--help"});
+  }
+  CHECK(code == 1);
+  CHECK_THAT(errors.str(), StartsWith("sweepd: standard output cannot be written"));
+}
+
+TEST_CASE("wrong usage is told in this program's words", "[command_line]") {
+  CHECK(problem({}) == "name a command: `sweepd --help` tells how it is used");
+  CHECK_THAT(problem({"--foo"}), StartsWith("--foo is no option: `sweepd --help`"));
+  CHECK_THAT(problem({"frob"}), StartsWith("frob is no command: `sweepd --help`"));
+  CHECK_THAT(problem({"replay", "x", "--robot", "a", "--robot", "b"}),
+             StartsWith("--robot is given twice: give it once"));
+  CHECK_THAT(problem({"inspect", "x", "--port"}),
+             StartsWith("--port needs a value: give PORT, 1 to 65535"));
+  CHECK_THAT(problem({"plan", "--robot", "r", "--plan", "p", "--krl", "krc3"}),
+             StartsWith("--krl takes krc2, krc4, iiqka: found krc3"));
+  CHECK_THAT(problem({"plan", "--robot", "r", "--plan", "p", "--cycle-ms", "0"}),
+             StartsWith("--cycle-ms: expected 1 to 1000, found 0"));
+  const std::vector<const char*> simulate{"simulate", "--robot", "r", "--plan", "p"};
+  CHECK_THAT(problem(simulate), StartsWith("give --to or --write: `sweepd simulate --help`"));
+  auto both = simulate;
+  both.insert(both.end(), {"--to", "127.0.0.1:1", "--write", "x"});
+  CHECK_THAT(problem(both), StartsWith("give --to or --write, and only one: "));
+  CHECK_THAT(problem({"inspect", "--quite", "x"}),
+             StartsWith("--quite is no option: did you mean --quiet?"));
+  CHECK_THAT(problem({"compare", "a", "b", "c"}), StartsWith("c is one argument too many: "));
+}
