@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -32,6 +34,8 @@ constexpr double kNoCircleShare = 0.02;
 /// Joints come home to hundredths of a degree, which a metre away is a fraction of a millimetre.
 constexpr double kOffHome_mm = 3;
 constexpr double kOffHomeToPeers = 20;
+/// More than joints scatter by, less than an axis is moved on purpose.
+constexpr double kScattered_mm = 0.1;
 constexpr std::size_t kFewestPeers = 3;  // two circles meet nearly anywhere
 /// Gears err by minutes of arc. Angles that come late look wrong by what the joint turns meanwhile.
 constexpr double kWrongTurn_rad = 5 * kDegree;
@@ -56,6 +60,7 @@ class Judge {
   void judge_strokes(const Resolution& resolution) {
     judge_fit();
     judge_external_axes();
+    judge_external_places();
     judge_copies(resolution);
     for (const JointResult& joint : found_.joints) scatter_.push_back(circle_scatter(joint));
     for (std::size_t j = 0; j < found_.joints.size(); ++j)
@@ -85,8 +90,10 @@ class Judge {
     for (std::size_t j = 0; j < found_.joints.size(); ++j) {
       const JointResult& joint = found_.joints[j];
       for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
+        const auto place = joint.sweeps[s].first().external_place;
         if (!joint.used[s] ||
-            joint.sweeps[s].first().external_place == joint.sweeps[s].last().external_place)
+            std::all_of(joint.sweeps[s].samples->begin(), joint.sweeps[s].samples->end(),
+                        [&](const Sample& sample) { return sample.external_place == place; }))
           continue;
         doubt("external_axis_moved", j,
               joint_name(j) +
@@ -95,6 +102,34 @@ class Judge {
         break;
       }
     }
+  }
+
+  /// Between sweeps they may have moved without harm, as a positioner does in a frame of the robot.
+  void judge_external_places() {
+    std::optional<std::uint16_t> first;
+    std::set<std::size_t> there, elsewhere;  // joints
+    for (std::size_t j = 0; j < found_.joints.size(); ++j)
+      for (std::size_t s = 0; s < found_.joints[j].sweeps.size(); ++s) {
+        if (!found_.joints[j].used[s]) continue;
+        const auto place = found_.joints[j].sweeps[s].first().external_place;
+        (place == first.value_or(place) ? there : elsewhere).insert(j);
+        first = first.value_or(place);
+      }
+    if (elsewhere.empty()) return;
+    const auto names = [](const std::set<std::size_t>& joints) {
+      std::string all;
+      for (const std::size_t j : joints) all += (all.empty() ? "" : ", ") + joint_name(j);
+      return all;
+    };
+    std::string message = "the external axes stood elsewhere in sweeps of " + names(elsewhere) +
+                          " than in those of " + names(there) +
+                          " (EIPos): leave them where they are during all sweeps";
+    const auto& chain = found_.chain;
+    if (chain && (!chain->summary.converged || chain->home_scatter_mm > kScattered_mm))
+      doubt("external_axis_moved", std::nullopt,
+            message + "; the target did not come back to where it was");
+    else
+      found_.warnings.push_back({"external_axis_moved", std::nullopt, std::move(message)});
   }
 
   /// Noise never comes twice. Where there is none that is larger than the last printed decimal, the

@@ -130,7 +130,7 @@ Prediction predict(const Identification& rehearsed, const Campaign& campaign, Ch
   auto axes = starting_axes(rehearsed);
   for (std::size_t j = 0; j < joints; ++j)
     if (axes[j]) axes[j] = chain.axes[j];
-  ChainNodes nodes = chain_nodes(rehearsed, axes);
+  ChainNodes nodes = chain_nodes(rehearsed, axes, campaign.resolution.angle_rad);
   if (!nodes.strokes.empty())
     predict_from(nodes, chain_samples(rehearsed, axes), rehearsed, campaign, chain, noise,
                  prediction);

@@ -73,7 +73,7 @@ identify::Sample SampleReader::read(const rsi::Telegram& telegram) {
   int ignored = 0;
   read_currents_.reset();
   if (take(telegram, currents_, ignored, currents.data()) > 0) read_currents_ = currents;
-  sample.external_place = external_place_;
+  if (!external_places_.empty()) sample.external_place = external_places_.front().number;
 
   if (position_decimals != position_decimals_ || angle_decimals != angle_decimals_) {
     position_decimals_ = position_decimals;
@@ -88,14 +88,32 @@ void SampleReader::follow_external_axes(const rsi::Telegram& telegram) {
   // In mm, or degrees where the axis turns. One that is locked shows two steps of what a controller
   // prints at most, 0.1 by default.
   constexpr double kMoved = 0.25;
-  for (auto& [place, known] : external_) {
-    const rsi::Signal* const signal = place.in(telegram);
+  /// On the way from one place to another there are many; those where the axes rested stay known.
+  constexpr std::size_t kMostPlaces = 32;
+  if (external_.empty()) return;
+  std::array<double, kExternalAxes> now{};
+  for (std::size_t k = 0; k < external_.size(); ++k) {
+    const rsi::Signal* const signal = external_[k].in(telegram);
     if (signal == nullptr) return;  // all six are sent, or none
     const auto value = rsi::number(signal->text);
-    if (!value || (known && std::abs(*value - *known) <= kMoved)) continue;
-    if (known) ++external_place_;
-    known = value;
+    if (!value) return;
+    now[k] = *value;
   }
+  const auto here = std::find_if(
+      external_places_.begin(), external_places_.end(), [&](const ExternalPlace& known) {
+        return std::equal(now.begin(), now.end(), known.at.begin(),
+                          [](double a, double b) { return std::abs(a - b) <= kMoved; });
+      });
+  if (here != external_places_.end()) {
+    ++here->samples;
+    std::iter_swap(here, external_places_.begin());
+    return;
+  }
+  if (external_places_.size() == kMostPlaces)
+    external_places_.erase(std::min_element(
+        external_places_.begin() + 1, external_places_.end(),
+        [](const ExternalPlace& a, const ExternalPlace& b) { return a.samples < b.samples; }));
+  external_places_.insert(external_places_.begin(), {now, external_numbers_++, 1});
 }
 
 void SampleReader::append_csv(std::string& row) const {

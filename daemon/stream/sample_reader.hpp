@@ -56,13 +56,16 @@ class SampleReader {
   std::vector<Source> currents_;
   std::optional<Currents> read_currents_;
   bool with_currents_;
-  /// The controller's external axes, and how often one was seen to move.
-  struct ExternalAxis {
-    rsi::SignalPlace place;
-    std::optional<double> at = {};
+  std::vector<rsi::SignalPlace> external_;  ///< the controller's external axes
+  static constexpr std::size_t kExternalAxes = 6;
+  /// Where they all stood, for so many samples.
+  struct ExternalPlace {
+    std::array<double, kExternalAxes> at{};
+    std::uint16_t number = 0;
+    std::size_t samples = 0;
   };
-  std::vector<ExternalAxis> external_;
-  std::uint16_t external_place_ = 0;
+  std::vector<ExternalPlace> external_places_;  ///< the first one is where they stand
+  std::uint16_t external_numbers_ = 0;
   identify::Resolution resolution_;
   int position_decimals_ = -1;
   int angle_decimals_ = -1;

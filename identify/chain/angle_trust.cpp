@@ -94,7 +94,9 @@ class Curves {
     const auto turns = static_cast<Index>(nodes.known.size());
     for (std::size_t u = 0; u < variances_.size() && columns_.own > 0; ++u)
       if (nodes.home_of[nodes.group[u]] > 0)
-        variances_[u].head(turns).array() += effects.offset_rad * effects.offset_rad;
+        for (Index k = 0; k < turns; ++k)
+          if (static_cast<std::size_t>(k) != nodes.strokes[nodes.units[u].front()].content.joint)
+            variances_[u](k) += effects.offset_rad * effects.offset_rad;
     units_.assign(nodes.units.size(), ErrorCurve::Stroke(columns_.own));
   }
 

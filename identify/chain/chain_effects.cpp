@@ -169,7 +169,8 @@ std::vector<double> shares_in_common(const ChainNodes& nodes) {
 EffectColumns::EffectColumns(const ChainEffects& shape, const ChainNodes& nodes)
     : targets(nodes.targets) {
   const auto turns = static_cast<Index>(nodes.known.size());
-  if (shape.home_rad > 0 || shape.drift_mm > 0 || shape.print_mm > 0 || shape.print_rad > 0)
+  if (shape.home_rad > 0 || shape.drift_mm > 0 || shape.print_mm > 0 || shape.print_rad > 0 ||
+      shape.print_turn_rad > 0)
     own = turns + 6;
   if (shape.print_rad > 0) own += turned = 6;
   if (shape.drift_mm > 0 && sweeps_again(nodes)) own += bent = 3;
@@ -238,6 +239,8 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
       const double walk = drift * (share > 0 ? share : 1);
       own.segment<3>(turns + 3).setConstant(0.3 * walk);
       own.tail(columns.bent).setConstant(walk * (1.0 / 7 + 1.0 / 3) / 4);
+      own(static_cast<Index>(stroke.content.joint)) =
+          stroke.rounding.told_shift(effects.print_turn_rad);
       const auto shifts = stroke.rounding.shifts(effects.print_mm, effects.print_rad);
       for (Index at = 0; at <= columns.turned; at += 6) {
         own.segment<3>(turns + at) += shifts.level.segment<3>(at / 2).matrix();

@@ -69,12 +69,13 @@ class EffectElimination {
 inline constexpr Eigen::Index kFigureOrders = 8;
 
 /// The columns that a problem has: of effects that are zero in `shape` none. A unit's own are a
-/// turn of each joint, three shifts, and three that grow from minus one at a stroke's least turn to
-/// one at its greatest. Where printed orientations are shifted, so many follow, of A, B, C. Where a
-/// joint has swept again, so that a device that wanders can be told from homes that are off, three
-/// bend, as the second Legendre polynomial of the stroke's turn. Those of a group are the orders of
-/// each target's radial and then axial figure, behind them three shifts where several units share a
-/// device that wanders, and those of the joint's angle. A home's are a turn of each joint.
+/// turn of each joint, of the sweeping one where rounding shifts its angle, three shifts, and three
+/// that grow from minus one at a stroke's least turn to one at its greatest. Where printed
+/// orientations are shifted, so many follow, of A, B, C. Where a joint has swept again, so that a
+/// device that wanders can be told from homes that are off, three bend, as the second Legendre
+/// polynomial of the stroke's turn. Those of a group are the orders of each target's radial and
+/// then axial figure, behind them three shifts where several units share a device that wanders, and
+/// those of the joint's angle. A home's are a turn of each joint.
 struct EffectColumns {
   EffectColumns(const ChainEffects& shape, const ChainNodes& nodes);
   Eigen::Index own = 0;
@@ -101,7 +102,7 @@ template <int Size, class ByTurn>
   Eigen::Matrix<double, Eigen::Dynamic, Size> rows =
       Eigen::Matrix<double, Eigen::Dynamic, Size>::Zero(columns.own, Size);
   for (std::size_t k = 0; k < known.size(); ++k)
-    if (k != seen.joint && known[k])
+    if (known[k])
       rows.row(static_cast<Eigen::Index>(k)) = by_turn[k].template head<Size>().transpose();
   rows.template block<3, 3>(turns, 0).setIdentity();
   rows.template block<3, 3>(turns + 3, 0).diagonal().setConstant(place);

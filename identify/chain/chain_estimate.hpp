@@ -75,6 +75,7 @@ struct ChainEffects {
   /// whole strokes (StrokeRounding). Zero: it does not.
   double print_mm = 0;
   double print_rad = 0;
+  double print_turn_rad = 0;  ///< and the sweeping joint's angle, where it is believed
 };
 
 /// What makes an estimate uncertain: the samples' noise, and the effects.

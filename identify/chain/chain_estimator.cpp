@@ -36,7 +36,7 @@ class Estimation {
 
   std::optional<ChainEstimate> run() {
     axes_ = starting_axes(circles_);
-    nodes_ = chain_nodes(circles_, axes_);
+    nodes_ = chain_nodes(circles_, axes_, campaign_.resolution.angle_rad);
     if (nodes_.strokes.empty()) return std::nullopt;
     set_correlation(nodes_.strokes);
     Chain start;
@@ -190,6 +190,7 @@ class Estimation {
     for (std::size_t j = 0; j < joints_; ++j)
       if (swept[j]) noise.swept_rad[j] = quantum_.swept_rad[j];
     effects_.print_mm = campaign_.resolution.position_mm;
+    effects_.print_turn_rad = campaign_.resolution.angle_rad;
     const auto free_nodes = nodes_.observations;
     for (std::size_t tried = 0; tried <= joints_; ++tried) {
       nodes_.observations = free_nodes;
@@ -226,7 +227,7 @@ class Estimation {
       noise.swept_rad[*worst] = kFreeAngle;
     }
     nodes_.observations = free_nodes;
-    effects_.print_mm = effects_.told_rad = 0;
+    effects_.print_mm = effects_.print_turn_rad = effects_.told_rad = 0;
   }
 
   /// Of the angles that are not believed, what their gears have, now that it is known what strokes

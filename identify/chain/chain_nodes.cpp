@@ -149,7 +149,7 @@ ChainNodes nodes_of(std::vector<StrokeMoments> strokes,
 }
 
 ChainNodes chain_nodes(const CircleEstimate& circles,
-                       const std::vector<std::optional<ChainAxis>>& axes) {
+                       const std::vector<std::optional<ChainAxis>>& axes, double angle_step_rad) {
   const auto sweeps = chain_sweeps(circles, axes);
   const std::size_t joints = circles.joints.size();
   bool with_angles = true, with_orientation = true;
@@ -163,15 +163,17 @@ ChainNodes chain_nodes(const CircleEstimate& circles,
   std::vector<StrokeMoments> strokes;
   for (const ChainSweep& one : sweeps) {
     const StrokeContent content{one.joint, with_angles ? joints : 0, with_orientation,
-                                axes[one.joint]->linear};
+                                axes[one.joint]->linear, angle_step_rad};
     auto stroke = moments_of(*one.sweep, content);
     if (!stroke) continue;
     // A joint that was never seen locked is at home where its first sweep begins.
     if (with_angles && !home[one.joint]) home[one.joint] = one.sweep->first().angles_rad[one.joint];
     strokes.push_back(std::move(*stroke));
     if (const auto& repeats = one.sweep->repeats; repeats && like(repeats->content, content)) {
+      const StrokeRounding rounding = strokes.back().rounding;
       strokes.push_back(*repeats);
       strokes.back().content = content;
+      strokes.back().rounding = rounding;  // alike, as the repeats of a motion are
     }
   }
   std::vector<bool> known;

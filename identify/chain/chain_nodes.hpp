@@ -44,9 +44,10 @@ struct ChainNodes {
 
 /// The strokes of all joints with an axis to start from, joint by joint: those of the circles and,
 /// where angles tell where the other joints stood, those from elsewhere than home. The other joints
-/// are never turned.
+/// are never turned. `angle_step_rad`: in which angles are printed.
 [[nodiscard]] ChainNodes chain_nodes(const CircleEstimate& circles,
-                                     const std::vector<std::optional<ChainAxis>>& axes);
+                                     const std::vector<std::optional<ChainAxis>>& axes,
+                                     double angle_step_rad);
 
 /// What a node's samples scatter by about it, and what its mean is off by.
 template <int Size>

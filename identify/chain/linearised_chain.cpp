@@ -113,6 +113,7 @@ std::vector<ChainEstimate::Part> LinearisedChain::parts() {
   offset.offset_rad = shape_.offset_rad;
   print.print_mm = shape_.print_mm;
   print.print_rad = shape_.print_rad;
+  print.print_turn_rad = shape_.print_turn_rad;
   print.told_rad = shape_.told_rad;
   for (const auto& [cause, effect] : {std::pair<Cause, const ChainEffects&>(Cause::home, home),
                                       {Cause::drift, drift},

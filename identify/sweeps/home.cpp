@@ -25,6 +25,10 @@ bool has_angles(const Sweep& sweep) {
   return sweep.first().joints > 0;
 }
 
+bool tells_locked(const Sweep& sweep, std::size_t joint) {
+  return joint != sweep.joint && joint < sweep.first().joints;
+}
+
 double locked_angle(const Sweep& sweep, std::size_t joint) {
   double sum = 0;
   for (const Sample& sample : *sweep.samples) sum += sample.angles_rad[joint];
@@ -68,7 +72,7 @@ std::vector<std::optional<double>> find_home(const std::vector<Sweep>& sweeps, s
   for (std::size_t k = 0; k < joints; ++k) {
     std::vector<Place> places;
     for (const Sweep* sweep : fitting) {
-      if (*sweep->joint == k) continue;
+      if (!tells_locked(*sweep, k)) continue;
       const double angle = locked_angle(*sweep, k);
       auto place = std::find_if(places.begin(), places.end(), [&](const Place& known) {
         return std::abs(known.angle - angle) <= same_angle(resolution);
@@ -87,7 +91,8 @@ std::vector<std::optional<double>> find_home(const std::vector<Sweep>& sweeps, s
     if (best == places.end()) continue;
     home[k] = best->angle;
     std::erase_if(fitting, [&](const Sweep* sweep) {
-      return *sweep->joint != k && std::abs(locked_angle(*sweep, k) - *home[k]) > kSameHome_rad;
+      return tells_locked(*sweep, k) &&
+             std::abs(locked_angle(*sweep, k) - *home[k]) > kSameHome_rad;
     });
   }
   return home;
@@ -95,8 +100,8 @@ std::vector<std::optional<double>> find_home(const std::vector<Sweep>& sweeps, s
 
 double off_home_rad(const Sweep& sweep, const std::vector<std::optional<double>>& home) {
   double farthest = 0;
-  for (std::size_t k = 0; k < home.size() && has_angles(sweep); ++k)
-    if (k != sweep.joint && home[k])
+  for (std::size_t k = 0; k < home.size(); ++k)
+    if (tells_locked(sweep, k) && home[k])
       farthest = std::max(farthest, std::abs(locked_angle(sweep, k) - *home[k]));
   return farthest;
 }

@@ -33,14 +33,16 @@ SampleRows StrokeCurve::left(const Eigen::Ref<const SampleRows>& errors) const {
   return errors - (found.transpose() * basis_.matrix()).array();
 }
 
-ArrayXd distances_of(const Eigen::Ref<const SampleRows>& errors) {
+ArrayXd distances_of(const Eigen::Ref<const SampleRows>& errors, double least_of_told) {
   constexpr double kMedianOfNormal = 0.6745;
+  constexpr double kLeast = 1e-10;
   ArrayXd farthest = ArrayXd::Zero(errors.cols());
   ArrayXd sizes;
   for (Index d = 0; d < errors.rows(); ++d) {
     sizes = errors.row(d).abs();
     const double middle = median_in({sizes.data(), static_cast<std::size_t>(sizes.size())});
-    const double sigma = std::max(1e-10, for_few(errors.cols()) * middle / kMedianOfNormal);
+    const double least = d < 2 ? kLeast : std::max(kLeast, least_of_told);
+    const double sigma = std::max(least, for_few(errors.cols()) * middle / kMedianOfNormal);
     farthest = farthest.max(errors.row(d).abs().transpose() / sigma);
   }
   return farthest;

@@ -35,8 +35,10 @@ class StrokeCurve {
 };
 
 /// Distances of errors, in standard deviations of the median one; of their rows the farthest
-/// counts: what a locked joint's wobble does is in more than one.
-[[nodiscard]] Eigen::ArrayXd distances_of(const Eigen::Ref<const SampleRows>& errors);
+/// counts: what a locked joint's wobble does is in more than one. `least_of_told`: the standard
+/// deviation of the third row is taken for no less.
+[[nodiscard]] Eigen::ArrayXd distances_of(const Eigen::Ref<const SampleRows>& errors,
+                                          double least_of_told = 0);
 
 /// Redescending weights by these distances in so many directions, `wide` times as far as good
 /// samples need.

@@ -2,34 +2,81 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 
 #include "identify/geometry/angle.hpp"
 #include "identify/sweeps/stroke_curve.hpp"
+#include "identify/sweeps/stroke_moments.hpp"
 #include "identify/sweeps/stroke_samples.hpp"
 
 namespace identify {
 
 using Eigen::Index;
 
-StrokeRounding::Shifts StrokeRounding::shifts(double step_mm, double step_rad) const {
+namespace {
+
+constexpr double kWhole = 1.0 / 12;  // variance of what is spread evenly over a step
+
+/// Variance of what rounding shifts a number by over a whole stroke, in squares of steps, as all
+/// here. `variance`: about its smooth curve.
+double shift_of(double variance, double agreement, double samples) {
   // Squares of evenly spread errors, whose mean is known, scatter by 2 / sqrt(5) of it each.
   constexpr double kOfSquares = 0.894;
   constexpr double kChance = 3;  // standard deviations
+  const double unseen = 1 - variance / kWhole;
+  const double chance = kChance * kOfSquares / std::sqrt(std::max(1.0, samples));
+  // At one place within the step, two printed values in turn have the variance p (1 - p), and tell
+  // by p where that is. Noise of more than half a step averages out.
+  constexpr double kTwoValues = 0.25;
+  const double alike = variance < kTwoValues
+                           ? std::min(kWhole, kTwoValues - variance)
+                           : kWhole * std::exp(-4 * kPi * kPi * (variance - kWhole));
+  return std::max(agreement * alike, unseen < chance ? 0 : kWhole * unseen);
+}
+
+/// How far places agree that were seen with this standard deviation, all in steps: see
+/// StrokeRounding::agreement.
+double agreement_of(const Eigen::ArrayXd& places, const Eigen::ArrayXd& weights, double sigma) {
+  // What rounding adds is a saw tooth of the place within a step, sum_m sin(2 pi m x) / (pi m) but
+  // for signs. The mean over the samples leaves each wave as far as their places agree.
+  constexpr int kWaves = 4;
+  const Eigen::ArrayXcd wave =
+      (std::complex<double>(0, 2 * kPi) * (places - places(0)).cast<std::complex<double>>()).exp();
+  Eigen::ArrayXcd waves = wave;
+  double squares = 0, all = 0;
+  for (int m = 1; m <= kWaves; ++m, waves *= wave) {
+    // Noise of the places hides how far they agree.
+    const double hidden = std::exp(-2 * std::pow(kPi * m * sigma, 2));
+    const double agree = std::abs((waves * weights).sum()) / weights.sum();
+    squares += std::pow(std::min(1.0, agree / hidden) / m, 2);
+    all += 1.0 / (m * m);
+  }
+  return squares / all;
+}
+
+}  // namespace
+
+double StrokeRounding::told_shift(double step_rad) const {
+  if (!(step_rad > 0) || !told) return 0;
+  const double squared = step_rad * step_rad;
+  return squared * shift_of(told->scatter / squared, told->agreement, samples);
+}
+
+StrokeRounding::Shifts StrokeRounding::shifts(double step_mm, double step_rad) const {
   // Of a saw tooth as long as the stroke, with any phase: the variance of its first Chebyshev
   // coefficient, in that of the tooth.
   constexpr double kGrowth = 0.6;
-  const double chance = kChance * kOfSquares / std::sqrt(std::max(1.0, samples));
   Shifts variances;
   for (Index k = 0; k < extent.size(); ++k) {
     const double step = k < 3 ? step_mm : step_rad;
     if (!(step > 0)) continue;
-    const double whole = step * step / 12;
+    const double whole = kWhole * step * step;
     // Where it turns back, a coordinate that passes n steps stays within one for 1 / sqrt(n) of the
     // samples. Noise of variance s^2 leaves of the saw tooth's first wave exp(-2 (pi s / step)^2).
     const double noise = std::max(0.0, scatter(k) - whole) / (step * step);
     const double turning = std::exp(-2 * kPi * kPi * noise) / (1 + extent(k) / step);
-    double unseen = k < 3 ? 0 : 1 - scatter(k) / whole;
-    if (unseen < chance) unseen = 0;
+    const double unseen =
+        k < 3 ? 0 : shift_of(scatter(k) / (step * step), agreement(k), samples) / kWhole;
     variances.level(k) = whole * std::max(turning, unseen);
     variances.growth(k) =
         whole * std::max(turning * (1 - turning) / 3, kGrowth * (unseen - turning));
@@ -37,7 +84,8 @@ StrokeRounding::Shifts StrokeRounding::shifts(double step_mm, double step_rad) c
   return variances;
 }
 
-StrokeRounding rounding_of(const StrokeSamples& seen, bool orientation, const StrokeCurve& curve) {
+StrokeRounding rounding_of(const StrokeSamples& seen, const StrokeContent& content,
+                           const StrokeCurve& curve) {
   StrokeRounding rounding;
   const Index count = seen.positions_mm.cols();
   if (count == 0) return rounding;
@@ -56,11 +104,25 @@ StrokeRounding rounding_of(const StrokeSamples& seen, bool orientation, const St
   };
   rounding.extent << extent(seen.positions_mm), extent(angles);
   rounding.samples = seen.weights.sum();
-  if (!orientation) return rounding;
+  if (!content.orientation) return rounding;
   const double free = std::max(1.0, rounding.samples - static_cast<double>(curve.orders()));
+  const SampleRows left = curve.left(angles);
   rounding.scatter.tail<3>() =
-      (curve.left(angles).square().rowwise() * seen.weights.transpose()).rowwise().sum() / free;
+      (left.square().rowwise() * seen.weights.transpose()).rowwise().sum() / free;
+  if (content.angle_step_rad > 0)
+    for (Index k = 0; k < 3; ++k)
+      rounding.agreement(3 + k) = agreement_of(
+          (angles.row(k) - left.row(k)).transpose() / content.angle_step_rad, seen.weights, 0);
   return rounding;
+}
+
+StrokeRounding::Told told_rounding(const StrokeSamples& seen, const Eigen::ArrayXd& along_mm,
+                                   double across_mm2, double radius_mm, double step_rad) {
+  const double along_mm2 =
+      (along_mm.square() * seen.weights).sum() / std::max(1.0, seen.weights.sum());
+  return {std::max(0.0, along_mm2 - across_mm2) / (radius_mm * radius_mm),
+          agreement_of(seen.turns / step_rad, seen.weights,
+                       std::sqrt(across_mm2) / (radius_mm * step_rad))};
 }
 
 double unseen_zero(double mean, double variance) {

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <optional>
+
 #include <Eigen/Core>
 
 namespace identify {
 
+struct StrokeContent;
 struct StrokeSamples;
 class StrokeCurve;
 
@@ -21,6 +24,16 @@ struct StrokeRounding {
   /// Variance about smooth curves: of X, Y and Z that across the arc.
   Coordinates scatter = Coordinates::Zero();
   double samples = 0;
+  /// How far the places within a step agree at which numbers were rounded, from 0, evenly spread,
+  /// to 1, all the same, as where a number goes on by whole steps from sample to sample.
+  Coordinates agreement = Coordinates::Zero();
+  /// Of the sweeping joint's angle as told: variance about where it was seen, rad^2. Nothing where
+  /// the positions do not tell the turn.
+  struct Told {
+    double scatter = 0;
+    double agreement = 0;
+  };
+  std::optional<Told> told;
 
   /// Variances of what rounding shifts the coordinates by over the whole stroke, and of how much
   /// more from its middle to its ends.
@@ -29,12 +42,20 @@ struct StrokeRounding {
     Coordinates growth = Coordinates::Zero();
   };
   [[nodiscard]] Shifts shifts(double step_mm, double step_rad) const;
+  /// The same of the sweeping joint's angle, over the whole stroke.
+  [[nodiscard]] double told_shift(double step_rad) const;
 };
 
 /// `curve`: of the turn, which the positions tell. A, B, C are zero where the orientation was not
 /// measured.
-[[nodiscard]] StrokeRounding rounding_of(const StrokeSamples& seen, bool orientation,
+[[nodiscard]] StrokeRounding rounding_of(const StrokeSamples& seen, const StrokeContent& content,
                                          const StrokeCurve& curve);
+
+/// `along_mm`: what the stroke's curve leaves of the told angle's errors along the arc;
+/// `across_mm2`: variance of what it leaves across.
+[[nodiscard]] StrokeRounding::Told told_rounding(const StrokeSamples& seen,
+                                                 const Eigen::ArrayXd& along_mm, double across_mm2,
+                                                 double radius_mm, double step_rad);
 
 /// Standard deviation of what is spread evenly over one step, in steps: 1 / sqrt(12).
 inline constexpr double kEvenlySpread = 0.2887;

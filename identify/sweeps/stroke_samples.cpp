@@ -223,6 +223,9 @@ void set_weights(StrokeMoments& stroke, StrokeSamples& seen) {
   const auto weigh = [&](const ArrayXd& distances, Index rows) {
     seen.weights = seen.beside.select(0, weights_of(distances, rows, wide));
   };
+  // Printed alike all along an even speed, and otherwise on the ramps, told angles are no outliers.
+  const double told_mm =
+      stroke.told ? stroke.circle.radius_mm * kEvenlySpread * stroke.content.angle_step_rad : 0;
   weigh(seen.distances, 2);  // the circle is robust; what is told may be off
   SampleRows left;
   constexpr int kMostRounds = 4;
@@ -231,15 +234,19 @@ void set_weights(StrokeMoments& stroke, StrokeSamples& seen) {
     const ArrayXd before = seen.weights;
     curve.weigh(before);
     left = curve.left(seen.errors.topRows(directions));
-    weigh(distances_of(left), directions);
+    weigh(distances_of(left, told_mm), directions);
     if ((seen.weights - before).abs().maxCoeff() < kSettled) break;
   }
   stroke.blocks.curve_orders = static_cast<std::size_t>(curve.orders());
   stroke.blocks.variance_mm2 = variances_of_blocks(left.topRows(kBlockDirections).rowwise() *
                                                    seen.weights.sqrt().transpose());
   curve.weigh(seen.weights);
-  stroke.rounding = rounding_of(seen, stroke.content.orientation, curve);
-  stroke.rounding.scatter.head<3>() = stroke.blocks.variance_mm2.front();
+  stroke.rounding = rounding_of(seen, stroke.content, curve);
+  const double across_mm2 = stroke.blocks.variance_mm2.front();
+  stroke.rounding.scatter.head<3>() = across_mm2;
+  if (told_mm > 0 && stroke.about)
+    stroke.rounding.told = told_rounding(seen, left.row(2).transpose(), across_mm2,
+                                         stroke.circle.radius_mm, stroke.content.angle_step_rad);
 }
 
 void count_weights(StrokeMoments& stroke, const StrokeSamples& seen) {

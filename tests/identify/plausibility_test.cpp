@@ -255,7 +255,7 @@ TEST_CASE("a copy of a sweep is no second sweep", "[plausibility]") {
   check_doubt(identify::identify(sweeps, simulation.campaign()), "duplicate_sweep", 2);
 }
 
-TEST_CASE("an external axis that moves during a sweep is a doubt, between sweeps it is none",
+TEST_CASE("an external axis that moves during a sweep is a doubt, between sweeps a warning",
           "[plausibility]") {
   const Simulation simulation(some_kr5(9), {}, tracker(true), 9);
   const bool during = GENERATE(false, true);
@@ -269,6 +269,27 @@ TEST_CASE("an external axis that moves during a sweep is a doubt, between sweeps
     check_doubt(found, "external_axis_moved", 3);
   else
     CHECK(found.status == Status::complete);
+  CHECK(find_warning(found, "external_axis_moved") != nullptr);
+}
+
+TEST_CASE("an external axis that carried the robot elsewhere between sweeps is a doubt",
+          "[plausibility]") {
+  const Simulation simulation(some_kr5(9), {}, tracker(true), 9);
+  auto campaign = simulation.campaign();
+  campaign.specified.reset();
+  const double mm = GENERATE(1.0, 500.0);
+  const auto sweeps =
+      changed(simulation.sweeps(), [&](const Sweep& sweep, std::vector<Sample>& samples) {
+        if (*sweep.joint < 3) return;
+        for (Sample& sample : samples) {
+          sample.external_place = 1;
+          sample.position_mm.x() += mm;
+        }
+      });
+  const auto found = identify::identify(sweeps, campaign);
+  CHECK(found.status == Status::doubtful);
+  CHECK(std::any_of(found.doubts.begin(), found.doubts.end(),
+                    [](const auto& doubt) { return doubt.code == "external_axis_moved"; }));
 }
 
 TEST_CASE("circles in place of a fit that did not end are a doubt", "[plausibility]") {

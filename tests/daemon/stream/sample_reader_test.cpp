@@ -64,6 +64,11 @@ TEST_CASE("a sample tells whether an external axis stands elsewhere, not that it
   CHECK(after != before);
   CHECK(place(reader, "101.1") == after);
   CHECK(reader.read(Parsed(kPosition)).external_place == after);  // not told
+  SECTION("back where it stood it is known again, however far it went") {
+    for (int mm = 102; mm < 600; ++mm) CHECK(place(reader, std::to_string(mm)) != before);
+    for (int mm = 600; mm > 101; --mm) place(reader, std::to_string(mm));
+    CHECK(place(reader, "100.1") == before);
+  }
   SECTION("one that is a joint of the arm is none") {
     SignalNames names;
     names.angles.push_back("EIPos.E1");
