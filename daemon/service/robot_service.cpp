@@ -233,11 +233,10 @@ void RobotService::begin_session(const rsi::Datagram& first) {
   complaints_.new_stream();
   session_log_.about(started_, rsi::find_ipoc(first.payload));
   session_log_.note("RSI from {}", rsi::text(first.source));
-  const auto missing = missing_signals(inputs_.setup.signals, inputs_.setup.joints, first.payload);
-  if (!missing.empty())
-    session_log_.warning(
-        "the telegrams have no {}: correct `signals`, or SEND in the Ethernet file",
-        fmt::join(missing, ", "));
+  const auto& setup = inputs_.setup;
+  if (const auto words = missing_signals(setup.signals, setup.joints, first.payload);
+      !words.empty())
+    session_log_.warning("{}", words);
   SessionStart start{inputs_.folder(), started_, inputs_.settings.record, session_->csv_header(),
                      std::exchange(disk_, std::nullopt)};
   start.on_folder = [facts = run_facts(), log = session_log_](const std::filesystem::path& folder) {

@@ -4,13 +4,15 @@
 #include <span>
 #include <utility>
 
+#include <spdlog/fmt/ranges.h>
+
 #include "identify/sweeps/sweep.hpp"
 #include "rsi/telegram/telegram.hpp"
 
 namespace sweepd {
 
-std::vector<std::string> missing_signals(const SignalNames& names, std::size_t joints,
-                                         std::string_view telegram) {
+std::string missing_signals(const SignalNames& names, std::size_t joints,
+                            std::string_view telegram) {
   rsi::Telegram parsed;
   if (parsed.parse(telegram) != rsi::Defect::none) return {};
   std::vector<std::string> missing;
@@ -27,7 +29,10 @@ std::vector<std::string> missing_signals(const SignalNames& names, std::size_t j
   look(names.position, usual.position);
   look(names.orientation, usual.orientation);
   look(std::span(names.angles).first(std::min(joints, names.angles.size())), usual.angles);
-  return missing;
+  if (missing.empty()) return {};
+  return fmt::format(
+      "the telegrams have no {}: correct `signals` in the settings, or SEND in the Ethernet file",
+      fmt::join(missing, ", "));
 }
 
 bool has_currents(std::string_view telegram) {

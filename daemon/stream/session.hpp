@@ -39,10 +39,11 @@ struct Snapshot {
 
 /// Whether a telegram has motor currents.
 [[nodiscard]] bool has_currents(std::string_view telegram);
-/// Signals that the settings name and a telegram has not: some of a kind of which it has others, or
-/// all of a kind where they are not the usual names, which other controllers leave out.
-[[nodiscard]] std::vector<std::string> missing_signals(const SignalNames& names, std::size_t joints,
-                                                       std::string_view telegram);
+/// What to do about signals that the settings name and a telegram has not, in a sentence; empty if
+/// there are none. Some of a kind of which it has others, or all of a kind where they are not the
+/// usual names, which other controllers leave out.
+[[nodiscard]] std::string missing_signals(const SignalNames& names, std::size_t joints,
+                                          std::string_view telegram);
 
 /// One stream of a controller, from its first telegram to its end. No files. One thread. What it
 /// finds it passes on to its sink.

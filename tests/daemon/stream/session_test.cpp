@@ -53,11 +53,11 @@ TEST_CASE("signals that the settings name and telegrams do not have are told", "
     return sweepd::missing_signals(names, joints, text);
   };
   CHECK(missing(2).empty());  // nobody asked for A, B, C
-  CHECK(missing(3) == std::vector<std::string>{"AIPos.A3"});
+  CHECK(missing(3).starts_with("the telegrams have no AIPos.A3: correct `signals`"));
   names.angles = {"AIPos.A1", "AIPos.A7"};
-  CHECK(missing(6) == std::vector<std::string>{"AIPos.A7"});
+  CHECK(missing(6).starts_with("the telegrams have no AIPos.A7:"));
   names.angles = {"Joint.A"};
-  CHECK(missing(6) == std::vector<std::string>{"Joint.A"});
+  CHECK(missing(6).starts_with("the telegrams have no Joint.A:"));
   CHECK(sweepd::missing_signals(names, 6, "<Rob>").empty());
 }
 
