@@ -90,7 +90,8 @@ class Reading {
     thread_.join();
     try {
       const Settings settings = settings_.get();
-      if (const auto keys = change(http, settings.http).of(TakesEffect::after_restart); !keys.empty())
+      if (const auto keys = change(http, settings.http).of(TakesEffect::after_restart);
+          !keys.empty())
         Log().warning("only a restart of sweepd takes over {}", fmt::join(keys, ", "));
       fleet.reload(settings.robots);
     } catch (const std::exception& error) {

@@ -349,11 +349,10 @@ TEST_CASE("a TCP port belongs to one server alone, and is free again after it", 
   {
     TcpRunning first(on_loopback());
     options.listen = first.server.local();
-    CHECK_THROWS_WITH(
-        TcpServer(options),
-        Catch::Matchers::ContainsSubstring("TCP " + rsi::text(first.server.local()) +
-                                           " is in use by this program itself: ") &&
-            Catch::Matchers::ContainsSubstring("choose another port"));
+    CHECK_THROWS_WITH(TcpServer(options),
+                      Catch::Matchers::ContainsSubstring("TCP " + rsi::text(first.server.local()) +
+                                                         " is in use by this program itself: ") &&
+                          Catch::Matchers::ContainsSubstring("choose another port"));
     auto everywhere = options;
     everywhere.listen.address = 0;
     CHECK_THROWS_WITH(TcpServer(everywhere),
