@@ -21,8 +21,7 @@ std::string missing_signals(const SignalNames& names, std::size_t joints,
     for (const auto& name : wanted)
       if (place_of(name).in(parsed) == nullptr) absent.push_back(name);
     if (absent.size() < wanted.size() ||
-        !std::equal(wanted.begin(), wanted.end(), usual.begin(),
-                    usual.begin() + std::min(wanted.size(), usual.size())))
+        !std::ranges::equal(wanted, usual.first(std::min(wanted.size(), usual.size()))))
       missing.insert(missing.end(), absent.begin(), absent.end());
   };
   const SignalNames usual;

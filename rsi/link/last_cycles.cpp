@@ -116,8 +116,8 @@ LastCycles::Event LastCycles::event(std::size_t index) const {
   const bool waits =
       index + 1 == cycles_.size() || cycles_.back().received - seen.received < cycle_time_;
   if (became == Fate::unanswered && waits) return Event::received;
-  constexpr std::array kEvents{Event::answered, Event::late, Event::superseded, Event::unanswered};
-  return kEvents[static_cast<std::size_t>(became)];
+  constexpr std::array kOfFates{Event::answered, Event::late, Event::superseded, Event::unanswered};
+  return kOfFates[static_cast<std::size_t>(became)];
 }
 
 std::uint64_t LastCycles::lost_before(const Cycle& cycle) const {
