@@ -121,15 +121,15 @@ class Judge {
       for (const std::size_t j : joints) all += (all.empty() ? "" : ", ") + joint_name(j);
       return all;
     };
-    std::string message = "the external axes stood elsewhere in sweeps of " + names(elsewhere) +
-                          " than in those of " + names(there) +
-                          " (EIPos): leave them where they are during all sweeps";
+    const std::string moved = "the external axes stood elsewhere in sweeps of " + names(elsewhere) +
+                              " than in those of " + names(there) + " (EIPos)";
+    const std::string remedy = ": leave them where they are during all sweeps";
     const auto& chain = found_.chain;
     if (chain && (!chain->summary.converged || chain->home_scatter_mm > kScattered_mm))
       doubt("external_axis_moved", std::nullopt,
-            message + "; the target did not come back to where it was");
+            moved + ", and the target did not come back to where it was" + remedy);
     else
-      found_.warnings.push_back({"external_axis_moved", std::nullopt, std::move(message)});
+      found_.warnings.push_back({"external_axis_moved", std::nullopt, moved + remedy});
   }
 
   /// Noise never comes twice. Where there is none that is larger than the last printed decimal, the

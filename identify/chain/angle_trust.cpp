@@ -152,7 +152,7 @@ class Curves {
   ErrorCurve::Stroke& of(const SeenNode& at) { return units_[unit_[at.stroke]]; }
 
   const ChainNodes& nodes_;
-  const ChainEffects& effects_;
+  ChainEffects effects_;
   EffectColumns columns_;
   std::vector<std::size_t> unit_;  ///< of each stroke
   std::vector<Eigen::VectorXd> variances_;

@@ -21,6 +21,7 @@ struct Uneven {
   double gain = 0;  ///< less deviance
 };
 
+/// `times`: the one of `sizes` that is tried.
 Uneven judged(LinearisedChain& chain, const ChainEffects& sizes, double& times, double now) {
   std::array<double, kSteps + 1> deviances{};
   double least = now;

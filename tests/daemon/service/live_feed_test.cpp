@@ -33,17 +33,37 @@ void feed(LiveFeed& feed, const rsi::Link& link, int slices) {
   }
 }
 
-/// A telegram with this IPOC at `time`, and its reply after `latency`, if any.
-void exchange(rsi::Link& link, LiveFeed& feed, std::uint64_t ipoc, std::chrono::microseconds time,
-              std::optional<std::chrono::microseconds> latency) {
-  const auto digits = std::to_string(ipoc);
-  const auto telegram = sweepd::test::telegram(ipoc, "");
-  link.telegram({time, sweepd::test::kController, sweepd::test::kServer, telegram});
-  feed.telegram();
-  if (!latency) return;
-  const auto reply = "<Sen Type=\"x\"><IPOC>" + digits + "</IPOC></Sen>";
-  link.reply({time + *latency, sweepd::test::kServer, sweepd::test::kController, reply});
-}
+/// A controller's telegrams and their replies, as the feed and the link see them.
+struct Exchanges {
+  Exchanges() { live.begin_session("s"); }
+
+  /// The next telegram after `pace`, and its reply after `latency`, if any.
+  void next(std::optional<std::chrono::microseconds> latency,
+            std::chrono::microseconds pace = 4ms) {
+    ipoc += 4;
+    time += pace;
+    see(latency);
+  }
+  /// The last telegram once more.
+  void copy() { see(std::nullopt); }
+
+  LiveSlices slices;
+  LiveFeed live{slices};
+  rsi::Link link;
+
+ private:
+  void see(std::optional<std::chrono::microseconds> latency) {
+    const auto telegram = sweepd::test::telegram(ipoc, "");
+    link.telegram({time, sweepd::test::kController, sweepd::test::kServer, telegram});
+    live.telegram();
+    if (!latency) return;
+    const auto reply = "<Sen Type=\"x\"><IPOC>" + std::to_string(ipoc) + "</IPOC></Sen>";
+    link.reply({time + *latency, sweepd::test::kServer, sweepd::test::kController, reply});
+  }
+
+  std::uint64_t ipoc = 1000;
+  std::chrono::microseconds time = 1s;
+};
 
 }  // namespace
 
@@ -89,26 +109,16 @@ TEST_CASE("a reader is never waited for, and nothing is lost by it", "[live_feed
 }
 
 TEST_CASE("a slice tells latency, jitter, late and missing replies", "[live_feed]") {
-  LiveSlices slices;
-  LiveFeed live(slices);
-  rsi::Link link;
-  live.begin_session("s");
-  std::uint64_t ipoc = 1000;
-  auto time = std::chrono::microseconds(1s);
-  const auto next = [&](std::optional<std::chrono::microseconds> latency,
-                        std::chrono::microseconds pace = 4ms) {
-    time += pace;
-    exchange(link, live, ipoc += 4, time, latency);
-  };
-  for (int i = 0; i < 50; ++i) next(20us);
-  live.tick(link, true, 0.1);
-  for (int i = 0; i < 5; ++i) next(20us);
-  next(5ms, 4300us);
-  next(std::nullopt, 3700us);
-  for (int i = 0; i < 5; ++i) next(20us);
-  next(std::nullopt);  // its reply is on its way
-  live.tick(link, true, 0.2);
-  const auto slice = slices.after(0, 0, 600).slices.back();
+  Exchanges seen;
+  for (int i = 0; i < 50; ++i) seen.next(20us);
+  seen.live.tick(seen.link, true, 0.1);
+  for (int i = 0; i < 5; ++i) seen.next(20us);
+  seen.next(5ms, 4300us);
+  seen.next(std::nullopt, 3700us);
+  for (int i = 0; i < 5; ++i) seen.next(20us);
+  seen.next(std::nullopt);  // its reply is on its way
+  seen.live.tick(seen.link, true, 0.2);
+  const auto slice = seen.slices.after(0, 0, 600).slices.back();
   CHECK(slice.cycles == 12);
   CHECK(slice.late == 1);
   CHECK(slice.superseded == 1);
@@ -119,29 +129,21 @@ TEST_CASE("a slice tells latency, jitter, late and missing replies", "[live_feed
 
 TEST_CASE("a slice counts a cycle as the link does: superseded, unanswered, and no copy",
           "[live_feed]") {
-  LiveSlices slices;
-  LiveFeed live(slices);
-  rsi::Link link;
-  live.begin_session("s");
-  std::uint64_t ipoc = 1000;
-  auto time = std::chrono::microseconds(1s);
-  const auto next = [&](std::optional<std::chrono::microseconds> latency) {
-    exchange(link, live, ipoc += 4, time += 4ms, latency);
-  };
-  for (int i = 0; i < 50; ++i) next(20us);
-  for (int i = 0; i < 4; ++i) next(std::nullopt);
-  live.tick(link, true, 0.1);  // of the last two nothing is known yet
-  next(20us);
-  exchange(link, live, ipoc, time + 100us, std::nullopt);  // a copy
-  for (int i = 0; i < 5; ++i) next(20us);
-  live.tick(link, true, 0.2);
+  Exchanges seen;
+  for (int i = 0; i < 50; ++i) seen.next(20us);
+  for (int i = 0; i < 4; ++i) seen.next(std::nullopt);
+  seen.live.tick(seen.link, true, 0.1);  // of the last two nothing is known yet
+  seen.next(20us);
+  seen.copy();
+  for (int i = 0; i < 5; ++i) seen.next(20us);
+  seen.live.tick(seen.link, true, 0.2);
   std::uint64_t cycles = 0, superseded = 0, unanswered = 0;
-  for (const auto& slice : slices.after(0, 0, 600).slices) {
+  for (const auto& slice : seen.slices.after(0, 0, 600).slices) {
     cycles += slice.cycles;
     superseded += slice.superseded;
     unanswered += slice.unanswered;
   }
-  const auto report = link.report();
+  const auto report = seen.link.report();
   CHECK(report.replies.superseded == 1);
   CHECK(report.replies.unanswered == 3);
   CHECK(superseded == report.replies.superseded);

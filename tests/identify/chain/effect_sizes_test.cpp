@@ -38,6 +38,14 @@ double rms_z(const std::vector<Simulation>& campaigns) {
   return std::sqrt(squares / count);
 }
 
+/// A device of 0.02 mm some metres away.
+simulation::World tracker() {
+  simulation::World world;
+  world.noise.range_mm = world.noise.across_mm = 0.02;
+  world.placed = true;
+  return world;
+}
+
 /// Of so many KR 5 as built, each from a home of its own.
 std::vector<Simulation> campaigns_of(std::uint32_t count, const simulation::Strokes& how,
                                      const simulation::World& world) {
@@ -49,9 +57,7 @@ std::vector<Simulation> campaigns_of(std::uint32_t count, const simulation::Stro
 }
 
 std::vector<Simulation> sagging(bool told, int homes = 1) {
-  simulation::World world;
-  world.noise.range_mm = world.noise.across_mm = 0.02;
-  world.placed = true;
+  simulation::World world = tracker();
   world.sag_arcsec = 60;
   world.sag_told = told;
   simulation::Strokes how;
@@ -88,9 +94,7 @@ TEST_CASE("Uncertainties hold where a joint goes on by whole steps of its printe
 
 TEST_CASE("Uncertainties hold where one joint alone does not stay where it was locked",
           "[effect_sizes][uneven_joints][long]") {
-  simulation::World world;
-  world.noise.range_mm = world.noise.across_mm = 0.02;
-  world.placed = true;
+  simulation::World world = tracker();
   world.home.sigma_deg = 0.03;
   world.home.joint = 0;
   simulation::Strokes how;
@@ -101,9 +105,7 @@ TEST_CASE("Uncertainties hold where one joint alone does not stay where it was l
 
 TEST_CASE("Uncertainties hold where a device walks and sweeps go there and back",
           "[effect_sizes][long]") {
-  simulation::World world;
-  world.noise.range_mm = world.noise.across_mm = 0.02;
-  world.placed = true;
+  simulation::World world = tracker();
   world.drift.walk_mm = 0.05;
   simulation::Strokes how;
   how.there_and_back = true;
@@ -123,9 +125,7 @@ TEST_CASE("Sweeps from a second home show how far joints give way", "[effect_siz
 
 TEST_CASE("Uncertainties hold for arcs that show how far they are from circles",
           "[effect_sizes][long]") {
-  simulation::World world;
-  world.noise.range_mm = world.noise.across_mm = 0.02;
-  world.placed = true;
+  simulation::World world = tracker();
   world.shape.rms_mm = 0.02;
   simulation::Strokes how;
   how.arc_deg = 90;
