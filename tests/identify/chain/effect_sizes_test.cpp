@@ -38,8 +38,8 @@ double rms_z(const std::vector<Simulation>& campaigns) {
   return std::sqrt(squares / count);
 }
 
-/// A device of 0.02 mm some metres away.
-simulation::World tracker() {
+/// By a device of 0.02 mm some metres away.
+simulation::World seen_without_angles() {
   simulation::World world;
   world.noise.range_mm = world.noise.across_mm = 0.02;
   world.placed = true;
@@ -57,7 +57,7 @@ std::vector<Simulation> campaigns_of(std::uint32_t count, const simulation::Stro
 }
 
 std::vector<Simulation> sagging(bool told, int homes = 1) {
-  simulation::World world = tracker();
+  simulation::World world = seen_without_angles();
   world.sag_arcsec = 60;
   world.sag_told = told;
   simulation::Strokes how;
@@ -94,7 +94,7 @@ TEST_CASE("Uncertainties hold where a joint goes on by whole steps of its printe
 
 TEST_CASE("Uncertainties hold where one joint alone does not stay where it was locked",
           "[effect_sizes][uneven_joints][long]") {
-  simulation::World world = tracker();
+  simulation::World world = seen_without_angles();
   world.home.sigma_deg = 0.03;
   world.home.joint = 0;
   simulation::Strokes how;
@@ -105,7 +105,7 @@ TEST_CASE("Uncertainties hold where one joint alone does not stay where it was l
 
 TEST_CASE("Uncertainties hold where a device walks and sweeps go there and back",
           "[effect_sizes][long]") {
-  simulation::World world = tracker();
+  simulation::World world = seen_without_angles();
   world.drift.walk_mm = 0.05;
   simulation::Strokes how;
   how.there_and_back = true;
@@ -125,7 +125,7 @@ TEST_CASE("Sweeps from a second home show how far joints give way", "[effect_siz
 
 TEST_CASE("Uncertainties hold for arcs that show how far they are from circles",
           "[effect_sizes][long]") {
-  simulation::World world = tracker();
+  simulation::World world = seen_without_angles();
   world.shape.rms_mm = 0.02;
   simulation::Strokes how;
   how.arc_deg = 90;
