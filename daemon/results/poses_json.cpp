@@ -100,7 +100,7 @@ Json model(const identify::PoseFit& fit, const std::vector<std::string>& names) 
                      {"center_mm", list(load.center_mm)}});
   Json covariance = Json::array();  // rows up to the diagonal
   const Eigen::MatrixXd whole = fit.whole_covariance();
-  for (Eigen::Index r = 0; r < whole.rows(); ++r)
+  for (Eigen::Index r = 0; r < of.lasting_parameters(); ++r)
     covariance.push_back(list(whole.row(r).head(r + 1).transpose()));
   return {{"home_rad", of.home_rad},
           {"axes", std::move(axes)},
@@ -163,6 +163,7 @@ Json poses_json(const Outcome& outcome) {
           {"noise",
            {{"position_mm", json_length(found.fit.noise.position_mm)},
             {"joint_arcsec", json_arcsec(found.fit.noise.joint_rad)},
+            {"gears_arcsec", json_arcsec(found.fit.noise.gears_rad)},
             {"orientation_arcsec",
              found.fit.with_orientation ? json_arcsec(found.fit.noise.orientation_rad) : Json()}}},
           {"observability",

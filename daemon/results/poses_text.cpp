@@ -45,10 +45,12 @@ std::string poses_text(const identify::PoseEstimate& found) {
                     fmt::format("mean {:.4f} mm, rms {:.4f} mm, max {:.4f} mm of {}",
                                 found.left.mean_mm, found.left.rms_mm, found.left.most_mm,
                                 rsi::counted(found.poses.size() - found.outliers.size(), "pose")));
-  text += paragraph("noise       ",
-                    fmt::format("{:.4f} mm in each coordinate, {:.2f} arcsec in each joint's angle "
-                                "(1 sigma, a pose)",
-                                noise.position_mm, arcsec(noise.joint_rad)));
+  text +=
+      paragraph("noise       ",
+                fmt::format("{:.4f} mm in each coordinate, {:.2f} arcsec in each joint's angle "
+                            "(1 sigma, a pose); gears err by {:.2f} arcsec once and twice a "
+                            "turn (1 sigma of each size)",
+                            noise.position_mm, arcsec(noise.joint_rad), arcsec(noise.gears_rad)));
   text += paragraph("shown       ",
                     fmt::format("positions are predicted to {:.4f} mm (1 sigma, worst pose and "
                                 "direction)",

@@ -16,7 +16,8 @@ using Eigen::VectorXd;
 
 Observability observability_of(const PoseFit& fit) {
   const ChainParameters parameters = fit.model.chain_parameters();
-  VectorXd unit = VectorXd::Ones(fit.model.parameters());  // of a step of about a millimetre
+  VectorXd unit =
+      VectorXd::Ones(fit.model.lasting_parameters());  // of a step of about a millimetre
   for (std::size_t j = 0; j < parameters.joints; ++j)
     unit.segment<2>(parameters.axis(j)).setConstant(1 / kMetre_mm);
   unit.tail(unit.size() - parameters.tool()).setConstant(1 / kMetre_mm);
@@ -27,9 +28,8 @@ Observability observability_of(const PoseFit& fit) {
     const double weight = fit.weights(static_cast<Index>(i));
     if (weight == 0) continue;
     const PoseRow& row = fit.rows[i];
-    const MatrixXd columns = row.by_parameter * unit.asDiagonal();
-    normal +=
-        weight * columns.transpose() * fit.noise.covariance(row.by_joint).llt().solve(columns);
+    const MatrixXd columns = row.by_parameter.leftCols(unit.size()) * unit.asDiagonal();
+    normal += weight * columns.transpose() * fit.noise.covariance(row.by_own).llt().solve(columns);
     count += weight;
     const Eigen::Matrix3d of =
         row.by_parameter.topRows<3>() * fit.covariance * row.by_parameter.topRows<3>().transpose();

@@ -37,7 +37,7 @@ Half half_of(const PoseFit& fit, std::size_t from, std::size_t to) {
   for (std::size_t i = from; i < to; ++i) {
     const double weight = fit.weights(static_cast<Index>(i));
     const PoseRow& row = fit.rows[i];
-    const MatrixXd weighed = fit.noise.covariance(row.by_joint).llt().solve(row.by_parameter);
+    const MatrixXd weighed = fit.noise.covariance(row.by_own).llt().solve(row.by_parameter);
     half.information += weight * weighed.transpose() * row.by_parameter;
     half.score += weight * weighed.transpose() * row.off;
   }
@@ -52,18 +52,22 @@ PoseDrift drift_of(const PoseFit& fit) {
   if (poses < 2) return drift;
   const Half first = half_of(fit, 0, poses / 2), second = half_of(fit, poses / 2, poses);
   // In units of what all poses tell, so that no number outweighs another.
-  const VectorXd scale = (first.information + second.information)
-                             .diagonal()
-                             .cwiseMax(1e-300)
-                             .cwiseSqrt()
-                             .cwiseInverse();
+  VectorXd scale = (first.information + second.information)
+                       .diagonal()
+                       .cwiseMax(1e-300)
+                       .cwiseSqrt()
+                       .cwiseInverse();
   const MatrixXd one = scale.asDiagonal() * first.information * scale.asDiagonal();
   const VectorXd unit = scale.cwiseInverse();
   const MatrixXd all = unit.asDiagonal() * fit.covariance * unit.asDiagonal();
-  const MatrixXd middle = one - one * all * one;
+  // What a place is off does not drift.
+  const Index lasting = fit.model.lasting_parameters();
+  scale.conservativeResize(lasting);
+  const MatrixXd middle = (one - one * all * one).topLeftCorner(lasting, lasting);
   const MatrixXd symmetric = 0.5 * (middle + middle.transpose());
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solved(symmetric);
-  const VectorXd g = solved.eigenvectors().transpose() * scale.cwiseProduct(first.score);
+  const VectorXd g =
+      solved.eigenvectors().transpose() * scale.cwiseProduct(first.score.head(lasting));
   VectorXd inverse = VectorXd::Zero(g.size());
   for (Index k = 0; k < g.size(); ++k) {
     if (solved.eigenvalues()(k) < kLeastShare) continue;
@@ -78,7 +82,7 @@ PoseDrift drift_of(const PoseFit& fit) {
   const VectorXd change = root * inverse.cwiseSqrt().cwiseProduct(g);
   double square = 0, by_noise = 0;
   for (const PoseRow& row : fit.rows) {
-    const auto columns = row.by_parameter.topRows<3>();
+    const auto columns = row.by_parameter.topLeftCorner(3, lasting);
     square += (columns * change).squaredNorm();
     by_noise += (columns * root).squaredNorm();
   }

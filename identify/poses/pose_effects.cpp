@@ -17,13 +17,14 @@ using Eigen::VectorXd;
 /// Of what an effect does, so much must be left when the others have taken up what they can.
 constexpr double kOwnShare = 1e-3;
 constexpr int kMostRounds = 4;
+constexpr double kStartGears_rad = 10 * kArcsec;
 
 /// The chance of a larger chi-square of one or two degrees of freedom.
 double chance_above(double square, Index degrees) {
   return degrees == 1 ? std::erfc(std::sqrt(square / 2)) : std::exp(-square / 2);
 }
 
-std::vector<JointEffect> candidates(const PoseModel& model, const std::vector<Pose>& poses) {
+std::vector<JointEffect> candidates(const PoseModel& model) {
   std::vector<JointEffect> all;
   for (std::size_t j = 0; j < model.chain.axes.size(); ++j) {
     if (model.chain.axes[j].linear) continue;
@@ -35,9 +36,7 @@ std::vector<JointEffect> candidates(const PoseModel& model, const std::vector<Po
                       [&](const JointEffect& one) { return one.joint == j && one.kind == kind; });
       if (there) continue;
       JointEffect effect{kind, j};
-      Eigen::Vector2d sum(0, 0);
-      for (const Pose& pose : poses) sum += model.pattern(effect, model.told(pose.sample));
-      effect.middle = sum / static_cast<double>(poses.size());
+      effect.middle = model.pattern(effect, {});
       all.push_back(effect);
     }
   }
@@ -67,7 +66,7 @@ class Scores {
       for (std::size_t k = 0; k < candidates_.size(); ++k)
         columns.middleCols(first_[k], candidates_[k].count()) =
             effect_columns(fit.model, candidates_[k], poses[i], row);
-      const Eigen::LLT<MatrixXd> noise(fit.noise.covariance(row.by_joint));
+      const Eigen::LLT<MatrixXd> noise(fit.noise.covariance(row.by_own));
       const MatrixXd weighed = weight * noise.solve(columns);
       normal_ += columns.transpose() * weighed;
       gradient_ += weighed.transpose() * row.off;
@@ -122,13 +121,28 @@ class Scores {
   VectorXd whole_;  // of each, before anything is taken up
 };
 
+/// What no test finds is there all the same.
+void assume_others(PoseFit& fit, const std::vector<Pose>& poses,
+                   const std::optional<ChainPrior>& prior) {
+  PoseModel model = fit.model;
+  for (JointEffect& effect : candidates(fit.model)) {
+    if (effect.kind == JointEffect::Kind::compliance) continue;
+    effect.assumed = true;
+    model.effects.push_back(effect);
+  }
+  PoseNoise noise = fit.noise;
+  noise.gears_rad = kStartGears_rad;
+  PoseFit with = fitted(model, noise, poses, fit.with_orientation, prior);
+  if (with.converged) fit = std::move(with);
+}
+
 }  // namespace
 
 std::vector<EffectEvidence> add_effects(PoseFit& fit, const std::vector<Pose>& poses,
                                         const std::optional<ChainPrior>& prior) {
   std::vector<EffectEvidence> added;
   for (int round = 0; round < kMostRounds && fit.converged; ++round) {
-    Scores scores(fit, poses, candidates(fit.model, poses));
+    Scores scores(fit, poses, candidates(fit.model));
     PoseModel model = fit.model;
     for (std::size_t left = scores.count(); left > 0; --left) {
       const auto best = scores.strongest();
@@ -144,6 +158,7 @@ std::vector<EffectEvidence> add_effects(PoseFit& fit, const std::vector<Pose>& p
     fit = before;
     added.resize(fit.model.effects.size());
   }
+  assume_others(fit, poses, prior);
   Index at = fit.model.chain_parameters().count(true);
   for (std::size_t e = 0; e < added.size(); ++e) {
     added[e].effect = fit.model.effects[e];

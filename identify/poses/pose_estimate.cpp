@@ -35,14 +35,17 @@ std::vector<ChainEstimate::Part> parts_of(const PoseFit& fit,
   for (std::size_t i = 0; i < fit.rows.size(); ++i) {
     const double weight = fit.weights(static_cast<Index>(i));
     const PoseRow& row = fit.rows[i];
-    const MatrixXd weighed = fit.noise.covariance(row.by_joint).llt().solve(row.by_parameter);
+    const MatrixXd weighed = fit.noise.covariance(row.by_own).llt().solve(row.by_parameter);
     PoseNoise apart = fit.noise;
     apart.joint_rad = 0;
     positions +=
-        weight / fit.widened * weighed.transpose() * apart.covariance(row.by_joint) * weighed;
-    const MatrixXd by_joint = fit.noise.joint_rad * row.by_joint.transpose() * weighed;
+        weight / fit.widened * weighed.transpose() * apart.covariance(row.by_own) * weighed;
+    const MatrixXd by_joint = fit.noise.joint_rad * row.by_own.transpose() * weighed;
     joints += weight / fit.widened * by_joint.transpose() * by_joint;
   }
+  const auto places = static_cast<Index>(fit.model.places.size());
+  joints.bottomRightCorner(places, places).diagonal().array() +=
+      1 / (fit.noise.joint_rad * fit.noise.joint_rad * fit.widened);
   const auto share = [&](const MatrixXd& of) {
     return MatrixXd(fit.covariance * of * fit.covariance);
   };
@@ -109,7 +112,7 @@ Eigen::Matrix3d PoseEstimate::covariance_at(const Pose& pose) const {
   const PoseRow row = pose_row(fit.model, pose, false);
   const MatrixXd of = fit.whole_covariance();
   return row.by_parameter * of * row.by_parameter.transpose() +
-         fit.noise.covariance(row.by_joint).topLeftCorner<3, 3>();
+         fit.noise.covariance(row.by_own).topLeftCorner<3, 3>();
 }
 
 std::optional<PoseEstimate> estimate_poses(const std::vector<Pose>& poses, const Campaign& campaign,

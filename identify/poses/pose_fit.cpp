@@ -23,6 +23,9 @@ constexpr double kLastStep = 1e-2;
 constexpr double kNoiseSettled = 2e-3;
 /// Below it residuals are those of computing.
 constexpr double kLeastNoise_mm = 1e-6;
+constexpr double kLeastJoint_rad = 1e-9;
+/// A micrometre at two metres.
+constexpr double kNoGears_rad = 5e-7;
 
 /// From one chain to another, as small changes of the first's parameters.
 VectorXd change_between(const Chain& from, const Chain& to) {
@@ -82,7 +85,8 @@ class Problem {
       if (still(before.position_mm, fit_.noise.position_mm) &&
           still(before.orientation_rad, fit_.noise.orientation_rad) &&
           // A share that fades away matters no more.
-          (still(before.joint_rad, fit_.noise.joint_rad) || joint_share_ < kNoiseSettled))
+          (still(before.joint_rad, fit_.noise.joint_rad) || joint_share_ < kNoiseSettled) &&
+          (still(before.gears_rad, fit_.noise.gears_rad) || fit_.noise.gears_rad < kNoGears_rad))
         break;
     }
     solve();
@@ -97,7 +101,8 @@ class Problem {
     for (std::size_t i = 0; i < poses_.size(); ++i)
       rows += fit_.weights(static_cast<Index>(i)) * static_cast<double>(fit_.rows[i].off.size());
     const double free = rows - taken_up().squaredNorm();
-    const double lost = 2 * (fit_.with_orientation ? 3 : 2);
+    const double lost =
+        2.0 * ((fit_.with_orientation ? 3 : 2) + (fit_.noise.gears_rad > kNoGears_rad ? 1 : 0));
     fit_.widened = free > lost ? std::min(kMost, free / (free - lost)) : kMost;
     solve();
   }
@@ -123,7 +128,7 @@ class Problem {
       const double weight = fit_.weights(static_cast<Index>(i));
       if (weight == 0) continue;
       const PoseRow& row = fit_.rows[i];
-      const Eigen::LLT<MatrixXd> root(fit_.noise.covariance(row.by_joint));
+      const Eigen::LLT<MatrixXd> root(fit_.noise.covariance(row.by_own));
       const Index count = row.off.size();
       all.columns.middleCols(at, count) =
           std::sqrt(weight) * root.matrixL().solve(row.by_parameter).transpose();
@@ -136,7 +141,8 @@ class Problem {
   void solve() {
     white_ = whitened();
     MatrixXd normal = MatrixXd::Zero(white_.columns.rows(), white_.columns.rows());
-    normal.selfadjointView<Eigen::Lower>().rankUpdate(white_.columns, 1 / fit_.widened);
+    if (white_.off.size() > 0)
+      normal.selfadjointView<Eigen::Lower>().rankUpdate(white_.columns, 1 / fit_.widened);
     VectorXd gradient = white_.columns * white_.off / fit_.widened;
     if (prior_) {
       const Index count = prior_->information.rows();
@@ -144,17 +150,40 @@ class Problem {
       gradient.head(count) += prior_->information * change_between(fit_.model.chain, prior_->chain);
     }
     Index at = fit_.model.chain_parameters().count(true);
-    for (const JointEffect& effect : fit_.model.effects) {
-      const double known = 1 / (effect.prior() * effect.prior());
-      for (Index k = 0; k < effect.count(); ++k, ++at) {
-        normal(at, at) += known;
-        gradient(at) -= known * effect.size(k);
-      }
-    }
-    const Information information(normal);
-    step_ = information.step(gradient, 0);
-    fit_.covariance = information.covariance();
-    fit_.open = information.open();
+    const auto know = [&](double size, double sigma) {
+      normal(at, at) += 1 / (sigma * sigma);
+      gradient(at++) -= size / (sigma * sigma);
+    };
+    for (const JointEffect& effect : fit_.model.effects)
+      for (Index k = 0; k < effect.count(); ++k)
+        know(effect.size(k),
+             effect.assumed ? fit_.noise.gears_rad * std::sqrt(fit_.widened) : effect.prior());
+    for (const JointPlace& place : fit_.model.places)
+      know(place.off_rad, fit_.noise.joint_rad * std::sqrt(fit_.widened));
+    solve(normal.selfadjointView<Eigen::Lower>(), gradient);
+  }
+
+  /// Places are known beforehand: they are eliminated, and what information there is shows in the
+  /// other parameters.
+  void solve(const MatrixXd& normal, const VectorXd& gradient) {
+    const Index lasting = fit_.model.lasting_parameters(), places = gradient.size() - lasting;
+    MatrixXd own = MatrixXd::Identity(places, places);  // their covariance, all else known
+    if (places > 0) normal.bottomRightCorner(places, places).llt().solveInPlace(own);
+    const MatrixXd by_lasting = own * normal.bottomLeftCorner(places, lasting);
+    const MatrixXd left = normal.topLeftCorner(lasting, lasting) -
+                          normal.topRightCorner(lasting, places) * by_lasting;
+    const Information information(left);
+    const auto whole = [&](const MatrixXd& of_lasting) {
+      MatrixXd all(gradient.size(), of_lasting.cols());
+      all << of_lasting, -by_lasting * of_lasting;
+      return all;
+    };
+    step_ = whole(information.step(
+        gradient.head(lasting) - by_lasting.transpose() * gradient.tail(places), 0));
+    step_.tail(places) += own * gradient.tail(places);
+    fit_.covariance = whole(whole(information.covariance()).transpose());
+    fit_.covariance.bottomRightCorner(places, places) += own;
+    fit_.open = whole(information.open());
     fit_.condition = information.condition();
   }
 
@@ -162,7 +191,7 @@ class Problem {
     for (std::size_t i = 0; i < poses_.size(); ++i) {
       const PoseRow& row = fit_.rows[i];
       const VectorXd left = row.off - row.by_parameter * step_;
-      const double square = left.dot(fit_.noise.covariance(row.by_joint).llt().solve(left));
+      const double square = left.dot(fit_.noise.covariance(row.by_own).llt().solve(left));
       // As if it had a position alone.
       fit_.weights(static_cast<Index>(i)) =
           weight_at(std::sqrt(3 * square / static_cast<double>(left.size())));
@@ -190,7 +219,7 @@ class Problem {
       if (weight == 0) continue;
       const PoseRow& row = fit_.rows[i];
       const Index count = row.off.size();
-      const Eigen::LLT<MatrixXd> factor(fit_.noise.covariance(row.by_joint));
+      const Eigen::LLT<MatrixXd> factor(fit_.noise.covariance(row.by_own));
       const auto back = [&](const MatrixXd& of) -> MatrixXd { return factor.matrixU().solve(of); };
       const VectorXd weighed = back(left.segment(at, count));
       const MatrixXd held = taken.middleCols(at, count);
@@ -199,23 +228,45 @@ class Problem {
       // V^-1 less what the fit takes up, in which each component is measured.
       seen_position += weighed.head<3>().squaredNorm();
       expected_position += free.topLeftCorner<3, 3>().trace();
-      seen_joint += (row.by_joint.transpose() * weighed).squaredNorm();
-      expected_joint += (free * row.by_joint).cwiseProduct(row.by_joint).sum();
+      seen_joint += (row.by_own.transpose() * weighed).squaredNorm();
+      expected_joint += (free * row.by_own).cwiseProduct(row.by_own).sum();
       if (count == 6) {
         seen_orientation += weighed.tail<3>().squaredNorm();
         expected_orientation += free.bottomRightCorner<3, 3>().trace();
       }
       at += count;
     }
+    const double variance = fit_.noise.joint_rad * fit_.noise.joint_rad;
+    double seen_gears = 0, expected_gears = 0;
+    at = fit_.model.chain_parameters().count(true);
+    const auto take = [&](double size, double sigma, double& seen, double& expected) {
+      const double known = sigma * sigma, off = size + step_(at);
+      seen += off * off / (known * known);
+      // What of the variance beforehand is not left open.
+      expected += (1 - fit_.covariance(at, at) / (known * fit_.widened)) / known;
+      ++at;
+    };
+    for (const JointEffect& effect : fit_.model.effects) {
+      if (effect.assumed)
+        for (Index k = 0; k < effect.count(); ++k)
+          take(effect.size(k), fit_.noise.gears_rad, seen_gears, expected_gears);
+      else
+        at += effect.count();
+    }
+    for (const JointPlace& place : fit_.model.places)
+      take(place.off_rad, fit_.noise.joint_rad, seen_joint, expected_joint);
     const auto times = [](double seen, double expected) {
       return expected > 0 ? std::sqrt(seen / expected) : 1;
     };
-    const double joint = fit_.noise.joint_rad * fit_.noise.joint_rad * expected_joint;
+    const double joint = variance * expected_joint;
     const double rest = fit_.noise.position_mm * fit_.noise.position_mm * expected_position;
     joint_share_ = joint / (joint + rest);
     fit_.noise.position_mm =
         std::max(kLeastNoise_mm, fit_.noise.position_mm * times(seen_position, expected_position));
-    fit_.noise.joint_rad *= times(seen_joint, expected_joint);
+    fit_.noise.joint_rad =
+        std::max(kLeastJoint_rad, fit_.noise.joint_rad * times(seen_joint, expected_joint));
+    fit_.noise.gears_rad =
+        std::max(kLeastJoint_rad, fit_.noise.gears_rad * times(seen_gears, expected_gears));
     fit_.noise.orientation_rad *= times(seen_orientation, expected_orientation);
   }
 
@@ -231,7 +282,7 @@ class Problem {
 
 double PoseFit::sigmas_off(std::size_t pose) const {
   const PoseRow& row = rows[pose];
-  const double square = row.off.dot(noise.covariance(row.by_joint).llt().solve(row.off));
+  const double square = row.off.dot(noise.covariance(row.by_own).llt().solve(row.off));
   return std::sqrt(3 * square / static_cast<double>(row.off.size()));
 }
 
@@ -247,7 +298,8 @@ PoseFit fitted(const PoseModel& start, const PoseNoise& noise, const std::vector
     ++fit.iterations;
     problem.linearise();
     problem.settle();
-    fit.converged = problem.take() < kLastStep;
+    // Where no pose is left that counts, the fit went astray.
+    fit.converged = problem.take() < kLastStep && fit.weights.sum() > 0;
   }
   problem.linearise();
   return fit;

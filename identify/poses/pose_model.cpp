@@ -1,5 +1,6 @@
 #include "identify/poses/pose_model.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace identify {
@@ -68,6 +69,9 @@ Turns PoseModel::turned(const Turns& told) const {
   Turns turns = told;
   for (const JointEffect& effect : effects)
     turns[effect.joint] += effect.size.dot(pattern(effect, told));
+  for (std::size_t j = 0; j < chain.axes.size(); ++j)
+    if (const std::size_t at = place_of(j, told[j]); at < places.size())
+      turns[j] += places[at].off_rad;
   return turns;
 }
 
@@ -75,7 +79,18 @@ Vector3d PoseModel::position_mm(const Pose& pose) const {
   return chain.target_mm(pose.target, turned(told(pose.sample)));
 }
 
+std::size_t PoseModel::place_of(std::size_t joint, double told_rad) const {
+  const auto at = std::find_if(places.begin(), places.end(), [&](const JointPlace& place) {
+    return place.joint == joint && std::abs(place.told_rad - told_rad) <= kOnePlace_rad;
+  });
+  return static_cast<std::size_t>(at - places.begin());
+}
+
 Index PoseModel::parameters() const {
+  return lasting_parameters() + static_cast<Index>(places.size());
+}
+
+Index PoseModel::lasting_parameters() const {
   Index count = chain_parameters().count(true);
   for (const JointEffect& effect : effects) count += effect.count();
   return count;
@@ -89,6 +104,7 @@ PoseModel moved(const PoseModel& model, const Eigen::VectorXd& change) {
     effect.size.head(effect.count()) += change.segment(at, effect.count());
     at += effect.count();
   }
+  for (JointPlace& place : other.places) place.off_rad += change(at++);
   return other;
 }
 

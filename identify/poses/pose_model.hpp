@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -18,14 +19,16 @@ struct JointEffect {
   enum class Kind { once, twice, compliance };
   Kind kind = Kind::once;
   std::size_t joint = 0;
-  /// What the pattern below is on average over the poses that were fitted: there the effect is
-  /// zero on average, so that a joint's zero stays the one that fits these poses best.
+  /// No test found it: it is there as in all gears, as large as PoseNoise::gears_rad says.
+  bool assumed = false;
+  /// What the pattern below is at home: there the effect is zero, so that theta is that of the arm
+  /// as it stands at home.
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   /// Once, twice (k = 1, 2): rad times cos(k t) and times sin(k t), with t the joint's turn from
   /// home. Compliance: rad/Nm times the torque of the weights about the joint. All less `middle`.
   Eigen::Vector2d size = Eigen::Vector2d::Zero();
 
-  /// Standard deviation of a size as robots are built, known beforehand: what poses hardly tell
+  /// Standard deviation of a size that was found, known beforehand: what poses hardly tell
   /// from lengths and twists does not run away. Wheels are off by a minute of arc or two; a reducer
   /// gives way by some seconds of arc a newton metre at most.
   [[nodiscard]] double prior() const { return kind == Kind::compliance ? 1e-4 : 300 * kArcsec; }
@@ -35,11 +38,24 @@ struct JointEffect {
 };
 [[nodiscard]] std::string_view text(JointEffect::Kind kind) noexcept;
 
+/// A place at which a joint stood in several poses: what its angle is off there is one unknown of
+/// all of them, however often they return to it.
+struct JointPlace {
+  std::size_t joint = 0;
+  double told_rad = 0;  ///< from home
+  double off_rad = 0;   ///< what it turns by beside what is told
+};
+/// Angles no farther than this from its middle are of one place: gears hardly change within it.
+inline constexpr double kOnePlace_rad = 0.05 * kDegree;
+
 /// A robot as static poses show it: a chain, and what its joints do beside what they tell.
 struct PoseModel {
   Chain chain;
   std::vector<double> home_rad;  ///< the controller's angles at which the chain is at home
   std::vector<JointEffect> effects;
+  std::vector<JointPlace> places;
+  /// The chain was seen at home: what the joints are off there is in its zeros already.
+  bool seen_at_home = false;
   std::vector<Load> loads;  ///< centres of mass at home, in the measurement frame
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
 
@@ -52,11 +68,20 @@ struct PoseModel {
   [[nodiscard]] Eigen::Vector2d pattern(const JointEffect& effect, const Turns& told) const;
   [[nodiscard]] Eigen::Vector3d position_mm(const Pose& pose) const;
 
-  /// Of the chain's parameters, with the tool's rotation, and then of the effects'.
+  /// Whether what a joint is off where it turned so far is in its zero.
+  [[nodiscard]] bool is_known(double told_rad) const {
+    return seen_at_home && std::abs(told_rad) <= kOnePlace_rad;
+  }
+  /// Where the joint stands, of those above; their number where it is none of them.
+  [[nodiscard]] std::size_t place_of(std::size_t joint, double told_rad) const;
+
+  /// Of the chain's parameters, with the tool's rotation, of the effects', and one a place.
   [[nodiscard]] ChainParameters chain_parameters() const {
     return {chain.axes.size(), chain.targets_mm.size()};
   }
   [[nodiscard]] Eigen::Index parameters() const;
+  /// Without the places', which tell nothing of poses elsewhere.
+  [[nodiscard]] Eigen::Index lasting_parameters() const;
 };
 
 /// The model after a change of its parameters.

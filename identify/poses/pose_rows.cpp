@@ -8,8 +8,8 @@ using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 
-MatrixXd PoseNoise::covariance(const MatrixXd& by_joint) const {
-  MatrixXd whole = joint_rad * joint_rad * (by_joint * by_joint.transpose());
+MatrixXd PoseNoise::covariance(const MatrixXd& by_own) const {
+  MatrixXd whole = joint_rad * joint_rad * (by_own * by_own.transpose());
   whole.diagonal().head<3>().array() += position_mm * position_mm;
   whole.diagonal().tail(whole.rows() - 3).array() += orientation_rad * orientation_rad;
   return whole;
@@ -44,6 +44,14 @@ PoseRow pose_row(const PoseModel& model, const Pose& pose, bool with_orientation
   for (const JointEffect& effect : model.effects) {
     row.by_parameter.middleCols(column, effect.count()) = effect_columns(model, effect, pose, row);
     column += effect.count();
+  }
+  row.by_own = row.by_joint;
+  for (Index j = 0; j < row.by_joint.cols(); ++j) {
+    const auto joint = static_cast<std::size_t>(j);
+    const std::size_t place = model.place_of(joint, told[joint]);
+    const bool shared = place < model.places.size();
+    if (shared) row.by_parameter.col(column + static_cast<Index>(place)) = row.by_joint.col(j);
+    if (shared || model.is_known(told[joint])) row.by_own.col(j).setZero();
   }
   return row;
 }

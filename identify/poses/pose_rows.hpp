@@ -10,15 +10,17 @@ namespace identify {
 
 /// Standard deviations of what a pose shows, each a component of its covariance
 ///   V = position^2 I + joint^2 J J^T, with the orientation's rows beside it,
-/// where J is how the target moves with the joints' angles.
+/// where J is how the target moves with the joints that stand where they do in no other pose. What
+/// a joint is off at a place of several poses is a parameter, as large beforehand.
 struct PoseNoise {
   double position_mm = 0;      ///< of each coordinate
   double orientation_rad = 0;  ///< about each direction
-  /// Of each joint's angle from what is told, anew at every pose: backlash, gears, the servo.
+  /// Of each joint's angle from what is told, anew at every place: backlash, gears, the servo.
   double joint_rad = 0;
+  double gears_rad = 0;  ///< of the sizes of effects that are assumed
 
-  /// Of what a row shows.
-  [[nodiscard]] Eigen::MatrixXd covariance(const Eigen::MatrixXd& by_joint) const;
+  /// Of what a row shows; `by_own` as in PoseRow.
+  [[nodiscard]] Eigen::MatrixXd covariance(const Eigen::MatrixXd& by_own) const;
 };
 
 /// A pose, linearised at a model. Rows: position (mm), then, where it was measured, a rotation of
@@ -27,6 +29,7 @@ struct PoseRow {
   Eigen::VectorXd off;           ///< seen less the model's
   Eigen::MatrixXd by_parameter;  ///< one column a parameter of the model
   Eigen::MatrixXd by_joint;      ///< one column a joint, as it turns
+  Eigen::MatrixXd by_own;        ///< the same, zero for joints at a place of the model or at home
 };
 
 /// Torques count as those of the chain as it is: how they change with it is of second order.

@@ -44,6 +44,26 @@ std::vector<Load> placed_loads(const std::vector<Load>& loads, const Arm& arm,
   return placed;
 }
 
+/// Where joints stand in two poses or more.
+std::vector<JointPlace> shared_places(const std::vector<Pose>& poses, const PoseModel& model) {
+  std::vector<JointPlace> places;
+  for (std::size_t j = 0; j < model.chain.axes.size(); ++j) {
+    if (model.chain.axes[j].linear) continue;
+    std::vector<double> told;
+    for (const Pose& pose : poses) {
+      const double turn = model.told(pose.sample)[j];
+      if (!model.is_known(turn)) told.push_back(turn);
+    }
+    std::sort(told.begin(), told.end());
+    for (auto from = told.begin(); from != told.end();) {
+      const auto to = std::upper_bound(from, told.end(), *from + 2 * kOnePlace_rad);
+      if (to - from > 1) places.push_back({j, (*from + *(to - 1)) / 2});
+      from = to;
+    }
+  }
+  return places;
+}
+
 }  // namespace
 
 bool whole(const ChainEstimate* sweeps) {
@@ -109,6 +129,7 @@ PoseStart pose_start(const std::vector<Pose>& poses, const Campaign& campaign,
     start.model.chain = sweeps->chain;
     start.model.chain.zero_rad.clear();
     start.model.chain.sags.clear();
+    start.model.seen_at_home = true;
     start.model.chain.targets_mm.resize(targets, sweeps->chain.targets_mm.front());
     distances.resize(static_cast<Index>(poses.size()));
     for (std::size_t i = 0; i < poses.size(); ++i)
@@ -116,6 +137,7 @@ PoseStart pose_start(const std::vector<Pose>& poses, const Campaign& campaign,
           (poses[i].sample.position_mm - start.model.position_mm(poses[i])).norm();
   }
   start.middle_mm = middle_of(distances);
+  start.model.places = shared_places(poses, start.model);
   // The tool's orientation at home, by the first pose that has one.
   for (const Pose& pose : poses) {
     if (!pose.sample.has_orientation) continue;

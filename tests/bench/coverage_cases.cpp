@@ -104,7 +104,7 @@ std::vector<Case> cases() {
   add("home_002_back", "0.002 deg, there and back", with_home_error(0.002), back);
   add("home_002_repeats", "0.002 deg, every sweep three times", with_home_error(0.002), repeats);
   world = with_angles();
-  world.home = {0.0005, true, 0.05};
+  world.home = {.sigma_deg = 0.0005, .seen = true, .stray_sigma_deg = 0.05, .joint = {}};
   add("strays", "a joint comes back 0.05 deg elsewhere, as its angle says", world);
   for (const int size : {0, 20, 60}) {
     const World gears = with_gears(size, size / 2.0);

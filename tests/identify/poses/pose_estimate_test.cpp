@@ -48,6 +48,26 @@ double error_of(const simulation::Simulation& of, const Identification& found) {
   return squares;
 }
 
+simulation::World with_gears(double arcsec) {
+  simulation::World world = tracker();
+  world.gears.first_arcsec = world.gears.second_arcsec = arcsec;
+  return world;
+}
+
+/// Where a robot rests in a campaign of sweeps: at the ends of each, there twice, and at home.
+std::vector<Pose> rests(const simulation::Simulation& of) {
+  std::vector<std::vector<double>> angles_rad;
+  for (std::size_t j = 0; j < of.robot().arm.joints(); ++j) {
+    auto at = of.robot().arm.home_rad;
+    angles_rad.push_back(at);
+    for (const double turn_deg : {-40.0, 45.0, -40.0}) {
+      at[j] = of.robot().arm.home_rad[j] + turn_deg * kDegree;
+      angles_rad.push_back(at);
+    }
+  }
+  return of.poses_at(angles_rad);
+}
+
 }  // namespace
 
 TEST_CASE("Poses alone tell the table, and their uncertainties hold", "[pose_estimate]") {
@@ -103,6 +123,33 @@ TEST_CASE("Sweeps and poses together are no worse than either", "[pose_estimate]
   }
   CHECK(both < 1.05 * sweeps);
   CHECK(both < 1.05 * poses);
+  CHECK(std::sqrt(all.squares / all.numbers) == Approx(1).margin(0.15));
+}
+
+TEST_CASE("What gears are off at a place is told once, however often the arm rests there",
+          "[pose_estimate][long]") {
+  Judged all;
+  for (std::uint32_t seed = 1; seed <= 16; ++seed) {
+    const auto built = arm_with(with_gears(10), seed);
+    const auto found = identify::identify(built.sweeps(), built.campaign(), rests(built));
+    INFO("seed " << seed << ": " << found.reason);
+    REQUIRE(found.status == Status::complete);
+    REQUIRE(found.estimator == Estimator::poses);
+    judge(built, found, all);
+  }
+  CHECK(static_cast<double>(all.inside) / all.numbers > 0.92);
+  CHECK(std::sqrt(all.squares / all.numbers) == Approx(1).margin(0.15));
+}
+
+TEST_CASE("Gears whose errors no test finds are in the uncertainties of poses", "[pose_estimate]") {
+  Judged all;
+  for (std::uint32_t seed = 1; seed <= 25; ++seed) {
+    const auto built = arm_with(with_gears(10), seed);
+    const auto found = identify::identify({}, built.campaign(), built.poses(40));
+    REQUIRE(found.estimator == Estimator::poses);
+    judge(built, found, all);
+  }
+  CHECK(static_cast<double>(all.inside) / all.numbers > 0.92);
   CHECK(std::sqrt(all.squares / all.numbers) == Approx(1).margin(0.15));
 }
 

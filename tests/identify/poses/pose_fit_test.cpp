@@ -32,6 +32,7 @@ TEST_CASE("Rows change with parameters as differences have it", "[pose_rows]") {
     model.effects.push_back(effect);
   }
   auto pose = built.poses(2).back();
+  model.places.push_back({2, model.told(pose.sample)[2], 1e-3});
   pose.sample.has_orientation = true;
   const PoseRow row = pose_row(model, pose, true);
   for (Eigen::Index p = 0; p < model.parameters(); ++p) {
