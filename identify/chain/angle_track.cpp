@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <map>
 #include <utility>
 
 #include "identify/geometry/circle_fit.hpp"
@@ -14,6 +16,25 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::size_t kFewestSeen = 20;
+
+/// Of the strokes' seen angles each may lack whole turns against the others.
+void count_alike(std::vector<AngleTrack>& tracks) {
+  const AngleTrack first = tracks.front();
+  double least = first.seen_rad.front(), most = least;
+  for (AngleTrack& track : tracks) {
+    const double apart = track.seen_rad.front() - first.seen_rad.front() -
+                         (track.told_rad.front() - first.told_rad.front());
+    const double turns = wrapped(apart) - apart;
+    for (double& seen : track.seen_rad) seen += turns;
+    const auto [low, high] = std::minmax_element(track.seen_rad.begin(), track.seen_rad.end());
+    least = std::min(least, *low);
+    most = std::max(most, *high);
+  }
+  for (AngleTrack& track : tracks) {
+    track.middle_rad = (least + most) / 2;
+    track.half_rad = std::max((most - least) / 2, 1e-9);
+  }
+}
 
 }  // namespace
 
@@ -43,7 +64,6 @@ double AngleTrack::between(double at, std::size_t i) const {
 std::optional<AngleTrack> angle_track(const Sweep& sweep, std::size_t joint, const ChainAxis& axis,
                                       std::size_t most) {
   AngleTrack track;
-  track.joint = joint;
   track.direction = sweep.direction;
   const AngleAbout frame(axis);
   std::vector<double> heights, radii;
@@ -81,36 +101,29 @@ std::optional<AngleTrack> angle_track(const Sweep& sweep, std::size_t joint, con
 std::vector<AngleTrack> angle_tracks(const CircleEstimate& circles,
                                      const std::vector<std::optional<ChainAxis>>& axes,
                                      bool two_clocks) {
-  std::vector<AngleTrack> tracks;
+  std::map<std::size_t, std::vector<AngleTrack>> groups;
   for (std::size_t j = 0; j < circles.joints.size(); ++j) {
     const JointResult& joint = circles.joints[j];
     if (!axes[j]) continue;
-    const std::size_t first = tracks.size();
-    for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
-      if ((joint.used[s] || (two_clocks && joint.sweeps[s].positioning &&
-                             at_home(joint.sweeps[s], circles.home_rad, {}))) &&
-          joint.sweeps[s].direction != 0)
-        if (auto track = angle_track(joint.sweeps[s], j, *axes[j],
-                                     two_clocks ? joint.sweeps[s].samples->size() : kMostTracked)) {
-          track->off_home_rad = off_home_rad(joint.sweeps[s], circles.home_rad);
-          tracks.push_back(std::move(*track));
-        }
-    // Of the strokes' seen angles each may lack whole turns against the others.
-    double least = 0, most = 0;
-    for (std::size_t k = first; k < tracks.size(); ++k) {
-      AngleTrack& track = tracks[k];
-      const double apart = track.seen_rad.front() - tracks[first].seen_rad.front() -
-                           (track.told_rad.front() - tracks[first].told_rad.front());
-      const double turns = wrapped(apart) - apart;
-      for (double& seen : track.seen_rad) seen += turns;
-      const auto [low, high] = std::minmax_element(track.seen_rad.begin(), track.seen_rad.end());
-      least = k == first ? *low : std::min(least, *low);
-      most = k == first ? *high : std::max(most, *high);
+    for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
+      const Sweep& sweep = joint.sweeps[s];
+      const bool on_the_way =
+          two_clocks && sweep.positioning && at_home(sweep, circles.home_rad, {});
+      if ((!joint.used[s] && !on_the_way) || sweep.direction == 0) continue;
+      auto track =
+          angle_track(sweep, j, *axes[j], two_clocks ? sweep.samples->size() : kMostTracked);
+      if (!track) continue;
+      track->off_home_rad = off_home_rad(sweep, circles.home_rad);
+      groups[sweep.target * circles.joints.size() + j].push_back(std::move(*track));
     }
-    for (std::size_t k = first; k < tracks.size(); ++k) {
-      tracks[k].middle_rad = (least + most) / 2;
-      tracks[k].half_rad = std::max((most - least) / 2, 1e-9);
-    }
+  }
+  std::vector<AngleTrack> tracks;
+  std::size_t group = 0;
+  for (auto& [key, of_group] : groups) {
+    for (AngleTrack& track : of_group) track.group = group;
+    count_alike(of_group);
+    std::move(of_group.begin(), of_group.end(), std::back_inserter(tracks));
+    ++group;
   }
   return tracks;
 }

@@ -14,11 +14,12 @@ namespace identify {
 
 /// A stroke's angles as told, by time, and as seen about its joint's axis.
 struct AngleTrack {
-  std::size_t joint = 0;
+  /// Counts joints and their targets: each target has a place of its own about the axis.
+  std::size_t group = 0;
   int direction = 0;
   std::vector<double> time_s, told_rad;  ///< of all samples
   std::vector<double> at_s, seen_rad;    ///< of those that are no outliers
-  double middle_rad = 0, half_rad = 0;   ///< of the range that the joint was seen in
+  double middle_rad = 0, half_rad = 0;   ///< of the range that the group was seen in
   double off_home_rad = 0;               ///< of the joint locked farthest off home
 
   struct Told {
@@ -67,7 +68,7 @@ inline constexpr std::size_t kMostTracked = 400;
                                                     const ChainAxis& axis,
                                                     std::size_t most = kMostTracked);
 
-/// Those of all sweeps that the circles used and whose direction is known; of one joint, the seen
+/// Those of all sweeps that the circles used and whose direction is known; of one group, the seen
 /// angles count from the same place. `axes`: one a joint. `two_clocks`: all samples, as each
 /// has the jitter of its own stamp; and of the moves to a sweep's start and back, too.
 [[nodiscard]] std::vector<AngleTrack> angle_tracks(

@@ -25,7 +25,7 @@ std::optional<Delay> find_delay(const CircleEstimate& circles,
                                 bool two_clocks) {
   const auto tracks = angle_tracks(circles, axes, two_clocks);
   if (tracks.empty()) return std::nullopt;
-  auto delay = fitted_delay(tracks, circles.joints.size(), two_clocks);
+  auto delay = fitted_delay(tracks, two_clocks);
   if (delay && !(delay->sigma_s < kWorstSigma_s)) return std::nullopt;
   return delay;
 }

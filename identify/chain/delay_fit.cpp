@@ -32,20 +32,20 @@ class DelayFit {
  public:
   /// `two_clocks`: angles are off by the jitter of stamps, the faster the more; and the delay
   /// grows.
-  DelayFit(const std::vector<AngleTrack>& tracks, std::size_t joints, bool two_clocks)
+  DelayFit(const std::vector<AngleTrack>& tracks, bool two_clocks)
       : tracks_(tracks),
-        joints_(joints),
+        groups_(tracks.back().group + 1),
         two_clocks_(two_clocks),
-        weight_(joints),
-        both_ways_(joints, false) {
+        weight_(groups_),
+        both_ways_(groups_, false) {
     double begin = tracks.front().at_s.front(), end = begin;
-    std::vector<std::array<bool, 2>> ways(joints, {false, false});
+    std::vector<std::array<bool, 2>> ways(groups_, {false, false});
     for (const AngleTrack& track : tracks) {
       begin = std::min(begin, track.at_s.front());
       end = std::max(end, track.at_s.back());
-      ways[track.joint][track.direction > 0] = true;
+      ways[track.group][track.direction > 0] = true;
     }
-    for (std::size_t j = 0; j < joints; ++j) both_ways_[j] = ways[j][0] && ways[j][1];
+    for (std::size_t g = 0; g < groups_; ++g) both_ways_[g] = ways[g][0] && ways[g][1];
     delay_.at_s = (begin + end) / 2;
     span_s_ = std::max(end - begin, 1.0);
   }
@@ -68,34 +68,34 @@ class DelayFit {
 
  private:
   static constexpr Index kOrders = 4;             // of a joint's smooth error
-  static constexpr Index kOfJoint = kOrders + 1;  // and its backlash
+  static constexpr Index kOfGroup = kOrders + 1;  // and its backlash
 
   /// Solves the equations at the present delay, and moves it. `with_rate`: it may grow.
   bool step(bool with_rate) {
-    const Index shared = kOfJoint * static_cast<Index>(joints_);
+    const Index shared = kOfGroup * static_cast<Index>(groups_);
     const Index count = shared + (with_rate ? 2 : 1);
     MatrixXd normal = MatrixXd::Zero(count, count);
     VectorXd right = VectorXd::Zero(count);
     std::vector<Residuals> all;
     for (const AngleTrack& track : tracks_) all.push_back(residuals(track));
     for (std::size_t k = 0; k < tracks_.size(); ++k) {
-      const Index own = kOfJoint * static_cast<Index>(tracks_[k].joint);
+      const Index own = kOfGroup * static_cast<Index>(tracks_[k].group);
       const Products of_stroke = products(tracks_[k], all[k]);
       const Index both = count - shared;
-      normal.block<kOfJoint, kOfJoint>(own, own) +=
-          of_stroke.normal.topLeftCorner<kOfJoint, kOfJoint>();
-      normal.block(own, shared, kOfJoint, both) +=
-          of_stroke.normal.block(0, kOfJoint, kOfJoint, both);
+      normal.block<kOfGroup, kOfGroup>(own, own) +=
+          of_stroke.normal.topLeftCorner<kOfGroup, kOfGroup>();
+      normal.block(own, shared, kOfGroup, both) +=
+          of_stroke.normal.block(0, kOfGroup, kOfGroup, both);
       normal.block(shared, shared, both, both) +=
-          of_stroke.normal.block(kOfJoint, kOfJoint, both, both);
-      right.segment<kOfJoint>(own) += of_stroke.right.head<kOfJoint>();
-      right.segment(shared, both) += of_stroke.right.segment(kOfJoint, both);
+          of_stroke.normal.block(kOfGroup, kOfGroup, both, both);
+      right.segment<kOfGroup>(own) += of_stroke.right.head<kOfGroup>();
+      right.segment(shared, both) += of_stroke.right.segment(kOfGroup, both);
     }
     for (Index s = shared; s < count; ++s)
       normal.block(s, 0, 1, shared) = normal.block(0, s, shared, 1).transpose();
     // Of joints that turned one way, and where nothing tells: known to be within reason.
-    for (std::size_t j = 0; j < joints_; ++j) {
-      const Index own = kOfJoint * static_cast<Index>(j);
+    for (std::size_t g = 0; g < groups_; ++g) {
+      const Index own = kOfGroup * static_cast<Index>(g);
       for (Index m = 0; m < kOrders; ++m) normal(own + m, own + m) += 1e-4;
       normal(own + kOrders, own + kOrders) += 1 / (backlash_rad_ * backlash_rad_);
     }
@@ -142,7 +142,7 @@ class DelayFit {
     return found;
   }
 
-  using Row = Eigen::Matrix<double, kOfJoint + 2, 1>;
+  using Row = Eigen::Matrix<double, kOfGroup + 2, 1>;
   static Row row_of(const AngleTrack& track, const Residuals& seen, std::size_t i) {
     Row row;
     const double x = seen.place[i];
@@ -152,8 +152,8 @@ class DelayFit {
   }
 
   struct Products {
-    Eigen::Matrix<double, kOfJoint + 2, kOfJoint + 2> normal =
-        Eigen::Matrix<double, kOfJoint + 2, kOfJoint + 2>::Zero();
+    Eigen::Matrix<double, kOfGroup + 2, kOfGroup + 2> normal =
+        Eigen::Matrix<double, kOfGroup + 2, kOfGroup + 2>::Zero();
     Row right = Row::Zero();
   };
   /// Of a stroke with errors of its own, as its locked joints stood elsewhere: by chance, of
@@ -162,12 +162,12 @@ class DelayFit {
   /// Woodbury's formula.
   [[nodiscard]] Products products(const AngleTrack& track, const Residuals& seen) const {
     Products sums;
-    Eigen::Matrix<double, kOfJoint + 2, 3> weighted =
-        Eigen::Matrix<double, kOfJoint + 2, 3>::Zero();
+    Eigen::Matrix<double, kOfGroup + 2, 3> weighted =
+        Eigen::Matrix<double, kOfGroup + 2, 3>::Zero();
     Eigen::Matrix3d own = Eigen::Matrix3d::Zero();
     Eigen::Vector3d errors = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < seen.error.size(); ++i) {
-      const double weight = weight_[track.joint].at(seen.speed[i]);
+      const double weight = weight_[track.group].at(seen.speed[i]);
       const Row row = row_of(track, seen, i);
       const double turn = track.half_rad * seen.place[i];
       const Eigen::Vector3d harmonic(1, std::sin(turn), std::cos(turn));
@@ -198,11 +198,11 @@ class DelayFit {
 
   [[nodiscard]] double left_of(const AngleTrack& track, const Residuals& seen, std::size_t i,
                                const VectorXd& found) const {
-    const Index shared = kOfJoint * static_cast<Index>(joints_);
+    const Index shared = kOfGroup * static_cast<Index>(groups_);
     const Row row = row_of(track, seen, i);
-    double left = seen.error[i] - row.head<kOfJoint>().dot(found.segment<kOfJoint>(
-                                      kOfJoint * static_cast<Index>(track.joint)));
-    for (Index s = shared; s < found.size(); ++s) left -= row(kOfJoint + s - shared) * found(s);
+    double left = seen.error[i] - row.head<kOfGroup>().dot(found.segment<kOfGroup>(
+                                      kOfGroup * static_cast<Index>(track.group)));
+    for (Index s = shared; s < found.size(); ++s) left -= row(kOfGroup + s - shared) * found(s);
     return left;
   }
 
@@ -212,12 +212,12 @@ class DelayFit {
     constexpr double kLeast_rad = 1e-9;
     foreign_ = false;
     double means = 0, by_chance = 0, strokes = 0;
-    double taken = static_cast<double>(found.size()) - kOfJoint * static_cast<double>(joints_);
-    for (std::size_t j = 0; j < joints_; ++j) {
+    double taken = static_cast<double>(found.size()) - kOfGroup * static_cast<double>(groups_);
+    for (std::size_t g = 0; g < groups_; ++g) {
       double squares = 0, whole = 0, next = 0, count = 0;
       std::vector<double> variances, speeds, of_strokes;
       for (std::size_t k = 0; k < all.size(); ++k) {
-        if (tracks_[k].joint != j || all[k].error.empty()) continue;
+        if (tracks_[k].group != g || all[k].error.empty()) continue;
         std::vector<double> left;
         for (std::size_t i = 0; i < all[k].error.size(); ++i)
           left.push_back(left_of(tracks_[k], all[k], i, found));
@@ -241,11 +241,11 @@ class DelayFit {
       const double variance = squares / count + kLeast_rad * kLeast_rad;
       const double alike = std::clamp(next / (squares + 1e-300), 0.0, 0.98);
       foreign_ = foreign_ || whole / count > kForeign_rad * kForeign_rad;
-      weight_[j] = two_clocks_ ? by_speed(variances, speeds, variance) : Weight{variance};
-      weight_[j].alone = (1 - alike) / (1 + alike);
-      for (const double size : of_strokes) by_chance += variance / (weight_[j].alone * size);
+      weight_[g] = two_clocks_ ? by_speed(variances, speeds, variance) : Weight{variance};
+      weight_[g].alone = (1 - alike) / (1 + alike);
+      for (const double size : of_strokes) by_chance += variance / (weight_[g].alone * size);
       strokes += static_cast<double>(of_strokes.size());
-      taken += both_ways_[j] ? 2 : 1;  // offset and backlash
+      taken += both_ways_[g] ? 2 : 1;  // offset and backlash
     }
     apart_ = strokes > taken ? std::max(0.0, means - by_chance) / (strokes - taken) : 0;
   }
@@ -277,9 +277,9 @@ class DelayFit {
   /// Of all joints, by what was found of each and how uncertain that is.
   void size_backlash(const VectorXd& found, const MatrixXd& covariance) {
     double squares = 0, count = 0;
-    for (std::size_t j = 0; j < joints_; ++j) {
-      if (!both_ways_[j]) continue;
-      const Index at = kOfJoint * static_cast<Index>(j) + kOrders;
+    for (std::size_t g = 0; g < groups_; ++g) {
+      if (!both_ways_[g]) continue;
+      const Index at = kOfGroup * static_cast<Index>(g) + kOrders;
       squares += found(at) * found(at) + covariance(at, at);
       ++count;
     }
@@ -289,9 +289,9 @@ class DelayFit {
   }
 
   const std::vector<AngleTrack>& tracks_;
-  std::size_t joints_;
+  std::size_t groups_;
   bool two_clocks_;
-  std::vector<Weight> weight_;  ///< one a joint
+  std::vector<Weight> weight_;  ///< one a group
   std::vector<bool> both_ways_;
   /// Variance of each of the three, beyond what was told.
   double apart_ = 0;
@@ -303,9 +303,8 @@ class DelayFit {
 
 }  // namespace
 
-std::optional<Delay> fitted_delay(const std::vector<AngleTrack>& tracks, std::size_t joints,
-                                  bool two_clocks) {
-  return DelayFit(tracks, joints, two_clocks).run();
+std::optional<Delay> fitted_delay(const std::vector<AngleTrack>& tracks, bool two_clocks) {
+  return DelayFit(tracks, two_clocks).run();
 }
 
 }  // namespace identify

@@ -16,9 +16,11 @@ constexpr std::size_t kFewest = 4;
 /// Of more motions, those that come first are looked at: each is compared with each.
 constexpr std::size_t kMostMoves = 2000;
 constexpr std::size_t kMostCandidates = 12;
-/// Two views of one motion differ in length by no more than this.
+/// Two views of one motion differ in length by no more than this, beside what noise hides of all
+/// motions' ends alike: so much at most.
 constexpr double kLengthApart_s = 0.06;
 constexpr double kLengthApart = 0.03;
+constexpr double kMostHidden_s = 0.25;
 /// How far a motion's middle may be off, to begin with, and at least.
 constexpr double kFar_s = 0.15;
 constexpr double kNear_s = 0.03;
@@ -38,9 +40,12 @@ constexpr double kStepSigmas = 8;
 constexpr std::size_t kBesideStep = 5;
 constexpr double kLeastStep_s = 0.015;
 
-bool alike(const Span& a, const Span& b) {
-  return std::abs(a.seconds() - b.seconds()) <
-         kLengthApart_s + kLengthApart * std::max(a.seconds(), b.seconds());
+/// The device's view and the controller's, of which the device sees `least_s` to `most_s` less.
+bool alike(const Span& device, const Span& controller, double least_s, double most_s) {
+  const double less = controller.seconds() - device.seconds();
+  const double apart =
+      kLengthApart_s + kLengthApart * std::max(device.seconds(), controller.seconds());
+  return less > least_s - apart && less < most_s + apart;
 }
 
 std::vector<Span> in_order(std::vector<Span> spans) {
@@ -62,6 +67,7 @@ struct Pair {
   double controller_s = 0;
   double off_s = 0;  ///< of the device's middle from the line
   double device_s = 0;
+  double hidden_s = 0;  ///< by so much the device's view is shorter
 };
 
 class Matcher {
@@ -77,7 +83,7 @@ class Matcher {
     std::vector<double> votes;
     for (const Span& d : d_)
       for (const Span& c : c_)
-        if (alike(d, c)) votes.push_back(d.middle_s() - c.middle_s());
+        if (alike(d, c, 0, kMostHidden_s)) votes.push_back(d.middle_s() - c.middle_s());
     std::sort(votes.begin(), votes.end());
     const double span = c_.empty() ? 0 : c_.back().middle_s() - c_.front().middle_s();
     const double wide = kFar_s + 2 * kUsualRate * span;
@@ -108,9 +114,11 @@ class Matcher {
     const double span = c_.back().middle_s() - c_.front().middle_s();
     double near = kFar_s + 2 * kUsualRate * span;
     ClockMatch match;
+    hidden_s_.reset();
     for (int round = 0; round < 6; ++round) {
       pairs_ = pairs_of(line, near);
       if (pairs_.size() < kFewest) return std::nullopt;
+      hidden_s_ = usually_hidden_s();
       fit(line, match);
       near = std::clamp(4 * scatter_, kNear_s, kFar_s);
     }
@@ -142,11 +150,20 @@ class Matcher {
     return found;
   }
 
-  [[nodiscard]] std::size_t motions() const { return d_.size(); }
   /// Of the last match's middles.
   [[nodiscard]] double scatter_s() const { return scatter_; }
 
  private:
+  [[nodiscard]] bool is_view_of(const Span& device, const Span& controller) const {
+    return alike(device, controller, hidden_s_.value_or(0), hidden_s_.value_or(kMostHidden_s));
+  }
+
+  [[nodiscard]] double usually_hidden_s() const {
+    std::vector<double> hidden;
+    for (const Pair& pair : pairs_) hidden.push_back(pair.hidden_s);
+    return std::clamp(median_of(std::move(hidden)), 0.0, kMostHidden_s);
+  }
+
   [[nodiscard]] std::vector<Pair> pairs_of(const ClockLine& line, double near) const {
     std::vector<Pair> pairs;
     for (const Span& d : d_) {
@@ -154,13 +171,13 @@ class Matcher {
       double least = near;
       for (const Span& c : c_) {
         const double off = std::abs(d.middle_s() - line.device_s(c.middle_s()));
-        if (off > least || !alike(d, c)) continue;
+        if (off > least || !is_view_of(d, c)) continue;
         least = off;
         best = &c;
       }
       if (best != nullptr)
-        pairs.push_back(
-            {best->middle_s(), d.middle_s() - line.device_s(best->middle_s()), d.middle_s()});
+        pairs.push_back({best->middle_s(), d.middle_s() - line.device_s(best->middle_s()),
+                         d.middle_s(), best->seconds() - d.seconds()});
     }
     return pairs;
   }
@@ -221,7 +238,7 @@ class Matcher {
   [[nodiscard]] std::size_t strange(const ClockLine& line) const {
     const auto unmatched = [&](const Span& c) {
       return std::none_of(d_.begin(), d_.end(), [&](const Span& d) {
-        return std::abs(d.middle_s() - line.device_s(c.middle_s())) <= kFar_s && alike(d, c);
+        return std::abs(d.middle_s() - line.device_s(c.middle_s())) <= kFar_s && is_view_of(d, c);
       });
     };
     std::size_t count = 0;
@@ -246,6 +263,7 @@ class Matcher {
   std::vector<Span> d_, c_;
   std::vector<Pair> pairs_;  // of the last line
   double scatter_ = 0;
+  std::optional<double> hidden_s_;  // of the last line; nothing: not known yet
 };
 
 double score(const ClockMatch& match) {
@@ -253,11 +271,15 @@ double score(const ClockMatch& match) {
 }
 
 /// Why nothing matches, where the best of them leaves too much.
-std::string disagreement(const std::vector<ClockMatch>& all, std::size_t motions) {
-  std::string apart =
-      "the motions of the device and those of the angles do not agree: only " +
-      std::to_string(all.empty() ? 0 : all.front().matched) + " of " + std::to_string(motions) +
-      " fit one offset of the clocks; give the trace that was recorded while the device measured";
+std::string disagreement(const std::vector<ClockMatch>& all, const Motion& device) {
+  const std::size_t motions = device.moves.size();
+  std::string apart = "the motions of the device and those of the angles do not agree: only " +
+                      std::to_string(all.empty() ? 0 : all.front().matched) + " of " +
+                      std::to_string(motions) + " fit one offset of the clocks; ";
+  if (device.hidden_below_mm_s > 0)
+    apart += "the device's noise hides motion below " + fixed(device.hidden_below_mm_s, 0) +
+             " mm/s: sweep faster, or ";
+  apart += "give the trace that was recorded while the device measured";
   for (std::size_t k = 1; k < all.size(); ++k)
     if (4 * (all[0].matched + all[k].matched) >= 3 * motions && all[k].matched >= 3)
       return "the offset of the clocks changes midway: " + std::to_string(all[0].matched) +
@@ -291,7 +313,7 @@ ClockSearch match_clocks(const Motion& device, const Motion& controller) {
       static_cast<double>(all.front().strange) <=
           kMostStrange * static_cast<double>(all.front().strange + all.front().matched);
   if (!agrees) {
-    found.problem = disagreement(all, matcher.motions());
+    found.problem = disagreement(all, device);
     return found;
   }
   const ClockMatch& best = all.front();
@@ -302,7 +324,7 @@ ClockSearch match_clocks(const Motion& device, const Motion& controller) {
                     " s of the trace: a clock was set, or two takes were put together; give each "
                     "part as a file of its own";
   else if (matcher.scatter_s() > kWorstScatter_s)
-    found.problem = disagreement({}, matcher.motions());
+    found.problem = disagreement({}, device);
   if (!found.problem.empty()) return found;
   for (const ClockMatch& match : all)
     if (score(match) >= kAsGood * score(all.front())) found.matches.push_back(match);

@@ -16,6 +16,8 @@ using Eigen::Vector3d;
 constexpr double kStarts_rad_s = 0.2 * kDegree;
 constexpr double kStarts_mm_s = 2;
 constexpr double kNoiseSigmas = 6;
+/// So many times more is much.
+constexpr double kNoisy = 2;
 /// Less is a twitch.
 constexpr double kShortest_s = 2.5 * kMotionWindow_s;
 
@@ -103,6 +105,8 @@ void add_motion(const TargetTrack& track, double step_mm, Motion& motion) {
                 kNoiseSigmas * noise_of(track.position_mm) * std::sqrt(2 / each) / kMotionWindow_s,
                 2 * step_mm / kMotionWindow_s});
   find_motion(time_s, starts, speed, motion);
+  if (starts > kNoisy * kStarts_mm_s)
+    motion.hidden_below_mm_s = std::max(motion.hidden_below_mm_s, starts);
 }
 
 }  // namespace

@@ -26,6 +26,8 @@ struct Motion {
   std::vector<Span> moves;  ///< from rest to rest, both of which were seen
   std::vector<Span> rests;  ///< between moves, and at the ends of what was seen
   std::vector<Span> seen;   ///< without a gap
+  /// Slower motion is hidden by the noise of the device; 0: noise hides nothing that matters.
+  double hidden_below_mm_s = 0;
 };
 
 /// What the target of a device was seen to do.

@@ -1,5 +1,6 @@
 #include "identify/clock/joined_take.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -213,6 +214,33 @@ TEST_CASE("The same tape and points give the same take", "[joined_take]") {
   const auto once = join(robot, views), again = join(robot, views);
   CHECK(once.clock.ahead_s == again.clock.ahead_s);
   CHECK(once.found.dh.front().b_mm.value == again.found.dh.front().b_mm.value);
+}
+
+TEST_CASE("Several targets have each a place of their own about an axis", "[joined_take]") {
+  for (std::uint32_t seed = 1; seed <= 3; ++seed) {
+    const Robot robot = built(kr5(3), seed);
+    FreeDevice device;
+    device.ahead_s = 1.25;
+    const auto joined = join(robot, two_views(robot, sweeps_of_all(robot, 1, seed), device, seed));
+    const double off_s = joined.clock.ahead_s - device.ahead_s;
+    INFO("seed " << seed << ": off by " << 1e6 * off_s << " us, sigma "
+                 << 1e6 * joined.clock.sigma_s);
+    CHECK(std::abs(off_s) < 4 * joined.clock.sigma_s);
+    CHECK(joined.clock.sigma_s < 1e-4);
+    CHECK(std::none_of(joined.found.warnings.begin(), joined.found.warnings.end(),
+                       [](const auto& warning) { return warning.code == "backlash"; }));
+  }
+}
+
+TEST_CASE("Noise that hides the ends of motions does not part the clocks", "[joined_take]") {
+  for (std::uint32_t seed = 1; seed <= 3; ++seed) {
+    const Robot robot = built(kr5(), seed);
+    FreeDevice device;
+    device.noise.range_mm = device.noise.across_mm = 0.3;
+    device.ahead_s = 0.5;
+    const auto joined = join(robot, two_views(robot, sweeps_of_all(robot, 1, seed), device, seed));
+    CHECK(std::abs(joined.clock.ahead_s - device.ahead_s) < 4 * joined.clock.sigma_s);
+  }
 }
 
 TEST_CASE("A take that ends before all joints have moved is told to lack axes", "[joined_take]") {
