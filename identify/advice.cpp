@@ -254,9 +254,7 @@ class Adviser {
       }
     }
     const double swing = highest - lowest;
-    // A circle's centre that is off looks like a smooth error, too.
-    const double uncertainty = joint.axis->point_sigma_mm() / joint.circle->radius_mm;
-    if (swing <= std::max(kLeastCurve_rad, 2 * kAdviceSigmas * uncertainty)) return;
+    if (swing <= std::max(kLeastCurve_rad, 2 * kAdviceSigmas * seen.center_sigma_rad)) return;
     warn("transmission_error", j,
          "its angles are off by a smooth curve of " + arcsec(swing) + " from lowest to highest (" +
              brief(swing * joint.circle->radius_mm) + " mm at the target) between " +

@@ -109,6 +109,7 @@ struct AngleEvidence {
   /// The transmission error: e(q) = offset + scale q + c1 (cos q - 1) + s1 sin q + c2 (cos 2q - 1)
   /// + s2 sin 2q with q from home, fitted over the range that was swept and of use only there.
   std::array<double, 6> curve{};
+  double center_sigma_rad = 0;  ///< what is not known of the axis' place looks like such a curve
   double backlash_rad = 0;  ///< error of falling strokes minus that of rising ones
   double backlash_sigma_rad = 0;
 
