@@ -7,12 +7,12 @@
 #include <string_view>
 #include <utility>
 
-#include "identify/chain/chain_start.hpp"
 #include "identify/circle/joint_motion.hpp"
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/circle_fit.hpp"
 #include "identify/geometry/median.hpp"
 #include "identify/geometry/warning.hpp"
+#include "identify/home_judgement.hpp"
 #include "identify/linear_advice.hpp"
 #include "identify/specified_fit.hpp"
 #include "identify/sweeps/sample.hpp"
@@ -31,16 +31,16 @@ constexpr double kBent_mm = 0.05;
 constexpr double kBentToPeers = 10;
 /// Of the radius, besides what is beyond any device.
 constexpr double kNoCircleShare = 0.02;
-/// Joints come home to hundredths of a degree, which a metre away is a fraction of a millimetre.
-constexpr double kOffHome_mm = 3;
-constexpr double kOffHomeToPeers = 20;
 /// More than joints scatter by, less than an axis is moved on purpose.
 constexpr double kScattered_mm = 0.1;
-constexpr std::size_t kFewestPeers = 3;  // two circles meet nearly anywhere
 /// Gears err by minutes of arc. Angles that come late look wrong by what the joint turns meanwhile.
 constexpr double kWrongTurn_rad = 5 * kDegree;
 constexpr double kWrongTurnShare = 0.3;
 constexpr double kLate_s = 0.75;
+/// What was seen, divided by what radians for degrees make of it, is what was told but for this.
+constexpr double kAboutRadians = 0.05;
+/// A stroke no farther off the circle of all strokes, in distances from its own, is on both.
+constexpr double kFitsCommon = 2;
 /// Closer to the axis, in distances of the points from the circle, angles about it are noise.
 constexpr double kLeastRadius = 20;
 /// Below it residuals are those of computing.
@@ -65,7 +65,6 @@ class Judge {
     for (const JointResult& joint : found_.joints) scatter_.push_back(circle_scatter(joint));
     for (std::size_t j = 0; j < found_.joints.size(); ++j)
       if (scatter_[j] && !strokes_disagree(j) && !is_no_circle(j)) judge_angles(j);
-    judge_home();
   }
 
  private:
@@ -165,6 +164,7 @@ class Judge {
     struct Seen {
       CircleFit circle;
       Axis axis;
+      bool fits_common = false;
     };
     std::optional<Seen> first;
     // Of errors that are alike from sample to sample, few average out.
@@ -180,10 +180,14 @@ class Judge {
       const Axis axis{
           circle->normal, circle->center_mm,
           axis_covariance(*circle, points, circle->plane_rms_mm, circle->radial_rms_mm)};
+      // Short arcs in much noise are on many circles: so far their own are no evidence.
+      const bool fits_common = usual_distance_mm(*joint.circle, points) <
+                               kFitsCommon * usual_distance_mm(*circle, points);
       if (!first) {
-        first = Seen{*circle, axis};
+        first = Seen{*circle, axis, fits_common};
         continue;
       }
+      if (fits_common && first->fits_common) continue;
       const double apart_mm = (circle->center_mm - first->circle.center_mm).norm();
       const double apart_rad =
           std::asin(std::min(1.0, circle->normal.cross(first->circle.normal).norm()));
@@ -236,48 +240,6 @@ class Judge {
     return true;
   }
 
-  /// All joints at home, the target is on all circles. A circle that passes by where the others
-  /// meet was run with another joint elsewhere.
-  void judge_home() {
-    std::vector<AxisCircle> circles;
-    std::vector<std::size_t> joints;
-    for (std::size_t j = 0; j < scatter_.size(); ++j) {
-      if (!scatter_[j] || found_.joints[j].circle_target != found_.joints.front().circle_target)
-        continue;
-      const CircleFit& circle = *found_.joints[j].circle;
-      circles.push_back({{circle.normal, circle.center_mm},
-                         circle.center_mm + circle.radius_mm * circle.normal.unitOrthogonal()});
-      joints.push_back(j);
-    }
-    if (circles.size() <= kFewestPeers) return;
-    double worst = 0, least = 0;
-    std::size_t passes_by = 0;
-    for (std::size_t i = 0; i < circles.size(); ++i) {
-      auto others = circles;
-      others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-      const Vector3d home = meeting_point(others);
-      const double peers = std::sqrt(misfit(others, home) / static_cast<double>(others.size()));
-      const double off = circles[i].to_circle(home).norm();
-      if (!(off > kOffHome_mm) || !(off > kOffHomeToPeers * peers)) continue;
-      if (worst > 0 && !(peers < least)) continue;
-      worst = off;
-      least = peers;
-      passes_by = joints[i];
-    }
-    const double scatter = found_.chain ? found_.chain->home_scatter_mm : 0;
-    if (!(worst > 0)) {
-      if (scatter > kOffHome_mm)
-        doubt("off_home", std::nullopt,
-              "from sweep to sweep the target stood " + fixed(scatter, 1) +
-                  " mm off home: another joint moved along, or robot or device were moved");
-      return;
-    }
-    doubt("off_home", passes_by,
-          joint_name(passes_by) + ": its circle passes " + fixed(worst, 1) +
-              " mm from where the other joints' circles meet: another joint moved along, or stood "
-              "elsewhere than in the other sweeps");
-  }
-
   /// Against each other, the lower and the upper third of the angles that were told: a delay, or a
   /// stroke there and back, shifts both.
   void judge_angles(std::size_t j) {
@@ -319,10 +281,12 @@ class Judge {
           seconds > 0 ? kLate_s / seconds * (turns.back().told - turns.front().told) : 0;
       if (!(std::abs(off) > kWrongTurn_rad + late) || !(std::abs(off) > kWrongTurnShare * told))
         continue;
+      const bool radians = std::abs((told - off) * kDegree - told) < kAboutRadians * told;
       doubt("angle_arc_mismatch", j,
             joint_name(j) + ": while its angle turned by " + fixed(told / kDegree, 1) +
-                "°, the target was seen to turn by " + fixed((told - off) / kDegree, 1) +
-                "°: the angles are not this joint's, or not of these positions");
+                "°, the target was seen to turn by " + fixed((told - off) / kDegree, 1) + "°: " +
+                (radians ? "the angles look like radians, give them in degrees"
+                         : "the angles are not this joint's, or not of these positions"));
       return;
     }
   }
@@ -337,6 +301,7 @@ void judge_plausibility(Identification& found, const Campaign& campaign) {
   if (auto contradiction = contradiction_of_specified(found, campaign))
     found.doubts.push_back(std::move(*contradiction));
   Judge(found).judge_strokes(campaign.resolution);
+  judge_home(found, campaign.timed);
   judge_linear_joints(found);
 }
 

@@ -18,8 +18,16 @@ constexpr double kSigmas = 4;
 constexpr double kParallel_rad = 5 * kDegree;
 /// Found lengths of so few in all, and specified ones so short, tell no unit.
 constexpr double kTelling_mm = 20;
-constexpr double kThousand = 1000;
-constexpr double kAboutThousand = 1.3;
+/// What lengths in another unit are multiplied by, and as what they look like.
+struct Unit {
+  double factor;
+  const char* text;
+};
+constexpr Unit kUnits[] = {
+    {1000, "1000 times smaller than specified: are the positions in metres?"},
+    {1e-3, "1000 times larger than specified: are the positions in micrometres?"},
+    {25.4, "25.4 times smaller than specified: are the positions in inches?"}};
+constexpr double kAboutUnit = 1.3;
 /// All senses of rotation are tried for so many joints: 256 tables.
 constexpr std::size_t kMostSenses = 8;
 
@@ -114,26 +122,50 @@ class Explanation {
       axis->covariance.bottomRows<3>() *= factor;
       axis->covariance.rightCols<3>() *= factor;
     }
-    return fits(scaled, specified_, home_rad_);
+    return fits(scaled, specified_, home_rad_, !told_);
   }
 
-  /// In a mirror right-hand rotations are left-hand ones.
   [[nodiscard]] bool fits_mirrored() const {
-    Eigen::Vector3d mirror(1, 1, -1);
-    Axes mirrored = axes_;
-    for (auto& axis : mirrored) {
-      if (!axis) continue;
-      axis->point_mm = mirror.asDiagonal() * axis->point_mm;
-      axis->direction = -(mirror.asDiagonal() * axis->direction);
-      Eigen::Matrix<double, 6, 1> both;
-      both << -mirror, mirror;
-      axis->covariance = both.asDiagonal() * axis->covariance * both.asDiagonal();
-    }
-    return fits(mirrored, specified_, home_rad_);
+    return fits(mirrored(axes_), specified_, home_rad_, !told_);
+  }
+
+  /// With the senses of the plan that the table contradicts. The mirror image of an arm that lies
+  /// in a plane is the arm, with other senses.
+  [[nodiscard]] bool fits_mirrored_as_planned(const std::vector<JointResult>& joints) const {
+    Axes planned = axes_;
+    bool against = false;
+    for (std::size_t j = 0; j < joints.size(); ++j)
+      if (joints[j].against_plan && planned[j]) {
+        planned[j] = planned[j]->reversed();
+        against = true;
+      }
+    return against && fits(mirrored(planned), specified_, home_rad_, false);
   }
 
   [[nodiscard]] bool fits_with_other_senses() const {
-    return !told_ && fits(axes_, specified_, home_rad_);
+    return !told_ && fits(axes_, specified_, home_rad_, true);
+  }
+
+  [[nodiscard]] bool fits_negated(std::size_t j) const {
+    if (!told_ || !axes_[j]) return false;
+    Axes axes = axes_;
+    auto specified = specified_;
+    axes[j] = axes[j]->reversed();
+    if (home_rad_[j]) {
+      specified[j] = campaign_.specified->row_at(j, -*home_rad_[j]);
+      specified[j].theta_rad = wrapped(specified[j].theta_rad);
+    }
+    return fits(axes, specified, home_rad_, false);
+  }
+
+  [[nodiscard]] bool fits_in_radians() const {
+    auto specified = specified_;
+    for (std::size_t j = 0; j < specified.size(); ++j) {
+      if (!home_rad_[j]) continue;
+      specified[j] = campaign_.specified->row_at(j, *home_rad_[j] / kDegree);
+      specified[j].theta_rad = wrapped(specified[j].theta_rad);
+    }
+    return told_ && fits(axes_, specified, home_rad_, false);
   }
 
   /// A joint's angles are exchanged with it.
@@ -150,18 +182,34 @@ class Explanation {
           specified[k].theta_rad = wrapped(specified[k].theta_rad);
         }
     }
-    return fits(axes, specified, home);
+    return fits(axes, specified, home, !told_);
   }
 
  private:
+  /// In a mirror right-hand rotations are left-hand ones.
+  static Axes mirrored(Axes axes) {
+    const Eigen::Vector3d mirror(1, 1, -1);
+    for (auto& axis : axes) {
+      if (!axis) continue;
+      axis->point_mm = mirror.asDiagonal() * axis->point_mm;
+      axis->direction = -(mirror.asDiagonal() * axis->direction);
+      Eigen::Matrix<double, 6, 1> both;
+      both << -mirror, mirror;
+      axis->covariance = both.asDiagonal() * axis->covariance * both.asDiagonal();
+    }
+    return axes;
+  }
+
+  /// `any_senses`: nothing tells them, any will do.
   [[nodiscard]] bool fits(const Axes& positive, const std::vector<DhRow>& specified,
-                          const std::vector<std::optional<double>>& home_rad) const {
+                          const std::vector<std::optional<double>>& home_rad,
+                          bool any_senses) const {
     Axes z = positive;
     for (std::size_t k = 0; k < z.size(); ++k)
       if (z[k] && campaign_.specified->positive[k] < 0) z[k] = z[k]->reversed();
     const double size = arm_mm(specified);
-    // Without angles nothing tells the senses: any will do.
-    const std::size_t senses = !told_ && z.size() <= kMostSenses ? std::size_t{1} << z.size() : 1;
+    const std::size_t senses =
+        any_senses && z.size() <= kMostSenses ? std::size_t{1} << z.size() : 1;
     for (std::size_t flips = 0; flips < senses; ++flips) {
       Axes tried = z;
       for (std::size_t k = 0; k < z.size(); ++k)
@@ -181,15 +229,10 @@ class Explanation {
 
 std::optional<Warning> explained(const Explanation& explanation, const std::optional<double>& ratio,
                                  std::size_t joints) {
-  for (const bool small : {true, false}) {
-    const double factor = small ? kThousand : 1 / kThousand;
-    if (!ratio || std::abs(std::log(*ratio * factor)) > std::log(kAboutThousand)) continue;
-    if (!explanation.fits_scaled(factor)) continue;
-    return Warning{"unit_factor",
-                   {},
-                   std::string("all lengths are 1000 times ") +
-                       (small ? "smaller than specified: are the positions in metres?"
-                              : "larger than specified: are the positions in micrometres?")};
+  for (const Unit& unit : kUnits) {
+    if (!ratio || std::abs(std::log(*ratio * unit.factor)) > std::log(kAboutUnit)) continue;
+    if (explanation.fits_scaled(unit.factor))
+      return Warning{"unit_factor", {}, std::string("all lengths are ") + unit.text};
   }
   if (explanation.fits_with_other_senses()) return std::nullopt;
   if (explanation.fits_mirrored())
@@ -197,6 +240,17 @@ std::optional<Warning> explained(const Explanation& explanation, const std::opti
                    {},
                    "the measurement frame is mirrored (left-handed): with one coordinate negated "
                    "the positions fit the specified table"};
+  if (explanation.fits_in_radians())
+    return Warning{"unit_factor",
+                   {},
+                   "the angles look like radians: so taken, home fits the specified table. Give "
+                   "them in degrees"};
+  for (std::size_t j = 0; j < joints; ++j)
+    if (explanation.fits_negated(j))
+      return Warning{"angles_negated", j,
+                     "the angles of " + joint_name(j) +
+                         " have the other sign: negated they fit the specified table. Negate them, "
+                         "or correct `positive` in the description"};
   std::string pairs;
   std::optional<std::size_t> first;
   for (std::size_t i = 0; i < joints; ++i)
@@ -219,8 +273,15 @@ std::optional<Warning> contradiction_of_specified(const Identification& found,
   if (!campaign.specified || found.specified.empty() || found.dh.size() != found.specified.size())
     return std::nullopt;
   const Worst worst = worst_of(found.dh, found.specified, found.home_rad);
-  if (worst.excess <= 1) return std::nullopt;
   const Explanation explanation(found, campaign);
+  if (worst.excess <= 1) {
+    if (!explanation.fits_mirrored_as_planned(found.joints)) return std::nullopt;
+    return Warning{"frame_mirrored",
+                   {},
+                   "joints turned against the plan, as the specified table has it: the measurement "
+                   "frame is mirrored (left-handed), or another program ran. Negate one coordinate "
+                   "if the frame is left-handed, else give the plan that was run"};
+  }
   if (auto cause =
           explained(explanation, size_ratio(found.dh, found.specified), found.joints.size()))
     return cause;

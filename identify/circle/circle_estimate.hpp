@@ -33,6 +33,7 @@ struct JointResult {
   bool linear = false;
   std::optional<LineFit> line;          ///< in place of the circle
   SenseBy sense_by = SenseBy::nothing;  ///< what tells which way is positive
+  bool against_plan = false;            ///< it turned the other way, as the specified table tells
   /// Along positive rotation (of a linear joint, the way that its mm rise), by the best estimator.
   std::optional<Axis> axis;
   std::optional<BoundingBox> box;  ///< of the samples that were used

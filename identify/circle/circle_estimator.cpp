@@ -254,11 +254,13 @@ class Circles {
            result_.doubt + ": " + differing_numbers(best, others) +
                "; record joint angles, or give the plan that was run and the home pose");
     }
-    for (const std::size_t j : senses.against)
+    for (const std::size_t j : senses.against) {
+      result_.joints[j].against_plan = true;
       warn("plan_contradicted", j,
            joint_name(j) +
                ": it turned against the plan, as the robot description tells: check that the plan "
                "is the one that was run");
+    }
     positive = with(senses.senses);
     for (std::size_t j = 0; j < campaign_.joints; ++j) result_.joints[j].axis = positive[j];
   }

@@ -19,16 +19,6 @@ using Eigen::Vector3d;
 constexpr std::size_t kSections = 12;
 constexpr std::size_t kFewestInSection = 5;
 
-/// How far the middle one of the points is from a circle.
-double usual_distance_mm(const CircleFit& circle, const Eigen::Matrix3Xd& points) {
-  std::vector<double> distances;
-  for (Eigen::Index i = 0; i < points.cols(); ++i) {
-    const CircleResidual off = residual(circle, points.col(i));
-    distances.push_back(std::hypot(off.plane_mm, off.radial_mm));
-  }
-  return median_of(std::move(distances));
-}
-
 /// Of a circle whose points are `usual_mm` off.
 std::optional<double> bent_mm(const CircleFit& circle, const Eigen::Matrix3Xd& points,
                               double usual_mm) {
@@ -64,6 +54,15 @@ std::optional<double> bent_mm(const CircleFit& circle, const Eigen::Matrix3Xd& p
 }
 
 }  // namespace
+
+double usual_distance_mm(const CircleFit& circle, const Eigen::Matrix3Xd& points) {
+  std::vector<double> distances;
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    const CircleResidual off = residual(circle, points.col(i));
+    distances.push_back(std::hypot(off.plane_mm, off.radial_mm));
+  }
+  return median_of(std::move(distances));
+}
 
 std::optional<CircleScatter> circle_scatter(const JointResult& joint) {
   if (!joint.circle) return std::nullopt;

@@ -9,6 +9,9 @@
 
 namespace identify {
 
+/// How far the middle one of the points is from a circle.
+[[nodiscard]] double usual_distance_mm(const CircleFit& circle, const Eigen::Matrix3Xd& points_mm);
+
 /// How the points of a joint's circle lie about it; a few far off do not matter.
 struct CircleScatter {
   double usual_mm = 0;  ///< distance of the middle one of its points

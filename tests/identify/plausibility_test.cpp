@@ -125,6 +125,35 @@ TEST_CASE("metres in a column for millimetres are named", "[plausibility]") {
   }
 }
 
+TEST_CASE("inches, radians and negated angles are named", "[plausibility]") {
+  const auto seed = GENERATE(1U, 2U, 3U);
+  const Simulation simulation(some_kr5(seed), {}, tracker(true), seed);
+  const auto campaign = simulation.campaign();
+  const auto inches = changed(
+      simulation.sweeps(), of_positions([](const auto& p) { return Eigen::Vector3d(p / 25.4); }));
+  auto found = identify::identify(inches, campaign);
+  check_doubt(found, "unit_factor");
+  CHECK_THAT(found.reason, ContainsSubstring("in inches"));
+
+  found = identify::identify(changed(simulation.sweeps(),
+                                     [](Sweep&, std::vector<Sample>& samples) {
+                                       for (Sample& sample : samples)
+                                         for (double& angle : sample.angles_rad) angle *= kDegree;
+                                     }),
+                             campaign);
+  CHECK(found.status == Status::doubtful);
+  CHECK_THAT(found.reason, ContainsSubstring("radians"));
+
+  for (std::size_t joint = 0; joint < 6; ++joint) {
+    const auto negated =
+        changed(simulation.sweeps(), [&](Sweep& sweep, std::vector<Sample>& samples) {
+          if (sweep.joint == joint) sweep.direction = -sweep.direction;
+          for (Sample& sample : samples) sample.angles_rad[joint] *= -1;
+        });
+    check_doubt(identify::identify(negated, campaign), "angles_negated", joint);
+  }
+}
+
 TEST_CASE("a mirrored frame is told from angles, whichever coordinate is negated",
           "[plausibility][long]") {
   const auto seed = GENERATE(1U, 2U, 3U);
@@ -139,6 +168,42 @@ TEST_CASE("a mirrored frame is told from angles, whichever coordinate is negated
                            simulation.campaign());
     check_doubt(found, "frame_mirrored");
   }
+}
+
+TEST_CASE("a mirrored frame is told from the plan where the arm's mirror image is an arm",
+          "[plausibility]") {
+  const auto mirrored = of_positions([](Eigen::Vector3d p) {
+    p.z() = -p.z();
+    return p;
+  });
+  for (const std::uint32_t seed : {1U, 2U, 3U}) {
+    const auto upright = simulation::built(simulation::kr5(), seed);
+    const Simulation simulation(upright, {}, tracker(false), seed);
+    CHECK(identify::identify(simulation.sweeps(), simulation.campaign()).status ==
+          Status::complete);
+    const auto found =
+        identify::identify(changed(simulation.sweeps(), mirrored), simulation.campaign());
+    check_doubt(found, "frame_mirrored");
+  }
+}
+
+TEST_CASE("a device that was moved between two sweeps is told from joints that scatter",
+          "[plausibility]") {
+  const auto seed = GENERATE(1U, 2U, 3U);
+  const std::size_t first = GENERATE(2U, 3U, 4U);  // that the moved device saw
+  const Simulation simulation(some_kr5(seed), {}, tracker(seed != 2), seed);
+  const auto bumped = [&](Sweep& sweep, std::vector<Sample>& samples) {
+    if (*sweep.joint < first) return;
+    for (Sample& sample : samples) sample.position_mm += Eigen::Vector3d(0.6, -0.5, 0.6);
+  };
+  const auto found =
+      identify::identify(changed(simulation.sweeps(), bumped), simulation.campaign());
+  check_doubt(found, "device_moved", first);
+
+  World scattered = tracker(seed != 2);
+  scattered.home.sigma_deg = 0.05;
+  const Simulation loose(some_kr5(seed), {}, scattered, seed);
+  CHECK(identify::identify(loose.sweeps(), loose.campaign()).status == Status::complete);
 }
 
 TEST_CASE("exchanged joints are both named, with angles or without", "[plausibility][long]") {
