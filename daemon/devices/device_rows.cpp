@@ -38,7 +38,7 @@ std::optional<std::int64_t> whole(std::string_view text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   // The difference of two of them is one too.
   constexpr std::int64_t kMost = 4'000'000'000'000'000'000;
-  if (error != std::errc() || end != text.data() + text.size() || std::abs(value) > kMost)
+  if (error != std::errc() || end != text.data() + text.size() || value < -kMost || value > kMost)
     return std::nullopt;
   return value;
 }

@@ -45,3 +45,16 @@ TEST_CASE("what is wrong in a file of ROS is told with its place", "[ros_csv]") 
   check_text_error("10,5,w,1,2,3,0,0,0,1\n10,1,w,1,2,3,0,0,0,1\n",
                    "line 2: column 1: expected a time no earlier");
 }
+
+TEST_CASE("a time that no difference of 64 bits holds is refused, the least of all too",
+          "[ros_csv]") {
+  const std::string header = "%time,field.point.x,field.point.y,field.point.z\n";
+  for (const std::string time : {"-9223372036854775808", "9223372036854775807"}) {
+    check_text_error(header + time + ",1,2,3\n" + time + ",1,2,4\n",
+                     "line 2: column 1 (%time): expected a measured number");
+    check_text_error(header + "0,1,2,3\n" + time + ",1,2,4\n",
+                     "line 3: column 1 (%time): expected a measured number");
+    check_text_error("10,0,w,1,2,3,0,0,0,1\n" + time + ",1,w,1,2,3,0,0,0,1\n",
+                     "line 2: column 1: expected whole seconds");
+  }
+}
