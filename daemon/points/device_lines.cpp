@@ -50,7 +50,7 @@ DeviceLines::DeviceLines(std::string_view columns) {
     throw std::invalid_argument(
         "columns: expected times, targets and positions of a device, found a column for joints, "
         "sweeps or joint angles: skip it with -, as the controller tells them");
-  if (!columns_.target) targets_.emplace_back();
+  if (!columns_.target) static_cast<void>(targets_.place_of(""));
 }
 
 DeviceLines::Line DeviceLines::read(std::string_view line, Point& point) {
@@ -76,9 +76,8 @@ DeviceLines::Line DeviceLines::read(std::string_view line, Point& point) {
   if (columns_.target) {
     const auto name = fields_[columns_.target->column];
     if (name.empty()) return Line::no_number;
-    const bool known = std::find(targets_.begin(), targets_.end(), name) != targets_.end();
-    if (!known && targets_.size() == kMostTargets) return Line::no_number;
-    point.target = target_index(name, targets_);
+    if (!targets_.has(name) && targets_.all().size() == kMostTargets) return Line::no_number;
+    point.target = targets_.place_of(name);
   }
   point.sample = sample;
   return Line::point;

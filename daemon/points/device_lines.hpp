@@ -30,7 +30,7 @@ class DeviceLines {
   [[nodiscard]] Line read(std::string_view line, Point& point);
 
   [[nodiscard]] bool with_times() const { return columns_.time.has_value(); }
-  [[nodiscard]] const std::vector<std::string>& targets() const { return targets_; }
+  [[nodiscard]] const std::vector<std::string>& targets() const { return targets_.all(); }
   /// One unit of the last decimal of the positions so far.
   [[nodiscard]] double step_mm() const { return step_mm_.value_or(0); }
 
@@ -40,7 +40,7 @@ class DeviceLines {
   std::size_t count_ = 0;  // of columns
   PointColumns columns_;
   std::vector<std::string_view> fields_;
-  std::vector<std::string> targets_;
+  TargetNames targets_;
   std::optional<double> step_mm_;
 };
 

@@ -45,7 +45,7 @@ struct LastTime {
 }  // namespace
 
 PointsFile device_points(const DeviceFormat& format, const DeviceText& text, std::size_t joints,
-                         std::vector<std::string>& targets, std::optional<double>& step_mm,
+                         TargetNames& targets, std::optional<double>& step_mm,
                          const OnBytesRead& on_progress) {
   const DeviceLayout layout = format.layout(text);
   PointsFile result;
@@ -61,7 +61,7 @@ PointsFile device_points(const DeviceFormat& format, const DeviceText& text, std
   while (rows.next()) {
     for (const DeviceRows::Seen& seen : rows.seen()) {
       auto& place = known[seen.target];
-      if (!place || !layout.name.empty()) place = target_index(seen.name, targets);
+      if (!place || !layout.name.empty()) place = targets.place_of(seen.name);
       Point point;
       point.line = rows.line() + 1;
       point.joint = rows.joint();
@@ -72,7 +72,7 @@ PointsFile device_points(const DeviceFormat& format, const DeviceText& text, std
       point.sample.has_orientation = seen.rotation.has_value();
       if (seen.rotation) point.sample.abc_rad = identify::abc_of(*seen.rotation);
       step_mm = std::min(step_mm.value_or(seen.step_mm), seen.step_mm);
-      before.resize(targets.size());
+      before.resize(targets.all().size());
       auto& last = before[point.target];
       if (last && last->joint == point.joint && point.sample.time_s < last->time_s)
         rows.fail_time(std::string(kTimeRunsBackwards));

@@ -13,7 +13,7 @@ namespace sweepd {
 /// `targets`, and `step_mm` becomes the last decimal of positions if that is finer. What was not
 /// measured gives no point. Throws CsvError.
 [[nodiscard]] PointsFile device_points(const DeviceFormat& format, const DeviceText& text,
-                                       std::size_t joints, std::vector<std::string>& targets,
+                                       std::size_t joints, TargetNames& targets,
                                        std::optional<double>& step_mm,
                                        const OnBytesRead& on_progress);
 

@@ -197,11 +197,10 @@ const DeviceFormat& format_named(std::string_view name) {
 
 }  // namespace
 
-std::size_t target_index(std::string_view name, std::vector<std::string>& names) {
-  const auto known = std::find(names.begin(), names.end(), name);
-  if (known != names.end()) return static_cast<std::size_t>(known - names.begin());
-  names.emplace_back(name);
-  return names.size() - 1;
+std::size_t TargetNames::place_of(std::string_view name) {
+  if (const auto known = places_.find(name); known != places_.end()) return known->second;
+  names_.emplace_back(name);
+  return places_.emplace(name, names_.size() - 1).first->second;
 }
 
 PointsReader::PointsReader(std::vector<std::string> columns, std::size_t joints,
@@ -253,8 +252,8 @@ PointsFile PointsReader::read_own(const std::filesystem::path& path, std::string
     point.line = file.line();
     if (columns.joint) point.joint = file.whole_number(columns.joint->column, 1, joints_);
     if (columns.sweep) point.sweep = file.whole_number(columns.sweep->column, 0, kMostSweeps);
-    point.target = target_index(
-        columns.target ? file.text(columns.target->column) : std::string_view(), targets_);
+    point.target =
+        targets_.place_of(columns.target ? file.text(columns.target->column) : std::string_view());
     if (columns.target && file.text(columns.target->column).empty())
       file.fail(columns.target->column, "expected a name or number, found nothing: fill it in");
 
@@ -277,7 +276,7 @@ PointsFile PointsReader::read_own(const std::filesystem::path& path, std::string
     }
     if (found == columns.angles.size()) sample.joints = static_cast<std::uint8_t>(found);
 
-    before.resize(targets_.size());
+    before.resize(targets_.all().size());
     auto& last = before[point.target];
     if (last && last->joint == point.joint && last->sweep == point.sweep &&
         sample.time_s < last->time_s)

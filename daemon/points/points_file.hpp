@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -73,8 +74,18 @@ struct PointsFile {
   std::vector<std::string> notes = {};  ///< what was assumed or left out in a device's file
 };
 
-/// The place of this name, at the end of `names` if it is new.
-[[nodiscard]] std::size_t target_index(std::string_view name, std::vector<std::string>& names);
+/// Names of targets in order of appearance, however many.
+class TargetNames {
+ public:
+  /// The place of this name, at the end if it is new.
+  [[nodiscard]] std::size_t place_of(std::string_view name);
+  [[nodiscard]] bool has(std::string_view name) const { return places_.contains(name); }
+  [[nodiscard]] const std::vector<std::string>& all() const { return names_; }
+
+ private:
+  std::vector<std::string> names_;
+  std::map<std::string, std::size_t, std::less<>> places_;
+};
 
 inline constexpr std::string_view kTimeRunsBackwards =
     "expected a time no earlier than the line before, found an earlier one: sort the lines, or "
@@ -108,7 +119,7 @@ class PointsReader {
   /// decimals or more are full precision, as are joint angles without any: zero.
   [[nodiscard]] identify::Resolution resolution() const;
   /// Their names in order of appearance; one without a name where no file tells.
-  [[nodiscard]] const std::vector<std::string>& targets() const { return targets_; }
+  [[nodiscard]] const std::vector<std::string>& targets() const { return targets_.all(); }
 
  private:
   [[nodiscard]] PointsFile read_own(const std::filesystem::path& path, std::string content,
@@ -118,7 +129,7 @@ class PointsReader {
   std::size_t joints_;
   bool is_own_;                 // all files
   const DeviceFormat* forced_;  // for all files
-  std::vector<std::string> targets_;
+  TargetNames targets_;
   std::optional<double> position_step_mm_;
   std::optional<double> angle_step_rad_;
 };

@@ -149,12 +149,12 @@ TEST_CASE("a file that is cut anywhere is an error with its place, or gives the 
           const DeviceText cut("cut.csv", bytes.substr(0, size));
           const DeviceFormat* format = recognised_format(cut);
           if (format == nullptr) continue;  // too little is left
-          std::vector<std::string> targets;
+          TargetNames targets;
           std::optional<double> step_mm;
           const auto file = device_points(*format, cut, 6, targets, step_mm, {});
           DeviceFile left = kind;
           left.has_times = file.with_times;  // dates of one point tell no rate
-          check_points(file, targets, take, left);
+          check_points(file, targets.all(), take, left);
           ++read;
         } catch (const CsvError& error) {
           REQUIRE_THAT(error.what(), Catch::Matchers::StartsWith("cut.csv: "));
