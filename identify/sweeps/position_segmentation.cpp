@@ -32,6 +32,9 @@ constexpr double kFirstSize_mm = 1e-6;
 constexpr double kSizesPerOctave = 8;
 /// Motion leaves more than noise does: of all windows the quieter ones tell the noise.
 constexpr double kQuiet = 0.25;
+/// Of a window, that its slope is told by: those of five frames a millisecond. Of more, one of so
+/// many.
+constexpr std::size_t kMostFrames = 1000;
 
 double moves_above(double sigma, double step) {
   return std::max({kStarts_mm_s, 2.0 * step / (2 * kHalfWindow_s), kStartSigmas * sigma});
@@ -88,7 +91,9 @@ PositionSegmenter::Slope PositionSegmenter::slope_at(std::size_t centre) const {
     Vector3d origin_mm = Vector3d::Zero();
   };
   std::map<std::size_t, Fit> fits;
-  for (const Frame& frame : window_) {
+  const std::size_t stride = 1 + window_.size() / kMostFrames;
+  for (std::size_t i = 0; i < window_.size(); i += stride) {
+    const Frame& frame = window_[i];
     const double t = frame.time_s - at;
     if (std::abs(t) > kHalfWindow_s + kMargin_s) continue;
     const Vector3d powers(1, t / kHalfWindow_s, t * t / (kHalfWindow_s * kHalfWindow_s));

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <random>
 
 #include "identify/geometry/angle.hpp"
@@ -197,6 +199,38 @@ TEST_CASE("a marker that is not seen for a while cuts no stroke of the others",
   for (std::size_t k = 0; k < good(all, 0).size(); ++k)
     CHECK(overlap(good(some, 0)[k], good(all, 0)[k]) > 0.97);
   CHECK(good(some, 1).size() < good(all, 1).size());
+}
+
+TEST_CASE("points that come as fast as never are segmented in time by their number",
+          "[position_segmentation]") {
+  const auto took = [](double step_s, std::size_t strokes) {
+    auto best = std::chrono::nanoseconds::max();
+    for (int round = 0; round < 2; ++round) {
+      PositionSegmenter segmenter;
+      std::vector<Sweep> found;
+      const auto take = [&](std::vector<Sweep> ended) {
+        std::move(ended.begin(), ended.end(), std::back_inserter(found));
+      };
+      const auto start = std::chrono::steady_clock::now();
+      for (int i = 0; i < 15'000; ++i) {
+        Sample sample;
+        sample.time_s = i * step_s;
+        const double turn = 90 * kDegree * i / 15'000;
+        sample.position_mm = {400 * std::cos(turn), 400 * std::sin(turn), 70};
+        sample.has_position = true;
+        take(segmenter.push({{0, sample}}));
+      }
+      take(segmenter.finish());
+      best = std::min<std::chrono::nanoseconds>(best, std::chrono::steady_clock::now() - start);
+      CHECK(found.size() == strokes);
+      // What a parabola leaves of a window that holds all of the arc is taken for noise, which cuts
+      // off its ends.
+      if (!found.empty()) CHECK(found.front().range_rad == Approx(90 * kDegree).epsilon(0.05));
+    }
+    return best;
+  };
+  // A window of 250 Hz has 51 pictures. To look at all 15,000 for each takes 300 times as long.
+  CHECK(took(20e-3 / 15'000, 1) < 60 * took(4e-3, 1));
 }
 
 namespace {
