@@ -11,6 +11,7 @@
 #include "daemon/commands/exit_codes.hpp"
 #include "daemon/settings/toml_table.hpp"
 #include "daemon/system/log.hpp"
+#include "daemon/text/text_layout.hpp"
 #include "rsi/telegram/ethernet_config.hpp"
 
 using sweepd::kConfigError;
@@ -27,7 +28,8 @@ bool is_read() {
 
 int say(const std::exception& problem, int exit_code) {
   // In the journal as an error; it knows the program's name.
-  if (sweepd::leads_to_journal()) sweepd::Log().error("{}", problem.what());
+  if (sweepd::leads_to_journal())
+    for (const auto& line : sweepd::lines_of(problem.what())) sweepd::Log().error("{}", line);
   const bool finished = sweepd::finish_log();
   if (!sweepd::leads_to_journal() && finished && is_read())
     std::cerr << "sweepd: " << problem.what() << '\n';

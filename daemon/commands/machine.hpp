@@ -5,11 +5,13 @@
 #include <optional>
 #include <ostream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "daemon/settings/settings.hpp"
 #include "daemon/system/disk_room.hpp"
 #include "daemon/system/realtime.hpp"
+#include "daemon/text/text_layout.hpp"
 #include "rsi/server/port_owner.hpp"
 #include "rsi/telegram/ethernet_config.hpp"
 
@@ -25,9 +27,9 @@ class Findings {
   void heading(const std::string& text) { out_ << text << '\n'; }
   void ok(const std::string& text) { line("ok", text); }
   void warning(const std::string& text) { line("warning", text); }
-  /// A file is wrong.
-  void error(const std::string& text) {
-    line("error", text);
+  /// A file is wrong: a mistake a line.
+  void error(std::string_view text) {
+    for (const auto& mistake : lines_of(text)) line("error", mistake);
     wrong_file_ = true;
   }
   /// The files may be right, but this machine cannot do what they say.

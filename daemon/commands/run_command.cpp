@@ -31,6 +31,7 @@
 #include "daemon/system/process_state.hpp"
 #include "daemon/system/realtime.hpp"
 #include "daemon/system/service_manager.hpp"
+#include "daemon/text/text_layout.hpp"
 
 namespace sweepd {
 namespace {
@@ -86,16 +87,20 @@ class Reading {
     return under_way() && settings_.wait_for(0s) == std::future_status::ready;
   }
   /// A file with a mistake changes nothing.
-  void take_over(const HttpSettings& http, Fleet& fleet) {
+  void take_over(const Settings& now, Fleet& fleet) {
     thread_.join();
     try {
       const Settings settings = settings_.get();
-      if (const auto keys = change(http, settings.http).of(TakesEffect::after_restart);
+      if (const auto keys = change(now.http, settings.http).of(TakesEffect::after_restart);
           !keys.empty())
         Log().warning("only a restart of sweepd takes over {}", fmt::join(keys, ", "));
       fleet.reload(settings.robots);
     } catch (const std::exception& error) {
-      Log().error("{}; sweepd goes on with the settings that it had", error.what());
+      for (const auto& line : lines_of(error.what())) Log().error("{}", line);
+      Log().error(
+          "nothing of {} is taken over; sweepd goes on with the settings that it had: correct the "
+          "file and send SIGHUP once more",
+          now.file.empty() ? "the settings" : now.file.string());
     }
   }
 
@@ -231,7 +236,7 @@ int serve_robots(const std::function<Settings()>& read) {
         ending = signal;
     }
     if (reading.done()) {
-      reading.take_over(settings.http, fleet);
+      reading.take_over(settings, fleet);
       told_by = Steady::now() + kPatience;
     }
     if (told_by != Steady::time_point::max() && (fleet.settled() || Steady::now() >= told_by)) {

@@ -6,6 +6,7 @@
 #include "daemon/service/robot_service.hpp"
 #include "daemon/settings/toml_table.hpp"
 #include "daemon/system/realtime.hpp"
+#include "daemon/text/text_layout.hpp"
 #include "rsi/telegram/ethernet_config.hpp"
 
 namespace sweepd {
@@ -225,8 +226,10 @@ void RobotKeeper::take_over(Lock& lock) {
   try {
     service->reload(settings);
   } catch (const std::exception& error) {
-    log_.error("{}; the robot goes on with the settings, description and plan that it had",
-               error.what());
+    for (const auto& line : lines_of(error.what())) log_.error("{}", line);
+    log_.error(
+        "the robot goes on with the settings, description and plan that it had: correct the file "
+        "and send SIGHUP once more");
   }
   lock.lock();
   busy_ = false;

@@ -255,16 +255,21 @@ struct Describer {
 }  // namespace
 
 void read_options(const TomlTable& table, const Options& options,
-                  std::initializer_list<std::string_view> more_keys, const fs::path& folder) {
+                  std::initializer_list<std::string_view> more_keys, const fs::path& folder,
+                  const std::vector<KeyElsewhere>& elsewhere) {
   std::vector<std::string_view> keys(more_keys);
   for (const Option& option : options) keys.push_back(option.key);
-  table.allow_only(keys);
-  for (const Option& option : options) {
-    if (table.has(option.key))
-      std::visit(Reader{table, option, folder}, option.field);
-    else if (required(option.field))
-      table.fail(option.key, "missing: add it (" + std::string(option.help) + ")");
-  }
+  Mistakes mistakes;
+  const auto meant = table.check_keys(keys, elsewhere, mistakes);
+  for (const Option& option : options)
+    mistakes.of([&] {
+      if (table.has(option.key))
+        std::visit(Reader{table, option, folder}, option.field);
+      else if (required(option.field) &&
+               std::find(meant.begin(), meant.end(), option.key) == meant.end())
+        table.fail(option.key, "missing: add it (" + std::string(option.help) + ")");
+    });
+  mistakes.tell();
 }
 
 std::vector<OptionText> option_texts(const Options& options, const std::string& prefix) {

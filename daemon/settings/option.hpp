@@ -42,10 +42,12 @@ using Options = std::vector<Option>;
 [[nodiscard]] Option after_restart(Option option);
 
 /// Fills the fields of what `table` holds; there may also be `more_keys` in it, which are somebody
-/// else's. Relative paths start at `folder`. Throws ConfigError.
+/// else's, and `elsewhere` are the keys of other tables. Relative paths start at `folder`. Throws a
+/// ConfigError with all mistakes.
 void read_options(const TomlTable& table, const Options& options,
                   std::initializer_list<std::string_view> more_keys,
-                  const std::filesystem::path& folder);
+                  const std::filesystem::path& folder,
+                  const std::vector<KeyElsewhere>& elsewhere = {});
 
 /// `prefix` stands before each key. The fields hold the defaults.
 [[nodiscard]] std::vector<OptionText> option_texts(const Options& options,

@@ -134,6 +134,27 @@ std::vector<Section> sections_of(HttpSettings& http) {
   return {{kHttp, options_of(http)}};
 }
 
+/// Where each key of the file belongs.
+std::vector<KeyElsewhere> keys_of_all() {
+  RobotSettings robot;
+  HttpSettings http;
+  std::vector<Section> sections = sections_of(robot);
+  append(sections, sections_of(http));
+  std::vector<KeyElsewhere> all{{std::string(kPublish), "[publish]"}};
+  for (const Section& section : sections) {
+    const auto place = section.table.empty()      ? "[[robot]]"
+                       : section.table == kHttp   ? "[http]"
+                       : section.table == kDevice ? "[[robot.device]]"
+                                                  : fmt::format("[robot.{}]", section.table);
+    if (!section.table.empty()) all.push_back({std::string(section.table), place});
+    for (const Option& option : section.options)
+      all.push_back({std::string(option.key), fmt::format("\"{}\" of {}", option.key, place)});
+  }
+  for (const OptionText& option : publish_options())
+    all.push_back({option.key, fmt::format("\"{}\" of [publish]", option.key)});
+  return all;
+}
+
 template <typename T>
 SettingsChange change_between(T& from, T& to) {
   const auto before = sections_of(from);
@@ -224,40 +245,59 @@ std::string text(const TextPort& port) {
 
 Settings load_settings(const fs::path& file) {
   const TomlTable top = TomlTable::load(file);
-  top.allow_only({kRobot, kHttp, kPublish});
   const fs::path folder = file.parent_path();
-  const std::vector<TomlTable> tables = top.tables(kRobot);
+  const auto elsewhere = keys_of_all();
+  Mistakes mistakes;
+  const auto meant = top.check_keys({kRobot, kHttp, kPublish}, elsewhere, mistakes);
+  std::vector<TomlTable> tables;
+  if (std::find(meant.begin(), meant.end(), kRobot) == meant.end())
+    mistakes.of([&] { tables = top.tables(kRobot); });
 
   Settings settings{file, {}, {}, {}};
-  if (const auto http = top.table(kHttp))
-    read_options(*http, options_of(settings.http), {}, folder);
+  mistakes.of([&] {
+    if (const auto http = top.table(kHttp))
+      read_options(*http, options_of(settings.http), {}, folder, elsewhere);
+  });
   TakenPorts ports;
   if (settings.http.listen) ports.pages(*settings.http.listen);
   for (const TomlTable& table : tables) {
     RobotSettings robot;
-    const auto device = device_table(table);
-    for (const Section& section : sections_of(robot)) {
-      if (section.table.empty())
-        read_options(table, section.options, {kSignals, kRecording, kDevice}, folder);
-      else if (const auto inner = section.table == kDevice ? device : table.table(section.table))
-        read_options(*inner, section.options, {}, folder);
-    }
-    if (!robot.answers_with_zeros.names.empty() && !robot.ethernet_config)
-      table.fail("answers_with_zeros",
-                 "expected `ethernet_config` beside it, whose tags it names, found nothing: add "
-                 "that key");
-
-    for (std::size_t i = 0; i < settings.robots.size(); ++i)
-      if (robot.name == settings.robots[i].name)
-        table.fail("name", fmt::format("expected a name of its own, found the name of the robot in "
-                                       "line {}: change one",
-                                       tables[i].line()));
-    ports.controller(robot.listen, table);
-    if (device) ports.device(robot.device.listen, *device);
+    std::optional<TomlTable> device;
+    mistakes.of([&] { device = device_table(table); });
+    for (const Section& section : sections_of(robot))
+      mistakes.of([&] {
+        if (section.table.empty())
+          read_options(table, section.options, {kSignals, kRecording, kDevice}, folder, elsewhere);
+        else if (const auto inner = section.table == kDevice ? device : table.table(section.table))
+          read_options(*inner, section.options, {}, folder, elsewhere);
+      });
+    // What could not be read is empty, and has been told.
+    mistakes.of([&] {
+      if (!robot.answers_with_zeros.names.empty() && !table.has("ethernet_config"))
+        table.fail("answers_with_zeros",
+                   "expected `ethernet_config` beside it, whose tags it names, found nothing: add "
+                   "that key");
+    });
+    mistakes.of([&] {
+      for (std::size_t i = 0; i < settings.robots.size(); ++i)
+        if (!robot.name.empty() && robot.name == settings.robots[i].name)
+          table.fail("name", fmt::format("expected a name of its own, found the name of the robot "
+                                         "in line {}: change one",
+                                         tables[i].line()));
+    });
+    mistakes.of([&] {
+      if (robot.listen.port != 0) ports.controller(robot.listen, table);
+    });
+    mistakes.of([&] {
+      if (robot.device.there()) ports.device(robot.device.listen, *device);
+    });
     settings.robots.push_back(std::move(robot));
   }
-  if (const auto publish = top.table(kPublish))
-    settings.publish = read_publish_settings(*publish, folder);
+  mistakes.of([&] {
+    if (const auto publish = top.table(kPublish))
+      settings.publish = read_publish_settings(*publish, folder);
+  });
+  mistakes.tell();
   return settings;
 }
 

@@ -178,23 +178,45 @@ TomlTable TomlTable::parse(std::string_view text, const std::filesystem::path& f
 }
 
 void TomlTable::allow_only(const std::vector<std::string_view>& keys) const {
-  const toml::key* unknown = nullptr;
-  for (const auto& [key, value] : *node_->table) {
-    if (std::find(keys.begin(), keys.end(), key.str()) != keys.end()) continue;
-    // The table is sorted by name; a reader goes from top to bottom.
-    if (!unknown || key.source().begin < unknown->source().begin) unknown = &key;
-  }
-  if (!unknown) return;
+  Mistakes mistakes;
+  check_keys(keys, {}, mistakes);
+  mistakes.tell();
+}
 
-  std::string problem = "unknown key: ";
-  if (const auto meant = nearest_word(unknown->str(), keys); !meant.empty()) {
-    problem += "did you mean " + in_quotes(meant) + "?";
-  } else {
-    problem += "this table may have";
-    for (const auto known : keys)
-      problem += (known == keys.front() ? " " : ", ") + std::string(known);
+std::vector<std::string_view> TomlTable::check_keys(const std::vector<std::string_view>& keys,
+                                                    const std::vector<KeyElsewhere>& elsewhere,
+                                                    Mistakes& mistakes) const {
+  std::vector<const toml::key*> unknown;
+  for (const auto& [key, value] : *node_->table)
+    if (std::find(keys.begin(), keys.end(), key.str()) == keys.end()) unknown.push_back(&key);
+  // The table is sorted by name; a reader goes from top to bottom.
+  std::sort(unknown.begin(), unknown.end(), [](const toml::key* a, const toml::key* b) {
+    return a->source().begin < b->source().begin;
+  });
+  std::vector<std::string_view> others;
+  for (const KeyElsewhere& other : elsewhere) others.push_back(other.key);
+  std::vector<std::string_view> meant;
+  for (const toml::key* key : unknown) {
+    const auto near = nearest_word(key->str(), keys);
+    auto other = std::find(others.begin(), others.end(), key->str());
+    if (near.empty() && other == others.end())
+      other = std::find(others.begin(), others.end(), nearest_word(key->str(), others));
+    std::string problem = "unknown key: ";
+    if (other != others.end()) {
+      problem +=
+          "did you mean " + elsewhere[static_cast<std::size_t>(other - others.begin())].words;
+      problem += '?';
+    } else if (!near.empty()) {
+      problem += "did you mean " + in_quotes(near) + "?";
+      meant.push_back(near);
+    } else {
+      problem += "this table may have";
+      for (const auto known : keys)
+        problem += (known == keys.front() ? " " : ", ") + std::string(known);
+    }
+    mistakes.of([&] { node_->fail(key->str(), key->source().begin, problem); });
   }
-  node_->fail(unknown->str(), unknown->source().begin, problem);
+  return meant;
 }
 
 bool TomlTable::has(std::string_view key) const {

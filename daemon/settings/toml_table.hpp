@@ -14,10 +14,39 @@ namespace sweepd {
 /// Something that a user edits is wrong: settings, a robot description, a sweep plan. The text
 /// reads
 ///   FILE:LINE:COLUMN: key: what was expected, what was found: what to do
-/// with as much of the place as is known. The program ends with exit code 78 on it.
+/// with as much of the place as is known, and has a line for each mistake. The program ends with
+/// exit code 78 on it.
 class ConfigError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
+};
+
+/// Keeps what is wrong with a file until all of it is known.
+class Mistakes {
+ public:
+  /// Keeps those of `read`.
+  template <typename Read>
+  void of(const Read& read) {
+    try {
+      read();
+    } catch (const ConfigError& error) {
+      add(error.what());
+    }
+  }
+  void add(const std::string& mistake) { text_ += (text_.empty() ? "" : "\n") + mistake; }
+  /// Throws a ConfigError with all of them, if there are any.
+  void tell() const {
+    if (!text_.empty()) throw ConfigError(text_);
+  }
+
+ private:
+  std::string text_;
+};
+
+/// A key that has its place in another table of the file.
+struct KeyElsewhere {
+  std::string key;
+  std::string words;  ///< `"keep_days" of [robot.recording]`
 };
 
 /// A table of a TOML file, read strictly: every mistake is a ConfigError that names file, line,
@@ -32,9 +61,14 @@ class TomlTable {
   /// The same from memory; `file` is what errors name.
   [[nodiscard]] static TomlTable parse(std::string_view text, const std::filesystem::path& file);
 
-  /// Throws at the first key, from the top, that is not one of `keys`, with the one that was
+  /// Throws with all keys, from the top, that are not one of `keys`, and with those that were
   /// probably meant.
   void allow_only(const std::vector<std::string_view>& keys) const;
+  /// Adds the same to `mistakes`. What was meant may also be a key from `elsewhere`. Returns those
+  /// of `keys` that were.
+  std::vector<std::string_view> check_keys(const std::vector<std::string_view>& keys,
+                                           const std::vector<KeyElsewhere>& elsewhere,
+                                           Mistakes& mistakes) const;
 
   [[nodiscard]] bool has(std::string_view key) const;
   /// A string with something in it.

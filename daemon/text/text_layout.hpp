@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace sweepd {
 
@@ -12,6 +13,9 @@ inline constexpr std::size_t kColumns = 80;
 /// `label` and the words of `text`, in lines that fit the terminal; all but the first begin in the
 /// column in which `text` began.
 [[nodiscard]] std::string paragraph(const std::string& label, std::string_view text);
+
+/// Without their ends.
+[[nodiscard]] std::vector<std::string> lines_of(std::string_view text);
 
 /// Filled up with blanks, on the left or on the right, to `width` characters of ASCII.
 [[nodiscard]] std::string right(std::string text, std::size_t width);

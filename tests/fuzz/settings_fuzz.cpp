@@ -1,5 +1,6 @@
 // What a user edits: settings, robot descriptions (input that begins with "r") and sweep plans
-// ("p"). Nothing but a ConfigError comes out, in one line; what is accepted can be used as it is.
+// ("p"). Nothing but a ConfigError comes out, with a line for each mistake; what is accepted can be
+// used as it is.
 #include <algorithm>
 #include <cmath>
 
@@ -7,6 +8,7 @@
 #include "daemon/settings/settings.hpp"
 #include "daemon/settings/sweep_plan.hpp"
 #include "daemon/settings/toml_table.hpp"
+#include "daemon/text/text_layout.hpp"
 #include "tests/fuzz/property.hpp"
 
 using fuzz::expect;
@@ -78,8 +80,10 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     else
       check_settings(file.path());
   } catch (const sweepd::ConfigError& error) {
-    expect(std::string_view(error.what()).starts_with(file.path().native()), "the file is named");
-    expect(fuzz::is_one_line(error.what()), "an error is one line");
+    for (const auto& mistake : sweepd::lines_of(error.what())) {
+      expect(mistake.starts_with(file.path().native()), "the file is named");
+      expect(fuzz::is_one_line(mistake), "a mistake is one line");
+    }
   }
   return 0;
 }

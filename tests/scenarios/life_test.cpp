@@ -256,10 +256,12 @@ TEST_CASE("SIGHUP takes over what it can, says what it cannot, and survives a mi
   }
 
   // A mistake in the file, or in one that it names, changes nothing.
-  write(daemon.config(), changed + "silence = 1\n");
+  write(daemon.config(), changed + "silence = 1\nrecrod = true\n");
   daemon.process().signal(SIGHUP);
   CHECK(said(daemon, "robot.silence"));
-  CHECK(said(daemon, "sweepd goes on with the settings that it had"));
+  CHECK(said(daemon, "robot.recrod"));
+  CHECK(said(daemon, "nothing of " + daemon.config().string() +
+                         " is taken over; sweepd goes on with the settings that it had"));
   write(daemon.config(), changed + "plan = \"missing.toml\"\n" + other);
   daemon.process().signal(SIGHUP);
   CHECK(said(daemon, "missing.toml"));

@@ -154,6 +154,13 @@ TEST_CASE("wrong settings are 78, with file and line", "[check_command]") {
     CHECK_THAT(folder.check().text, ContainsSubstring((folder / "sweepd.toml").string() + ":8") &&
                                         ContainsSubstring("recrod") && ContainsSubstring("record"));
   }
+  SECTION("several mistakes, a line each") {
+    static_cast<void>(
+        folder.write("sweepd.toml", settings_with("recrod = false\nsilence_ms = 1\n")));
+    const auto place = "  error    " + (folder / "sweepd.toml").string();
+    CHECK_THAT(folder.check().text, ContainsSubstring(place + ":8:1: robot.recrod: ") &&
+                                        ContainsSubstring(place + ":9:14: robot.silence_ms: "));
+  }
   SECTION("no such file") {
     fs::remove(folder / "sweepd.toml");
     CHECK_THAT(folder.check().text, ContainsSubstring((folder / "sweepd.toml").string()));

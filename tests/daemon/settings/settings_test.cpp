@@ -35,16 +35,20 @@ const std::string kRobotText =
     "[[robot]]\nname = \"a\"\ndescription = \"a.toml\"\nlisten = \"0.0.0.0:49152\"\n"
     "output = \"out\"\n";
 
-/// The error without the file's name; "no error" if the settings are fine.
+/// The mistakes, a line each, without the file's name; "no error" if the settings are fine.
 std::string settings_error(const std::string& text) {
   const SettingsFile file(text);
   try {
     (void)load_settings(file.path);
   } catch (const sweepd::ConfigError& error) {
-    const std::string what = error.what();
     const std::string prefix = file.path.string() + ':';
-    REQUIRE(what.starts_with(prefix));
-    return what.substr(prefix.size());
+    std::istringstream lines(error.what());
+    std::string mistakes;
+    for (std::string line; std::getline(lines, line);) {
+      REQUIRE(line.starts_with(prefix));
+      mistakes += (mistakes.empty() ? "" : "\n") + line.substr(prefix.size());
+    }
+    return mistakes;
   }
   return "no error";
 }
@@ -121,6 +125,73 @@ TEST_CASE("a misspelt option is found in the robot, its signals and the file", "
     CHECK(settings_error(replaced(kRobotText, "listen", "lisen")) ==
           "4:1: robot.lisen: unknown key: did you mean \"listen\"?");
   }
+}
+
+TEST_CASE("all mistakes of the file are told at once, each with its place and key", "[settings]") {
+  CHECK(settings_error("[htp]\n"
+                       "[[robot]]\n"
+                       "name = \"a b\"\n"
+                       "description = \"a.toml\"\n"
+                       "lisen = \"0.0.0.0:49152\"\n"
+                       "recrod = true\n"
+                       "silence_ms = 1\n"
+                       "[robot.signals]\n"
+                       "angles = []\n"
+                       "[robot.recording]\n"
+                       "rotate_s = \"60\"\n"
+                       "[[robot.device]]\n"
+                       "listen = \"5005\"\n"
+                       "[[robot]]\n"
+                       "name = \"b\"\n"
+                       "description = \"b.toml\"\n"
+                       "listen = \"0.0.0.0\"\n"
+                       "output = 5\n"
+                       "[http]\n"
+                       "hosts = \"cell-pc\"\n"
+                       "[publish]\n"
+                       "broker = \"mqtt://a\"\n"
+                       "site = \"b\"\n") ==
+        "1:2: htp: unknown key: did you mean \"http\"?\n"
+        "20:9: http.hosts: expected an array of strings, found the string \"cell-pc\": correct it\n"
+        "5:1: robot.lisen: unknown key: did you mean \"listen\"?\n"
+        "6:1: robot.recrod: unknown key: did you mean \"record\"?\n"
+        "3:8: robot.name: expected a name of at most 64 letters, digits, - _ . that begins with "
+        "none of - ., found the string \"a b\": choose one that can name a folder\n"
+        "2:1: robot.output: missing: add it (folder under which recordings and results are kept, "
+        "in OUTPUT/NAME/START)\n"
+        "7:14: robot.silence_ms: expected a whole number of milliseconds from 100 to 3600000, "
+        "found the number 1: choose one in between\n"
+        "9:10: robot.signals.angles: expected 1 to 12 signals, found an array of 0 values: name "
+        "one a joint\n"
+        "11:12: robot.recording.rotate_s: expected a whole number, found the string \"60\": write "
+        "it without quotes\n"
+        "13:10: robot.device.listen: expected udp:// or tcp://, an IPv4 address and a port (1 to "
+        "65535), found the string \"5005\": write it like \"udp://0.0.0.0:5005\"\n"
+        "12:1: robot.device.columns: missing: add it (what its lines hold, with commas between, as "
+        "for identify --columns)\n"
+        "17:10: robot.listen: expected an IPv4 address and a port (1 to 65535), found the string "
+        "\"0.0.0.0\": write it like \"0.0.0.0:49152\"\n"
+        "18:10: robot.output: expected a string, found the number 5: put it in quotes\n"
+        "21:1: publish.cell: missing: add it (the cell or hall of this machine, the third part)");
+}
+
+TEST_CASE("a key that belongs into another table is told where", "[settings]") {
+  for (const std::string key : {"keep_days", "keep_day"})
+    CHECK(settings_error(kRobotText + key + " = 3\n") ==
+          "6:1: robot." + key + ": unknown key: did you mean \"keep_days\" of [robot.recording]?");
+  CHECK(settings_error(kRobotText + "[http]\nsilence_ms = 300\n") ==
+        "7:1: http.silence_ms: unknown key: did you mean \"silence_ms\" of [[robot]]?");
+  CHECK(settings_error(kRobotText + "cell = \"1\"\n") ==
+        "6:1: robot.cell: unknown key: did you mean \"cell\" of [publish]?");
+  CHECK(settings_error(kRobotText + "[recording]\nkeep_days = 3\n") ==
+        "6:2: recording: unknown key: did you mean [robot.recording]?");
+  const std::string device = "listen = \"udp://0.0.0.0:5005\"\ncolumns = \"x_mm,y_mm,z_mm\"\n";
+  CHECK(settings_error(kRobotText + "[[device]]\n" + device) ==
+        "6:3: device: unknown key: did you mean [[robot.device]]?");
+  CHECK(settings_error(kRobotText + "[[robot.device]]\n" + device + "column = \"x\"\n") ==
+        "9:1: robot.device.column: unknown key: did you mean \"columns\"?");
+  CHECK(settings_error(kRobotText + "[[robot.device]]\n" + device + "hosts = []\n") ==
+        "9:1: robot.device.hosts: unknown key: did you mean \"hosts\" of [http]?");
 }
 
 TEST_CASE("a name that could not name a folder is refused", "[settings]") {
