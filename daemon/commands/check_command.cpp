@@ -67,7 +67,7 @@ class Check {
             options_.config->string(), robot.name, setup.joints, robot.description.string(),
             named));
       if (robot.plan) plan(*setup.description, *setup.plan);
-      if (robot.device.there()) device(robot.device, robot.name);
+      if (robot.device.there()) device(robot.device);
     } catch (const ConfigError& problem) {
       findings_.error(problem.what());
     }
@@ -89,14 +89,13 @@ class Check {
                   config ? &*config : nullptr, findings_);
   }
 
-  void device(const DeviceSettings& device, const std::string& robot) {
+  void device(const DeviceSettings& device) {
     try {
-      const DeviceLines lines(device.columns.text);
+      const DeviceLines lines(device.columns);
       findings_.ok("device on " + text(device.listen) + ": lines of " + device.columns.text +
                    (lines.with_times() ? "" : ", with the times at which they come"));
-    } catch (const std::invalid_argument& problem) {
-      findings_.error(options_.config->string() + ": [[robot.device]] of " + robot + ": " +
-                      problem.what());
+    } catch (const ConfigError& problem) {
+      findings_.error(problem.what());
     }
     if (options_.files_only) return;
     const auto transport = device.listen.tcp ? rsi::Transport::tcp : rsi::Transport::udp;

@@ -41,7 +41,7 @@ DeviceSettings device_of(const ListenOptions& options) {
                         ": expected a [[robot.device]], found none: add one, or name the port");
   }
   if (options.port) device.listen = *options.port;
-  if (!options.columns.empty()) device.columns.text = options.columns;
+  if (!options.columns.empty()) device.columns = {options.columns};
   if (!device.there())
     throw std::invalid_argument(
         "PORT is required: name it, as in udp://0.0.0.0:5005, or give --config");
@@ -51,8 +51,8 @@ DeviceSettings device_of(const ListenOptions& options) {
 /// Counts lines, and shows them.
 class Shown {
  public:
-  Shown(const std::string& columns, bool print, std::ostream& out) : print_(print), out_(out) {
-    if (!columns.empty()) lines_.emplace(columns);
+  Shown(const ColumnList& columns, bool print, std::ostream& out) : print_(print), out_(out) {
+    if (!columns.text.empty()) lines_.emplace(columns);
   }
 
   void take(const rsi::Datagram& datagram) {
@@ -162,7 +162,7 @@ CLI::App* add_listen(CLI::App& app, ListenOptions& options) {
 
 int listen(const ListenOptions& options, std::ostream& out, std::ostream& errors) {
   const DeviceSettings device = device_of(options);
-  Shown shown(device.columns.text, options.print, out);
+  Shown shown(device.columns, options.print, out);
   ProcessEvents events({SIGINT, SIGTERM});
   rsi::TextReceiver receiver(device.listen.tcp ? rsi::Transport::tcp : rsi::Transport::udp,
                              device.listen.endpoint);

@@ -146,7 +146,7 @@ std::vector<CampaignRecord> indexed(const fs::path& file, bool rebuild,
   try {
     index.update(changed, gone);
   } catch (const std::runtime_error& problem) {
-    messages.push_back(std::string(problem.what()) + "; it is as old as it was.");
+    messages.push_back(std::string(problem.what()) + " It is as old as it was.");
   }
   return records;
 }
@@ -181,9 +181,7 @@ FoundCampaigns campaigns_in(const std::vector<fs::path>& paths, const IndexOptio
       found.records = indexed(*index, options.rebuild, folders, found.messages);
       return found;
     } catch (const std::runtime_error& problem) {
-      found.messages.push_back(std::string(problem.what()) +
-                               ": all folders were read. --rebuild makes an index anew, --index "
-                               "keeps it elsewhere.");
+      found.messages.push_back(std::string(problem.what()) + " All folders were read.");
     }
   found.records.clear();
   for (const fs::path& folder : folders) found.records.push_back(read_record(folder));

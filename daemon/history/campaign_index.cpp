@@ -70,7 +70,9 @@ class CampaignIndex::Statement {
 };
 
 CampaignIndex::CampaignIndex(const std::filesystem::path& file, bool anew) : file_(file) {
-  if (!is_ours(file)) throw std::runtime_error(file_.string() + " is a file of another program");
+  if (!is_ours(file))
+    throw std::runtime_error("The index " + file_.string() +
+                             " is a file of another program. Name another file with --index.");
   std::error_code ignored;
   if (anew) std::filesystem::remove(file, ignored);
   if (sqlite3_open_v2(file.c_str(), &base_,
@@ -78,7 +80,9 @@ CampaignIndex::CampaignIndex(const std::filesystem::path& file, bool anew) : fil
                       nullptr) != SQLITE_OK) {
     const std::string why = sqlite3_errmsg(base_);
     sqlite3_close(base_);
-    throw std::runtime_error("the index " + file_.string() + " cannot be opened (" + why + ")");
+    throw std::runtime_error(
+        "The index " + file_.string() + " cannot be opened (" + why +
+        "). Check the path and the permissions, or name another file with --index.");
   }
   sqlite3_busy_timeout(base_, kBusy_ms);
   try {
@@ -134,8 +138,9 @@ void CampaignIndex::update(const Entries& changed, const std::vector<std::string
 }
 
 void CampaignIndex::fail() const {
-  throw std::runtime_error("the index " + file_.string() + " cannot be used (" +
-                           sqlite3_errmsg(base_) + ")");
+  throw std::runtime_error("The index " + file_.string() + " cannot be used (" +
+                           sqlite3_errmsg(base_) +
+                           "). Make it anew with --rebuild, or name another file with --index.");
 }
 
 void CampaignIndex::execute(const char* sql) {

@@ -8,6 +8,7 @@
 
 #include "daemon/devices/printed_number.hpp"
 #include "daemon/points/csv_file.hpp"
+#include "daemon/settings/toml_table.hpp"
 #include "daemon/text/units.hpp"
 #include "rsi/ascii.hpp"
 
@@ -51,6 +52,13 @@ DeviceLines::DeviceLines(std::string_view columns) {
         "columns: expected times, targets and positions of a device, found a column for joints, "
         "sweeps or joint angles: skip it with -, as the controller tells them");
   if (!columns_.target) static_cast<void>(targets_.place_of(""));
+}
+
+DeviceLines::DeviceLines(const ColumnList& columns) try
+    : DeviceLines(std::string_view(columns.text)) {
+} catch (const std::invalid_argument& problem) {
+  if (columns.place.empty()) throw;
+  throw ConfigError(columns.place + problem.what());
 }
 
 DeviceLines::Line DeviceLines::read(std::string_view line, Point& point) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "daemon/points/points_file.hpp"
+#include "daemon/settings/settings.hpp"
 
 namespace sweepd {
 
@@ -18,6 +19,8 @@ class DeviceLines {
   /// `columns`: as for `identify --columns`. Throws std::invalid_argument where they are wrong, or
   /// name joints, sweeps or joint angles, which the controller tells.
   explicit DeviceLines(std::string_view columns);
+  /// The same, but throws ConfigError where the columns are those of a file.
+  explicit DeviceLines(const ColumnList& columns);
 
   enum class Line {
     point,

@@ -8,7 +8,7 @@ namespace sweepd {
 DeviceRecording::DeviceRecording(const RobotSetup& setup)
     : port_(setup.device.listen.endpoint.port) {
   if (port_ == 0) return;
-  lines_.emplace(setup.device.columns.text);
+  lines_.emplace(setup.device.columns);
   take_ = std::make_shared<DeviceTake>(DeviceTake{identify::AngleTape(setup.joints), {}, {}});
 }
 

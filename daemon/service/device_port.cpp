@@ -1,11 +1,8 @@
 #include "daemon/service/device_port.hpp"
 
-#include <stdexcept>
-
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/points/device_lines.hpp"
-#include "daemon/settings/toml_table.hpp"
 #include "daemon/system/realtime.hpp"
 #include "rsi/counted.hpp"
 
@@ -14,11 +11,7 @@ namespace sweepd {
 DevicePort::DevicePort(const DeviceSettings& settings)
     : receiver_(settings.listen.tcp ? rsi::Transport::tcp : rsi::Transport::udp,
                 settings.listen.endpoint) {
-  try {
-    const DeviceLines lines(settings.columns.text);
-  } catch (const std::invalid_argument& error) {
-    throw ConfigError("[[robot.device]]: columns: " + std::string(error.what()));
-  }
+  const DeviceLines lines(settings.columns);  // throws where they are wrong
 }
 
 DevicePort::~DevicePort() {

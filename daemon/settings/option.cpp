@@ -171,7 +171,9 @@ struct Reader {
             "write it like \"udp://0.0.0.0:5005\"");
     *port = *parsed;
   }
-  void operator()(ColumnList* columns) const { columns->text = table.text(option.key); }
+  void operator()(ColumnList* columns) const {
+    *columns = {table.text(option.key), table.place(option.key)};
+  }
   void operator()(BrokerAddress* broker) const {
     const auto parsed = parse_broker(table.text(option.key));
     if (!parsed)

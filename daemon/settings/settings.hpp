@@ -55,7 +55,8 @@ struct TextPort {
 /// Columns of lines, with commas between, as `identify --columns` has them.
 struct ColumnList {
   std::string text;
-  bool operator==(const ColumnList&) const = default;
+  std::string place = {};  ///< `FILE:LINE:COLUMN: robot.device.`, for errors; empty: of no file
+  bool operator==(const ColumnList& other) const { return text == other.text; }
 };
 
 /// [[robot.device]]: a measuring device that sends text lines while the robot moves.

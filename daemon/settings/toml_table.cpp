@@ -95,7 +95,8 @@ struct TomlTable::Node {
 
   [[noreturn]] void fail(std::string_view key, const toml::source_position& where,
                          const std::string& problem) const {
-    throw ConfigError(place(file, where) + prefix + unquoted(key) + ": " + rsi::printable(problem));
+    throw ConfigError(sweepd::place(file, where) + prefix + unquoted(key) + ": " +
+                      rsi::printable(problem));
   }
 
   [[noreturn]] void fail(std::string_view key, const toml::node& node,
@@ -170,7 +171,7 @@ TomlTable TomlTable::parse(std::string_view text, const std::filesystem::path& f
   } catch (const toml::parse_error& error) {
     const bool twice =
         error.description().find("redefine existing table") != std::string_view::npos;
-    throw ConfigError(place(name, error.source().begin) +
+    throw ConfigError(sweepd::place(name, error.source().begin) +
                       "not valid TOML: " + rsi::printable(error.description()) + ": " +
                       (twice ? "write double brackets, [[...]], where there are several of them"
                              : "correct the syntax"));
@@ -302,6 +303,12 @@ int TomlTable::line() const {
 
 std::string TomlTable::found(std::string_view key) const {
   return in_words(node_->table->get(key));
+}
+
+std::string TomlTable::place(std::string_view key) const {
+  const toml::node* value = node_->table->get(key);
+  return sweepd::place(node_->file, (value ? *value : *node_->table).source().begin) +
+         node_->prefix;
 }
 
 void TomlTable::fail(std::string_view key, const std::string& problem) const {

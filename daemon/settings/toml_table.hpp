@@ -91,6 +91,8 @@ class TomlTable {
   [[nodiscard]] int line() const;
   /// The value of `key` in words, for errors: `the string "abc"`, `the number 5`, `nothing`.
   [[nodiscard]] std::string found(std::string_view key) const;
+  /// What errors at the value of `key` begin with, up to the key: `FILE:LINE:COLUMN: robot.`
+  [[nodiscard]] std::string place(std::string_view key) const;
   /// Throws a ConfigError at the value of `key`, or at this table if there is none.
   [[noreturn]] void fail(std::string_view key, const std::string& problem) const;
 

@@ -91,9 +91,10 @@ class Reader {
   }
   [[noreturn]] void fail(const pugi::xml_node& node, const std::string& key,
                          const std::string& expected, std::string_view found) const {
-    throw EthernetConfigError(position(node.offset_debug()) + key + ": expected " + expected +
-                              ", found " +
-                              (found.empty() ? "nothing" : "\"" + printable(found) + "\""));
+    throw EthernetConfigError(
+        position(node.offset_debug()) + key + ": expected " + expected + ", found " +
+        (found.empty() ? "nothing: add it" : "\"" + printable(found) + "\": correct it") +
+        ", here and on the controller");
   }
 
   std::string_view xml_;
@@ -103,14 +104,15 @@ class Reader {
 
 void Reader::read() {
   if (xml_.find('\0') != std::string_view::npos)
-    throw EthernetConfigError(config_.name + ": expected ASCII or UTF-8 text, found zero bytes");
+    throw EthernetConfigError(config_.name +
+                              ": expected ASCII or UTF-8 text, found zero bytes: save it as UTF-8");
   pugi::xml_document document;
   const auto outcome =
       document.load_buffer(xml_.data(), xml_.size(), pugi::parse_default, pugi::encoding_utf8);
   if (!outcome)
     throw EthernetConfigError(
-        position(outcome.offset) +
-        "expected an RSI Ethernet file in XML, found: " + outcome.description());
+        position(outcome.offset) + "expected an RSI Ethernet file in XML, found: " +
+        outcome.description() + ": correct it, or copy the file from the controller again");
 
   const auto root = document.document_element();
   if (std::string_view(root.name()) != "ROOT") fail(root, "root element", "<ROOT>", root.name());
@@ -328,7 +330,8 @@ EthernetConfig EthernetConfig::load(const std::filesystem::path& file) {
   xml << stream.rdbuf();
   if (!stream.is_open() || stream.bad() || std::filesystem::is_directory(file))
     throw EthernetConfigError(file.string() +
-                              ": cannot be read: " + std::generic_category().message(errno));
+                              ": cannot be read: " + std::generic_category().message(errno) +
+                              ": check the path and the permissions");
   return parse(xml.str(), file.string());
 }
 

@@ -161,6 +161,15 @@ TEST_CASE("wrong settings are 78, with file and line", "[check_command]") {
     CHECK_THAT(folder.check().text, ContainsSubstring(place + ":8:1: robot.recrod: ") &&
                                         ContainsSubstring(place + ":9:14: robot.silence_ms: "));
   }
+  SECTION("columns of a device that are none, with their place") {
+    static_cast<void>(folder.write(
+        "sweepd.toml", settings_with("[[robot.device]]\nlisten = \"udp://0.0.0.0:5005\"\n"
+                                     "columns = \"x_mm,y_mm,height\"\n")));
+    CHECK_THAT(folder.check().text,
+               ContainsSubstring("  error    " + (folder / "sweepd.toml").string() +
+                                 ":10:11: robot.device.columns, column 3 (height): expected a "
+                                 "known column"));
+  }
   SECTION("no such file") {
     fs::remove(folder / "sweepd.toml");
     CHECK_THAT(folder.check().text, ContainsSubstring((folder / "sweepd.toml").string()));

@@ -1,7 +1,9 @@
 #include "daemon/commands/replay_command.hpp"
 
+#include <algorithm>
 #include <optional>
 #include <sstream>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -98,6 +100,31 @@ TEST_CASE("Friction of each motor is found where telegrams have currents, and no
   auto with = result_in(folder / "with");
   with.erase("currents");
   CHECK(with.dump() == result_in(folder / "without").dump());
+}
+
+TEST_CASE("signals that telegrams do not have are a warning of the result", "[replay_command]") {
+  const TemporaryFolder folder;
+  simulate(folder / "trace.pcap");
+  auto options = trace_options(folder / "trace.pcap", folder / "out");
+  const auto codes = [&] {
+    std::vector<std::string> all;
+    for (const auto& warning : result_in(folder / "out")["warnings"])
+      all.push_back(warning["code"].get<std::string>());
+    return all;
+  };
+  const auto names = [](const std::string& sixth) {
+    return "[robot.signals]\nangles = [\"AIPos.A1\", \"AIPos.A2\", \"AIPos.A3\", \"AIPos.A4\", "
+           "\"AIPos.A5\", \"" +
+           sixth + "\"]\n";
+  };
+  options.config = folder.write("sweepd.toml", robot_table("kr5", "49152") + names("AIPos.A6"));
+  static_cast<void>(replayed(options));
+  CHECK(std::ranges::count(codes(), "missing_signals") == 0);
+  options.config = folder.write("sweepd.toml", robot_table("kr5", "49152") + names("AIPos.A7"));
+  static_cast<void>(replayed(options));
+  REQUIRE(std::ranges::count(codes(), "missing_signals") == 1);
+  CHECK_THAT(content(folder / "out/result.json"),
+             ContainsSubstring("the telegrams have no AIPos.A7: correct `signals`"));
 }
 
 TEST_CASE("two replays leave the same files, byte for byte", "[replay_command][long]") {

@@ -142,7 +142,10 @@ TEST_CASE("an index that cannot be used does no harm", "[campaign_folders]") {
     for (const bool rebuild : {false, true}) {
       const FoundCampaigns found = tree.found(rebuild);
       CHECK(found.records.size() == 3);
-      CHECK_THAT(all(found.messages), ContainsSubstring("is a file of another program"));
+      CHECK(all(found.messages) ==
+            "The index " + tree.index().string() +
+                " is a file of another program. Name another file with --index. All folders were "
+                "read.\n");
     }
     CHECK(sweepd::test::content(tree.index()) == std::string(200, 'x'));
   }
@@ -153,11 +156,23 @@ TEST_CASE("an index that cannot be used does no harm", "[campaign_folders]") {
     (void)tree.folder().write("index", bytes);
     FoundCampaigns found = tree.found();
     CHECK(found.records.size() == 3);
-    CHECK_THAT(all(found.messages), ContainsSubstring("--rebuild makes an index anew"));
+    CHECK(all(found.messages) ==
+          "The index " + tree.index().string() +
+              " cannot be used (database disk image is malformed). Make it anew with --rebuild, or "
+              "name another file with --index. All folders were read.\n");
     found = tree.found(true);
     CHECK(found.records.size() == 3);
     CHECK(found.messages.empty());
     CHECK(tree.found().messages.empty());
+  }
+  SECTION("a folder in its place") {
+    fs::create_directory(tree.index());
+    const FoundCampaigns found = tree.found();
+    CHECK(found.records.size() == 3);
+    CHECK(all(found.messages) ==
+          "The index " + tree.index().string() +
+              " cannot be opened (unable to open database file). Check the path and the "
+              "permissions, or name another file with --index. All folders were read.\n");
   }
   SECTION("a record of nonsense") {
     (void)tree.found();

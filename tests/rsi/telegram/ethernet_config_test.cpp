@@ -287,6 +287,22 @@ TEST_CASE("dotted tags fold into the first occurrence of their element, others a
   CHECK(layout_of({"DiL", "DiL.x", "DiL", "DiL.x"}) == "DiL(,x,) ");
 }
 
+TEST_CASE("each error says what to do", "[ethernet_config]") {
+  using Catch::Matchers::EndsWith;
+  for (const auto& xml :
+       {std::string("<html/>"), std::string("<ROOT><CONFIG/></ROOT>"),
+        file(kSettings + "<PROTOCOL>SCTP</PROTOCOL>"), file("<PORT>1</PORT><PORT>2</PORT>"),
+        file(kSettings, kSent, "<ELEMENT TAG=\"a\" TYPE=\"FLOAT\" INDX=\"1\"/>"),
+        file(kSettings, kSent, "<TAG/>")})
+    CHECK_THAT(error_of(xml), EndsWith(": correct it, here and on the controller") ||
+                                  EndsWith(": add it, here and on the controller"));
+  CHECK_THAT(error_of("<ROOT>\n<CONFIG>\n</CONFIX></ROOT>"),
+             EndsWith(": correct it, or copy the file from the controller again"));
+  CHECK_THAT(error_of(std::string("<\0R\0", 4)), EndsWith("found zero bytes: save it as UTF-8"));
+  CHECK_THROWS_WITH(EthernetConfig::load("/nowhere/ethernet.xml"),
+                    EndsWith(": check the path and the permissions"));
+}
+
 TEST_CASE("a file that cannot be read is named", "[ethernet_config]") {
   const auto folder = std::filesystem::temp_directory_path();
   for (const auto& file : {folder / "sweepd-no-such-file.xml", folder})
