@@ -111,6 +111,8 @@ Outcome outcome_of(const Snapshot& snapshot) {
   outcome.limits = snapshot.limits;
   outcome.currents = snapshot.currents;
   outcome.angle_step_rad = campaign.resolution.angle_rad;
+  if (!snapshot.missing_signals.empty())
+    outcome.identification.warnings.push_back({"missing_signals", {}, snapshot.missing_signals});
   if (!outcome.joined) outcome.motion_limit = campaign.motion_limit;
   if (!outcome.joined && (snapshot.left_out.sweeps > 0 || snapshot.left_out.sample_stride > 1))
     outcome.identification.warnings.push_back(

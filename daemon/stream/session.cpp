@@ -45,12 +45,20 @@ Session::Session(const RobotSetup& setup, std::string source_kind, StreamSink& s
       sink_(sink),
       pipeline_(setup.joints, setup.signals, *this, with_currents) {}
 
+void Session::telegram(const rsi::Datagram& datagram) {
+  if (!missing_signals_)
+    missing_signals_ = missing_signals(setup_.signals, setup_.joints, datagram.payload);
+  pipeline_.telegram(datagram);
+}
+
 Snapshot Session::snapshot() const {
   auto known = campaign(setup_, pipeline_.resolution());
   known.motion_limit = pipeline_.motion_limit();
-  return {setup_.name,       source_kind_,     pipeline_.counts(), std::move(known),
-          kept_.sweeps(),    kept_.left_out(), setup_.limits(),    {},
-          currents_.joints()};
+  return {setup_.name,        source_kind_,
+          pipeline_.counts(), std::move(known),
+          kept_.sweeps(),     kept_.left_out(),
+          setup_.limits(),    {},
+          currents_.joints(), missing_signals_.value_or("")};
 }
 
 bool Session::worth_identifying() const {

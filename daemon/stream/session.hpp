@@ -33,6 +33,8 @@ struct Snapshot {
   std::vector<JointLimits> limits = {};    ///< of the joints, where the description has them
   std::vector<identify::Pose> poses = {};  ///< static ones, beside the sweeps
   std::vector<JointCurrents::Joint> currents = {};  ///< empty: the stream has none
+  /// Of the first telegram: what missing_signals() says.
+  std::string missing_signals = {};
   /// What a device measured meanwhile: its positions take the place of the controller's.
   std::shared_ptr<const DeviceTake> device = {};
 };
@@ -56,7 +58,7 @@ class Session : private StreamSink {
           bool with_currents = false);
 
   /// What came from the controller, whatever it holds.
-  void telegram(const rsi::Datagram& datagram) { pipeline_.telegram(datagram); }
+  void telegram(const rsi::Datagram& datagram);
   void reply(const rsi::Datagram& datagram) { pipeline_.reply(datagram); }
   /// The stream is over: the last stroke ends.
   void finish() { pipeline_.finish(); }
@@ -84,6 +86,7 @@ class Session : private StreamSink {
   RobotSetup setup_;
   std::string source_kind_;
   StreamSink& sink_;
+  std::optional<std::string> missing_signals_;
   Pipeline pipeline_;
   KeptSweeps kept_{kMostSamples};
   JointCurrents currents_;
