@@ -1,4 +1,3 @@
-#include <array>
 #include <stdexcept>
 
 #include <nlohmann/json.hpp>
@@ -40,8 +39,7 @@ Json packed(const ToldArm& told) {
        home = Json::array(), gear = Json::array(), ranges = Json::array();
   for (std::size_t j = 0; j < told.joints(); ++j) {
     const identify::DhEstimate& row = told.arm.dh[j];
-    for (const auto* number : {&row.b_mm, &row.theta_rad, &row.a_mm, &row.alpha_rad, &row.beta_rad})
-      rows.push_back(number->value);
+    for (const auto* number : numbers_of(row)) rows.push_back(number->value);
     relations.push_back(static_cast<int>(row.relation));
     linear.push_back(row.linear);
     positive.push_back(told.arm.positive[j]);
@@ -80,8 +78,7 @@ ToldArm arm_in(const Json& json) {
   for (std::size_t j = 0; j < joints; ++j) {
     identify::DhEstimate row;
     std::size_t k = 5 * j;
-    for (auto* number : {&row.b_mm, &row.theta_rad, &row.a_mm, &row.alpha_rad, &row.beta_rad})
-      number->value = rows[k++];
+    for (const auto& of : identify::kDhNumbers) (row.*of.number).value = rows[k++];
     row.relation = static_cast<identify::Relation>(json.at("relations").at(j).get<int>());
     row.linear = json.at("linear").at(j).get<bool>();
     told.arm.dh.push_back(row);

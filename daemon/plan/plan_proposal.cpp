@@ -1,7 +1,6 @@
 #include "daemon/plan/plan_proposal.hpp"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -61,15 +60,13 @@ SweepPlan widened(const SweepPlan& plan, std::size_t joint, const RobotDescripti
 }
 
 double gain(const identify::Prediction& before, const identify::Prediction& after) {
-  constexpr std::array kNumbers{&DhEstimate::b_mm, &DhEstimate::theta_rad, &DhEstimate::a_mm,
-                                &DhEstimate::alpha_rad, &DhEstimate::beta_rad};
   double sum = 0;
   int both = 0;
   int more = 0;
   for (std::size_t j = 0; j < before.dh.size(); ++j)
-    for (const auto number : kNumbers) {
-      const auto& first = before.dh[j].*number;
-      const auto& second = after.dh[j].*number;
+    for (const auto& of : identify::kDhNumbers) {
+      const auto& first = before.dh[j].*of.number;
+      const auto& second = after.dh[j].*of.number;
       const bool in_first = first.knowledge == identify::Knowledge::identified;
       const bool in_second = second.knowledge == identify::Knowledge::identified;
       more += in_second - in_first;

@@ -8,6 +8,7 @@
 #include "daemon/plan/outlook_numbers.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/text_layout.hpp"
+#include "identify/dh/dh_extraction.hpp"
 #include "rsi/counted.hpp"
 
 namespace sweepd {
@@ -74,14 +75,13 @@ std::string pose_table_text(const RobotDescription& robot, const PosePlan& plan)
 
 /// What the poses leave open; empty: nothing.
 std::string open_text(const PosePlan& plan) {
-  static constexpr std::array kNames = {"b", "theta", "a", "alpha", "beta"};
   std::string names;
   for (std::size_t j = 0; j < plan.outlook.dh.size(); ++j) {
-    const auto numbers = numbers_of(plan.outlook.dh[j]);
-    for (std::size_t k = 0; k < kNames.size(); ++k)
-      if (numbers[k]->knowledge == Knowledge::undetermined &&
-          (k < 4 || has_beta(plan.outlook.dh[j])))
-        names += fmt::format("{}{} {}", names.empty() ? "" : ", ", kNames[k], j + 1);
+    const DhEstimate& row = plan.outlook.dh[j];
+    for (const auto& of : identify::kDhNumbers)
+      if ((row.*of.number).knowledge == Knowledge::undetermined &&
+          (of.number != &DhEstimate::beta_rad || has_beta(row)))
+        names += fmt::format("{}{} {}", names.empty() ? "" : ", ", of.name, j + 1);
   }
   return names;
 }

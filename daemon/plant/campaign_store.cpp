@@ -1,6 +1,5 @@
 #include "daemon/plant/campaign_store.hpp"
 
-#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -14,6 +13,7 @@
 #include "daemon/settings/toml_table.hpp"
 #include "daemon/system/file_hash.hpp"
 #include "daemon/text/utc.hpp"
+#include "identify/dh/dh_extraction.hpp"
 
 namespace sweepd {
 namespace {
@@ -61,19 +61,18 @@ struct Numbers {
 };
 
 Numbers numbers_in(const Json& result) {
-  constexpr std::array<std::pair<const char*, const char*>, 5> kNames = {
-      {{"b", "_mm"}, {"theta", "_deg"}, {"a", "_mm"}, {"alpha", "_deg"}, {"beta", "_deg"}}};
   Numbers numbers;
   std::size_t joint = 0;
   for (const Json& row : list_of(result, "dh")) {
     const std::string number = std::to_string(++joint);
-    for (const auto& [name, unit] : kNames) {
-      const auto value = number_or_null(number_of(row, std::string(name) + unit));
+    for (const auto& of : identify::kDhNumbers) {
+      const auto value = number_or_null(number_of(row, fmt::format("{}_{}", of.name, of.unit())));
       if (!value) continue;
-      numbers.name.emplace_back(name + number + unit);
+      numbers.name.emplace_back(fmt::format("{}{}_{}", of.name, number, of.unit()));
       numbers.joint.emplace_back(number);
       numbers.value.push_back(value);
-      numbers.sigma.push_back(number_or_null(number_of(row, std::string(name) + "_sigma" + unit)));
+      numbers.sigma.push_back(
+          number_or_null(number_of(row, fmt::format("{}_sigma_{}", of.name, of.unit()))));
     }
   }
   return numbers;

@@ -11,6 +11,7 @@
 #include "daemon/drawing/plot.hpp"
 #include "daemon/text/numbers.hpp"
 #include "identify/chain/chain_estimate.hpp"
+#include "identify/dh/dh_extraction.hpp"
 
 namespace sweepd {
 namespace {
@@ -145,11 +146,10 @@ double share_of(const Json& row, Cause cause) {
 
 /// "theta3_deg" as "θ₃" is written elsewhere: θ 3.
 std::string number_name(const std::string& key) {
-  static constexpr std::array<std::pair<std::string_view, const char*>, 4> kGreek{
-      {{"theta", "θ"}, {"alpha", "α"}, {"beta", "β"}, {"", ""}}};
-  std::string name = key.substr(0, key.find('_'));
-  for (const auto& [word, letter] : kGreek)
-    if (!word.empty() && name.starts_with(word)) return letter + name.substr(word.size());
+  const std::string name = key.substr(0, key.find('_'));
+  const std::string word = name.substr(0, name.find_first_of("0123456789"));
+  for (const auto& of : identify::kDhNumbers)
+    if (of.name == word) return std::string(of.symbol) + name.substr(word.size());
   return name;
 }
 

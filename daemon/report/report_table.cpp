@@ -1,27 +1,18 @@
 #include "daemon/report/report_table.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+
+#include <spdlog/fmt/fmt.h>
 
 #include "daemon/drawing/picture.hpp"
 #include "daemon/text/numbers.hpp"
+#include "identify/dh/dh_extraction.hpp"
 
 namespace sweepd {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-struct Name {
-  const char* symbol;
-  const char* key;
-  const char* unit;
-};
-constexpr std::array<Name, 5> kNumbers{{{"b", "b", "mm"},
-                                        {"θ", "theta", "deg"},
-                                        {"a", "a", "mm"},
-                                        {"α", "alpha", "deg"},
-                                        {"β", "beta", "deg"}}};
 
 constexpr int kMostMmDecimals = 6;  // those of the files
 constexpr int kMostDegDecimals = 7;
@@ -78,11 +69,12 @@ std::vector<DhLine> dh_lines(const ReportFolder& folder) {
     const Json& row = table.at(i);
     const Json& specified = row_of(folder.result, "specified", i);
     const Json& difference = row_of(folder.result, "difference", i);
-    for (const Name& name : kNumbers) {
-      const std::string key = std::string(name.key) + "_" + name.unit;
+    for (const auto& of : identify::kDhNumbers) {
+      const std::string key = fmt::format("{}_{}", of.name, of.unit());
       if (!row.is_object() || !row.contains(key)) continue;
-      DhLine line{i + 1, name.symbol, name.unit, known(row, key), {}, {}, {}};
-      line.sigma = known(row, std::string(name.key) + "_sigma_" + name.unit);
+      DhLine line{i + 1, std::string(of.symbol), std::string(of.unit()), known(row, key), {}, {},
+                  {}};
+      line.sigma = known(row, fmt::format("{}_sigma_{}", of.name, of.unit()));
       line.specified = known(specified, key);
       line.difference = known(difference, key);
       line.by_convention = is_set(row, key);

@@ -1,7 +1,6 @@
 #include "daemon/results/budget_text.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string_view>
 #include <vector>
@@ -42,8 +41,6 @@ std::string size(Cause cause, const Identification& found) {
   return "";
 }
 
-constexpr std::array<std::string_view, 5> kNames = {"b", "theta", "a", "alpha", "beta"};
-
 /// Shares in the variances of all identified numbers: the middle one, and the largest with whose it
 /// is.
 struct Shares {
@@ -60,7 +57,8 @@ Shares shares_of(const Eigen::VectorXd& part, const Eigen::MatrixXd& covariance)
     all.push_back(part(k) / covariance(k, k));
     if (all.back() <= found.largest) continue;
     found.largest = all.back();
-    found.of = std::string(kNames[static_cast<std::size_t>(k % 5)]) + std::to_string(k / 5 + 1);
+    found.of = std::string(identify::kDhNumbers[static_cast<std::size_t>(k % 5)].name) +
+               std::to_string(k / 5 + 1);
   }
   if (all.empty()) return found;
   const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);

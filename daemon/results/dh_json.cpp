@@ -1,17 +1,18 @@
 #include "daemon/results/dh_json.hpp"
 
-#include <array>
 #include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include <nlohmann/json.hpp>
+#include <spdlog/fmt/fmt.h>
 
 #include "daemon/results/json_numbers.hpp"
 #include "daemon/results/outcome.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
+#include "identify/dh/dh_extraction.hpp"
 #include "identify/models/kinematic_model.hpp"
 
 namespace sweepd {
@@ -23,6 +24,7 @@ using identify::DhEstimate;
 using identify::DhNumber;
 using identify::DhRow;
 using identify::Identification;
+using identify::kDhNumbers;
 using identify::Knowledge;
 
 /// Twelve significant digits: numbers along axes that are nearly parallel are correlated closely.
@@ -30,8 +32,6 @@ Json significant(double value) {
   if (value == 0 || !std::isfinite(value)) return value;
   return rounded(value, 11 - static_cast<int>(std::floor(std::log10(std::abs(value)))));
 }
-
-constexpr std::array<std::string_view, 5> kNumberNames = {"b", "theta", "a", "alpha", "beta"};
 
 /// A number of the table, as "a3_mm".
 struct NumberPlace {
@@ -43,14 +43,12 @@ struct NumberPlace {
 std::vector<NumberPlace> identified_numbers(const Identification& found) {
   std::vector<NumberPlace> places;
   for (std::size_t i = 0; i < found.dh.size(); ++i) {
-    const auto numbers = numbers_of(found.dh[i]);
-    for (std::size_t k = 0; k < numbers.size(); ++k) {
-      if (numbers[k]->knowledge != Knowledge::identified) continue;
-      const bool length = k == 0 || k == 2;
-      places.push_back(
-          {static_cast<Eigen::Index>(numbers.size() * i + k),
-           std::string(kNumberNames[k]) + std::to_string(i + 1) + (length ? "_mm" : "_deg"),
-           length ? 1 : degrees(1)});
+    for (std::size_t k = 0; k < kDhNumbers.size(); ++k) {
+      const auto& of = kDhNumbers[k];
+      if ((found.dh[i].*of.number).knowledge != Knowledge::identified) continue;
+      places.push_back({static_cast<Eigen::Index>(kDhNumbers.size() * i + k),
+                        fmt::format("{}{}_{}", of.name, i + 1, of.unit()),
+                        of.length ? 1 : degrees(1)});
     }
   }
   return places;
@@ -61,8 +59,11 @@ std::vector<NumberPlace> identified_numbers(const Identification& found) {
 Json dh_json(std::size_t index, const DhEstimate& row) {
   Json json = {{"joint", index + 1}};
   Json by_convention = Json::array();
-  const auto add = [&](const std::string& name, const std::string& unit, const DhNumber& number,
-                       auto in_unit) {
+  for (const auto& of : kDhNumbers) {
+    if (of.number == &DhEstimate::beta_rad && !has_beta(row)) continue;
+    const DhNumber& number = row.*of.number;
+    const auto in_unit = of.length ? json_length : json_angle;
+    const std::string name(of.name), unit = "_" + std::string(of.unit());
     const bool known = number.knowledge != Knowledge::undetermined;
     const bool identified = number.knowledge == Knowledge::identified;
     const double half = identify::kSigmasOf95Percent * number.sigma;
@@ -71,12 +72,7 @@ Json dh_json(std::size_t index, const DhEstimate& row) {
     json[name + "_low" + unit] = identified ? in_unit(number.value - half) : Json();
     json[name + "_high" + unit] = identified ? in_unit(number.value + half) : Json();
     if (number.knowledge == Knowledge::by_convention) by_convention.push_back(name + unit);
-  };
-  add("b", "_mm", row.b_mm, json_length);
-  add("theta", "_deg", row.theta_rad, json_angle);
-  add("a", "_mm", row.a_mm, json_length);
-  add("alpha", "_deg", row.alpha_rad, json_angle);
-  if (has_beta(row)) add("beta", "_deg", row.beta_rad, json_angle);
+  }
   if (row.linear) json["variable"] = "b_mm";
   json["relation"] = identify::text(row.relation);
   if (!by_convention.empty()) json["by_convention"] = std::move(by_convention);

@@ -2,12 +2,14 @@
 
 #include <array>
 #include <optional>
+#include <span>
 
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
 #include "identify/dh/dh_comparison.hpp"
+#include "identify/dh/dh_extraction.hpp"
 #include "identify/geometry/circle_fit.hpp"
 #include "identify/identification.hpp"
 #include "identify/models/kinematic_model.hpp"
@@ -67,17 +69,12 @@ std::string dh_csv(const Outcome& outcome) {
   const auto& found = outcome.identification;
   const auto differences = compare_with_specified(found.dh, found.specified, found.home_rad);
   std::string csv = "joint";
-  for (const std::string name : {"b_mm", "theta_deg", "a_mm", "alpha_deg"}) {
-    const auto unit = name.find('_');
-    const std::string base = name.substr(0, unit);
-    const std::string suffix = name.substr(unit);
-    csv += fmt::format(",{0},{1}_sigma{2},{1}_specified{2},{1}_difference{2}", name, base, suffix);
-  }
+  for (const auto& of : std::span(identify::kDhNumbers).first(4))  // beta stands behind
+    csv += fmt::format(",{0}_{1},{0}_sigma_{1},{0}_specified_{1},{0}_difference_{1}", of.name,
+                       of.unit());
   csv += ",relation,by_convention,beta_deg,beta_sigma_deg";
-  for (const std::string base : {"b", "theta", "a", "alpha", "beta"}) {
-    const std::string unit = base == "a" || base == "b" ? "_mm" : "_deg";
-    csv += fmt::format(",{0}_low{1},{0}_high{1}", base, unit);
-  }
+  for (const auto& of : identify::kDhNumbers)
+    csv += fmt::format(",{0}_low_{1},{0}_high_{1}", of.name, of.unit());
   csv += ",positive,home_deg,variable\n";
   for (std::size_t i = 0; i < found.dh.size(); ++i) {
     const auto& row = found.dh[i];

@@ -1,7 +1,6 @@
 #include "daemon/results/told_arm.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -9,6 +8,7 @@
 #include <string_view>
 
 #include <nlohmann/json.hpp>
+#include <spdlog/fmt/fmt.h>
 
 #include "daemon/report/json_part.hpp"
 #include "daemon/report/report_folder.hpp"
@@ -16,14 +16,16 @@
 #include "daemon/system/whole_file.hpp"
 #include "daemon/text/units.hpp"
 #include "identify/dh/dh.hpp"
+#include "identify/dh/dh_extraction.hpp"
 
 namespace sweepd {
 namespace {
 
 using Eigen::Index;
+using identify::DhNumberName;
+using identify::kDhNumbers;
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<const char*, 5> kDhNames = {"b", "theta", "a", "alpha", "beta"};
 constexpr double kUsualTurn_deg = 90;
 /// Of fewer axes nothing but one row would be compared.
 constexpr std::size_t kFewestAxes = 3;
@@ -32,11 +34,8 @@ constexpr std::size_t kFewestAxes = 3;
   throw std::runtime_error(file.string() + ' ' + why);
 }
 
-double unit(std::size_t number) {
-  return number == 0 || number == 2 ? 1 : radians(1);
-}
-const char* suffix(std::size_t number) {
-  return number == 0 || number == 2 ? "_mm" : "_deg";
+double unit(const DhNumberName& of) {
+  return of.length ? 1 : radians(1);
 }
 
 identify::Relation relation_of(const std::string& name) {
@@ -52,11 +51,9 @@ std::vector<identify::DhEstimate> table_of(const Json& rows) {
   std::vector<identify::DhEstimate> table;
   for (const Json& json : rows) {
     identify::DhEstimate row;
-    const std::array<identify::DhNumber*, 5> numbers = {&row.b_mm, &row.theta_rad, &row.a_mm,
-                                                        &row.alpha_rad, &row.beta_rad};
-    for (std::size_t k = 0; k < numbers.size(); ++k) {
-      const double value = number_of(json, std::string(kDhNames[k]) + suffix(k));
-      if (std::isfinite(value)) numbers[k]->value = unit(k) * value;
+    for (const auto& of : kDhNumbers) {
+      const double value = number_of(json, fmt::format("{}_{}", of.name, of.unit()));
+      if (std::isfinite(value)) (row.*of.number).value = unit(of) * value;
     }
     row.relation = relation_of(text_of(json, "relation"));
     row.linear = text_of(json, "variable") == "b_mm";
@@ -80,9 +77,9 @@ Eigen::MatrixXd covariance_of(const Json& json, std::size_t joints) {
   };
   std::map<std::string, Place> places;
   for (std::size_t j = 0; j < joints; ++j)
-    for (std::size_t k = 0; k < kDhNames.size(); ++k)
-      places[kDhNames[k] + std::to_string(j + 1) + suffix(k)] = {static_cast<Index>(5 * j + k),
-                                                                 unit(k)};
+    for (std::size_t k = 0; k < kDhNumbers.size(); ++k)
+      places[fmt::format("{}{}_{}", kDhNumbers[k].name, j + 1, kDhNumbers[k].unit())] = {
+          static_cast<Index>(kDhNumbers.size() * j + k), unit(kDhNumbers[k])};
   std::vector<Place> order;
   for (const Json& name : list_of(json, "names")) {
     const auto place = name.is_string() ? places.find(name.get<std::string>()) : places.end();
@@ -256,7 +253,7 @@ ToldArm told_arm_in(const Json& json, const std::filesystem::path& file) {
 
 void ToldArm::cut(std::size_t joints) {
   if (joints >= arm.dh.size()) return;
-  const auto numbers = static_cast<Index>(kDhNames.size() * joints);
+  const auto numbers = static_cast<Index>(kDhNumbers.size() * joints);
   arm.dh.resize(joints);
   arm.covariance = Eigen::MatrixXd(arm.covariance.topLeftCorner(numbers, numbers));
   arm.positive.resize(joints);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -34,6 +35,22 @@ struct DhEstimate {
 [[nodiscard]] inline bool has_beta(const DhEstimate& row) {
   return row.relation == Relation::parallel || row.relation == Relation::coincident;
 }
+
+/// A number of a row, and its name in tables and files, which have mm and degrees.
+struct DhNumberName {
+  DhNumber DhEstimate::*number;
+  std::string_view name;
+  std::string_view symbol;
+  bool length;  ///< else an angle
+
+  [[nodiscard]] constexpr std::string_view unit() const { return length ? "mm" : "deg"; }
+};
+inline constexpr std::array<DhNumberName, 5> kDhNumbers{
+    {{&DhEstimate::b_mm, "b", "b", true},
+     {&DhEstimate::theta_rad, "theta", "θ", false},
+     {&DhEstimate::a_mm, "a", "a", true},
+     {&DhEstimate::alpha_rad, "alpha", "α", false},
+     {&DhEstimate::beta_rad, "beta", "β", false}}};
 
 /// b, theta, a, alpha, beta of a row.
 [[nodiscard]] inline std::array<const DhNumber*, 5> numbers_of(const DhEstimate& row) {
