@@ -2,9 +2,11 @@
 
 #include <charconv>
 #include <cmath>
+#include <stdexcept>
 
 #include <CLI/CLI.hpp>
 
+#include "daemon/text/utc.hpp"
 #include "rsi/ascii.hpp"
 
 namespace sweepd {
@@ -53,6 +55,12 @@ CLI::Validator more_than_zero() {
 void refuse_value(const std::string& option, const std::string& expected,
                   const std::string& found) {
   throw CLI::ValidationError(option, expected + ", found " + rsi::printable(found));
+}
+
+std::chrono::nanoseconds date_option(const std::string& name, const std::string& text) {
+  if (const auto time = parse_utc(text)) return *time;
+  throw std::invalid_argument(name + ": " + text +
+                              " is no date: write it as 2026-03-01 or 2026-03-01T14:30, in UTC");
 }
 
 void add_filter(CLI::App& command, rsi::ConversationFilter& filter) {

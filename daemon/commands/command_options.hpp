@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -45,6 +46,10 @@ inline constexpr const char* kAnEndpoint =
 /// Throws CLI::ValidationError: what was expected of the option, and what it is.
 [[noreturn]] void refuse_value(const std::string& option, const std::string& expected,
                                const std::string& found);
+
+/// A date in UTC, since 1970. Throws std::invalid_argument with the option's name.
+[[nodiscard]] std::chrono::nanoseconds date_option(const std::string& name,
+                                                   const std::string& text);
 
 /// The value of an option that is an endpoint or an address.
 template <typename Value, typename Parse>

@@ -7,7 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "daemon/commands/date_option.hpp"
+#include "daemon/commands/command_options.hpp"
 #include "daemon/commands/exit_codes.hpp"
 #include "daemon/commands/help_text.hpp"
 #include "daemon/history/campaign_folders.hpp"

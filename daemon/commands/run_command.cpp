@@ -22,7 +22,6 @@
 #include "daemon/page/http_server.hpp"
 #include "daemon/service/fleet.hpp"
 #include "daemon/service/service_status.hpp"
-#include "daemon/service/status_line.hpp"
 #include "daemon/settings/settings.hpp"
 #include "daemon/settings/toml_table.hpp"
 #include "daemon/system/heartbeat.hpp"

@@ -8,7 +8,6 @@
 
 #include "daemon/page/http_connection.hpp"
 #include "daemon/system/realtime.hpp"
-#include "rsi/asio_endpoint.hpp"
 #include "rsi/server/port_owner.hpp"
 
 namespace sweepd {

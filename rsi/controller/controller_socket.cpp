@@ -8,7 +8,8 @@
 
 #include <poll.h>
 
-#include "rsi/asio_endpoint.hpp"
+#include "rsi/asio.hpp"
+
 #include "rsi/telegram/tcp_framer.hpp"
 
 namespace rsi {

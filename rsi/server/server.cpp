@@ -3,7 +3,8 @@
 #include <thread>
 #include <utility>
 
-#include "rsi/asio_endpoint.hpp"
+#include "rsi/asio.hpp"
+
 #include "rsi/telegram/correction_gate.hpp"
 #include "rsi/telegram/ipoc.hpp"
 

@@ -6,7 +6,8 @@
 
 #include <netinet/tcp.h>
 
-#include "rsi/asio_endpoint.hpp"
+#include "rsi/asio.hpp"
+
 #include "rsi/server/port_owner.hpp"
 #include "rsi/server/socket_options.hpp"
 #include "rsi/telegram/ipoc.hpp"

@@ -6,7 +6,8 @@
 #include <thread>
 #include <utility>
 
-#include "rsi/asio_endpoint.hpp"
+#include "rsi/asio.hpp"
+
 #include "rsi/server/server.hpp"
 #include "rsi/server/socket_options.hpp"
 #include "rsi/server/udp_control.hpp"

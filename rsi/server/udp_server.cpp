@@ -9,7 +9,8 @@
 #include <linux/filter.h>
 #include <unistd.h>
 
-#include "rsi/asio_endpoint.hpp"
+#include "rsi/asio.hpp"
+
 #include "rsi/server/port_owner.hpp"
 #include "rsi/server/socket_options.hpp"
 #include "rsi/server/udp_control.hpp"

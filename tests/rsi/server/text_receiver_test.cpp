@@ -4,7 +4,8 @@
 #include <thread>
 #include <vector>
 
-#include "rsi/asio_endpoint.hpp"
+#include "rsi/asio.hpp"
+
 #include "rsi/server/server.hpp"
 #include "tests/catch.hpp"
 #include "tests/eventually.hpp"

@@ -1,4 +1,4 @@
-#include "daemon/service/status_line.hpp"
+#include "daemon/service/service_status.hpp"
 
 #include <spdlog/fmt/fmt.h>
 

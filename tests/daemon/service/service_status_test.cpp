@@ -1,4 +1,4 @@
-#include "daemon/service/status_line.hpp"
+#include "daemon/service/service_status.hpp"
 
 #include "tests/catch.hpp"
 
@@ -17,7 +17,7 @@ std::shared_ptr<RobotStatus> robot(const std::string& name) {
 }  // namespace
 
 TEST_CASE("the status line has each robot's stream, telegrams, last sweep and result",
-          "[status_line]") {
+          "[service_status]") {
   const auto arc = robot("arc");
   ServiceStatus service{ServiceStatus::Phase::serving, {arc, robot("other")}, {}, {}};
   CHECK(status_line(service) == "arc: no RSI now, 0 telegrams; other: no RSI now, 0 telegrams");
@@ -44,7 +44,7 @@ TEST_CASE("the status line has each robot's stream, telegrams, last sweep and re
 }
 
 TEST_CASE("the status line begins with the robots that are not served",
-          "[status_line][issue11][point_7]") {
+          "[service_status][issue11][point_7]") {
   ServiceStatus service{ServiceStatus::Phase::serving, {robot("arc")}, {}, {}};
   service.not_served = {{"far", "cannot listen"}};
   CHECK(status_line(service) == "NOT SERVED: far: cannot listen; arc: no RSI now, 0 telegrams");
