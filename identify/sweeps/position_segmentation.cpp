@@ -28,12 +28,14 @@ constexpr double kStopSigmas = 3;
 /// The ringing after a stop runs through any angle, but hardly leaves its place.
 constexpr double kShortest_mm = MotionLimit::kUsualShortest_mm;
 constexpr double kShortestSizes = 30;  // of the noise
+/// Strays lie so far beside the positions before and behind them; in sizes of the noise.
+constexpr double kStray_mm = 1;
+constexpr double kStraySizes = 10;
 constexpr double kFirstSize_mm = 1e-6;
 constexpr double kSizesPerOctave = 8;
 /// Motion leaves more than noise does: of all windows the quieter ones tell the noise.
 constexpr double kQuiet = 0.25;
-/// Of a window, that its slope is told by: those of five frames a millisecond. Of more, one of so
-/// many.
+/// So many frames of a window at most tell its slope: of more, every second, third, …
 constexpr std::size_t kMostFrames = 1000;
 
 double moves_above(double sigma, double step) {
@@ -52,13 +54,17 @@ double shortest(double noise) {
 std::vector<Sweep> PositionSegmenter::push(const std::vector<Seen>& frame) {
   Frame next;
   for (const Seen& seen : frame)
-    if (seen.sample.has_position && seen.sample.position_mm.allFinite()) next.seen.push_back(seen);
+    if (seen.sample.has_position && seen.sample.position_mm.allFinite())
+      next.seen.push_back({seen});
   if (next.seen.empty()) return {};
   next.time_s = next.seen.front().sample.time_s;
   if (!window_.empty() && next.time_s <= window_.back().time_s) return {};
   if (!window_.empty() && next.time_s - window_.back().time_s > kLongestGap_s) ended_ = finish();
   window_.push_back(std::move(next));
-  while (window_[undecided_].time_s + kHalfWindow_s <= window_.back().time_s) {
+  look_for_strays();
+  // The last frame may be a stray: only the next one tells.
+  while (window_.size() > 1 &&
+         window_[undecided_].time_s + kHalfWindow_s <= window_[window_.size() - 2].time_s) {
     decide(undecided_);
     ++undecided_;
     while (window_.front().time_s < window_[undecided_ - 1].time_s - kHalfWindow_s) {
@@ -79,6 +85,27 @@ std::vector<Sweep> PositionSegmenter::finish() {
   return std::exchange(ended_, {});
 }
 
+void PositionSegmenter::look_for_strays() {
+  const double noise = noise_mm();
+  if (window_.size() < 3 || noise == 0) return;
+  const Frame& before = window_[window_.size() - 3];
+  const Frame& after = window_.back();
+  const auto of = [](const Frame& frame, std::size_t target) {
+    return std::find_if(frame.seen.begin(), frame.seen.end(),
+                        [&](const Kept& seen) { return seen.target == target; });
+  };
+  for (Kept& seen : window_[window_.size() - 2].seen) {
+    const auto one = of(before, seen.target), other = of(after, seen.target);
+    if (one == before.seen.end() || other == after.seen.end()) continue;
+    // Beside the box of the two in time.
+    const auto& a = one->sample.position_mm;
+    const auto& b = other->sample.position_mm;
+    const Vector3d beside = seen.sample.position_mm -
+                            seen.sample.position_mm.cwiseMax(a.cwiseMin(b)).cwiseMin(a.cwiseMax(b));
+    seen.stray = beside.norm() > std::max(kStray_mm, kStraySizes * noise);
+  }
+}
+
 PositionSegmenter::Slope PositionSegmenter::slope_at(std::size_t centre) const {
   // A margin for times that are rounded.
   constexpr double kMargin_s = 1e-9;
@@ -97,7 +124,8 @@ PositionSegmenter::Slope PositionSegmenter::slope_at(std::size_t centre) const {
     const double t = frame.time_s - at;
     if (std::abs(t) > kHalfWindow_s + kMargin_s) continue;
     const Vector3d powers(1, t / kHalfWindow_s, t * t / (kHalfWindow_s * kHalfWindow_s));
-    for (const Seen& seen : frame.seen) {
+    for (const Kept& seen : frame.seen) {
+      if (seen.stray) continue;
       Fit& fit = fits[seen.target];
       if (fit.count++ == 0) fit.origin_mm = seen.sample.position_mm;
       const Vector3d off = seen.sample.position_mm - fit.origin_mm;
@@ -178,32 +206,40 @@ void PositionSegmenter::decide(std::size_t centre) {
 }
 
 void PositionSegmenter::close() {
-  std::map<std::size_t, std::vector<Sample>> targets;
+  std::map<std::size_t, std::vector<Kept>> targets;
   for (const Frame& frame : std::exchange(stroke_, {}))
-    for (const Seen& seen : frame.seen) targets[seen.target].push_back(seen.sample);
-  for (auto& [target, samples] : targets)
-    if (samples.size() > 1) report(target, std::move(samples));
+    for (const Kept& seen : frame.seen)
+      if (auto& of_target = targets[seen.target]; !seen.stray || !of_target.empty())
+        of_target.push_back(seen);
+  for (auto& [target, seen] : targets) {
+    while (!seen.empty() && seen.back().stray) seen.pop_back();
+    if (seen.size() > 1) report(target, seen);
+  }
 }
 
-void PositionSegmenter::report(std::size_t target, std::vector<Sample> samples) {
+void PositionSegmenter::report(std::size_t target, const std::vector<Kept>& seen) {
   const double noise = noise_mm();
-  const auto travel = [](const Sample& from, const Sample& to) {
-    return (to.position_mm - from.position_mm).norm();
+  const auto travel = [](const Kept& from, const Kept& to) {
+    return (to.sample.position_mm - from.sample.position_mm).norm();
   };
-  const Sample first = samples.front(), last = samples.back();
+  const Kept &first = seen.front(), &last = seen.back();
   const double rest = std::max({kRest * travel(first, last), 1.5 * step_mm_, 4 * noise});
-  auto begin = samples.begin(), end = samples.end();
+  auto begin = seen.begin(), end = seen.end();
   while (end - begin > 2 && travel(first, *(begin + 1)) <= rest) ++begin;
   while (end - begin > 2 && travel(last, *(end - 2)) <= rest) --end;
-  samples.erase(end, samples.end());
-  samples.erase(samples.begin(), begin);
-  samples.shrink_to_fit();  // they are kept: what they grew to is up to twice of that
+  std::vector<Sample> samples;
+  samples.reserve(static_cast<std::size_t>(end - begin));
+  Eigen::Matrix3Xd points(3, end - begin);
+  Eigen::Index count = 0;
+  for (auto at = begin; at != end; ++at) {
+    samples.push_back(at->sample);
+    if (!at->stray) points.col(count++) = at->sample.position_mm;
+  }
 
   Sweep sweep;
   sweep.target = target;
   sweep.samples = std::make_shared<const std::vector<Sample>>(std::move(samples));
-  const auto points = positions(*sweep.samples);
-  auto circle = fit_circle(points);
+  const auto circle = fit_circle(points.leftCols(count));
   // A move of two joints leaves the circle by millimetres; measuring noise does not.
   constexpr double kNoise_mm = 0.05;
   constexpr double kNoisePerLength = 2e-4;

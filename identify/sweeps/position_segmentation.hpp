@@ -18,7 +18,8 @@ namespace identify {
 /// or reversals whose positions lie on a circle. All targets of one body are taken together: they
 /// move and rest at once, each has a sweep of a stroke. Motion is judged by the slope of the
 /// positions over +-0.1 s, against what measuring noise makes of rest: the noise is seen while the
-/// stream runs, as what a parabola leaves of each window. Strokes of less than half a degree are
+/// stream runs, as what a parabola leaves of each window. A single position far beside those before
+/// and behind it moves nothing. Strokes of less than half a degree are
 /// motion, but never reported. Bounded memory while nothing moves; a stroke that outgrows
 /// `most_samples` is ended there and goes on as another.
 class PositionSegmenter {
@@ -43,9 +44,12 @@ class PositionSegmenter {
   [[nodiscard]] std::optional<MotionLimit> limit() const;
 
  private:
+  struct Kept : Seen {
+    bool stray = false;  ///< it tells nothing of motion; its stroke has it all the same
+  };
   struct Frame {
     double time_s = 0;
-    std::vector<Seen> seen;
+    std::vector<Kept> seen;
   };
   /// Of a window, of all its targets.
   struct Slope {
@@ -55,12 +59,14 @@ class PositionSegmenter {
     double sigma_mm_s = 0;  ///< of `speed_mm_s`, in units of the noise
   };
 
+  /// Marks strays in the last frame but one.
+  void look_for_strays();
   void decide(std::size_t centre);
   [[nodiscard]] Slope slope_at(std::size_t centre) const;
   void learn(const Slope& slope);
   [[nodiscard]] double noise_mm() const;
   void close();
-  void report(std::size_t target, std::vector<Sample> samples);
+  void report(std::size_t target, const std::vector<Kept>& seen);
 
   std::size_t most_samples_;
   double step_mm_ = 0;

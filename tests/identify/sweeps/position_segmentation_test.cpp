@@ -24,6 +24,7 @@ struct Stream {
   double rate_hz = 100;  ///< at most 250
   std::uint32_t seed = 1;
   double lost_from_s = 0, lost_to_s = 0;  ///< when the last marker is not seen
+  std::size_t stray_every = 0;            ///< so many frames, one is 200 mm off; 0: none
 };
 using Moves = std::function<void(test::Campaign&)>;
 
@@ -51,6 +52,7 @@ std::vector<Sweep> strokes_of(const Stream& how, PositionSegmenter& segmenter,
     std::move(ended.begin(), ended.end(), std::back_inserter(strokes));
   };
   double next_s = 0;
+  std::size_t count = 0;
   for (std::size_t i = 0; i < streams[0].size(); ++i) {
     const double time_s = streams[0][i].time_s;
     if (time_s < next_s) continue;
@@ -60,6 +62,8 @@ std::vector<Sweep> strokes_of(const Stream& how, PositionSegmenter& segmenter,
       if (marker + 1 == how.markers && time_s > how.lost_from_s && time_s < how.lost_to_s) continue;
       frame.push_back({marker, streams[marker][i]});
       frame.back().sample.joints = 0;
+      if (how.stray_every > 0 && ++count % how.stray_every == 0)
+        frame.back().sample.position_mm += Eigen::Vector3d(120, -120, 100);
     }
     take(segmenter.push(frame));
   }
@@ -199,6 +203,14 @@ TEST_CASE("a marker that is not seen for a while cuts no stroke of the others",
   for (std::size_t k = 0; k < good(all, 0).size(); ++k)
     CHECK(overlap(good(some, 0)[k], good(all, 0)[k]) > 0.97);
   CHECK(good(some, 1).size() < good(all, 1).size());
+}
+
+TEST_CASE("a position far off for one frame moves nothing and cuts no stroke",
+          "[position_segmentation]") {
+  const auto clean = good(strokes_of({.noise_mm = 0.05}), 0);
+  const auto strays = good(strokes_of({.noise_mm = 0.05, .stray_every = 97}), 0);
+  REQUIRE(strays.size() == clean.size());
+  for (std::size_t k = 0; k < clean.size(); ++k) CHECK(overlap(strays[k], clean[k]) > 0.97);
 }
 
 TEST_CASE("points that come as fast as never are segmented in time by their number",
