@@ -16,8 +16,7 @@ using Eigen::VectorXd;
 
 Observability observability_of(const PoseFit& fit) {
   const ChainParameters parameters = fit.model.chain_parameters();
-  VectorXd unit =
-      VectorXd::Ones(fit.model.lasting_parameters());  // of a step of about a millimetre
+  VectorXd unit = VectorXd::Ones(fit.model.fixed_parameters());  // of a step of about a millimetre
   for (std::size_t j = 0; j < parameters.joints; ++j)
     unit.segment<2>(parameters.axis(j)).setConstant(1 / kMetre_mm);
   unit.tail(unit.size() - parameters.tool()).setConstant(1 / kMetre_mm);

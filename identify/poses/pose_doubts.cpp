@@ -276,7 +276,7 @@ std::vector<Warning> advice_on(const PoseEstimate& found, const std::vector<Pose
                             "farther"});
   }
   const std::size_t rows = 3 * poses.size();
-  const auto unknowns = static_cast<std::size_t>(found.fit.model.parameters());
+  const auto unknowns = static_cast<std::size_t>(found.fit.model.fixed_parameters());
   if (!found.with_sweeps && rows < 2 * unknowns)
     advice.push_back({"few_poses",
                       {},

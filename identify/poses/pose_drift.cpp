@@ -35,7 +35,7 @@ Half half_of(const PoseFit& fit, std::size_t from, std::size_t to) {
   const Index count = fit.covariance.rows();
   Half half{MatrixXd::Zero(count, count), VectorXd::Zero(count)};
   for (std::size_t i = from; i < to; ++i) {
-    const double weight = fit.weights(static_cast<Index>(i));
+    const double weight = fit.weights(static_cast<Index>(i)) / fit.widened;
     const PoseRow& row = fit.rows[i];
     const MatrixXd weighed = fit.noise.covariance(row.by_own).llt().solve(row.by_parameter);
     half.information += weight * weighed.transpose() * row.by_parameter;
@@ -60,14 +60,14 @@ PoseDrift drift_of(const PoseFit& fit) {
   const MatrixXd one = scale.asDiagonal() * first.information * scale.asDiagonal();
   const VectorXd unit = scale.cwiseInverse();
   const MatrixXd all = unit.asDiagonal() * fit.covariance * unit.asDiagonal();
-  // What a place is off does not drift.
-  const Index lasting = fit.model.lasting_parameters();
-  scale.conservativeResize(lasting);
-  const MatrixXd middle = (one - one * all * one).topLeftCorner(lasting, lasting);
+  // What gears and places are off does not drift.
+  const Index fixed = fit.model.fixed_parameters();
+  scale.conservativeResize(fixed);
+  const MatrixXd middle = (one - one * all * one).topLeftCorner(fixed, fixed);
   const MatrixXd symmetric = 0.5 * (middle + middle.transpose());
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solved(symmetric);
   const VectorXd g =
-      solved.eigenvectors().transpose() * scale.cwiseProduct(first.score.head(lasting));
+      solved.eigenvectors().transpose() * scale.cwiseProduct(first.score.head(fixed));
   VectorXd inverse = VectorXd::Zero(g.size());
   for (Index k = 0; k < g.size(); ++k) {
     if (solved.eigenvalues()(k) < kLeastShare) continue;
@@ -82,7 +82,7 @@ PoseDrift drift_of(const PoseFit& fit) {
   const VectorXd change = root * inverse.cwiseSqrt().cwiseProduct(g);
   double square = 0, by_noise = 0;
   for (const PoseRow& row : fit.rows) {
-    const auto columns = row.by_parameter.topLeftCorner(3, lasting);
+    const auto columns = row.by_parameter.topLeftCorner(3, fixed);
     square += (columns * change).squaredNorm();
     by_noise += (columns * root).squaredNorm();
   }

@@ -44,7 +44,8 @@ std::vector<JointEffect> candidates(const PoseModel& model) {
 }
 
 /// What the candidates do to the poses beyond what the model's parameters can do: a normal matrix
-/// and a gradient, from which effects are taken up one by one.
+/// and a gradient, from which effects are taken up one by one. The fit has come to its end: of its
+/// own parameters no gradient is left.
 class Scores {
  public:
   Scores(const PoseFit& fit, const std::vector<Pose>& poses, std::vector<JointEffect> candidates)
@@ -57,7 +58,6 @@ class Scores {
     normal_ = MatrixXd::Zero(count, count);
     gradient_ = VectorXd::Zero(count);
     MatrixXd with_parameters = MatrixXd::Zero(count, fit.model.parameters());
-    VectorXd parameters = VectorXd::Zero(fit.model.parameters());
     for (std::size_t i = 0; i < poses.size(); ++i) {
       const double weight = fit.weights(static_cast<Index>(i));
       if (weight == 0) continue;
@@ -71,11 +71,9 @@ class Scores {
       normal_ += columns.transpose() * weighed;
       gradient_ += weighed.transpose() * row.off;
       with_parameters += weighed.transpose() * row.by_parameter;
-      parameters += weight * (row.by_parameter.transpose() * noise.solve(row.off));
     }
     whole_ = normal_.diagonal();
     normal_ -= with_parameters * fit.covariance * with_parameters.transpose();
-    gradient_ -= with_parameters * (fit.covariance * parameters);
   }
 
   [[nodiscard]] std::size_t count() const { return candidates_.size(); }
@@ -158,7 +156,7 @@ std::vector<EffectEvidence> add_effects(PoseFit& fit, const std::vector<Pose>& p
     fit = before;
     added.resize(fit.model.effects.size());
   }
-  assume_others(fit, poses, prior);
+  if (fit.converged) assume_others(fit, poses, prior);
   Index at = fit.model.chain_parameters().count(true);
   for (std::size_t e = 0; e < added.size(); ++e) {
     added[e].effect = fit.model.effects[e];

@@ -43,9 +43,13 @@ std::vector<ChainEstimate::Part> parts_of(const PoseFit& fit,
     const MatrixXd by_joint = fit.noise.joint_rad * row.by_own.transpose() * weighed;
     joints += weight / fit.widened * by_joint.transpose() * by_joint;
   }
-  const auto places = static_cast<Index>(fit.model.places.size());
-  joints.bottomRightCorner(places, places).diagonal().array() +=
-      1 / (fit.noise.joint_rad * fit.noise.joint_rad * fit.widened);
+  Index at = fit.model.chain_parameters().count(true);
+  const auto know = [&](double sigma) { joints(at, at) += 1 / (sigma * sigma), ++at; };
+  for (const JointEffect& effect : fit.model.effects)
+    for (Index k = 0; k < effect.count(); ++k)
+      know(effect.assumed ? fit.noise.gears_rad * std::sqrt(fit.widened) : effect.prior());
+  for (std::size_t k = 0; k < fit.model.places.size(); ++k)
+    know(fit.noise.joint_rad * std::sqrt(fit.widened));
   const auto share = [&](const MatrixXd& of) {
     return MatrixXd(fit.covariance * of * fit.covariance);
   };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <Eigen/Cholesky>
 
@@ -24,6 +25,8 @@ constexpr double kNoiseSettled = 2e-3;
 /// Below it residuals are those of computing.
 constexpr double kLeastNoise_mm = 1e-6;
 constexpr double kLeastJoint_rad = 1e-9;
+/// One wheel that is off, or two, tell nothing of the others.
+constexpr std::size_t kManyWheels = 3;
 /// A micrometre at two metres.
 constexpr double kNoGears_rad = 5e-7;
 
@@ -239,22 +242,28 @@ class Problem {
     const double variance = fit_.noise.joint_rad * fit_.noise.joint_rad;
     double seen_gears = 0, expected_gears = 0;
     at = fit_.model.chain_parameters().count(true);
-    const auto take = [&](double size, double sigma, double& seen, double& expected) {
+    std::set<std::size_t> found;
+    for (const JointEffect& effect : fit_.model.effects)
+      if (!effect.assumed && effect.kind != JointEffect::Kind::compliance)
+        found.insert(effect.joint);
+    const bool many = fit_.noise.gears_rad > 0 && found.size() >= kManyWheels;
+    // A size that was held to its variance beforehand falls short by what is left open of it; one
+    // that was not exceeds it by that.
+    const auto take = [&](double size, double sigma, bool held, double& seen, double& expected) {
       const double known = sigma * sigma, off = size + step_(at);
+      const double open = fit_.covariance(at, at) / (known * fit_.widened);
       seen += off * off / (known * known);
-      // What of the variance beforehand is not left open.
-      expected += (1 - fit_.covariance(at, at) / (known * fit_.widened)) / known;
+      expected += (held ? 1 - open : 1 + open) / known;
       ++at;
     };
-    for (const JointEffect& effect : fit_.model.effects) {
-      if (effect.assumed)
+    for (const JointEffect& effect : fit_.model.effects)
+      if (effect.assumed || (many && effect.kind != JointEffect::Kind::compliance))
         for (Index k = 0; k < effect.count(); ++k)
-          take(effect.size(k), fit_.noise.gears_rad, seen_gears, expected_gears);
+          take(effect.size(k), fit_.noise.gears_rad, effect.assumed, seen_gears, expected_gears);
       else
         at += effect.count();
-    }
     for (const JointPlace& place : fit_.model.places)
-      take(place.off_rad, fit_.noise.joint_rad, seen_joint, expected_joint);
+      take(place.off_rad, fit_.noise.joint_rad, true, seen_joint, expected_joint);
     const auto times = [](double seen, double expected) {
       return expected > 0 ? std::sqrt(seen / expected) : 1;
     };

@@ -70,7 +70,7 @@ Turns PoseModel::turned(const Turns& told) const {
   for (const JointEffect& effect : effects)
     turns[effect.joint] += effect.size.dot(pattern(effect, told));
   for (std::size_t j = 0; j < chain.axes.size(); ++j)
-    if (const std::size_t at = place_of(j, told[j]); at < places.size())
+    if (const std::size_t at = place_of(j, told[j]); at < places.size() && !is_known(told[j]))
       turns[j] += places[at].off_rad;
   return turns;
 }
@@ -88,6 +88,13 @@ std::size_t PoseModel::place_of(std::size_t joint, double told_rad) const {
 
 Index PoseModel::parameters() const {
   return lasting_parameters() + static_cast<Index>(places.size());
+}
+
+Index PoseModel::fixed_parameters() const {
+  Index count = chain_parameters().count(true);
+  for (const JointEffect& effect : effects)
+    if (!effect.assumed) count += effect.count();
+  return count;
 }
 
 Index PoseModel::lasting_parameters() const {

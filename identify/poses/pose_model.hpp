@@ -80,6 +80,8 @@ struct PoseModel {
     return {chain.axes.size(), chain.targets_mm.size()};
   }
   [[nodiscard]] Eigen::Index parameters() const;
+  /// Those of the chain and of effects that were found: what is no random size.
+  [[nodiscard]] Eigen::Index fixed_parameters() const;
   /// Without the places', which tell nothing of poses elsewhere.
   [[nodiscard]] Eigen::Index lasting_parameters() const;
 };

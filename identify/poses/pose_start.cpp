@@ -44,9 +44,16 @@ std::vector<Load> placed_loads(const std::vector<Load>& loads, const Arm& arm,
   return placed;
 }
 
+/// Each is an unknown: of more, those count in which most poses are.
+constexpr std::size_t kMostPlaces = 200;
+
 /// Where joints stand in two poses or more.
 std::vector<JointPlace> shared_places(const std::vector<Pose>& poses, const PoseModel& model) {
-  std::vector<JointPlace> places;
+  struct Shared {
+    JointPlace place;
+    std::ptrdiff_t poses;
+  };
+  std::vector<Shared> shared;
   for (std::size_t j = 0; j < model.chain.axes.size(); ++j) {
     if (model.chain.axes[j].linear) continue;
     std::vector<double> told;
@@ -57,10 +64,15 @@ std::vector<JointPlace> shared_places(const std::vector<Pose>& poses, const Pose
     std::sort(told.begin(), told.end());
     for (auto from = told.begin(); from != told.end();) {
       const auto to = std::upper_bound(from, told.end(), *from + 2 * kOnePlace_rad);
-      if (to - from > 1) places.push_back({j, (*from + *(to - 1)) / 2});
+      if (to - from > 1) shared.push_back({{j, (*from + *(to - 1)) / 2}, to - from});
       from = to;
     }
   }
+  std::stable_sort(shared.begin(), shared.end(),
+                   [](const Shared& a, const Shared& b) { return a.poses > b.poses; });
+  std::vector<JointPlace> places;
+  for (std::size_t k = 0; k < std::min(kMostPlaces, shared.size()); ++k)
+    places.push_back(shared[k].place);
   return places;
 }
 

@@ -153,6 +153,26 @@ TEST_CASE("Gears whose errors no test finds are in the uncertainties of poses", 
   CHECK(std::sqrt(all.squares / all.numbers) == Approx(1).margin(0.15));
 }
 
+TEST_CASE("What makes up the uncertainty adds up to it", "[pose_estimate]") {
+  const auto built = arm_with(with_gears(10), 3);
+  auto poses = built.poses(40);
+  for (Pose& rest : rests(built)) poses.push_back(std::move(rest));
+  const auto found = estimated(poses, built.campaign());
+  REQUIRE(found);
+  REQUIRE_FALSE(found->fit.model.places.empty());
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(found->chain.covariance.rows());
+  for (const auto& part : found->chain.parts) sum += part.covariance.diagonal();
+  for (Eigen::Index i = 0; i < 36; ++i)
+    CHECK(sum(i) == Approx(found->chain.covariance(i, i)).epsilon(1e-3).margin(1e-15));
+}
+
+TEST_CASE("Thirty poses are not few, whatever their gears do", "[pose_estimate]") {
+  const auto built = arm_with(with_gears(10), 4);
+  const auto found = identify::identify({}, built.campaign(), built.poses(30));
+  CHECK(std::none_of(found.warnings.begin(), found.warnings.end(),
+                     [](const Warning& warning) { return warning.code == "few_poses"; }));
+}
+
 TEST_CASE("Too few poses, and poses without anything to start from, are refused with the reason",
           "[pose_estimate]") {
   const auto built = arm_with(tracker(), 1);
