@@ -102,16 +102,16 @@ std::optional<Warning> step_of_home(const Identification& found, bool timed) {
                  "from a sweep of " + joint_name(seen[from].joint) + when +
                      " the target at home is " + brief(moved_mm) +
                      " mm from where it was, and stays there: the device, the robot's base or the "
-                     "target was moved; sweep all joints again without touching them"};
+                     "target was moved, or a joint did not come back home. Sweep all joints again, "
+                     "each from the same home, and touch nothing meanwhile"};
 }
 
-}  // namespace
-
-void judge_home(Identification& found, bool timed) {
-  if (auto step = step_of_home(found, timed)) {
-    found.doubts.push_back(std::move(*step));
-    return;
-  }
+/// A joint whose circle passes by where the others' meet, and by how far.
+struct PassesBy {
+  std::size_t joint = 0;
+  double off_mm = 0;
+};
+std::optional<PassesBy> circle_that_passes_by(const Identification& found) {
   std::vector<AxisCircle> circles;
   std::vector<std::size_t> joints;
   for (std::size_t j = 0; j < found.joints.size(); ++j) {
@@ -120,9 +120,9 @@ void judge_home(Identification& found, bool timed) {
     circles.push_back(circle_of(*joint.circle));
     joints.push_back(j);
   }
-  if (circles.size() <= kFewestPeers) return;
-  double worst = 0, least = 0;
-  std::size_t passes_by = 0;
+  std::optional<PassesBy> worst;
+  if (circles.size() <= kFewestPeers) return worst;
+  double least = 0;
   for (std::size_t i = 0; i < circles.size(); ++i) {
     auto others = circles;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
@@ -130,18 +130,30 @@ void judge_home(Identification& found, bool timed) {
     const double peers = std::sqrt(misfit(others, home) / static_cast<double>(others.size()));
     const double off = circles[i].to_circle(home).norm();
     if (!(off > kOffHome_mm) || !(off > kOffHomeToPeers * peers)) continue;
-    if (worst > 0 && !(peers < least)) continue;
-    worst = off;
+    if (worst && !(peers < least)) continue;
+    worst = {joints[i], off};
     least = peers;
-    passes_by = joints[i];
   }
-  const double scatter = found.chain ? found.chain->home_scatter_mm : 0;
-  if (worst > 0)
-    found.doubts.push_back({"off_home", passes_by,
-                            joint_name(passes_by) + ": its circle passes " + fixed(worst, 1) +
+  return worst;
+}
+
+}  // namespace
+
+void judge_home(Identification& found, bool timed) {
+  if (const auto one = circle_that_passes_by(found)) {
+    found.doubts.push_back({"off_home", one->joint,
+                            joint_name(one->joint) + ": its circle passes " +
+                                fixed(one->off_mm, 1) +
                                 " mm from where the other joints' circles meet: another joint "
                                 "moved along, or stood elsewhere than in the other sweeps"});
-  else if (scatter > kOffHome_mm)
+    return;
+  }
+  if (auto step = step_of_home(found, timed)) {
+    found.doubts.push_back(std::move(*step));
+    return;
+  }
+  const double scatter = found.chain ? found.chain->home_scatter_mm : 0;
+  if (scatter > kOffHome_mm)
     found.doubts.push_back({"off_home",
                             {},
                             "from sweep to sweep the target stood " + fixed(scatter, 1) +

@@ -5,10 +5,12 @@
 namespace identify {
 
 /// All joints at home, the target is on all circles. Appends to `found.doubts`:
+///   off_home, where one joint's circle passes by where the others' meet;
 ///   device_moved, where from one sweep on the circles meet at another place, and before and after
-///   it each at one;
-///   off_home, where one joint's circle passes by where the others' meet, or the chain finds the
-///   target millimetres off home.
+///   it each at one. Circles of two joints always meet: where few ran before or after, the step may
+///   have been a sweep later or earlier;
+///   off_home, where the chain finds the target millimetres off home.
+/// The first of these that holds.
 /// `timed`: samples tell when they were taken, in s.
 void judge_home(Identification& found, bool timed);
 

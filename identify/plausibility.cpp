@@ -180,7 +180,7 @@ class Judge {
       const Axis axis{
           circle->normal, circle->center_mm,
           axis_covariance(*circle, points, circle->plane_rms_mm, circle->radial_rms_mm)};
-      // Short arcs in much noise are on many circles: so far their own are no evidence.
+      // Short arcs in much noise are on many circles: that of a single stroke is no evidence then.
       const bool fits_common = usual_distance_mm(*joint.circle, points) <
                                kFitsCommon * usual_distance_mm(*circle, points);
       if (!first) {
@@ -285,7 +285,7 @@ class Judge {
       doubt("angle_arc_mismatch", j,
             joint_name(j) + ": while its angle turned by " + fixed(told / kDegree, 1) +
                 "°, the target was seen to turn by " + fixed((told - off) / kDegree, 1) + "°: " +
-                (radians ? "the angles look like radians, give them in degrees"
+                (radians ? "the angles look like radians: give them in degrees"
                          : "the angles are not this joint's, or not of these positions"));
       return;
     }

@@ -28,6 +28,8 @@ constexpr Unit kUnits[] = {
     {1e-3, "1000 times larger than specified: are the positions in micrometres?"},
     {25.4, "25.4 times smaller than specified: are the positions in inches?"}};
 constexpr double kAboutUnit = 1.3;
+/// Of radians that were taken for degrees it is 57.
+constexpr double kMuchFarther = 10;
 /// All senses of rotation are tried for so many joints: 256 tables.
 constexpr std::size_t kMostSenses = 8;
 
@@ -112,8 +114,6 @@ class Explanation {
     }
   }
 
-  [[nodiscard]] bool told() const { return told_; }
-
   [[nodiscard]] bool fits_scaled(double factor) const {
     Axes scaled = axes_;
     for (auto& axis : scaled) {
@@ -158,7 +158,15 @@ class Explanation {
     return fits(axes, specified, home_rad_, false);
   }
 
-  [[nodiscard]] bool fits_in_radians() const {
+  /// Home alone may fit by chance: the strokes are seen to turn so much farther than told, too.
+  [[nodiscard]] bool fits_in_radians(const std::vector<JointResult>& joints) const {
+    for (std::size_t j = 0; j < joints.size(); ++j)
+      for (std::size_t s = 0; s < joints[j].sweeps.size(); ++s) {
+        const Sweep& sweep = joints[j].sweeps[s];
+        if (!joints[j].used[s] || !joints[j].circle || sweep.first().joints <= j) continue;
+        const double told = std::abs(sweep.last().angles_rad[j] - sweep.first().angles_rad[j]);
+        if (joints[j].circle->arc_rad < kMuchFarther * told) return false;
+      }
     auto specified = specified_;
     for (std::size_t j = 0; j < specified.size(); ++j) {
       if (!home_rad_[j]) continue;
@@ -227,8 +235,9 @@ class Explanation {
   bool told_ = false;  // the angles
 };
 
-std::optional<Warning> explained(const Explanation& explanation, const std::optional<double>& ratio,
-                                 std::size_t joints) {
+std::optional<Warning> explained(const Explanation& explanation, const Identification& found) {
+  const auto ratio = size_ratio(found.dh, found.specified);
+  const std::size_t joints = found.joints.size();
   for (const Unit& unit : kUnits) {
     if (!ratio || std::abs(std::log(*ratio * unit.factor)) > std::log(kAboutUnit)) continue;
     if (explanation.fits_scaled(unit.factor))
@@ -240,11 +249,11 @@ std::optional<Warning> explained(const Explanation& explanation, const std::opti
                    {},
                    "the measurement frame is mirrored (left-handed): with one coordinate negated "
                    "the positions fit the specified table"};
-  if (explanation.fits_in_radians())
+  if (explanation.fits_in_radians(found.joints))
     return Warning{"unit_factor",
                    {},
-                   "the angles look like radians: so taken, home fits the specified table. Give "
-                   "them in degrees"};
+                   "the angles look like radians: so taken, strokes and home fit. Give them in "
+                   "degrees"};
   for (std::size_t j = 0; j < joints; ++j)
     if (explanation.fits_negated(j))
       return Warning{"angles_negated", j,
@@ -282,9 +291,7 @@ std::optional<Warning> contradiction_of_specified(const Identification& found,
                    "frame is mirrored (left-handed), or another program ran. Negate one coordinate "
                    "if the frame is left-handed, else give the plan that was run"};
   }
-  if (auto cause =
-          explained(explanation, size_ratio(found.dh, found.specified), found.joints.size()))
-    return cause;
+  if (auto cause = explained(explanation, found)) return cause;
   const bool by_sense = explanation.fits_with_other_senses();
   // That nothing tells the senses was said, with the tables that they may give: no robot is to
   // blame.

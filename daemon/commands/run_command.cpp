@@ -88,18 +88,26 @@ class Reading {
   /// A file with a mistake changes nothing.
   void take_over(const Settings& now, Fleet& fleet) {
     thread_.join();
+    const std::string file = now.file.empty() ? "the settings" : now.file.string();
+    std::optional<Settings> settings;
     try {
-      const Settings settings = settings_.get();
-      if (const auto keys = change(now.http, settings.http).of(TakesEffect::after_restart);
-          !keys.empty())
-        Log().warning("only a restart of sweepd takes over {}", fmt::join(keys, ", "));
-      fleet.reload(settings.robots);
+      settings = settings_.get();
     } catch (const std::exception& error) {
       for (const auto& line : lines_of(error.what())) Log().error("{}", line);
       Log().error(
           "nothing of {} is taken over; sweepd goes on with the settings that it had: correct the "
           "file and send SIGHUP once more",
-          now.file.empty() ? "the settings" : now.file.string());
+          file);
+      return;
+    }
+    if (const auto keys = change(now.http, settings->http).of(TakesEffect::after_restart);
+        !keys.empty())
+      Log().warning("only a restart of sweepd takes over {}", fmt::join(keys, ", "));
+    try {
+      fleet.reload(settings->robots);
+    } catch (const std::exception& error) {
+      Log().error("{}; only a part of {} may be taken over: send SIGHUP once more", error.what(),
+                  file);
     }
   }
 

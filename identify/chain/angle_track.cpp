@@ -19,11 +19,12 @@ constexpr std::size_t kFewestSeen = 20;
 
 /// Of the strokes' seen angles each may lack whole turns against the others.
 void count_alike(std::vector<AngleTrack>& tracks) {
-  const AngleTrack first = tracks.front();
-  double least = first.seen_rad.front(), most = least;
+  const double first_seen = tracks.front().seen_rad.front();
+  const double first_told = tracks.front().told_rad.front();
+  double least = first_seen, most = first_seen;
   for (AngleTrack& track : tracks) {
-    const double apart = track.seen_rad.front() - first.seen_rad.front() -
-                         (track.told_rad.front() - first.told_rad.front());
+    const double apart =
+        track.seen_rad.front() - first_seen - (track.told_rad.front() - first_told);
     const double turns = wrapped(apart) - apart;
     for (double& seen : track.seen_rad) seen += turns;
     const auto [low, high] = std::minmax_element(track.seen_rad.begin(), track.seen_rad.end());

@@ -110,7 +110,7 @@ struct AngleEvidence {
   /// + s2 sin 2q with q from home, fitted over the range that was swept and of use only there.
   std::array<double, 6> curve{};
   double center_sigma_rad = 0;  ///< what is not known of the axis' place looks like such a curve
-  double backlash_rad = 0;  ///< error of falling strokes minus that of rising ones
+  double backlash_rad = 0;      ///< error of falling strokes minus that of rising ones
   double backlash_sigma_rad = 0;
 
   [[nodiscard]] double curve_at(double turn_rad) const;

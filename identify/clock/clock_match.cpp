@@ -16,8 +16,8 @@ constexpr std::size_t kFewest = 4;
 /// Of more motions, those that come first are looked at: each is compared with each.
 constexpr std::size_t kMostMoves = 2000;
 constexpr std::size_t kMostCandidates = 12;
-/// Two views of one motion differ in length by no more than this, beside what noise hides of all
-/// motions' ends alike: so much at most.
+/// Two views of one motion differ in length by no more than this, beside what noise hides of
+/// motions' ends: so much at most, and of all about alike, as they speed up alike.
 constexpr double kLengthApart_s = 0.06;
 constexpr double kLengthApart = 0.03;
 constexpr double kMostHidden_s = 0.25;
@@ -277,8 +277,8 @@ std::string disagreement(const std::vector<ClockMatch>& all, const Motion& devic
                       std::to_string(all.empty() ? 0 : all.front().matched) + " of " +
                       std::to_string(motions) + " fit one offset of the clocks; ";
   if (device.hidden_below_mm_s > 0)
-    apart += "the device's noise hides motion below " + fixed(device.hidden_below_mm_s, 0) +
-             " mm/s: sweep faster, or ";
+    apart += "the device's noise, or its last decimal, hides motion below " +
+             fixed(device.hidden_below_mm_s, 0) + " mm/s: sweep faster, or ";
   apart += "give the trace that was recorded while the device measured";
   for (std::size_t k = 1; k < all.size(); ++k)
     if (4 * (all[0].matched + all[k].matched) >= 3 * motions && all[k].matched >= 3)
@@ -324,7 +324,10 @@ ClockSearch match_clocks(const Motion& device, const Motion& controller) {
                     " s of the trace: a clock was set, or two takes were put together; give each "
                     "part as a file of its own";
   else if (matcher.scatter_s() > kWorstScatter_s)
-    found.problem = disagreement({}, device);
+    found.problem = "the motions of the device and those of the angles are " +
+                    fixed(1e3 * matcher.scatter_s(), 0) +
+                    " ms apart, now more, now less: let the robot rest for half a second between "
+                    "its moves, and stamp points when they are measured";
   if (!found.problem.empty()) return found;
   for (const ClockMatch& match : all)
     if (score(match) >= kAsGood * score(all.front())) found.matches.push_back(match);

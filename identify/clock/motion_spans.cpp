@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 constexpr double kStarts_rad_s = 0.2 * kDegree;
 constexpr double kStarts_mm_s = 2;
 constexpr double kNoiseSigmas = 6;
-/// So many times more is much.
+/// What hides so many times faster motion than usual is worth telling.
 constexpr double kNoisy = 2;
 /// Less is a twitch.
 constexpr double kShortest_s = 2.5 * kMotionWindow_s;

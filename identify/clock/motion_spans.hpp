@@ -26,7 +26,8 @@ struct Motion {
   std::vector<Span> moves;  ///< from rest to rest, both of which were seen
   std::vector<Span> rests;  ///< between moves, and at the ends of what was seen
   std::vector<Span> seen;   ///< without a gap
-  /// Slower motion is hidden by the noise of the device; 0: noise hides nothing that matters.
+  /// Slower motion is hidden by the noise of the device, or by its last decimal; 0: nothing that
+  /// matters is.
   double hidden_below_mm_s = 0;
 };
 

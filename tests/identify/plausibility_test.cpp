@@ -141,7 +141,7 @@ TEST_CASE("inches, radians and negated angles are named", "[plausibility]") {
                                          for (double& angle : sample.angles_rad) angle *= kDegree;
                                      }),
                              campaign);
-  CHECK(found.status == Status::doubtful);
+  check_doubt(found, "unit_factor");
   CHECK_THAT(found.reason, ContainsSubstring("radians"));
 
   for (std::size_t joint = 0; joint < 6; ++joint) {
@@ -204,6 +204,23 @@ TEST_CASE("a device that was moved between two sweeps is told from joints that s
   scattered.home.sigma_deg = 0.05;
   const Simulation loose(some_kr5(seed), {}, scattered, seed);
   CHECK(identify::identify(loose.sweeps(), loose.campaign()).status == Status::complete);
+}
+
+TEST_CASE("a joint that does not come back home is no device that was moved", "[plausibility]") {
+  int not_moved = 0;
+  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+    World world = tracker(false);
+    world.home.stray_sigma_deg = 3;  // joint 5, while joint 6 is swept
+    world.home.joint = 4;
+    const Simulation simulation(some_kr5(seed), {}, world, seed);
+    const auto found = identify::identify(simulation.sweeps(), simulation.campaign());
+    INFO("seed " << seed << ": " << found.reason);
+    CHECK(found.status != Status::complete);
+    if (std::none_of(found.doubts.begin(), found.doubts.end(),
+                     [](const Warning& doubt) { return doubt.code == "device_moved"; }))
+      ++not_moved;
+  }
+  CHECK(not_moved >= 3);
 }
 
 TEST_CASE("exchanged joints are both named, with angles or without", "[plausibility][long]") {

@@ -240,6 +240,7 @@ TEST_CASE("Noise that hides the ends of motions does not part the clocks", "[joi
     device.ahead_s = 0.5;
     const auto joined = join(robot, two_views(robot, sweeps_of_all(robot, 1, seed), device, seed));
     CHECK(std::abs(joined.clock.ahead_s - device.ahead_s) < 4 * joined.clock.sigma_s);
+    CHECK(joined.clock.sigma_s < 5e-4);
   }
 }
 
