@@ -49,7 +49,7 @@ double error_of(const simulation::Simulation& of, const Identification& found) {
 }
 
 simulation::World with_gears(double arcsec) {
-  simulation::World world = tracker();
+  simulation::World world = simulation::robots::tracker();
   world.gears.first_arcsec = world.gears.second_arcsec = arcsec;
   return world;
 }
