@@ -1,29 +1,14 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
-namespace CLI {  // NOLINT(readability-identifier-naming): theirs
-class App;
-}
-
 namespace sweepd {
 
+struct CollectOptions;
 struct CompareOptions;
 struct HistoryCommandOptions;
-
-struct PublishOptions {
-  std::filesystem::path config = "/etc/sweepd/sweepd.toml";
-  bool again = false;  ///< also what the broker has acknowledged already
-};
-
-struct CollectOptions {
-  std::filesystem::path config = "/etc/sweepd/collect.toml";
-};
-
-CLI::App* add_publish(CLI::App& app, PublishOptions& options);
-CLI::App* add_collect(CLI::App& app, CollectOptions& options);
+struct PublishOptions;
 
 /// Commands that speak with a broker or a database. The program sweepd-plant has what they take
 /// (daemon/plant/plant_here.cpp). sweepd, which answers robots, does not: it becomes sweepd-plant

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "daemon/commands/plant_commands.hpp"
+#include "daemon/commands/collect_command.hpp"
 
 namespace sweepd {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "daemon/commands/plant_commands.hpp"
+#include "daemon/commands/publish_command.hpp"
 
 namespace sweepd {
 

@@ -110,11 +110,12 @@ class Problem {
     solve();
   }
 
-  /// Takes the step; returns its largest share of a standard uncertainty.
+  /// Takes the step; returns its largest share of a standard uncertainty. Random sizes do not
+  /// count: where they fade away, they and what is known of them do so together, and never end.
   double take() {
     const VectorXd sigma = fit_.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
     double largest = 0;
-    for (Index i = 0; i < step_.size(); ++i)
+    for (Index i = 0; i < fit_.model.fixed_parameters(); ++i)
       if (sigma(i) > 0) largest = std::max(largest, std::abs(step_(i)) / sigma(i));
     fit_.model = moved(fit_.model, step_);
     return largest;

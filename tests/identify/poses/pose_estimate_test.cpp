@@ -166,6 +166,21 @@ TEST_CASE("What makes up the uncertainty adds up to it", "[pose_estimate]") {
     CHECK(sum(i) == Approx(found->chain.covariance(i, i)).epsilon(1e-3).margin(1e-15));
 }
 
+TEST_CASE("Poses that were computed leave no noise, and the fit comes to its end",
+          "[pose_estimate]") {
+  simulation::World world = simulation::robots::tracker();
+  world.noise = {};
+  world.decimals = 4;
+  const auto built = arm_with(world, 2);
+  auto poses = built.poses(40);
+  for (Pose& rest : rests(built)) poses.push_back(std::move(rest));
+  for (const auto& some : {poses, rests(built)}) {
+    const auto found = estimated(some, built.campaign());
+    REQUIRE(found);
+    CHECK(found->fit.converged);
+  }
+}
+
 TEST_CASE("Thirty poses are not few, whatever their gears do", "[pose_estimate]") {
   const auto built = arm_with(with_gears(10), 4);
   const auto found = identify::identify({}, built.campaign(), built.poses(30));
