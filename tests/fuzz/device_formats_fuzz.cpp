@@ -14,15 +14,15 @@ namespace {
 constexpr std::size_t kJoints = 6;
 
 void check_points(const sweepd::DeviceFormat& format, const sweepd::DeviceText& text) {
-  std::vector<std::string> targets;
+  sweepd::TargetNames targets;
   std::optional<double> step_mm;
   const auto file = sweepd::device_points(format, text, kJoints, targets, step_mm, {});
   expect(!file.points.empty(), "there are points");
   expect(step_mm && std::isfinite(*step_mm) && *step_mm >= 0, "the resolution is a length");
   for (const auto& note : file.notes) expect(fuzz::is_one_line(note), "a note is one line");
-  std::vector<double> last(targets.size(), -1e300);
+  std::vector<double> last(targets.all().size(), -1e300);
   for (const auto& point : file.points) {
-    expect(point.target < targets.size(), "a target has a name");
+    expect(point.target < targets.all().size(), "a target has a name");
     expect(point.joint <= kJoints, "a joint is one of the arm");
     expect(file.with_joints == (point.joint > 0), "all points have a joint, or none");
     expect(point.sample.has_position && point.sample.position_mm.allFinite(),
