@@ -1,7 +1,6 @@
 #include "identify/identification.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -234,16 +233,11 @@ namespace {
 
 /// As in "theta, a of row 2"; empty where all of the row is known.
 std::string undetermined_in(const DhEstimate& row, std::size_t index) {
-  const std::array<std::pair<const char*, const DhNumber*>, 5> numbers{{{"b", &row.b_mm},
-                                                                        {"theta", &row.theta_rad},
-                                                                        {"a", &row.a_mm},
-                                                                        {"alpha", &row.alpha_rad},
-                                                                        {"beta", &row.beta_rad}}};
-  const bool parallel = row.relation == Relation::parallel || row.relation == Relation::coincident;
   std::string names;
-  for (const auto& [name, number] : numbers)
-    if (number->knowledge == Knowledge::undetermined && (parallel || number != &row.beta_rad))
-      names += (names.empty() ? "" : ", ") + std::string(name);
+  for (const DhNumberName& of : kDhNumbers)
+    if ((row.*of.number).knowledge == Knowledge::undetermined &&
+        (has_beta(row) || of.number != &DhEstimate::beta_rad))
+      names += (names.empty() ? "" : ", ") + std::string(of.name);
   return names.empty() ? names : names + " of row " + std::to_string(index + 1);
 }
 

@@ -141,11 +141,11 @@ Prediction mean(const std::vector<Prediction>& predictions) {
   Prediction mean = predictions.front();
   const auto count = static_cast<double>(predictions.size());
   for (std::size_t j = 0; j < mean.dh.size(); ++j) {
-    for (const auto number : {&DhEstimate::b_mm, &DhEstimate::theta_rad, &DhEstimate::a_mm,
-                              &DhEstimate::alpha_rad, &DhEstimate::beta_rad}) {
+    for (const DhNumberName& of : kDhNumbers) {
       double variance = 0;
-      for (const Prediction& one : predictions) variance += std::pow((one.dh[j].*number).sigma, 2);
-      (mean.dh[j].*number).sigma = std::sqrt(variance / count);
+      for (const Prediction& one : predictions)
+        variance += std::pow((one.dh[j].*of.number).sigma, 2);
+      (mean.dh[j].*of.number).sigma = std::sqrt(variance / count);
     }
     if (!mean.axes[j]) continue;
     mean.axes[j]->covariance.setZero();

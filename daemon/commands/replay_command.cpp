@@ -129,9 +129,9 @@ int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) 
   Rows rows(samples, device);
   std::optional<Session> session;
   const auto begin = [&](std::string_view telegram) {
-    if (const auto words = missing_signals(setup.signals, setup.joints, telegram); !words.empty())
-      errors << "sweepd: " << words << '\n';
-    session.emplace(setup, "trace", rows, has_currents(telegram));
+    session.emplace(setup, "trace", rows, telegram);
+    if (!session->missing_signals().empty())
+      errors << "sweepd: " << session->missing_signals() << '\n';
     if (samples) samples->append(session->csv_header());
   };
   if (search.chosen)

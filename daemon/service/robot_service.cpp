@@ -225,7 +225,7 @@ void RobotService::begin_session(const rsi::Datagram& first) {
   started_ = utc_name(rsi::now());
   watch_ = {rsi::Conversation{controller_, first.destination}, server_->replies()};
   session_.emplace(inputs_.setup, inputs_.settings.record ? "trace" : "live",
-                   static_cast<StreamSink&>(*this), has_currents(first.payload));
+                   static_cast<StreamSink&>(*this), first.payload);
   ++threads_->streaming;
   interim_pace_.begin_session();
   device_.emplace(inputs_.setup);
@@ -233,10 +233,7 @@ void RobotService::begin_session(const rsi::Datagram& first) {
   complaints_.new_stream();
   session_log_.about(started_, rsi::find_ipoc(first.payload));
   session_log_.note("RSI from {}", rsi::text(first.source));
-  const auto& setup = inputs_.setup;
-  if (const auto words = missing_signals(setup.signals, setup.joints, first.payload);
-      !words.empty())
-    session_log_.warning("{}", words);
+  if (!session_->missing_signals().empty()) session_log_.warning("{}", session_->missing_signals());
   SessionStart start{inputs_.folder(), started_, inputs_.settings.record, session_->csv_header(),
                      std::exchange(disk_, std::nullopt)};
   start.on_folder = [facts = run_facts(), log = session_log_](const std::filesystem::path& folder) {

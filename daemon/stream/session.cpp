@@ -10,6 +10,14 @@
 #include "rsi/telegram/telegram.hpp"
 
 namespace sweepd {
+namespace {
+
+/// Motor currents are an element of their own.
+bool has_currents(std::string_view telegram) {
+  return telegram.find("<MACur") != std::string_view::npos;
+}
+
+}  // namespace
 
 std::string missing_signals(const SignalNames& names, std::size_t joints,
                             std::string_view telegram) {
@@ -34,31 +42,20 @@ std::string missing_signals(const SignalNames& names, std::size_t joints,
       fmt::join(missing, ", "));
 }
 
-bool has_currents(std::string_view telegram) {
-  return telegram.find("<MACur") != std::string_view::npos;
-}
-
 Session::Session(const RobotSetup& setup, std::string source_kind, StreamSink& sink,
-                 bool with_currents)
+                 std::string_view first)
     : setup_(setup),
       source_kind_(std::move(source_kind)),
       sink_(sink),
-      pipeline_(setup.joints, setup.signals, *this, with_currents) {}
-
-void Session::telegram(const rsi::Datagram& datagram) {
-  if (!missing_signals_)
-    missing_signals_ = missing_signals(setup_.signals, setup_.joints, datagram.payload);
-  pipeline_.telegram(datagram);
-}
+      missing_signals_(sweepd::missing_signals(setup.signals, setup.joints, first)),
+      pipeline_(setup.joints, setup.signals, *this, has_currents(first)) {}
 
 Snapshot Session::snapshot() const {
   auto known = campaign(setup_, pipeline_.resolution());
   known.motion_limit = pipeline_.motion_limit();
-  return {setup_.name,        source_kind_,
-          pipeline_.counts(), std::move(known),
-          kept_.sweeps(),     kept_.left_out(),
-          setup_.limits(),    {},
-          currents_.joints(), missing_signals_.value_or("")};
+  return {setup_.name,        source_kind_,     pipeline_.counts(), std::move(known),
+          kept_.sweeps(),     kept_.left_out(), setup_.limits(),    {},
+          currents_.joints(), missing_signals_};
 }
 
 bool Session::worth_identifying() const {

@@ -39,8 +39,6 @@ struct Snapshot {
   std::shared_ptr<const DeviceTake> device = {};
 };
 
-/// Whether a telegram has motor currents.
-[[nodiscard]] bool has_currents(std::string_view telegram);
 /// What to do about signals that the settings name and a telegram has not, in a sentence; empty if
 /// there are none. Some of a kind of which it has others, or all of a kind where they are not the
 /// usual names, which other controllers leave out.
@@ -53,18 +51,21 @@ class Session : private StreamSink {
  public:
   /// `source_kind` is for the result. A recorded live stream is "trace" too: its result is that of
   /// its own trace, to the byte.
-  /// `with_currents`: samples.csv has motor currents, as it has where the first telegram does.
+  /// `first`: the telegram that it begins with, which tells whether samples.csv has motor currents,
+  /// and which signals are missing; empty: neither. It is not read as data.
   Session(const RobotSetup& setup, std::string source_kind, StreamSink& sink,
-          bool with_currents = false);
+          std::string_view first = {});
 
   /// What came from the controller, whatever it holds.
-  void telegram(const rsi::Datagram& datagram);
+  void telegram(const rsi::Datagram& datagram) { pipeline_.telegram(datagram); }
   void reply(const rsi::Datagram& datagram) { pipeline_.reply(datagram); }
   /// The stream is over: the last stroke ends.
   void finish() { pipeline_.finish(); }
 
   /// What samples.csv begins with, without its end of line.
   [[nodiscard]] std::string csv_header() const { return pipeline_.csv_header(); }
+  /// What missing_signals() says of the first telegram.
+  [[nodiscard]] const std::string& missing_signals() const { return missing_signals_; }
   [[nodiscard]] Snapshot snapshot() const;
   [[nodiscard]] const rsi::Link& link() const { return pipeline_.link(); }
   /// Whether as many strokes were seen as an identification needs.
@@ -86,7 +87,7 @@ class Session : private StreamSink {
   RobotSetup setup_;
   std::string source_kind_;
   StreamSink& sink_;
-  std::optional<std::string> missing_signals_;
+  std::string missing_signals_;
   Pipeline pipeline_;
   KeptSweeps kept_{kMostSamples};
   JointCurrents currents_;

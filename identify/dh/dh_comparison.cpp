@@ -37,15 +37,15 @@ std::vector<DhDifference> compare_with_specified(
 std::string differing_numbers(const std::vector<DhEstimate>& table,
                               const std::vector<std::vector<DhEstimate>>& others) {
   std::string text;
-  const auto compare = [&](const char* name, std::size_t j, DhNumber DhEstimate::*number,
-                           double unit, const char* unit_name) {
+  const auto compare = [&](std::size_t j, const DhNumberName& of) {
     constexpr double kChanged = 0.01;
-    const DhNumber& here = table[j].*number;
+    const double unit = of.length ? 1 : kDegree;
+    const DhNumber& here = table[j].*of.number;
     if (here.knowledge != Knowledge::identified) return;
     std::vector<double> seen{here.value / unit};
     std::string values;
     for (const auto& other : others) {
-      const DhNumber& there = other[j].*number;
+      const DhNumber& there = other[j].*of.number;
       const double value = there.value / unit;
       if (there.knowledge != Knowledge::identified ||
           std::any_of(seen.begin(), seen.end(),
@@ -55,15 +55,13 @@ std::string differing_numbers(const std::vector<DhEstimate>& table,
       values += (values.empty() ? "" : " or ") + fixed(value, 2);
     }
     if (values.empty()) return;
-    text += (text.empty() ? "" : ", ") + std::string(name) + std::to_string(j + 1) + " would be " +
-            values + " instead of " + fixed(seen.front(), 2) + " " + unit_name;
+    text += (text.empty() ? "" : ", ") + std::string(of.name) + std::to_string(j + 1) +
+            " would be " + values + " instead of " + fixed(seen.front(), 2) + " " +
+            std::string(of.unit());
   };
-  for (std::size_t j = 0; j < table.size(); ++j) {
-    compare("b", j, &DhEstimate::b_mm, 1, "mm");
-    compare("theta", j, &DhEstimate::theta_rad, kDegree, "deg");
-    compare("a", j, &DhEstimate::a_mm, 1, "mm");
-    compare("alpha", j, &DhEstimate::alpha_rad, kDegree, "deg");
-  }
+  for (std::size_t j = 0; j < table.size(); ++j)
+    for (const DhNumberName& of : kDhNumbers)
+      if (of.number != &DhEstimate::beta_rad) compare(j, of);
   return text.empty() ? "the table would be the same" : "the other way, " + text;
 }
 

@@ -51,8 +51,7 @@ struct PoseFit {
 };
 
 /// From `start`, whose model may be off by as much as Gauss-Newton bears. The noise starts as large
-/// as `noise` says; zero stays zero. The
-/// joints' may not be zero where the model has places.
+/// as `noise` says; zero stays zero. The joints' may not be zero where the model has places.
 [[nodiscard]] PoseFit fitted(const PoseModel& start, const PoseNoise& noise,
                              const std::vector<Pose>& poses, bool with_orientation,
                              const std::optional<ChainPrior>& prior);

@@ -70,7 +70,7 @@ Turns PoseModel::turned(const Turns& told) const {
   for (const JointEffect& effect : effects)
     turns[effect.joint] += effect.size.dot(pattern(effect, told));
   for (std::size_t j = 0; j < chain.axes.size(); ++j)
-    if (const std::size_t at = place_of(j, told[j]); at < places.size() && !is_known(told[j]))
+    if (const std::size_t at = place_of(j, told[j]); at < places.size())
       turns[j] += places[at].off_rad;
   return turns;
 }
@@ -80,6 +80,7 @@ Vector3d PoseModel::position_mm(const Pose& pose) const {
 }
 
 std::size_t PoseModel::place_of(std::size_t joint, double told_rad) const {
+  if (is_known(told_rad)) return places.size();
   const auto at = std::find_if(places.begin(), places.end(), [&](const JointPlace& place) {
     return place.joint == joint && std::abs(place.told_rad - told_rad) <= kOnePlace_rad;
   });

@@ -72,7 +72,7 @@ struct PoseModel {
   [[nodiscard]] bool is_known(double told_rad) const {
     return seen_at_home && std::abs(told_rad) <= kOnePlace_rad;
   }
-  /// Where the joint stands, of those above; their number where it is none of them.
+  /// Where the joint stands, of those above; their number where it is none of them, or home.
   [[nodiscard]] std::size_t place_of(std::size_t joint, double told_rad) const;
 
   /// Of the chain's parameters, with the tool's rotation, of the effects', and one a place.

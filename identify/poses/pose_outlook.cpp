@@ -88,16 +88,15 @@ PoseOutlook mean(const std::vector<PoseOutlook>& outlooks) {
   PoseOutlook mean = outlooks.front();
   const auto count = static_cast<double>(outlooks.size());
   for (std::size_t j = 0; j < mean.dh.size(); ++j)
-    for (const auto number : {&DhEstimate::b_mm, &DhEstimate::theta_rad, &DhEstimate::a_mm,
-                              &DhEstimate::alpha_rad, &DhEstimate::beta_rad}) {
+    for (const DhNumberName& of : kDhNumbers) {
       double variance = 0;
       for (const PoseOutlook& one : outlooks) {
-        const DhNumber& seen = one.dh[j].*number;
+        const DhNumber& seen = one.dh[j].*of.number;
         variance += seen.sigma * seen.sigma;
         if (seen.knowledge == Knowledge::undetermined)
-          (mean.dh[j].*number).knowledge = Knowledge::undetermined;
+          (mean.dh[j].*of.number).knowledge = Knowledge::undetermined;
       }
-      (mean.dh[j].*number).sigma = std::sqrt(variance / count);
+      (mean.dh[j].*of.number).sigma = std::sqrt(variance / count);
     }
   double square = 0;
   for (const PoseOutlook& one : outlooks) square += one.displacement_mm * one.displacement_mm;

@@ -49,10 +49,9 @@ PoseRow pose_row(const PoseModel& model, const Pose& pose, bool with_orientation
   for (Index j = 0; j < row.by_joint.cols(); ++j) {
     const auto joint = static_cast<std::size_t>(j);
     const std::size_t place = model.place_of(joint, told[joint]);
-    const bool known = model.is_known(told[joint]);
-    const bool shared = place < model.places.size() && !known;
+    const bool shared = place < model.places.size();
     if (shared) row.by_parameter.col(column + static_cast<Index>(place)) = row.by_joint.col(j);
-    if (shared || known) row.by_own.col(j).setZero();
+    if (shared || model.is_known(told[joint])) row.by_own.col(j).setZero();
   }
   return row;
 }

@@ -90,13 +90,13 @@ TEST_CASE(
 
 TEST_CASE("A stream whose first telegram has currents has them in its samples",
           "[joint_currents]") {
-  CHECK(has_currents(R"(<Rob Type="KUKA"><MACur A1="0.5"/>)"));
-  CHECK_FALSE(has_currents(R"(<Rob Type="KUKA"><RIst X="0.5"/>)"));
   StreamSink nobody;
-  const Session with(RobotSetup{}, "trace", nobody, true);
+  const Session with(RobotSetup{}, "trace", nobody, R"(<Rob Type="KUKA"><MACur A1="0.5"/>)");
   CHECK_THAT(with.csv_header(), ContainsSubstring(",a6_deg,a1_current_a,a2_current_a"));
-  const Session without(RobotSetup{}, "trace", nobody);
-  CHECK_THAT(without.csv_header(), !ContainsSubstring("current"));
+  for (const char* first : {"", R"(<Rob Type="KUKA"><RIst X="0.5"/>)"}) {
+    const Session without(RobotSetup{}, "trace", nobody, first);
+    CHECK_THAT(without.csv_header(), !ContainsSubstring("current"));
+  }
 }
 
 TEST_CASE("Currents are those of the telegram, empty where one is missing or no number",
