@@ -20,6 +20,7 @@ using Eigen::Vector3d;
 constexpr double kSame_rad = 0.02 * kDegree;
 /// The end of a stroke is seen with its ramp cut off a little.
 constexpr double kEnd_rad = 0.5 * kDegree;
+constexpr double kEndSizes = 8;  // of the noise
 
 bool has_angles(const Sweep& sweep) {
   return sweep.first().joints > 0;
@@ -129,7 +130,10 @@ void mark_positioning(std::vector<Sweep>& sweeps, const std::vector<std::optiona
       return (end.position_mm - *rest).norm() <= kEnd_rad * kLinear_mm;
     const auto circle = fit_circle(points);
     if (!circle) return false;
-    const double tolerance = std::max(kEnd_rad * circle->radius_mm, 2 * resolution.position_mm);
+    // The ends of a stroke are cut off as far as noise hides them, and are noisy themselves.
+    const double noise = std::max(circle->plane_rms_mm, circle->radial_rms_mm);
+    const double tolerance =
+        std::max({kEnd_rad * circle->radius_mm, 2 * resolution.position_mm, kEndSizes * noise});
     return (end.position_mm - *rest).norm() <= tolerance;
   };
   const auto touches_home = [&](const Sweep& sweep) {

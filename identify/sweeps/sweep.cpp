@@ -1,9 +1,11 @@
 #include "identify/sweeps/sweep.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <Eigen/Geometry>
 
+#include "identify/geometry/angle.hpp"
 #include "identify/geometry/circle_fit.hpp"
 #include "identify/sweeps/sample.hpp"
 
@@ -54,6 +56,7 @@ Matrix3Xd thinned(const Matrix3Xd& points) {
   const auto step = std::max<Eigen::Index>(1, points.cols() / kPoints);
   Matrix3Xd few(3, (points.cols() + step - 1) / step);
   for (Eigen::Index i = 0; i < few.cols(); ++i) few.col(i) = points.col(i * step);
+  if (few.cols() > 0) few.rightCols<1>() = points.rightCols<1>();  // all of the turn
   return few;
 }
 
@@ -67,12 +70,18 @@ double misfit(const CircleFit& circle) {
   return std::max(circle.plane_rms_mm, circle.radial_rms_mm);
 }
 
-/// +1 where the points run about the circle's normal, -1 where against it.
-double sense_of(const Matrix3Xd& points, const CircleFit& circle) {
-  Vector3d turned = Vector3d::Zero();
+/// By which angle the points run about the circle, from the first to the last.
+double turned_rad(const Matrix3Xd& points, const CircleFit& circle) {
+  const Vector3d across = circle.normal.unitOrthogonal();
+  const Vector3d up = circle.normal.cross(across);
+  const auto angle = [&](Eigen::Index i) {
+    const Vector3d from = points.col(i) - circle.center_mm;
+    return std::atan2(up.dot(from), across.dot(from));
+  };
+  double turned = 0;
   for (Eigen::Index i = 1; i < points.cols(); ++i)
-    turned += (points.col(i - 1) - circle.center_mm).cross(points.col(i) - points.col(i - 1));
-  return turned.dot(circle.normal) < 0 ? -1 : 1;
+    turned += std::remainder(angle(i) - angle(i - 1), 2 * kPi);
+  return turned;
 }
 
 /// Strokes about one axis.
@@ -138,12 +147,16 @@ std::vector<Turn> turns_in(const std::vector<Sweep>& strokes,
   for (const StrokeGroup& group : groups) {
     const auto circle = fit_circle(group.all);
     if (!circle) continue;
-    Turn turn{group.strokes, {}, {circle->normal, circle->center_mm, {}}};
+    Turn turn{group.strokes, {}, 0, {circle->normal, circle->center_mm, {}}};
     turn.axis.covariance =
         axis_covariance(*circle, group.all, circle->plane_rms_mm, circle->radial_rms_mm);
-    for (std::size_t s = 0; s < group.strokes.size(); ++s)
-      turn.angles_rad.push_back(sense_of(group.points[s], *circle) *
-                                strokes[group.strokes[s]].range_rad);
+    const Vector3d out = (group.all.rowwise().mean() - circle->center_mm).normalized();
+    turn.angles_relative_sigma =
+        std::sqrt(out.dot(turn.axis.covariance.bottomRightCorner<3, 3>() * out)) /
+        circle->radius_mm;
+    // A short stroke alone tells the middle of its circle badly, and so by which angle it turned.
+    for (const Matrix3Xd& points : group.points)
+      turn.angles_rad.push_back(turned_rad(points, *circle));
     turns.push_back(std::move(turn));
   }
   return turns;

@@ -49,6 +49,7 @@ struct Sweep {
 struct Turn {
   std::vector<std::size_t> strokes;  ///< places in the list that was searched
   std::vector<double> angles_rad;    ///< one a stroke, positive about the axis
+  double angles_relative_sigma = 0;  ///< of each angle: by how much the radius is off
   Axis axis;                         ///< its sense of rotation is any
 };
 

@@ -11,6 +11,7 @@
 
 #include "daemon/settings/robot_description.hpp"
 #include "identify/geometry/angle.hpp"
+#include "identify/geometry/circle_fit.hpp"
 #include "identify/identification.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/simulated_campaign.hpp"
@@ -39,19 +40,21 @@ struct Seen {
 };
 
 Seen seen(const identify::Arm& arm, const std::array<SweptRange, 6>& ranges,
-          const std::vector<double>& home_rad) {
+          const std::vector<double>& home_rad,
+          identify::test::Noise noise = {.position_mm = 0.02}) {
   Seen result{arm, ranges, std::vector<std::vector<Sweep>>(6)};
   identify::Arm posed = arm;  // as the simulation begins at its home
   for (std::size_t j = 0; j < 6; ++j) {
     posed.rows[j].theta_rad += arm.positive[j] * (home_rad[j] - arm.home_rad[j]);
     posed.home_rad[j] = home_rad[j];
   }
-  identify::test::Campaign campaign(posed, {.position_mm = 0.02});
+  identify::test::Campaign campaign(posed, noise);
   campaign.rest();
   for (std::size_t j = 0; j < 6; ++j) campaign.sweep(j, ranges[j].start_deg, ranges[j].end_deg);
   for (Sweep& sweep : identify::test::segment(campaign.samples())) {
     sweep.samples = std::make_shared<const std::vector<identify::Sample>>(
         identify::test::without_angles(*sweep.samples));
+    sweep.range_rad = identify::fit_circle(identify::positions(*sweep.samples)).value().arc_rad;
     result.strokes[*sweep.joint].push_back(std::move(sweep));
   }
   return result;
@@ -308,6 +311,27 @@ TEST_CASE("a plan or a description that is another's is said to be",
     const auto found = assign_joints(strokes, known);
     CHECK(found.doubt.find("no order agrees with the robot description") != std::string::npos);
     CHECK(warns(found, "order_assumed"));
+  }
+}
+
+TEST_CASE("short strokes whose own circles noise turns are still those of the plan",
+          "[joint_assignment][issue12]") {
+  const auto arm = identify::test::kr5_arc();
+  // 10 degrees from home and back alone tell their radius badly; joint 4 has no others.
+  auto ranges = kWide;
+  for (std::size_t j = 0; j < 6; ++j) ranges[j].start_deg = arm.home_rad[j] / kDegree + 10;
+  for (const unsigned seed : {1U, 2U, 3U, 4U, 5U}) {
+    INFO("seed " << seed);
+    const Seen campaign = seen(arm, ranges, arm.home_rad, {.position_mm = 0.3, .seed = seed});
+    identify::Campaign known;
+    known.specified = arm;
+    declare(known, campaign, arm.home_rad);
+    const Order order{0, 1, 2, 3, 4, 5};
+    auto strokes = in_order(campaign, order);
+    const auto found = assign_joints(strokes, known);
+    CHECK_FALSE(warns(found, "plan_contradicted"));
+    CHECK(found.doubt.empty());
+    CHECK(is_right(strokes, campaign, order, true));
   }
 }
 
