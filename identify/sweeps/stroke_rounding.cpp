@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <utility>
+#include <vector>
 
 #include "identify/geometry/angle.hpp"
+#include "identify/geometry/median.hpp"
 #include "identify/sweeps/stroke_curve.hpp"
 #include "identify/sweeps/stroke_moments.hpp"
 #include "identify/sweeps/stroke_samples.hpp"
@@ -84,8 +87,19 @@ StrokeRounding::Shifts StrokeRounding::shifts(double step_mm, double step_rad) c
   return variances;
 }
 
+double turn_noise(const StrokeSamples& seen, double across_rad) {
+  // Of an even motion second differences are those of the noise, whose variance they have six
+  // times.
+  std::vector<double> uneven;
+  for (Index i = 2; i < seen.turns.size(); ++i)
+    uneven.push_back(std::abs(seen.turns(i) - 2 * seen.turns(i - 1) + seen.turns(i - 2)));
+  constexpr double kOfMedian = 1.4826;
+  const double noise = uneven.empty() ? 0 : kOfMedian * median_of(std::move(uneven)) / std::sqrt(6);
+  return std::max(noise, across_rad);
+}
+
 StrokeRounding rounding_of(const StrokeSamples& seen, const StrokeContent& content,
-                           const StrokeCurve& curve) {
+                           const StrokeCurve& curve, double turn_sigma_rad) {
   StrokeRounding rounding;
   const Index count = seen.positions_mm.cols();
   if (count == 0) return rounding;
@@ -107,22 +121,26 @@ StrokeRounding rounding_of(const StrokeSamples& seen, const StrokeContent& conte
   if (!content.orientation) return rounding;
   const double free = std::max(1.0, rounding.samples - static_cast<double>(curve.orders()));
   const SampleRows left = curve.left(angles);
+  // Noise of the turn moves the places on their curve, and is no scatter of the orientation.
+  const double turned_rad = seen.turns.maxCoeff() - seen.turns.minCoeff();
+  const Eigen::Array3d noise =
+      rounding.extent.tail<3>() * (turned_rad > 0 ? turn_sigma_rad / turned_rad : 0);
   rounding.scatter.tail<3>() =
-      (left.square().rowwise() * seen.weights.transpose()).rowwise().sum() / free;
-  if (content.angle_step_rad > 0)
-    for (Index k = 0; k < 3; ++k)
-      rounding.agreement(3 + k) = agreement_of(
-          (angles.row(k) - left.row(k)).transpose() / content.angle_step_rad, seen.weights, 0);
+      ((left.square().rowwise() * seen.weights.transpose()).rowwise().sum() / free - noise.square())
+          .max(0);
+  const double step = content.angle_step_rad;
+  for (Index k = 0; k < 3 && step > 0; ++k)
+    rounding.agreement(3 + k) = agreement_of((angles.row(k) - left.row(k)).transpose() / step,
+                                             seen.weights, noise(k) / step);
   return rounding;
 }
 
-StrokeRounding::Told told_rounding(const StrokeSamples& seen, const Eigen::ArrayXd& along_mm,
-                                   double across_mm2, double radius_mm, double step_rad) {
-  const double along_mm2 =
-      (along_mm.square() * seen.weights).sum() / std::max(1.0, seen.weights.sum());
-  return {std::max(0.0, along_mm2 - across_mm2) / (radius_mm * radius_mm),
-          agreement_of(seen.turns / step_rad, seen.weights,
-                       std::sqrt(across_mm2) / (radius_mm * step_rad))};
+StrokeRounding::Told told_rounding(const StrokeSamples& seen, const Eigen::ArrayXd& along_rad,
+                                   double turn_sigma_rad, double step_rad) {
+  const double variance =
+      (along_rad.square() * seen.weights).sum() / std::max(1.0, seen.weights.sum());
+  return {std::max(0.0, variance - turn_sigma_rad * turn_sigma_rad),
+          agreement_of(seen.turns / step_rad, seen.weights, turn_sigma_rad / step_rad)};
 }
 
 double unseen_zero(double mean, double variance) {

@@ -46,16 +46,19 @@ struct StrokeRounding {
   [[nodiscard]] double told_shift(double step_rad) const;
 };
 
-/// `curve`: of the turn, which the positions tell. A, B, C are zero where the orientation was not
-/// measured.
-[[nodiscard]] StrokeRounding rounding_of(const StrokeSamples& seen, const StrokeContent& content,
-                                         const StrokeCurve& curve);
+/// Standard deviation of the noise of the turns as the positions tell them: what is uneven from
+/// sample to sample, and no less than the positions scatter across the arc, as an angle.
+[[nodiscard]] double turn_noise(const StrokeSamples& seen, double across_rad);
 
-/// `along_mm`: what the stroke's curve leaves of the told angle's errors along the arc;
-/// `across_mm2`: variance of what it leaves across.
+/// `curve`: of the turn, which the positions tell with this noise. A, B, C are zero where the
+/// orientation was not measured.
+[[nodiscard]] StrokeRounding rounding_of(const StrokeSamples& seen, const StrokeContent& content,
+                                         const StrokeCurve& curve, double turn_sigma_rad);
+
+/// `along_rad`: what the stroke's curve leaves of the told angle's errors.
 [[nodiscard]] StrokeRounding::Told told_rounding(const StrokeSamples& seen,
-                                                 const Eigen::ArrayXd& along_mm, double across_mm2,
-                                                 double radius_mm, double step_rad);
+                                                 const Eigen::ArrayXd& along_rad,
+                                                 double turn_sigma_rad, double step_rad);
 
 /// Standard deviation of what is spread evenly over one step, in steps: 1 / sqrt(12).
 inline constexpr double kEvenlySpread = 0.2887;

@@ -241,12 +241,14 @@ void set_weights(StrokeMoments& stroke, StrokeSamples& seen) {
   stroke.blocks.variance_mm2 = variances_of_blocks(left.topRows(kBlockDirections).rowwise() *
                                                    seen.weights.sqrt().transpose());
   curve.weigh(seen.weights);
-  stroke.rounding = rounding_of(seen, stroke.content, curve);
   const double across_mm2 = stroke.blocks.variance_mm2.front();
+  const double radius_mm = stroke.circle.radius_mm;
+  const double noise = stroke.about ? turn_noise(seen, std::sqrt(across_mm2) / radius_mm) : 0;
+  stroke.rounding = rounding_of(seen, stroke.content, curve, noise);
   stroke.rounding.scatter.head<3>() = across_mm2;
   if (told_mm > 0 && stroke.about)
-    stroke.rounding.told = told_rounding(seen, left.row(2).transpose(), across_mm2,
-                                         stroke.circle.radius_mm, stroke.content.angle_step_rad);
+    stroke.rounding.told = told_rounding(seen, left.row(2).transpose() / radius_mm, noise,
+                                         stroke.content.angle_step_rad);
 }
 
 void count_weights(StrokeMoments& stroke, const StrokeSamples& seen) {
