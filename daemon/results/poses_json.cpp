@@ -114,8 +114,8 @@ Json model(const identify::PoseFit& fit, const std::vector<std::string>& names) 
 }
 
 JointEffect::Kind kind(const std::string& name) {
-  for (const auto one :
-       {JointEffect::Kind::once, JointEffect::Kind::twice, JointEffect::Kind::compliance})
+  for (const auto one : {JointEffect::Kind::once, JointEffect::Kind::twice,
+                         JointEffect::Kind::compliance, JointEffect::Kind::play})
     if (name == text(one)) return one;
   throw std::runtime_error("an effect of an unknown kind");
 }
@@ -164,6 +164,7 @@ Json poses_json(const Outcome& outcome) {
            {{"position_mm", json_length(found.fit.noise.position_mm)},
             {"joint_arcsec", json_arcsec(found.fit.noise.joint_rad)},
             {"gears_arcsec", json_arcsec(found.fit.noise.gears_rad)},
+            {"play_arcsec", json_arcsec(found.fit.noise.play_rad)},
             {"orientation_arcsec",
              found.fit.with_orientation ? json_arcsec(found.fit.noise.orientation_rad) : Json()}}},
           {"observability",

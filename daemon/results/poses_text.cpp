@@ -50,7 +50,12 @@ std::string poses_text(const identify::PoseEstimate& found) {
                 fmt::format("{:.4f} mm in each coordinate, {:.2f} arcsec in each joint's angle "
                             "(1 sigma, a pose); gears err by {:.2f} arcsec once and twice a "
                             "turn (1 sigma of each size)",
-                            noise.position_mm, arcsec(noise.joint_rad), arcsec(noise.gears_rad)));
+                            noise.position_mm, arcsec(noise.joint_rad), arcsec(noise.gears_rad)) +
+                    (noise.play_rad > 0
+                         ? fmt::format("; joints play by {:.2f} arcsec (1 sigma, from one side to "
+                                       "the other)",
+                                       2 * arcsec(noise.play_rad))
+                         : std::string()));
   text += paragraph("shown       ",
                     fmt::format("positions are predicted to {:.4f} mm (1 sigma, worst pose and "
                                 "direction)",

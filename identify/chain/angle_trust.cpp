@@ -147,6 +147,7 @@ class Curves {
     effects.home_rad += effects.offset_rad;
     effects.figures_mm = {};
     effects.told_rad = effects.offset_rad = 0;
+    effects.home_stays = false;
     return effects;
   }
   ErrorCurve::Stroke& of(const SeenNode& at) { return units_[unit_[at.stroke]]; }

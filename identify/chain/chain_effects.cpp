@@ -63,40 +63,63 @@ MatrixXd without_effects(const MatrixXd& products, const VectorXd& variances,
 }
 
 EffectElimination::EffectElimination(std::vector<StrokeProducts> strokes,
+                                     std::vector<std::size_t> group_of,
                                      std::vector<std::size_t> home_of, Index parameters)
-    : strokes_(std::move(strokes)), home_of_(std::move(home_of)), parameters_(parameters) {
-  own_.left.resize(home_of_.size());
+    : strokes_(std::move(strokes)),
+      group_of_(std::move(group_of)),
+      home_of_(std::move(home_of)),
+      parameters_(parameters) {
+  own_.left.resize(group_of_.size());
 }
+
+namespace {
+
+/// Takes each one's effects out and adds what is left to what it belongs to.
+void take_out(const std::vector<MatrixXd>& ones, const std::vector<VectorXd>& variances,
+              const std::vector<std::size_t>& whose, std::vector<MatrixXd>& sums,
+              double& log_determinant) {
+  for (MatrixXd& sum : sums) sum.setZero();
+  for (std::size_t k = 0; k < ones.size(); ++k) {
+    if (ones[k].size() == 0) continue;  // no stroke is of it
+    MatrixXd& sum = sums[whose[k]];
+    const MatrixXd left = without_effects(ones[k], variances[k], log_determinant);
+    if (sum.size() == 0)
+      sum = left;
+    else
+      sum += left;
+  }
+}
+
+}  // namespace
 
 Eliminated EffectElimination::operator()(const EffectVariances& variances) {
   if (own_.variances != variances.own) {
-    shared_.variances.clear();
+    stand_.variances.clear();
     own_.variances = variances.own;
     own_.log_determinant = 0;
-    for (MatrixXd& group : own_.left) group.setZero();
+    for (MatrixXd& stand : own_.left) stand.setZero();
     for (std::size_t s = 0; s < strokes_.size(); ++s) {
-      const std::size_t group = strokes_[s].group;
-      add(own_.left[group], variances.shared[group].size() + variances.home[home_of_[group]].size(),
+      const std::size_t stand = strokes_[s].stand, group = group_of_[stand];
+      add(own_.left[stand],
+          variances.stand[stand].size() + variances.shared[group].size() +
+              variances.home[home_of_[group]].size(),
           parameters_,
           without_effects(strokes_[s].products, variances.own[s], own_.log_determinant),
           strokes_[s].parameters);
     }
   }
+  if (stand_.variances != variances.stand) {
+    shared_.variances.clear();
+    stand_.variances = variances.stand;
+    stand_.log_determinant = own_.log_determinant;
+    stand_.left.resize(home_of_.size());
+    take_out(own_.left, variances.stand, group_of_, stand_.left, stand_.log_determinant);
+  }
   if (shared_.variances != variances.shared) {
     shared_.variances = variances.shared;
-    shared_.log_determinant = own_.log_determinant;
+    shared_.log_determinant = stand_.log_determinant;
     shared_.left.resize(variances.home.size());
-    for (MatrixXd& home : shared_.left) home.setZero();
-    for (std::size_t g = 0; g < home_of_.size(); ++g) {
-      if (own_.left[g].size() == 0) continue;  // no stroke is of it
-      MatrixXd& home = shared_.left[home_of_[g]];
-      const MatrixXd left =
-          without_effects(own_.left[g], variances.shared[g], shared_.log_determinant);
-      if (home.size() == 0)
-        home = left;
-      else
-        home += left;
-    }
+    take_out(stand_.left, variances.shared, home_of_, shared_.left, shared_.log_determinant);
   }
   Eliminated all;
   all.log_determinant = shared_.log_determinant;
@@ -174,6 +197,7 @@ EffectColumns::EffectColumns(const ChainEffects& shape, const ChainNodes& nodes)
     own = turns + 6;
   if (shape.print_rad > 0) own += turned = 6;
   if (shape.drift_mm > 0 && sweeps_again(nodes)) own += bent = 3;
+  if (shape.home_rad > 0 && shape.home_stays) stand = turns;
   if (shape.figure_mm() > 0) figure = 2 * kFigureOrders;
   if (shape.drift_mm > 0 && nodes.units.size() > nodes.home_of.size()) {
     wander = 3;
@@ -223,6 +247,9 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
   const auto turns = static_cast<Index>(nodes.known.size());
   const double seconds = seconds_of(nodes);
   const double drift = effects.drift_mm * effects.drift_mm;
+  const auto home = [&](Index joint) {
+    return std::pow(effects.home_rad_of(static_cast<std::size_t>(joint)), 2);
+  };
   const auto in_common = [&](std::size_t group) {
     return columns.wander > 0 ? columns.in_common[group] : 0;
   };
@@ -230,8 +257,7 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
     const StrokeMoments& stroke = nodes.strokes[nodes.units[u].front()];
     VectorXd own = VectorXd::Zero(columns.own);
     if (columns.own > 0) {
-      for (Index k = 0; k < turns; ++k)
-        own(k) = std::pow(effects.home_rad_of(static_cast<std::size_t>(k)), 2);
+      for (Index k = 0; k < turns && columns.stand == 0; ++k) own(k) = home(k);
       own.segment<3>(turns).setConstant(drift * (1 - in_common(nodes.group[u])));
       // Over a stroke of length T, the coefficient of a random walk's n-th Legendre polynomial has
       // the variance T/4 (1/(2n+3) + 1/(2n-1)) in units of a unit of time's (integrated by parts).
@@ -257,6 +283,12 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
       double& arc = arcs[nodes.group[u]];
       arc = std::max(arc, (nodes.strokes[s].to_rad - nodes.strokes[s].from_rad) / 2);
     }
+  }
+  for (const std::size_t g : nodes.group_of) {
+    VectorXd stand(columns.stand);
+    for (Index k = 0; k < stand.size(); ++k) stand(k) = home(k);
+    if (stand.size() > 0) stand(static_cast<Index>(joints[g])) = 0;
+    variances.stand.push_back(std::move(stand));
   }
   for (std::size_t g = 0; g < arcs.size(); ++g) {
     VectorXd shared(columns.shared());

@@ -11,17 +11,19 @@
 namespace identify {
 
 /// One stroke's share in the normal equations: the weighted sums of products of all columns that it
-/// knows, C^T W C with C = (own, shared, home's, parameters, y). Random effects are nested: a
-/// stroke belongs to one group, whose strokes share effects, and a group to one home, likewise.
+/// knows, C^T W C with C = (own, stand's, shared, home's, parameters, y). Random effects are
+/// nested: a stroke belongs to one stand, whose strokes share effects, a stand to one group, and a
+/// group to one home, likewise.
 struct StrokeProducts {
   Eigen::MatrixXd products;              ///< square, symmetric
-  std::size_t group = 0;                 ///< one stroke after the other, in any order
+  std::size_t stand = 0;                 ///< one stroke after the other, in any order
   std::vector<Eigen::Index> parameters;  ///< which of all parameters its columns are
 };
 
 /// Variances of the random effects, in the order of the columns; an effect of size 0 does nothing.
 struct EffectVariances {
   std::vector<Eigen::VectorXd> own;     ///< one a stroke
+  std::vector<Eigen::VectorXd> stand;   ///< one a stand
   std::vector<Eigen::VectorXd> shared;  ///< one a group
   std::vector<Eigen::VectorXd> home;    ///< one a home
 };
@@ -45,9 +47,9 @@ struct Eliminated {
 /// levels, what was found of the inner ones stands.
 class EffectElimination {
  public:
-  /// `home_of`: of each group.
-  EffectElimination(std::vector<StrokeProducts> strokes, std::vector<std::size_t> home_of,
-                    Eigen::Index parameters);
+  /// `group_of`: of each stand; `home_of`: of each group.
+  EffectElimination(std::vector<StrokeProducts> strokes, std::vector<std::size_t> group_of,
+                    std::vector<std::size_t> home_of, Eigen::Index parameters);
   [[nodiscard]] Eliminated operator()(const EffectVariances& variances);
 
  private:
@@ -59,9 +61,11 @@ class EffectElimination {
   };
 
   std::vector<StrokeProducts> strokes_;
+  std::vector<std::size_t> group_of_;
   std::vector<std::size_t> home_of_;
   Eigen::Index parameters_;
-  Level own_;     ///< left: one a group
+  Level own_;     ///< left: one a stand
+  Level stand_;   ///< left: one a group
   Level shared_;  ///< left: one a home
 };
 
@@ -73,7 +77,8 @@ inline constexpr Eigen::Index kFigureOrders = 8;
 /// that grow from minus one at a stroke's least turn to one at its greatest. Where printed
 /// orientations are shifted, so many follow, of A, B, C. Where a joint has swept again, so that a
 /// device that wanders can be told from homes that are off, three bend, as the second Legendre
-/// polynomial of the stroke's turn. Those of a group are the orders of each target's radial and
+/// polynomial of the stroke's turn. A stand's are a turn of each joint, where homes stay. Those of
+/// a group are the orders of each target's radial and
 /// then axial figure, behind them three shifts where several units share a device that wanders, and
 /// those of the joint's angle. A home's are a turn of each joint.
 struct EffectColumns {
@@ -81,6 +86,7 @@ struct EffectColumns {
   Eigen::Index own = 0;
   Eigen::Index turned = 0;  ///< of these, those of A, B, C
   Eigen::Index bent = 0;    ///< and the last ones
+  Eigen::Index stand = 0;
   Eigen::Index figure = 0;  ///< of one target
   Eigen::Index wander = 0;
   std::vector<double> in_common;  ///< which share of a wandering device's shifts; one a group

@@ -36,6 +36,8 @@ inline constexpr std::array kFigureLaws{FigureLaw::square, FigureLaw::cube, Figu
 struct ChainEffects {
   /// Of each locked joint's place in a stroke from its home: a rotation about its axis.
   double home_rad = 0;
+  /// It is the same in all strokes of a stand (ChainNodes), and not anew in each.
+  bool home_stays = false;
   /// Of the measuring device's place in a stroke, each coordinate. It walks on during a stroke.
   double drift_mm = 0;
   /// Of the figure that a stroke describes, radial and axial, from a circle: the standard deviation

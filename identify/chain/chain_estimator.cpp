@@ -21,7 +21,6 @@ using Eigen::Vector3d;
 
 /// Below this nothing is measured, and nothing computed in double precision.
 constexpr double kLeastPosition_mm = 1e-7;
-constexpr double kLeastAngle_rad = 1e-11;
 
 /// A way to explain the samples, and how well it does.
 struct Fitted {
@@ -44,7 +43,8 @@ class Estimation {
     start.targets_mm =
         starting_targets(start, nodes_.observations, nodes_.targets, nodes_.with_angles);
     set_quanta(nodes_.with_angles);
-    if (nodes_.with_angles) effects_.zero_rad = unseen_zeros();
+    if (nodes_.with_angles)
+      effects_.zero_rad = unseen_zeros(nodes_, campaign_.resolution.angle_rad);
 
     Fitted best = without_angles(start);
     ChainEstimate estimate;
@@ -132,6 +132,35 @@ class Estimation {
     shape.figures_mm.fill(1);
     shape.home_rad = shape.drift_mm = nodes_.units.size() > 1 ? 1 : 0;  // from stroke to stroke
     shape.offset_rad = several_homes ? 1 : 0;
+    Fitted other = best;
+    size_twice(best, shape);
+    if (!nodes_.stays()) return;
+    // Whether joints that stood still stood elsewhere in each stroke, the likelihood tells. What is
+    // the same there and back may have been taken for the arc's figure.
+    constexpr double kShown = 4;
+    const double anew = deviance(best, effects_);
+    const auto nodes = nodes_.observations;
+    const ChainEffects effects = effects_;
+    ChainEffects none = effects_;
+    none.home_rad = none.drift_mm = none.sag_rad = 0;
+    none.figures_mm = {};
+    if (!(deviance(best, none) > anew + kShown)) return;
+    shape.home_stays = true;
+    size_twice(other, shape);
+    if (deviance(other, effects_) < anew) {
+      best = std::move(other);
+    } else {
+      nodes_.observations = nodes;
+      effects_ = effects;
+    }
+  }
+
+  [[nodiscard]] double deviance(const Fitted& fitted, const ChainEffects& effects) {
+    return LinearisedChain(fitted.fit.chain, nodes_, fitted.noise, effects, false)
+        .deviance(effects);
+  }
+
+  void size_twice(Fitted& best, ChainEffects shape) {
     constexpr int kRounds = 2;
     for (int round = 0; round < kRounds; ++round) {
       size_effects(best, shape);
@@ -243,42 +272,10 @@ class Estimation {
       if (evidence[j].trust != AngleTrust::trusted) evidence[j] = std::move(now[j]);
   }
 
-  /// How far each joint may have stood from the home that was printed: where its angle hardly
-  /// changed while it was locked, up to half a step of the last decimal; where it wobbled through
-  /// the steps, their mean tells.
-  [[nodiscard]] std::vector<double> unseen_zeros() const {
-    const double step = campaign_.resolution.angle_rad;
-    if (!(step > 0)) return std::vector<double>(joints_, kLeastAngle_rad);
-    std::vector<double> zeros;
-    for (std::size_t j = 0; j < joints_; ++j) {
-      double sum = 0, samples = 0;
-      for (const StrokeMoments& stroke : nodes_.strokes) {
-        if (stroke.content.joint == j || !stroke.squares) continue;
-        const auto at = static_cast<Eigen::Index>((stroke.content.orientation ? 7 : 4) + j);
-        double squares = 0;
-        for (const StrokeMoments::Node& node : stroke.nodes) squares += node.sums(at, at);
-        const double off =
-            unseen_zero(stroke.locked_rad[j] / step, squares / (stroke.weight * step * step));
-        sum += stroke.weight * off * off;
-        samples += stroke.weight;
-      }
-      const double least = kEvenlySpread / std::sqrt(std::max(1.0, samples));
-      const double off = samples > 0 ? std::sqrt(sum / samples) : kEvenlySpread;
-      zeros.push_back(std::max(kLeastAngle_rad, step * std::max(off, least)));
-    }
-    return zeros;
-  }
-
   /// Whether the tool's orientations agree with what the positions found; then they are used.
   bool add_orientation(Fitted& best) {
     Chain chain = best.fit.chain;
-    // The tool at home, as the mean over all samples: the rotation closest to it.
-    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-    for (const ChainObservation& sample : nodes_.observations)
-      sum += sample.weight * chain.displacement(sample.turns).linear().transpose() *
-             sample.orientation;
-    const Eigen::Quaterniond mean = closest_rotation(sum);
-    chain.tool = mean.toRotationMatrix();
+    chain.tool = starting_tool(chain, nodes_.observations);
     // They share their encoders with the positions, or they are left alone.
     best.fit.chain.tool = chain.tool;
     if (!explained_by_print(best, false) || misprint(best, true) > 2 * kMostQuanta) return false;
@@ -295,15 +292,6 @@ class Estimation {
       effects_.print_rad = 0;
     }
     return consistent;
-  }
-
-  static Eigen::Quaterniond closest_rotation(const Eigen::Matrix3d& sum) {
-    // Polar decomposition by Newton's iteration (Higham 1986).
-    Eigen::Matrix3d rotation = sum;
-    for (int k = 0; k < 30 && std::abs(rotation.determinant()) > 1e-300; ++k)
-      rotation = 0.5 * (rotation + rotation.inverse().transpose());
-    if (!rotation.allFinite() || rotation.determinant() <= 0) return Eigen::Quaterniond::Identity();
-    return Eigen::Quaterniond(rotation).normalized();
   }
 
   void finish(Fitted& best, ChainEstimate& estimate) {

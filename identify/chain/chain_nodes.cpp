@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -58,6 +59,27 @@ bool together(const StrokeMoments& one, const StrokeMoments& other) {
          one.squares == other.squares && both > shorter / 2;
 }
 
+/// Sorts the units by what swept in between.
+void set_stands(ChainNodes& nodes) {
+  const auto begin_s = [&](std::size_t unit) {
+    return nodes.strokes[nodes.units[unit].front()].begin_s;
+  };
+  std::vector<std::size_t> in_time(nodes.units.size());
+  std::iota(in_time.begin(), in_time.end(), std::size_t{0});
+  std::stable_sort(in_time.begin(), in_time.end(),
+                   [&](std::size_t a, std::size_t b) { return begin_s(a) < begin_s(b); });
+  nodes.stand.resize(in_time.size());
+  double end_s = 0;  // of all before
+  for (std::size_t i = 0; i < in_time.size(); ++i) {
+    const std::size_t unit = in_time[i], group = nodes.group[unit];
+    // Where times begin anew with each sweep, nothing tells what follows what.
+    const bool follows = i > 0 && nodes.group[in_time[i - 1]] == group && begin_s(unit) >= end_s;
+    if (!follows) nodes.group_of.push_back(group);
+    nodes.stand[unit] = nodes.group_of.size() - 1;
+    for (const std::size_t s : nodes.units[unit]) end_s = std::max(end_s, nodes.strokes[s].end_s);
+  }
+}
+
 /// Sorts the strokes by what was seen at once, and by where their locked joints stood.
 void set_groups(ChainNodes& nodes) {
   using Place = std::array<std::optional<double>, kMostJoints>;
@@ -93,6 +115,7 @@ void set_groups(ChainNodes& nodes) {
     nodes.group.push_back(group->second);
     if (fresh) nodes.home_of.push_back(home);
   }
+  set_stands(nodes);
   for (const Place& place : places) {
     Turns turns{};
     for (std::size_t k = 0; k < kMostJoints; ++k) turns[k] = place[k].value_or(0);
@@ -112,6 +135,29 @@ std::size_t ChainNodes::outliers() const {
   std::size_t count = 0;
   for (const StrokeMoments& stroke : strokes) count += stroke.outliers;
   return count;
+}
+
+std::vector<double> unseen_zeros(const ChainNodes& nodes, double angle_step_rad) {
+  const double step = angle_step_rad;
+  if (!(step > 0)) return std::vector<double>(nodes.known.size(), kLeastAngle_rad);
+  std::vector<double> zeros;
+  for (std::size_t j = 0; j < nodes.known.size(); ++j) {
+    double sum = 0, samples = 0;
+    for (const StrokeMoments& stroke : nodes.strokes) {
+      if (stroke.content.joint == j || !stroke.squares) continue;
+      const auto at = static_cast<Index>((stroke.content.orientation ? 7 : 4) + j);
+      double squares = 0;
+      for (const StrokeMoments::Node& node : stroke.nodes) squares += node.sums(at, at);
+      const double off =
+          unseen_zero(stroke.locked_rad[j] / step, squares / (stroke.weight * step * step));
+      sum += stroke.weight * off * off;
+      samples += stroke.weight;
+    }
+    const double least = kEvenlySpread / std::sqrt(std::max(1.0, samples));
+    const double off = samples > 0 ? std::sqrt(sum / samples) : kEvenlySpread;
+    zeros.push_back(std::max(kLeastAngle_rad, step * std::max(off, least)));
+  }
+  return zeros;
 }
 
 namespace {

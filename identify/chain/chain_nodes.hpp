@@ -12,6 +12,9 @@
 
 namespace identify {
 
+/// Below it no angle is measured, and none computed in double precision.
+inline constexpr double kLeastAngle_rad = 1e-11;
+
 /// What the chain estimator works on: the strokes' moments, and of each node the mean of its
 /// samples as if it were one, with their number as its weight. To first order in the scatter within
 /// a stroke, least squares over these is least squares over all samples.
@@ -25,9 +28,12 @@ struct ChainNodes {
   bool with_orientation = false;  ///< at every sample
 
   /// Strokes of one joint that were seen at once, of one target each, are a unit; units of the same
-  /// joint and home are a group.
+  /// joint and home are a group. Those of a group that follow each other, while no other joint
+  /// swept, are a stand: the locked joints may have stood still all the while.
   std::vector<std::vector<std::size_t>> units;  ///< of strokes
   std::vector<std::size_t> group;               ///< of each unit
+  std::vector<std::size_t> stand;               ///< of each unit
+  std::vector<std::size_t> group_of;            ///< of each stand
   std::vector<std::size_t> home_of;             ///< of each group
   /// Where the joints stood at each home, from the first one; of a joint that was never seen locked
   /// there, zero. The first is the common one.
@@ -35,6 +41,8 @@ struct ChainNodes {
 
   [[nodiscard]] std::size_t samples() const;
   [[nodiscard]] std::size_t outliers() const;
+  /// Whether a stand has several units.
+  [[nodiscard]] bool stays() const { return group_of.size() < units.size(); }
 };
 
 /// `home_rad`: one a joint; where it has none, and for joints that are not `known`, turns are zero.
@@ -48,6 +56,11 @@ struct ChainNodes {
 [[nodiscard]] ChainNodes chain_nodes(const CircleEstimate& circles,
                                      const std::vector<std::optional<ChainAxis>>& axes,
                                      double angle_step_rad);
+
+/// How far each joint may have stood from the home that was printed: where its angle hardly changed
+/// while it was locked, up to half a step of the last decimal; where it wobbled through the steps,
+/// their mean tells.
+[[nodiscard]] std::vector<double> unseen_zeros(const ChainNodes& nodes, double angle_step_rad);
 
 /// What a node's samples scatter by about it, and what its mean is off by.
 template <int Size>

@@ -57,7 +57,8 @@ void ChainProblem<Size>::follow() {
 
 template <int Size>
 NormalEquations ChainProblem<Size>::linearised(const Chain& chain) {
-  const auto all = EffectElimination(products(chain), nodes_.home_of, count_all(chain))(variances_);
+  const auto all = EffectElimination(products(chain), nodes_.group_of, nodes_.home_of,
+                                     count_all(chain))(variances_);
   NormalEquations equations{all.normal, all.gradient, all.squares / 2};
   const Eigen::VectorXd known = prior(chain);
   equations.normal.diagonal() += known;
@@ -97,7 +98,7 @@ std::vector<StrokeProducts> ChainProblem<Size>::products(const Chain& chain) {
 template <int Size>
 StrokeProducts ChainProblem<Size>::unit(const Chain& chain, std::size_t u, ChainPose& pose) {
   StrokeProducts result;
-  result.group = nodes_.group[u];
+  result.stand = nodes_.stand[u];
   result.parameters = active(chain, nodes_.units[u]);
   Eigen::Index nodes = 0;
   for (const std::size_t s : nodes_.units[u])
@@ -150,7 +151,7 @@ Eigen::MatrixXd ChainProblem<Size>::effects(const Chain& chain, std::size_t u,
   Eigen::Index nodes = 0;
   for (const std::size_t s : nodes_.units[u])
     nodes += static_cast<Eigen::Index>(nodes_.strokes[s].nodes.size());
-  const Eigen::Index shared = columns_.own;
+  const Eigen::Index shared = columns_.own + columns_.stand;
   const Eigen::Index at_home = shared + columns_.shared();
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(at_home + columns_.home, Size * nodes);
   if (rows.rows() == 0) return rows;
@@ -166,6 +167,8 @@ Eigen::MatrixXd ChainProblem<Size>::effects(const Chain& chain, std::size_t u,
       if (columns_.own > 0)
         block.topRows(columns_.own) = own_effects<Size>(columns_, pose.by_turn, nodes_.known, seen,
                                                         stroke.place_of(stroke.nodes[n].turn_rad));
+      // A stand's turns of the joints are a unit's, in common.
+      block.middleRows(columns_.own, columns_.stand) = block.topRows(columns_.stand);
       for (std::size_t k = 0; columns_.home > 0 && k < chain.axes.size(); ++k)
         if (k != seen.joint && nodes_.known[k])
           block.row(at_home + static_cast<Eigen::Index>(k)) =

@@ -272,4 +272,16 @@ std::vector<Vector3d> starting_targets(const Chain& chain,
   return found;
 }
 
+Matrix3d starting_tool(const Chain& chain, const std::vector<ChainObservation>& observations) {
+  Matrix3d rotation = Matrix3d::Zero();
+  for (const ChainObservation& sample : observations)
+    rotation +=
+        sample.weight * chain.displacement(sample.turns).linear().transpose() * sample.orientation;
+  // Polar decomposition by Newton's iteration (Higham 1986).
+  for (int k = 0; k < 30 && std::abs(rotation.determinant()) > 1e-300; ++k)
+    rotation = 0.5 * (rotation + rotation.inverse().transpose());
+  if (!rotation.allFinite() || rotation.determinant() <= 0) return Matrix3d::Identity();
+  return Eigen::Quaterniond(rotation).normalized().toRotationMatrix();
+}
+
 }  // namespace identify

@@ -56,4 +56,8 @@ struct ChainSweep {
     const Chain& chain, std::vector<ChainObservation>& observations, std::size_t targets,
     bool with_angles);
 
+/// The tool at home: the rotation closest to its mean over all observations, which have one.
+[[nodiscard]] Eigen::Matrix3d starting_tool(const Chain& chain,
+                                            const std::vector<ChainObservation>& observations);
+
 }  // namespace identify

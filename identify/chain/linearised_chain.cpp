@@ -27,7 +27,7 @@ LinearisedChain::LinearisedChain(const Chain& chain, ChainNodes& nodes, const Ch
   }
   const auto set = [&](auto&& problem) {
     prior_ = problem.prior(chain);
-    eliminated_.emplace(problem.products(chain), nodes.home_of, prior_.size());
+    eliminated_.emplace(problem.products(chain), nodes.group_of, nodes.home_of, prior_.size());
   };
   if (with_orientation)
     set(ChainProblem<6>(chain, nodes, noise, shape));
@@ -106,6 +106,7 @@ std::vector<ChainEstimate::Part> LinearisedChain::parts() {
   };
   ChainEffects home, drift, figure, offset, print;
   home.home_rad = shape_.home_rad;
+  home.home_stays = shape_.home_stays;
   home.home_times = shape_.home_times;
   drift.drift_mm = shape_.drift_mm;
   figure.figures_mm = shape_.figures_mm;
@@ -127,6 +128,7 @@ std::vector<ChainEstimate::Part> LinearisedChain::parts() {
     const auto changed = [&](double by) {
       EffectVariances variances = all;
       for (std::size_t s = 0; s < all.own.size(); ++s) variances.own[s] += by * own.own[s];
+      for (std::size_t t = 0; t < all.stand.size(); ++t) variances.stand[t] += by * own.stand[t];
       for (std::size_t g = 0; g < all.shared.size(); ++g) variances.shared[g] += by * own.shared[g];
       for (std::size_t h = 0; h < all.home.size(); ++h) variances.home[h] += by * own.home[h];
       return normal_at(variances);

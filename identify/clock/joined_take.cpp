@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "identify/geometry/angle.hpp"
 #include "identify/geometry/median.hpp"
 #include "identify/geometry/warning.hpp"
 #include "identify/poses/arm_fit.hpp"
@@ -20,6 +21,8 @@ constexpr double kShortestRest_s = 0.14;
 /// Cut off its ends: what rings, and what the clocks are not known to.
 constexpr double kMargin_s = 0.03;
 constexpr std::size_t kFewestAtRest = 5;
+/// A joint that turned by more has taken up its play.
+constexpr double kTurned_rad = 0.01 * kDegree;
 /// Positions at rest scatter by more than this many times what is usual: the target moved.
 constexpr double kRestless = 5;
 constexpr double kRestless_mm = 0.02;
@@ -33,12 +36,38 @@ struct Rest {
   double scatter_mm = 0;
 };
 
+/// Of each rest that the angles tell.
+std::vector<JointSenses> senses_in(const AngleTape& tape, const std::vector<Span>& rests,
+                                   double angle_step_rad) {
+  // Less is wobble or the last digit.
+  const double turned_rad = std::max(kTurned_rad, 4 * angle_step_rad);
+  std::vector<JointSenses> all;
+  JointSenses senses{};
+  JointAngles farthest{};  // in the sense of its motion
+  std::size_t i = 0;
+  for (const Span& rest : rests) {
+    for (; i < tape.size() && tape.time_s()[i] < rest.begin_s; ++i)
+      for (std::size_t j = 0; j < tape.joints(); ++j) {
+        const double told = tape.angles_rad(i)[j];
+        double& end = farthest[j];
+        if (i == 0) end = told;
+        if (std::abs(told - end) > turned_rad) senses[j] = told > end ? 1 : -1;
+        if (std::abs(told - end) > turned_rad || (told - end) * senses[j] > 0) end = told;
+      }
+    all.push_back(senses);
+  }
+  return all;
+}
+
 /// One a rest of the angles and target that the device saw.
 std::vector<Rest> rests_in(const AngleTape& tape, const Motion& angles,
-                           const std::vector<TargetTrack>& tracks, const ClockMatch& clock) {
+                           const std::vector<TargetTrack>& tracks, const ClockMatch& clock,
+                           double angle_step_rad) {
   const double margin = kMargin_s + 3 * clock.sigma_s;
+  const auto senses = senses_in(tape, angles.rests, angle_step_rad);
   std::vector<Rest> rests;
-  for (const Span& span : angles.rests) {
+  for (std::size_t r = 0; r < angles.rests.size(); ++r) {
+    const Span& span = angles.rests[r];
     if (span.seconds() < kShortestRest_s) continue;
     const double begin = span.begin_s + margin, end = span.end_s - margin;
     const auto mean = tape.mean(begin, end);
@@ -73,6 +102,7 @@ std::vector<Rest> rests_in(const AngleTape& tape, const Motion& angles,
       rest.pose.sample.joints = static_cast<std::uint8_t>(tape.joints());
       rest.pose.sample.angles_rad = *mean;
       rest.pose.target = target;
+      rest.pose.senses = senses[r];
       rest.pose.name = "rest at " + fixed(rest.pose.sample.time_s, 1) + " s";
       rests.push_back(rest);
     }
@@ -113,7 +143,8 @@ std::optional<ClockMatch> by_arm(const std::vector<ClockMatch>& matches, const A
   std::vector<std::pair<double, ClockMatch>> by_distance;
   for (const ClockMatch& match : matches) {
     std::size_t restless = 0;
-    const auto poses = still_poses(rests_in(tape, angles, tracks, match), restless);
+    const auto poses =
+        still_poses(rests_in(tape, angles, tracks, match, campaign.resolution.angle_rad), restless);
     if (poses.size() < kFewestPoses) return std::nullopt;
     by_distance.emplace_back(distance_mm(poses, campaign), match);
   }
@@ -183,7 +214,8 @@ JoinedTake joined(const AngleTape& tape, const std::vector<Measured>& points,
     take.clock = *one;
   }
 
-  take.poses = still_poses(rests_in(tape, angles, tracks, take.clock), take.restless);
+  take.poses = still_poses(
+      rests_in(tape, angles, tracks, take.clock, campaign.resolution.angle_rad), take.restless);
   std::map<std::size_t, Segmenter> streams;  // by target
   const auto keep = [&](std::size_t target, std::vector<Sweep> ended) {
     for (Sweep& sweep : ended) {

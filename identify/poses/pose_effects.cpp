@@ -139,6 +139,7 @@ void assume_others(PoseFit& fit, const std::vector<Pose>& poses,
 std::vector<EffectEvidence> add_effects(PoseFit& fit, const std::vector<Pose>& poses,
                                         const std::optional<ChainPrior>& prior) {
   std::vector<EffectEvidence> added;
+  const std::size_t there = fit.model.effects.size();
   for (int round = 0; round < kMostRounds && fit.converged; ++round) {
     Scores scores(fit, poses, candidates(fit.model));
     PoseModel model = fit.model;
@@ -154,14 +155,17 @@ std::vector<EffectEvidence> add_effects(PoseFit& fit, const std::vector<Pose>& p
     fit = fitted(model, fit.noise, poses, fit.with_orientation, prior);
     if (fit.converged) continue;
     fit = before;
-    added.resize(fit.model.effects.size());
+    added.resize(fit.model.effects.size() - there);
   }
   if (fit.converged) assume_others(fit, poses, prior);
   Index at = fit.model.chain_parameters().count(true);
-  for (std::size_t e = 0; e < added.size(); ++e) {
-    added[e].effect = fit.model.effects[e];
-    const Index size = added[e].effect.count();
-    added[e].sigma.head(size) = fit.covariance.diagonal().segment(at, size).cwiseSqrt();
+  for (std::size_t e = 0; e < there + added.size(); ++e) {
+    const JointEffect& effect = fit.model.effects[e];
+    const Index size = effect.count();
+    if (e >= there) {
+      added[e - there].effect = effect;
+      added[e - there].sigma.head(size) = fit.covariance.diagonal().segment(at, size).cwiseSqrt();
+    }
     at += size;
   }
   return added;

@@ -18,6 +18,7 @@ using Eigen::VectorXd;
 /// To begin with, half of what is left comes from the joints, at this distance.
 constexpr double kStartOrientation_rad = 1e-4;
 constexpr double kLeastStart_mm = 1e-3;
+constexpr double kStartPlay_rad = 10 * kArcsec;
 /// No device measures as well.
 constexpr double kComputed_mm = 1e-4;
 
@@ -46,10 +47,8 @@ std::vector<ChainEstimate::Part> parts_of(const PoseFit& fit,
   Index at = fit.model.chain_parameters().count(true);
   const auto know = [&](double sigma) { joints(at, at) += 1 / (sigma * sigma), ++at; };
   for (const JointEffect& effect : fit.model.effects)
-    for (Index k = 0; k < effect.count(); ++k)
-      know(effect.assumed ? fit.noise.gears_rad * std::sqrt(fit.widened) : effect.prior());
-  for (std::size_t k = 0; k < fit.model.places.size(); ++k)
-    know(fit.noise.joint_rad * std::sqrt(fit.widened));
+    for (Index k = 0; k < effect.count(); ++k) know(fit.known_beforehand(effect));
+  for (const JointPlace& place : fit.model.places) know(fit.known_beforehand(place));
   const auto share = [&](const MatrixXd& of) {
     return MatrixXd(fit.covariance * of * fit.covariance);
   };
@@ -115,8 +114,15 @@ Left left_of(const VectorXd& distances_mm) {
 Eigen::Matrix3d PoseEstimate::covariance_at(const Pose& pose) const {
   const PoseRow row = pose_row(fit.model, pose, false);
   const MatrixXd of = fit.whole_covariance();
-  return row.by_parameter * of * row.by_parameter.transpose() +
-         fit.noise.covariance(row.by_own).topLeftCorner<3, 3>();
+  Eigen::Matrix3d covariance = row.by_parameter * of * row.by_parameter.transpose() +
+                               fit.noise.covariance(row.by_own).topLeftCorner<3, 3>();
+  for (const JointEffect& effect : fit.model.effects) {
+    if (effect.kind != JointEffect::Kind::play || pose.senses[effect.joint] != 0) continue;
+    const Vector3d to_either_side =
+        effect.size.x() * row.by_joint.col(static_cast<Index>(effect.joint));
+    covariance += to_either_side * to_either_side.transpose();
+  }
+  return covariance;
 }
 
 std::optional<PoseEstimate> estimate_poses(const std::vector<Pose>& poses, const Campaign& campaign,
@@ -162,6 +168,7 @@ std::optional<PoseEstimate> estimate_poses(const std::vector<Pose>& poses, const
   PoseNoise noise;
   noise.position_mm = std::max(kLeastStart_mm, start.middle_mm / 2);
   noise.joint_rad = noise.position_mm / kMetre_mm;
+  if (!start.model.effects.empty()) noise.play_rad = kStartPlay_rad;
   noise.orientation_rad = oriented ? kStartOrientation_rad : 0;
   PoseEstimate found;
   found.fit = fitted(start.model, noise, poses, oriented, prior);

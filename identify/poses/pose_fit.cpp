@@ -57,6 +57,13 @@ double weight_at(double sigmas) {
   return (1 - share * share) * (1 - share * share);
 }
 
+/// A component of the noise, as it shows.
+struct Sized {
+  double seen = 0;
+  double expected = 0;
+  [[nodiscard]] double times() const { return expected > 0 ? std::sqrt(seen / expected) : 1; }
+};
+
 /// The rows of all poses that count, divided by their standard deviations.
 struct Whitened {
   MatrixXd columns;  // transposed: one column a row of the model
@@ -89,7 +96,8 @@ class Problem {
           still(before.orientation_rad, fit_.noise.orientation_rad) &&
           // A share that fades away matters no more.
           (still(before.joint_rad, fit_.noise.joint_rad) || joint_share_ < kNoiseSettled) &&
-          (still(before.gears_rad, fit_.noise.gears_rad) || fit_.noise.gears_rad < kNoGears_rad))
+          (still(before.gears_rad, fit_.noise.gears_rad) || fit_.noise.gears_rad < kNoGears_rad) &&
+          (still(before.play_rad, fit_.noise.play_rad) || fit_.noise.play_rad < kNoGears_rad))
         break;
     }
     solve();
@@ -104,8 +112,9 @@ class Problem {
     for (std::size_t i = 0; i < poses_.size(); ++i)
       rows += fit_.weights(static_cast<Index>(i)) * static_cast<double>(fit_.rows[i].off.size());
     const double free = rows - taken_up().squaredNorm();
-    const double lost =
-        2.0 * ((fit_.with_orientation ? 3 : 2) + (fit_.noise.gears_rad > kNoGears_rad ? 1 : 0));
+    double lost = fit_.with_orientation ? 6 : 4;
+    for (const double size : {fit_.noise.gears_rad, fit_.noise.play_rad})
+      if (size > kNoGears_rad) lost += 2;
     fit_.widened = free > lost ? std::min(kMost, free / (free - lost)) : kMost;
     solve();
   }
@@ -160,10 +169,9 @@ class Problem {
     };
     for (const JointEffect& effect : fit_.model.effects)
       for (Index k = 0; k < effect.count(); ++k)
-        know(effect.size(k),
-             effect.assumed ? fit_.noise.gears_rad * std::sqrt(fit_.widened) : effect.prior());
+        know(effect.size(k), fit_.known_beforehand(effect));
     for (const JointPlace& place : fit_.model.places)
-      know(place.off_rad, fit_.noise.joint_rad * std::sqrt(fit_.widened));
+      know(place.off_rad, fit_.known_beforehand(place));
     solve(normal.selfadjointView<Eigen::Lower>(), gradient);
   }
 
@@ -215,8 +223,7 @@ class Problem {
     white_ = whitened();
     const MatrixXd taken = taken_up();
     const VectorXd left = white_.off - white_.columns.transpose() * step_;
-    double seen_position = 0, expected_position = 0, seen_joint = 0, expected_joint = 0;
-    double seen_orientation = 0, expected_orientation = 0;
+    Sized position, orientation, joints, gears, play;
     Index at = 0;
     for (std::size_t i = 0; i < poses_.size(); ++i) {
       const double weight = fit_.weights(static_cast<Index>(i));
@@ -230,18 +237,16 @@ class Problem {
       const MatrixXd free =
           back(back(MatrixXd::Identity(count, count) - held.transpose() * held).transpose());
       // V^-1 less what the fit takes up, in which each component is measured.
-      seen_position += weighed.head<3>().squaredNorm();
-      expected_position += free.topLeftCorner<3, 3>().trace();
-      seen_joint += (row.by_own.transpose() * weighed).squaredNorm();
-      expected_joint += (free * row.by_own).cwiseProduct(row.by_own).sum();
+      position.seen += weighed.head<3>().squaredNorm();
+      position.expected += free.topLeftCorner<3, 3>().trace();
+      joints.seen += (row.by_own.transpose() * weighed).squaredNorm();
+      joints.expected += (free * row.by_own).cwiseProduct(row.by_own).sum();
       if (count == 6) {
-        seen_orientation += weighed.tail<3>().squaredNorm();
-        expected_orientation += free.bottomRightCorner<3, 3>().trace();
+        orientation.seen += weighed.tail<3>().squaredNorm();
+        orientation.expected += free.bottomRightCorner<3, 3>().trace();
       }
       at += count;
     }
-    const double variance = fit_.noise.joint_rad * fit_.noise.joint_rad;
-    double seen_gears = 0, expected_gears = 0;
     at = fit_.model.chain_parameters().count(true);
     std::set<std::size_t> found;
     for (const JointEffect& effect : fit_.model.effects)
@@ -250,34 +255,31 @@ class Problem {
     const bool many = fit_.noise.gears_rad > 0 && found.size() >= kManyWheels;
     // A size that was held to its variance beforehand falls short by what is left open of it; one
     // that was not exceeds it by that.
-    const auto take = [&](double size, double sigma, bool held, double& seen, double& expected) {
+    const auto take = [&](double size, double sigma, bool held, Sized& sized) {
       const double known = sigma * sigma, off = size + step_(at);
       const double open = fit_.covariance(at, at) / (known * fit_.widened);
-      seen += off * off / (known * known);
-      expected += (held ? 1 - open : 1 + open) / known;
+      sized.seen += off * off / (known * known);
+      sized.expected += (held ? 1 - open : 1 + open) / known;
       ++at;
     };
     for (const JointEffect& effect : fit_.model.effects)
       if (effect.assumed || (many && effect.kind != JointEffect::Kind::compliance))
         for (Index k = 0; k < effect.count(); ++k)
-          take(effect.size(k), fit_.noise.gears_rad, effect.assumed, seen_gears, expected_gears);
+          take(effect.size(k), fit_.noise.assumed_rad(effect.kind), effect.assumed,
+               effect.kind == JointEffect::Kind::play ? play : gears);
       else
         at += effect.count();
     for (const JointPlace& place : fit_.model.places)
-      take(place.off_rad, fit_.noise.joint_rad, true, seen_joint, expected_joint);
-    const auto times = [](double seen, double expected) {
-      return expected > 0 ? std::sqrt(seen / expected) : 1;
-    };
-    const double joint = variance * expected_joint;
-    const double rest = fit_.noise.position_mm * fit_.noise.position_mm * expected_position;
+      take(place.off_rad, fit_.noise.joint_rad, true, joints);
+    PoseNoise& noise = fit_.noise;
+    const double joint = noise.joint_rad * noise.joint_rad * joints.expected;
+    const double rest = noise.position_mm * noise.position_mm * position.expected;
     joint_share_ = joint / (joint + rest);
-    fit_.noise.position_mm =
-        std::max(kLeastNoise_mm, fit_.noise.position_mm * times(seen_position, expected_position));
-    fit_.noise.joint_rad =
-        std::max(kLeastJoint_rad, fit_.noise.joint_rad * times(seen_joint, expected_joint));
-    fit_.noise.gears_rad =
-        std::max(kLeastJoint_rad, fit_.noise.gears_rad * times(seen_gears, expected_gears));
-    fit_.noise.orientation_rad *= times(seen_orientation, expected_orientation);
+    noise.position_mm = std::max(kLeastNoise_mm, noise.position_mm * position.times());
+    noise.orientation_rad *= orientation.times();
+    noise.joint_rad = std::max(kLeastJoint_rad, noise.joint_rad * joints.times());
+    noise.gears_rad = std::max(kLeastJoint_rad, noise.gears_rad * gears.times());
+    noise.play_rad = std::max(kLeastJoint_rad, noise.play_rad * play.times());
   }
 
   PoseFit& fit_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -45,6 +46,15 @@ struct PoseFit {
   int iterations = 0;
   bool converged = false;
   bool with_orientation = false;
+
+  /// Standard deviations of an effect's sizes, and of what a joint is off at a place, as they were
+  /// known beforehand.
+  [[nodiscard]] double known_beforehand(const JointEffect& effect) const {
+    return effect.assumed ? noise.assumed_rad(effect.kind) * std::sqrt(widened) : effect.prior();
+  }
+  [[nodiscard]] double known_beforehand(const JointPlace& /*anywhere*/) const {
+    return noise.joint_rad * std::sqrt(widened);
+  }
 
   /// How far off a pose is, in standard deviations of its noise: root of the sum of squares.
   [[nodiscard]] double sigmas_off(std::size_t pose) const;

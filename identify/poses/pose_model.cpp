@@ -44,6 +44,8 @@ std::string_view text(JointEffect::Kind kind) noexcept {
       return "twice_a_turn";
     case JointEffect::Kind::compliance:
       return "compliance";
+    case JointEffect::Kind::play:
+      return "play";
   }
   return "";
 }
@@ -54,7 +56,10 @@ Turns PoseModel::told(const Sample& sample) const {
   return turns;
 }
 
-Vector2d PoseModel::pattern(const JointEffect& effect, const Turns& told) const {
+Vector2d PoseModel::pattern(const JointEffect& effect, const Turns& told,
+                            const JointSenses& senses) const {
+  if (effect.kind == JointEffect::Kind::play)
+    return {static_cast<double>(senses[effect.joint]), 0.0};
   Vector2d here(0, 0);
   if (effect.kind == JointEffect::Kind::compliance) {
     here.x() = torque(*this, effect.joint, told);
@@ -65,10 +70,10 @@ Vector2d PoseModel::pattern(const JointEffect& effect, const Turns& told) const 
   return here - effect.middle;
 }
 
-Turns PoseModel::turned(const Turns& told) const {
+Turns PoseModel::turned(const Turns& told, const JointSenses& senses) const {
   Turns turns = told;
   for (const JointEffect& effect : effects)
-    turns[effect.joint] += effect.size.dot(pattern(effect, told));
+    turns[effect.joint] += effect.size.dot(pattern(effect, told, senses));
   for (std::size_t j = 0; j < chain.axes.size(); ++j)
     if (const std::size_t at = place_of(j, told[j]); at < places.size())
       turns[j] += places[at].off_rad;
@@ -76,7 +81,7 @@ Turns PoseModel::turned(const Turns& told) const {
 }
 
 Vector3d PoseModel::position_mm(const Pose& pose) const {
-  return chain.target_mm(pose.target, turned(told(pose.sample)));
+  return chain.target_mm(pose.target, turned(told(pose.sample), pose.senses));
 }
 
 std::size_t PoseModel::place_of(std::size_t joint, double told_rad) const {

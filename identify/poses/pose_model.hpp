@@ -14,25 +14,28 @@
 namespace identify {
 
 /// What a joint turns by beside what its angle says: an eccentric wheel or encoder, once and twice
-/// a turn, or what its gear gives way by under the weight that it carries.
+/// a turn, what its gear gives way by under the weight that it carries, or half of its play.
 struct JointEffect {
-  enum class Kind { once, twice, compliance };
+  enum class Kind { once, twice, compliance, play };
   Kind kind = Kind::once;
   std::size_t joint = 0;
-  /// No test found it: it is there as in all gears, as large as PoseNoise::gears_rad says.
+  /// No test found it: it is there as in all gears, as large as PoseNoise says.
   bool assumed = false;
   /// What the pattern below is at home: there the effect is zero, so that theta is that of the arm
   /// as it stands at home.
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   /// Once, twice (k = 1, 2): rad times cos(k t) and times sin(k t), with t the joint's turn from
-  /// home. Compliance: rad/Nm times the torque of the weights about the joint. All less `middle`.
+  /// home. Compliance: rad/Nm times the torque of the weights about the joint. These less `middle`.
+  /// Play: rad times the sense in which the joint last turned.
   Eigen::Vector2d size = Eigen::Vector2d::Zero();
 
   /// Standard deviation of a size that was found, known beforehand: what poses hardly tell
   /// from lengths and twists does not run away. Wheels are off by a minute of arc or two; a reducer
   /// gives way by some seconds of arc a newton metre at most.
   [[nodiscard]] double prior() const { return kind == Kind::compliance ? 1e-4 : 300 * kArcsec; }
-  [[nodiscard]] Eigen::Index count() const { return kind == Kind::compliance ? 1 : 2; }
+  [[nodiscard]] Eigen::Index count() const {
+    return kind == Kind::compliance || kind == Kind::play ? 1 : 2;
+  }
   /// Half of what it spreads over, rad; of a compliance rad/Nm.
   [[nodiscard]] double amplitude() const { return size.head(count()).norm(); }
 };
@@ -61,11 +64,12 @@ struct PoseModel {
 
   /// From home, as the angles tell.
   [[nodiscard]] Turns told(const Sample& sample) const;
-  /// And as they are.
-  [[nodiscard]] Turns turned(const Turns& told) const;
+  /// And as they are. Where no senses are known, in the middle of their play.
+  [[nodiscard]] Turns turned(const Turns& told, const JointSenses& senses = {}) const;
   /// What an effect's sizes are multiplied by, 1 or Nm, where the joints turned so far, less its
   /// middle; two, or one and nothing.
-  [[nodiscard]] Eigen::Vector2d pattern(const JointEffect& effect, const Turns& told) const;
+  [[nodiscard]] Eigen::Vector2d pattern(const JointEffect& effect, const Turns& told,
+                                        const JointSenses& senses = {}) const;
   [[nodiscard]] Eigen::Vector3d position_mm(const Pose& pose) const;
 
   /// Whether what a joint is off where it turned so far is in its zero.

@@ -18,7 +18,7 @@ MatrixXd PoseNoise::covariance(const MatrixXd& by_own) const {
 PoseRow pose_row(const PoseModel& model, const Pose& pose, bool with_orientation) {
   const Turns told = model.told(pose.sample);
   ChainPose at(model.chain);
-  at.set(pose.target, model.turned(told), true);
+  at.set(pose.target, model.turned(told, pose.senses), true);
   const Index rows = with_orientation && pose.sample.has_orientation ? 6 : 3;
   const Index of_chain = model.chain_parameters().count(true);
   PoseRow row;
@@ -59,8 +59,9 @@ PoseRow pose_row(const PoseModel& model, const Pose& pose, bool with_orientation
 MatrixXd effect_columns(const PoseModel& model, const JointEffect& effect, const Pose& pose,
                         const PoseRow& row) {
   const auto joint = static_cast<Index>(effect.joint);
-  return row.by_joint.col(joint) *
-         model.pattern(effect, model.told(pose.sample)).head(effect.count()).transpose();
+  return row.by_joint.col(joint) * model.pattern(effect, model.told(pose.sample), pose.senses)
+                                       .head(effect.count())
+                                       .transpose();
 }
 
 }  // namespace identify

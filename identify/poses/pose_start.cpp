@@ -76,6 +76,20 @@ std::vector<JointPlace> shared_places(const std::vector<Pose>& poses, const Pose
   return places;
 }
 
+/// Of joints that came to rest both ways.
+std::vector<JointEffect> plays(const PoseModel& model, const std::vector<Pose>& poses) {
+  std::vector<JointEffect> all;
+  for (std::size_t j = 0; j < model.chain.axes.size(); ++j) {
+    const auto came = [&](std::int8_t sense) {
+      return std::any_of(poses.begin(), poses.end(),
+                         [&](const Pose& pose) { return pose.senses[j] == sense; });
+    };
+    if (!model.chain.axes[j].linear && came(1) && came(-1))
+      all.push_back({JointEffect::Kind::play, j, true});
+  }
+  return all;
+}
+
 }  // namespace
 
 bool whole(const ChainEstimate* sweeps) {
@@ -150,6 +164,7 @@ PoseStart pose_start(const std::vector<Pose>& poses, const Campaign& campaign,
   }
   start.middle_mm = middle_of(distances);
   start.model.places = shared_places(poses, start.model);
+  start.model.effects = plays(start.model, poses);
   // The tool's orientation at home, by the first pose that has one.
   for (const Pose& pose : poses) {
     if (!pose.sample.has_orientation) continue;

@@ -102,6 +102,9 @@ std::vector<Case> cases() {
   add("home_002_markers", "0.002 deg, three targets seen in one stroke", with_home_error(0.002),
       at_once, 3);
   add("home_002_back", "0.002 deg, there and back", with_home_error(0.002), back);
+  world = with_home_error(0.002);
+  world.home.stays = true;
+  add("home_002_stands", "0.002 deg until another joint sweeps, there and back", world, back);
   add("home_002_repeats", "0.002 deg, every sweep three times", with_home_error(0.002), repeats);
   world = with_angles();
   world.home = {.sigma_deg = 0.0005, .seen = true, .stray_sigma_deg = 0.05, .joint = {}};

@@ -100,6 +100,8 @@ std::vector<identify::Sweep> Simulation::sweeps() const {
   std::normal_distribution<> normal;
   std::map<std::pair<std::size_t, std::size_t>, ArcCurve> curves;  // joint and home
   std::vector<double> stray(joints, 0.0);
+  std::vector<double> errors(joints, 0.0);
+  bool anew = true;
   std::vector<identify::Sweep> sweeps;
   for (const Stroke& stroke : strokes) {
     const std::size_t j = stroke.joint;
@@ -110,11 +112,15 @@ std::vector<identify::Sweep> Simulation::sweeps() const {
     std::vector<double> locked = homes_[stroke.home];  // where the encoders stand
     std::vector<double> play(joints, 0.0);             // what they do not see
     for (std::size_t k = 0; k < joints; ++k) {
-      const bool stays = k == j || world_.home.joint.value_or(k) != k;
-      const double error = stays ? 0 : world_.home.sigma_deg * kDegree * normal(home_errors);
+      const bool none = k == j || world_.home.joint.value_or(k) != k;
+      if (none)
+        errors[k] = 0;
+      else if (anew)
+        errors[k] = world_.home.sigma_deg * kDegree * normal(home_errors);
       locked[k] += stray[k];
-      (world_.home.seen || world_.controller ? locked[k] : play[k]) += error;
+      (world_.home.seen || world_.controller ? locked[k] : play[k]) += errors[k];
     }
+    anew = !world_.home.stays || stroke.last_of_joint;
     std::vector<std::vector<identify::Sample>> seen(stroke.targets.size());
     device.begin();
     for (int i = 0; i < how_.samples; ++i) {

@@ -26,6 +26,7 @@ struct Drift {
 /// How locked joints stand elsewhere than at home.
 struct HomeError {
   double sigma_deg = 0;  ///< each locked joint, anew for each stroke
+  bool stays = false;    ///< until another joint sweeps
   bool seen = false;     ///< by the encoders; else it is play behind them
   /// Each joint after its own strokes, until it is swept again; the encoders see it.
   double stray_sigma_deg = 0;

@@ -1,5 +1,7 @@
 #include "identify/poses/pose_estimate.hpp"
 
+#include <random>
+
 #include "identify/identification.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/poses/simulated_poses.hpp"
@@ -139,6 +141,33 @@ TEST_CASE("What gears are off at a place is told once, however often the arm res
   }
   CHECK(static_cast<double>(all.inside) / all.numbers > 0.92);
   CHECK(std::sqrt(all.squares / all.numbers) == Approx(1).margin(0.15));
+}
+
+TEST_CASE("Joints that play are told by the sense in which they came to rest",
+          "[pose_estimate][long]") {
+  Judged all;
+  double told = 0, untold = 0;  // variances
+  for (std::uint32_t seed = 1; seed <= 16; ++seed) {
+    const auto built = arm_with(tracker(), seed);
+    auto poses = rests(built);
+    std::mt19937 random(seed);
+    for (Pose& pose : poses)
+      for (std::size_t j = 0; j < built.robot().arm.joints(); ++j) {
+        pose.senses[j] = random() % 2 == 0 ? 1 : -1;
+        pose.sample.angles_rad[j] += 15 * kArcsec * pose.senses[j];
+      }
+    const auto found = identify::identify(built.sweeps(), built.campaign(), poses);
+    REQUIRE(found.estimator == Estimator::poses);
+    CHECK(found.poses->fit.noise.play_rad == Approx(15 * kArcsec).margin(3 * kArcsec));
+    judge(built, found, all);
+    told += found.dh_covariance.trace();
+    for (Pose& pose : poses) pose.senses = {};
+    const auto blind = identify::identify(built.sweeps(), built.campaign(), poses);
+    untold += blind.dh_covariance.trace();
+  }
+  CHECK(static_cast<double>(all.inside) / all.numbers > 0.92);
+  CHECK(std::sqrt(all.squares / all.numbers) == Approx(1).margin(0.15));
+  CHECK(told < 0.8 * untold);
 }
 
 TEST_CASE("Gears whose errors no test finds are in the uncertainties of poses", "[pose_estimate]") {
