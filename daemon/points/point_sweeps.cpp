@@ -14,6 +14,7 @@
 #include "identify/sweeps/position_segmentation.hpp"
 #include "identify/sweeps/sample.hpp"
 #include "identify/sweeps/segmentation.hpp"
+#include "identify/sweeps/sweep.hpp"
 
 namespace sweepd {
 namespace {

@@ -64,10 +64,17 @@ struct Sized {
   [[nodiscard]] double times() const { return expected > 0 ? std::sqrt(seen / expected) : 1; }
 };
 
-/// The rows of all poses that count, divided by their standard deviations.
+/// The rows of a pose, divided by their standard deviations. A joint stands at one place of many:
+/// most of the model's parameters do nothing to a pose.
 struct Whitened {
-  MatrixXd columns;  // transposed: one column a row of the model
+  std::vector<Index> parameters;  // that do
+  MatrixXd columns;               // transposed: one row a parameter, one column a row of the model
   VectorXd off;
+
+  /// What a fit with this covariance takes up of the rows.
+  [[nodiscard]] MatrixXd taken_up(const MatrixXd& covariance) const {
+    return columns.transpose() * covariance(parameters, parameters) * columns;
+  }
 };
 
 class Problem {
@@ -108,10 +115,10 @@ class Problem {
     constexpr double kMost = 3;
     linearise();
     solve();
-    double rows = 0;
+    double free = 0;
     for (std::size_t i = 0; i < poses_.size(); ++i)
-      rows += fit_.weights(static_cast<Index>(i)) * static_cast<double>(fit_.rows[i].off.size());
-    const double free = rows - taken_up().squaredNorm();
+      free += fit_.weights(static_cast<Index>(i)) * static_cast<double>(fit_.rows[i].off.size());
+    for (const Whitened& pose : white_) free -= pose.taken_up(fit_.covariance).trace();
     double lost = fit_.with_orientation ? 6 : 4;
     for (const double size : {fit_.noise.gears_rad, fit_.noise.play_rad})
       if (size > kNoGears_rad) lost += 2;
@@ -131,32 +138,36 @@ class Problem {
   }
 
  private:
-  [[nodiscard]] Whitened whitened() const {
-    Index rows = 0;
-    for (std::size_t i = 0; i < poses_.size(); ++i)
-      if (fit_.weights(static_cast<Index>(i)) > 0) rows += fit_.rows[i].off.size();
-    Whitened all{MatrixXd(fit_.model.parameters(), rows), VectorXd(rows)};
-    Index at = 0;
+  /// Of the poses that count.
+  [[nodiscard]] std::vector<Whitened> whitened() const {
+    std::vector<Whitened> all;
     for (std::size_t i = 0; i < poses_.size(); ++i) {
       const double weight = fit_.weights(static_cast<Index>(i));
       if (weight == 0) continue;
       const PoseRow& row = fit_.rows[i];
+      Whitened pose;
+      for (Index p = 0; p < row.by_parameter.cols(); ++p)
+        if (!row.by_parameter.col(p).isZero(0)) pose.parameters.push_back(p);
       const Eigen::LLT<MatrixXd> root(fit_.noise.covariance(row.by_own));
-      const Index count = row.off.size();
-      all.columns.middleCols(at, count) =
-          std::sqrt(weight) * root.matrixL().solve(row.by_parameter).transpose();
-      all.off.segment(at, count) = std::sqrt(weight) * root.matrixL().solve(row.off);
-      at += count;
+      pose.columns =
+          std::sqrt(weight) *
+          root.matrixL().solve(MatrixXd(row.by_parameter(Eigen::all, pose.parameters))).transpose();
+      pose.off = std::sqrt(weight) * root.matrixL().solve(row.off);
+      all.push_back(std::move(pose));
     }
     return all;
   }
 
   void solve() {
     white_ = whitened();
-    MatrixXd normal = MatrixXd::Zero(white_.columns.rows(), white_.columns.rows());
-    if (white_.off.size() > 0)
-      normal.selfadjointView<Eigen::Lower>().rankUpdate(white_.columns, 1 / fit_.widened);
-    VectorXd gradient = white_.columns * white_.off / fit_.widened;
+    const Index parameters = fit_.model.parameters();
+    MatrixXd normal = MatrixXd::Zero(parameters, parameters);
+    VectorXd gradient = VectorXd::Zero(parameters);
+    for (const Whitened& pose : white_) {
+      normal(pose.parameters, pose.parameters) +=
+          pose.columns * pose.columns.transpose() / fit_.widened;
+      gradient(pose.parameters) += pose.columns * pose.off / fit_.widened;
+    }
     if (prior_) {
       const Index count = prior_->information.rows();
       normal.topLeftCorner(count, count).triangularView<Eigen::Lower>() += prior_->information;
@@ -210,32 +221,22 @@ class Problem {
     }
   }
 
-  /// What the fit takes up of each row: one column a row, whose squared norm is its share.
-  [[nodiscard]] MatrixXd taken_up() const {
-    const Eigen::LDLT<MatrixXd> ldlt(fit_.covariance);
-    const MatrixXd root = ldlt.transpositionsP().transpose() * MatrixXd(ldlt.matrixL()) *
-                          ldlt.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal();
-    return root.transpose() * white_.columns;
-  }
-
   /// Each component times the root of what is seen of it over what is expected.
   void size_noise() {
     white_ = whitened();
-    const MatrixXd taken = taken_up();
-    const VectorXd left = white_.off - white_.columns.transpose() * step_;
     Sized position, orientation, joints, gears, play;
-    Index at = 0;
+    auto white = white_.begin();
     for (std::size_t i = 0; i < poses_.size(); ++i) {
-      const double weight = fit_.weights(static_cast<Index>(i));
-      if (weight == 0) continue;
+      if (fit_.weights(static_cast<Index>(i)) == 0) continue;
       const PoseRow& row = fit_.rows[i];
+      const Whitened& pose = *white++;
       const Index count = row.off.size();
+      const VectorXd left = pose.off - pose.columns.transpose() * step_(pose.parameters);
       const Eigen::LLT<MatrixXd> factor(fit_.noise.covariance(row.by_own));
       const auto back = [&](const MatrixXd& of) -> MatrixXd { return factor.matrixU().solve(of); };
-      const VectorXd weighed = back(left.segment(at, count));
-      const MatrixXd held = taken.middleCols(at, count);
+      const VectorXd weighed = back(left);
       const MatrixXd free =
-          back(back(MatrixXd::Identity(count, count) - held.transpose() * held).transpose());
+          back(back(MatrixXd::Identity(count, count) - pose.taken_up(fit_.covariance)).transpose());
       // V^-1 less what the fit takes up, in which each component is measured.
       position.seen += weighed.head<3>().squaredNorm();
       position.expected += free.topLeftCorner<3, 3>().trace();
@@ -245,9 +246,8 @@ class Problem {
         orientation.seen += weighed.tail<3>().squaredNorm();
         orientation.expected += free.bottomRightCorner<3, 3>().trace();
       }
-      at += count;
     }
-    at = fit_.model.chain_parameters().count(true);
+    Index at = fit_.model.chain_parameters().count(true);
     std::set<std::size_t> found;
     for (const JointEffect& effect : fit_.model.effects)
       if (!effect.assumed && effect.kind != JointEffect::Kind::compliance)
@@ -285,7 +285,7 @@ class Problem {
   PoseFit& fit_;
   const std::vector<Pose>& poses_;
   const std::optional<ChainPrior>& prior_;
-  Whitened white_;
+  std::vector<Whitened> white_;
   VectorXd step_;
   double joint_share_ = 1;
 };

@@ -18,8 +18,6 @@ namespace {
 constexpr double kStray = 25;
 constexpr double kUnseen = 5;
 constexpr double kByChance = 20;  // differences that chance explains
-/// A planned stroke's angle is told to a degree and this share, beside what the radius is off.
-constexpr double kRelative = 0.02;
 
 using Order = std::vector<std::size_t>;
 
@@ -77,8 +75,7 @@ class Plan {
       double diagonal = std::exchange(cost[0], cost[0] + kStray);
       for (std::size_t k = 1; k < cost.size(); ++k) {
         const double wanted = planned[(k - 1) % planned.size()];
-        const double known = kDegree + (kRelative + turn.angles_relative_sigma) * std::abs(wanted);
-        const double off = (sense * angle - wanted) / known;
+        const double off = (sense * angle - wanted) / (kDegree + 0.02 * std::abs(wanted));
         const double matched = diagonal + off * off;
         diagonal = cost[k];
         cost[k] = std::min({matched, cost[k] + kStray, cost[k - 1] + kUnseen});

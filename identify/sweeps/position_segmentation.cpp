@@ -10,7 +10,6 @@
 
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/circle_fit.hpp"
-#include "identify/geometry/median.hpp"
 #include "identify/sweeps/sample.hpp"
 #include "identify/sweeps/segmentation.hpp"
 
@@ -31,6 +30,10 @@ constexpr double kShortestSizes = 30;  // of the noise
 /// Strays lie so far beside the positions before and behind them; in sizes of the noise.
 constexpr double kStray_mm = 1;
 constexpr double kStraySizes = 10;
+/// And, where they are so for more than a frame, so many times farther than they move meanwhile; as
+/// markers are that a camera takes for each other.
+constexpr double kStraySteps = 3;
+constexpr double kLongestAside_s = 0.1;
 constexpr double kFirstSize_mm = 1e-6;
 constexpr double kSizesPerOctave = 8;
 /// Motion leaves more than noise does: of all windows the quieter ones tell the noise.
@@ -62,9 +65,10 @@ std::vector<Sweep> PositionSegmenter::push(const std::vector<Seen>& frame) {
   if (!window_.empty() && next.time_s - window_.back().time_s > kLongestGap_s) ended_ = finish();
   window_.push_back(std::move(next));
   look_for_strays();
-  // The last frame may be a stray: only the next one tells.
-  while (window_.size() > 1 &&
-         window_[undecided_].time_s + kHalfWindow_s <= window_[window_.size() - 2].time_s) {
+  // The last frames may be strays: only those behind them tell.
+  while (window_.size() > 1 && window_[undecided_].time_s + kHalfWindow_s <=
+                                   std::min(window_[window_.size() - 2].time_s,
+                                            window_.back().time_s - kLongestAside_s)) {
     decide(undecided_);
     ++undecided_;
     while (window_.front().time_s < window_[undecided_ - 1].time_s - kHalfWindow_s) {
@@ -87,22 +91,42 @@ std::vector<Sweep> PositionSegmenter::finish() {
 
 void PositionSegmenter::look_for_strays() {
   const double noise = noise_mm();
-  if (window_.size() < 3 || noise == 0) return;
-  const Frame& before = window_[window_.size() - 3];
-  const Frame& after = window_.back();
-  const auto of = [](const Frame& frame, std::size_t target) {
-    return std::find_if(frame.seen.begin(), frame.seen.end(),
-                        [&](const Kept& seen) { return seen.target == target; });
-  };
-  for (Kept& seen : window_[window_.size() - 2].seen) {
-    const auto one = of(before, seen.target), other = of(after, seen.target);
-    if (one == before.seen.end() || other == after.seen.end()) continue;
-    // Beside the box of the two in time.
-    const auto& a = one->sample.position_mm;
-    const auto& b = other->sample.position_mm;
-    const Vector3d beside = seen.sample.position_mm -
-                            seen.sample.position_mm.cwiseMax(a.cwiseMin(b)).cwiseMin(a.cwiseMax(b));
-    seen.stray = beside.norm() > std::max(kStray_mm, kStraySizes * noise);
+  if (noise == 0) return;
+  const double least = std::max(kStray_mm, kStraySizes * noise);
+  for (Kept& after : window_.back().seen) {
+    // Back in time; the first may be behind a target that was elsewhere for a moment.
+    std::vector<Kept*> track{&after};
+    for (auto frame = window_.rbegin() + 1; frame != window_.rend(); ++frame) {
+      const auto here = std::find_if(frame->seen.begin(), frame->seen.end(),
+                                     [&](const Kept& seen) { return seen.target == after.target; });
+      if (here == frame->seen.end()) continue;
+      track.push_back(&*here);
+      if (track.size() > 3 && window_.back().time_s - frame->time_s > kLongestAside_s) break;
+    }
+    const auto step = [&](std::size_t k) {
+      return (track[k]->sample.position_mm - track[k + 1]->sample.position_mm).norm();
+    };
+    // It came and went in one frame, and moved little before and in between.
+    double between = 0;
+    for (std::size_t before = 2; before < track.size(); ++before) {
+      double most = least;
+      if (before > 2) {
+        between = std::max(between, step(before - 2));
+        const double ahead = before + 1 < track.size() ? step(before) : 0;
+        most = std::max(least, kStraySteps * std::max(between, ahead));
+      }
+      const auto& from = track[before]->sample.position_mm;
+      const auto& to = after.sample.position_mm;
+      const auto beside = [&](const Kept* seen) {
+        // Of the box of the two.
+        const auto& at = seen->sample.position_mm;
+        return (at - at.cwiseMax(from.cwiseMin(to)).cwiseMin(from.cwiseMax(to))).norm() > most;
+      };
+      const auto begin = track.begin() + 1,
+                 end = track.begin() + static_cast<std::ptrdiff_t>(before);
+      if (!std::all_of(begin, end, beside)) continue;
+      for (auto seen = begin; seen != end; ++seen) (*seen)->stray = true;
+    }
   }
 }
 
@@ -264,85 +288,6 @@ void PositionSegmenter::report(std::size_t target, const std::vector<Kept>& seen
     if (misfit(*circle) > allowed(*circle)) sweep.defect = SweepDefect::not_an_arc;
   }
   if (sweep.range_rad >= kShortestStroke_rad) ended_.push_back(std::move(sweep));
-}
-
-namespace {
-
-constexpr double kSway_rad = 2 * kDegree;
-constexpr double kFewestInStroke = 4;
-
-/// Turned about the circle, unwrapped. A point that is beside it stands where the one before it
-/// did.
-std::vector<double> turns_about(const CircleFit& circle, const Eigen::Matrix3Xd& points) {
-  constexpr double kBeside = 10;  // root mean squares
-  constexpr double kRounding = 1e-6;
-  const double most_mm = std::max(kBeside * std::hypot(circle.plane_rms_mm, circle.radial_rms_mm),
-                                  kRounding * circle.radius_mm);
-  const Eigen::Vector3d across = circle.normal.unitOrthogonal();
-  const Eigen::Vector3d up = circle.normal.cross(across);
-  std::vector<double> turns;
-  std::optional<double> last;
-  for (Eigen::Index i = 0; i < points.cols(); ++i) {
-    const Eigen::Vector3d from = points.col(i) - circle.center_mm;
-    const CircleResidual off = residual(circle, points.col(i));
-    if (std::hypot(off.plane_mm, off.radial_mm) <= most_mm) {
-      const double angle = std::atan2(up.dot(from), across.dot(from));
-      last = last ? *last + std::remainder(angle - *last, 2 * kPi) : angle;
-    }
-    if (last) turns.push_back(*last);
-  }
-  if (last)
-    turns.insert(turns.begin(), static_cast<std::size_t>(points.cols()) - turns.size(),
-                 turns.front());
-  return turns;
-}
-
-/// Of each number, and of up to two before and behind it: a stray one is passed over.
-std::vector<double> running_medians(const std::vector<double>& numbers) {
-  constexpr std::size_t kBeside = 2;
-  std::vector<double> medians;
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const std::size_t beside = std::min({kBeside, i, numbers.size() - 1 - i});
-    const auto begin = numbers.begin() + static_cast<std::ptrdiff_t>(i - beside);
-    medians.push_back(median_of({begin, begin + static_cast<std::ptrdiff_t>(2 * beside + 1)}));
-  }
-  return medians;
-}
-
-}  // namespace
-
-std::vector<std::size_t> turning_points(const std::vector<Sample>& samples) {
-  const auto points = positions(samples);
-  if (static_cast<std::size_t>(points.cols()) != samples.size()) return {};
-  const auto circle = fit_robust_circle(points);
-  if (!circle) return {};
-  const double noise = circle->radial_rms_mm / circle->radius_mm;
-  const double sway = std::max(kSway_rad, 6 * noise);
-  const auto turns = running_medians(turns_about(*circle, points));
-  std::vector<std::size_t> found;
-  // The farthest point of the stroke under way; the stroke has ended once the motion came back from
-  // it by more than a sway.
-  std::size_t farthest = 0, nearest = 0;
-  int way = 0;
-  for (std::size_t i = 1; i < turns.size(); ++i) {
-    if (way >= 0 && turns[i] > turns[farthest]) farthest = i;
-    if (way <= 0 && turns[i] < turns[nearest]) nearest = i;
-    if (way == 0) {
-      if (turns[i] - turns[nearest] > sway) way = 1;
-      if (turns[farthest] - turns[i] > sway) way = -1;
-    } else if (way > 0 && turns[farthest] - turns[i] > sway) {
-      found.push_back(farthest);
-      nearest = i;
-      way = -1;
-    } else if (way < 0 && turns[i] - turns[nearest] > sway) {
-      found.push_back(nearest);
-      farthest = i;
-      way = 1;
-    }
-  }
-  const auto strokes = static_cast<double>(found.size() + 1);
-  if (static_cast<double>(samples.size()) < kFewestInStroke * strokes) found.clear();
-  return found;
 }
 
 }  // namespace identify

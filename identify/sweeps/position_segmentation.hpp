@@ -59,7 +59,7 @@ class PositionSegmenter {
     double sigma_mm_s = 0;  ///< of `speed_mm_s`, in units of the noise
   };
 
-  /// Marks strays in the last frame but one.
+  /// Marks strays before the last frame.
   void look_for_strays();
   void decide(std::size_t centre);
   [[nodiscard]] Slope slope_at(std::size_t centre) const;
@@ -81,10 +81,5 @@ class PositionSegmenter {
   std::array<std::size_t, 320> sizes_{};
   std::size_t learnt_ = 0;
 };
-
-/// Where positions on an arc, in the order of time, turn round: the first sample of each stroke but
-/// the first. Sways below two degrees, and what noise could feign, are none. Nothing where the
-/// samples lie on no circle, or turn so often that they are in no order.
-[[nodiscard]] std::vector<std::size_t> turning_points(const std::vector<Sample>& samples);
 
 }  // namespace identify

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/Geometry>
 
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/circle_fit.hpp"
+#include "identify/geometry/median.hpp"
 #include "identify/sweeps/sample.hpp"
 
 namespace identify {
@@ -60,6 +62,16 @@ Matrix3Xd thinned(const Matrix3Xd& points) {
   return few;
 }
 
+void leave_strays(Matrix3Xd& points, const UsualCircle& usual) {
+  Eigen::Index count = 0;
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    const CircleResidual off = residual(usual.circle, points.col(i));
+    if (std::hypot(off.plane_mm, off.radial_mm) <= usual.within_mm)
+      points.col(count++) = points.col(i);
+  }
+  points.conservativeResize(Eigen::NoChange, count);
+}
+
 Matrix3Xd joined(const Matrix3Xd& first, const Matrix3Xd& second) {
   Matrix3Xd both(3, first.cols() + second.cols());
   both << first, second;
@@ -70,18 +82,30 @@ double misfit(const CircleFit& circle) {
   return std::max(circle.plane_rms_mm, circle.radial_rms_mm);
 }
 
-/// By which angle the points run about the circle, from the first to the last.
-double turned_rad(const Matrix3Xd& points, const CircleFit& circle) {
+/// Turned about the circle, unwrapped. A point that is beside it stands where the one before it
+/// did.
+std::vector<double> turns_about(const CircleFit& circle, const Matrix3Xd& points) {
+  constexpr double kBeside = 10;  // root mean squares
+  constexpr double kRounding = 1e-6;
+  const double most_mm = std::max(kBeside * std::hypot(circle.plane_rms_mm, circle.radial_rms_mm),
+                                  kRounding * circle.radius_mm);
   const Vector3d across = circle.normal.unitOrthogonal();
   const Vector3d up = circle.normal.cross(across);
-  const auto angle = [&](Eigen::Index i) {
+  std::vector<double> turns;
+  std::optional<double> last;
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
     const Vector3d from = points.col(i) - circle.center_mm;
-    return std::atan2(up.dot(from), across.dot(from));
-  };
-  double turned = 0;
-  for (Eigen::Index i = 1; i < points.cols(); ++i)
-    turned += std::remainder(angle(i) - angle(i - 1), 2 * kPi);
-  return turned;
+    const CircleResidual off = residual(circle, points.col(i));
+    if (std::hypot(off.plane_mm, off.radial_mm) <= most_mm) {
+      const double angle = std::atan2(up.dot(from), across.dot(from));
+      last = last ? *last + std::remainder(angle - *last, 2 * kPi) : angle;
+    }
+    if (last) turns.push_back(*last);
+  }
+  if (last)
+    turns.insert(turns.begin(), static_cast<std::size_t>(points.cols()) - turns.size(),
+                 turns.front());
+  return turns;
 }
 
 /// Strokes about one axis.
@@ -133,10 +157,11 @@ std::vector<Turn> turns_in(const std::vector<Sweep>& strokes,
   for (const std::size_t place : places) {
     const Sweep& stroke = strokes[place];
     if (stroke.defect != SweepDefect::none) continue;
-    const Matrix3Xd points = thinned(positions(*stroke.samples));
-    const auto circle = fit_circle(points);
-    if (!circle) continue;
-    const StrokeGroup alone{{place}, {points}, points, misfit(*circle)};
+    Matrix3Xd points = thinned(positions(*stroke.samples));
+    const auto usual = fit_usual_circle(points);
+    if (!usual) continue;
+    leave_strays(points, *usual);
+    const StrokeGroup alone{{place}, {points}, points, misfit(usual->circle)};
     if (groups.empty() || !same_circle(groups.back(), alone))
       groups.push_back(alone);
     else
@@ -147,19 +172,70 @@ std::vector<Turn> turns_in(const std::vector<Sweep>& strokes,
   for (const StrokeGroup& group : groups) {
     const auto circle = fit_circle(group.all);
     if (!circle) continue;
-    Turn turn{group.strokes, {}, 0, {circle->normal, circle->center_mm, {}}};
+    Turn turn{group.strokes, {}, {circle->normal, circle->center_mm, {}}};
     turn.axis.covariance =
         axis_covariance(*circle, group.all, circle->plane_rms_mm, circle->radial_rms_mm);
-    const Vector3d out = (group.all.rowwise().mean() - circle->center_mm).normalized();
-    turn.angles_relative_sigma =
-        std::sqrt(out.dot(turn.axis.covariance.bottomRightCorner<3, 3>() * out)) /
-        circle->radius_mm;
     // A short stroke alone tells the middle of its circle badly, and so by which angle it turned.
-    for (const Matrix3Xd& points : group.points)
-      turn.angles_rad.push_back(turned_rad(points, *circle));
+    for (const Matrix3Xd& points : group.points) {
+      const auto turns = turns_about(*circle, points);
+      turn.angles_rad.push_back(turns.empty() ? 0 : turns.back() - turns.front());
+    }
     turns.push_back(std::move(turn));
   }
   return turns;
+}
+
+namespace {
+
+constexpr double kSway_rad = 2 * kDegree;
+constexpr double kFewestInStroke = 4;
+
+/// Of each number, and of up to two before and behind it: a stray one is passed over.
+std::vector<double> running_medians(const std::vector<double>& numbers) {
+  constexpr std::size_t kBeside = 2;
+  std::vector<double> medians;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const std::size_t beside = std::min({kBeside, i, numbers.size() - 1 - i});
+    const auto begin = numbers.begin() + static_cast<std::ptrdiff_t>(i - beside);
+    medians.push_back(median_of({begin, begin + static_cast<std::ptrdiff_t>(2 * beside + 1)}));
+  }
+  return medians;
+}
+
+}  // namespace
+
+std::vector<std::size_t> turning_points(const std::vector<Sample>& samples) {
+  const auto points = positions(samples);
+  if (static_cast<std::size_t>(points.cols()) != samples.size()) return {};
+  const auto circle = fit_robust_circle(points);
+  if (!circle) return {};
+  const double noise = circle->radial_rms_mm / circle->radius_mm;
+  const double sway = std::max(kSway_rad, 6 * noise);
+  const auto turns = running_medians(turns_about(*circle, points));
+  std::vector<std::size_t> found;
+  // The farthest point of the stroke under way; the stroke has ended once the motion came back from
+  // it by more than a sway.
+  std::size_t farthest = 0, nearest = 0;
+  int way = 0;
+  for (std::size_t i = 1; i < turns.size(); ++i) {
+    if (way >= 0 && turns[i] > turns[farthest]) farthest = i;
+    if (way <= 0 && turns[i] < turns[nearest]) nearest = i;
+    if (way == 0) {
+      if (turns[i] - turns[nearest] > sway) way = 1;
+      if (turns[farthest] - turns[i] > sway) way = -1;
+    } else if (way > 0 && turns[farthest] - turns[i] > sway) {
+      found.push_back(farthest);
+      nearest = i;
+      way = -1;
+    } else if (way < 0 && turns[i] - turns[nearest] > sway) {
+      found.push_back(nearest);
+      farthest = i;
+      way = 1;
+    }
+  }
+  const auto strokes = static_cast<double>(found.size() + 1);
+  if (static_cast<double>(samples.size()) < kFewestInStroke * strokes) found.clear();
+  return found;
 }
 
 }  // namespace identify

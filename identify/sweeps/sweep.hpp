@@ -49,7 +49,6 @@ struct Sweep {
 struct Turn {
   std::vector<std::size_t> strokes;  ///< places in the list that was searched
   std::vector<double> angles_rad;    ///< one a stroke, positive about the axis
-  double angles_relative_sigma = 0;  ///< of each angle: by how much the radius is off
   Axis axis;                         ///< its sense of rotation is any
 };
 
@@ -61,5 +60,10 @@ struct Turn {
 [[nodiscard]] std::vector<Turn> turns_in(const std::vector<Sweep>& strokes,
                                          const std::vector<std::size_t>& places,
                                          std::size_t joints);
+
+/// Where positions on an arc, in the order of time, turn round: the first sample of each stroke but
+/// the first. Sways below two degrees, and what noise could feign, are none. Nothing where the
+/// samples lie on no circle, or turn so often that they are in no order.
+[[nodiscard]] std::vector<std::size_t> turning_points(const std::vector<Sample>& samples);
 
 }  // namespace identify

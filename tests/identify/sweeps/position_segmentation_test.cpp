@@ -10,6 +10,7 @@
 
 #include "identify/geometry/angle.hpp"
 #include "identify/sweeps/segmentation.hpp"
+#include "identify/sweeps/sweep.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/simulated_campaign.hpp"
 
@@ -25,6 +26,7 @@ struct Stream {
   std::uint32_t seed = 1;
   double lost_from_s = 0, lost_to_s = 0;  ///< when the last marker is not seen
   std::size_t stray_every = 0;            ///< so many frames, one is 200 mm off; 0: none
+  std::size_t swap_every = 0;             ///< so many frames, the first two change places for eight
 };
 using Moves = std::function<void(test::Campaign&)>;
 
@@ -52,7 +54,7 @@ std::vector<Sweep> strokes_of(const Stream& how, PositionSegmenter& segmenter,
     std::move(ended.begin(), ended.end(), std::back_inserter(strokes));
   };
   double next_s = 0;
-  std::size_t count = 0;
+  std::size_t count = 0, frames = 0;
   for (std::size_t i = 0; i < streams[0].size(); ++i) {
     const double time_s = streams[0][i].time_s;
     if (time_s < next_s) continue;
@@ -65,6 +67,8 @@ std::vector<Sweep> strokes_of(const Stream& how, PositionSegmenter& segmenter,
       if (how.stray_every > 0 && ++count % how.stray_every == 0)
         frame.back().sample.position_mm += Eigen::Vector3d(120, -120, 100);
     }
+    if (how.swap_every > 0 && ++frames % how.swap_every >= how.swap_every - 8)
+      std::swap(frame[0].sample.position_mm, frame[1].sample.position_mm);
     take(segmenter.push(frame));
   }
   take(segmenter.finish());
@@ -211,6 +215,18 @@ TEST_CASE("a position far off for one frame moves nothing and cuts no stroke",
   const auto strays = good(strokes_of({.noise_mm = 0.05, .stray_every = 97}), 0);
   REQUIRE(strays.size() == clean.size());
   for (std::size_t k = 0; k < clean.size(); ++k) CHECK(overlap(strays[k], clean[k]) > 0.97);
+}
+
+TEST_CASE("markers that are taken for each other for some frames cut no stroke",
+          "[position_segmentation]") {
+  const double noise_mm = GENERATE(0.05, 0.3);
+  const auto clean = strokes_of({.markers = 3, .noise_mm = noise_mm});
+  const auto swapped = strokes_of({.markers = 3, .noise_mm = noise_mm, .swap_every = 150});
+  for (const std::size_t marker : {0U, 1U, 2U}) {
+    const auto there = good(clean, marker), found = good(swapped, marker);
+    REQUIRE(found.size() == there.size());
+    for (std::size_t k = 0; k < there.size(); ++k) CHECK(overlap(found[k], there[k]) > 0.97);
+  }
 }
 
 TEST_CASE("points that come as fast as never are segmented in time by their number",
