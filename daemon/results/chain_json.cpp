@@ -27,12 +27,9 @@ Json noise(const identify::ChainEstimate& estimate) {
 }
 
 Json effects(const identify::ChainEffects& seen) {
-  return {{"home_deg", json_angle(seen.home_rad)},
-          {"home_stays", seen.home_stays},
-          {"drift_mm", json_length(seen.drift_mm)},
-          {"figure_mm", json_length(seen.figure_mm())},
-          {"offset_deg", json_angle(seen.offset_rad)},
-          {"sag_deg", json_angle(seen.sag_rad)}};
+  return {{"home_deg", json_angle(seen.home_rad)},     {"home_stays", seen.home_stays},
+          {"drift_mm", json_length(seen.drift_mm)},    {"figure_mm", json_length(seen.figure_mm())},
+          {"offset_deg", json_angle(seen.offset_rad)}, {"sag_deg", json_angle(seen.sag_rad)}};
 }
 
 /// Of a linear joint its ways: mm.
