@@ -139,33 +139,32 @@ void assume_others(PoseFit& fit, const std::vector<Pose>& poses,
 std::vector<EffectEvidence> add_effects(PoseFit& fit, const std::vector<Pose>& poses,
                                         const std::optional<ChainPrior>& prior) {
   std::vector<EffectEvidence> added;
-  const std::size_t there = fit.model.effects.size();
   for (int round = 0; round < kMostRounds && fit.converged; ++round) {
     Scores scores(fit, poses, candidates(fit.model));
     PoseModel model = fit.model;
+    const std::size_t known = added.size();
     for (std::size_t left = scores.count(); left > 0; --left) {
       const auto best = scores.strongest();
       if (!best || best->chance * static_cast<double>(left) > kEffectByChance) break;
       scores.take_up(best->effect);
-      model.effects.push_back(best->effect);
+      // Before those that are assumed.
+      model.effects.insert(model.effects.begin() + static_cast<std::ptrdiff_t>(added.size()),
+                           best->effect);
       added.push_back(*best);
     }
-    if (model.effects.size() == fit.model.effects.size()) break;
+    if (added.size() == known) break;
     const PoseFit before = fit;
     fit = fitted(model, fit.noise, poses, fit.with_orientation, prior);
     if (fit.converged) continue;
     fit = before;
-    added.resize(fit.model.effects.size() - there);
+    added.resize(known);
   }
   if (fit.converged) assume_others(fit, poses, prior);
   Index at = fit.model.chain_parameters().count(true);
-  for (std::size_t e = 0; e < there + added.size(); ++e) {
-    const JointEffect& effect = fit.model.effects[e];
-    const Index size = effect.count();
-    if (e >= there) {
-      added[e - there].effect = effect;
-      added[e - there].sigma.head(size) = fit.covariance.diagonal().segment(at, size).cwiseSqrt();
-    }
+  for (std::size_t e = 0; e < added.size(); ++e) {
+    added[e].effect = fit.model.effects[e];
+    const Index size = added[e].effect.count();
+    added[e].sigma.head(size) = fit.covariance.diagonal().segment(at, size).cwiseSqrt();
     at += size;
   }
   return added;

@@ -279,7 +279,8 @@ class Problem {
     noise.orientation_rad *= orientation.times();
     noise.joint_rad = std::max(kLeastJoint_rad, noise.joint_rad * joints.times());
     noise.gears_rad = std::max(kLeastJoint_rad, noise.gears_rad * gears.times());
-    noise.play_rad = std::max(kLeastJoint_rad, noise.play_rad * play.times());
+    if (noise.play_rad > 0)
+      noise.play_rad = std::max(kLeastJoint_rad, noise.play_rad * play.times());
   }
 
   PoseFit& fit_;

@@ -54,8 +54,8 @@ inline constexpr double kOnePlace_rad = 0.05 * kDegree;
 /// A robot as static poses show it: a chain, and what its joints do beside what they tell.
 struct PoseModel {
   Chain chain;
-  std::vector<double> home_rad;  ///< the controller's angles at which the chain is at home
-  std::vector<JointEffect> effects;
+  std::vector<double> home_rad;      ///< the controller's angles at which the chain is at home
+  std::vector<JointEffect> effects;  ///< first those that were found, then those that are assumed
   std::vector<JointPlace> places;
   /// The chain was seen at home: what the joints are off there is in its zeros already.
   bool seen_at_home = false;

@@ -1,6 +1,7 @@
 #include "identify/poses/pose_effects.hpp"
 
 #include <algorithm>
+#include <random>
 
 #include "tests/catch.hpp"
 #include "tests/identify/poses/simulated_poses.hpp"
@@ -32,6 +33,30 @@ TEST_CASE("A wheel off by 50 seconds of arc is found, with its size", "[pose_eff
     CHECK(effect->effect.amplitude() / kArcsec == Approx(50).margin(12));
     CHECK(effect->chance < 1e-6);
   }
+}
+
+TEST_CASE("A wheel that is off is found beside joints that play", "[pose_effects]") {
+  auto world = tracker();
+  world.gears.joint = 1;
+  world.gears.first_arcsec = 50;
+  const auto built = arm_with(world, 2);
+  auto poses = built.poses(120);
+  std::mt19937 random(2);
+  for (Pose& pose : poses)
+    for (std::size_t j = 0; j < built.robot().arm.joints(); ++j) {
+      pose.senses[j] = random() % 2 == 0 ? 1 : -1;
+      pose.sample.angles_rad[j] += 15 * kArcsec * pose.senses[j];
+    }
+  const auto found = estimated(poses, built.campaign());
+  REQUIRE(found);
+  const auto* effect = effect_of(*found, 1, JointEffect::Kind::once);
+  REQUIRE(effect != nullptr);
+  CHECK(effect->effect.amplitude() / kArcsec == Approx(50).margin(12));
+  CHECK(found->fit.noise.play_rad / kArcsec == Approx(15).margin(3));
+  CHECK(found->effects.size() == 1);
+  const auto& effects = found->fit.model.effects;
+  CHECK(std::is_partitioned(effects.begin(), effects.end(),
+                            [](const JointEffect& one) { return !one.assumed; }));
 }
 
 TEST_CASE("Joints that give way by their load are found where the loads are known",
