@@ -78,9 +78,9 @@ inline constexpr Eigen::Index kFigureOrders = 8;
 /// orientations are shifted, so many follow, of A, B, C. Where a joint has swept again, so that a
 /// device that wanders can be told from homes that are off, three bend, as the second Legendre
 /// polynomial of the stroke's turn. A stand's are a turn of each joint, where homes stay. Those of
-/// a group are the orders of each target's radial and
-/// then axial figure, behind them three shifts where several units share a device that wanders, and
-/// those of the joint's angle. A home's are a turn of each joint.
+/// a group are the orders of each target's radial and then axial figure, behind them three shifts
+/// where several units share a device that wanders, and those of the joint's angle. A home's are a
+/// turn of each joint.
 struct EffectColumns {
   EffectColumns(const ChainEffects& shape, const ChainNodes& nodes);
   Eigen::Index own = 0;

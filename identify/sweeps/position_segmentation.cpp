@@ -34,6 +34,7 @@ constexpr double kStraySizes = 10;
 /// markers are that a camera takes for each other.
 constexpr double kStraySteps = 3;
 constexpr double kLongestAside_s = 0.1;
+constexpr std::size_t kMostAside = 50;  // frames, of those that come ever so fast
 constexpr double kFirstSize_mm = 1e-6;
 constexpr double kSizesPerOctave = 8;
 /// Motion leaves more than noise does: of all windows the quieter ones tell the noise.
@@ -102,6 +103,7 @@ void PositionSegmenter::look_for_strays() {
       if (here == frame->seen.end()) continue;
       track.push_back(&*here);
       if (track.size() > 3 && window_.back().time_s - frame->time_s > kLongestAside_s) break;
+      if (track.size() == kMostAside) break;
     }
     const auto step = [&](std::size_t k) {
       return (track[k]->sample.position_mm - track[k + 1]->sample.position_mm).norm();

@@ -177,8 +177,8 @@ std::vector<Turn> turns_in(const std::vector<Sweep>& strokes,
         axis_covariance(*circle, group.all, circle->plane_rms_mm, circle->radial_rms_mm);
     // A short stroke alone tells the middle of its circle badly, and so by which angle it turned.
     for (const Matrix3Xd& points : group.points) {
-      const auto turns = turns_about(*circle, points);
-      turn.angles_rad.push_back(turns.empty() ? 0 : turns.back() - turns.front());
+      const auto angles = turns_about(*circle, points);
+      turn.angles_rad.push_back(angles.empty() ? 0 : angles.back() - angles.front());
     }
     turns.push_back(std::move(turn));
   }
