@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <utility>
+#include <numeric>
 #include <vector>
 
 #include "identify/geometry/angle.hpp"
-#include "identify/geometry/median.hpp"
 #include "identify/sweeps/stroke_curve.hpp"
 #include "identify/sweeps/stroke_moments.hpp"
 #include "identify/sweeps/stroke_samples.hpp"
@@ -21,19 +20,18 @@ namespace {
 constexpr double kWhole = 1.0 / 12;  // variance of what is spread evenly over a step
 
 /// Variance of what rounding shifts a number by over a whole stroke, in squares of steps, as all
-/// here. `variance`: about its smooth curve.
-double shift_of(double variance, double agreement, double samples) {
+/// here: `scatter` about its smooth curve, `uneven` from sample to sample.
+double shift_of(double scatter, double uneven, double agreement, double samples) {
   // Squares of evenly spread errors, whose mean is known, scatter by 2 / sqrt(5) of it each.
   constexpr double kOfSquares = 0.894;
   constexpr double kChance = 3;  // standard deviations
-  const double unseen = 1 - variance / kWhole;
+  const double unseen = 1 - scatter / kWhole;
   const double chance = kChance * kOfSquares / std::sqrt(std::max(1.0, samples));
   // At one place within the step, two printed values in turn have the variance p (1 - p), and tell
   // by p where that is. Noise of more than half a step averages out.
   constexpr double kTwoValues = 0.25;
-  const double alike = variance < kTwoValues
-                           ? std::min(kWhole, kTwoValues - variance)
-                           : kWhole * std::exp(-4 * kPi * kPi * (variance - kWhole));
+  const double alike = uneven < kTwoValues ? std::min(kWhole, kTwoValues - uneven)
+                                           : kWhole * std::exp(-4 * kPi * kPi * (uneven - kWhole));
   return std::max(agreement * alike, unseen < chance ? 0 : kWhole * unseen);
 }
 
@@ -62,7 +60,8 @@ double agreement_of(const Eigen::ArrayXd& places, const Eigen::ArrayXd& weights,
 double StrokeRounding::told_shift(double step_rad) const {
   if (!(step_rad > 0) || !told) return 0;
   const double squared = step_rad * step_rad;
-  return squared * shift_of(told->scatter / squared, told->agreement, samples);
+  return squared *
+         shift_of(told->scatter / squared, told->uneven / squared, told->agreement, samples);
 }
 
 StrokeRounding::Shifts StrokeRounding::shifts(double step_mm, double step_rad) const {
@@ -78,8 +77,10 @@ StrokeRounding::Shifts StrokeRounding::shifts(double step_mm, double step_rad) c
     // samples. Noise of variance s^2 leaves of the saw tooth's first wave exp(-2 (pi s / step)^2).
     const double noise = std::max(0.0, scatter(k) - whole) / (step * step);
     const double turning = std::exp(-2 * kPi * kPi * noise) / (1 + extent(k) / step);
-    const double unseen =
-        k < 3 ? 0 : shift_of(scatter(k) / (step * step), agreement(k), samples) / kWhole;
+    const double unseen = k < 3 ? 0
+                                : shift_of(scatter(k) / (step * step), uneven(k) / (step * step),
+                                           agreement(k), samples) /
+                                      kWhole;
     variances.level(k) = whole * std::max(turning, unseen);
     variances.growth(k) =
         whole * std::max(turning * (1 - turning) / 3, kGrowth * (unseen - turning));
@@ -87,15 +88,20 @@ StrokeRounding::Shifts StrokeRounding::shifts(double step_mm, double step_rad) c
   return variances;
 }
 
-double turn_noise(const StrokeSamples& seen, double across_rad) {
+double unevenness(const Eigen::ArrayXd& numbers) {
   // Of an even motion second differences are those of the noise, whose variance they have six
-  // times.
-  std::vector<double> uneven;
-  for (Index i = 2; i < seen.turns.size(); ++i)
-    uneven.push_back(std::abs(seen.turns(i) - 2 * seen.turns(i - 1) + seen.turns(i - 2)));
-  constexpr double kOfMedian = 1.4826;
-  const double noise = uneven.empty() ? 0 : kOfMedian * median_of(std::move(uneven)) / std::sqrt(6);
-  return std::max(noise, across_rad);
+  // times. A tenth of them, as on ramps, does not count: less than 0.9 of normal ones' squares have
+  // 0.623 of their mean.
+  constexpr double kCounts = 0.9, kOfNormal = 0.623;
+  std::vector<double> squares;
+  for (Index i = 2; i < numbers.size(); ++i)
+    squares.push_back(std::pow(numbers(i) - 2 * numbers(i - 1) + numbers(i - 2), 2));
+  if (squares.empty()) return 0;
+  const auto end =
+      squares.begin() + static_cast<std::ptrdiff_t>(kCounts * static_cast<double>(squares.size()));
+  std::nth_element(squares.begin(), end, squares.end());
+  const auto count = static_cast<double>(std::max<std::ptrdiff_t>(1, end - squares.begin()));
+  return std::accumulate(squares.begin(), end, 0.0) / count / (6 * kOfNormal);
 }
 
 StrokeRounding rounding_of(const StrokeSamples& seen, const StrokeContent& content,
@@ -121,25 +127,26 @@ StrokeRounding rounding_of(const StrokeSamples& seen, const StrokeContent& conte
   if (!content.orientation) return rounding;
   const double free = std::max(1.0, rounding.samples - static_cast<double>(curve.orders()));
   const SampleRows left = curve.left(angles);
-  // Noise of the turn moves the places on their curve, and is no scatter of the orientation.
-  const double turned_rad = seen.turns.maxCoeff() - seen.turns.minCoeff();
-  const Eigen::Array3d noise =
-      rounding.extent.tail<3>() * (turned_rad > 0 ? turn_sigma_rad / turned_rad : 0);
   rounding.scatter.tail<3>() =
-      ((left.square().rowwise() * seen.weights.transpose()).rowwise().sum() / free - noise.square())
-          .max(0);
+      (left.square().rowwise() * seen.weights.transpose()).rowwise().sum() / free;
+  const double turned_rad = seen.turns.maxCoeff() - seen.turns.minCoeff();
   const double step = content.angle_step_rad;
-  for (Index k = 0; k < 3 && step > 0; ++k)
+  for (Index k = 0; k < 3 && step > 0; ++k) {
+    rounding.uneven(3 + k) = unevenness(angles.row(k).transpose());
+    // Noise of the turn moves the places along their curve.
+    const double noise_rad =
+        turned_rad > 0 ? rounding.extent(3 + k) * turn_sigma_rad / turned_rad : 0;
     rounding.agreement(3 + k) = agreement_of((angles.row(k) - left.row(k)).transpose() / step,
-                                             seen.weights, noise(k) / step);
+                                             seen.weights, noise_rad / step);
+  }
   return rounding;
 }
 
 StrokeRounding::Told told_rounding(const StrokeSamples& seen, const Eigen::ArrayXd& along_rad,
-                                   double turn_sigma_rad, double step_rad) {
-  const double variance =
+                                   double across_rad2, double turn_sigma_rad, double step_rad) {
+  const double along_rad2 =
       (along_rad.square() * seen.weights).sum() / std::max(1.0, seen.weights.sum());
-  return {std::max(0.0, variance - turn_sigma_rad * turn_sigma_rad),
+  return {std::max(0.0, along_rad2 - across_rad2), unevenness(seen.told),
           agreement_of(seen.turns / step_rad, seen.weights, turn_sigma_rad / step_rad)};
 }
 

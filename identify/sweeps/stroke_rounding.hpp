@@ -24,6 +24,8 @@ struct StrokeRounding {
   /// Variance about smooth curves: of X, Y and Z that across the arc.
   Coordinates scatter = Coordinates::Zero();
   double samples = 0;
+  /// Variance from sample to sample about an even motion, wobble and all: of A, B and C.
+  Coordinates uneven = Coordinates::Zero();
   /// How far the places within a step agree at which numbers were rounded, from 0, evenly spread,
   /// to 1, all the same, as where a number goes on by whole steps from sample to sample.
   Coordinates agreement = Coordinates::Zero();
@@ -31,6 +33,7 @@ struct StrokeRounding {
   /// the positions do not tell the turn.
   struct Told {
     double scatter = 0;
+    double uneven = 0;
     double agreement = 0;
   };
   std::optional<Told> told;
@@ -46,19 +49,20 @@ struct StrokeRounding {
   [[nodiscard]] double told_shift(double step_rad) const;
 };
 
-/// Standard deviation of the noise of the turns as the positions tell them: what is uneven from
-/// sample to sample, and no less than the positions scatter across the arc, as an angle.
-[[nodiscard]] double turn_noise(const StrokeSamples& seen, double across_rad);
+/// Variance of what numbers scatter by from one to the next about an even motion.
+[[nodiscard]] double unevenness(const Eigen::ArrayXd& numbers);
 
-/// `curve`: of the turn, which the positions tell with this noise. A, B, C are zero where the
-/// orientation was not measured.
+/// `curve`: of the turn, which the positions tell with noise of this standard deviation. A, B, C
+/// are zero where the orientation was not measured.
 [[nodiscard]] StrokeRounding rounding_of(const StrokeSamples& seen, const StrokeContent& content,
                                          const StrokeCurve& curve, double turn_sigma_rad);
 
-/// `along_rad`: what the stroke's curve leaves of the told angle's errors.
+/// `along_rad`: what the stroke's curve leaves of the told angle's errors; `across_rad2`: variance
+/// of what it leaves across, as an angle.
 [[nodiscard]] StrokeRounding::Told told_rounding(const StrokeSamples& seen,
                                                  const Eigen::ArrayXd& along_rad,
-                                                 double turn_sigma_rad, double step_rad);
+                                                 double across_rad2, double turn_sigma_rad,
+                                                 double step_rad);
 
 /// Standard deviation of what is spread evenly over one step, in steps: 1 / sqrt(12).
 inline constexpr double kEvenlySpread = 0.2887;

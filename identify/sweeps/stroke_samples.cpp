@@ -243,12 +243,13 @@ void set_weights(StrokeMoments& stroke, StrokeSamples& seen) {
   curve.weigh(seen.weights);
   const double across_mm2 = stroke.blocks.variance_mm2.front();
   const double radius_mm = stroke.circle.radius_mm;
-  const double noise = stroke.about ? turn_noise(seen, std::sqrt(across_mm2) / radius_mm) : 0;
+  const double across_rad2 = across_mm2 / (radius_mm * radius_mm);
+  const double noise = stroke.about ? std::sqrt(std::max(across_rad2, unevenness(seen.turns))) : 0;
   stroke.rounding = rounding_of(seen, stroke.content, curve, noise);
   stroke.rounding.scatter.head<3>() = across_mm2;
   if (told_mm > 0 && stroke.about)
-    stroke.rounding.told = told_rounding(seen, left.row(2).transpose() / radius_mm, noise,
-                                         stroke.content.angle_step_rad);
+    stroke.rounding.told = told_rounding(seen, left.row(2).transpose() / radius_mm, across_rad2,
+                                         noise, stroke.content.angle_step_rad);
 }
 
 void count_weights(StrokeMoments& stroke, const StrokeSamples& seen) {
