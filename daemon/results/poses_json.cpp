@@ -186,7 +186,7 @@ Json poses_json(const Outcome& outcome) {
 Eigen::Matrix3d PosePredictor::covariance_at(const identify::Pose& pose) const {
   const identify::PoseRow row = identify::pose_row(fit.model, pose, false);
   return row.by_parameter * fit.covariance * row.by_parameter.transpose() +
-         fit.noise.covariance(row.by_joint);
+         fit.noise.covariance(row.by_joint) + identify::play_covariance(fit.model, pose, row);
 }
 
 PosePredictor pose_predictor(const Json& poses) {

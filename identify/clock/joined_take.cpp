@@ -36,7 +36,7 @@ struct Rest {
   double scatter_mm = 0;
 };
 
-/// Of each rest that the angles tell.
+/// In which senses the joints came to each rest that the angles tell.
 std::vector<JointSenses> senses_in(const AngleTape& tape, const std::vector<Span>& rests,
                                    double angle_step_rad) {
   // Less is wobble or the last digit.
@@ -61,10 +61,9 @@ std::vector<JointSenses> senses_in(const AngleTape& tape, const std::vector<Span
 
 /// One a rest of the angles and target that the device saw.
 std::vector<Rest> rests_in(const AngleTape& tape, const Motion& angles,
-                           const std::vector<TargetTrack>& tracks, const ClockMatch& clock,
-                           double angle_step_rad) {
+                           const std::vector<JointSenses>& senses,
+                           const std::vector<TargetTrack>& tracks, const ClockMatch& clock) {
   const double margin = kMargin_s + 3 * clock.sigma_s;
-  const auto senses = senses_in(tape, angles.rests, angle_step_rad);
   std::vector<Rest> rests;
   for (std::size_t r = 0; r < angles.rests.size(); ++r) {
     const Span& span = angles.rests[r];
@@ -136,15 +135,14 @@ double distance_mm(const std::vector<Pose>& poses, const Campaign& campaign) {
 
 /// The one of several matches that the specified arm can have made; nothing where it does not tell.
 std::optional<ClockMatch> by_arm(const std::vector<ClockMatch>& matches, const AngleTape& tape,
-                                 const Motion& angles, const std::vector<TargetTrack>& tracks,
-                                 const Campaign& campaign) {
+                                 const Motion& angles, const std::vector<JointSenses>& senses,
+                                 const std::vector<TargetTrack>& tracks, const Campaign& campaign) {
   if (!campaign.specified) return std::nullopt;
   constexpr std::size_t kFewestPoses = 6;
   std::vector<std::pair<double, ClockMatch>> by_distance;
   for (const ClockMatch& match : matches) {
     std::size_t restless = 0;
-    const auto poses =
-        still_poses(rests_in(tape, angles, tracks, match, campaign.resolution.angle_rad), restless);
+    const auto poses = still_poses(rests_in(tape, angles, senses, tracks, match), restless);
     if (poses.size() < kFewestPoses) return std::nullopt;
     by_distance.emplace_back(distance_mm(poses, campaign), match);
   }
@@ -204,9 +202,10 @@ JoinedTake joined(const AngleTape& tape, const std::vector<Measured>& points,
   take.problem = search.problem;
   if (search.matches.empty()) return take;
   const auto tracks = tracks_of(points);
+  const auto senses = senses_in(tape, angles.rests, campaign.resolution.angle_rad);
   take.clock = search.matches.front();
   if (search.matches.size() > 1) {
-    const auto one = by_arm(search.matches, tape, angles, tracks, campaign);
+    const auto one = by_arm(search.matches, tape, angles, senses, tracks, campaign);
     if (!one) {
       take.problem = ambiguity(search.matches, campaign);
       return take;
@@ -214,8 +213,7 @@ JoinedTake joined(const AngleTape& tape, const std::vector<Measured>& points,
     take.clock = *one;
   }
 
-  take.poses = still_poses(
-      rests_in(tape, angles, tracks, take.clock, campaign.resolution.angle_rad), take.restless);
+  take.poses = still_poses(rests_in(tape, angles, senses, tracks, take.clock), take.restless);
   std::map<std::size_t, Segmenter> streams;  // by target
   const auto keep = [&](std::size_t target, std::vector<Sweep> ended) {
     for (Sweep& sweep : ended) {

@@ -114,15 +114,9 @@ Left left_of(const VectorXd& distances_mm) {
 Eigen::Matrix3d PoseEstimate::covariance_at(const Pose& pose) const {
   const PoseRow row = pose_row(fit.model, pose, false);
   const MatrixXd of = fit.whole_covariance();
-  Eigen::Matrix3d covariance = row.by_parameter * of * row.by_parameter.transpose() +
-                               fit.noise.covariance(row.by_own).topLeftCorner<3, 3>();
-  for (const JointEffect& effect : fit.model.effects) {
-    if (effect.kind != JointEffect::Kind::play || pose.senses[effect.joint] != 0) continue;
-    const Vector3d to_either_side =
-        effect.size.x() * row.by_joint.col(static_cast<Index>(effect.joint));
-    covariance += to_either_side * to_either_side.transpose();
-  }
-  return covariance;
+  return row.by_parameter * of * row.by_parameter.transpose() +
+         fit.noise.covariance(row.by_own).topLeftCorner<3, 3>() +
+         play_covariance(fit.model, pose, row);
 }
 
 std::optional<PoseEstimate> estimate_poses(const std::vector<Pose>& poses, const Campaign& campaign,

@@ -70,6 +70,7 @@ struct Whitened {
   std::vector<Index> parameters;  // that do
   MatrixXd columns;               // transposed: one row a parameter, one column a row of the model
   VectorXd off;
+  Eigen::LLT<MatrixXd> root;  // of the rows' covariance
 
   /// What a fit with this covariance takes up of the rows.
   [[nodiscard]] MatrixXd taken_up(const MatrixXd& covariance) const {
@@ -148,11 +149,12 @@ class Problem {
       Whitened pose;
       for (Index p = 0; p < row.by_parameter.cols(); ++p)
         if (!row.by_parameter.col(p).isZero(0)) pose.parameters.push_back(p);
-      const Eigen::LLT<MatrixXd> root(fit_.noise.covariance(row.by_own));
-      pose.columns =
-          std::sqrt(weight) *
-          root.matrixL().solve(MatrixXd(row.by_parameter(Eigen::all, pose.parameters))).transpose();
-      pose.off = std::sqrt(weight) * root.matrixL().solve(row.off);
+      pose.root.compute(fit_.noise.covariance(row.by_own));
+      const auto over_sigma = [&](const MatrixXd& of) -> MatrixXd {
+        return std::sqrt(weight) * pose.root.matrixL().solve(of);
+      };
+      pose.columns = over_sigma(row.by_parameter(Eigen::all, pose.parameters)).transpose();
+      pose.off = over_sigma(row.off);
       all.push_back(std::move(pose));
     }
     return all;
@@ -232,8 +234,9 @@ class Problem {
       const Whitened& pose = *white++;
       const Index count = row.off.size();
       const VectorXd left = pose.off - pose.columns.transpose() * step_(pose.parameters);
-      const Eigen::LLT<MatrixXd> factor(fit_.noise.covariance(row.by_own));
-      const auto back = [&](const MatrixXd& of) -> MatrixXd { return factor.matrixU().solve(of); };
+      const auto back = [&](const MatrixXd& of) -> MatrixXd {
+        return pose.root.matrixU().solve(of);
+      };
       const VectorXd weighed = back(left);
       const MatrixXd free =
           back(back(MatrixXd::Identity(count, count) - pose.taken_up(fit_.covariance)).transpose());

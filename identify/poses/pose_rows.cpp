@@ -56,6 +56,17 @@ PoseRow pose_row(const PoseModel& model, const Pose& pose, bool with_orientation
   return row;
 }
 
+Matrix3d play_covariance(const PoseModel& model, const Pose& pose, const PoseRow& row) {
+  Matrix3d covariance = Matrix3d::Zero();
+  for (const JointEffect& effect : model.effects) {
+    if (effect.kind != JointEffect::Kind::play || pose.senses[effect.joint] != 0) continue;
+    const Eigen::Vector3d to_a_side =
+        effect.size.x() * row.by_joint.col(static_cast<Index>(effect.joint)).head<3>();
+    covariance += to_a_side * to_a_side.transpose();
+  }
+  return covariance;
+}
+
 MatrixXd effect_columns(const PoseModel& model, const JointEffect& effect, const Pose& pose,
                         const PoseRow& row) {
   const auto joint = static_cast<Index>(effect.joint);

@@ -42,6 +42,11 @@ struct PoseRow {
 /// `with_orientation`: the orientation too, of poses that have one.
 [[nodiscard]] PoseRow pose_row(const PoseModel& model, const Pose& pose, bool with_orientation);
 
+/// Covariance of where play has a pose's position: of joints of which nobody knows in which sense
+/// they came to rest, and which the model takes to be in the middle.
+[[nodiscard]] Eigen::Matrix3d play_covariance(const PoseModel& model, const Pose& pose,
+                                              const PoseRow& row);
+
 /// How a pose's position changes with one effect's sizes: as many columns.
 [[nodiscard]] Eigen::MatrixXd effect_columns(const PoseModel& model, const JointEffect& effect,
                                              const Pose& pose, const PoseRow& row);

@@ -128,12 +128,13 @@ void mark_positioning(std::vector<Sweep>& sweeps, const std::vector<std::optiona
     if (const auto line = fit_line(points);
         line && straightness(*line, {}) == Straightness::straight)
       return (end.position_mm - *rest).norm() <= kEnd_rad * kLinear_mm;
-    const auto circle = fit_circle(points);
-    if (!circle) return false;
+    const auto usual = fit_usual_circle(points);
+    if (!usual) return false;
     // The ends of a stroke are cut off as far as noise hides them, and are noisy themselves.
-    const double noise = std::max(circle->plane_rms_mm, circle->radial_rms_mm);
+    const CircleFit& circle = usual->circle;
+    const double noise = std::max(circle.plane_rms_mm, circle.radial_rms_mm);
     const double tolerance =
-        std::max({kEnd_rad * circle->radius_mm, 2 * resolution.position_mm, kEndSizes * noise});
+        std::max({kEnd_rad * circle.radius_mm, 2 * resolution.position_mm, kEndSizes * noise});
     return (end.position_mm - *rest).norm() <= tolerance;
   };
   const auto touches_home = [&](const Sweep& sweep) {

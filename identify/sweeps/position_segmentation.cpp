@@ -95,7 +95,7 @@ void PositionSegmenter::look_for_strays() {
   if (noise == 0) return;
   const double least = std::max(kStray_mm, kStraySizes * noise);
   for (Kept& after : window_.back().seen) {
-    // Back in time; the first may be behind a target that was elsewhere for a moment.
+    // Where the target was, the last one first.
     std::vector<Kept*> track{&after};
     for (auto frame = window_.rbegin() + 1; frame != window_.rend(); ++frame) {
       const auto here = std::find_if(frame->seen.begin(), frame->seen.end(),
@@ -108,7 +108,8 @@ void PositionSegmenter::look_for_strays() {
     const auto step = [&](std::size_t k) {
       return (track[k]->sample.position_mm - track[k + 1]->sample.position_mm).norm();
     };
-    // It came and went in one frame, and moved little before and in between.
+    // It may have been elsewhere since `before`: it came and went in one frame each, and moved
+    // little ahead and in between.
     double between = 0;
     for (std::size_t before = 2; before < track.size(); ++before) {
       double most = least;

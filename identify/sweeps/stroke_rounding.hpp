@@ -29,8 +29,8 @@ struct StrokeRounding {
   /// How far the places within a step agree at which numbers were rounded, from 0, evenly spread,
   /// to 1, all the same, as where a number goes on by whole steps from sample to sample.
   Coordinates agreement = Coordinates::Zero();
-  /// Of the sweeping joint's angle as told: variance about where it was seen, rad^2. Nothing where
-  /// the positions do not tell the turn.
+  /// Of the sweeping joint's angle as told: variances about where it was seen, and from sample to
+  /// sample, rad^2. Nothing where the positions do not tell the turn.
   struct Told {
     double scatter = 0;
     double uneven = 0;

@@ -7,9 +7,13 @@
 
 #include "daemon/commands/identify_command.hpp"
 #include "daemon/points/csv_file.hpp"
+#include "daemon/results/outcome.hpp"
+#include "daemon/results/poses_json.hpp"
+#include "daemon/results/validation.hpp"
 #include "tests/catch.hpp"
 #include "tests/config_folder.hpp"
 #include "tests/daemon/temporary_folder.hpp"
+#include "tests/identify/poses/simulated_poses.hpp"
 #include "tests/simulation/simulation.hpp"
 
 using Catch::Matchers::ContainsSubstring;
@@ -103,6 +107,19 @@ TEST_CASE("Poses that were kept back judge a result, and used ones are refused",
   options.points = {held, fit};
   CHECK_THROWS_WITH(validate(options, out),
                     ContainsSubstring("fit.csv line 2") && ContainsSubstring("made of this pose"));
+}
+
+TEST_CASE("A result of joints that play predicts poses of which nobody knows how they came to rest",
+          "[validate_command]") {
+  const auto built = built_kr5(4);
+  auto poses = simulation::robots::played(built.poses(160), 6, 15 * identify::kArcsec, 4);
+  const std::vector<identify::Pose> used(poses.begin(), poses.begin() + 60);
+  std::vector<identify::Pose> kept(poses.begin() + 60, poses.end());
+  for (auto& pose : kept) pose.senses = {};
+  Outcome outcome;
+  outcome.identification = identify::identify({}, built.campaign(), used);
+  REQUIRE(outcome.identification.poses);
+  CHECK(validated(pose_predictor(poses_json(outcome)), kept).inside() > 88);
 }
 
 TEST_CASE("poses.csv of a result gives the same result again", "[validate_command][long]") {

@@ -1,7 +1,6 @@
 #include "identify/poses/pose_effects.hpp"
 
 #include <algorithm>
-#include <random>
 
 #include "tests/catch.hpp"
 #include "tests/identify/poses/simulated_poses.hpp"
@@ -40,14 +39,8 @@ TEST_CASE("A wheel that is off is found beside joints that play", "[pose_effects
   world.gears.joint = 1;
   world.gears.first_arcsec = 50;
   const auto built = arm_with(world, 2);
-  auto poses = built.poses(120);
-  std::mt19937 random(2);
-  for (Pose& pose : poses)
-    for (std::size_t j = 0; j < built.robot().arm.joints(); ++j) {
-      pose.senses[j] = random() % 2 == 0 ? 1 : -1;
-      pose.sample.angles_rad[j] += 15 * kArcsec * pose.senses[j];
-    }
-  const auto found = estimated(poses, built.campaign());
+  const std::size_t joints = built.robot().arm.joints();
+  const auto found = estimated(played(built.poses(120), joints, 15 * kArcsec, 2), built.campaign());
   REQUIRE(found);
   const auto* effect = effect_of(*found, 1, JointEffect::Kind::once);
   REQUIRE(effect != nullptr);

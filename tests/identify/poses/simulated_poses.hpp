@@ -3,6 +3,7 @@
 // Poses of arms that are known exactly, for the tests of what is made of them.
 
 #include <optional>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,6 +32,19 @@ inline std::optional<identify::PoseEstimate> estimated(const std::vector<identif
                                                        const identify::Campaign& campaign) {
   std::string reason;
   return identify::estimate_poses(poses, campaign, nullptr, {}, reason);
+}
+
+/// The same poses of joints that play by twice as much: the arm stands behind what the angles tell,
+/// on the side that the senses say.
+inline std::vector<identify::Pose> played(std::vector<identify::Pose> poses, std::size_t joints,
+                                          double half_rad, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  for (identify::Pose& pose : poses)
+    for (std::size_t j = 0; j < joints; ++j) {
+      pose.senses[j] = random() % 2 == 0 ? 1 : -1;
+      pose.sample.angles_rad[j] += half_rad * pose.senses[j];
+    }
+  return poses;
 }
 
 /// The mean distance between where poses were seen and where the estimate has them.
