@@ -17,7 +17,8 @@ Eigen::Isometry3d ChainAxis::displacement(double turn) const {
 
 Eigen::Isometry3d Chain::displacement(const Turns& turns) const {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  for (std::size_t j = 0; j < axes.size(); ++j) pose = pose * axes[j].displacement(turns[j]);
+  for (std::size_t j = 0; j < axes.size(); ++j)
+    if (turns[j] != 0) pose = pose * axes[j].displacement(turns[j]);
   return pose;
 }
 

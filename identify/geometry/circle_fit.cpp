@@ -12,6 +12,7 @@
 #include <Eigen/SVD>
 
 #include "identify/geometry/median.hpp"
+#include "identify/geometry/sines.hpp"
 
 namespace identify {
 namespace {
@@ -35,16 +36,6 @@ Matrix3Xd in_circle_frame(const CircleFit& circle, const Matrix3Xd& points, Matr
 
 double rms(const VectorXd& values) {
   return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
-}
-
-/// std::atan2(), which is slow: from point to point, angles are mostly so small that a few terms
-/// are right to the last bit.
-double small_angle(double sine, double cosine) {
-  constexpr double kSmall = 0.01;
-  const double t = sine / cosine;
-  if (!(cosine > 0 && std::abs(t) < kSmall)) return std::atan2(sine, cosine);
-  const double square = t * t;
-  return t * (1 - square * (1.0 / 3 - square * (1.0 / 5 - square / 7)));
 }
 
 /// The angle swept about the centre: the extent of the running sum of the steps from point to
@@ -83,10 +74,10 @@ std::optional<CircleFit> fit_circle(const Matrix3Xd& points) {
   const double scale = sizes(0) / std::sqrt(static_cast<double>(count));
   const VectorXd x = local.col(0) / scale;
   const VectorXd y = local.col(1) / scale;
-  MatrixX3d a(count, 3);  // eqs. 6, 7
-  a << 2 * x, 2 * y, VectorXd::Ones(count);
-  const VectorXd b = x.array().square() + y.array().square();
-  const Vector3d c = a.householderQr().solve(b);                   // eq. 8
+  // In principal coordinates the columns 2x, 2y and 1 of eq. 6 are orthogonal: the least squares of
+  // eq. 8 are three projections.
+  const VectorXd b = x.array().square() + y.array().square();  // eq. 7
+  const Vector3d c(x.dot(b) / (2 * x.squaredNorm()), y.dot(b) / (2 * y.squaredNorm()), b.mean());
   const double squared_radius = c(0) * c(0) + c(1) * c(1) + c(2);  // eq. 9
   if (!(squared_radius > 0) || !c.allFinite()) return std::nullopt;
 
@@ -222,9 +213,14 @@ class Judges {
   Row height_, squared_;  // room for one circle
 };
 
-}  // namespace
+/// Whether all points are so close that none can have turned the circle over.
+bool sure(const std::optional<CircleFit>& circle) {
+  constexpr double kSure_mm = 0.05;
+  return circle && std::max(circle->plane_rms_mm, circle->radial_rms_mm) <= kSure_mm;
+}
 
-std::optional<CircleFit> fit_robust_circle(const Matrix3Xd& points) {
+/// By least median of squares.
+std::optional<CircleFit> searched_circle(const Matrix3Xd& points) {
   if (points.cols() < 4 || !points.allFinite()) return std::nullopt;
   std::mt19937 random(1);
   // Without std::uniform_int_distribution, whose numbers differ from library to library.
@@ -261,13 +257,17 @@ std::optional<CircleFit> fit_robust_circle(const Matrix3Xd& points) {
   return best->points > 0 ? best : fit_circle(points);
 }
 
+}  // namespace
+
+std::optional<CircleFit> fit_robust_circle(const Matrix3Xd& points) {
+  const auto plain = fit_circle(points);
+  return sure(plain) ? plain : searched_circle(points);
+}
+
 std::optional<UsualCircle> fit_usual_circle(const Matrix3Xd& points) {
-  /// Closer than this no point can have turned the plain circle over.
-  constexpr double kSure_mm = 0.05;
   constexpr double kRounding_mm = 1e-6;
   const auto plain = fit_circle(points);
-  const bool sure = plain && std::max(plain->plane_rms_mm, plain->radial_rms_mm) <= kSure_mm;
-  if (const auto robust = sure ? std::nullopt : fit_robust_circle(points)) {
+  if (const auto robust = sure(plain) ? std::nullopt : searched_circle(points)) {
     std::vector<double> distances;
     for (Index i = 0; i < points.cols(); ++i)
       distances.push_back(std::sqrt(squared_distance(*robust, points.col(i))));

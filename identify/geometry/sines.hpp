@@ -33,4 +33,14 @@ class Sines {
   double from_cosine_ = 1;
 };
 
+/// std::atan2(), which is slow: from point to point, angles are mostly so small that a few terms
+/// are right to the last bit.
+[[nodiscard]] inline double small_angle(double sine, double cosine) {
+  constexpr double kSmall = 0.01;
+  const double t = sine / cosine;
+  if (!(cosine > 0 && std::abs(t) < kSmall)) return std::atan2(sine, cosine);
+  const double square = t * t;
+  return t * (1 - square * (1.0 / 3 - square * (1.0 / 5 - square / 7)));
+}
+
 }  // namespace identify

@@ -109,6 +109,12 @@ StrokeRounding rounding_of(const StrokeSamples& seen, const StrokeContent& conte
   StrokeRounding rounding;
   const Index count = seen.positions_mm.cols();
   if (count == 0) return rounding;
+  const auto extent = [](const SampleRows& rows) -> Eigen::Array3d {
+    return rows.rowwise().maxCoeff() - rows.rowwise().minCoeff();
+  };
+  rounding.extent.head<3>() = extent(seen.positions_mm);
+  rounding.samples = seen.weights.sum();
+  if (!content.orientation) return rounding;
   SampleRows angles(3, count);  // since the first sample, on beyond half a turn
   angles.col(0).setZero();
   for (Index i = 1; i < count; ++i) {
@@ -119,12 +125,7 @@ StrokeRounding rounding_of(const StrokeSamples& seen, const StrokeContent& conte
       angles(at, i) = angles(at, i - 1) + short_way(here[k] - before[k]);
     }
   }
-  const auto extent = [](const SampleRows& rows) -> Eigen::Array3d {
-    return rows.rowwise().maxCoeff() - rows.rowwise().minCoeff();
-  };
-  rounding.extent << extent(seen.positions_mm), extent(angles);
-  rounding.samples = seen.weights.sum();
-  if (!content.orientation) return rounding;
+  rounding.extent.tail<3>() = extent(angles);
   const double free = std::max(1.0, rounding.samples - static_cast<double>(curve.orders()));
   const SampleRows left = curve.left(angles);
   rounding.scatter.tail<3>() =

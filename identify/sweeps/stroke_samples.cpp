@@ -84,31 +84,30 @@ void set_across(const StrokeMoments& stroke, StrokeSamples& seen) {
   const Index count = seen.positions_mm.cols();
   const Matrix3d directions = stroke.directions(stroke.zero_rad);
   const SampleRows from = seen.positions_mm.colwise() - stroke.circle.center_mm.array();
-  const auto along = [&](Index k) {
+  const auto coordinate = [&](Index k) {
     return directions(k, 0) * from.row(0) + directions(k, 1) * from.row(1) +
            directions(k, 2) * from.row(2);
   };
+  const SampleRows x = coordinate(0), y = coordinate(2);
   seen.errors.setZero(stroke.content.orientation ? 6 : 3, count);
-  seen.errors.row(0) = along(0);
-  seen.errors.row(1) = along(1);
-  seen.errors.row(2) = along(2);
-  if (stroke.linear) {
-    seen.turns = seen.errors.row(2) / stroke.circle.radius_mm;
-  } else {
-    seen.turns.resize(count);
-    for (Index i = 0; i < count; ++i)
-      seen.turns(i) = std::atan2(seen.errors(2, i), seen.errors(0, i));
-    seen.errors.row(0) = (seen.errors.row(0).square() + seen.errors.row(2).square()).sqrt() -
-                         stroke.circle.radius_mm;
-  }
-  seen.errors.row(2).setZero();
+  seen.errors.row(0) = x;
+  if (!stroke.linear)
+    seen.errors.row(0) = (x.square() + y.square()).sqrt() - stroke.circle.radius_mm;
+  seen.errors.row(1) = coordinate(1);
   seen.distances = distances_of(seen.errors.topRows(2));
   seen.beside = weights_of(seen.distances, 2, kNear) == 0;
-  // Unwrapped along the motion.
-  double last = 0;
+  // From one to the next, so that turns go on beyond half a one.
+  seen.turns.resize(count);
+  double turn = 0, from_x = 1, from_y = 0;
   for (Index i = 0; i < count; ++i) {
-    if (!seen.beside(i)) last += stroke.step(last, seen.turns(i));
-    seen.turns(i) = last;
+    if (!seen.beside(i)) {
+      turn = stroke.linear
+                 ? y(i) / stroke.circle.radius_mm
+                 : turn + small_angle(from_x * y(i) - from_y * x(i), from_x * x(i) + from_y * y(i));
+      from_x = x(i);
+      from_y = y(i);
+    }
+    seen.turns(i) = turn;
   }
 }
 
@@ -240,11 +239,13 @@ void set_weights(StrokeMoments& stroke, StrokeSamples& seen) {
   stroke.blocks.curve_orders = static_cast<std::size_t>(curve.orders());
   stroke.blocks.variance_mm2 = variances_of_blocks(left.topRows(kBlockDirections).rowwise() *
                                                    seen.weights.sqrt().transpose());
+  if (!stroke.squares) return;  // repeats are rounded alike
   curve.weigh(seen.weights);
   const double across_mm2 = stroke.blocks.variance_mm2.front();
   const double radius_mm = stroke.circle.radius_mm;
   const double across_rad2 = across_mm2 / (radius_mm * radius_mm);
-  const double noise = stroke.about ? std::sqrt(std::max(across_rad2, unevenness(seen.turns))) : 0;
+  const bool printed = stroke.about && stroke.content.angle_step_rad > 0;
+  const double noise = printed ? std::sqrt(std::max(across_rad2, unevenness(seen.turns))) : 0;
   stroke.rounding = rounding_of(seen, stroke.content, curve, noise);
   stroke.rounding.scatter.head<3>() = across_mm2;
   if (told_mm > 0 && stroke.about)
