@@ -39,7 +39,10 @@ class Sections {
   Sections(const StrokeMoments& stroke, std::size_t samples) : from_(stroke.from_rad) {
     const double range = stroke.to_rad - stroke.from_rad;
     // Along a line all that a model says is linear in the turn.
-    if (!stroke.linear) count_ = static_cast<Index>(std::max(1.0, std::ceil(range / kSection_rad)));
+    // So noise does not decide whether a sweep of 90 degrees has two sections or three.
+    constexpr double kSlack = 0.05;
+    if (!stroke.linear)
+      count_ = static_cast<Index>(std::max(1.0, std::ceil(range / kSection_rad - kSlack)));
     length_ = range / static_cast<double>(count_);
     const Index nodes = node_count(static_cast<double>(samples) / static_cast<double>(count_));
     places_.resize(nodes);

@@ -135,6 +135,19 @@ Eigen::VectorXd modelled(const StrokeMoments& stroke) {
 
 }  // namespace
 
+TEST_CASE("Noise does not decide how many sections a sweep of 90 degrees has", "[stroke_moments]") {
+  Random random(54);
+  const Chain chain = random_chain(3, 1, random);
+  for (const double turn_deg : {89.999, 90.0, 90.001})
+    for (const Sweep& sweep :
+         as_sweeps(sweeps_of(chain, measured(turn_deg * kDegree, 100), random), 3, true)) {
+      const auto stroke = moments_of(sweep, {*sweep.joint, 3, true});
+      REQUIRE(stroke);
+      CHECK(stroke->nodes.size() == 24);
+      for (const StrokeMoments::Node& node : stroke->nodes) CHECK(node.sums(0, 0) > 0.3);
+    }
+}
+
 TEST_CASE("Moments like a stroke's are its own first ones", "[stroke_moments]") {
   const bool told = GENERATE(false, true);
   const double turn_deg = GENERATE(30, 90, 300);
