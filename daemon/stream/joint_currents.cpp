@@ -55,24 +55,24 @@ void JointCurrents::take(const identify::Sample& sample, const Currents& current
 }
 
 void JointCurrents::look(const Moment& before, const Moment& middle, const Moment& now) {
-  const auto speed = [](const Moment& from, const Moment& to, std::size_t j) {
-    return degrees(to.sample.angles_rad[j] - from.sample.angles_rad[j]) /
-           (to.sample.time_s - from.sample.time_s);
+  const auto per_second = [](const Moment& from, const Moment& to) {
+    return degrees(1) / (to.sample.time_s - from.sample.time_s);
+  };
+  const auto turn = [](const Moment& from, const Moment& to, std::size_t j) {
+    return to.sample.angles_rad[j] - from.sample.angles_rad[j];
   };
   const std::size_t joints = now.sample.joints;
-  std::array<double, identify::kMostJoints> speeds{};
   std::size_t moving = 0;
-  for (std::size_t j = 0; j < joints; ++j) {
-    speeds[j] = std::abs(speed(before, now, j));
-    if (speeds[j] > speeds[moving]) moving = j;
-  }
-  const double fast = speed(before, now, moving);
+  for (std::size_t j = 1; j < joints; ++j)
+    if (std::abs(turn(before, now, j)) > std::abs(turn(before, now, moving))) moving = j;
+  const double far = std::abs(turn(before, now, moving));
+  const double fast = turn(before, now, moving) * per_second(before, now);
   if (moving >= kMostCurrents || !(std::abs(fast) > kSlowest_deg_s)) return;
-  if (std::abs(speed(before, middle, moving) - speed(middle, now, moving)) >
-      kSteadyShare * std::abs(fast))
-    return;
   for (std::size_t j = 0; j < joints; ++j)
-    if (j != moving && speeds[j] > kSteadyShare * std::abs(fast)) return;
+    if (j != moving && std::abs(turn(before, now, j)) > kSteadyShare * far) return;
+  if (std::abs(turn(before, middle, moving) * per_second(before, middle) -
+               turn(middle, now, moving) * per_second(middle, now)) > kSteadyShare * std::abs(fast))
+    return;
   const double current = middle.currents[moving];
   if (!std::isfinite(current)) return;
   if (joints_.size() <= moving) joints_.resize(moving + 1);
