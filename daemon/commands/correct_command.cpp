@@ -12,6 +12,7 @@
 #include "daemon/commands/outputs.hpp"
 #include "daemon/krl/krl_frame.hpp"
 #include "daemon/system/whole_file.hpp"
+#include "daemon/text/file_names.hpp"
 #include "rsi/counted.hpp"
 
 namespace sweepd {
@@ -176,7 +177,7 @@ int correct(const CorrectOptions& options, std::ostream& out) {
   check_together(options);
   const Correctable of = read_correctable(options.result);
   const auto json = options.output.value_or(of.file.parent_path() / "correction.json");
-  std::vector<fs::path> inputs = {of.file, of.file.parent_path() / "poses.csv"};
+  std::vector<fs::path> inputs = {of.file, of.file.parent_path() / file_names::kPoses};
   if (options.program) inputs.push_back(*options.program);
   if (options.config) inputs.push_back(*options.config);
   const Outputs outputs(std::move(inputs), options.force);

@@ -23,6 +23,7 @@
 #include "daemon/settings/robot_setup.hpp"
 #include "daemon/stream/session.hpp"
 #include "daemon/system/atomic_file.hpp"
+#include "daemon/text/file_names.hpp"
 #include "daemon/text/progress.hpp"
 #include "identify/given_axes.hpp"
 #include "rsi/counted.hpp"
@@ -255,7 +256,7 @@ std::vector<std::filesystem::path> inputs_of(const IdentifyOptions& options) {
 
 void check_output(const IdentifyOptions& options) {
   auto names = result_file_names();
-  names.emplace_back("run.json");
+  names.emplace_back(file_names::kRun);
   Outputs(inputs_of(options), options.force).check_results(*options.output, names);
 }
 
@@ -271,7 +272,7 @@ void write_run_file(const IdentifyOptions& options, const nlohmann::ordered_json
   given["frame"] = options.device_frame ? "device" : "robot";
   if (options.robot) given["description"] = options.robot->string();
   if (options.plan) given["plan"] = options.plan->string();
-  write_atomically(*options.output / "run.json",
+  write_atomically(*options.output / file_names::kRun,
                    run_json("identify", given, options.arguments, hashes_of(inputs_of(options))));
 }
 

@@ -13,6 +13,7 @@
 
 #include "daemon/system/atomic_file.hpp"
 #include "daemon/system/line_file.hpp"
+#include "daemon/text/file_names.hpp"
 
 namespace sweepd {
 namespace {
@@ -34,7 +35,7 @@ std::string beginning(const fs::path& file, std::size_t bytes) {
 
 /// The command that wrote the results of a folder, by its run.json; empty if that is not sweepd's.
 std::string command_of(const fs::path& folder) {
-  std::ifstream stream(folder / "run.json", std::ios::binary);
+  std::ifstream stream(folder / file_names::kRun, std::ios::binary);
   const auto run = nlohmann::json::parse(stream, nullptr, false);
   if (!run.is_object() || run.value("schema", nlohmann::json()) != "sweepd.run/1") return {};
   const auto command = run.find("command");

@@ -20,6 +20,7 @@
 #include "daemon/stream/traces.hpp"
 #include "daemon/system/atomic_file.hpp"
 #include "daemon/system/line_file.hpp"
+#include "daemon/text/file_names.hpp"
 #include "rsi/capture/capture_reader.hpp"
 
 namespace sweepd {
@@ -67,7 +68,7 @@ std::vector<std::filesystem::path> inputs_of(const ReplayOptions& options) {
 
 void check_output(const ReplayOptions& options) {
   auto names = result_file_names();
-  names.insert(names.end(), {"samples.csv", "run.json"});
+  names.insert(names.end(), {"samples.csv", file_names::kRun});
   Outputs(inputs_of(options), options.force).check_results(*options.output, names);
 }
 
@@ -80,7 +81,7 @@ void write_run_file(const ReplayOptions& options, const rsi::ConversationSearch&
   if (options.robot) given["description"] = options.robot->string();
   if (options.plan) given["plan"] = options.plan->string();
   if (search.chosen) given["conversation"] = text(*search.chosen);
-  write_atomically(*options.output / "run.json",
+  write_atomically(*options.output / file_names::kRun,
                    run_json("replay", given, options.arguments, inputs));
 }
 

@@ -11,6 +11,7 @@
 #include "daemon/report/pdf.hpp"
 #include "daemon/results/change.hpp"
 #include "daemon/results/change_json.hpp"
+#include "daemon/text/file_names.hpp"
 
 namespace sweepd {
 namespace {
@@ -39,8 +40,9 @@ int make_report(const ReportOptions& options, std::ostream& out) {
   const auto facts = options.facts ? read_facts(*options.facts) : no_facts();
   std::vector<ReportFolder> folders;
   for (const auto& folder : options.folders) folders.push_back(read_report_folder(folder));
-  const auto html_file = options.output.value_or(
-      folders.size() == 1 ? options.folders.front() / kHtmlReport : kHtmlReport);
+  const auto html_file = options.output.value_or(folders.size() == 1 ? options.folders.front() /
+                                                                           file_names::kReportPage
+                                                                     : file_names::kReportPage);
   std::vector<std::filesystem::path> inputs;
   if (options.facts) inputs.push_back(*options.facts);
   const Outputs outputs(std::move(inputs), options.force);

@@ -20,6 +20,7 @@
 #include "daemon/results/displacement_csv.hpp"
 #include "daemon/results/validation.hpp"
 #include "daemon/system/whole_file.hpp"
+#include "daemon/text/file_names.hpp"
 #include "daemon/text/text_layout.hpp"
 #include "rsi/counted.hpp"
 
@@ -42,7 +43,7 @@ struct Result {
 };
 
 Result result_in(const std::filesystem::path& folder) {
-  const auto file = folder / "result.json";
+  const auto file = folder / file_names::kResult;
   const std::string text = whole_file(file);
   nlohmann::ordered_json json;
   try {
@@ -97,7 +98,7 @@ bool same(const Pose& a, const Pose& b) {
 /// A result is not judged by what it was made of.
 void refuse_used(const std::vector<Pose>& poses, const std::filesystem::path& folder,
                  std::size_t joints) {
-  const auto used = read_poses({folder / "poses.csv"}, "", joints).poses;
+  const auto used = read_poses({folder / file_names::kPoses}, "", joints).poses;
   for (const Pose& pose : poses)
     for (const Pose& one : used)
       if (same(pose, one))
@@ -118,7 +119,7 @@ int validate(const ValidateOptions& options, std::ostream& out) {
   refuse_used(read.poses, options.result, joints);
   const auto file = options.output.value_or(options.result / "validation.json");
   auto inputs = options.points;
-  inputs.push_back(options.result / "result.json");
+  inputs.push_back(options.result / file_names::kResult);
   const Outputs outputs(std::move(inputs), options.force);
   outputs.check_made_again(file, R"({
   "schema": "sweepd.validation/)");
@@ -129,7 +130,7 @@ int validate(const ValidateOptions& options, std::ostream& out) {
     outputs.check_made_again(picture, "<svg");
     pictures.emplace_back(picture, displacement_svg(csv, across));
   }
-  const auto table = file.parent_path() / "displacement.csv";
+  const auto table = file.parent_path() / file_names::kDisplacement;
   outputs.check_made_again(table, "slice,x_mm");
 
   const Validation found = validated(predictor, read.poses);

@@ -11,6 +11,7 @@
 
 #include "daemon/history/campaign_index.hpp"
 #include "daemon/record/session_folder.hpp"
+#include "daemon/text/file_names.hpp"
 #include "rsi/counted.hpp"
 
 namespace sweepd {
@@ -18,8 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array kRecordFiles = {"result.json", "run.json", "link.json", "currents.csv",
-                                     kNotesFile};
+constexpr std::array kRecordFiles = {file_names::kResult, file_names::kRun, file_names::kLink,
+                                     file_names::kCurrents, kNotesFile};
 constexpr int kDeepest = 2;
 constexpr std::size_t kMostNamed = 3;
 
@@ -46,21 +47,23 @@ std::string stamp_of(const fs::path& folder) {
 CampaignRecord read_record(const fs::path& folder) {
   CampaignTexts texts;
   texts.name = folder.string();
-  texts.result = file_bytes(folder / "result.json");
-  texts.run = file_bytes(folder / "run.json");
-  texts.link = file_bytes(folder / "link.json");
+  texts.result = file_bytes(folder / file_names::kResult);
+  texts.run = file_bytes(folder / file_names::kRun);
+  texts.link = file_bytes(folder / file_names::kLink);
   if (texts.result.find("\"currents\"") == texts.result.npos)
-    texts.currents = file_bytes(folder / "currents.csv");
+    texts.currents = file_bytes(folder / file_names::kCurrents);
   texts.notes = file_bytes(folder / kNotesFile);
   struct stat status {};
-  if (stat((folder / "result.json").c_str(), &status) == 0 || stat(folder.c_str(), &status) == 0)
+  if (stat((folder / file_names::kResult).c_str(), &status) == 0 ||
+      stat(folder.c_str(), &status) == 0)
     texts.written = std::chrono::seconds(status.st_mtim.tv_sec);
   return campaign_record(texts);
 }
 
 bool holds_results(const fs::path& folder) {
   std::error_code error;
-  return fs::exists(folder / "result.json", error) || fs::exists(folder / "run.json", error);
+  return fs::exists(folder / file_names::kResult, error) ||
+         fs::exists(folder / file_names::kRun, error);
 }
 
 /// Where a folder really is, so that two ways to it are one folder.
@@ -124,7 +127,7 @@ std::vector<CampaignRecord> indexed(const fs::path& file, bool rebuild,
     if (as_before) try {
         CampaignRecord record = unpacked(entry->second.record.data(), entry->second.record.size());
         record.name = folder.string();
-        if (record.arm) record.arm->file = folder / "result.json";
+        if (record.arm) record.arm->file = folder / file_names::kResult;
         records.push_back(std::move(record));
       } catch (const std::exception&) {
         as_before = false;

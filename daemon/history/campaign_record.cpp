@@ -9,6 +9,7 @@
 #include "daemon/record/session_folder.hpp"
 #include "daemon/report/csv_cells.hpp"
 #include "daemon/report/json_part.hpp"
+#include "daemon/text/file_names.hpp"
 #include "daemon/text/utc.hpp"
 
 namespace sweepd {
@@ -38,8 +39,8 @@ void set_time(CampaignRecord& record, const CampaignTexts& texts, const Json& li
     record.time_from = from;
   };
   const Json run = Json::parse(texts.run, nullptr, false);
-  take(parse_utc(text_of(run, "started")), "run.json");
-  take(parse_utc(text_of(link, "start")), "link.json");
+  take(parse_utc(text_of(run, "started")), file_names::kRun);
+  take(parse_utc(text_of(link, "start")), file_names::kLink);
   take(time_in(texts.name), "name");
   take(texts.written, "age");
 }
@@ -115,7 +116,7 @@ CampaignRecord campaign_record(const CampaignTexts& texts) {
     record.why_not = texts.name + " has no result.json: it is half deleted, or not written yet";
     return record;
   }
-  const auto file = std::filesystem::path(texts.name) / "result.json";
+  const auto file = std::filesystem::path(texts.name) / file_names::kResult;
   try {
     const Json result = parse_result(file, texts.result);
     record.friction = friction_of(result, texts.currents);

@@ -7,6 +7,7 @@
 
 #include "daemon/history/compared_campaigns.hpp"
 #include "daemon/history/friction_series.hpp"
+#include "daemon/text/file_names.hpp"
 #include "rsi/counted.hpp"
 
 namespace sweepd {
@@ -18,7 +19,7 @@ bool is_at(const CampaignRecord& record, const std::filesystem::path& path) {
   std::error_code error;
   return record.name == path.lexically_normal().string() ||
          std::filesystem::equivalent(record.name, path, error) ||
-         std::filesystem::equivalent(std::filesystem::path(record.name) / "result.json", path,
+         std::filesystem::equivalent(std::filesystem::path(record.name) / file_names::kResult, path,
                                      error);
 }
 

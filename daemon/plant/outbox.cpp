@@ -11,6 +11,7 @@
 #include "daemon/record/session_folder.hpp"
 #include "daemon/report/json_part.hpp"
 #include "daemon/system/file_hash.hpp"
+#include "daemon/text/file_names.hpp"
 
 namespace sweepd {
 namespace {
@@ -42,7 +43,7 @@ std::map<SessionName, fs::path> sessions_in(const fs::path& folder) {
 
 /// Null where there is none.
 Json run_of(const fs::path& folder) {
-  const auto text = file_bytes(folder / "run.json");
+  const auto text = file_bytes(folder / file_names::kRun);
   return text ? Json::parse(*text, nullptr, false) : Json();
 }
 
@@ -62,7 +63,7 @@ std::vector<FinishedResult> Outbox::take(std::size_t most, const Ledger& ledger)
   unfinished_.clear();
   for (const auto& [order, folder] : sessions_in(folder_)) {
     const std::string session = folder.filename().string();
-    const fs::path file = folder / "result.json";
+    const fs::path file = folder / file_names::kResult;
     std::error_code error;
     const Stamp stamp{fs::last_write_time(file, error).time_since_epoch().count(),
                       error ? 0 : fs::file_size(file, error)};
@@ -76,7 +77,7 @@ std::vector<FinishedResult> Outbox::take(std::size_t most, const Ledger& ledger)
 
     if (found.size() == most) break;  // who takes these asks again
     const Json run = run_of(folder);
-    if (run.is_null() && fs::exists(folder / "run.json", error))
+    if (run.is_null() && fs::exists(folder / file_names::kRun, error))
       complain(session, kUnreadable);
     else if (run.is_null())
       complain(session, "has a result.json and no run.json, it is half deleted or half copied");
@@ -113,7 +114,8 @@ fs::path Outbox::before(const std::string& session) const {
   for (const auto& [order, folder] : sessions) {
     if (!name || order >= *name) break;
     std::error_code error;
-    if (fs::exists(folder / "result.json", error) && is_final(run_of(folder))) newest = folder;
+    if (fs::exists(folder / file_names::kResult, error) && is_final(run_of(folder)))
+      newest = folder;
   }
   return newest;
 }

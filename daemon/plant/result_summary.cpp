@@ -8,6 +8,7 @@
 #include "daemon/report/json_part.hpp"
 #include "daemon/results/change.hpp"
 #include "daemon/results/change_json.hpp"
+#include "daemon/text/file_names.hpp"
 
 namespace sweepd {
 namespace {
@@ -43,7 +44,7 @@ SummaryOfChange change_since(const std::filesystem::path& before, const Finished
   try {
     // The order of arguments is the compiler's, and what is said of both being wrong is not.
     ToldArm was = read_told_arm(before);
-    ToldArm is = told_arm(result.bytes, result.folder / "result.json");
+    ToldArm is = told_arm(result.bytes, result.folder / file_names::kResult);
     return {change_json(change_between(std::move(was), std::move(is), kLevel)), {}};
   } catch (const std::exception& problem) {
     return {std::nullopt, problem.what()};

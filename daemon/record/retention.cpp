@@ -19,6 +19,7 @@
 
 #include "daemon/record/recording_files.hpp"
 #include "daemon/record/session_folder.hpp"
+#include "daemon/text/file_names.hpp"
 
 namespace sweepd {
 namespace {
@@ -58,20 +59,20 @@ std::optional<unsigned> part_of(std::string_view name) {
        {std::pair<std::string_view, std::string_view>{"trace", ".pcap"}, {"samples", ".csv"}}) {
     if (const auto part = sweepd::part_of(name, stem, ending)) return part;
   }
-  constexpr std::array<std::string_view, 4> kBesideResults{"sweeps.csv", "link.txt", "link.json",
-                                                           "last_cycles.csv"};
+  constexpr std::array<std::string_view, 4> kBesideResults{
+      file_names::kSweeps, file_names::kLinkText, file_names::kLink, file_names::kLastCycles};
   if (std::count(kBesideResults.begin(), kBesideResults.end(), name) > 0) return kAfterAllParts;
   return std::nullopt;
 }
 
 /// Whether a session left a table of its own, that stays.
 bool is_table(std::string_view name) {
-  return name == "dh.csv" || name == "report.txt";
+  return name == file_names::kTable || name == file_names::kReport;
 }
 
 /// Of a session without a table not even these stay.
 bool is_about_session(std::string_view name) {
-  return name == "run.json" || name == "result.json";
+  return name == file_names::kRun || name == file_names::kResult;
 }
 
 /// What of one number lies in a session's folder.

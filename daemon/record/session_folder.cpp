@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "daemon/record/recording_files.hpp"
+#include "daemon/text/file_names.hpp"
 #include "rsi/ascii.hpp"
 
 namespace sweepd {
@@ -24,10 +25,10 @@ namespace fs = std::filesystem;
 
 bool is_unfinished(const fs::path& folder) {
   if (traces_of(folder).empty()) return false;
-  std::ifstream stream(folder / "run.json", std::ios::binary);
+  std::ifstream stream(folder / file_names::kRun, std::ios::binary);
   // Without it nobody knows whose results these are.
   std::error_code error;
-  if (!stream) return !fs::exists(folder / "result.json", error);
+  if (!stream) return !fs::exists(folder / file_names::kResult, error);
   const auto run = nlohmann::json::parse(stream, nullptr, false);
   return run.is_object() && run.value("command", nlohmann::json()) == "run" &&
          !run.contains("ended");

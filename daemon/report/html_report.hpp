@@ -18,8 +18,7 @@ namespace sweepd {
                                       const ReportFacts& facts = no_facts(),
                                       std::span<const Comparison> comparisons = {});
 
-/// Its name in a folder of results, and what it begins with.
-inline constexpr const char* kHtmlReport = "report.html";
+/// What it begins with.
 inline constexpr std::string_view kHtmlBegin =
     "<!DOCTYPE html>\n<!-- sweepd measurement report -->\n";
 

@@ -15,6 +15,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "daemon/text/file_names.hpp"
+
 namespace sweepd {
 namespace {
 
@@ -109,7 +111,7 @@ bool run(std::vector<std::string> words, std::chrono::seconds patience) {
 void write_pdf(const std::string& html, const fs::path& pdf, std::chrono::seconds patience) {
   const std::string chromium = browser();
   const Workplace workplace;
-  const auto page = workplace.path() / "report.html";
+  const auto page = workplace.path() / file_names::kReportPage;
   const auto printed = workplace.path() / "report.pdf";
   std::ofstream(page, std::ios::binary) << html;
   std::vector<std::string> words{chromium,

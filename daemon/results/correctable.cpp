@@ -11,6 +11,7 @@
 #include "daemon/points/points_file.hpp"
 #include "daemon/report/json_part.hpp"
 #include "daemon/results/told_arm.hpp"
+#include "daemon/text/file_names.hpp"
 #include "daemon/text/units.hpp"
 
 namespace sweepd {
@@ -45,7 +46,7 @@ void check_kind(const Correctable& of, const Json& json) {
 
 void read_poses(Correctable& of, const Json& json) {
   const std::size_t joints = of.identified.fit.model.chain.axes.size();
-  const auto file = of.file.parent_path() / "poses.csv";
+  const auto file = of.file.parent_path() / file_names::kPoses;
   PointsReader reader({}, joints);
   of.poses = static_poses(reader.read(file, {}), joints);
   const Json& poses = part_of(json, "poses");

@@ -16,6 +16,7 @@
 #include "daemon/results/result_json.hpp"
 #include "daemon/results/urdf.hpp"
 #include "daemon/system/atomic_file.hpp"
+#include "daemon/text/file_names.hpp"
 
 namespace sweepd {
 namespace {
@@ -35,9 +36,9 @@ Content always(const Outcome& outcome, const std::filesystem::path&) {
 }
 
 const auto kFiles = std::to_array<ResultFile>({
-    {"result.json", always<result_json>, true},
-    {"report.txt", always<report>, true},
-    {"dh.csv", always<dh_csv>},
+    {file_names::kResult, always<result_json>, true},
+    {file_names::kReport, always<report>, true},
+    {file_names::kTable, always<dh_csv>},
     {"robot.urdf",
      [](const Outcome& outcome, const std::filesystem::path&) -> Content {
        const auto models = models_of(outcome);
@@ -52,23 +53,23 @@ const auto kFiles = std::to_array<ResultFile>({
        const auto models = models_of(outcome);
        return models.empty() ? Content() : models_csv(models);
      }},
-    {"sweeps.csv", always<sweeps_csv>},
-    {"poses.csv",
+    {file_names::kSweeps, always<sweeps_csv>},
+    {file_names::kPoses,
      [](const Outcome& outcome, const std::filesystem::path&) -> Content {
        return outcome.identification.poses ? poses_csv(outcome) : Content();
      }},
-    {"displacement.csv",
+    {file_names::kDisplacement,
      [](const Outcome& outcome, const std::filesystem::path&) -> Content {
        if (!outcome.identification.poses || outcome.identification.poses->levels.empty()) return {};
        return displacement_csv(
            displacement_of(pose_predictor(poses_json(outcome)), outcome.limits));
      }},
-    {"currents.csv",
+    {file_names::kCurrents,
      [](const Outcome& outcome, const std::filesystem::path&) -> Content {
        return outcome.currents.empty() ? Content() : currents_csv(outcome);
      }},
     // Made of the files above and of what else is in the folder.
-    {"report.html",
+    {file_names::kReportPage,
      [](const Outcome&, const std::filesystem::path& folder) -> Content {
        const ReportFolder read = read_report_folder(folder);
        return html_report(std::span(&read, 1));

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "daemon/text/file_names.hpp"
+
 namespace sweepd {
 namespace {
 
@@ -89,7 +91,7 @@ std::string run_json(std::string_view command, const Json& given,
 
 std::string run_json_of_cut_session(const std::filesystem::path& folder, const std::string& ended,
                                     bool from_recording) {
-  std::ifstream stream(folder / "run.json", std::ios::binary);
+  std::ifstream stream(folder / file_names::kRun, std::ios::binary);
   Json run = Json::parse(stream, nullptr, false);
   if (!run.is_object()) run = begun("run");
   run["ended"] = ended;

@@ -14,6 +14,7 @@
 #include "daemon/report/report_folder.hpp"
 #include "daemon/results/outcome.hpp"
 #include "daemon/system/whole_file.hpp"
+#include "daemon/text/file_names.hpp"
 #include "daemon/text/units.hpp"
 #include "identify/dh/dh.hpp"
 #include "identify/dh/dh_extraction.hpp"
@@ -156,7 +157,7 @@ std::optional<identify::TurnRange> limits_of(const Json& limits, double home_deg
 }  // namespace
 
 std::filesystem::path result_file(const std::filesystem::path& path) {
-  return std::filesystem::is_directory(path) ? path / "result.json" : path;
+  return std::filesystem::is_directory(path) ? path / file_names::kResult : path;
 }
 
 Json parse_result(const std::filesystem::path& file, std::string_view text) {

@@ -9,6 +9,7 @@
 #include "daemon/results/outcome.hpp"
 #include "daemon/results/result_files.hpp"
 #include "daemon/results/result_json.hpp"
+#include "daemon/text/file_names.hpp"
 
 namespace sweepd {
 namespace {
@@ -89,7 +90,7 @@ void Identifier::interim(std::shared_ptr<const Recording> recording, Snapshot sn
     const auto folder = recording->folder();
     if (!folder.empty()) write_interim_result(folder, identified.outcome);
     say(robot, "interim ", identified.outcome.identification,
-        folder.empty() ? folder : folder / "report.txt");
+        folder.empty() ? folder : folder / file_names::kReport);
     took_ = Steady::now() - identified.began;
   };
   interim_jobs_.submit(logged(std::move(log), std::move(work)), true);
@@ -167,7 +168,7 @@ void Identifier::write(std::unique_ptr<SessionEnd> end) {
     const std::lock_guard lock(result_mutex_);
     end->write();
     say(end->log, end->recording ? "" : "from an earlier recording: ", end->outcome->identification,
-        end->has_usable_sweeps() ? end->folder / "report.txt" : end->folder);
+        end->has_usable_sweeps() ? end->folder / file_names::kReport : end->folder);
     --pending_;
   } catch (const std::exception& error) {
     if (!std::exchange(end->failed_before, true)) {
@@ -224,7 +225,7 @@ void Identifier::go_on_with_earlier() {
       auto identified = identify(end.snapshot, Share::low);
       {
         const std::lock_guard lock(result_mutex_);
-        const bool is_news = !end.written.contains("result.json");
+        const bool is_news = !end.written.contains(file_names::kResult);
         if (is_news && !status_->result.newest()->newest) publish(identified, false, end.log);
       }
       end.outcome = std::move(identified.outcome);
@@ -246,7 +247,7 @@ void Identifier::link(std::shared_ptr<const Recording> recording, LinkFiles link
     const auto folder = recording->folder();
     if (!folder.empty()) write_link(folder, link);
     robot.note("the link is {}{}", link.verdict,
-               folder.empty() ? "" : "; see " + (folder / "link.txt").string());
+               folder.empty() ? "" : "; see " + (folder / file_names::kLinkText).string());
   };
   jobs_.submit(logged(std::move(log), std::move(work)), false);
 }

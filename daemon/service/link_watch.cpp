@@ -5,6 +5,7 @@
 #include "daemon/results/link_json.hpp"
 #include "daemon/results/link_text.hpp"
 #include "daemon/system/atomic_file.hpp"
+#include "daemon/text/file_names.hpp"
 #include "rsi/link/last_cycles.hpp"
 #include "rsi/link/link_verdict.hpp"
 
@@ -37,9 +38,10 @@ LinkFiles LinkWatch::files(const rsi::Link& link, bool at_end) const {
 }
 
 void write_link(const std::filesystem::path& folder, const LinkFiles& files) {
-  write_atomically(folder / "link.txt", files.text);
-  write_atomically(folder / "link.json", files.json);
-  if (!files.last_cycles.empty()) write_atomically(folder / "last_cycles.csv", files.last_cycles);
+  write_atomically(folder / file_names::kLinkText, files.text);
+  write_atomically(folder / file_names::kLink, files.json);
+  if (!files.last_cycles.empty())
+    write_atomically(folder / file_names::kLastCycles, files.last_cycles);
 }
 
 }  // namespace sweepd

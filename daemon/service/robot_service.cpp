@@ -8,6 +8,7 @@
 #include "daemon/results/report.hpp"
 #include "daemon/service/robot_server.hpp"
 #include "daemon/system/atomic_file.hpp"
+#include "daemon/text/file_names.hpp"
 #include "daemon/text/utc.hpp"
 #include "rsi/counted.hpp"
 #include "rsi/telegram/ipoc.hpp"
@@ -241,7 +242,7 @@ void RobotService::begin_session(const rsi::Datagram& first) {
     run.folder = folder;
     log.note("files in {}", folder.string());
     try {
-      write_atomically(folder / "run.json", run_json(run));
+      write_atomically(folder / file_names::kRun, run_json(run));
     } catch (const std::exception& error) {
       log.error("{}", error.what());
     }

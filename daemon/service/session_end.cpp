@@ -5,6 +5,7 @@
 
 #include "daemon/results/result_files.hpp"
 #include "daemon/system/atomic_file.hpp"
+#include "daemon/text/file_names.hpp"
 
 namespace sweepd {
 
@@ -38,17 +39,17 @@ void SessionEnd::write() {
   const bool all = has_usable_sweeps();
   if (!all)
     for (const auto& name : result_file_names())
-      if (name != "result.json") written.insert(name);
+      if (name != file_names::kResult) written.insert(name);
   attempt([&] {
     // The trace tells the rest. What was written by SIGUSR1 has to become final.
     const bool worth_it = link && (all || !link->good || !link->bad_end.empty() ||
-                                   std::filesystem::exists(folder / "link.txt"));
+                                   std::filesystem::exists(folder / file_names::kLinkText));
     if (worth_it && !link_written) write_link(folder, *link);
     link_written = true;
   });
   attempt([&] { write_result(folder, *outcome, written); });
   if (failure) std::rethrow_exception(failure);
-  write_atomically(folder / "run.json", run(folder));
+  write_atomically(folder / file_names::kRun, run(folder));
 }
 
 }  // namespace sweepd

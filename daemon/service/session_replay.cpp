@@ -11,6 +11,7 @@
 #include "daemon/record/recording_files.hpp"
 #include "daemon/results/result_files.hpp"
 #include "daemon/results/run_json.hpp"
+#include "daemon/text/file_names.hpp"
 #include "daemon/text/utc.hpp"
 #include "rsi/capture/capture_reader.hpp"
 
@@ -21,7 +22,7 @@ namespace fs = std::filesystem;
 
 /// How many telegrams a result was made of that is there already; 0: none is.
 std::uint64_t telegrams_of_result(const fs::path& folder) {
-  std::ifstream stream(folder / "result.json", std::ios::binary);
+  std::ifstream stream(folder / file_names::kResult, std::ios::binary);
   const auto result = nlohmann::json::parse(stream, nullptr, false);
   const auto telegrams = nlohmann::json::json_pointer("/source/telegrams");
   return result.is_object() ? result.value(telegrams, std::uint64_t{0}) : 0;

@@ -8,6 +8,7 @@
 #include "daemon/commands/command_line.hpp"
 #include "daemon/report/html_report.hpp"
 #include "daemon/results/result_files.hpp"
+#include "daemon/text/file_names.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/outcomes.hpp"
 #include "tests/daemon/temporary_folder.hpp"
@@ -43,12 +44,12 @@ TEST_CASE("a report is made again with facts, in a recording's folder, too", "[r
   const TemporaryFolder folder;
   write_result(folder.path(), partial_outcome());
   (void)folder.write("run.json", R"({"schema": "sweepd.run/1", "command": "run"})");
-  const auto before = content(folder / kHtmlReport);
+  const auto before = content(folder / file_names::kReportPage);
   ReportOptions options;
   options.folders = {folder.path()};
   options.facts = folder.write("facts.toml", "payload = \"2.3 kg\"\n");
   CHECK(report_of(options) == 0);
-  CHECK_THAT(content(folder / kHtmlReport), ContainsSubstring("2.3 kg"));
+  CHECK_THAT(content(folder / file_names::kReportPage), ContainsSubstring("2.3 kg"));
   CHECK_THAT(before, !ContainsSubstring("2.3 kg"));
 }
 
@@ -130,7 +131,7 @@ TEST_CASE("the annex tells how to make the result again, and of which files", "[
   ReportOptions options;
   options.folders = {folder.path()};
   CHECK(report_of(options) == 0);
-  const auto html = content(folder / kHtmlReport);
+  const auto html = content(folder / file_names::kReportPage);
   CHECK_THAT(html, ContainsSubstring("sweepd replay 'a trace.pcap' 'it'\\''s'"));
   CHECK_THAT(html, ContainsSubstring("0123abcd"));
 }

@@ -7,6 +7,7 @@
 #include <pugixml.hpp>
 
 #include "daemon/results/result_files.hpp"
+#include "daemon/text/file_names.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
 #include "tests/catch.hpp"
@@ -26,7 +27,7 @@ namespace {
 std::string report_html(const Outcome& outcome) {
   const TemporaryFolder folder;
   write_result(folder.path(), outcome);
-  return content(folder / kHtmlReport);
+  return content(folder / file_names::kReportPage);
 }
 
 /// Without what is markup: what a reader can find in it.
@@ -69,7 +70,7 @@ TEST_CASE("the report of a complete run has the paper's figures and all numbers 
           "[html_report]") {
   const TemporaryFolder folder;
   write_result(folder.path(), complete_outcome());
-  const auto html = content(folder / kHtmlReport);
+  const auto html = content(folder / file_names::kReportPage);
   check_whole(html);
   CHECK(html.size() < 600'000);
   const auto words = words_of(html);
@@ -124,7 +125,7 @@ TEST_CASE("start, link and the command that repeats a session are told as they a
 TEST_CASE("the same files give the same bytes", "[html_report]") {
   const TemporaryFolder folder;
   write_result(folder.path(), complete_outcome());
-  const auto first = content(folder / kHtmlReport);
+  const auto first = content(folder / file_names::kReportPage);
   const ReportFolder read = read_report_folder(folder.path());
   CHECK(html_report(std::span(&read, 1)) == first);
 }
@@ -218,7 +219,7 @@ TEST_CASE("names and facts from outside are never markup", "[html_report]") {
   outcome.robot = "<script>alert(1)</script>\"'&\n\u202Erobot\xFF";
   const TemporaryFolder folder;
   write_result(folder.path(), outcome);
-  check_whole(content(folder / kHtmlReport));
+  check_whole(content(folder / file_names::kReportPage));
   const ReportFolder read = read_report_folder(folder.path());
   const auto facts =
       read_facts(folder.write("facts.toml", "customer = \"<img src=x onerror=y>\"\n"));
