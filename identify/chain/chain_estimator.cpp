@@ -13,6 +13,7 @@
 #include "identify/chain/linearised_chain.hpp"
 #include "identify/chain/uneven_joints.hpp"
 #include "identify/geometry/angle.hpp"
+#include "identify/sweeps/stroke_correlation.hpp"
 
 namespace identify {
 namespace {
@@ -37,7 +38,8 @@ class Estimation {
     axes_ = starting_axes(circles_);
     nodes_ = chain_nodes(circles_, axes_, campaign_.resolution.angle_rad);
     if (nodes_.strokes.empty()) return std::nullopt;
-    set_correlation(nodes_.strokes);
+    const double correlation = correlation_of(nodes_.strokes);
+    for (StrokeMoments& stroke : nodes_.strokes) stroke.correlation = correlation;
     Chain start;
     for (const auto& axis : axes_) start.axes.push_back(axis.value_or(ChainAxis{}));
     start.targets_mm =

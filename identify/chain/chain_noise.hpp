@@ -20,10 +20,4 @@ namespace identify {
 [[nodiscard]] double misfit(const Chain& chain, const ChainNodes& nodes, const ChainNoise& noise,
                             bool with_orientation);
 
-/// Sets each stroke's `correlation`: 1 + 2 sum rho_k, with rho_k the correlation of errors k
-/// samples apart. The block sums of all strokes together are compared with those of white noise
-/// plus an autoregression of the first order, from which the stroke's own curve was taken out;
-/// where they are those of white noise within three standard deviations it is 1.
-void set_correlation(std::vector<StrokeMoments>& strokes);
-
 }  // namespace identify

@@ -7,6 +7,9 @@
 
 #include <Eigen/Geometry>
 
+#include "identify/sweeps/stroke_correlation.hpp"
+#include "identify/sweeps/stroke_moments.hpp"
+
 namespace identify {
 namespace {
 
@@ -18,6 +21,20 @@ double usual_noise(const CircleEstimate& found, double CircleFit::*rms) {
   std::nth_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2),
                    all.end());
   return all[all.size() / 2];
+}
+
+/// How many successive samples are worth one independent one, by the strokes that were used.
+double correlation_of(const CircleEstimate& found) {
+  std::vector<StrokeMoments> strokes;
+  for (std::size_t j = 0; j < found.joints.size(); ++j) {
+    const JointResult& joint = found.joints[j];
+    for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
+      if (!joint.used[s] || joint.sweeps[s].target != joint.circle_target) continue;
+      const StrokeContent content{j, 0, false, joint.line.has_value(), 0};
+      if (auto stroke = moments_of(joint.sweeps[s], content)) strokes.push_back(*std::move(stroke));
+    }
+  }
+  return identify::correlation_of(strokes);
 }
 
 }  // namespace
@@ -44,6 +61,7 @@ void set_circle_axes(CircleEstimate& found, const Resolution& resolution) {
   const double radial = usual_noise(found, &CircleFit::radial_rms_mm);
   const double quantum = resolution.position_mm / std::sqrt(12.0);
   const double size = size_by_circles_mm(found);
+  const double correlation = correlation_of(found);
   for (JointResult& joint : found.joints) {
     Axis axis;
     if (joint.line) {
@@ -59,6 +77,7 @@ void set_circle_axes(CircleEstimate& found, const Resolution& resolution) {
     } else {
       continue;
     }
+    axis.covariance *= correlation;
     if (joint.off_home_rad) {
       const double square = *joint.off_home_rad * *joint.off_home_rad;
       const Eigen::Matrix3d off =

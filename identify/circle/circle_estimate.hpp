@@ -61,7 +61,8 @@ struct CircleEstimate {
 
 /// The joints' axes by their circles, and of linear joints by their lines, where the direction is
 /// certain enough. The noise of a joint's fit counts as no smaller than its neighbours': a target
-/// near an axis leaves small residuals and a wrong normal. Joints that stood off home count with
+/// near an axis leaves small residuals and a wrong normal. Samples whose errors are correlated
+/// count for as few as they are worth (correlation_of()). Joints that stood off home count with
 /// what that may turn the axis by and, as far away as the robot is large, shift it.
 void set_circle_axes(CircleEstimate& found, const Resolution& resolution);
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "identify/chain/chain_fit.hpp"
+#include "identify/sweeps/stroke_correlation.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/random_chain.hpp"
 
@@ -130,9 +131,7 @@ TEST_CASE("Correlated samples are worth fewer independent ones", "[chain_noise]"
   Random random(26);
   const Chain chain = random_chain(3, 1, random);
   const auto found = [&](double memory) {
-    auto nodes = nodes_of(correlated(chain, memory, 1500, random), 3, false);
-    set_correlation(nodes.strokes);
-    return nodes.strokes.front().correlation;
+    return correlation_of(nodes_of(correlated(chain, memory, 1500, random), 3, false).strokes);
   };
   CHECK(found(0) == 1);
   // (1 + 0.9) / (1 - 0.9) = 19 from 4500 samples, of which some 240 are independent: the largest
