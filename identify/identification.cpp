@@ -102,13 +102,16 @@ void take_chain(Identification& found, const Campaign& campaign, Estimator estim
 Identification estimate(std::vector<Sweep> sweeps, const Campaign& campaign) {
   Identification found = by_circles(estimate_circles(std::move(sweeps), campaign));
   if (campaign.device_frame && !found.dh.empty()) leave_first_to_frame(found.dh, found.specified);
-  if (campaign.timed) {
-    const auto axes = starting_axes(found);
-    found.delay = find_delay(found, axes, campaign.two_clocks);
-    if (found.delay && is_significant(*found.delay)) {
-      const CircleEstimate& circles = found;
-      found.chain = estimate_chain(in_step(circles, axes, *found.delay), campaign);
-    }
+  const auto axes = starting_axes(found);
+  if (campaign.timed) found.delay = find_delay(found, axes, campaign.two_clocks);
+  // One joint of several has no row yet, and nothing to tell what errs in its strokes from what
+  // errs between them.
+  const auto known =
+      std::count_if(axes.begin(), axes.end(), [](const auto& axis) { return axis.has_value(); });
+  if (campaign.joints > 1 && known < 2) return found;
+  if (found.delay && is_significant(*found.delay)) {
+    const CircleEstimate& circles = found;
+    found.chain = estimate_chain(in_step(circles, axes, *found.delay), campaign);
   }
   if (!found.chain) found.chain = estimate_chain(found, campaign);
   if (!found.chain) return found;

@@ -76,14 +76,16 @@ void predict_from(ChainNodes& nodes, const std::vector<ChainObservation>& sample
   const std::size_t joints = campaign.joints;
   std::vector<bool> swept(joints, false);
   for (const StrokeMoments& stroke : nodes.strokes) swept[stroke.content.joint] = true;
+  // One joint alone is told by its circle, which uses neither angles nor orientation.
   for (std::size_t j = 0; j < joints; ++j)
-    if (rehearsed.chain->angles[j].trust != AngleTrust::trusted) noise.swept_rad[j] = kFreeAngle;
+    if (!rehearsed.chain || rehearsed.chain->angles[j].trust != AngleTrust::trusted)
+      noise.swept_rad[j] = kFreeAngle;
   // Only the turns matter, and those to what the wobble is beside a sweep.
   if (!nodes.with_angles)
     static_cast<void>(starting_targets(chain, nodes.observations, nodes.targets, false));
 
   ChainEstimate expected;
-  expected.with_orientation = rehearsed.chain->with_orientation;
+  expected.with_orientation = rehearsed.chain && rehearsed.chain->with_orientation;
   ChainFit fit = fit_chain(chain, nodes, noise, {}, expected.with_orientation, 0);
   if (nodes.with_angles)
     fit.covariance = expected.with_orientation ? covariance_by_errors<6>(fit, samples, noise)
@@ -126,7 +128,6 @@ Prediction predict(const Identification& rehearsed, const Campaign& campaign, Ch
   for (const ChainAxis& axis : chain.axes)
     prediction.radius_mm.push_back(
         axis.direction.cross(chain.targets_mm.front() - axis.point_mm).norm());
-  if (!rehearsed.chain) return prediction;
   auto axes = starting_axes(rehearsed);
   for (std::size_t j = 0; j < joints; ++j)
     if (axes[j]) axes[j] = chain.axes[j];

@@ -402,3 +402,24 @@ TEST_CASE("circles in place of a fit that did not end are a doubt", "[plausibili
   CHECK(found.doubts.front().code == "not_converged");
   CHECK_THAT(found.doubts.front().message, ContainsSubstring("too many iterations"));
 }
+
+TEST_CASE("What one joint alone tells is partial, wherever its way back ended", "[plausibility]") {
+  for (const double wobble_deg : {0.0, 0.0001})
+    for (int way = 0; way < 12; ++way) {
+      const double back_deg = 65 + 2 * way;
+      CAPTURE(wobble_deg, back_deg);
+      test::Campaign campaign(test::kr5_arc(), {wobble_deg, 0, 7});
+      campaign.rest().move(0, 60, 60).rest(0.18).move(0, back_deg, 60);
+      auto samples = campaign.samples();
+      for (Sample& sample : samples) {
+        sample.position_mm = sample.position_mm.unaryExpr(&test::printed);
+        for (double& angle : sample.angles_rad) angle = test::printed(angle / kDegree) * kDegree;
+      }
+      const Campaign known = test::for_kr5(test::kPrinted);
+      const auto found = identify::identify(test::segment(samples, known.resolution), known);
+      INFO(found.reason);
+      CHECK(found.status == Status::partial);
+      CHECK(found.doubts.empty());
+      CHECK(found.joints[0].axis);
+    }
+}
