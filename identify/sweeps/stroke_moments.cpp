@@ -39,7 +39,8 @@ class Sections {
   Sections(const StrokeMoments& stroke, std::size_t samples) : from_(stroke.from_rad) {
     const double range = stroke.to_rad - stroke.from_rad;
     // Along a line all that a model says is linear in the turn.
-    // So noise does not decide whether a sweep of 90 degrees has two sections or three.
+    // A section may be a little longer, so that noise does not decide whether a sweep of 90 degrees
+    // has two or three.
     constexpr double kSlack = 0.05;
     if (!stroke.linear)
       count_ = static_cast<Index>(std::max(1.0, std::ceil(range / kSection_rad - kSlack)));

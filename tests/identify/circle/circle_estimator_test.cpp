@@ -107,6 +107,7 @@ TEST_CASE("the circles' uncertainties are those of samples whose errors are corr
       }
   }
   // Of 200 numbers, which are related, 95 % and three times 2 %. As if they were independent: 60 %.
+  REQUIRE(all == 10 * kRuns);
   CHECK(inside >= 0.89 * all);
 }
 
