@@ -98,7 +98,8 @@ std::vector<Sweep> with_strays(std::vector<Sweep> sweeps, const std::vector<std:
   return sweeps;
 }
 
-TEST_CASE("a single point far off turns no axis over, be the points few or many", "[advice]") {
+TEST_CASE("a single point far off turns no axis over, be the points few or many",
+          "[advice][long]") {
   auto robot = kr5_swept();
   auto world = accuracy::tracker(0.02);
   for (const int samples : {15, 40, 200}) {
@@ -135,7 +136,8 @@ TEST_CASE("a device that loses sight for a sample accuses no gear", "[advice]") 
   CHECK_FALSE(find_warning(found, "backlash"));
 }
 
-TEST_CASE("of seven points an arc none is taken for a stray where all are alike", "[advice]") {
+TEST_CASE("of seven points an arc none is taken for a stray where all are alike",
+          "[advice][long]") {
   auto robot = kr5_swept();
   robot.samples = 7;
   const auto world = accuracy::tracker(0.02);

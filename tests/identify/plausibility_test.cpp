@@ -125,7 +125,7 @@ TEST_CASE("metres in a column for millimetres are named", "[plausibility]") {
   }
 }
 
-TEST_CASE("inches, radians and negated angles are named", "[plausibility]") {
+TEST_CASE("inches, radians and negated angles are named", "[plausibility][long]") {
   const auto seed = GENERATE(1U, 2U, 3U);
   const Simulation simulation(some_kr5(seed), {}, tracker(true), seed);
   const auto campaign = simulation.campaign();
@@ -188,7 +188,7 @@ TEST_CASE("a mirrored frame is told from the plan where the arm's mirror image i
 }
 
 TEST_CASE("a device that was moved between two sweeps is told from joints that scatter",
-          "[plausibility]") {
+          "[plausibility][long]") {
   const auto seed = GENERATE(1U, 2U, 3U);
   const std::size_t first = GENERATE(2U, 3U, 4U);  // that the moved device saw
   const Simulation simulation(some_kr5(seed), {}, tracker(seed != 2), seed);

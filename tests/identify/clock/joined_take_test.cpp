@@ -216,7 +216,7 @@ TEST_CASE("The same tape and points give the same take", "[joined_take]") {
   CHECK(once.found.dh.front().b_mm.value == again.found.dh.front().b_mm.value);
 }
 
-TEST_CASE("Several targets have each a place of their own about an axis", "[joined_take]") {
+TEST_CASE("Several targets have each a place of their own about an axis", "[joined_take][long]") {
   for (std::uint32_t seed = 1; seed <= 3; ++seed) {
     const Robot robot = built(kr5(3), seed);
     FreeDevice device;

@@ -19,7 +19,7 @@ const EffectEvidence* effect_of(const PoseEstimate& found, std::size_t joint,
 
 }  // namespace
 
-TEST_CASE("A wheel off by 50 seconds of arc is found, with its size", "[pose_effects]") {
+TEST_CASE("A wheel off by 50 seconds of arc is found, with its size", "[pose_effects][long]") {
   auto world = tracker();
   world.gears.joint = 1;
   world.gears.first_arcsec = 50;
@@ -53,7 +53,7 @@ TEST_CASE("A wheel that is off is found beside joints that play", "[pose_effects
 }
 
 TEST_CASE("Joints that give way by their load are found where the loads are known",
-          "[pose_effects]") {
+          "[pose_effects][long]") {
   auto world = tracker();
   world.sag_arcsec = 100;
   const auto built = arm_with(world, 3);

@@ -70,7 +70,7 @@ std::vector<Pose> rests(const simulation::Simulation& of) {
 
 }  // namespace
 
-TEST_CASE("Poses alone tell the table, and their uncertainties hold", "[pose_estimate]") {
+TEST_CASE("Poses alone tell the table, and their uncertainties hold", "[pose_estimate][long]") {
   Judged all;
   for (std::uint32_t seed = 1; seed <= 25; ++seed) {
     const auto built = arm_with(tracker(seed % 2 == 0 ? 0.002 : 0), seed);
@@ -183,7 +183,8 @@ TEST_CASE("Ellipsoids hold poses of which nobody knows how joints that play came
   CHECK(inside > 88);
 }
 
-TEST_CASE("Gears whose errors no test finds are in the uncertainties of poses", "[pose_estimate]") {
+TEST_CASE("Gears whose errors no test finds are in the uncertainties of poses",
+          "[pose_estimate][long]") {
   Judged all;
   for (std::uint32_t seed = 1; seed <= 25; ++seed) {
     const auto built = arm_with(with_gears(10), seed);
