@@ -10,6 +10,7 @@
 #include "identify/chain/chain_nodes.hpp"
 #include "identify/chain/error_curve.hpp"
 #include "identify/geometry/angle.hpp"
+#include "identify/sweeps/stroke_rounding.hpp"
 
 namespace identify {
 namespace {
@@ -23,6 +24,8 @@ constexpr double kMostCoherence = 8;
 /// An even motion printed with few decimals is off by a saw tooth, which is smooth where its teeth
 /// are long: as large a pattern as all rounding, and a little for chance.
 constexpr double kPrinted = 1.2;
+/// Home was printed, too, and is off by up to half a step: so many standard deviations of rounding.
+constexpr double kPrintedHome = 0.5 / kEvenlySpread;
 
 /// Variance along `terms` curves in that of what is left.
 double coherence(double explained, Index terms, double left, double samples) {
@@ -247,7 +250,10 @@ void test_believed_angles(const Chain& chain, const ChainNodes& nodes, const Cha
     const ErrorCurve& errors = sums[j];
     const auto smooth = errors.fit(ErrorCurve::kSmooth);
     evidence[j].size = rms(errors.squares(), errors.samples());
-    evidence[j].coherence = rms(smooth.explained, errors.samples()) <= kPrinted
+    const double level = errors.fit(1).explained;
+    const bool rounded = rms(level, errors.samples()) <= kPrintedHome &&
+                         rms(smooth.explained - level, errors.samples()) <= kPrinted;
+    evidence[j].coherence = rounded
                                 ? 0
                                 : coherence(smooth.explained, smooth.terms,
                                             errors.squares() - smooth.explained, errors.samples());

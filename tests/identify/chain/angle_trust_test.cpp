@@ -97,6 +97,35 @@ TEST_CASE("An angle that is off by a sine of two seconds of arc does not stand t
   CHECK_FALSE(stands_test(evidence[1]));
 }
 
+TEST_CASE("An even motion printed in coarse steps is no error, wherever within a step home is",
+          "[angle_trust]") {
+  constexpr double kStep = 0.1 * kDegree;
+  const ChainNoise printed{kLastDigit, kQuantum_rad, kQuantum_rad,
+                           std::vector<double>(4, kStep / std::sqrt(12.0))};
+  Measured how;
+  how.from_rad = -15 * kDegree;
+  how.to_rad = 15 * kDegree;
+  how.samples = 300;  // 1.0033 steps from one to the next: one tooth of the saw
+  Random random(43);
+  const Chain chain = random_chain(4, 1, random);
+  const auto samples = sweeps_of(chain, how, random);
+  const auto tested = [&](double home_rad, double error_rad) {
+    auto told = samples;
+    for (ChainObservation& sample : told) {
+      const double turn = sample.turns[sample.joint];
+      sample.turns[sample.joint] = sample.measured_turn =
+          kStep * std::round((turn + home_rad + error_rad * std::sin(6 * turn)) / kStep);
+    }
+    std::vector<AngleEvidence> evidence(4);
+    test_believed_angles(chain, nodes_of(told, 4), printed, printed, evidence);
+    return evidence;
+  };
+  for (const double home : {-0.49, -0.3, 0.0, 0.3, 0.49}) {
+    for (const AngleEvidence& joint : tested(home * kStep, 0)) CHECK(stands_test(joint));
+    for (const AngleEvidence& joint : tested(home * kStep, kStep)) CHECK_FALSE(stands_test(joint));
+  }
+}
+
 TEST_CASE("Joints whose angles are not used are not tested", "[angle_trust]") {
   Random random(37);
   const Chain chain = random_chain(2, 1, random);
