@@ -75,7 +75,8 @@ class Plan {
       double diagonal = std::exchange(cost[0], cost[0] + kStray);
       for (std::size_t k = 1; k < cost.size(); ++k) {
         const double wanted = planned[(k - 1) % planned.size()];
-        const double off = (sense * angle - wanted) / (kDegree + 0.02 * std::abs(wanted));
+        const double off =
+            (sense * angle - wanted) / (kDegree + (0.02 + turn.unsure) * std::abs(wanted));
         const double matched = diagonal + off * off;
         diagonal = cost[k];
         cost[k] = std::min({matched, cost[k] + kStray, cost[k - 1] + kUnseen});

@@ -9,6 +9,7 @@
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/circle_fit.hpp"
 #include "identify/geometry/median.hpp"
+#include "identify/geometry/symmetric_eigen.hpp"
 #include "identify/sweeps/sample.hpp"
 
 namespace identify {
@@ -108,6 +109,16 @@ std::vector<double> turns_about(const CircleFit& circle, const Matrix3Xd& points
   return turns;
 }
 
+/// Noise as a share of how far points depart from a line. Linear least squares take the circle's
+/// radius for smaller by it (of eq. 6, y is not exact, either: errors in variables), and so every
+/// angle for larger.
+double noise_in_bend(const Matrix3Xd& points) {
+  const Matrix3Xd centred = points.colwise() - Vector3d(points.rowwise().mean());
+  const Eigen::Matrix3d squares = centred * centred.transpose();
+  const Vector3d extents = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(squares).eigenvalues();
+  return extents(1) > 0 ? std::clamp(extents(0) / extents(1), 0.0, 1.0) : 1;
+}
+
 /// Strokes about one axis.
 struct StrokeGroup {
   std::vector<std::size_t> strokes;
@@ -172,13 +183,14 @@ std::vector<Turn> turns_in(const std::vector<Sweep>& strokes,
   for (const StrokeGroup& group : groups) {
     const auto circle = fit_circle(group.all);
     if (!circle) continue;
-    Turn turn{group.strokes, {}, {circle->normal, circle->center_mm, {}}};
+    Turn turn{group.strokes, {}, noise_in_bend(group.all), {circle->normal, circle->center_mm, {}}};
     turn.axis.covariance =
         axis_covariance(*circle, group.all, circle->plane_rms_mm, circle->radial_rms_mm);
     // A short stroke alone tells the middle of its circle badly, and so by which angle it turned.
     for (const Matrix3Xd& points : group.points) {
       const auto angles = turns_about(*circle, points);
-      turn.angles_rad.push_back(angles.empty() ? 0 : angles.back() - angles.front());
+      const double seen = angles.empty() ? 0 : angles.back() - angles.front();
+      turn.angles_rad.push_back((1 - turn.unsure) * seen);
     }
     turns.push_back(std::move(turn));
   }

@@ -49,6 +49,7 @@ struct Sweep {
 struct Turn {
   std::vector<std::size_t> strokes;  ///< places in the list that was searched
   std::vector<double> angles_rad;    ///< one a stroke, positive about the axis
+  double unsure = 0;                 ///< the share of the angles that noise may have made up
   Axis axis;                         ///< its sense of rotation is any
 };
 

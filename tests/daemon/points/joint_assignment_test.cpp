@@ -338,6 +338,26 @@ TEST_CASE("short strokes whose own circles noise turns are still those of the pl
   }
 }
 
+TEST_CASE("joints that have nothing but short strokes do not contradict their plan in noise",
+          "[joint_assignment][issue12]") {
+  const auto arm = identify::test::kr5_arc();
+  auto ranges = kWide;
+  for (std::size_t j = 0; j < 6; ++j) {
+    ranges[j].start_deg = arm.home_rad[j] / kDegree;
+    ranges[j].end_deg = ranges[j].start_deg + 10;
+  }
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    INFO("seed " << seed);
+    const Seen campaign = seen(arm, ranges, arm.home_rad, {.position_mm = 0.3, .seed = seed});
+    identify::Campaign known;
+    known.specified = arm;
+    declare(known, campaign, arm.home_rad);
+    auto strokes = in_order(campaign, {0, 1, 2, 3, 4, 5});
+    const auto found = assign_joints(strokes, known);
+    CHECK_FALSE(warns(found, "plan_contradicted"));
+  }
+}
+
 TEST_CASE("arcs about ever new axes are no campaign, and cost no more than their number",
           "[joint_assignment][issue11][point_22]") {
   std::mt19937 random(24);
