@@ -280,12 +280,12 @@ class Adviser {
       const double home_rad = effects.home_rad_of(j);
       if (home_rad > effects.home_rad)
         warn("joint_not_held", j,
-             joint_name(j) + ": while it was locked it stood elsewhere from sweep to sweep, by " +
+             "while it was locked it stood elsewhere from sweep to sweep, by " +
                  fixed(home_rad / kDegree, 4) + "°, the other joints by " +
                  fixed(effects.home_rad / kDegree, 4) + "°: look after its brake and its gear");
       if (const double times = effects.figure_times_of(j); times > 1)
         warn("arc_bent", j,
-             joint_name(j) + ": its arc departs from a circle " + brief(times) +
+             "its arc departs from a circle " + brief(times) +
                  " times as far as the other joints': look after its bearing, and whether another "
                  "joint moved along");
     }

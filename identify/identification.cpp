@@ -103,7 +103,7 @@ Identification estimate(std::vector<Sweep> sweeps, const Campaign& campaign) {
   Identification found = by_circles(estimate_circles(std::move(sweeps), campaign));
   if (campaign.device_frame && !found.dh.empty()) leave_first_to_frame(found.dh, found.specified);
   const auto axes = starting_axes(found);
-  if (campaign.timed) found.delay = find_delay(found, axes, campaign.two_clocks);
+  if (campaign.timed) found.delay = find_delay(found, axes, campaign);
   // One joint of several has no row yet, and nothing to tell what errs in its strokes from what
   // errs between them.
   const auto known =

@@ -14,6 +14,7 @@
 #include "daemon/commands/exit_codes.hpp"
 #include "daemon/commands/help_text.hpp"
 #include "daemon/commands/usage_problem.hpp"
+#include "rsi/ascii.hpp"
 
 namespace sweepd {
 namespace {
@@ -78,10 +79,14 @@ int CommandLine::run(int argc, const char* const* argv) {
     return app_->exit(printed);
   } catch (const CLI::ParseError& problem) {
     const auto commands = app_->get_subcommands();
-    if (!commands.empty()) throw std::invalid_argument(usage_problem(*commands.front(), problem));
+    const auto foreign = app_->remaining();  // which no command has taken
+    if (!commands.empty() && foreign.empty())
+      throw std::invalid_argument(usage_problem(*commands.front(), problem));
     std::string text = "name a command";
-    if (argc > 1)
-      text = std::string(argv[1]) + (argv[1][0] == '-' ? " is no option" : " is no command");
+    if (argc > 1) {
+      const std::string word = foreign.empty() ? argv[1] : foreign.front();
+      text = rsi::printable(word) + (word.starts_with('-') ? " is no option" : " is no command");
+    }
     throw std::invalid_argument(text + ": `sweepd --help` tells how it is used");
   }
 }

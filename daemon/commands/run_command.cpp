@@ -150,19 +150,36 @@ class Watch {
   std::string told_;
 };
 
-/// Null if there are to be none, or cannot be: that is no reason not to serve robots.
-std::unique_ptr<HttpServer> serve(const HttpPages& pages, const HttpSettings& settings) {
-  if (!settings.listen) return nullptr;
-  try {
-    auto server = std::make_unique<HttpServer>(
-        *settings.listen, [&](const HttpRequest& request) { return pages.answer(request); });
-    Log().note("pages on http://{}/", rsi::text(server->local()));
-    return server;
-  } catch (const std::exception& error) {
-    Log().error("{}; robots are served without them", error.what());
-    return nullptr;
+/// The pages, as soon as their port can be had: that it cannot is no reason not to serve robots.
+class PageServer {
+ public:
+  PageServer(const HttpPages& pages, const HttpSettings& settings)
+      : pages_(pages), settings_(settings) {}
+
+  /// Tries, unless that was done a moment ago.
+  void serve() {
+    constexpr auto kAgain = 5s;
+    if (!settings_.listen || server_ || Steady::now() < next_) return;
+    try {
+      server_ = std::make_unique<HttpServer>(
+          *settings_.listen, [this](const HttpRequest& request) { return pages_.answer(request); });
+      Log().note("pages on http://{}/", rsi::text(server_->local()));
+    } catch (const std::exception& error) {
+      next_ = Steady::now() + kAgain;
+      if (error.what() == said_) return;
+      said_ = error.what();
+      Log().error("{}; robots are served without them, and it is tried again every few seconds",
+                  said_);
+    }
   }
-}
+
+ private:
+  const HttpPages& pages_;
+  const HttpSettings settings_;
+  std::unique_ptr<HttpServer> server_;
+  Steady::time_point next_{};
+  std::string said_;
+};
 
 /// What takes longer than this waits for a disk: nobody else does.
 constexpr auto kPatience = 5s;
@@ -220,7 +237,8 @@ int serve_robots(const std::function<Settings()>& read) {
   settle(fleet, events);
   give_up(fleet, events, fleet.mistake());
   give_up(fleet, events, fleet.all_failed());
-  const auto http = serve(pages, settings.http);
+  PageServer page_server(pages, settings.http);
+  page_server.serve();
   fleet.serve();
   settle(fleet, events);
   give_up(fleet, events, fleet.all_failed());
@@ -233,6 +251,7 @@ int serve_robots(const std::function<Settings()>& read) {
   std::optional<int> ending;
   while (!ending) {
     watch.look(fleet);
+    page_server.serve();
     events.wait_until(std::min(Steady::now() + kOften, told_by));
     while (const auto signal = events.next_signal()) {
       if (*signal == SIGHUP)

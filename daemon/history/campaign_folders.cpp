@@ -156,6 +156,13 @@ std::vector<CampaignRecord> indexed(const fs::path& file, bool rebuild,
 
 }  // namespace
 
+std::vector<fs::path> files_of(const FoundCampaigns& found) {
+  std::vector<fs::path> files;
+  for (const CampaignRecord& record : found.records)
+    for (const char* name : kRecordFiles) files.push_back(fs::path(record.name) / name);
+  return files;
+}
+
 bool holds_campaigns(const fs::path& path) {
   FoundCampaigns ignored;
   std::vector<fs::path> folders;

@@ -25,6 +25,9 @@ struct FoundCampaigns {
   std::vector<std::string> messages;    ///< sentences on what was missing, changed or broken
 };
 
+/// Files that the records were made of, whether they are there or not.
+[[nodiscard]] std::vector<std::filesystem::path> files_of(const FoundCampaigns& found);
+
 /// Whether it is a folder of results, or has one in it, at most two levels deep.
 [[nodiscard]] bool holds_campaigns(const std::filesystem::path& path);
 

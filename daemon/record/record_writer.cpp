@@ -81,7 +81,10 @@ void RecordWriter::resume() {
 void RecordWriter::tidy(const RecordingSettings& settings) {
   const auto now = options_.now();
   if (unsynced_since_ && now - *unsynced_since_ >= options_.period) sync();
-  if (session_) report();
+  if (session_)
+    report();
+  else
+    look_at_idle_disk(settings, now);
   if (tidied_at_ && now - *tidied_at_ < kBetweenDeletions) return;
   tidied_at_ = now;
   delete_old(settings);
@@ -130,20 +133,28 @@ void RecordWriter::look_for_folder() {
   unsynced_since_.reset();
 }
 
-void RecordWriter::check_room(const RecordingSettings& settings, Steady::time_point now) {
-  const auto& folder = session_->files->folder();
+bool RecordWriter::has_room(const std::filesystem::path& folder, const RecordingSettings& settings,
+                            Steady::time_point now) {
   if (!room_checked_ || now - *room_checked_ >= kBetweenRoomChecks) {
     room_ = options_.room(folder);
     room_checked_ = now;
     free_ = room_ ? room_->free : kUnknown;
   }
-  if (!room_) return;
   const auto keep = settings.keep_free_bytes;
-  if (room_->free < keep + (paused_ && for_room_ ? margin(keep, room_->total) : 0))
+  return !room_ || room_->free >= keep + (paused_ && for_room_ ? margin(keep, room_->total) : 0);
+}
+
+void RecordWriter::check_room(const RecordingSettings& settings, Steady::time_point now) {
+  const auto& folder = session_->files->folder();
+  if (!has_room(folder, settings, now))
     throw NoRoom(
         fmt::format("the disk of {} has {} free, and keep_free_bytes is {}: make room, or lower "
                     "keep_free_bytes",
-                    folder.string(), size_text(room_->free), keep));
+                    folder.string(), size_text(room_->free), settings.keep_free_bytes));
+}
+
+void RecordWriter::look_at_idle_disk(const RecordingSettings& settings, Steady::time_point now) {
+  if (!robot_folder_.empty() && has_room(robot_folder_, settings, now) && for_room_) resume();
 }
 
 void RecordWriter::pause(const std::string& why, bool for_room) {

@@ -92,6 +92,10 @@ class RecordWriter {
 
   void make_folder();
   void look_for_folder();
+  [[nodiscard]] bool has_room(const std::filesystem::path& folder,
+                              const RecordingSettings& settings, Steady::time_point now);
+  /// Between sessions, too, a disk that was full has room again, and is said to.
+  void look_at_idle_disk(const RecordingSettings& settings, Steady::time_point now);
   void check_room(const RecordingSettings& settings, Steady::time_point now);
   void pause(const std::string& why, bool for_room);
   void sync();

@@ -173,7 +173,7 @@ TurnThreads::Next Recorder::turn() {
     done_ = true;
     changed_.notify_all();
   }
-  const bool busy = writer_.session_open() || !backlog_.empty();
+  const bool busy = writer_.session_open() || writer_.paused() || !backlog_.empty();
   return {Steady::now() + (busy ? period_ : kIdle)};
 }
 

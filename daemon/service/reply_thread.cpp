@@ -21,10 +21,8 @@ void ReplyThread::stop() {
 void ReplyThread::serve(const RealTimeSettings& wish, std::promise<RealTimeReport> ready) {
   name_thread("reply");
   RealTimeReport report;
-  if (wish.wish != RealTime::off) {
-    lock_memory(report);
-    enter_real_time(wish, report);
-  }
+  if (wish.wish != RealTime::off) lock_memory(report);
+  enter_real_time(wish, report);
   server_.warm();
   ready.set_value(std::move(report));
   server_.run();

@@ -101,6 +101,7 @@ void lock_memory(RealTimeReport& report) {
 void enter_real_time(const RealTimeSettings& settings, RealTimeReport& report) {
   touch_stack();
   if (!settings.cpus.empty()) set_processors(settings.cpus, report);
+  if (settings.wish == RealTime::off) return;
   set_priority(settings.priority, report);
 }
 

@@ -30,7 +30,8 @@ struct RealTimeReport {
 /// limit of locked memory would make later allocations fail.
 void lock_memory(RealTimeReport& report);
 
-/// Puts the calling thread on its processors and under SCHED_FIFO, and touches its stack.
+/// Puts the calling thread on its processors, whatever is wished, as all others keep off them; and
+/// under SCHED_FIFO unless that is off. Touches its stack.
 void enter_real_time(const RealTimeSettings& settings, RealTimeReport& report);
 
 /// The calling thread, and those that it starts from now on, keep off these processors. Most

@@ -9,6 +9,7 @@
 #include "identify/geometry/circle_fit.hpp"
 #include "identify/geometry/median.hpp"
 #include "identify/sweeps/home.hpp"
+#include "identify/sweeps/stroke_rounding.hpp"
 
 namespace identify {
 namespace {
@@ -16,6 +17,49 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::size_t kFewestSeen = 20;
+
+/// So many samples tell an angle between two of them.
+constexpr std::size_t kAround = 4;
+/// An interval of so many usual ones is a gap.
+constexpr double kGap = 3.5;
+
+/// The cubic through the samples from this one on (Lagrange).
+double between(const AngleTrack& track, double at, std::size_t from) {
+  double sum = 0;
+  for (std::size_t a = from; a < from + kAround; ++a) {
+    double weight = 1;
+    for (std::size_t b = from; b < from + kAround; ++b)
+      if (b != a) weight *= (at - track.time_s[b]) / (track.time_s[a] - track.time_s[b]);
+    sum += weight * track.told_rad[a];
+  }
+  return sum;
+}
+
+/// A speed is that between so many samples before and behind.
+std::size_t wide_of(const AngleTrack& track) {
+  return std::max<std::size_t>(5, track.time_s.size() / 30);
+}
+
+/// Of the times: where pieces without a gap begin, and by what speeds are off.
+void judge_times(AngleTrack& track, double step_rad) {
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < track.time_s.size(); ++i)
+    intervals.push_back(track.time_s[i] - track.time_s[i - 1]);
+  const double usual = median_of(intervals);
+  track.begins = {0};
+  for (std::size_t i = 0; i < intervals.size(); ++i)
+    if (intervals[i] > kGap * usual) track.begins.push_back(i + 1);
+
+  const double speed = (track.told_rad.back() - track.told_rad.front()) /
+                       (track.time_s.back() - track.time_s.front());
+  Eigen::ArrayXd uneven(static_cast<Eigen::Index>(track.time_s.size()));
+  for (std::size_t i = 0; i < track.time_s.size(); ++i)
+    uneven(static_cast<Eigen::Index>(i)) = track.told_rad[i] - speed * track.time_s[i];
+  // Where numbers go on by nearly whole steps they are even, but for a step now and then: the
+  // variance of that is at most a quarter of its square.
+  const double variance = std::max(step_rad * step_rad / 4, 2 * unevenness(uneven));
+  track.speed_noise_rad_s = std::sqrt(variance) / (2 * static_cast<double>(wide_of(track)) * usual);
+}
 
 /// Of the strokes' seen angles each may lack whole turns against the others.
 void count_alike(std::vector<AngleTrack>& tracks) {
@@ -40,30 +84,24 @@ void count_alike(std::vector<AngleTrack>& tracks) {
 }  // namespace
 
 std::optional<AngleTrack::Told> AngleTrack::told(double at) const {
-  if (!(at >= time_s.front()) || !(at <= time_s.back())) return std::nullopt;
-  const auto after = std::upper_bound(time_s.begin() + 1, time_s.end() - 1, at);
+  const auto after = std::upper_bound(time_s.begin(), time_s.end(), at);
+  if (after == time_s.begin() || after == time_s.end()) return std::nullopt;
   const auto i = static_cast<std::size_t>(after - time_s.begin());
-  const std::size_t wide = std::max<std::size_t>(5, time_s.size() / 30);
-  const std::size_t from = i > wide ? i - wide : 0;
-  const std::size_t to = std::min(time_s.size() - 1, i + wide);
-  return Told{between(at, i), (told_rad[to] - told_rad[from]) / (time_s[to] - time_s[from])};
-}
-
-/// The cubic through the four samples around (Lagrange); `i` is the first one after `at`.
-double AngleTrack::between(double at, std::size_t i) const {
-  const std::size_t from = std::min(i > 2 ? i - 2 : 0, time_s.size() - 4);
-  double sum = 0;
-  for (std::size_t a = from; a < from + 4; ++a) {
-    double weight = 1;
-    for (std::size_t b = from; b < from + 4; ++b)
-      if (b != a) weight *= (at - time_s[b]) / (time_s[a] - time_s[b]);
-    sum += weight * told_rad[a];
-  }
-  return sum;
+  const std::size_t nearest = at - time_s[i - 1] < time_s[i] - at ? i - 1 : i;
+  const auto next = std::upper_bound(begins.begin(), begins.end(), nearest);
+  // The motion may have turned round beside the first and the last one.
+  const std::size_t begin = *std::prev(next) + 1;
+  const std::size_t end = (next == begins.end() ? time_s.size() : *next) - 1;
+  if (nearest < begin || nearest >= end || end < begin + kAround) return std::nullopt;
+  const std::size_t wide = wide_of(*this);
+  const std::size_t from = nearest > begin + wide ? nearest - wide : begin;
+  const std::size_t to = std::min(end - 1, nearest + wide);
+  return Told{between(*this, at, std::min(i > begin + 2 ? i - 2 : begin, end - kAround)),
+              (told_rad[to] - told_rad[from]) / (time_s[to] - time_s[from])};
 }
 
 std::optional<AngleTrack> angle_track(const Sweep& sweep, std::size_t joint, const ChainAxis& axis,
-                                      std::size_t most) {
+                                      double step_rad, std::size_t most) {
   AngleTrack track;
   track.direction = sweep.direction;
   const AngleAbout frame(axis);
@@ -96,12 +134,13 @@ std::optional<AngleTrack> angle_track(const Sweep& sweep, std::size_t joint, con
     track.seen_rad.push_back(about.next(sample.position_mm));
   }
   if (track.at_s.size() < kFewestSeen) return std::nullopt;
+  judge_times(track, step_rad);
   return track;
 }
 
 std::vector<AngleTrack> angle_tracks(const CircleEstimate& circles,
                                      const std::vector<std::optional<ChainAxis>>& axes,
-                                     bool two_clocks) {
+                                     const Campaign& campaign) {
   std::map<std::size_t, std::vector<AngleTrack>> groups;
   for (std::size_t j = 0; j < circles.joints.size(); ++j) {
     const JointResult& joint = circles.joints[j];
@@ -109,10 +148,10 @@ std::vector<AngleTrack> angle_tracks(const CircleEstimate& circles,
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
       const Sweep& sweep = joint.sweeps[s];
       const bool on_the_way =
-          two_clocks && sweep.positioning && at_home(sweep, circles.home_rad, {});
+          campaign.two_clocks && sweep.positioning && at_home(sweep, circles.home_rad, {});
       if ((!joint.used[s] && !on_the_way) || sweep.direction == 0) continue;
-      auto track =
-          angle_track(sweep, j, *axes[j], two_clocks ? sweep.samples->size() : kMostTracked);
+      auto track = angle_track(sweep, j, *axes[j], campaign.resolution.angle_rad,
+                               campaign.two_clocks ? sweep.samples->size() : kMostTracked);
       if (!track) continue;
       track->off_home_rad = off_home_rad(sweep, circles.home_rad);
       groups[sweep.target * circles.joints.size() + j].push_back(std::move(*track));

@@ -9,6 +9,7 @@
 #include "identify/chain/chain.hpp"
 #include "identify/circle/circle_estimate.hpp"
 #include "identify/geometry/angle.hpp"
+#include "identify/sweeps/campaign.hpp"
 
 namespace identify {
 
@@ -18,19 +19,20 @@ struct AngleTrack {
   std::size_t group = 0;
   int direction = 0;
   std::vector<double> time_s, told_rad;  ///< of all samples
+  std::vector<std::size_t> begins;       ///< of pieces without a gap: places in the two
   std::vector<double> at_s, seen_rad;    ///< of those that are no outliers
   double middle_rad = 0, half_rad = 0;   ///< of the range that the group was seen in
   double off_home_rad = 0;               ///< of the joint locked farthest off home
+  /// Standard deviation of told()'s speeds, as angles are printed in steps, or uneven.
+  double speed_noise_rad_s = 0;
 
   struct Told {
     double angle_rad = 0;
     double speed_rad_s = 0;
   };
-  /// Where the told angle has come at a time, and how fast it turns; nothing outside the stroke.
+  /// Where the told angle has come at a time, and how fast it turns; nothing outside the stroke,
+  /// nor where nothing was told for so long that the joint may have rested or turned round.
   [[nodiscard]] std::optional<Told> told(double at) const;
-
- private:
-  [[nodiscard]] double between(double at, std::size_t i) const;
 };
 
 /// Angles about an axis, counted on from one to the next.
@@ -63,16 +65,17 @@ class AngleAbout {
 /// Of each stroke; more tell nothing new of something so smooth.
 inline constexpr std::size_t kMostTracked = 400;
 
-/// `axis`: of the joint, along positive rotation. Nothing where too few samples have both.
+/// `axis`: of the joint, along positive rotation; `step_rad`: in which angles are printed. Nothing
+/// where too few samples have both.
 [[nodiscard]] std::optional<AngleTrack> angle_track(const Sweep& sweep, std::size_t joint,
-                                                    const ChainAxis& axis,
+                                                    const ChainAxis& axis, double step_rad = 0,
                                                     std::size_t most = kMostTracked);
 
 /// Those of all sweeps that the circles used and whose direction is known; of one group, the seen
-/// angles count from the same place. `axes`: one a joint. `two_clocks`: all samples, as each
-/// has the jitter of its own stamp; and of the moves to a sweep's start and back, too.
+/// angles count from the same place. `axes`: one a joint. Of two clocks all samples, as each has
+/// the jitter of its own stamp; and of the moves to a sweep's start and back, too.
 [[nodiscard]] std::vector<AngleTrack> angle_tracks(
     const CircleEstimate& circles, const std::vector<std::optional<ChainAxis>>& axes,
-    bool two_clocks = false);
+    const Campaign& campaign);
 
 }  // namespace identify

@@ -22,10 +22,10 @@ constexpr std::size_t kAtEnd = 50;
 
 std::optional<Delay> find_delay(const CircleEstimate& circles,
                                 const std::vector<std::optional<ChainAxis>>& axes,
-                                bool two_clocks) {
-  const auto tracks = angle_tracks(circles, axes, two_clocks);
+                                const Campaign& campaign) {
+  const auto tracks = angle_tracks(circles, axes, campaign);
   if (tracks.empty()) return std::nullopt;
-  auto delay = fitted_delay(tracks, two_clocks);
+  auto delay = fitted_delay(tracks, campaign.two_clocks);
   if (delay && !(delay->sigma_s < kWorstSigma_s)) return std::nullopt;
   return delay;
 }

@@ -5,6 +5,7 @@
 
 #include "identify/chain/chain.hpp"
 #include "identify/circle/circle_estimate.hpp"
+#include "identify/sweeps/campaign.hpp"
 
 namespace identify {
 
@@ -26,13 +27,13 @@ inline constexpr double kSignificantDelay = 4;
 /// and a backlash of its own besides: what all joints share is the delay. `axes`: one a joint, in
 /// the measurement frame, along positive rotation. Of sweeps that the circles used.
 ///
-/// With `two_clocks` the rate is told whatever it is; else only where it is more than chance makes.
+/// Of two clocks the rate is told whatever it is; else only where it is more than chance makes.
 ///
 /// Nothing where the campaign does not tell it: no angles or times, each joint turned one way at
 /// one speed, or angles that do not follow the positions.
 [[nodiscard]] std::optional<Delay> find_delay(const CircleEstimate& circles,
                                               const std::vector<std::optional<ChainAxis>>& axes,
-                                              bool two_clocks = false);
+                                              const Campaign& campaign);
 
 /// Whether it is one: more than chance makes of none.
 [[nodiscard]] bool is_significant(const Delay& delay) noexcept;

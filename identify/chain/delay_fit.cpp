@@ -18,8 +18,9 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kMostLate_s = 2;
-/// A stroke whose speed varies less runs at one: what varies is the rounding of its angles.
-constexpr double kSteady = 0.15;
+/// A stroke whose speed varies by less than so many standard deviations of its noise runs at one;
+/// and by less than this share of it.
+constexpr double kSteady = 2, kSteadyShare = 1e-4;
 /// What a built robot's gears have, to begin with, and at least.
 constexpr double kUsualBacklash_rad = 60 * kArcsec;
 constexpr double kLeastBacklash_rad = 0.1 * kArcsec;
@@ -51,17 +52,9 @@ class DelayFit {
   }
 
   std::optional<Delay> run() {
-    constexpr int kRounds = 12;
-    for (int round = 0; round < kRounds; ++round) {
-      const double before = delay_.late_s;
-      if (!step(false)) return std::nullopt;
-      if (round > 3 && std::abs(delay_.late_s - before) < 1e-9) break;
-    }
-    if (foreign_) return std::nullopt;
+    if (!settle(false) || foreign_) return std::nullopt;
     const Delay alone = delay_;
-    constexpr int kMore = 4;
-    for (int round = 0; round < kMore; ++round)
-      if (!step(true)) return alone;
+    if (!settle(true)) return alone;
     if (two_clocks_ || std::abs(delay_.rate) > kSignificantDelay * delay_.rate_sigma) return delay_;
     return alone;
   }
@@ -69,6 +62,21 @@ class DelayFit {
  private:
   static constexpr Index kOrders = 4;             // of a joint's smooth error
   static constexpr Index kOfGroup = kOrders + 1;  // and its backlash
+
+  /// Until steps are small against what is uncertain, in some rounds at least, as the weights
+  /// settle, too. Not so where the angles tell it by chance alone.
+  bool settle(bool with_rate) {
+    constexpr int kLeastRounds = 4, kMostRounds = 12;
+    constexpr double kSmall = 0.1;
+    for (int round = 1; round <= kMostRounds; ++round) {
+      const Delay before = delay_;
+      if (!step(with_rate)) return false;
+      const bool small = std::abs(delay_.late_s - before.late_s) <= kSmall * delay_.sigma_s &&
+                         std::abs(delay_.rate - before.rate) <= kSmall * delay_.rate_sigma;
+      if (small && round >= kLeastRounds) return true;
+    }
+    return false;
+  }
 
   /// Solves the equations at the present delay, and moves it. `with_rate`: it may grow.
   bool step(bool with_rate) {
@@ -137,7 +145,9 @@ class DelayFit {
     if (found.speed.empty()) return found;
     const auto count = static_cast<double>(found.speed.size());
     mean /= count;
-    if (squares / count - mean * mean < kSteady * kSteady * mean * mean)
+    const double by_noise =
+        std::max(kSteady * track.speed_noise_rad_s, kSteadyShare * std::abs(mean));
+    if (squares / count - mean * mean < by_noise * by_noise)
       std::fill(found.speed.begin(), found.speed.end(), mean);
     return found;
   }
@@ -209,7 +219,7 @@ class DelayFit {
   /// Each joint's errors by their scatter within a stroke, and by how alike neighbours are; and how
   /// far its strokes lie apart.
   void weigh(const std::vector<Residuals>& all, const VectorXd& found) {
-    constexpr double kLeast_rad = 1e-9;
+    constexpr double kLeast_rad = 1e-7;  // with less, rounding tells what only backlash_rad_ does
     foreign_ = false;
     double means = 0, by_chance = 0, strokes = 0;
     double taken = static_cast<double>(found.size()) - kOfGroup * static_cast<double>(groups_);

@@ -60,6 +60,7 @@ class Circles {
       directions_assigned_ = true;
       home_declared_ = assigned.home_holds;
       result_.doubt = std::move(assigned.doubt);
+      for (const std::size_t j : assigned.against_plan) result_.joints[j].against_plan = true;
       result_.warnings = std::move(assigned.warnings);
     }
     std::erase_if(sweeps_, [&](const Sweep& sweep) {
@@ -254,15 +255,27 @@ class Circles {
            result_.doubt + ": " + differing_numbers(best, others) +
                "; record joint angles, or give the plan that was run and the home pose");
     }
-    for (const std::size_t j : senses.against) {
-      result_.joints[j].against_plan = true;
-      warn("plan_contradicted", j,
-           joint_name(j) +
-               ": it turned against the plan, as the robot description tells: check that the plan "
-               "is the one that was run");
-    }
+    for (const std::size_t j : senses.against) result_.joints[j].against_plan = true;
+    tell_against_plan();
     positive = with(senses.senses);
     for (std::size_t j = 0; j < campaign_.joints; ++j) result_.joints[j].axis = positive[j];
+  }
+
+  /// Plan and description tell two robots, whose axes turn one way and the other.
+  void tell_against_plan() {
+    std::string joints;
+    std::size_t count = 0;
+    for (std::size_t j = 0; j < result_.joints.size(); ++j)
+      if (result_.joints[j].against_plan)
+        joints += (count++ == 0 ? "" : ", ") + std::to_string(j + 1);
+    if (count == 0) return;
+    const std::string why = "joint" + std::string(count > 1 ? "s " : " ") + joints +
+                            " turned against the plan, as the robot description tells";
+    warn("plan_contradicted", {},
+         why +
+             ": check that the plan is the one that was run, and alpha_deg and positive of the "
+             "description; or record joint angles");
+    if (result_.doubt.empty()) result_.doubt = why;
   }
 
   /// Angles at which the joints may have stood: those that were found, declared or described.

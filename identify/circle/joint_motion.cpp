@@ -18,25 +18,38 @@ using Eigen::Vector3d;
 
 constexpr std::size_t kSections = 12;
 constexpr std::size_t kFewestInSection = 5;
+/// Root mean squares beyond so many usual distances are those of strays.
+constexpr double kStrays = 3;
 
-/// Of a circle whose points are `usual_mm` off.
-std::optional<double> bent_mm(const CircleFit& circle, const Eigen::Matrix3Xd& points,
-                              double usual_mm) {
-  const Vector3d x = circle.normal.unitOrthogonal();
-  const Vector3d y = circle.normal.cross(x);
+/// Each stroke off a circle of its own, as its locked joints may have stood elsewhere; by where it
+/// is about the circle of all, whose points are `usual_mm` off.
+std::optional<double> bent_mm(const JointResult& joint, double usual_mm) {
+  const CircleFit& common = *joint.circle;
+  const Vector3d x = common.normal.unitOrthogonal();
+  const Vector3d y = common.normal.cross(x);
   // Angles from the arc's middle: its ends are far from half a turn away.
-  const Vector3d middle = points.rowwise().mean() - circle.center_mm;
+  const Vector3d middle =
+      used_points(joint, joint.circle_target).rowwise().mean() - common.center_mm;
   const double centre = std::atan2(middle.dot(y), middle.dot(x));
   struct Place {
     double turn;
     CircleResidual off;
   };
   std::vector<Place> seen;
-  for (Eigen::Index i = 0; i < points.cols(); ++i) {
-    const CircleResidual off = residual(circle, points.col(i));
-    if (std::hypot(off.plane_mm, off.radial_mm) > kOutlierDistances * usual_mm) continue;
-    const Vector3d arm = points.col(i) - circle.center_mm;
-    seen.push_back({wrapped(std::atan2(arm.dot(y), arm.dot(x)) - centre), off});
+  for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
+    if (!joint.used[s] || joint.sweeps[s].target != joint.circle_target) continue;
+    const auto points = positions(*joint.sweeps[s].samples);
+    auto own = fit_circle(points);
+    if (own && std::max(own->plane_rms_mm, own->radial_rms_mm) > kStrays * usual_mm)
+      own = fit_robust_circle(points);
+    if (!own) continue;
+    if (own->normal.dot(common.normal) < 0) own->normal = -own->normal;
+    for (Eigen::Index i = 0; i < points.cols(); ++i) {
+      const CircleResidual off = residual(*own, points.col(i));
+      if (std::hypot(off.plane_mm, off.radial_mm) > kOutlierDistances * usual_mm) continue;
+      const Vector3d arm = points.col(i) - common.center_mm;
+      seen.push_back({wrapped(std::atan2(arm.dot(y), arm.dot(x)) - centre), off});
+    }
   }
   if (seen.size() < kSections * kFewestInSection) return std::nullopt;
   std::sort(seen.begin(), seen.end(),
@@ -68,7 +81,7 @@ std::optional<CircleScatter> circle_scatter(const JointResult& joint) {
   if (!joint.circle) return std::nullopt;
   const auto points = used_points(joint, joint.circle_target);
   const double usual_mm = usual_distance_mm(*joint.circle, points);
-  return CircleScatter{usual_mm, bent_mm(*joint.circle, points, usual_mm)};
+  return CircleScatter{usual_mm, bent_mm(joint, usual_mm)};
 }
 
 namespace {

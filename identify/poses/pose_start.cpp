@@ -127,6 +127,12 @@ FromSweeps from_sweeps(const ChainEstimate& sweeps, std::size_t targets) {
     all.bottomRightCorner<3, 3>() = narrow.bottomRightCorner<3, 3>();
     all.bottomLeftCorner(3, common) = narrow.bottomLeftCorner(3, common);
     all.topRightCorner(common, 3) = narrow.topRightCorner(common, 3);
+    // A linear axis has no place: that of another axis stands for it, by convention.
+    for (std::size_t j = 0; j < own.joints; ++j)
+      if (sweeps.chain.axes[j].linear) {
+        all.middleRows<2>(wide.axis(j) + 2).setZero();
+        all.middleCols<2>(wide.axis(j) + 2).setZero();
+      }
     return all;
   };
   from.prior.information = inverse_where_known(widened(sweeps.covariance));

@@ -251,7 +251,8 @@ class Assigner {
     check_plan();
   }
 
-  /// Which joints the plan does not explain; the sense of those is not known.
+  /// Which joints the plan does not explain; the sense of those is not known. Where it would
+  /// explain the opposite, plan and description tell two robots.
   void check_plan() {
     Order against;
     for (std::size_t t = 0; t < turns_.size(); ++t) {
@@ -259,7 +260,8 @@ class Assigner {
       if (!plan_.tells_sense(joint))
         found_.senses_known = found_.senses_known && senses_found_;
       else if (!plan_.explains(turns_[t], joint, chosen_.senses[t]))
-        against.push_back(joint);
+        (plan_.explains(turns_[t], joint, -chosen_.senses[t]) ? found_.against_plan : against)
+            .push_back(joint);
     }
     if (against.empty()) return;
     found_.senses_known = found_.senses_known && senses_found_;

@@ -16,6 +16,8 @@ struct JointAssignment {
   /// What was seen does not contradict `Campaign::declared_home_rad`.
   bool home_holds = true;
   std::string doubt;  ///< why the order is not certain; empty where it is
+  /// Joints that turned the other way than the plan says, as the description tells.
+  std::vector<std::size_t> against_plan;
   std::vector<Warning> warnings;
 };
 

@@ -130,9 +130,18 @@ class Judge {
                           " got no reply within a cycle (" + std::to_string(replies.late) +
                           " late, " + std::to_string(replies.superseded) + " superseded, " +
                           std::to_string(replies.unanswered) + " unanswered), at most " +
-                          std::to_string(worst.amount) + " in a row (" + where(worst) +
-                          "): see what kept the server's machine busy then, and run sweepd with "
-                          "realtime scheduling";
+                          std::to_string(worst.amount) + " in a row (" + where(worst) + "): ";
+    // Where this machine is slow, some of the newest ones wait, too.
+    const bool came_together = count == replies.superseded && report_.latency.count() > 0 &&
+                               report_.latency.max() < part(report_.cycle, 0.5);
+    if (!came_together)
+      message +=
+          "see what kept the server's machine busy then, and run sweepd with realtime scheduling";
+    else
+      message += std::string("they came together with later ones, which were answered at once: ") +
+                 (report_.same_machine
+                      ? "see what keeps the sender busy, which runs on the same machine"
+                      : "see what holds telegrams up at the controller or on the way from it");
     add(grade(count, worst.amount), "not_answered_in_time", std::move(message));
   }
 

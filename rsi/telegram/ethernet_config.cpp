@@ -11,6 +11,7 @@
 #include <system_error>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 
 #include <pugixml.hpp>
 
@@ -71,7 +72,7 @@ class Reader {
   void read();
 
  private:
-  bool is_understood(const pugi::xml_node& node, std::string_view name, bool received);
+  bool is_understood(const pugi::xml_node& node, const std::string& name, bool received);
   void read_config(const pugi::xml_node& section);
   std::vector<Element> read_list(const pugi::xml_node& section);
   Element read_element(const pugi::xml_node& node);
@@ -116,6 +117,7 @@ void Reader::read() {
 
   const auto root = document.document_element();
   if (std::string_view(root.name()) != "ROOT") fail(root, "root element", "<ROOT>", root.name());
+  if (const auto more = root.next_sibling()) fail(more, "root element", "one", "another");
   for (const char* section : {"CONFIG", "SEND"})
     if (!root.child(section)) fail(root, section, "a section of this name in <ROOT>", "");
 
@@ -137,13 +139,11 @@ void Reader::read() {
 }
 
 /// What is received and not understood may be a tag that moves the robot.
-bool Reader::is_understood(const pugi::xml_node& node, std::string_view name, bool received) {
-  if (node.type() != pugi::node_element) return false;
+bool Reader::is_understood(const pugi::xml_node& node, const std::string& name, bool received) {
   if (node.name() == name) return true;
-  if (received)
-    fail(node, "<" + std::string(node.parent().name()) + ">", std::string(name) + " alone",
-         node.name());
-  warn(node, std::string(node.name()) + ": expected " + std::string(name) + ": not used");
+  const std::string found = *node.name() ? node.name() : node.value();
+  if (received) fail(node, "<" + std::string(node.parent().name()) + ">", name + " alone", found);
+  if (node.type() == pugi::node_element) warn(node, found + ": expected " + name + ": not used");
   return false;
 }
 
@@ -218,6 +218,7 @@ std::vector<Element> Reader::read_list(const pugi::xml_node& section) {
     for (const auto& node : elements.children()) {
       if (!is_understood(node, "ELEMENT", received)) continue;
       auto element = read_element(node);
+      if (received && node.first_child()) fail(node, "ELEMENT", "attributes alone", "more in it");
       if (received) check_received(node, element);
       const auto [same, is_first] = line_of_tag.try_emplace(element.tag, element.line);
       if (!is_first)
@@ -235,6 +236,9 @@ std::vector<Element> Reader::read_list(const pugi::xml_node& section) {
 
 Element Reader::read_element(const pugi::xml_node& node) {
   const auto attribute = [&](const char* key) { return trimmed(node.attribute(key).value()); };
+  for (auto one = node.first_attribute(); one; one = one.next_attribute())
+    if (node.attribute(one.name()) != one)
+      fail(node, one.name(), "this attribute once", "it again");
   Element element;
   element.line = text_.line(node.offset_debug());
   element.tag = attribute("TAG");
@@ -299,16 +303,12 @@ void Reader::check_sent(const pugi::xml_node& section) {
     warn(section, "SEND: the list is empty: telegrams will carry nothing but the IPOC");
     return;
   }
-  if (!sends("DEF_RIst"))
-    warn(section,
-         "SEND: no DEF_RIst: without positions there is no identification, unless other "
-         "tags carry them");
-  if (!sends("DEF_AIPos"))
-    warn(section,
-         "SEND: no DEF_AIPos: without axis angles the joints are told apart by their "
-         "order alone");
-  if (!sends("DEF_Delay"))
-    warn(section, "SEND: no DEF_Delay: the controller cannot say when a reply was late");
+  const std::pair<const char*, const char*> wanted[] = {
+      {"DEF_RIst", "without positions there is no identification, unless other tags carry them"},
+      {"DEF_AIPos", "without axis angles the joints are told apart by their order alone"},
+      {"DEF_Delay", "the controller cannot say when a reply was late"}};
+  for (const auto& [tag, lack] : wanted)
+    if (!sends(tag)) warn(section, std::string("SEND: no ") + tag + ": " + lack);
 }
 
 }  // namespace

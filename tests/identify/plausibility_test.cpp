@@ -111,6 +111,34 @@ TEST_CASE("clean campaigns are never in doubt, however inaccurate", "[plausibili
   }
 }
 
+TEST_CASE("strokes whose locked joints stood elsewhere lie each on a circle of its own",
+          "[plausibility]") {
+  World world = tracker(false);
+  world.home.sigma_deg = 0.02;
+  Strokes strokes;
+  strokes.there_and_back = true;
+  for (std::uint32_t seed = 1; seed <= 12; ++seed) {
+    CAPTURE(seed);
+    const Simulation simulation(some_kr5(seed), strokes, world, seed);
+    const auto found = identify::identify(simulation.sweeps(), simulation.campaign());
+    INFO(found.reason);
+    CHECK(found.doubts.empty());
+  }
+}
+
+TEST_CASE("a plan and a description that tell opposite senses are not a complete robot",
+          "[plausibility]") {
+  for (const std::uint32_t seed : {1U, 2U, 3U}) {
+    const Simulation simulation(some_kr5(seed), {}, tracker(false), seed);
+    auto campaign = simulation.campaign();
+    CHECK(identify::identify(simulation.sweeps(), campaign).status == Status::complete);
+    campaign.specified->positive[2] *= -1;
+    const auto found = identify::identify(simulation.sweeps(), campaign);
+    CHECK(found.status == Status::partial);
+    CHECK_THAT(found.reason, ContainsSubstring("joint 3 turned against the plan"));
+  }
+}
+
 TEST_CASE("metres in a column for millimetres are named", "[plausibility]") {
   const auto seed = GENERATE(1U, 2U, 3U);
   const bool angles = GENERATE(false, true);

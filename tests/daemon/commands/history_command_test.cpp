@@ -98,6 +98,8 @@ TEST_CASE("history tells the crash, and the note beside it", "[history_command][
   CHECK(folder.history(options) == 3);  // over its own files
   options.csv = folder.robot() / "2024-01-01" / "result.json";
   CHECK_THROWS_AS(folder.history(options), std::invalid_argument);
+  options.force = true;
+  CHECK_THROWS_WITH(folder.history(options), ContainsSubstring("this command reads it"));
 }
 
 TEST_CASE("a history without a change ends with 0", "[history_command][long]") {

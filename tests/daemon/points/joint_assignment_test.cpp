@@ -298,6 +298,16 @@ TEST_CASE("a plan or a description that is another's is said to be",
     CHECK(found.senses_known);
     CHECK(is_right(strokes, campaign, order, true));
   }
+  SECTION("a description that turns two joints the other way") {
+    known.order.clear();
+    declare(known, campaign, arm.home_rad);
+    known.specified = arm;
+    for (const std::size_t joint : {1U, 4U}) known.specified->positive[joint] *= -1;
+    strokes = in_order(campaign, {0, 1, 2, 3, 4, 5});
+    const auto found = assign_joints(strokes, known);
+    CHECK(found.against_plan == Order{1, 4});
+    CHECK_FALSE(warns(found, "plan_contradicted"));  // the circles say so, of all joints at once
+  }
   SECTION("without it") {
     const auto found = assign_joints(strokes, known);
     CHECK(warns(found, "plan_contradicted"));

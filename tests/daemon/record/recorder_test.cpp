@@ -465,9 +465,10 @@ TEST_CASE("a session that ends while recording is paused is over at once", "[rec
   first->wait();
   CHECK(first->counts().disk == RecordCount{10, 10});
   CHECK(files(bench.session()).empty());
+  CHECK(bench.recorder->paused());  // the next one would not be recorded, either
 
   bench.free = 500 * kMebibyte;
-  bench.seconds += 2;
+  CHECK(bench.in_time([&] { return !bench.recorder->paused(); }));
   const auto second = bench.begin("20250101T000001Z");
   bench.send(20);
   bench.recorder->end();

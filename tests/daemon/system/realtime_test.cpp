@@ -63,6 +63,12 @@ TEST_CASE("a thread is put on its processors, and those that do not exist are re
   CHECK(CPU_COUNT(&cpus) == 1);
   CHECK(CPU_ISSET(static_cast<std::size_t>(first), &cpus));
 
+  settings.wish = sweepd::RealTime::off;
+  CHECK(entered(settings, policy, cpus).granted ==
+        std::vector<std::string>{"processors " + std::to_string(first)});
+  CHECK(CPU_COUNT(&cpus) == 1);
+  CHECK(policy == SCHED_OTHER);
+
   settings.cpus = {first, 1023};
   CHECK(has(entered(settings, policy, cpus).refused, "1023] is not possible"));
   settings.cpus = {1023};

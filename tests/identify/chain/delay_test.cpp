@@ -31,7 +31,7 @@ Strokes both_ways(double ramp) {
 
 std::optional<Delay> found_in(const Simulation& simulation) {
   const auto circles = estimate_circles(simulation.sweeps(), simulation.campaign());
-  return find_delay(circles, starting_axes(circles));
+  return find_delay(circles, starting_axes(circles), simulation.campaign());
 }
 
 bool accuses_gears(const Identification& found) {
@@ -102,6 +102,47 @@ TEST_CASE("one way at one speed tells no delay", "[delay]") {
   auto world = tracker_with_angles(0.05);
   world.decimals = decimals;
   CHECK_FALSE(found_in(Simulation(some_robot(false, seed), {}, world, seed)));
+}
+
+TEST_CASE("where nothing was told between two samples, no delay is told by how fast the joint was",
+          "[delay]") {
+  for (std::uint32_t seed = 1; seed <= 8; ++seed) {
+    CAPTURE(seed);
+    const Simulation simulation(some_robot(false, seed), both_ways(0), tracker_with_angles(0),
+                                seed);
+    auto sweeps = simulation.sweeps();
+    for (std::size_t s = 1; s < sweeps.size(); ++s) {
+      // A rest before the way back, of which only the first sample is there.
+      if (sweeps[s].joint != sweeps[s - 1].joint || sweeps[s].direction > 0) continue;
+      auto samples = *sweeps[s].samples;
+      Sample rest = sweeps[s - 1].last();
+      rest.time_s = samples.front().time_s - 2;
+      samples.insert(samples.begin(), rest);
+      sweeps[s].samples = std::make_shared<const std::vector<Sample>>(std::move(samples));
+    }
+    const auto found = identify::identify(std::move(sweeps), simulation.campaign());
+    REQUIRE(found.delay);
+    CHECK_FALSE(is_significant(*found.delay));
+    CHECK(found.delay->sigma_s > 5e-5);  // 60 arcsec of backlash are 0.4 ms each
+    CHECK_FALSE(accuses_gears(found));
+  }
+}
+
+TEST_CASE("numbers that are even to the last digit neither make clocks differ nor gears play",
+          "[delay]") {
+  World world;
+  world.controller = world.orientations = world.angles = true;
+  world.decimals = 4;
+  for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+    CAPTURE(seed);
+    const Simulation simulation(some_robot(false, seed), both_ways(0.03), world, seed);
+    const auto found = identify::identify(simulation.sweeps(), simulation.campaign());
+    for (const Warning& warning : found.warnings)
+      UNSCOPED_INFO(warning.code << ": " << warning.message);
+    CHECK_FALSE(accuses_gears(found));
+    if (found.delay) CHECK(found.delay->rate == 0);
+    if (found.delay) CHECK_FALSE(is_significant(*found.delay));
+  }
 }
 
 TEST_CASE("a backlash is told from a delay by what all joints share", "[delay]") {

@@ -135,6 +135,31 @@ TEST_CASE("A SCARA's linear joint is identified: its direction, its row, and wha
   CHECK_THAT(*found.home_rad[2] / kDegree, WithinAbs(100, 1e-6));
 }
 
+TEST_CASE("Poses beside sweeps make a SCARA's numbers no less certain", "[linear_joint]") {
+  for (const std::uint32_t seed : {3U, 5U, 8U}) {
+    CAPTURE(seed);
+    const Arm built = as_built(scara(), seed);
+    const identify::test::Noise noise{0, 0.02, seed};
+    identify::test::Campaign at(built, {0, 0.02, seed + 100});
+    std::vector<Pose> poses;
+    for (int k = 0; k < 24; ++k) {
+      at.move_all({{0, -20.0 + 3 * k}, {1, 100.0 - 4 * k}, {2, 30.0 + 7 * (k % 20)}, {3, -9.0 * k}},
+                  100);
+      poses.push_back({at.samples().back(), 0, "pose " + std::to_string(k + 1), {}});
+    }
+    const auto sweeps = identify::identify(scara_sweeps(built, noise), for_arm(scara()));
+    const auto both = identify::identify(scara_sweeps(built, noise), for_arm(scara()), poses);
+    CHECK(both.status == Status::complete);
+    REQUIRE(both.estimator == Estimator::poses);
+    for (const std::size_t row : {0U, 1U})
+      CHECK(both.dh[row].a_mm.sigma < 1.1 * sweeps.dh[row].a_mm.sigma);
+    Scores scores;
+    compare(both, built, scores);
+    CHECK(scores.count >= 9);
+    CHECK(scores.rms() < 2);
+  }
+}
+
 TEST_CASE("A linear unit below an arm is identified, b its variable, the next row comparable",
           "[linear_joint]") {
   const Arm built = as_built(on_linear_unit(), 4);

@@ -206,6 +206,19 @@ TEST_CASE("a list of received tags that is not understood is refused, and never 
   CHECK_THAT(with("<Receive><ELEMENTS>" + tag + "</ELEMENTS></Receive>"),
              ContainsSubstring("expected the sections CONFIG, SEND and RECEIVE alone, found "
                                "\"Receive\""));
+  const std::string open = R"(<ELEMENT TAG="DEF_EStr" TYPE="STRING" INDX="INTERNAL")";
+  const auto list = [&](const std::string& received) {
+    return with("<RECEIVE><ELEMENTS>" + received + "</ELEMENTS></RECEIVE>");
+  };
+  CHECK(list(open + "/><!-- of mine -->") == "no error");
+  CHECK_THAT(list(open + ">" + tag + "</ELEMENT>"),
+             ContainsSubstring("ELEMENT: expected attributes alone"));
+  CHECK_THAT(list(open + R"( TAG="RKorr.X"/>)"),
+             ContainsSubstring("TAG: expected this attribute once"));
+  CHECK_THAT(list(open + "/><![CDATA[" + tag + "]]>"),
+             ContainsSubstring("<ELEMENTS>: expected ELEMENT alone, found \"<ELEMENT"));
+  CHECK_THAT(with("<RECEIVE>" + open + "/></RECEIVE></ROOT><ROOT><RECEIVE/>"),
+             ContainsSubstring("root element: expected one, found \"another\""));
 }
 
 TEST_CASE("what is said about a file is one line, whatever the file holds", "[ethernet_config]") {
