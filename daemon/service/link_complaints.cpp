@@ -34,8 +34,8 @@ constexpr Kind kKindsOfTrouble[] = {
     {&Counts::cut, "telegram", "telegrams",
      "larger than 64 KiB and came in part: shorten the SEND list"},
     {&Counts::foreign, "datagram or connection", "datagrams or connections",
-     "not from the controller and not answered: set `controller` in the settings, and keep others "
-     "off this network"},
+     "not from the controller and not answered: keep others off this network; `controller` in the "
+     "settings names the one that counts"},
     {&Counts::overflows, "datagram", "datagrams",
      "answered but neither recorded nor used, since the queue was full: raise queue_bytes or free "
      "the machine"},

@@ -62,6 +62,10 @@ struct ChainEffects {
   /// sweeping one, are as the other joints': one a joint, none where all are alike.
   std::vector<double> home_times;
   std::vector<double> figure_times;
+  /// By how much less the deviance is for each of these: what is said to be so needs more than
+  /// what is allowed for.
+  std::vector<double> home_gains;
+  std::vector<double> figure_gains;
   [[nodiscard]] double home_rad_of(std::size_t joint) const {
     return home_rad * (home_times.empty() ? 1 : home_times[joint]);
   }

@@ -21,6 +21,12 @@ struct Uneven {
   double gain = 0;  ///< less deviance
 };
 
+/// One that is as the others', as yet.
+struct Even {
+  double* times;
+  double* gain;
+};
+
 /// `times`: the one of `sizes` that is tried.
 Uneven judged(LinearisedChain& chain, const ChainEffects& sizes, double& times, double now) {
   std::array<double, kSteps + 1> deviances{};
@@ -48,22 +54,27 @@ Uneven judged(LinearisedChain& chain, const ChainEffects& sizes, double& times, 
 void find_uneven_joints(LinearisedChain& chain, std::size_t joints, ChainEffects& sizes) {
   sizes.home_times.assign(joints, 1);
   sizes.figure_times.assign(joints, 1);
-  std::vector<double*> even;
+  sizes.home_gains.assign(joints, 0);
+  sizes.figure_gains.assign(joints, 0);
+  std::vector<Even> even;
   for (std::size_t j = 0; j < joints; ++j) {
-    if (sizes.home_rad > 0) even.push_back(&sizes.home_times[j]);
-    if (sizes.figure_mm() > 0) even.push_back(&sizes.figure_times[j]);
+    if (sizes.home_rad > 0) even.push_back({&sizes.home_times[j], &sizes.home_gains[j]});
+    if (sizes.figure_mm() > 0) even.push_back({&sizes.figure_times[j], &sizes.figure_gains[j]});
   }
   // The worst one first: what it takes is not another one's.
   while (!even.empty()) {
     const double now = chain.deviance(sizes);
     Uneven worst;
-    for (double* times : even) {
-      const Uneven one = judged(chain, sizes, *times, now);
-      if (one.gain > worst.gain) worst = one;
+    for (const Even& one : even) {
+      const Uneven found = judged(chain, sizes, *one.times, now);
+      if (found.gain > worst.gain) worst = found;
     }
     if (worst.times == nullptr) return;
     *worst.times = worst.larger;
-    std::erase(even, worst.times);
+    const auto its = std::find_if(even.begin(), even.end(),
+                                  [&](const Even& one) { return one.times == worst.times; });
+    *its->gain = worst.gain;
+    even.erase(its);
   }
 }
 

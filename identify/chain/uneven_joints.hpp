@@ -13,7 +13,7 @@ namespace identify {
 /// own effect is larger where that is likelier by 10 in twice the logarithm of the restricted
 /// likelihood; then the mean square over all sizes, weighed by their likelihood.
 ///
-/// Sets `home_times` and `figure_times` of the sizes, whose common sizes stay.
+/// Sets `home_times`, `figure_times` and their gains of the sizes, whose common sizes stay.
 void find_uneven_joints(LinearisedChain& chain, std::size_t joints, ChainEffects& sizes);
 
 }  // namespace identify

@@ -51,8 +51,11 @@ LinePair relate(const Line& first, const Line& second) {
 }
 
 Eigen::Matrix<double, 3, 2> across(const Eigen::Vector3d& direction) {
+  constexpr double kAlong = 0.8;
+  const Eigen::Vector3d aside =
+      std::abs(direction.x()) < kAlong ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
   Eigen::Matrix<double, 3, 2> both;
-  both.col(0) = direction.unitOrthogonal();
+  both.col(0) = (aside - aside.dot(direction) * direction).normalized();
   both.col(1) = direction.cross(both.col(0));
   return both;
 }

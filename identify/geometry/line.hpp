@@ -49,7 +49,7 @@ struct LinePair {
 [[nodiscard]] LinePair relate(const Line& first, const Line& second);
 
 /// Two directions across an axis, unit, right-handed with it. They change with the direction
-/// continuously but for one turn-over.
+/// continuously but where its x is 0.8 or -0.8: near Z, as most first axes are, they stay.
 [[nodiscard]] Eigen::Matrix<double, 3, 2> across(const Eigen::Vector3d& direction);
 
 /// [v]x: its product with w is v x w.

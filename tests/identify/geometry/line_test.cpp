@@ -9,6 +9,7 @@
 #include "tests/catch.hpp"
 
 using Eigen::Vector3d;
+using identify::across;
 using identify::Line;
 
 TEST_CASE("a line is the same whatever point of it is given", "[line]") {
@@ -61,4 +62,20 @@ TEST_CASE("a small twist is not lost, as it would be by acos", "[line]") {
   const auto pair =
       relate(Line::through({0, 0, 0}, {0, 0, 1}), Line::through({1, 0, 0}, {0, 1e-9, 1}));
   CHECK(pair.angle_rad == Approx(1e-9).epsilon(1e-6));
+}
+
+TEST_CASE("directions across an axis change as little as it does, near Z, too", "[line]") {
+  std::mt19937 random(27);
+  std::normal_distribution<> normal;
+  for (const Eigen::Vector3d& axis : {Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(0, 0, -1),
+                                      Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0)})
+    for (int k = 0; k < 20; ++k) {
+      const double little = 1e-6;
+      const Eigen::Vector3d other =
+          (axis + little * Eigen::Vector3d(normal(random), normal(random), normal(random)))
+              .normalized();
+      CHECK((across(other) - across(axis)).norm() < 10 * little);
+      CHECK((across(other).transpose() * other).norm() < 1e-12);
+      CHECK(across(other).col(0).cross(across(other).col(1)).dot(other) == Approx(1));
+    }
 }

@@ -143,12 +143,16 @@ TEST_CASE("Poses beside sweeps make a SCARA's numbers no less certain", "[linear
     identify::test::Campaign at(built, {0, 0.02, seed + 100});
     std::vector<Pose> poses;
     for (int k = 0; k < 24; ++k) {
-      at.move_all({{0, -20.0 + 3 * k}, {1, 100.0 - 4 * k}, {2, 30.0 + 7 * (k % 20)}, {3, -9.0 * k}},
+      at.move_all({{0, -25.0 + (37 * k) % 90},
+                   {1, 15.0 + (53 * k) % 90},
+                   {2, 20.0 + (71 * k) % 160},
+                   {3, -75.0 + (29 * k) % 90}},
                   100);
       poses.push_back({at.samples().back(), 0, "pose " + std::to_string(k + 1), {}});
     }
     const auto sweeps = identify::identify(scara_sweeps(built, noise), for_arm(scara()));
     const auto both = identify::identify(scara_sweeps(built, noise), for_arm(scara()), poses);
+    INFO(both.reason);
     CHECK(both.status == Status::complete);
     REQUIRE(both.estimator == Estimator::poses);
     for (const std::size_t row : {0U, 1U})
