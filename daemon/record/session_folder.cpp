@@ -26,12 +26,11 @@ namespace fs = std::filesystem;
 bool is_unfinished(const fs::path& folder) {
   if (traces_of(folder).empty()) return false;
   std::ifstream stream(folder / file_names::kRun, std::ios::binary);
-  // Without it nobody knows whose results these are.
-  std::error_code error;
-  if (!stream) return !fs::exists(folder / file_names::kResult, error);
   const auto run = nlohmann::json::parse(stream, nullptr, false);
-  return run.is_object() && run.value("command", nlohmann::json()) == "run" &&
-         !run.contains("ended");
+  // Without it, or of a damaged one, nobody knows whose results these are.
+  std::error_code error;
+  if (!run.is_object()) return !fs::exists(folder / file_names::kResult, error);
+  return run.value("command", nlohmann::json()) == "run" && !run.contains("ended");
 }
 
 }  // namespace

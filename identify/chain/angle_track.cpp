@@ -133,7 +133,7 @@ std::optional<AngleTrack> angle_track(const Sweep& sweep, std::size_t joint, con
     track.at_s.push_back(sample.time_s);
     track.seen_rad.push_back(about.next(sample.position_mm));
   }
-  if (track.at_s.size() < kFewestSeen) return std::nullopt;
+  if (std::min(track.at_s.size(), track.time_s.size()) < kFewestSeen) return std::nullopt;
   judge_times(track, step_rad);
   return track;
 }

@@ -197,6 +197,9 @@ TEST_CASE("a session whose last result was never written gets it at the next sta
   const auto other = session.parent_path() / "20370101T000000Z";  // looked at first
   fs::copy(session, other);
   const sweepd::FolderLock written_by_another(other);
+  const auto damaged = session.parent_path() / "20360101T000000Z";
+  fs::copy(session, damaged);
+  fs::resize_file(damaged / "run.json", fs::file_size(damaged / "run.json") / 2);
   // The disk took the result, but only the beginning of the recording.
   const auto cut = session.parent_path() / "20380101T000000Z";
   fs::copy(session, cut);
@@ -211,6 +214,8 @@ TEST_CASE("a session whose last result was never written gets it at the next sta
   CHECK(content(session / "result.json") == result);
   for (const char* name : {"sweeps.csv", "dh.csv", "report.txt"}) CHECK(fs::exists(session / name));
   service.stop();
+  CHECK(content(damaged / "result.json") == result);
+  CHECK(json_in(damaged / "run.json")["from_recording"] == true);
   CHECK(json_in(cut / "run.json").contains("ended"));
   CHECK_FALSE(json_in(cut / "run.json").contains("from_recording"));
   CHECK(content(cut / "result.json") == result);
