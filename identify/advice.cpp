@@ -276,7 +276,7 @@ class Adviser {
   }
 
   void judge_uneven_joints(const ChainEffects& effects) {
-    // Of all joints' arcs and homes one seems uneven by chance by 10 in a campaign of twenty.
+    // By 10, 5 of 40 campaigns of even joints had one that seemed uneven.
     constexpr double kSure = 20;
     for (std::size_t j = 0; j < effects.home_gains.size(); ++j) {
       const double home_rad = effects.home_rad_of(j);

@@ -11,7 +11,6 @@
 #include "daemon/report/pdf.hpp"
 #include "daemon/results/change.hpp"
 #include "daemon/results/change_json.hpp"
-#include "daemon/results/result_files.hpp"
 #include "daemon/text/file_names.hpp"
 
 namespace sweepd {
@@ -46,11 +45,8 @@ int make_report(const ReportOptions& options, std::ostream& out) {
                                                                      : file_names::kReportPage);
   std::vector<std::filesystem::path> inputs;
   if (options.facts) inputs.push_back(*options.facts);
-  for (const auto& folder : options.folders) {
-    inputs.push_back(folder / file_names::kLink);
-    for (const auto& name : result_file_names())
-      if (name != file_names::kReportPage) inputs.push_back(folder / name);
-  }
+  for (const auto& folder : folders)
+    inputs.insert(inputs.end(), folder.files.begin(), folder.files.end());
   const Outputs outputs(std::move(inputs), options.force);
   outputs.check_made_again(html_file, kHtmlBegin);
   auto pdf_file = html_file;

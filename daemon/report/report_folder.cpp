@@ -143,20 +143,21 @@ void read_strokes(std::string_view text, ReportFolder& folder) {
 
 ReportFolder read_report_folder(const std::filesystem::path& path) {
   ReportFolder folder;
-  const auto file = path / file_names::kResult;
+  const auto named = [&](const char* name) { return folder.files.emplace_back(path / name); };
+  const auto file = named(file_names::kResult);
   folder.result = json_of(file);
   if (text_of(folder.result, "schema") != kResultSchema)
     throw std::runtime_error(
         file.string() +
         (std::filesystem::exists(file) ? " holds no result of sweepd" : " is not there") +
         ": give a folder that run, replay or identify has written");
-  folder.run = json_of(path / file_names::kRun);
-  folder.link = json_of(path / file_names::kLink);
-  folder.dh_csv = content(path / file_names::kTable).value_or("");
-  folder.currents_csv = content(path / file_names::kCurrents).value_or("");
-  folder.displacement_csv = content(path / file_names::kDisplacement).value_or("");
+  folder.run = json_of(named(file_names::kRun));
+  folder.link = json_of(named(file_names::kLink));
+  folder.dh_csv = content(named(file_names::kTable)).value_or("");
+  folder.currents_csv = content(named(file_names::kCurrents)).value_or("");
+  folder.displacement_csv = content(named(file_names::kDisplacement)).value_or("");
   folder.name = std::filesystem::weakly_canonical(path).filename().string();
-  read_strokes(content(path / file_names::kSweeps).value_or(""), folder);
+  read_strokes(content(named(file_names::kSweeps)).value_or(""), folder);
   return folder;
 }
 

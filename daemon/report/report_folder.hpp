@@ -71,6 +71,8 @@ struct ReportFolder {
   std::vector<Stroke> strokes;    ///< in the order of sweeps.csv
   std::vector<PointSums> sums;    ///< one a joint
   std::string name;               ///< of the folder, for titles
+  /// Of which it was made, whether they are there or not.
+  std::vector<std::filesystem::path> files;
 };
 
 /// Throws std::runtime_error where there is no result.json, or none that can be read. What else is

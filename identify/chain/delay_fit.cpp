@@ -63,8 +63,8 @@ class DelayFit {
   static constexpr Index kOrders = 4;             // of a joint's smooth error
   static constexpr Index kOfGroup = kOrders + 1;  // and its backlash
 
-  /// Until steps are small against what is uncertain, in some rounds at least, as the weights
-  /// settle, too. Not so where the angles tell it by chance alone.
+  /// Steps until they are small against what is uncertain, some at least, as the weights settle,
+  /// too. False where they do not become small: the angles do not tell it then.
   bool settle(bool with_rate) {
     constexpr int kLeastRounds = 4, kMostRounds = 12;
     constexpr double kSmall = 0.1;

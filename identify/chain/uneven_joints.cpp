@@ -16,12 +16,11 @@ constexpr double kShown = 10;
 
 /// One joint's effect is so many times as large as the others'.
 struct Uneven {
-  double* times = nullptr;
-  double larger = 1;
+  double times = 1;
   double gain = 0;  ///< less deviance
 };
 
-/// One that is as the others', as yet.
+/// Where an effect's are that is as the other joints', as yet.
 struct Even {
   double* times;
   double* gain;
@@ -46,7 +45,7 @@ Uneven judged(LinearisedChain& chain, const ChainEffects& sizes, double& times, 
     weights += weight;
     squares += weight * std::pow(kFactor, 2 * step);
   }
-  return {&times, std::sqrt(squares / weights), now - least};
+  return {std::sqrt(squares / weights), now - least};
 }
 
 }  // namespace
@@ -65,16 +64,17 @@ void find_uneven_joints(LinearisedChain& chain, std::size_t joints, ChainEffects
   while (!even.empty()) {
     const double now = chain.deviance(sizes);
     Uneven worst;
-    for (const Even& one : even) {
-      const Uneven found = judged(chain, sizes, *one.times, now);
-      if (found.gain > worst.gain) worst = found;
+    auto at = even.end();
+    for (auto one = even.begin(); one != even.end(); ++one) {
+      const Uneven found = judged(chain, sizes, *one->times, now);
+      if (!(found.gain > worst.gain)) continue;
+      worst = found;
+      at = one;
     }
-    if (worst.times == nullptr) return;
-    *worst.times = worst.larger;
-    const auto its = std::find_if(even.begin(), even.end(),
-                                  [&](const Even& one) { return one.times == worst.times; });
-    *its->gain = worst.gain;
-    even.erase(its);
+    if (at == even.end()) return;
+    *at->times = worst.times;
+    *at->gain = worst.gain;
+    even.erase(at);
   }
 }
 

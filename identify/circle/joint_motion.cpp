@@ -22,14 +22,13 @@ constexpr std::size_t kFewestInSection = 5;
 constexpr double kStrays = 3;
 
 /// Each stroke off a circle of its own, as its locked joints may have stood elsewhere; by where it
-/// is about the circle of all, whose points are `usual_mm` off.
-std::optional<double> bent_mm(const JointResult& joint, double usual_mm) {
+/// is about the circle of all, whose points are `usual_mm` off and have this `mean`.
+std::optional<double> bent_mm(const JointResult& joint, const Vector3d& mean, double usual_mm) {
   const CircleFit& common = *joint.circle;
   const Vector3d x = common.normal.unitOrthogonal();
   const Vector3d y = common.normal.cross(x);
   // Angles from the arc's middle: its ends are far from half a turn away.
-  const Vector3d middle =
-      used_points(joint, joint.circle_target).rowwise().mean() - common.center_mm;
+  const Vector3d middle = mean - common.center_mm;
   const double centre = std::atan2(middle.dot(y), middle.dot(x));
   struct Place {
     double turn;
@@ -81,7 +80,7 @@ std::optional<CircleScatter> circle_scatter(const JointResult& joint) {
   if (!joint.circle) return std::nullopt;
   const auto points = used_points(joint, joint.circle_target);
   const double usual_mm = usual_distance_mm(*joint.circle, points);
-  return CircleScatter{usual_mm, bent_mm(joint, usual_mm)};
+  return CircleScatter{usual_mm, bent_mm(joint, points.rowwise().mean(), usual_mm)};
 }
 
 namespace {

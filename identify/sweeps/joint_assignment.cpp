@@ -263,8 +263,9 @@ class Assigner {
         (plan_.explains(turns_[t], joint, -chosen_.senses[t]) ? found_.against_plan : against)
             .push_back(joint);
     }
-    if (against.empty()) return;
+    if (against.empty() && found_.against_plan.empty()) return;
     found_.senses_known = found_.senses_known && senses_found_;
+    if (against.empty()) return;
     std::sort(against.begin(), against.end());
     warn("plan_contradicted", "the sweeps of joint" + std::string(against.size() > 1 ? "s " : " ") +
                                   names(against) +

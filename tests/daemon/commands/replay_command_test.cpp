@@ -46,15 +46,36 @@ ReplayOptions trace_options(const fs::path& trace, const fs::path& output) {
   return result;
 }
 
-void simulate(const fs::path& trace, const std::optional<fs::path>& ethernet_config = {}) {
-  sweepd::SimulateOptions simulated;
+void simulate(const fs::path& trace, sweepd::SimulateOptions simulated) {
   simulated.robot = kConfig / "robots/kr5_arc.toml";
-  simulated.plan = kConfig / "plans/kr5_arc_30deg.toml";
   simulated.write = trace;
-  simulated.ethernet_config = ethernet_config;
   simulated.quiet = true;
   std::ostringstream ignored;
   REQUIRE(sweepd::simulate(simulated, ignored, ignored) == 0);
+}
+
+void simulate(const fs::path& trace, const std::optional<fs::path>& ethernet_config = {}) {
+  sweepd::SimulateOptions simulated;
+  simulated.plan = kConfig / "plans/kr5_arc_30deg.toml";
+  simulated.ethernet_config = ethernet_config;
+  simulate(trace, simulated);
+}
+
+/// Each joint of the KR 5 there and back, over 78 degrees.
+std::string plan_there_and_back(const std::string& speed_deg_s) {
+  std::string plan =
+      "home_deg = [90.0, -90.0, 90.0, 0.0, 90.0, 0.0]\npositioning_speed_deg_s = 60.0\n"
+      "acceleration_deg_s2 = 200.0\ndwell_ms = 300\n";
+  int joint = 0;
+  for (const int home : {90, -90, 90, 0, 90, 0}) {
+    ++joint;
+    for (const int way : {-39, 39})
+      plan += "[[sweep]]\njoint = " + std::to_string(joint) +
+              "\nstart_deg = " + std::to_string(home + way) +
+              ".0\nend_deg = " + std::to_string(home - way) + ".0\nspeed_deg_s = " + speed_deg_s +
+              "\n";
+  }
+  return plan;
 }
 
 Json result_in(const fs::path& folder) {
@@ -126,6 +147,23 @@ TEST_CASE("signals that telegrams do not have are a warning of the result", "[re
   REQUIRE(std::ranges::count(codes(), "missing_signals") == 1);
   CHECK_THAT(content(folder / "out/result.json"),
              ContainsSubstring("the telegrams have no AIPos.A7: correct `signals`"));
+}
+
+TEST_CASE("angles that are even to the last digit tell no delay that grows, and accuse no gear",
+          "[replay_command][long]") {
+  const TemporaryFolder folder;
+  for (const char* speed : {"12.3", "20.0", "21.7"}) {
+    CAPTURE(speed);
+    sweepd::SimulateOptions simulated;
+    simulated.plan = folder.write("plan.toml", plan_there_and_back(speed));
+    simulated.cycle_ms = 12;
+    simulated.wobble_deg = 0;
+    simulate(folder / "even.pcap", simulated);
+    CHECK(replayed(trace_options(folder / "even.pcap", folder / "out")).code == 0);
+    const auto result = result_in(folder / "out");
+    CHECK(result["warnings"].empty());
+    if (result.contains("delay")) CHECK(result["delay"]["corrected"] == false);
+  }
 }
 
 TEST_CASE("two replays leave the same files, byte for byte", "[replay_command][long]") {

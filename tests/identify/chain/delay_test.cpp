@@ -128,23 +128,6 @@ TEST_CASE("where nothing was told between two samples, no delay is told by how f
   }
 }
 
-TEST_CASE("numbers that are even to the last digit neither make clocks differ nor gears play",
-          "[delay]") {
-  World world;
-  world.controller = world.orientations = world.angles = true;
-  world.decimals = 4;
-  for (std::uint32_t seed = 1; seed <= 10; ++seed) {
-    CAPTURE(seed);
-    const Simulation simulation(some_robot(false, seed), both_ways(0.03), world, seed);
-    const auto found = identify::identify(simulation.sweeps(), simulation.campaign());
-    for (const Warning& warning : found.warnings)
-      UNSCOPED_INFO(warning.code << ": " << warning.message);
-    CHECK_FALSE(accuses_gears(found));
-    if (found.delay) CHECK(found.delay->rate == 0);
-    if (found.delay) CHECK_FALSE(is_significant(*found.delay));
-  }
-}
-
 TEST_CASE("a backlash is told from a delay by what all joints share", "[delay]") {
   auto world = tracker_with_angles(0.004);
   world.gears.backlash_arcsec = 120;
