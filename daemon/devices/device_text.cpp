@@ -60,15 +60,15 @@ std::string from_utf16(const std::filesystem::path& path, std::string_view bytes
   return text;
 }
 
-std::string decoded(const std::filesystem::path& path, std::string bytes) {
+}  // namespace
+
+std::string as_utf8(const std::filesystem::path& path, std::string bytes) {
   const std::string_view all = bytes;
   if (all.starts_with("\xff\xfe")) return from_utf16(path, all.substr(2), false);
   if (all.starts_with("\xfe\xff")) return from_utf16(path, all.substr(2), true);
   if (all.starts_with("\xef\xbb\xbf")) bytes.erase(0, 3);
   return bytes;
 }
-
-}  // namespace
 
 std::string bytes_of(const std::filesystem::path& path) {
   try {
@@ -79,7 +79,7 @@ std::string bytes_of(const std::filesystem::path& path) {
 }
 
 DeviceText::DeviceText(std::filesystem::path path, std::string bytes)
-    : path_(std::move(path)), content_(decoded(path_, std::move(bytes))) {
+    : path_(std::move(path)), content_(as_utf8(path_, std::move(bytes))) {
   const std::string_view all = content_;
   for (std::size_t at = 0; at < all.size();) {
     const auto end = all.find('\n', at);

@@ -20,10 +20,13 @@ class CsvError : public std::runtime_error {
 /// All of a file. Throws CsvError.
 [[nodiscard]] std::string bytes_of(const std::filesystem::path& path);
 
+/// The text of a file's bytes, without a byte order mark: with one of UTF-16 it is read so, in
+/// either order. Throws CsvError at UTF-16 that is none.
+[[nodiscard]] std::string as_utf8(const std::filesystem::path& path, std::string bytes);
+
 using Fields = std::vector<std::string_view>;
 
-/// The text that a measuring device's program wrote, by lines. UTF-8 or, with a byte order mark,
-/// UTF-16 in either order; lines end with LF or CR LF.
+/// The text that a measuring device's program wrote, by lines, which end with LF or CR LF.
 class DeviceText {
  public:
   /// Throws CsvError at UTF-16 that is none.

@@ -54,6 +54,12 @@ std::size_t line_from(const DeviceText& text, std::size_t line) {
   return line;
 }
 
+/// As sweepd names columns of points. A device's program may write X_mm, but knows no joints.
+bool is_own_name(std::string_view name) {
+  constexpr std::array<std::string_view, 6> kOwn{"x_mm", "y_mm", "z_mm", "x_m", "y_m", "z_m"};
+  return std::ranges::find(kOwn, name) != kOwn.end() || rsi::equal_ignoring_case(name, "joint");
+}
+
 /// The row that names the columns, if there is one.
 std::optional<Table> named_table(const DeviceText& text) {
   for (std::size_t line = 0; line < std::min(kMostLinesAbove, text.lines()); ++line) {
@@ -64,9 +70,7 @@ std::optional<Table> named_table(const DeviceText& text) {
     const auto names = fields_of(row, table.separator);
     for (std::size_t c = 0; c < names.size(); ++c) {
       const ColumnName name = column_name(names[c]);
-      table.is_own = table.is_own || names[c] == "x_mm" || names[c] == "x_m" ||
-                     names[c] == "y_mm" || names[c] == "y_m" || names[c] == "z_mm" ||
-                     names[c] == "z_m";
+      table.is_own = table.is_own || is_own_name(names[c]);
       if (name.value == "time") {
         table.times.push_back(c);
         if (!name.unit.empty()) table.time_unit = name.unit;

@@ -37,9 +37,7 @@ CsvFile::CsvFile(std::filesystem::path path, std::string content, std::vector<st
     : path_(std::move(path)),
       declared_(!columns.empty()),
       columns_(std::move(columns)),
-      content_(std::move(content)) {
-  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
-  if (content_.starts_with(kByteOrderMark)) at_ = kByteOrderMark.size();
+      content_(as_utf8(path_, std::move(content))) {
   waiting_ = next_line();
   if (!waiting_)
     throw CsvError(path_.string() + ": expected lines of numbers, found none: give another file");
@@ -52,8 +50,7 @@ CsvFile::CsvFile(std::filesystem::path path, std::string content, std::vector<st
     columns_.assign(fields_.begin(), fields_.end());
     waiting_ = false;
   }
-  for (auto& name : columns_)
-    if (name == "-" || name == "_") name.clear();
+  for (auto& name : columns_) name = name == "-" || name == "_" ? "" : lower(name);
   if (declared_ && !any_number()) waiting_ = false;
 }
 

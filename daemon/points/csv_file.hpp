@@ -19,8 +19,8 @@ namespace sweepd {
 ///
 /// Commas stand between the fields or, where the first line has none, semicolons, tabs, or blanks.
 /// Lines that are empty or begin with # are passed over; a byte order mark and CR LF are taken off,
-/// and quotes around a field, which may then hold anything (RFC 4180). All functions that read
-/// throw CsvError.
+/// and quotes around a field, which may then hold anything (RFC 4180). UTF-8 or, with its mark,
+/// UTF-16. All functions that read throw CsvError.
 class CsvFile {
  public:
   /// Reads the whole file. The first line names the columns, unless `columns` does; then a first
@@ -31,7 +31,8 @@ class CsvFile {
   CsvFile(std::filesystem::path path, std::string content, std::vector<std::string> columns);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// The columns' names in order; empty where a column is to be skipped (named - or _, or nothing).
+  /// The columns' names in order and in lower case; empty where a column is to be skipped (named -
+  /// or _, or nothing).
   [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
 
   /// Goes to the next line of data, which has as many fields as there are columns. False at the

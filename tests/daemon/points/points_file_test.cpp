@@ -63,6 +63,22 @@ TEST_CASE("columns come in any order, lengths in mm or m, angles in deg or rad",
   CHECK_FALSE(point.sample.has_orientation);
 }
 
+TEST_CASE("a header may be in capitals, and the file in UTF-16", "[points_file]") {
+  const std::string text = "Joint,T_S,X_mm,Y_MM,Z_mm,A1_Deg\n2,7.5,1,2,3,90\n";
+  std::string wide = "\xff\xfe";
+  for (const char c : text) wide.append({c, '\0'});
+  for (const std::string& bytes : {text, wide}) {
+    const TemporaryFolder folder;
+    const auto file = read(folder, bytes);
+    REQUIRE(file.points.size() == 1);
+    const auto& point = file.points.front();
+    CHECK(point.joint == 2);
+    CHECK(point.sample.time_s == 7.5);
+    CHECK((point.sample.position_mm - Eigen::Vector3d(1, 2, 3)).norm() < 1e-12);
+    CHECK(point.sample.angles_rad[0] == Approx(radians(90)));
+  }
+}
+
 TEST_CASE("without times the points count; without a joint there is none", "[points_file]") {
   const TemporaryFolder folder;
   const auto file = read(folder, "x_mm,y_mm,z_mm\n1,2,3\n4,5,6\n");
@@ -214,8 +230,8 @@ TEST_CASE("angles of more joints than the robot has are passed over", "[points_f
 
 TEST_CASE("a header that is wrong is told with its column", "[points_file]") {
   check_points_error("x_mm,y_mm,z_mm,speed\n", "line 1, column 4 (speed): expected a known column");
-  check_points_error("# points\nX_mm,y_mm,z_mm\n",
-                     "line 2, column 1 (X_mm): expected a known column");
+  check_points_error("# points\nu_mm,y_mm,z_mm\n",
+                     "line 2, column 1 (u_mm): expected a known column");
   check_points_error("x,y_mm,z_mm\n", "line 1, column 1 (x): expected a known column");
   check_points_error("x_mm,y_mm,z_mm,a13_deg\n",
                      "line 1, column 4 (a13_deg): expected a known column");
