@@ -173,7 +173,7 @@ TEST_CASE("what hangs on how high the device stands is told where the first axes
   CHECK_THAT(message(found, "height_unknown", 1), ContainsSubstring("for each metre"));
 }
 
-TEST_CASE("a short arc is told, and what a longer one would give comes true", "[advice]") {
+TEST_CASE("a short arc is told, and what a longer one would give comes true", "[advice][long]") {
   const auto world = accuracy::tracker(0.05);
   auto robot = kr5_swept();
   robot.ranges[3] = {-8, 8};
@@ -248,7 +248,7 @@ TEST_CASE("an angle that depends on the direction of the motion is told", "[advi
   CHECK_THAT(text, ContainsSubstring("20 arcsec"));
 }
 
-TEST_CASE("a smooth error of a joint's angles is told with its size", "[advice]") {
+TEST_CASE("a smooth error of a joint's angles is told with its size", "[advice][long]") {
   // 100 arcsec twice a turn: over 90 degrees half a wave, less what offset and centre take up.
   auto uneven = accuracy::tracker(0.005);
   uneven.angles = true;

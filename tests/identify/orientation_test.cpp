@@ -104,7 +104,8 @@ TEST_CASE("orientations that disagree with the positions are left alone", "[orie
   CHECK(found.chain->angles[0].trust == AngleTrust::trusted);
 }
 
-TEST_CASE("in a device's frame the robot's own place is part of the result", "[orientation]") {
+TEST_CASE("in a device's frame the robot's own place is part of the result",
+          "[orientation][long]") {
   test::Campaign campaign(test::kr5_arc(), {0, 0.02, 5});
   campaign.sweep_all_90();
   Eigen::Isometry3d device = Eigen::Isometry3d::Identity();
@@ -136,7 +137,8 @@ TEST_CASE("in a device's frame the robot's own place is part of the result", "[o
   CHECK(found.dh[1].a_mm.knowledge == Knowledge::identified);
 }
 
-TEST_CASE("what rounding takes away and no sample shows is in the uncertainties", "[orientation]") {
+TEST_CASE("what rounding takes away and no sample shows is in the uncertainties",
+          "[orientation][long]") {
   struct Printed {
     int decimals;
     double wobble_deg, arc_deg;

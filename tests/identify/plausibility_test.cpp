@@ -142,7 +142,7 @@ TEST_CASE("a plan and a description that tell opposite senses are not a complete
   }
 }
 
-TEST_CASE("metres in a column for millimetres are named", "[plausibility]") {
+TEST_CASE("metres in a column for millimetres are named", "[plausibility][long]") {
   const auto seed = GENERATE(1U, 2U, 3U);
   const bool angles = GENERATE(false, true);
   for (const auto& robot : {some_kr5(seed), some_iiwa(seed)}) {
@@ -202,7 +202,7 @@ TEST_CASE("a mirrored frame is told from angles, whichever coordinate is negated
 }
 
 TEST_CASE("a mirrored frame is told from the plan where the arm's mirror image is an arm",
-          "[plausibility]") {
+          "[plausibility][long]") {
   const auto mirrored = of_positions([](Eigen::Vector3d p) {
     p.z() = -p.z();
     return p;
@@ -253,7 +253,8 @@ TEST_CASE("short strokes in much noise do not disagree", "[plausibility]") {
   }
 }
 
-TEST_CASE("a joint that does not come back home is no device that was moved", "[plausibility]") {
+TEST_CASE("a joint that does not come back home is no device that was moved",
+          "[plausibility][long]") {
   int not_moved = 0;
   for (std::uint32_t seed = 1; seed <= 4; ++seed) {
     World world = tracker(false);
@@ -402,7 +403,7 @@ TEST_CASE("an external axis that moves during a sweep is a doubt, between sweeps
 }
 
 TEST_CASE("an external axis that carried the robot elsewhere between sweeps is a doubt",
-          "[plausibility]") {
+          "[plausibility][long]") {
   const Simulation simulation(some_kr5(9), {}, tracker(true), 9);
   auto campaign = simulation.campaign();
   campaign.specified.reset();

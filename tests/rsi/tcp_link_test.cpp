@@ -9,6 +9,7 @@
 #include "rsi/controller/controller_link.hpp"
 #include "rsi/server/tcp_server.hpp"
 #include "tests/catch.hpp"
+#include "tests/eventually.hpp"
 #include "tests/rsi/link_program.hpp"
 #include "tests/rsi/running_server.hpp"
 
@@ -84,6 +85,11 @@ TEST_CASE("a link over TCP streams a program and takes the replies, with lengths
   rsi::ControllerLink link(ethernet, with_form);
   const auto local = link.local();
   const auto report = link.run(cycles(50));
+  // On a busy machine the last telegrams may still be on their way.
+  CHECK(sweepd::test::eventually([&] {
+    const auto counts = running.server.counts();
+    return counts.answered + counts.superseded == report.controller.telegrams;
+  }));
   running.stop();
 
   CHECK(report.end == End::done);
@@ -96,8 +102,6 @@ TEST_CASE("a link over TCP streams a program and takes the replies, with lengths
     if (kind != static_cast<std::size_t>(ReplyFault::late))
       CHECK(report.controller.faults[kind] == 0);
   CHECK(running.server.counts().skipped == 0);
-  CHECK(running.server.counts().answered + running.server.counts().superseded ==
-        report.controller.telegrams);
   rsi::Datagram datagram;
   REQUIRE(running.server.datagrams().pop(datagram));
   CHECK(datagram.payload.starts_with("<Rob"));

@@ -150,7 +150,7 @@ TEST_CASE("a stream of noisy positions gives the specified table, and says what 
   }
 }
 
-TEST_CASE("points that name their joint give the specified table", "[identify_command]") {
+TEST_CASE("points that name their joint give the specified table", "[identify_command][long]") {
   const TemporaryFolder folder;
   Layout layout{.more = "joint,"};
   SECTION("with times and angles") {

@@ -123,7 +123,8 @@ TEST_CASE("Friction of each motor is found where telegrams have currents, and no
   CHECK(with.dump() == result_in(folder / "without").dump());
 }
 
-TEST_CASE("signals that telegrams do not have are a warning of the result", "[replay_command]") {
+TEST_CASE("signals that telegrams do not have are a warning of the result",
+          "[replay_command][long]") {
   const TemporaryFolder folder;
   simulate(folder / "trace.pcap");
   auto options = trace_options(folder / "trace.pcap", folder / "out");

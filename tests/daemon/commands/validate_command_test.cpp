@@ -110,7 +110,7 @@ TEST_CASE("Poses that were kept back judge a result, and used ones are refused",
 }
 
 TEST_CASE("A result of joints that play predicts poses of which nobody knows how they came to rest",
-          "[validate_command]") {
+          "[validate_command][long]") {
   const auto built = built_kr5(4);
   auto poses = simulation::robots::played(built.poses(160), 6, 15 * identify::kArcsec, 4);
   const std::vector<identify::Pose> used(poses.begin(), poses.begin() + 60);

@@ -53,7 +53,7 @@ std::string refusal(const RobotDescription& robot, const PoseTask& task) {
 }  // namespace
 
 TEST_CASE("Planned poses keep to limits and rules, and every way between them is free",
-          "[pose_plan]") {
+          "[pose_plan][long]") {
   const RobotDescription robot = kr5_description();
   const PoseTask task = seen_from_a_tracker(14);
   const PosePlan plan = plan_poses(robot, task);

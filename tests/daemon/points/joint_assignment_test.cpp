@@ -165,7 +165,7 @@ TEST_CASE("joints that swept in any order are told by the description, or the or
 
 TEST_CASE(
     "an arm that stood elsewhere than at its home is told by what does not depend on the pose",
-    "[joint_assignment][issue11][point_22]") {
+    "[joint_assignment][issue11][point_22][long]") {
   const auto arm = identify::test::kr5_arc();
   std::vector<double> elsewhere;
   for (const double angle : {80, -75, 100, 25, 55, 10}) elsewhere.push_back(angle * kDegree);
@@ -325,7 +325,7 @@ TEST_CASE("a plan or a description that is another's is said to be",
 }
 
 TEST_CASE("short strokes whose own circles noise turns are still those of the plan",
-          "[joint_assignment][issue12]") {
+          "[joint_assignment][issue12][long]") {
   const auto arm = identify::test::kr5_arc();
   // 10 degrees from home alone tell their radius badly.
   auto ranges = kWide;
@@ -349,7 +349,7 @@ TEST_CASE("short strokes whose own circles noise turns are still those of the pl
 }
 
 TEST_CASE("joints that have nothing but short strokes do not contradict their plan in noise",
-          "[joint_assignment][issue12]") {
+          "[joint_assignment][issue12][long]") {
   const auto arm = identify::test::kr5_arc();
   auto ranges = kWide;
   for (std::size_t j = 0; j < 6; ++j) {
@@ -438,7 +438,7 @@ TEST_CASE("each target tells the joints by itself, and all have to agree",
 }
 
 TEST_CASE("a result whose order of joints was assumed is not complete, and says why",
-          "[joint_assignment][issue11][point_22]") {
+          "[joint_assignment][issue11][point_22][long]") {
   const auto arm = identify::test::kr5_arc();
   const Seen campaign = seen(arm, kNarrow, arm.home_rad);
   identify::Campaign known;

@@ -40,7 +40,7 @@ constexpr Eigen::Index kCount = 5;
 
 }  // namespace
 
-TEST_CASE("no more than the level of unchanged pairs raise an alarm", "[change_test]") {
+TEST_CASE("no more than the level of unchanged pairs raise an alarm", "[change_test][long]") {
   const auto covariance = some_covariance(kCount);
   Draws draws(covariance);
   int total = 0, named = 0;
@@ -62,7 +62,7 @@ TEST_CASE("no more than the level of unchanged pairs raise an alarm", "[change_t
 }
 
 TEST_CASE("a number that changed by its smallest change is named in 80 % of cases",
-          "[change_test]") {
+          "[change_test][long]") {
   const auto covariance = some_covariance(kCount);
   Draws draws(covariance);
   const auto none = test_change(Eigen::VectorXd::Zero(kCount), covariance, 0.05);

@@ -201,7 +201,8 @@ TEST_CASE("sweeps from two homes and of two targets make one fit", "[chain_estim
   CHECK((both.chain->chain.targets_mm[1] - last * other.tool_mm).norm() < 1e-6);
 }
 
-TEST_CASE("a second target without angles makes the table more certain", "[chain_estimator]") {
+TEST_CASE("a second target without angles makes the table more certain",
+          "[chain_estimator][long]") {
   std::vector<Sweep> one;
   std::vector<Sweep> both;
   for (std::size_t target = 0; target < 2; ++target) {

@@ -84,7 +84,7 @@ TEST_CASE("gears that err and outliers do not pass for a delay", "[delay]") {
   CHECK(delay->sigma_s < 2e-4);
 }
 
-TEST_CASE("clocks that differ make the delay grow", "[delay]") {
+TEST_CASE("clocks that differ make the delay grow", "[delay][long]") {
   const auto seed = GENERATE(1U, 2U, 3U);
   auto world = tracker_with_angles(0.1);
   world.delay.rate_ppm = 50;

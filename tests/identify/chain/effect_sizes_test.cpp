@@ -73,7 +73,8 @@ std::vector<Simulation> sagging(bool told, int homes = 1) {
 
 }  // namespace
 
-TEST_CASE("Uncertainties hold for an arm that sags as its description says", "[effect_sizes]") {
+TEST_CASE("Uncertainties hold for an arm that sags as its description says",
+          "[effect_sizes][long]") {
   CHECK(rms_z(sagging(false)) > 2);
   CHECK(rms_z(sagging(true)) < 1.3);
 }
@@ -162,7 +163,7 @@ TEST_CASE("The budget says what sag has of the uncertainties", "[effect_sizes]")
 }
 
 TEST_CASE("An arc that is seen to be no circle is never taken for one, also where it has gaps",
-          "[effect_sizes]") {
+          "[effect_sizes][long]") {
   simulation::World world;
   world.noise.range_mm = world.noise.across_mm = 0.05;
   world.shape.rms_mm = 0.3;

@@ -79,7 +79,7 @@ TEST_CASE("axes point along positive rotation of the controller's angles", "[cir
 }
 
 TEST_CASE("the circles' uncertainties are those of samples whose errors are correlated",
-          "[circle_estimator]") {
+          "[circle_estimator][long]") {
   const double memory = GENERATE(0.0, 0.7);
   CAPTURE(memory);
   constexpr int kRuns = 20;
@@ -266,7 +266,7 @@ TEST_CASE("positions that contradict the angles give no axis", "[circle_estimato
 }
 
 TEST_CASE("where joints never come home to the same place, the nearest sweeps serve",
-          "[circle_estimator]") {
+          "[circle_estimator][long]") {
   std::mt19937 random(11);
   std::uniform_real_distribution<> off(-0.15, 0.15);
   test::Campaign campaign(test::kr5_arc(), {0.0005, 0.02, 6});

@@ -232,7 +232,7 @@ TEST_CASE("Several targets have each a place of their own about an axis", "[join
   }
 }
 
-TEST_CASE("Noise that hides the ends of motions does not part the clocks", "[joined_take]") {
+TEST_CASE("Noise that hides the ends of motions does not part the clocks", "[joined_take][long]") {
   for (std::uint32_t seed = 1; seed <= 3; ++seed) {
     const Robot robot = built(kr5(), seed);
     FreeDevice device;
@@ -244,7 +244,8 @@ TEST_CASE("Noise that hides the ends of motions does not part the clocks", "[joi
   }
 }
 
-TEST_CASE("A take that ends before all joints have moved is told to lack axes", "[joined_take]") {
+TEST_CASE("A take that ends before all joints have moved is told to lack axes",
+          "[joined_take][long]") {
   const Robot robot = built(kr5(), 9);
   const auto views = two_views(robot, sweeps_of_all(robot, 1, 9), unkind(9), 9);
   for (const double share : {0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9}) {

@@ -41,7 +41,8 @@ TEST_CASE("Combined poses are arms and wrists of measured ones, where the model 
         Approx(12 * by(1).frames_covariance(0, 0)).epsilon(0.1));
 }
 
-TEST_CASE("Frames and zeros do not make poses worse that were kept back", "[combined_poses]") {
+TEST_CASE("Frames and zeros do not make poses worse that were kept back",
+          "[combined_poses][long]") {
   for (std::uint32_t seed = 1; seed <= 8; ++seed) {
     const auto built = arm_with(tracker(seed % 2 == 0 ? 0.002 : 0), seed);
     auto poses = built.poses(560);

@@ -53,7 +53,7 @@ double noise_mm() {
 
 }  // namespace
 
-TEST_CASE("Corrected joints put the tool where it is wanted", "[corrected_joints]") {
+TEST_CASE("Corrected joints put the tool where it is wanted", "[corrected_joints][long]") {
   Errors errors;
   for (std::uint32_t seed = 1; seed <= 6; ++seed) {
     const auto built = arm_with(tracker(), seed);
@@ -71,7 +71,8 @@ TEST_CASE("Corrected joints put the tool where it is wanted", "[corrected_joints
         Approx(std::hypot(errors.rms(errors.corrected), noise_mm())).epsilon(0.15));
 }
 
-TEST_CASE("A seven-axis arm's joints are corrected by the least motion", "[corrected_joints]") {
+TEST_CASE("A seven-axis arm's joints are corrected by the least motion",
+          "[corrected_joints][long]") {
   Errors errors;
   for (std::uint32_t seed = 1; seed <= 3; ++seed) {
     const simulation::Simulation built(
@@ -88,7 +89,7 @@ TEST_CASE("A seven-axis arm's joints are corrected by the least motion", "[corre
   CHECK(errors.rms(errors.corrected) <= 1.2 * noise_mm());
 }
 
-TEST_CASE("What the joints do beside their angles is corrected", "[corrected_joints]") {
+TEST_CASE("What the joints do beside their angles is corrected", "[corrected_joints][long]") {
   auto world = tracker();
   world.gears = {60, 0, 0, {}, 3};
   const auto built = arm_with(world, 3);

@@ -96,7 +96,7 @@ TEST_CASE("Copies of poses count once", "[pose_doubts]") {
   CHECK(found.dh[1].a_mm.sigma == once.dh[1].a_mm.sigma);
 }
 
-TEST_CASE("Clean poses of many kinds are not doubted", "[pose_doubts]") {
+TEST_CASE("Clean poses of many kinds are not doubted", "[pose_doubts][long]") {
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
     const auto built = arm_with(tracker(seed % 3 * 0.002), seed, 1 + seed % 2);
     const auto found = identify::identify({}, built.campaign(), built.poses(50));

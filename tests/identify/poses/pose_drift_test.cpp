@@ -19,7 +19,8 @@ std::vector<Pose> warming(std::vector<Pose> poses, double last_deg) {
 
 }  // namespace
 
-TEST_CASE("Poses of an arm that warms up are told, and by how much it moved", "[pose_drift]") {
+TEST_CASE("Poses of an arm that warms up are told, and by how much it moved",
+          "[pose_drift][long]") {
   for (std::uint32_t seed = 1; seed <= 4; ++seed) {
     const auto built = arm_with(tracker(0.001), seed);
     const auto poses = warming(built.poses(120), 0.02);

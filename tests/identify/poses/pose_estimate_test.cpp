@@ -87,7 +87,7 @@ TEST_CASE("Poses alone tell the table, and their uncertainties hold", "[pose_est
   CHECK(std::sqrt(all.squares / all.numbers) == Approx(1).margin(0.1));
 }
 
-TEST_CASE("Ellipsoids hold what was not fitted", "[pose_estimate]") {
+TEST_CASE("Ellipsoids hold what was not fitted", "[pose_estimate][long]") {
   int inside = 0, count = 0;
   for (std::uint32_t seed = 1; seed <= 10; ++seed) {
     const auto built = arm_with(tracker(0.002), seed);

@@ -42,7 +42,7 @@ PoseForecast forecast_of(const Campaign& campaign) {
 
 }  // namespace
 
-TEST_CASE("Uncertainties of chosen poses come out as was promised", "[pose_outlook]") {
+TEST_CASE("Uncertainties of chosen poses come out as was promised", "[pose_outlook][long]") {
   const auto arm = arm_with(tracker(), 1);
   const auto campaign = arm.campaign();
   const auto forecast = forecast_of(campaign);

@@ -143,7 +143,7 @@ void check_strokes(const Stream& how) {
 }  // namespace
 
 TEST_CASE("noisy strokes are those of a quiet stream: none is made up, cut or joined",
-          "[position_segmentation]") {
+          "[position_segmentation][long]") {
   const auto noise_mm = GENERATE(0.1, 1.0);
   check_strokes({.markers = 1, .noise_mm = noise_mm});
   check_strokes({.markers = 3, .noise_mm = noise_mm});
@@ -159,7 +159,7 @@ TEST_CASE("noisy strokes are those of a quiet stream, at all rates and sizes",
 }
 
 TEST_CASE("noise says how slow a motion and how short an arc is still seen",
-          "[position_segmentation]") {
+          "[position_segmentation][long]") {
   PositionSegmenter segmenter;
   CHECK_FALSE(segmenter.limit());
   (void)strokes_of({.noise_mm = 0.3, .rate_hz = 250}, segmenter);
@@ -230,7 +230,7 @@ TEST_CASE("markers that are taken for each other for some frames cut no stroke",
 }
 
 TEST_CASE("points that come as fast as never are segmented in time by their number",
-          "[position_segmentation]") {
+          "[position_segmentation][long]") {
   const auto took = [](double step_s, std::size_t strokes) {
     auto best = std::chrono::nanoseconds::max();
     for (int round = 0; round < 2; ++round) {
