@@ -23,6 +23,14 @@ namespace {
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
+constexpr auto kInRadians =
+    ": its target turned 57 times as far as told: name the angles' columns a1_rad and so on";
+bool is_in_radians(const Sweep& sweep) {
+  const auto circle = fit_circle(positions(*sweep.samples));
+  return circle && std::abs(circle->arc_rad * kDegree / sweep.range_rad - 1) < 0.05 &&
+         circle->radial_rms_mm < 0.01 * circle->radius_mm * (1 - std::cos(circle->arc_rad / 2));
+}
+
 /// One identification under way.
 class Circles {
  public:
@@ -73,6 +81,7 @@ class Circles {
     JointResult& joint = result_.joints[j];
     joint.linear = campaign_.specified && campaign_.specified->is_linear(j);
     SweepDefect worst = SweepDefect::none;
+    bool radians = false;
     for (const Sweep& given : sweeps_) {
       if (given.joint != j) continue;
       const Sweep sweep = judged_as_line(given, joint.linear);
@@ -80,6 +89,7 @@ class Circles {
         worst = sweep.defect;
       else
         joint.sweeps.push_back(sweep);
+      radians |= sweep.defect == SweepDefect::too_short && is_in_radians(sweep);
     }
     choose_sweeps(joint);
     if (std::find(joint.used.begin(), joint.used.end(), true) == joint.used.end()) {
@@ -88,6 +98,8 @@ class Circles {
              joint_name(j) +
                  ": the other joints stood elsewhere than in the other "
                  "sweeps: lock them at one common home pose");
+      else if (radians)
+        warn("angles_in_radians", j, joint_name(j) + kInRadians);
       else if (worst != SweepDefect::none)
         warn(code(worst), j, joint_name(j) + ": " + std::string(remedy(worst, joint.linear)));
       else
@@ -112,11 +124,9 @@ class Circles {
     }
     if (fit_as_line(j, points)) return;
     const auto usual = fit_usual_circle(points);
-    if (!usual) {
-      warn("not_an_arc", j,
-           joint_name(j) + ": " + std::string(remedy(SweepDefect::not_an_arc, false)));
-      return;
-    }
+    if (!usual)
+      return warn("not_an_arc", j,
+                  joint_name(j) + ": " + std::string(remedy(SweepDefect::not_an_arc, false)));
     joint.circle = usual->circle;
     const CircleFit& circle = *joint.circle;
     const auto along = [&](const Vector3d& from, const Vector3d& way) -> double {

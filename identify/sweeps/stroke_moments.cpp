@@ -153,7 +153,7 @@ bool same_spread(const StrokeMoments& like, const StrokeMoments& stroke) {
 /// What is of second order in so little is a hundredth of a micrometre.
 bool same_place(const StrokeMoments& like, const StrokeMoments& stroke) {
   constexpr double kSame_mm = 0.1;
-  constexpr double kSame_rad = 0.01 * kDegree;
+  constexpr double kSamePlace_rad = 0.01 * kDegree;
   constexpr double kChance = 5;  // standard deviations
   const double variance = stroke.blocks.variance_mm2.back();
   const Index locked = stroke.content.orientation ? 7 : 4;
@@ -168,7 +168,7 @@ bool same_place(const StrokeMoments& like, const StrokeMoments& stroke) {
         return false;
     wobble += here.col(0).segment(locked, wobble.size());
   }
-  return wobble.size() == 0 || wobble.cwiseAbs().maxCoeff() <= kSame_rad * stroke.weight;
+  return wobble.size() == 0 || wobble.cwiseAbs().maxCoeff() <= kSamePlace_rad * stroke.weight;
 }
 
 }  // namespace

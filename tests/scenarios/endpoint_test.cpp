@@ -3,6 +3,7 @@
 #include <fstream>
 #include <thread>
 
+#include <fcntl.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/catch.hpp"
@@ -160,10 +161,13 @@ TEST_CASE("totals go on from one stream to the next", "[endpoint]") {
   }
 }
 
-TEST_CASE("a robot is served though the port of the pages is taken", "[endpoint]") {
+TEST_CASE("a robot is served though the port of the pages is taken, and they come once it is free",
+          "[endpoint]") {
   boost::asio::io_context context;
-  const boost::asio::ip::tcp::acceptor taken(context, {boost::asio::ip::address_v4::loopback(), 0});
-  const auto port = std::to_string(taken.local_endpoint().port());
+  boost::asio::ip::tcp::acceptor taken(context, {boost::asio::ip::address_v4::loopback(), 0});
+  ::fcntl(taken.native_handle(), F_SETFD, FD_CLOEXEC);  // sweepd would keep it taken itself
+  const auto number = taken.local_endpoint().port();
+  const auto port = std::to_string(number);
   const TemporaryFolder folder;
   Daemon daemon(folder.path(), {"", {}, "127.0.0.1:" + port});
   CHECK_THAT(daemon.process().errors(),
@@ -175,6 +179,11 @@ TEST_CASE("a robot is served though the port of the pages is taken", "[endpoint]
     return std::any_of(sent.begin(), sent.end(), [](auto& one) { return one.answered_after; });
   }));
   streamer.stop();
+  taken.close();
+  CHECK(eventually([&] {
+    return daemon.process().errors().find("pages on http://127.0.0.1:" + port) != std::string::npos;
+  }));
+  CHECK(HttpClient(number).get("/healthz").status == 200);
   daemon.process().signal(SIGTERM);
   CHECK(daemon.process().wait() == 0);
 }

@@ -190,6 +190,20 @@ TEST_CASE("a sweep that is too short, or too quick for its samples, is said and 
   CHECK(find_warning(result, "too_few_samples")->joint == 1u);
 }
 
+TEST_CASE("strokes that are short because radians were taken for degrees are told from short ones",
+          "[circle_estimator]") {
+  test::Campaign campaign(test::kr5_arc());
+  campaign.rest().sweep(0, -45, 45).move(1, -87).rest().move(1, -90).rest();
+  auto samples = campaign.samples();
+  for (Sample& sample : samples) sample.angles_rad[0] *= kDegree;
+  const auto result = identify::identify(segment(samples), for_kr5());
+  CHECK(result.status == Status::failed);
+  REQUIRE(find_warning(result, "angles_in_radians"));
+  CHECK(find_warning(result, "angles_in_radians")->joint == 0u);
+  REQUIRE(find_warning(result, "sweep_too_short"));
+  CHECK(find_warning(result, "sweep_too_short")->joint == 1u);
+}
+
 TEST_CASE("a target on an axis is said and gives no axis", "[circle_estimator]") {
   auto arm = test::kr5_arc();
   arm.tool_mm = {0, 0, 215};
