@@ -25,7 +25,9 @@ using Eigen::Vector3d;
 
 constexpr auto kInRadians =
     ": its target turned 57 times as far as told: name the angles' columns a1_rad and so on";
-bool is_in_radians(const Sweep& sweep) {
+/// Whether a stroke is short only because its angles are read as degrees.
+bool in_radians(const Sweep& sweep) {
+  if (sweep.defect != SweepDefect::too_short) return false;
   const auto circle = fit_circle(positions(*sweep.samples));
   return circle && std::abs(circle->arc_rad * kDegree / sweep.range_rad - 1) < 0.05 &&
          circle->radial_rms_mm < 0.01 * circle->radius_mm * (1 - std::cos(circle->arc_rad / 2));
@@ -81,7 +83,6 @@ class Circles {
     JointResult& joint = result_.joints[j];
     joint.linear = campaign_.specified && campaign_.specified->is_linear(j);
     SweepDefect worst = SweepDefect::none;
-    bool radians = false;
     for (const Sweep& given : sweeps_) {
       if (given.joint != j) continue;
       const Sweep sweep = judged_as_line(given, joint.linear);
@@ -89,7 +90,6 @@ class Circles {
         worst = sweep.defect;
       else
         joint.sweeps.push_back(sweep);
-      radians |= sweep.defect == SweepDefect::too_short && is_in_radians(sweep);
     }
     choose_sweeps(joint);
     if (std::find(joint.used.begin(), joint.used.end(), true) == joint.used.end()) {
@@ -98,7 +98,7 @@ class Circles {
              joint_name(j) +
                  ": the other joints stood elsewhere than in the other "
                  "sweeps: lock them at one common home pose");
-      else if (radians)
+      else if (std::ranges::any_of(sweeps_, [&](auto& s) { return s.joint == j && in_radians(s); }))
         warn("angles_in_radians", j, joint_name(j) + kInRadians);
       else if (worst != SweepDefect::none)
         warn(code(worst), j, joint_name(j) + ": " + std::string(remedy(worst, joint.linear)));

@@ -354,7 +354,7 @@ TEST_CASE("Numbers of arms with linear joints are as uncertain as stated", "[lin
         Kind{"linear unit, no angles", 0, false}}) {
     CAPTURE(kind.name);
     Scores scores, directions;
-    for (std::uint32_t seed = 1; seed <= 40; ++seed) {
+    for (std::uint32_t seed = 1; seed <= 100; ++seed) {
       const Arm nominal = kind.linear == 0 ? on_linear_unit() : scara();
       const Arm built = as_built(nominal, seed);
       const identify::test::Noise noise{0, 0.02, seed};
