@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <iostream>
@@ -78,9 +79,10 @@ void check_answers(const char* when, const std::vector<Streamer::Sent>& sent,
   const auto before = answers(sent, sent.front().at, from);
   std::cout << "before: " << before.text() << "\n" << when << ": " << during.text() << '\n';
   // A reply that waited for the disk would take seconds. Of a machine with other work more than
-  // 20 ms is not expected in one of a hundred cycles.
+  // 20 ms is not expected in one of a hundred cycles, if it was not so before.
   CHECK(during.telegrams > 0);
-  CHECK(during.latency.quantile(0.99) < 20ms);
+  CHECK(during.latency.quantile(0.99) <
+        std::max<Clock::duration>(20ms, before.latency.quantile(0.99)));
 }
 
 /// A small disk of the daemon's own, at its output folder.
