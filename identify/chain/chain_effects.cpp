@@ -7,8 +7,6 @@
 #include <set>
 #include <utility>
 
-#include <Eigen/Cholesky>
-
 #include "identify/geometry/angle.hpp"
 
 namespace identify {
@@ -35,29 +33,51 @@ void add(MatrixXd& sum, Index first, Index parameters, const MatrixXd& products,
 
 }  // namespace
 
-// In units of the effects' own standard deviations, so that a variance may be zero.
+// Cholesky's elimination, in units of the effects' own standard deviations, so that a variance may
+// be zero: what has none is left out. A matrix is small here, and Eigen's blocks cost more than
+// they save.
 MatrixXd without_effects(const MatrixXd& products, const VectorXd& variances,
                          double& log_determinant) {
-  const Index effects = variances.size();
-  const Index rest = products.rows() - effects;
-  if (effects == 0) return products;
-  const VectorXd sigma = variances.cwiseSqrt();
-  MatrixXd inner =
-      sigma.asDiagonal() * products.topLeftCorner(effects, effects) * sigma.asDiagonal();
-  inner.diagonal().array() += 1;
-  const Eigen::LLT<MatrixXd> solver(inner);
-  const MatrixXd side =
-      solver.matrixL().solve(MatrixXd(sigma.asDiagonal() * products.topRightCorner(effects, rest)));
-  log_determinant += 2 * solver.matrixLLT().diagonal().array().log().sum();
+  const Index rest = products.rows() - variances.size();
+  MatrixXd left = products.bottomRightCorner(rest, rest);
+  const auto effects = static_cast<Index>((variances.array() != 0).count());
+  if (effects == 0) return left;
+  constexpr Index kAtOnce = 4;
+  const Index columns = (effects + kAtOnce - 1) / kAtOnce * kAtOnce;
+  MatrixXd factor = MatrixXd::Zero(effects + rest, columns);  // rows: effects, then the rest
+  double largest = 0;
+  for (Index k = 0, c = 0; k < variances.size(); ++k) {
+    if (variances(k) == 0) continue;
+    const double sigma = std::sqrt(variances(k));
+    for (Index l = 0, r = 0; l < variances.size(); ++l)
+      if (variances(l) != 0) factor(r++, c) = sigma * std::sqrt(variances(l)) * products(l, k);
+    factor.col(c).tail(rest) = sigma * products.col(k).tail(rest);
+    factor(c, c) += 1;
+    largest = std::max(largest, factor(c, c));
+    ++c;
+  }
   // The unit matrix and squares have no pivot below one. Where a stroke has gaps, nodes may have
   // negative weights: of effects so large that this shows, its sums tell nothing.
   constexpr double kRounding = 1e-14;
-  const double least = 0.99 - kRounding * inner.diagonal().maxCoeff();
-  if (solver.info() != Eigen::Success ||
-      !(solver.matrixLLT().diagonal().cwiseAbs2().minCoeff() > least))
-    log_determinant = std::numeric_limits<double>::infinity();
-  MatrixXd left = products.bottomRightCorner(rest, rest);
-  left.selfadjointView<Eigen::Lower>().rankUpdate(side.transpose(), -1);
+  const double least = 0.99 - kRounding * largest;
+  for (Index c = 0; c < effects; ++c) {
+    const double pivot = factor(c, c);
+    if (!(pivot > least)) {
+      log_determinant = std::numeric_limits<double>::infinity();
+      return left;
+    }
+    log_determinant += std::log(pivot);
+    factor.col(c).tail(effects + rest - c) /= std::sqrt(pivot);
+    for (Index d = c + 1; d < effects; ++d) {
+      const Index below = effects + rest - d;
+      factor.col(d).tail(below) -= factor(d, c) * factor.col(c).tail(below);
+    }
+  }
+  // Several effects at once: each column of what is left is then read and written less often.
+  for (Index c = 0; c < rest; ++c)
+    for (Index k = 0; k < columns; k += kAtOnce)
+      left.col(c).tail(rest - c) -= factor.middleCols<kAtOnce>(k).bottomRows(rest - c).lazyProduct(
+          factor.row(effects + c).segment<kAtOnce>(k).transpose());
   left.triangularView<Eigen::StrictlyUpper>() = left.transpose();
   return left;
 }

@@ -7,14 +7,17 @@
 
 namespace identify {
 
+// Eigen's products of rotations and translations, written out: of every fit the most frequent step.
 Eigen::Isometry3d transform(const DhRow& row) {
-  using Eigen::AngleAxisd;
-  using Eigen::Translation3d;
-  using Eigen::Vector3d;
-  return Eigen::Isometry3d(
-      Translation3d(0, 0, row.b_mm) * AngleAxisd(row.theta_rad, Vector3d::UnitZ()) *
-      Translation3d(row.a_mm, 0, 0) * AngleAxisd(row.alpha_rad, Vector3d::UnitX()) *
-      AngleAxisd(row.beta_rad, Vector3d::UnitY()));
+  const double ct = std::cos(row.theta_rad), st = std::sin(row.theta_rad);
+  const double ca = std::cos(row.alpha_rad), sa = std::sin(row.alpha_rad);
+  const double cb = std::cos(row.beta_rad), sb = std::sin(row.beta_rad);
+  Eigen::Isometry3d step;
+  step.linear().row(0) << ct * cb - st * sa * sb, -st * ca, ct * sb + st * sa * cb;
+  step.linear().row(1) << st * cb + ct * sa * sb, ct * ca, st * sb - ct * sa * cb;
+  step.linear().row(2) << -ca * sb, sa, ca * cb;
+  step.translation() << row.a_mm * ct, row.a_mm * st, row.b_mm;
+  return step;
 }
 
 DhRow Arm::row_at(std::size_t joint, double angle_rad) const {
