@@ -62,35 +62,41 @@ class Plan {
   /// Chi squared of a turn as one of `joint`.
   [[nodiscard]] double misfit(const Turn& turn, std::size_t joint, int sense) const {
     const auto& planned = strokes_[joint];
-    const auto& seen = turn.angles_rad;
-    const bool begins_otherwise = first_[joint] * sense * seen.front() < 0;
+    const auto& seen = turn.strokes;
+    const bool begins_otherwise = first_[joint] * sense * seen.front().angle_rad < 0;
     if (planned.empty()) return begins_otherwise ? kStray : 0;
     // The cheapest way to lay the strokes that were seen beside the planned ones, which may have
-    // been run several times: the edit distance.
+    // been run several times: the edit distance. What the stream saw in pieces may be one stroke.
     const std::size_t repeats =
-        std::max<std::size_t>(1, (seen.size() + planned.size() / 2) / planned.size());
-    std::vector<double> cost(1 + repeats * planned.size());
-    for (std::size_t k = 1; k < cost.size(); ++k) cost[k] = cost[k - 1] + kUnseen;
-    for (const double angle : seen) {
-      double diagonal = std::exchange(cost[0], cost[0] + kStray);
-      for (std::size_t k = 1; k < cost.size(); ++k) {
+        std::max<std::size_t>(1, (whole_strokes(turn) + planned.size() / 2) / planned.size());
+    std::vector<std::vector<double>> cost(seen.size() + 1,
+                                          std::vector<double>(1 + repeats * planned.size()));
+    for (std::size_t k = 1; k < cost[0].size(); ++k) cost[0][k] = cost[0][k - 1] + kUnseen;
+    for (std::size_t i = 1; i <= seen.size(); ++i) {
+      cost[i][0] = cost[i - 1][0] + kStray;
+      for (std::size_t k = 1; k < cost[i].size(); ++k) {
         const double wanted = planned[(k - 1) % planned.size()];
-        const double off =
-            (sense * angle - wanted) / (kDegree + (0.02 + turn.unsure) * std::abs(wanted));
-        const double matched = diagonal + off * off;
-        diagonal = cost[k];
-        cost[k] = std::min({matched, cost[k] + kStray, cost[k - 1] + kUnseen});
+        cost[i][k] = std::min(cost[i - 1][k] + kStray, cost[i][k - 1] + kUnseen);
+        double angle = 0;
+        for (std::size_t first = i; first-- > 0;) {
+          angle += seen[first].angle_rad;
+          const bool whole = seen[first].begin_seen && seen[i - 1].end_seen;
+          const double off = difference(sense * angle, wanted, whole, turn.unsure);
+          cost[i][k] = std::min(cost[i][k], cost[first][k - 1] + off * off);
+          if (!seen[first].goes_on) break;
+          angle += seen[first].gap_rad;
+        }
       }
     }
     constexpr double kHint = 1e-3;  // where nothing else tells, the first stroke is seen
-    return cost.back() + (begins_otherwise ? kHint : 0);
+    return cost.back().back() + (begins_otherwise ? kHint : 0);
   }
 
   /// Whether a turn may be what the plan has for `joint`: no stroke is foreign to it.
   [[nodiscard]] bool explains(const Turn& turn, std::size_t joint, int sense) const {
     const auto unseen =
         kUnseen * static_cast<double>(strokes_[joint].size() -
-                                      std::min(strokes_[joint].size(), turn.angles_rad.size()));
+                                      std::min(strokes_[joint].size(), whole_strokes(turn)));
     return misfit(turn, joint, sense) < kStray + unseen;
   }
 
@@ -99,6 +105,18 @@ class Plan {
   }
 
  private:
+  [[nodiscard]] static std::size_t whole_strokes(const Turn& turn) {
+    return static_cast<std::size_t>(
+        std::count_if(turn.strokes.begin(), turn.strokes.end(),
+                      [](const Turn::Stroke& stroke) { return !stroke.goes_on; }));
+  }
+
+  /// In what is allowed for. A stroke that was not seen whole may have been any longer.
+  [[nodiscard]] static double difference(double angle, double wanted, bool whole, double unsure) {
+    if (!whole && angle * wanted > 0 && std::abs(angle) < std::abs(wanted)) return 0;
+    return (angle - wanted) / (kDegree + (0.02 + unsure) * std::abs(wanted));
+  }
+
   bool given_ = false;
   Order order_;
   std::vector<std::vector<double>> strokes_;
@@ -276,11 +294,12 @@ class Assigner {
   void apply() {
     for (std::size_t t = 0; t < turns_.size(); ++t) {
       // Where nothing tells, the first stroke is the way that counts as positive.
-      const double sense = found_.senses_known ? chosen_.senses[t] : turns_[t].angles_rad.front();
-      for (std::size_t s = 0; s < turns_[t].strokes.size(); ++s) {
-        Sweep& stroke = strokes_[turns_[t].strokes[s]];
+      const double sense =
+          found_.senses_known ? chosen_.senses[t] : turns_[t].strokes.front().angle_rad;
+      for (const Turn::Stroke& seen : turns_[t].strokes) {
+        Sweep& stroke = strokes_[seen.place];
         stroke.joint = chosen_.joints[t];
-        stroke.direction = sense * turns_[t].angles_rad[s] < 0 ? -1 : 1;
+        stroke.direction = sense * seen.angle_rad < 0 ? -1 : 1;
       }
     }
   }

@@ -82,10 +82,11 @@ std::vector<Sweep> PositionSegmenter::push(const std::vector<Seen>& frame) {
 
 std::vector<Sweep> PositionSegmenter::finish() {
   for (; undecided_ < window_.size(); ++undecided_) decide(undecided_);
-  close();
+  close(!moves_);
   window_.clear();
   undecided_ = 0;
   moves_ = false;
+  blind_before_ = true;
   velocity_.clear();
   return std::exchange(ended_, {});
 }
@@ -226,25 +227,36 @@ void PositionSegmenter::decide(std::size_t centre) {
     if (const auto before = velocity_.find(target); before != velocity_.end())
       along += velocity.dot(before->second);
   // A reversal without a rest begins another stroke.
-  if (!moves || along < 0 || stroke_.size() >= most_samples_) close();
+  const bool ends = !moves || along < 0;
+  const bool grown = stroke_.size() >= most_samples_;
+  if (ends || grown) close(ends);
+  if (stroke_.empty()) begin_seen_ = !blind_before_ && (ends || !grown);
+  blind_before_ = false;
   moves_ = moves;
   velocity_ = slope.velocity_mm_s;
   if (moves) stroke_.push_back(window_[centre]);
 }
 
-void PositionSegmenter::close() {
+void PositionSegmenter::close(bool end_seen) {
+  const auto stroke = std::exchange(stroke_, {});
   std::map<std::size_t, std::vector<Kept>> targets;
-  for (const Frame& frame : std::exchange(stroke_, {}))
+  for (const Frame& frame : stroke)
     for (const Kept& seen : frame.seen)
       if (auto& of_target = targets[seen.target]; !seen.stray || !of_target.empty())
         of_target.push_back(seen);
   for (auto& [target, seen] : targets) {
     while (!seen.empty() && seen.back().stray) seen.pop_back();
-    if (seen.size() > 1) report(target, seen);
+    if (seen.size() < 2) continue;
+    // A target may have come into sight later than the others, or gone earlier.
+    const double late_s = seen.front().sample.time_s - stroke.front().time_s;
+    const double early_s = stroke.back().time_s - seen.back().sample.time_s;
+    report(target, seen, begin_seen_ && late_s <= kLongestGap_s,
+           end_seen && early_s <= kLongestGap_s);
   }
 }
 
-void PositionSegmenter::report(std::size_t target, const std::vector<Kept>& seen) {
+void PositionSegmenter::report(std::size_t target, const std::vector<Kept>& seen, bool begin_seen,
+                               bool end_seen) {
   const double noise = noise_mm();
   const auto travel = [](const Kept& from, const Kept& to) {
     return (to.sample.position_mm - from.sample.position_mm).norm();
@@ -265,6 +277,8 @@ void PositionSegmenter::report(std::size_t target, const std::vector<Kept>& seen
 
   Sweep sweep;
   sweep.target = target;
+  sweep.begin_seen = begin_seen;
+  sweep.end_seen = end_seen;
   sweep.samples = std::make_shared<const std::vector<Sample>>(std::move(samples));
   const auto circle = fit_circle(points.leftCols(count));
   // A move of two joints leaves the circle by millimetres; measuring noise does not.

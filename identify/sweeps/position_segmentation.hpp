@@ -65,14 +65,16 @@ class PositionSegmenter {
   [[nodiscard]] Slope slope_at(std::size_t centre) const;
   void learn(const Slope& slope);
   [[nodiscard]] double noise_mm() const;
-  void close();
-  void report(std::size_t target, const std::vector<Kept>& seen);
+  void close(bool end_seen);
+  void report(std::size_t target, const std::vector<Kept>& seen, bool begin_seen, bool end_seen);
 
   std::size_t most_samples_;
   double step_mm_ = 0;
   std::deque<Frame> window_;
   std::size_t undecided_ = 0;
   bool moves_ = false;
+  bool blind_before_ = true;  ///< nothing is known of the time before the next frame
+  bool begin_seen_ = false;   ///< that of the stroke under way
   std::map<std::size_t, Eigen::Vector3d> velocity_;
   std::vector<Frame> stroke_;
   std::vector<Sweep> ended_;

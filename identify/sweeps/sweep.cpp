@@ -183,14 +183,26 @@ std::vector<Turn> turns_in(const std::vector<Sweep>& strokes,
   for (const StrokeGroup& group : groups) {
     const auto circle = fit_circle(group.all);
     if (!circle) continue;
-    Turn turn{group.strokes, {}, noise_in_bend(group.all), {circle->normal, circle->center_mm, {}}};
+    Turn turn{{}, noise_in_bend(group.all), {circle->normal, circle->center_mm, {}}};
     turn.axis.covariance =
         axis_covariance(*circle, group.all, circle->plane_rms_mm, circle->radial_rms_mm);
     // A short stroke alone tells the middle of its circle badly, and so by which angle it turned.
-    for (const Matrix3Xd& points : group.points) {
-      const auto angles = turns_about(*circle, points);
-      const double seen = angles.empty() ? 0 : angles.back() - angles.front();
-      turn.angles_rad.push_back((1 - turn.unsure) * seen);
+    std::optional<double> ended_rad;
+    for (std::size_t s = 0; s < group.strokes.size(); ++s) {
+      const Sweep& seen = strokes[group.strokes[s]];
+      const auto angles = turns_about(*circle, group.points[s]);
+      Turn::Stroke stroke{group.strokes[s]};
+      if (!angles.empty()) {
+        stroke.angle_rad = (1 - turn.unsure) * (angles.back() - angles.front());
+        if (ended_rad) stroke.gap_rad = std::remainder(angles.front() - *ended_rad, 2 * kPi);
+        ended_rad = angles.back();
+      }
+      stroke.begin_seen = seen.begin_seen;
+      stroke.end_seen = seen.end_seen;
+      stroke.goes_on = s > 0 && !seen.begin_seen && !turn.strokes.back().end_seen &&
+                       stroke.angle_rad * turn.strokes.back().angle_rad > 0 &&
+                       stroke.angle_rad * stroke.gap_rad > 0;
+      turn.strokes.push_back(stroke);
     }
     turns.push_back(std::move(turn));
   }

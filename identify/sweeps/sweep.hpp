@@ -30,6 +30,8 @@ struct Sweep {
   int direction = 0;                 ///< +1: the controller's angle rises; -1: it falls; 0: unknown
   double range_rad = 0;  ///< the angle that was turned, positive; of a linear joint mm * kDegree
   SweepDefect defect = SweepDefect::none;
+  /// Where the stream was blind while it ran, it began earlier or ended later than its samples.
+  bool begin_seen = true, end_seen = true;
   /// Leads to the start of a sweep, or from its end back home: known once all strokes are.
   bool positioning = false;
   /// Of strokes that went the same way and of which no sample is kept: their moments_like() this
@@ -47,10 +49,17 @@ struct Sweep {
 
 /// Strokes about one axis: those of one joint, no angle telling of which.
 struct Turn {
-  std::vector<std::size_t> strokes;  ///< places in the list that was searched
-  std::vector<double> angles_rad;    ///< one a stroke, positive about the axis
-  double unsure = 0;                 ///< the share of the angles that noise may have made up
-  Axis axis;                         ///< its sense of rotation is any
+  struct Stroke {
+    std::size_t place = 0;  ///< in the list that was searched
+    double angle_rad = 0;   ///< positive about the axis
+    /// The stroke before may have gone on in this one, while the stream was blind for `gap_rad`.
+    bool goes_on = false;
+    double gap_rad = 0;
+    bool begin_seen = true, end_seen = true;
+  };
+  std::vector<Stroke> strokes;
+  double unsure = 0;  ///< the share of the angles that noise may have made up
+  Axis axis;          ///< its sense of rotation is any
 };
 
 /// Groups strokes without a defect: those one after the other whose points lie on one circle are of

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <numeric>
 #include <random>
@@ -13,6 +14,7 @@
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/circle_fit.hpp"
 #include "identify/identification.hpp"
+#include "identify/sweeps/position_segmentation.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/simulated_campaign.hpp"
 
@@ -321,6 +323,45 @@ TEST_CASE("a plan or a description that is another's is said to be",
     const auto found = assign_joints(strokes, known);
     CHECK(found.doubt.find("no order agrees with the robot description") != std::string::npos);
     CHECK(warns(found, "order_assumed"));
+  }
+}
+
+TEST_CASE("strokes that a stream saw in pieces are those of their plan",
+          "[joint_assignment][issue12]") {
+  const auto arm = identify::test::kr5_arc();
+  const double every_s = GENERATE(3.0, 7.0);
+  CAPTURE(every_s);
+  identify::test::Campaign run(arm, {.position_mm = 0.02});
+  run.rest();
+  for (std::size_t j = 0; j < 6; ++j) run.sweep(j, kWide[j].start_deg, kWide[j].end_deg);
+  identify::PositionSegmenter segmenter;
+  std::vector<Sweep> strokes;
+  const auto take = [&](std::vector<Sweep> ended) {
+    std::move(ended.begin(), ended.end(), std::back_inserter(strokes));
+  };
+  for (const auto& sample : identify::test::without_angles(run.samples()))
+    if (std::fmod(sample.time_s, every_s) > 1) take(segmenter.push({{0, sample}}));
+  take(segmenter.finish());
+  const auto whole = [](const Sweep& stroke) { return stroke.begin_seen && stroke.end_seen; };
+  CHECK(std::count_if(strokes.begin(), strokes.end(), whole) > 0);
+  CHECK_FALSE(std::all_of(strokes.begin(), strokes.end(), whole));
+
+  Seen planned{arm, kWide, {}};
+  const auto assigned = [&] {
+    identify::Campaign known;
+    known.specified = arm;
+    declare(known, planned, arm.home_rad);
+    return assign_joints(strokes, known);
+  };
+  SECTION("as they are") {
+    const auto found = assigned();
+    CHECK_FALSE(warns(found, "plan_contradicted"));
+    CHECK(found.doubt.empty());
+    CHECK(found.senses_known);
+  }
+  SECTION("and not those of another's, as far as they were seen whole") {
+    planned.ranges = kNarrow;
+    CHECK(warns(assigned(), "plan_contradicted"));
   }
 }
 
