@@ -62,10 +62,8 @@ MatrixXd without_effects(const MatrixXd& products, const VectorXd& variances,
   const double least = 0.99 - kRounding * largest;
   for (Index c = 0; c < effects; ++c) {
     const double pivot = factor(c, c);
-    if (!(pivot > least)) {
-      log_determinant = std::numeric_limits<double>::infinity();
-      return left;
-    }
+    if (!(pivot > least)) log_determinant = std::numeric_limits<double>::infinity();
+    if (!(pivot > 0)) return left;
     log_determinant += std::log(pivot);
     factor.col(c).tail(effects + rest - c) /= std::sqrt(pivot);
     for (Index d = c + 1; d < effects; ++d) {
@@ -88,9 +86,7 @@ EffectElimination::EffectElimination(std::vector<StrokeProducts> strokes,
     : strokes_(std::move(strokes)),
       group_of_(std::move(group_of)),
       home_of_(std::move(home_of)),
-      parameters_(parameters) {
-  own_.left.resize(group_of_.size());
-}
+      parameters_(parameters) {}
 
 namespace {
 
@@ -112,28 +108,39 @@ void take_out(const std::vector<MatrixXd>& ones, const std::vector<VectorXd>& va
 
 }  // namespace
 
-Eliminated EffectElimination::operator()(const EffectVariances& variances) {
-  if (own_.variances != variances.own) {
-    stand_.variances.clear();
-    own_.variances = variances.own;
-    own_.log_determinant = 0;
-    for (MatrixXd& stand : own_.left) stand.setZero();
-    for (std::size_t s = 0; s < strokes_.size(); ++s) {
-      const std::size_t stand = strokes_[s].stand, group = group_of_[stand];
-      add(own_.left[stand],
-          variances.stand[stand].size() + variances.shared[group].size() +
-              variances.home[home_of_[group]].size(),
-          parameters_,
-          without_effects(strokes_[s].products, variances.own[s], own_.log_determinant),
-          strokes_[s].parameters);
-    }
+/// Brings the level of these own variances to the front of those that are known.
+void EffectElimination::use_own(const EffectVariances& variances) {
+  if (!own_.empty() && own_.front().variances == variances.own) return;
+  stand_.variances.clear();
+  const auto known = std::find_if(own_.begin(), own_.end(), [&](const Level& level) {
+    return level.variances == variances.own;
+  });
+  if (known != own_.end()) {
+    own_.splice(own_.begin(), own_, known);
+    return;
   }
+  while (!own_.empty() && (own_.size() + 1) * group_of_.size() > kKept) own_.pop_back();
+  Level& level = own_.emplace_front();
+  level.variances = variances.own;
+  level.left.resize(group_of_.size());
+  for (std::size_t s = 0; s < strokes_.size(); ++s) {
+    const std::size_t stand = strokes_[s].stand, group = group_of_[stand];
+    add(level.left[stand],
+        variances.stand[stand].size() + variances.shared[group].size() +
+            variances.home[home_of_[group]].size(),
+        parameters_, without_effects(strokes_[s].products, variances.own[s], level.log_determinant),
+        strokes_[s].parameters);
+  }
+}
+
+Eliminated EffectElimination::operator()(const EffectVariances& variances) {
+  use_own(variances);
   if (stand_.variances != variances.stand) {
     shared_.variances.clear();
     stand_.variances = variances.stand;
-    stand_.log_determinant = own_.log_determinant;
+    stand_.log_determinant = own_.front().log_determinant;
     stand_.left.resize(home_of_.size());
-    take_out(own_.left, variances.stand, group_of_, stand_.left, stand_.log_determinant);
+    take_out(own_.front().left, variances.stand, group_of_, stand_.left, stand_.log_determinant);
   }
   if (shared_.variances != variances.shared) {
     shared_.variances = variances.shared;

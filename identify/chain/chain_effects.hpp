@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <list>
 #include <vector>
 
 #include <Eigen/Core>
@@ -60,13 +61,19 @@ class EffectElimination {
     double log_determinant = 0;
   };
 
+  /// A search for sizes comes back to what it has just left. So many matrices are kept for it, of
+  /// some 20 kB each.
+  static constexpr std::size_t kKept = 200;
+
+  void use_own(const EffectVariances& variances);
+
   std::vector<StrokeProducts> strokes_;
   std::vector<std::size_t> group_of_;
   std::vector<std::size_t> home_of_;
   Eigen::Index parameters_;
-  Level own_;     ///< left: one a stand
-  Level stand_;   ///< left: one a group
-  Level shared_;  ///< left: one a home
+  std::list<Level> own_;  ///< left: one a stand; the last used first
+  Level stand_;           ///< left: one a group
+  Level shared_;          ///< left: one a home
 };
 
 /// Orders of a figure, from the first on, and of what angles are off by, from none on.
