@@ -61,8 +61,7 @@ class EffectElimination {
     double log_determinant = 0;
   };
 
-  /// A search for sizes comes back to what it has just left. So many matrices are kept for it, of
-  /// some 20 kB each.
+  /// A search for sizes comes back to what it has just left. So many matrices are kept for it.
   static constexpr std::size_t kKept = 200;
 
   void use_own(const EffectVariances& variances);

@@ -83,8 +83,8 @@ class Plan {
           const bool whole = seen[first].begin_seen && seen[i - 1].end_seen;
           const double off = difference(sense * angle, wanted, whole, turn.unsure);
           cost[i][k] = std::min(cost[i][k], cost[first][k - 1] + off * off);
-          if (!seen[first].goes_on) break;
-          angle += seen[first].gap_rad;
+          if (!seen[first].gap_rad) break;
+          angle += *seen[first].gap_rad;
         }
       }
     }
@@ -108,7 +108,7 @@ class Plan {
   [[nodiscard]] static std::size_t whole_strokes(const Turn& turn) {
     return static_cast<std::size_t>(
         std::count_if(turn.strokes.begin(), turn.strokes.end(),
-                      [](const Turn::Stroke& stroke) { return !stroke.goes_on; }));
+                      [](const Turn::Stroke& stroke) { return !stroke.gap_rad; }));
   }
 
   /// In what is allowed for. A stroke that was not seen whole may have been any longer.

@@ -191,17 +191,16 @@ std::vector<Turn> turns_in(const std::vector<Sweep>& strokes,
     for (std::size_t s = 0; s < group.strokes.size(); ++s) {
       const Sweep& seen = strokes[group.strokes[s]];
       const auto angles = turns_about(*circle, group.points[s]);
-      Turn::Stroke stroke{group.strokes[s]};
+      Turn::Stroke stroke{group.strokes[s], 0, seen.begin_seen, seen.end_seen, {}};
       if (!angles.empty()) {
         stroke.angle_rad = (1 - turn.unsure) * (angles.back() - angles.front());
-        if (ended_rad) stroke.gap_rad = std::remainder(angles.front() - *ended_rad, 2 * kPi);
+        if (ended_rad && !seen.begin_seen && !turn.strokes.back().end_seen) {
+          const double gap = std::remainder(angles.front() - *ended_rad, 2 * kPi);
+          if (stroke.angle_rad * turn.strokes.back().angle_rad > 0 && stroke.angle_rad * gap > 0)
+            stroke.gap_rad = gap;
+        }
         ended_rad = angles.back();
       }
-      stroke.begin_seen = seen.begin_seen;
-      stroke.end_seen = seen.end_seen;
-      stroke.goes_on = s > 0 && !seen.begin_seen && !turn.strokes.back().end_seen &&
-                       stroke.angle_rad * turn.strokes.back().angle_rad > 0 &&
-                       stroke.angle_rad * stroke.gap_rad > 0;
       turn.strokes.push_back(stroke);
     }
     turns.push_back(std::move(turn));

@@ -52,10 +52,10 @@ struct Turn {
   struct Stroke {
     std::size_t place = 0;  ///< in the list that was searched
     double angle_rad = 0;   ///< positive about the axis
-    /// The stroke before may have gone on in this one, while the stream was blind for `gap_rad`.
-    bool goes_on = false;
-    double gap_rad = 0;
     bool begin_seen = true, end_seen = true;
+    /// Where the stroke before may have gone on in this one: by how much while the stream was
+    /// blind.
+    std::optional<double> gap_rad;
   };
   std::vector<Stroke> strokes;
   double unsure = 0;  ///< the share of the angles that noise may have made up

@@ -46,7 +46,7 @@ class HttpClient {
       close(socket_);
       throw std::system_error(error, std::generic_category(), "connect");
     }
-    const timeval longest{60, 0};
+    const timeval longest{20, 0};
     setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &longest, sizeof longest);
     setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &longest, sizeof longest);
   }
