@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "identify/chain/chain_problem.hpp"
+#include "identify/geometry/information.hpp"
 
 namespace identify {
 namespace {

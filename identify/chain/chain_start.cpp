@@ -42,7 +42,10 @@ double misfit(const std::vector<AxisCircle>& circles, const Vector3d& point) {
   return sum;
 }
 
-Vector3d meeting_point(const std::vector<AxisCircle>& circles, Vector3d point) {
+namespace {
+
+/// From `point` on, until a step is shorter than `short_mm`.
+Vector3d meeting_point(const std::vector<AxisCircle>& circles, Vector3d point, double short_mm) {
   constexpr int kSteps = 30;
   for (int step = 0; step < kSteps; ++step) {
     // Along its tangent a circle has no say; a little damping for where none has.
@@ -55,12 +58,18 @@ Vector3d meeting_point(const std::vector<AxisCircle>& circles, Vector3d point) {
       normal += Matrix3d::Identity() - tangent * tangent.transpose();
       right += circle.to_circle(point);
     }
-    const Vector3d move = normal.ldlt().solve(right);
+    const Vector3d move = normal.inverse() * right;
     if (!move.allFinite()) break;
     point += move;
-    if (move.norm() < 1e-9) break;
+    if (move.norm() < short_mm) break;
   }
   return point;
+}
+
+}  // namespace
+
+Vector3d meeting_point(const std::vector<AxisCircle>& circles, const Vector3d& start) {
+  return meeting_point(circles, start, 1e-9);
 }
 
 Vector3d meeting_point(const std::vector<AxisCircle>& circles) {
@@ -74,18 +83,20 @@ Vector3d meeting_point(const std::vector<AxisCircle>& circles) {
   if (circles.size() == 1) return first.on_it_mm;
   double least = std::numeric_limits<double>::infinity();
   constexpr int kPlaces = 72;
+  constexpr double kShort_mm = 1e-3;  // what is left then, decides between no two places
   for (int k = 0; k < kPlaces; ++k) {
-    const Vector3d point =
-        meeting_point(circles, first.axis.point_mm +
-                                   Eigen::AngleAxisd(2 * kPi * k / kPlaces, first.axis.direction) *
-                                       (first.on_it_mm - first.axis.point_mm));
+    const Vector3d point = meeting_point(
+        circles,
+        first.axis.point_mm + Eigen::AngleAxisd(2 * kPi * k / kPlaces, first.axis.direction) *
+                                  (first.on_it_mm - first.axis.point_mm),
+        kShort_mm);
     const double sum = misfit(circles, point);
     if (sum < least) {
       least = sum;
       best = point;
     }
   }
-  return best;
+  return meeting_point(circles, best);
 }
 
 namespace {

@@ -27,7 +27,7 @@ struct AxisCircle {
 /// The point closest to all circles, by Gauss-Newton from `start`; without one, from all around the
 /// first circle, for others may pass near it more than once. A single circle is met anywhere on it.
 [[nodiscard]] Eigen::Vector3d meeting_point(const std::vector<AxisCircle>& circles,
-                                            Eigen::Vector3d start);
+                                            const Eigen::Vector3d& start);
 [[nodiscard]] Eigen::Vector3d meeting_point(const std::vector<AxisCircle>& circles);
 
 /// An axis for each joint to start from, by a robust circle of the sweeps that the circles used;

@@ -9,6 +9,7 @@
 #include <Eigen/Cholesky>
 
 #include "identify/chain/chain_problem.hpp"
+#include "identify/geometry/information.hpp"
 
 namespace identify {
 

@@ -6,7 +6,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "identify/chain/chain_problem.hpp"
+#include "identify/geometry/information.hpp"
 #include "identify/geometry/line.hpp"
 
 namespace identify {

@@ -6,8 +6,8 @@
 #include <Eigen/Cholesky>
 
 #include "identify/chain/chain_fit.hpp"
-#include "identify/chain/chain_problem.hpp"
 #include "identify/chain/chain_table.hpp"
+#include "identify/geometry/information.hpp"
 #include "identify/geometry/symmetric_eigen.hpp"
 #include "identify/poses/arm_fit.hpp"
 #include "identify/poses/observability.hpp"
