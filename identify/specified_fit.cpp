@@ -25,7 +25,9 @@ struct Unit {
 };
 constexpr Unit kUnits[] = {
     {1000, "1000 times smaller than specified: are the positions in metres?"},
-    {1e-3, "1000 times larger than specified: are the positions in micrometres?"},
+    {1e-3,
+     "1000 times larger than specified: are the positions in micrometres, or in mm under names in "
+     "m?"},
     {25.4, "25.4 times smaller than specified: are the positions in inches?"}};
 constexpr double kAboutUnit = 1.3;
 /// Of radians that were taken for degrees it is 57.

@@ -15,6 +15,8 @@ namespace {
 constexpr double kStraightSigmas = 4;
 constexpr double kSameWay = 0.01;
 constexpr double kLongestArm_mm = 10'000;
+/// An arc by a longer one, in wrong units perhaps, is bent by so much of its length; rails are not.
+constexpr double kMostBend = 0.05;
 
 }  // namespace
 
@@ -56,9 +58,9 @@ ToldWay told_way(const LineFit& line, const std::vector<Sweep>& sweeps, std::siz
 Straightness straightness(const LineFit& line, const ToldWay& told) {
   const bool with_angles = told.range_rad > 0;
   if (with_angles && std::abs(std::abs(told.mm_per_unit) - 1) > kSameWay) return Straightness::bent;
-  const double sagitta = with_angles
-                             ? line.length_mm / 2 * std::tan(std::min(told.range_rad, kPi) / 4)
-                             : line.length_mm * line.length_mm / (8 * kLongestArm_mm);
+  const double sagitta =
+      with_angles ? line.length_mm / 2 * std::tan(std::min(told.range_rad, kPi) / 4)
+                  : line.length_mm * std::min(line.length_mm / (8 * kLongestArm_mm), kMostBend);
   const double room = kStraightSigmas * line.bend_sigma_mm;
   if (line.bend_mm + room < sagitta / 2) return Straightness::straight;
   return line.bend_mm - room > sagitta / 2 ? Straightness::bent : Straightness::undecided;

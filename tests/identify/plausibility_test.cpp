@@ -1,6 +1,7 @@
 #include "identify/plausibility.hpp"
 
 #include <functional>
+#include <utility>
 
 #include "tests/catch.hpp"
 #include "tests/identify/simulated_campaign.hpp"
@@ -142,17 +143,19 @@ TEST_CASE("a plan and a description that tell opposite senses are not a complete
   }
 }
 
-TEST_CASE("metres in a column for millimetres are named", "[plausibility][long]") {
+TEST_CASE("metres in a column for millimetres are named, and the other way round",
+          "[plausibility][long]") {
   const auto seed = GENERATE(1U, 2U, 3U);
   const bool angles = GENERATE(false, true);
+  const auto unit = GENERATE(std::pair(1e-3, "in metres"), std::pair(1e3, "in mm under"));
   for (const auto& robot : {some_kr5(seed), some_iiwa(seed)}) {
     const Simulation simulation(robot, {}, tracker(angles), seed);
     const auto found = identify::identify(
         changed(simulation.sweeps(),
-                of_positions([](const auto& p) { return Eigen::Vector3d(p / 1000); })),
+                of_positions([&](const auto& p) { return Eigen::Vector3d(p * unit.first); })),
         simulation.campaign());
     check_doubt(found, "unit_factor");
-    CHECK_THAT(found.reason, Catch::Matchers::ContainsSubstring("in metres"));
+    CHECK_THAT(found.reason, ContainsSubstring(unit.second));
   }
 }
 

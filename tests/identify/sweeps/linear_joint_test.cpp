@@ -97,6 +97,9 @@ TEST_CASE("A line is told from an arc by its bend, and neither where noise hides
   CHECK(judged(2500, 218, 0.02, {}) == Straightness::bent);
   CHECK(judged(0, 218, 0.02, {}) == Straightness::straight);
   CHECK(judged(0, 20, 0.02, {}) == Straightness::undecided);
+  // The same arm in micrometres, as if these were millimetres, and a rail that is as long as any.
+  CHECK(judged(2'500'000, 2'500'000, 20, {}) == Straightness::bent);
+  CHECK(judged(0, 30'000, 2, {}) == Straightness::straight);
   // What was told is another way.
   CHECK(judged(0, 100, 0.02, {90 * kDegree, 1.1}) == Straightness::bent);
 }
