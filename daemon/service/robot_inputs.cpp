@@ -1,12 +1,13 @@
 #include "daemon/service/robot_inputs.hpp"
 
-#include <fstream>
-#include <sstream>
+#include <system_error>
 #include <utility>
 
 #include <spdlog/fmt/ranges.h>
 
 #include "daemon/system/disk_room.hpp"
+#include "rsi/file_bytes.hpp"
+#include "rsi/telegram/ethernet_config.hpp"
 
 namespace sweepd {
 namespace {
@@ -20,11 +21,11 @@ Files files_of(const RobotSettings& settings) {
   return files;
 }
 
-/// Empty if there is no file.
-std::string content(const std::optional<std::filesystem::path>& file) {
-  std::ostringstream text;
-  if (file) text << std::ifstream(*file, std::ios::binary).rdbuf();
-  return text.str();
+/// As much as an Ethernet file may have; empty if there is none.
+std::string content(const std::optional<std::filesystem::path>& file) try {
+  return file ? rsi::file_bytes(*file, rsi::EthernetConfig::kMostBytes) : "";
+} catch (const std::system_error&) {
+  return "";
 }
 
 }  // namespace

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <system_error>
 
 #include <spdlog/fmt/fmt.h>
@@ -15,6 +13,7 @@
 #include "daemon/text/nearest_word.hpp"
 #include "rsi/ascii.hpp"
 #include "rsi/counted.hpp"
+#include "rsi/file_bytes.hpp"
 
 namespace sweepd {
 namespace {
@@ -139,18 +138,13 @@ struct TomlTable::Node {
 TomlTable::TomlTable(std::shared_ptr<const Node> node) : node_(std::move(node)) {}
 
 TomlTable TomlTable::load(const std::filesystem::path& file) {
-  errno = 0;
-  std::ifstream in(file, std::ios::binary);
   std::string text;
-  std::array<char, 4096> part{};
-  while (in && text.size() <= kMostFileBytes) {
-    in.read(part.data(), part.size());
-    text.append(part.data(), static_cast<std::size_t>(in.gcount()));
-  }
-  if (!in.is_open() || in.bad())
-    throw ConfigError(file.string() + ": cannot be read: " +
-                      std::error_code(errno, std::generic_category()).message() +
+  try {
+    text = rsi::file_bytes(file, kMostFileBytes);
+  } catch (const std::system_error& error) {
+    throw ConfigError(file.string() + ": cannot be read: " + error.code().message() +
                       ": check the path and the permissions");
+  }
   if (text.size() > kMostFileBytes)
     throw ConfigError(file.string() +
                       ": expected a TOML file of at most 1 MiB, found more: " + "check the path");

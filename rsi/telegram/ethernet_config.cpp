@@ -1,13 +1,10 @@
 #include "rsi/telegram/ethernet_config.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
-#include <fstream>
 #include <initializer_list>
 #include <iterator>
 #include <optional>
-#include <sstream>
 #include <system_error>
 #include <unordered_map>
 #include <unordered_set>
@@ -17,6 +14,7 @@
 
 #include "rsi/ascii.hpp"
 #include "rsi/endpoint.hpp"
+#include "rsi/file_bytes.hpp"
 #include "rsi/telegram/text_positions.hpp"
 #include "rsi/telegram/wire_layout.hpp"
 
@@ -24,8 +22,6 @@ namespace rsi {
 namespace {
 
 using Element = EthernetConfig::Element;
-
-constexpr std::size_t kMostBytes = 1 << 20;  // with 64 channels each way they have some kB
 
 bool is_one_of(std::string_view text, std::initializer_list<std::string_view> words) {
   return std::any_of(words.begin(), words.end(),
@@ -317,22 +313,22 @@ EthernetConfig EthernetConfig::parse(std::string_view xml, std::string name) {
   EthernetConfig config;
   config.name = std::move(name);
   if (xml.size() > kMostBytes)
-    throw EthernetConfigError(config.name + ": expected an RSI Ethernet file, found " +
-                              std::to_string(xml.size()) +
-                              " bytes: give the file that lies on the controller");
+    throw EthernetConfigError(config.name +
+                              ": expected an RSI Ethernet file of at most 1 MiB, found more: give "
+                              "the file that lies on the controller");
   Reader(xml, config).read();
   return config;
 }
 
 EthernetConfig EthernetConfig::load(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream xml;
-  xml << stream.rdbuf();
-  if (!stream.is_open() || stream.bad() || std::filesystem::is_directory(file))
-    throw EthernetConfigError(file.string() +
-                              ": cannot be read: " + std::generic_category().message(errno) +
+  std::string xml;
+  try {
+    xml = file_bytes(file, kMostBytes);
+  } catch (const std::system_error& error) {
+    throw EthernetConfigError(file.string() + ": cannot be read: " + error.code().message() +
                               ": check the path and the permissions");
-  return parse(xml.str(), file.string());
+  }
+  return parse(xml, file.string());
 }
 
 std::vector<Element> EthernetConfig::commands() const {

@@ -37,6 +37,9 @@ struct EthernetConfig {
   std::vector<std::string> warnings;  ///< "file:line:column: text", in the order of the file
 
   /// `name` is for messages. Throws EthernetConfigError.
+  /// With 64 channels each way a file has some kB.
+  static constexpr std::size_t kMostBytes = 1 << 20;
+
   [[nodiscard]] static EthernetConfig parse(std::string_view xml, std::string name);
   [[nodiscard]] static EthernetConfig load(const std::filesystem::path& file);
 

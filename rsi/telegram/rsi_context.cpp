@@ -2,16 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <charconv>
-#include <fstream>
-#include <sstream>
 #include <system_error>
 #include <utility>
 
 #include <pugixml.hpp>
 
 #include "rsi/ascii.hpp"
+#include "rsi/file_bytes.hpp"
 #include "rsi/telegram/rsi_object.hpp"
 #include "rsi/telegram/text_positions.hpp"
 
@@ -225,20 +223,22 @@ RsiContext RsiContext::parse(std::string_view xml, std::string name) {
   RsiContext context;
   context.name = std::move(name);
   if (xml.size() > kMostContextBytes)
-    throw RsiContextError(context.name + ": expected an RSI context, found " +
-                          std::to_string(xml.size()) + " bytes: give the .rsi.xml or .rsix");
+    throw RsiContextError(context.name +
+                          ": expected an RSI context of at most 16 MiB, found more: give the "
+                          ".rsi.xml or .rsix");
   ContextReader(xml, context).read();
   return context;
 }
 
 RsiContext RsiContext::load(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream xml;
-  xml << stream.rdbuf();
-  if (!stream.is_open() || stream.bad() || std::filesystem::is_directory(file))
-    throw RsiContextError(file.string() + ": cannot be read: " +
-                          std::generic_category().message(errno) + ": correct the path");
-  return parse(xml.str(), file.string());
+  std::string xml;
+  try {
+    xml = file_bytes(file, kMostContextBytes);
+  } catch (const std::system_error& error) {
+    throw RsiContextError(file.string() + ": cannot be read: " + error.code().message() +
+                          ": correct the path");
+  }
+  return parse(xml, file.string());
 }
 
 std::vector<std::string> RsiContext::compare(const EthernetConfig& config) const {

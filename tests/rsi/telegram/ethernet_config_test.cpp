@@ -382,5 +382,7 @@ TEST_CASE("positions as whole numbers, and two tags on one channel, are warned a
 TEST_CASE("a file larger than any Ethernet file is refused before it is read",
           "[ethernet_config][issue11][point_2]") {
   CHECK_THAT(error_of(file(kSettings) + std::string(1 << 20, ' ')),
-             ContainsSubstring("eth.xml: expected an RSI Ethernet file, found 10"));
+             ContainsSubstring("eth.xml: expected an RSI Ethernet file of at most 1 MiB"));
+  CHECK_THROWS_WITH(EthernetConfig::load("/dev/zero"),
+                    ContainsSubstring("/dev/zero: expected an RSI Ethernet file of at most 1 MiB"));
 }

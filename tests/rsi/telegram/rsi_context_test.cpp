@@ -266,6 +266,7 @@ TEST_CASE("what is no context is refused with its place and a remedy", "[rsi_con
   CHECK_THAT(context_error(std::string("<RSIObjects>\0</RSIObjects>", 26)),
              ContainsSubstring("zero bytes"));
   CHECK_THROWS_WITH(RsiContext::load("/nowhere/a.rsix"), ContainsSubstring("cannot be read"));
+  CHECK_THROWS_WITH(RsiContext::load("/dev/zero"), ContainsSubstring("at most 16 MiB, found more"));
 }
 
 TEST_CASE("a context without the name of its Ethernet file, or with two, is warned about",

@@ -1,0 +1,31 @@
+#include "rsi/file_bytes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <system_error>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+namespace rsi {
+
+std::string file_bytes(const std::filesystem::path& path, std::size_t most) {
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  std::string bytes;
+  std::array<char, 64 << 10> part{};
+  ssize_t count = file < 0 ? -1 : 1;
+  while (count > 0 && bytes.size() <= most) {
+    // One more than `most` in all, which may be the largest number that there is.
+    const std::size_t room = most - bytes.size();
+    count = read(file, part.data(), std::min(part.size() - 1, room) + 1);
+    if (count > 0) bytes.append(part.data(), static_cast<std::size_t>(count));
+    if (count < 0 && errno == EINTR) count = 1;
+  }
+  const int reason = errno;
+  if (file >= 0) close(file);
+  if (count < 0) throw std::system_error(reason, std::generic_category());
+  return bytes;
+}
+
+}  // namespace rsi
