@@ -10,6 +10,7 @@
 
 #include "identify/chain/chain_start.hpp"
 #include "identify/geometry/circle_fit.hpp"
+#include "identify/geometry/median.hpp"
 #include "identify/geometry/warning.hpp"
 #include "identify/sweeps/home.hpp"
 
@@ -28,6 +29,10 @@ constexpr double kStep_mm = 0.5;
 /// homes that scatter look so in one of some thousand campaigns (F of 3 and 4).
 constexpr double kExplainedByStep = 100;
 constexpr std::size_t kFewestSpare = 4;
+/// Gears err by minutes of arc.
+constexpr double kOffAngle_rad = 0.1 * kDegree;
+constexpr std::size_t kFewestNear = 3;
+constexpr double kSigmas = 5;
 /// Locked joints that were told to stand elsewhere explain it themselves.
 constexpr double kHeld_rad = 0.005 * kDegree;
 
@@ -36,13 +41,27 @@ AxisCircle circle_of(const CircleFit& circle) {
           circle.center_mm + circle.radius_mm * circle.normal.unitOrthogonal()};
 }
 
+/// How certain a circle is, by how its points lie about it.
+CircleCovariance covariance_of(const CircleFit& circle, const Eigen::Matrix3Xd& points,
+                               const Identification& found) {
+  const double times = std::sqrt(found.chain ? found.chain->samples_per_independent : 1);
+  return {circle, points, times * circle.plane_rms_mm, times * circle.radial_rms_mm};
+}
+
 struct SeenCircle {
   AxisCircle circle;
+  CircleCovariance known;
   std::size_t joint = 0;
   double time_s = 0;
 };
 
-/// One a sweep, in the order of time.
+std::vector<AxisCircle> circles_in(const std::vector<SeenCircle>& seen) {
+  std::vector<AxisCircle> circles;
+  for (const SeenCircle& one : seen) circles.push_back(one.circle);
+  return circles;
+}
+
+/// One a sweep, in the order of time: of those that tell where home is.
 std::vector<SeenCircle> circles_of_sweeps(const Identification& found) {
   std::vector<SeenCircle> seen;
   for (std::size_t j = 0; j < found.joints.size(); ++j) {
@@ -53,10 +72,17 @@ std::vector<SeenCircle> circles_of_sweeps(const Identification& found) {
       if (!joint.used[s] || sweep.target != joint.circle_target ||
           off_home_rad(sweep, found.home_rad) > kHeld_rad)
         continue;
-      const auto circle = fit_usual_circle(positions(*sweep.samples));
-      if (circle) seen.push_back({circle_of(circle->circle), j, sweep.first().time_s});
+      const auto points = positions(*sweep.samples);
+      if (const auto usual = fit_usual_circle(points))
+        seen.push_back({circle_of(usual->circle), covariance_of(usual->circle, points, found), j,
+                        sweep.first().time_s});
     }
   }
+  // Where a short arc's circle passes home, nobody knows.
+  const Vector3d home = meeting_point(circles_in(seen));
+  std::erase_if(seen, [&](const SeenCircle& one) {
+    return !(kSigmas * one.known.sigma_mm(home) < kStep_mm);
+  });
   std::stable_sort(seen.begin(), seen.end(),
                    [](const SeenCircle& a, const SeenCircle& b) { return a.time_s < b.time_s; });
   return seen;
@@ -83,8 +109,7 @@ std::optional<Meeting> meeting_of(const std::vector<SeenCircle>& seen, std::size
 std::optional<Warning> step_of_home(const Identification& found, bool timed) {
   const auto seen = circles_of_sweeps(found);
   if (2 * seen.size() < 6 + kFewestSpare) return std::nullopt;
-  std::vector<AxisCircle> circles;
-  for (const SeenCircle& one : seen) circles.push_back(one.circle);
+  const auto circles = circles_in(seen);
   const Vector3d home = meeting_point(circles);
   double least = misfit(circles, home) / kExplainedByStep, moved_mm = 0;
   std::size_t from = 0;
@@ -104,6 +129,13 @@ std::optional<Warning> step_of_home(const Identification& found, bool timed) {
                      " mm from where it was, and stays there: the device, the robot's base or the "
                      "target was moved, or a joint did not come back home. Sweep all joints again, "
                      "each from the same home, and touch nothing meanwhile"};
+}
+
+/// How certain a joint's circle is at a place.
+double sigma_at(const Identification& found, std::size_t j, const Vector3d& place) {
+  const JointResult& joint = found.joints[j];
+  return covariance_of(*joint.circle, used_points(joint, joint.circle_target), found)
+      .sigma_mm(place);
 }
 
 /// A joint whose circle passes by where the others' meet, and by how far.
@@ -130,9 +162,69 @@ std::optional<PassesBy> circle_that_passes_by(const Identification& found) {
     const double peers = std::sqrt(misfit(others, home) / static_cast<double>(others.size()));
     const double off = circles[i].to_circle(home).norm();
     if (!(off > kOffHome_mm) || !(off > kOffHomeToPeers * peers)) continue;
+    if (!(off > kSigmas * sigma_at(found, joints[i], home))) continue;
     if (worst && !(peers < least)) continue;
     worst = {joints[i], off};
     least = peers;
+  }
+  return worst;
+}
+
+/// How far a joint's angles, as told while it swept, are from those at which the target was seen,
+/// at the tenth of a sweep's samples nearest to home; of its sweeps the farthest.
+struct ToldOff {
+  std::size_t joint = 0;
+  double off_rad = 0;
+  double most_rad = 0;  ///< what gears and noise may make of it
+  double off_mm = 0;
+};
+std::optional<ToldOff> told_off(const Identification& found, std::size_t j) {
+  const JointResult& joint = found.joints[j];
+  const double reach_mm = joint.line ? kLinear_mm : joint.circle ? joint.circle->radius_mm : 0;
+  if (!found.home_rad[j] || !(reach_mm > 0)) return std::nullopt;
+  double sigma_mm = found.chain->noise.position_mm;
+  if (joint.circle && joint.circle_target < found.chain->chain.targets_mm.size())
+    sigma_mm += sigma_at(found, j, found.chain->chain.targets_mm[joint.circle_target]);
+  std::optional<ToldOff> farthest;
+  for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
+    const Sweep& sweep = joint.sweeps[s];
+    if (!joint.used[s] || off_home_rad(sweep, found.home_rad) > kHeld_rad) continue;
+    struct Told {
+      double from_home;
+      double off;
+    };
+    std::vector<Told> all;
+    for (const Sample& sample : *sweep.samples)
+      if (const auto seen = seen_turn(found, j, sweep.target, sample);
+          seen && seen->angle_error_rad)
+        all.push_back(
+            {std::abs(sample.angles_rad[j] - *found.home_rad[j]), *seen->angle_error_rad});
+    std::stable_sort(all.begin(), all.end(),
+                     [](const Told& a, const Told& b) { return a.from_home < b.from_home; });
+    all.resize(all.size() / 10);
+    if (all.size() < kFewestNear) continue;
+    std::vector<double> off;  // they may lie about half a turn
+    for (const Told& one : all) off.push_back(wrapped(one.off - all.front().off));
+    const double middle = std::abs(wrapped(all.front().off + median_in(off)));
+    if (!farthest || middle > farthest->off_rad)
+      farthest = {j, middle, kOffAngle_rad + kSigmas * sigma_mm / reach_mm, middle * reach_mm};
+  }
+  return farthest;
+}
+
+/// A joint whose angles are off as the other joints' are not, as those that come late are.
+std::optional<ToldOff> angle_off(const Identification& found) {
+  std::vector<ToldOff> all;
+  for (std::size_t j = 0; found.chain && j < found.joints.size(); ++j)
+    if (const auto one = told_off(found, j)) all.push_back(*one);
+  std::optional<ToldOff> worst;
+  for (const ToldOff& one : all) {
+    std::vector<double> others;
+    for (const ToldOff& other : all)
+      if (other.joint != one.joint) others.push_back(other.off_rad);
+    if (others.size() + 1 >= kFewestPeers && one.off_rad > one.most_rad && one.off_mm > kStep_mm &&
+        one.off_rad > kOffHomeToPeers * median_of(others) && (!worst || one.off_mm > worst->off_mm))
+      worst = one;
   }
   return worst;
 }
@@ -150,6 +242,17 @@ void judge_home(Identification& found, bool timed) {
   }
   if (auto step = step_of_home(found, timed)) {
     found.doubts.push_back(std::move(*step));
+    return;
+  }
+  if (const auto one = angle_off(found)) {
+    const bool linear = found.joints[one->joint].line.has_value();
+    found.doubts.push_back(
+        {"off_home", one->joint,
+         joint_name(one->joint) + ": where its angle was told, the target was seen " +
+             (linear ? "" : fixed(one->off_rad / kDegree, 2) + "°, ") + brief(one->off_mm) +
+             " mm, from where the other joints' sweeps have it at home: robot, device or target "
+             "were moved between the sweeps, or this joint's zero or scale is wrong. Sweep all "
+             "joints again, and touch nothing meanwhile"});
     return;
   }
   const double scatter = found.chain ? found.chain->home_scatter_mm : 0;

@@ -37,6 +37,7 @@ constexpr double kScattered_mm = 0.1;
 constexpr double kWrongTurn_rad = 5 * kDegree;
 constexpr double kWrongTurnShare = 0.3;
 constexpr double kLate_s = 0.75;
+constexpr double kSigmas = 5;
 /// What was seen, divided by what radians for degrees make of it, is what was told but for this.
 constexpr double kAboutRadians = 0.05;
 /// A stroke no farther off the circle of all strokes, in distances from its own, is on both.
@@ -248,6 +249,11 @@ class Judge {
     if (circle.radius_mm < kLeastRadius * scatter_[j]->usual_mm) return;
     const Vector3d x = circle.normal.unitOrthogonal();
     const Vector3d y = circle.normal.cross(x);
+    const double alike = found_.chain ? found_.chain->samples_per_independent : 1;
+    const double radius_sigma_mm =
+        CircleCovariance(circle, used_points(joint, joint.circle_target), circle.plane_rms_mm,
+                         std::sqrt(alike) * circle.radial_rms_mm)
+            .radius_sigma_mm();
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
       if (!joint.used[s] || joint.sweeps[s].target != joint.circle_target) continue;
       struct Turn {
@@ -279,7 +285,10 @@ class Judge {
       const double seconds = sweep.last().time_s - sweep.first().time_s;
       const double late =
           seconds > 0 ? kLate_s / seconds * (turns.back().told - turns.front().told) : 0;
-      if (!(std::abs(off) > kWrongTurn_rad + late) || !(std::abs(off) > kWrongTurnShare * told))
+      // In a short arc noise hides the radius, and with it how far the target was seen to turn.
+      const double unsure = kSigmas * radius_sigma_mm / circle.radius_mm * told;
+      if (!(std::abs(off) > kWrongTurn_rad + late + unsure) ||
+          !(std::abs(off) > kWrongTurnShare * told))
         continue;
       const bool radians = std::abs((told - off) * kDegree - told) < kAboutRadians * told;
       doubt("angle_arc_mismatch", j,

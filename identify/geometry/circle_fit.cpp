@@ -108,32 +108,61 @@ CircleResidual residual(const CircleFit& circle, const Vector3d& point) {
   return {height, (from_center - height * circle.normal).norm() - circle.radius_mm};
 }
 
-Matrix6d axis_covariance(const CircleFit& circle, const Matrix3Xd& points, double plane_sigma_mm,
-                         double radial_sigma_mm) {
-  Matrix3d frame;
+namespace {
+
+/// Of a place in the circle's plane, from its centre: what the plane's numbers and the circle's do
+/// there.
+Vector3d by_plane_at(double x, double y, double radius) {
+  return {1, x / radius, y / radius};
+}
+Vector3d by_circle_at(double x, double y) {
+  return Vector3d(x, y, 0).normalized() + Vector3d::UnitZ();
+}
+
+}  // namespace
+
+CircleCovariance::CircleCovariance(const CircleFit& of, const Matrix3Xd& points,
+                                   double plane_sigma_mm, double radial_sigma_mm)
+    : circle(of) {
   const Matrix3Xd round = in_circle_frame(circle, points, frame);
   // Out of plane: z = z0 + x tx + y ty; the plane's normal is then (-tx, -ty, 1). Coordinates are
   // from the centre and in radii, so that z0 is the centre's own error along the normal.
-  Matrix3d plane = Matrix3d::Zero();
+  Matrix3d of_plane = Matrix3d::Zero();
   // In the plane: the radial error of a point at angle phi is (cos phi, sin phi, 1)(dx, dy, dr).
-  Matrix3d radial = Matrix3d::Zero();
+  Matrix3d of_circle = Matrix3d::Zero();
   for (Eigen::Index i = 0; i < round.cols(); ++i) {
-    const Vector3d out(1, round(0, i) / circle.radius_mm, round(1, i) / circle.radius_mm);
-    plane += out * out.transpose();
-    const Vector3d across = Vector3d(round(0, i), round(1, i), 0).normalized() + Vector3d::UnitZ();
-    radial += across * across.transpose();
+    const Vector3d out = by_plane_at(round(0, i), round(1, i), circle.radius_mm);
+    of_plane += out * out.transpose();
+    const Vector3d across = by_circle_at(round(0, i), round(1, i));
+    of_circle += across * across.transpose();
   }
-  const Matrix3d plane_covariance = plane_sigma_mm * plane_sigma_mm * plane.inverse();
-  const Matrix3d radial_covariance = radial_sigma_mm * radial_sigma_mm * radial.inverse();
+  plane = plane_sigma_mm * plane_sigma_mm * of_plane.inverse();
+  radial = radial_sigma_mm * radial_sigma_mm * of_circle.inverse();
+}
 
+double CircleCovariance::sigma_mm(const Vector3d& point_mm) const {
+  constexpr double kRoughly = 0.02;
+  const double tilts = std::sqrt(std::max(plane(1, 1), plane(2, 2)));  // times the radius
+  if (!(std::max(radius_sigma_mm(), tilts) < kRoughly * circle.radius_mm))
+    return std::numeric_limits<double>::infinity();
+  const Vector3d at = frame.transpose() * (point_mm - circle.center_mm);
+  const Vector3d across = by_circle_at(at(0), at(1));
+  const Vector3d out =
+      by_plane_at(circle.radius_mm * across(0), circle.radius_mm * across(1), circle.radius_mm);
+  return std::sqrt(std::max(out.dot(plane * out), across.dot(radial * across)));
+}
+
+Matrix6d axis_covariance(const CircleFit& circle, const Matrix3Xd& points, double plane_sigma_mm,
+                         double radial_sigma_mm) {
+  const CircleCovariance known(circle, points, plane_sigma_mm, radial_sigma_mm);
   // From (z0, tx r, ty r) and (dx, dy) to the direction and the centre.
   Eigen::Matrix<double, 6, 3> by_plane = Eigen::Matrix<double, 6, 3>::Zero();
-  by_plane.block<3, 1>(3, 0) = frame.col(2);
-  by_plane.block<3, 2>(0, 1) = -frame.leftCols<2>() / circle.radius_mm;
+  by_plane.block<3, 1>(3, 0) = known.frame.col(2);
+  by_plane.block<3, 2>(0, 1) = -known.frame.leftCols<2>() / circle.radius_mm;
   Eigen::Matrix<double, 6, 2> by_circle = Eigen::Matrix<double, 6, 2>::Zero();
-  by_circle.bottomRows<3>() = frame.leftCols<2>();
-  return by_plane * plane_covariance * by_plane.transpose() +
-         by_circle * radial_covariance.topLeftCorner<2, 2>() * by_circle.transpose();
+  by_circle.bottomRows<3>() = known.frame.leftCols<2>();
+  return by_plane * known.plane * by_plane.transpose() +
+         by_circle * known.radial.topLeftCorner<2, 2>() * by_circle.transpose();
 }
 
 namespace {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 
 #include <Eigen/Core>
@@ -34,6 +35,24 @@ struct CircleResidual {
   double radial_mm = 0;
 };
 [[nodiscard]] CircleResidual residual(const CircleFit& circle, const Eigen::Vector3d& point_mm);
+
+/// How certain a circle is, first order, for independent errors of `plane_sigma_mm` along the
+/// normal and `radial_sigma_mm` across the arc.
+struct CircleCovariance {
+  CircleCovariance(const CircleFit& of, const Eigen::Matrix3Xd& points_mm, double plane_sigma_mm,
+                   double radial_sigma_mm);
+
+  /// Of the circle where it comes nearest to a point, in the direction known worse: a short arc
+  /// tells little of the rest of its circle. Infinite where the radius is known no better than to a
+  /// fiftieth, or the plane to so much of a radian: first order tells nothing then.
+  [[nodiscard]] double sigma_mm(const Eigen::Vector3d& point_mm) const;
+  [[nodiscard]] double radius_sigma_mm() const { return std::sqrt(radial(2, 2)); }
+
+  CircleFit circle;
+  Eigen::Matrix3d frame;   ///< two directions in the plane, and the normal
+  Eigen::Matrix3d plane;   ///< of the centre's height, and the tilts about both, times the radius
+  Eigen::Matrix3d radial;  ///< of the centre in the plane, and the radius
+};
 
 /// Covariance of the axis that a circle gives, (direction, centre) in this order, first order, for
 /// independent errors of `plane_sigma_mm` along the normal and `radial_sigma_mm` across the arc.

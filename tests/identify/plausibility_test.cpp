@@ -3,6 +3,8 @@
 #include <functional>
 #include <utility>
 
+#include <Eigen/Geometry>
+
 #include "tests/catch.hpp"
 #include "tests/identify/simulated_campaign.hpp"
 #include "tests/simulation/simulation.hpp"
@@ -238,6 +240,48 @@ TEST_CASE("a device that was moved between two sweeps is told from joints that s
   scattered.home.sigma_deg = 0.05;
   const Simulation loose(some_kr5(seed), {}, scattered, seed);
   CHECK(identify::identify(loose.sweeps(), loose.campaign()).status == Status::complete);
+}
+
+TEST_CASE("a base that was turned about one joint's axis between sweeps is a doubt",
+          "[plausibility]") {
+  // The circles stay what they are; only the angles tell.
+  const auto off_deg = GENERATE(0.0, 0.3, 5.0, 90.0);
+  CAPTURE(off_deg);
+  for (const std::uint32_t seed : {1U, 2U}) {
+    World world = tracker(true);
+    world.placed = false;
+    const Simulation simulation(some_kr5(seed), {}, world, seed);
+    const Eigen::AngleAxisd turn(off_deg * kDegree, Eigen::Vector3d::UnitZ());
+    const auto turned = [&](Sweep& sweep, std::vector<Sample>& samples) {
+      if (*sweep.joint > 0)
+        for (Sample& sample : samples) sample.position_mm = turn * sample.position_mm;
+    };
+    const auto found =
+        identify::identify(changed(simulation.sweeps(), turned), simulation.campaign());
+    if (off_deg == 0)
+      CHECK(found.status == Status::complete);
+    else
+      check_doubt(found, "off_home", 0);
+  }
+}
+
+TEST_CASE("a short arc far from home does not tell where its circle passes home",
+          "[plausibility]") {
+  const auto begin_deg = GENERATE(30.0, 60.0, 90.0);
+  const auto noise_mm = GENERATE(0.03, 0.1);
+  CAPTURE(begin_deg, noise_mm);
+  for (std::uint32_t seed = 1; seed <= 3; ++seed) {
+    World world = tracker(true);
+    world.noise.range_mm = world.noise.across_mm = noise_mm;
+    Strokes strokes;
+    strokes.ranges_deg.assign(6, {-45, 45});
+    strokes.ranges_deg.back() = {begin_deg, begin_deg + 8};
+    strokes.samples = 200;
+    const Simulation simulation(some_kr5(seed), strokes, world, seed);
+    const auto found = identify::identify(simulation.sweeps(), simulation.campaign());
+    INFO(found.reason);
+    CHECK(found.doubts.empty());
+  }
 }
 
 TEST_CASE("short strokes in much noise do not disagree", "[plausibility]") {

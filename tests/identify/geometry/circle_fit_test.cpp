@@ -1,5 +1,6 @@
 #include "identify/geometry/circle_fit.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -199,6 +200,32 @@ TEST_CASE("The usual circle is the plain one of all points but those far off", "
     CHECK(usual->circle.normal.dot(arc.normal) > 0.999);
   }
   CHECK_FALSE(fit_usual_circle(Matrix3Xd::Zero(3, 50)));
+}
+
+TEST_CASE("how certain a circle is beyond its arc is what arcs scatter by there", "[circle_fit]") {
+  constexpr double kNoise = 0.02, kRadius = 300;
+  for (const double beyond_deg : {0.0, 60.0, 160.0}) {
+    const Vector3d place =
+        arc(kCenter, kAxis, kRadius, 30 + beyond_deg, 2).col(1);  // as far from the arc's end
+    double plane = 0, radial = 0, sigma = 0;
+    constexpr unsigned kRuns = 300;
+    for (unsigned seed = 1; seed <= kRuns; ++seed) {
+      const Matrix3Xd points = arc(kCenter, kAxis, kRadius, 30, 100, kNoise, seed);
+      const auto fit = fit_circle(points);
+      REQUIRE(fit);
+      const CircleResidual off = residual(*fit, place);
+      plane += off.plane_mm * off.plane_mm / kRuns;
+      radial += off.radial_mm * off.radial_mm / kRuns;
+      sigma += CircleCovariance(*fit, points, kNoise, kNoise).sigma_mm(place) / kRuns;
+    }
+    INFO(beyond_deg);
+    CHECK(std::sqrt(std::max(plane, radial)) == Approx(sigma).epsilon(0.1));
+  }
+  // Of 3 degrees noise hides the bend.
+  const Matrix3Xd points = arc(kCenter, kAxis, kRadius, 3, 100, kNoise);
+  const auto fit = fit_circle(points);
+  REQUIRE(fit);
+  CHECK(std::isinf(CircleCovariance(*fit, points, kNoise, kNoise).sigma_mm(kCenter)));
 }
 
 TEST_CASE("Points that make no circle have no robust one either", "[circle_fit]") {
