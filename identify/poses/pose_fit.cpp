@@ -8,6 +8,7 @@
 
 #include "identify/geometry/information.hpp"
 #include "identify/geometry/line.hpp"
+#include "identify/geometry/median.hpp"
 
 namespace identify {
 namespace {
@@ -81,7 +82,7 @@ struct Whitened {
 class Problem {
  public:
   Problem(PoseFit& fit, const std::vector<Pose>& poses, const std::optional<ChainPrior>& prior)
-      : fit_(fit), poses_(poses), prior_(prior) {}
+      : fit_(fit), poses_(poses), prior_(prior), start_(fit.noise) {}
 
   void linearise() {
     fit_.rows.clear();
@@ -212,15 +213,23 @@ class Problem {
     fit_.condition = information.condition();
   }
 
+  /// Half of the poses are no outliers: where a step led them astray, the noise is made to fit.
   void weigh() {
+    constexpr double kMostUsual = 4;  // of three normal numbers the median is 1.5
+    std::vector<double> sigmas;
     for (std::size_t i = 0; i < poses_.size(); ++i) {
       const PoseRow& row = fit_.rows[i];
       const VectorXd left = row.off - row.by_parameter * step_;
       const double square = left.dot(fit_.noise.covariance(row.by_own).llt().solve(left));
       // As if it had a position alone.
-      fit_.weights(static_cast<Index>(i)) =
-          weight_at(std::sqrt(3 * square / static_cast<double>(left.size())));
+      sigmas.push_back(std::sqrt(3 * square / static_cast<double>(left.size())));
     }
+    const double times = std::max(1.0, median_of(sigmas) / kMostUsual);
+    fit_.noise.position_mm *= times;
+    fit_.noise.orientation_rad *= times;
+    fit_.noise.joint_rad *= times;
+    for (std::size_t i = 0; i < poses_.size(); ++i)
+      fit_.weights(static_cast<Index>(i)) = weight_at(sigmas[i] / times);
   }
 
   /// Each component times the root of what is seen of it over what is expected.
@@ -275,6 +284,19 @@ class Problem {
     for (const JointPlace& place : fit_.model.places)
       take(place.off_rad, fit_.noise.joint_rad, true, joints);
     PoseNoise& noise = fit_.noise;
+    if (start_.gears_rad > 0) {
+      // Gears of all joints can take up all that a few poses leave. The noise is not none for that:
+      // what was left without them counts, as so much more.
+      constexpr double kBefore = 4;
+      const auto hold = [](Sized& sized, double before, double now) {
+        sized.seen += kBefore * before * before / std::pow(now, 4);
+        sized.expected += kBefore / (now * now);
+      };
+      hold(position, start_.position_mm, noise.position_mm);
+      hold(joints, start_.joint_rad, noise.joint_rad);
+      if (orientation.expected > 0)
+        hold(orientation, start_.orientation_rad, noise.orientation_rad);
+    }
     const double joint = noise.joint_rad * noise.joint_rad * joints.expected;
     const double rest = noise.position_mm * noise.position_mm * position.expected;
     joint_share_ = joint / (joint + rest);
@@ -289,6 +311,7 @@ class Problem {
   PoseFit& fit_;
   const std::vector<Pose>& poses_;
   const std::optional<ChainPrior>& prior_;
+  const PoseNoise start_;
   std::vector<Whitened> white_;
   VectorXd step_;
   double joint_share_ = 1;

@@ -47,6 +47,19 @@ TEST_CASE("What is wrong with all poses is named", "[pose_doubts][long]") {
         }) == "joints_exchanged");
 }
 
+TEST_CASE("One pose that is metres off is left out, whichever it is", "[pose_doubts]") {
+  const auto built = arm_with(tracker(0.002), 5);
+  for (const double off_mm : {2000.0, 50'000.0})
+    for (std::size_t wrong = 0; wrong < 60; wrong += 6) {
+      auto poses = built.poses(60);
+      poses[wrong].sample.position_mm.z() -= off_mm;
+      const auto found = identify::identify({}, built.campaign(), poses);
+      INFO(off_mm << " mm, pose " << wrong << ": " << found.reason);
+      CHECK(found.status == Status::complete);
+      CHECK(warned(found, "pose_outliers"));
+    }
+}
+
 TEST_CASE("Angles of other poses are not the arm's", "[pose_doubts][long]") {
   const auto built = arm_with(tracker(), 3);
   auto poses = built.poses(40);

@@ -1,5 +1,7 @@
 #include "identify/poses/pose_estimate.hpp"
 
+#include <algorithm>
+
 #include "identify/identification.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/poses/simulated_poses.hpp"
@@ -13,7 +15,8 @@ namespace {
 struct Judged {
   int inside = 0;
   int numbers = 0;
-  double squares = 0;  ///< of errors in standard uncertainties
+  double squares = 0;   ///< of errors in standard uncertainties
+  double farthest = 0;  ///< the largest of them
 };
 
 void judge(const simulation::Simulation& of, const Identification& found, Judged& all) {
@@ -30,6 +33,7 @@ void judge(const simulation::Simulation& of, const Identification& found, Judged
       const double z = error / numbers[k]->sigma;
       ++all.numbers;
       all.squares += z * z;
+      all.farthest = std::max(all.farthest, std::abs(z));
       if (std::abs(z) < 1.96) ++all.inside;
     }
   }
@@ -85,6 +89,25 @@ TEST_CASE("Poses alone tell the table, and their uncertainties hold", "[pose_est
   CHECK(share > 0.92);
   CHECK(share < 0.98);
   CHECK(std::sqrt(all.squares / all.numbers) == Approx(1).margin(0.1));
+}
+
+TEST_CASE("Gears do not take up all noise of a few poses", "[pose_estimate][long]") {
+  Judged all;
+  for (std::uint32_t seed = 1; seed <= 40; ++seed) {
+    const auto built = arm_with(tracker(), seed);
+    const auto poses = built.poses(12);
+    const auto found = identify::identify({}, built.campaign(), poses);
+    INFO("seed " << seed << ": " << found.reason);
+    REQUIRE(found.estimator == Estimator::poses);
+    judge(built, found, all);
+    const PoseFit& fit = found.poses->fit;
+    double square = 0;  // of the noise in each coordinate, on average
+    for (const PoseRow& row : fit.rows)
+      square += fit.noise.covariance(row.by_own).trace() / 3 / static_cast<double>(poses.size());
+    CHECK(std::sqrt(square) > 0.005);
+  }
+  CHECK(static_cast<double>(all.inside) / all.numbers > 0.92);
+  CHECK(all.farthest < 6);
 }
 
 TEST_CASE("Ellipsoids hold what was not fitted", "[pose_estimate][long]") {
