@@ -103,7 +103,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A target close to the axis tells nothing of where along its circle it is.
+/// A target close to the axis does not tell where along its circle it is.
 bool hardly_moves(const Sweep& sweep, const ChainAxis& axis) {
   if (axis.linear) return false;
   constexpr double kLeastRadius_mm = 1;
@@ -113,6 +113,13 @@ bool hardly_moves(const Sweep& sweep, const ChainAxis& axis) {
     places.emplace_back((from - axis.direction * axis.direction.dot(from)).norm(), 0, 0);
   }
   return median(places).x() < kLeastRadius_mm;
+}
+
+/// Whether each used sweep of a joint hardly moves.
+bool none_moves(const JointResult& joint, const ChainAxis& axis) {
+  for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
+    if (joint.used[s] && !hardly_moves(joint.sweeps[s], axis)) return false;
+  return true;
 }
 
 /// Positive where a sweep turns about the circle's normal: by the medians of its thirds.
@@ -170,6 +177,10 @@ std::vector<std::optional<ChainAxis>> starting_axes(const CircleEstimate& circle
     if (joint.axis && joint.axis->direction.dot(joint.circle->normal) < 0) turned = -turned;
     axes.back() =
         ChainAxis{turned < 0 ? Vector3d(-circle->normal) : circle->normal, circle->center_mm};
+    const bool told = std::all_of(used.begin(), used.end(), [&](const Sweep& sweep) {
+      return sweep.first().joints >= circles.joints.size();
+    });
+    if (!told && none_moves(joint, *axes.back())) axes.back() = std::nullopt;
   }
   return axes;
 }
@@ -181,10 +192,12 @@ std::vector<ChainSweep> chain_sweeps(const CircleEstimate& circles,
   for (std::size_t j = 0; j < joints; ++j) {
     const JointResult& joint = circles.joints[j];
     if (!axes[j]) continue;
+    // Without a sweep of its own nothing would tell how uncertain its axis is.
+    const bool all = none_moves(joint, *axes[j]);
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
       const Sweep& sweep = joint.sweeps[s];
       const bool elsewhere = !joint.used[s] && !sweep.positioning;
-      if (joint.used[s] && hardly_moves(sweep, *axes[j])) continue;
+      if (joint.used[s] && !all && hardly_moves(sweep, *axes[j])) continue;
       if (joint.used[s] || (elsewhere && sweep.first().joints >= joints))
         found.push_back({j, &sweep});
     }

@@ -32,7 +32,8 @@ struct AxisCircle {
 
 /// An axis for each joint to start from, by a robust circle of the sweeps that the circles used;
 /// it points as the circle's does. Nothing where there is no circle, or hardly one: direction
-/// uncertain by more than a degree. Of a linear joint, the line.
+/// uncertain by more than a degree, or without angles no sweep in which the target moves. Of a
+/// linear joint, the line.
 [[nodiscard]] std::vector<std::optional<ChainAxis>> starting_axes(const CircleEstimate& circles);
 
 /// A sweep that the chain uses.

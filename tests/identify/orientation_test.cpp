@@ -1,5 +1,6 @@
 // The tool's orientation in the chain: what it adds, and when it is left alone.
 
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -186,4 +187,32 @@ TEST_CASE("what rounding takes away and no sample shows is in the uncertainties"
   CHECK(numbers > 70);
   CHECK(std::sqrt(squares / numbers) < 1.15);
   CHECK(inside >= 0.93 * numbers);
+}
+
+TEST_CASE("a tool point within a millimetre of axis 6 makes no number more certain than it is",
+          "[orientation]") {
+  const auto radius_mm = GENERATE(0.3, 0.7, 0.95, 1.05);
+  const auto seed = GENERATE(1U, 2U, 3U, 4U);
+  CAPTURE(radius_mm, seed);
+  auto robot = simulation::kr5();
+  robot.targets_mm = {
+      Vector3d(radius_mm * std::cos(seed), radius_mm * std::sin(seed), 215)};  // any side of it
+  simulation::World world;
+  world.controller = world.angles = world.orientations = true;
+  world.decimals = 2;
+  const simulation::Simulation simulation(robot, {}, world, seed);
+  const auto found = identify::identify(simulation.sweeps(), simulation.campaign());
+  if (found.status != Status::complete) return;
+  const auto truth = simulation::true_table(simulation, found.dh, found.home_rad);
+  for (std::size_t i = 0; i < found.dh.size(); ++i) {
+    const std::array<double, 5> values{truth[i].b_mm, truth[i].theta_rad, truth[i].a_mm,
+                                       truth[i].alpha_rad, truth[i].beta_rad};
+    const auto numbers = numbers_of(found.dh[i]);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      if (numbers[k]->knowledge != Knowledge::identified) continue;
+      const double off = numbers[k]->value - values[k];
+      INFO("row " << i + 1 << ", number " << k);
+      CHECK(std::abs(k % 2 == 1 ? wrapped(off) : off) < 6 * numbers[k]->sigma);
+    }
+  }
 }
