@@ -32,7 +32,7 @@ constexpr std::size_t kFewestSpare = 4;
 /// Gears err by minutes of arc.
 constexpr double kOffAngle_rad = 0.1 * kDegree;
 constexpr std::size_t kFewestNear = 3;
-constexpr double kSigmas = 5;
+constexpr double kHomeSigmas = 5;
 /// Locked joints that were told to stand elsewhere explain it themselves.
 constexpr double kHeld_rad = 0.005 * kDegree;
 
@@ -81,7 +81,7 @@ std::vector<SeenCircle> circles_of_sweeps(const Identification& found) {
   // Where a short arc's circle passes home, nobody knows.
   const Vector3d home = meeting_point(circles_in(seen));
   std::erase_if(seen, [&](const SeenCircle& one) {
-    return !(kSigmas * one.known.sigma_mm(home) < kStep_mm);
+    return !(kHomeSigmas * one.known.sigma_mm(home) < kStep_mm);
   });
   std::stable_sort(seen.begin(), seen.end(),
                    [](const SeenCircle& a, const SeenCircle& b) { return a.time_s < b.time_s; });
@@ -162,7 +162,7 @@ std::optional<PassesBy> circle_that_passes_by(const Identification& found) {
     const double peers = std::sqrt(misfit(others, home) / static_cast<double>(others.size()));
     const double off = circles[i].to_circle(home).norm();
     if (!(off > kOffHome_mm) || !(off > kOffHomeToPeers * peers)) continue;
-    if (!(off > kSigmas * sigma_at(found, joints[i], home))) continue;
+    if (!(off > kHomeSigmas * sigma_at(found, joints[i], home))) continue;
     if (worst && !(peers < least)) continue;
     worst = {joints[i], off};
     least = peers;
@@ -207,7 +207,7 @@ std::optional<ToldOff> told_off(const Identification& found, std::size_t j) {
     for (const Told& one : all) off.push_back(wrapped(one.off - all.front().off));
     const double middle = std::abs(wrapped(all.front().off + median_in(off)));
     if (!farthest || middle > farthest->off_rad)
-      farthest = {j, middle, kOffAngle_rad + kSigmas * sigma_mm / reach_mm, middle * reach_mm};
+      farthest = {j, middle, kOffAngle_rad + kHomeSigmas * sigma_mm / reach_mm, middle * reach_mm};
   }
   return farthest;
 }

@@ -37,7 +37,7 @@ constexpr double kScattered_mm = 0.1;
 constexpr double kWrongTurn_rad = 5 * kDegree;
 constexpr double kWrongTurnShare = 0.3;
 constexpr double kLate_s = 0.75;
-constexpr double kSigmas = 5;
+constexpr double kRadiusSigmas = 5;
 /// What was seen, divided by what radians for degrees make of it, is what was told but for this.
 constexpr double kAboutRadians = 0.05;
 /// A stroke no farther off the circle of all strokes, in distances from its own, is on both.
@@ -286,7 +286,7 @@ class Judge {
       const double late =
           seconds > 0 ? kLate_s / seconds * (turns.back().told - turns.front().told) : 0;
       // In a short arc noise hides the radius, and with it how far the target was seen to turn.
-      const double unsure = kSigmas * radius_sigma_mm / circle.radius_mm * told;
+      const double unsure = kRadiusSigmas * radius_sigma_mm / circle.radius_mm * told;
       if (!(std::abs(off) > kWrongTurn_rad + late + unsure) ||
           !(std::abs(off) > kWrongTurnShare * told))
         continue;
