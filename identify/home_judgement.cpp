@@ -41,13 +41,6 @@ AxisCircle circle_of(const CircleFit& circle) {
           circle.center_mm + circle.radius_mm * circle.normal.unitOrthogonal()};
 }
 
-/// How certain a circle is, by how its points lie about it.
-CircleCovariance covariance_of(const CircleFit& circle, const Eigen::Matrix3Xd& points,
-                               const Identification& found) {
-  const double times = std::sqrt(found.chain ? found.chain->samples_per_independent : 1);
-  return {circle, points, times * circle.plane_rms_mm, times * circle.radial_rms_mm};
-}
-
 struct SeenCircle {
   AxisCircle circle;
   CircleCovariance known;
@@ -74,7 +67,8 @@ std::vector<SeenCircle> circles_of_sweeps(const Identification& found) {
         continue;
       const auto points = positions(*sweep.samples);
       if (const auto usual = fit_usual_circle(points))
-        seen.push_back({circle_of(usual->circle), covariance_of(usual->circle, points, found), j,
+        seen.push_back({circle_of(usual->circle),
+                        CircleCovariance(usual->circle, points, found.samples_per_independent()), j,
                         sweep.first().time_s});
     }
   }
@@ -134,7 +128,8 @@ std::optional<Warning> step_of_home(const Identification& found, bool timed) {
 /// How certain a joint's circle is at a place.
 double sigma_at(const Identification& found, std::size_t j, const Vector3d& place) {
   const JointResult& joint = found.joints[j];
-  return covariance_of(*joint.circle, used_points(joint, joint.circle_target), found)
+  return CircleCovariance(*joint.circle, used_points(joint, joint.circle_target),
+                          found.samples_per_independent())
       .sigma_mm(place);
 }
 
@@ -170,8 +165,21 @@ std::optional<PassesBy> circle_that_passes_by(const Identification& found) {
   return worst;
 }
 
+/// Of a sweep's samples with its joint's angle the tenth nearest to home.
+std::vector<const Sample*> nearest_to_home(const Sweep& sweep, std::size_t joint, double home_rad) {
+  std::vector<const Sample*> samples;
+  for (const Sample& sample : *sweep.samples)
+    if (sample.joints > joint && sample.has_position) samples.push_back(&sample);
+  const auto tenth = static_cast<std::ptrdiff_t>(samples.size() / 10);
+  const auto off = [&](const Sample* one) { return std::abs(one->angles_rad[joint] - home_rad); };
+  std::nth_element(samples.begin(), samples.begin() + tenth, samples.end(),
+                   [&](const Sample* a, const Sample* b) { return off(a) < off(b); });
+  samples.resize(static_cast<std::size_t>(tenth));
+  return samples;
+}
+
 /// How far a joint's angles, as told while it swept, are from those at which the target was seen,
-/// at the tenth of a sweep's samples nearest to home; of its sweeps the farthest.
+/// nearest to home; of its sweeps the farthest.
 struct ToldOff {
   std::size_t joint = 0;
   double off_rad = 0;
@@ -185,31 +193,25 @@ std::optional<ToldOff> told_off(const Identification& found, std::size_t j) {
   double sigma_mm = found.chain->noise.position_mm;
   if (joint.circle && joint.circle_target < found.chain->chain.targets_mm.size())
     sigma_mm += sigma_at(found, j, found.chain->chain.targets_mm[joint.circle_target]);
-  std::optional<ToldOff> farthest;
+  ToldOff farthest{j, 0, kOffAngle_rad + kHomeSigmas * sigma_mm / reach_mm, 0};
+  bool any = false;
   for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
     const Sweep& sweep = joint.sweeps[s];
     if (!joint.used[s] || off_home_rad(sweep, found.home_rad) > kHeld_rad) continue;
-    struct Told {
-      double from_home;
-      double off;
-    };
-    std::vector<Told> all;
-    for (const Sample& sample : *sweep.samples)
-      if (const auto seen = seen_turn(found, j, sweep.target, sample);
-          seen && seen->angle_error_rad)
-        all.push_back(
-            {std::abs(sample.angles_rad[j] - *found.home_rad[j]), *seen->angle_error_rad});
-    std::stable_sort(all.begin(), all.end(),
-                     [](const Told& a, const Told& b) { return a.from_home < b.from_home; });
-    all.resize(all.size() / 10);
-    if (all.size() < kFewestNear) continue;
-    std::vector<double> off;  // they may lie about half a turn
-    for (const Told& one : all) off.push_back(wrapped(one.off - all.front().off));
-    const double middle = std::abs(wrapped(all.front().off + median_in(off)));
-    if (!farthest || middle > farthest->off_rad)
-      farthest = {j, middle, kOffAngle_rad + kHomeSigmas * sigma_mm / reach_mm, middle * reach_mm};
+    std::vector<double> off;  // from the first: they may lie about half a turn
+    double first = 0;
+    for (const Sample* sample : nearest_to_home(sweep, j, *found.home_rad[j])) {
+      const auto seen = seen_turn(found, j, sweep.target, *sample);
+      if (!seen || !seen->angle_error_rad) continue;
+      if (off.empty()) first = *seen->angle_error_rad;
+      off.push_back(wrapped(*seen->angle_error_rad - first));
+    }
+    if (off.size() < kFewestNear) continue;
+    any = true;
+    farthest.off_rad = std::max(farthest.off_rad, std::abs(wrapped(first + median_in(off))));
   }
-  return farthest;
+  farthest.off_mm = farthest.off_rad * reach_mm;
+  return any ? std::optional(farthest) : std::nullopt;
 }
 
 /// A joint whose angles are off as the other joints' are not, as those that come late are.
@@ -248,11 +250,12 @@ void judge_home(Identification& found, bool timed) {
     const bool linear = found.joints[one->joint].line.has_value();
     found.doubts.push_back(
         {"off_home", one->joint,
-         joint_name(one->joint) + ": where its angle was told, the target was seen " +
+         joint_name(one->joint) + (linear ? ": its places as told are " : ": its angles are ") +
              (linear ? "" : fixed(one->off_rad / kDegree, 2) + "°, ") + brief(one->off_mm) +
-             " mm, from where the other joints' sweeps have it at home: robot, device or target "
-             "were moved between the sweeps, or this joint's zero or scale is wrong. Sweep all "
-             "joints again, and touch nothing meanwhile"});
+             (linear ? " mm" : " mm at the target,") +
+             " off where the target was seen, and the other joints' are not: robot, device or "
+             "target were moved between the sweeps, or this joint's zero or scale is wrong. Sweep "
+             "all joints again, and touch nothing meanwhile"});
     return;
   }
   const double scatter = found.chain ? found.chain->home_scatter_mm : 0;

@@ -43,6 +43,10 @@ struct Identification : CircleEstimate {
   };
   std::vector<Share> dh_budget;
   std::optional<ChainEstimate> chain;  ///< nothing where no axis was found to start from
+  /// How many samples whose errors are alike are worth one, as far as is known.
+  [[nodiscard]] double samples_per_independent() const {
+    return chain ? chain->samples_per_independent : 1;
+  }
   /// The target in the frame behind the last row, that row taken as specified (zero without a
   /// specified table). Its rotation is known where the next is.
   std::optional<Eigen::Isometry3d> tool;

@@ -169,8 +169,7 @@ class Judge {
     };
     std::optional<Seen> first;
     // Of errors that are alike from sample to sample, few average out.
-    const double sigmas =
-        kApartSigmas * (found_.chain ? std::sqrt(found_.chain->samples_per_independent) : 1);
+    const double sigmas = kApartSigmas * std::sqrt(found_.samples_per_independent());
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
       if (!joint.used[s] || joint.sweeps[s].target != joint.circle_target) continue;
       const auto points = positions(*joint.sweeps[s].samples);
@@ -249,11 +248,9 @@ class Judge {
     if (circle.radius_mm < kLeastRadius * scatter_[j]->usual_mm) return;
     const Vector3d x = circle.normal.unitOrthogonal();
     const Vector3d y = circle.normal.cross(x);
-    const double alike = found_.chain ? found_.chain->samples_per_independent : 1;
-    const double radius_sigma_mm =
-        CircleCovariance(circle, used_points(joint, joint.circle_target), circle.plane_rms_mm,
-                         std::sqrt(alike) * circle.radial_rms_mm)
-            .radius_sigma_mm();
+    const double radius_sigma_mm = CircleCovariance(circle, used_points(joint, joint.circle_target),
+                                                    found_.samples_per_independent())
+                                       .radius_sigma_mm();
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
       if (!joint.used[s] || joint.sweeps[s].target != joint.circle_target) continue;
       struct Turn {

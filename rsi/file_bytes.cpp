@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <system_error>
 
 #include <fcntl.h>
 #include <unistd.h>
 
 namespace rsi {
 
-std::string file_bytes(const std::filesystem::path& path, std::size_t most) {
+std::string file_bytes(const std::filesystem::path& path, std::size_t most, std::error_code& why) {
   const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
   std::string bytes;
   std::array<char, 64 << 10> part{};
@@ -22,9 +21,8 @@ std::string file_bytes(const std::filesystem::path& path, std::size_t most) {
     if (count > 0) bytes.append(part.data(), static_cast<std::size_t>(count));
     if (count < 0 && errno == EINTR) count = 1;
   }
-  const int reason = errno;
+  why = count < 0 ? std::error_code(errno, std::generic_category()) : std::error_code();
   if (file >= 0) close(file);
-  if (count < 0) throw std::system_error(reason, std::generic_category());
   return bytes;
 }
 

@@ -11,9 +11,9 @@
 #include "daemon/commands/help_text.hpp"
 #include "daemon/commands/outputs.hpp"
 #include "daemon/krl/krl_frame.hpp"
-#include "daemon/system/whole_file.hpp"
 #include "daemon/text/file_names.hpp"
 #include "rsi/counted.hpp"
+#include "rsi/file_bytes.hpp"
 
 namespace sweepd {
 namespace {
@@ -21,13 +21,13 @@ namespace {
 namespace fs = std::filesystem;
 
 /// No program is larger.
-constexpr std::uintmax_t kMostBytes = 64U << 20U;
+constexpr std::size_t kMostBytes = 64U << 20U;
 
 std::string krl_bytes(const fs::path& file) {
-  std::error_code error;
-  if (const auto size = fs::file_size(file, error); !error && size > kMostBytes)
+  auto bytes = rsi::file_bytes(file, kMostBytes);
+  if (bytes.size() > kMostBytes)
     throw std::runtime_error(file.string() + " is too large for a KRL file: is it another one?");
-  return whole_file(file);
+  return bytes;
 }
 
 /// KrlError's findings, each behind the file's name.

@@ -19,10 +19,10 @@
 #include "daemon/report/displacement_figure.hpp"
 #include "daemon/results/displacement_csv.hpp"
 #include "daemon/results/validation.hpp"
-#include "daemon/system/whole_file.hpp"
 #include "daemon/text/file_names.hpp"
 #include "daemon/text/text_layout.hpp"
 #include "rsi/counted.hpp"
+#include "rsi/file_bytes.hpp"
 
 namespace sweepd {
 namespace {
@@ -44,7 +44,7 @@ struct Result {
 
 Result result_in(const std::filesystem::path& folder) {
   const auto file = folder / file_names::kResult;
-  const std::string text = whole_file(file);
+  const std::string text = rsi::file_bytes(file);
   nlohmann::ordered_json json;
   try {
     json = nlohmann::ordered_json::parse(text);

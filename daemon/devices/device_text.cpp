@@ -6,7 +6,6 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "daemon/system/whole_file.hpp"
 #include "rsi/ascii.hpp"
 
 namespace sweepd {
@@ -68,14 +67,6 @@ std::string as_utf8(const std::filesystem::path& path, std::string bytes) {
   if (all.starts_with("\xfe\xff")) return from_utf16(path, all.substr(2), true);
   if (all.starts_with("\xef\xbb\xbf")) bytes.erase(0, 3);
   return bytes;
-}
-
-std::string bytes_of(const std::filesystem::path& path) {
-  try {
-    return whole_file(path);
-  } catch (const std::runtime_error& error) {
-    throw CsvError(error.what());
-  }
 }
 
 DeviceText::DeviceText(std::filesystem::path path, std::string bytes)

@@ -17,9 +17,6 @@ class CsvError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// All of a file. Throws CsvError.
-[[nodiscard]] std::string bytes_of(const std::filesystem::path& path);
-
 /// The text of a file's bytes, without a byte order mark: with one of UTF-16 it is read so, in
 /// either order. Throws CsvError at UTF-16 that is none.
 [[nodiscard]] std::string as_utf8(const std::filesystem::path& path, std::string bytes);

@@ -11,6 +11,7 @@
 #include "daemon/text/units.hpp"
 #include "rsi/ascii.hpp"
 #include "rsi/counted.hpp"
+#include "rsi/file_bytes.hpp"
 
 namespace sweepd {
 namespace {
@@ -31,7 +32,7 @@ char separator_of(std::string_view line) {
 }  // namespace
 
 CsvFile::CsvFile(const std::filesystem::path& path, std::vector<std::string> columns)
-    : CsvFile(path, bytes_of(path), std::move(columns)) {}
+    : CsvFile(path, rsi::file_bytes<CsvError>(path), std::move(columns)) {}
 
 CsvFile::CsvFile(std::filesystem::path path, std::string content, std::vector<std::string> columns)
     : path_(std::move(path)),

@@ -13,6 +13,7 @@
 #include "daemon/points/device_points.hpp"
 #include "daemon/text/units.hpp"
 #include "identify/sweeps/sample.hpp"
+#include "rsi/file_bytes.hpp"
 
 namespace sweepd {
 namespace {
@@ -216,7 +217,7 @@ PointsReader::PointsReader(std::vector<std::string> columns, std::size_t joints,
 
 PointsFile PointsReader::read(const std::filesystem::path& path, const OnProgress& on_progress) {
   constexpr std::size_t kHead = 1 << 20;
-  std::string bytes = bytes_of(path);
+  std::string bytes = rsi::file_bytes<CsvError>(path);
   const DeviceFormat* format = forced_;
   if (format == nullptr && !is_own_) {
     const bool is_wide = bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff");

@@ -13,11 +13,11 @@
 #include "daemon/report/json_part.hpp"
 #include "daemon/report/report_folder.hpp"
 #include "daemon/results/outcome.hpp"
-#include "daemon/system/whole_file.hpp"
 #include "daemon/text/file_names.hpp"
 #include "daemon/text/units.hpp"
 #include "identify/dh/dh.hpp"
 #include "identify/dh/dh_extraction.hpp"
+#include "rsi/file_bytes.hpp"
 
 namespace sweepd {
 namespace {
@@ -172,7 +172,7 @@ Json parse_result(const std::filesystem::path& file, std::string_view text) {
 }
 
 Json read_result(const std::filesystem::path& file) {
-  return parse_result(file, whole_file(file));
+  return parse_result(file, rsi::file_bytes(file));
 }
 
 ToldArm read_told_arm(const std::filesystem::path& path) {

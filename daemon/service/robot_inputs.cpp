@@ -22,10 +22,9 @@ Files files_of(const RobotSettings& settings) {
 }
 
 /// As much as an Ethernet file may have; empty if there is none.
-std::string content(const std::optional<std::filesystem::path>& file) try {
-  return file ? rsi::file_bytes(*file, rsi::EthernetConfig::kMostBytes) : "";
-} catch (const std::system_error&) {
-  return "";
+std::string content(const std::optional<std::filesystem::path>& file) {
+  std::error_code unreadable;
+  return file ? rsi::file_bytes(*file, rsi::EthernetConfig::kMostBytes, unreadable) : "";
 }
 
 }  // namespace

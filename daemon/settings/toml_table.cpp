@@ -138,13 +138,7 @@ struct TomlTable::Node {
 TomlTable::TomlTable(std::shared_ptr<const Node> node) : node_(std::move(node)) {}
 
 TomlTable TomlTable::load(const std::filesystem::path& file) {
-  std::string text;
-  try {
-    text = rsi::file_bytes(file, kMostFileBytes);
-  } catch (const std::system_error& error) {
-    throw ConfigError(file.string() + ": cannot be read: " + error.code().message() +
-                      ": check the path and the permissions");
-  }
+  const auto text = rsi::file_bytes<ConfigError>(file, kMostFileBytes);
   if (text.size() > kMostFileBytes)
     throw ConfigError(file.string() +
                       ": expected a TOML file of at most 1 MiB, found more: " + "check the path");

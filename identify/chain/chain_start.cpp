@@ -115,11 +115,16 @@ bool hardly_moves(const Sweep& sweep, const ChainAxis& axis) {
   return median(places).x() < kLeastRadius_mm;
 }
 
-/// Whether each used sweep of a joint hardly moves.
-bool none_moves(const JointResult& joint, const ChainAxis& axis) {
-  for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
-    if (joint.used[s] && !hardly_moves(joint.sweeps[s], axis)) return false;
-  return true;
+/// The used sweeps of a joint in which the target moves.
+std::vector<bool> moving(const JointResult& joint, const ChainAxis& axis) {
+  std::vector<bool> moves = joint.used;
+  for (std::size_t s = 0; s < moves.size(); ++s)
+    moves[s] = moves[s] && !hardly_moves(joint.sweeps[s], axis);
+  return moves;
+}
+
+bool any_moves(const std::vector<bool>& moves) {
+  return std::find(moves.begin(), moves.end(), true) != moves.end();
 }
 
 /// Positive where a sweep turns about the circle's normal: by the medians of its thirds.
@@ -180,7 +185,7 @@ std::vector<std::optional<ChainAxis>> starting_axes(const CircleEstimate& circle
     const bool told = std::all_of(used.begin(), used.end(), [&](const Sweep& sweep) {
       return sweep.first().joints >= circles.joints.size();
     });
-    if (!told && none_moves(joint, *axes.back())) axes.back() = std::nullopt;
+    if (!told && !any_moves(moving(joint, *axes.back()))) axes.back() = std::nullopt;
   }
   return axes;
 }
@@ -193,13 +198,12 @@ std::vector<ChainSweep> chain_sweeps(const CircleEstimate& circles,
     const JointResult& joint = circles.joints[j];
     if (!axes[j]) continue;
     // Without a sweep of its own nothing would tell how uncertain its axis is.
-    const bool all = none_moves(joint, *axes[j]);
+    std::vector<bool> own = moving(joint, *axes[j]);
+    if (!any_moves(own)) own = joint.used;
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
       const Sweep& sweep = joint.sweeps[s];
-      const bool elsewhere = !joint.used[s] && !sweep.positioning;
-      if (joint.used[s] && !all && hardly_moves(sweep, *axes[j])) continue;
-      if (joint.used[s] || (elsewhere && sweep.first().joints >= joints))
-        found.push_back({j, &sweep});
+      const bool elsewhere = !joint.used[s] && !sweep.positioning && sweep.first().joints >= joints;
+      if (own[s] || elsewhere) found.push_back({j, &sweep});
     }
   }
   return found;

@@ -39,6 +39,10 @@ struct CircleResidual {
 /// How certain a circle is, first order, for independent errors of `plane_sigma_mm` along the
 /// normal and `radial_sigma_mm` across the arc.
 struct CircleCovariance {
+  /// By how its points lie about it; of errors that are alike, so many count as one.
+  CircleCovariance(const CircleFit& of, const Eigen::Matrix3Xd& points_mm, double alike)
+      : CircleCovariance(of, points_mm, std::sqrt(alike) * of.plane_rms_mm,
+                         std::sqrt(alike) * of.radial_rms_mm) {}
   CircleCovariance(const CircleFit& of, const Eigen::Matrix3Xd& points_mm, double plane_sigma_mm,
                    double radial_sigma_mm);
 

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include <Eigen/Cholesky>
 
 #include "identify/geometry/information.hpp"
 #include "identify/geometry/line.hpp"
 #include "identify/geometry/median.hpp"
+#include "identify/poses/noise_sizes.hpp"
 
 namespace identify {
 namespace {
@@ -23,11 +23,6 @@ constexpr int kNoiseSteps = 12;
 /// A step that moves no parameter by more than this share of its standard uncertainty is the last.
 constexpr double kLastStep = 1e-2;
 constexpr double kNoiseSettled = 2e-3;
-/// Below it residuals are those of computing.
-constexpr double kLeastNoise_mm = 1e-6;
-constexpr double kLeastJoint_rad = 1e-9;
-/// One wheel that is off, or two, tell nothing of the others.
-constexpr std::size_t kManyWheels = 3;
 /// A micrometre at two metres.
 constexpr double kNoGears_rad = 5e-7;
 
@@ -57,27 +52,6 @@ double weight_at(double sigmas) {
   const double share = (sigmas - kWholeWeight) / (kNoWeight - kWholeWeight);
   return (1 - share * share) * (1 - share * share);
 }
-
-/// A component of the noise, as it shows.
-struct Sized {
-  double seen = 0;
-  double expected = 0;
-  [[nodiscard]] double times() const { return expected > 0 ? std::sqrt(seen / expected) : 1; }
-};
-
-/// The rows of a pose, divided by their standard deviations. A joint stands at one place of many:
-/// most of the model's parameters do nothing to a pose.
-struct Whitened {
-  std::vector<Index> parameters;  // that do
-  MatrixXd columns;               // transposed: one row a parameter, one column a row of the model
-  VectorXd off;
-  Eigen::LLT<MatrixXd> root;  // of the rows' covariance
-
-  /// What a fit with this covariance takes up of the rows.
-  [[nodiscard]] MatrixXd taken_up(const MatrixXd& covariance) const {
-    return columns.transpose() * covariance(parameters, parameters) * columns;
-  }
-};
 
 class Problem {
  public:
@@ -120,7 +94,7 @@ class Problem {
     double free = 0;
     for (std::size_t i = 0; i < poses_.size(); ++i)
       free += fit_.weights(static_cast<Index>(i)) * static_cast<double>(fit_.rows[i].off.size());
-    for (const Whitened& pose : white_) free -= pose.taken_up(fit_.covariance).trace();
+    for (const WhitenedPose& pose : white_) free -= pose.taken_up(fit_.covariance).trace();
     double lost = fit_.with_orientation ? 6 : 4;
     for (const double size : {fit_.noise.gears_rad, fit_.noise.play_rad})
       if (size > kNoGears_rad) lost += 2;
@@ -141,22 +115,11 @@ class Problem {
 
  private:
   /// Of the poses that count.
-  [[nodiscard]] std::vector<Whitened> whitened() const {
-    std::vector<Whitened> all;
+  [[nodiscard]] std::vector<WhitenedPose> whitened() const {
+    std::vector<WhitenedPose> all;
     for (std::size_t i = 0; i < poses_.size(); ++i) {
       const double weight = fit_.weights(static_cast<Index>(i));
-      if (weight == 0) continue;
-      const PoseRow& row = fit_.rows[i];
-      Whitened pose;
-      for (Index p = 0; p < row.by_parameter.cols(); ++p)
-        if (!row.by_parameter.col(p).isZero(0)) pose.parameters.push_back(p);
-      pose.root.compute(fit_.noise.covariance(row.by_own));
-      const auto over_sigma = [&](const MatrixXd& of) -> MatrixXd {
-        return std::sqrt(weight) * pose.root.matrixL().solve(of);
-      };
-      pose.columns = over_sigma(row.by_parameter(Eigen::all, pose.parameters)).transpose();
-      pose.off = over_sigma(row.off);
-      all.push_back(std::move(pose));
+      if (weight > 0) all.emplace_back(fit_.noise, fit_.rows[i], weight);
     }
     return all;
   }
@@ -166,7 +129,7 @@ class Problem {
     const Index parameters = fit_.model.parameters();
     MatrixXd normal = MatrixXd::Zero(parameters, parameters);
     VectorXd gradient = VectorXd::Zero(parameters);
-    for (const Whitened& pose : white_) {
+    for (const WhitenedPose& pose : white_) {
       normal(pose.parameters, pose.parameters) +=
           pose.columns * pose.columns.transpose() / fit_.widened;
       gradient(pose.parameters) += pose.columns * pose.off / fit_.widened;
@@ -219,10 +182,7 @@ class Problem {
     std::vector<double> sigmas;
     for (std::size_t i = 0; i < poses_.size(); ++i) {
       const PoseRow& row = fit_.rows[i];
-      const VectorXd left = row.off - row.by_parameter * step_;
-      const double square = left.dot(fit_.noise.covariance(row.by_own).llt().solve(left));
-      // As if it had a position alone.
-      sigmas.push_back(std::sqrt(3 * square / static_cast<double>(left.size())));
+      sigmas.push_back(sigmas_of(fit_.noise, row, row.off - row.by_parameter * step_));
     }
     const double times = std::max(1.0, median_of(sigmas) / kMostUsual);
     fit_.noise.position_mm *= times;
@@ -235,84 +195,17 @@ class Problem {
   /// Each component times the root of what is seen of it over what is expected.
   void size_noise() {
     white_ = whitened();
-    Sized position, orientation, joints, gears, play;
-    auto white = white_.begin();
-    for (std::size_t i = 0; i < poses_.size(); ++i) {
-      if (fit_.weights(static_cast<Index>(i)) == 0) continue;
-      const PoseRow& row = fit_.rows[i];
-      const Whitened& pose = *white++;
-      const Index count = row.off.size();
-      const VectorXd left = pose.off - pose.columns.transpose() * step_(pose.parameters);
-      const auto back = [&](const MatrixXd& of) -> MatrixXd {
-        return pose.root.matrixU().solve(of);
-      };
-      const VectorXd weighed = back(left);
-      const MatrixXd free =
-          back(back(MatrixXd::Identity(count, count) - pose.taken_up(fit_.covariance)).transpose());
-      // V^-1 less what the fit takes up, in which each component is measured.
-      position.seen += weighed.head<3>().squaredNorm();
-      position.expected += free.topLeftCorner<3, 3>().trace();
-      joints.seen += (row.by_own.transpose() * weighed).squaredNorm();
-      joints.expected += (free * row.by_own).cwiseProduct(row.by_own).sum();
-      if (count == 6) {
-        orientation.seen += weighed.tail<3>().squaredNorm();
-        orientation.expected += free.bottomRightCorner<3, 3>().trace();
-      }
-    }
-    Index at = fit_.model.chain_parameters().count(true);
-    std::set<std::size_t> found;
-    for (const JointEffect& effect : fit_.model.effects)
-      if (!effect.assumed && effect.kind != JointEffect::Kind::compliance)
-        found.insert(effect.joint);
-    const bool many = fit_.noise.gears_rad > 0 && found.size() >= kManyWheels;
-    // A size that was held to its variance beforehand falls short by what is left open of it; one
-    // that was not exceeds it by that.
-    const auto take = [&](double size, double sigma, bool held, Sized& sized) {
-      const double known = sigma * sigma, off = size + step_(at);
-      const double open = fit_.covariance(at, at) / (known * fit_.widened);
-      sized.seen += off * off / (known * known);
-      sized.expected += (held ? 1 - open : 1 + open) / known;
-      ++at;
-    };
-    for (const JointEffect& effect : fit_.model.effects)
-      if (effect.assumed || (many && effect.kind != JointEffect::Kind::compliance))
-        for (Index k = 0; k < effect.count(); ++k)
-          take(effect.size(k), fit_.noise.assumed_rad(effect.kind), effect.assumed,
-               effect.kind == JointEffect::Kind::play ? play : gears);
-      else
-        at += effect.count();
-    for (const JointPlace& place : fit_.model.places)
-      take(place.off_rad, fit_.noise.joint_rad, true, joints);
-    PoseNoise& noise = fit_.noise;
-    if (start_.gears_rad > 0) {
-      // Gears of all joints can take up all that a few poses leave. The noise is not none for that:
-      // what was left without them counts, as so much more.
-      constexpr double kBefore = 4;
-      const auto hold = [](Sized& sized, double before, double now) {
-        sized.seen += kBefore * before * before / std::pow(now, 4);
-        sized.expected += kBefore / (now * now);
-      };
-      hold(position, start_.position_mm, noise.position_mm);
-      hold(joints, start_.joint_rad, noise.joint_rad);
-      if (orientation.expected > 0)
-        hold(orientation, start_.orientation_rad, noise.orientation_rad);
-    }
-    const double joint = noise.joint_rad * noise.joint_rad * joints.expected;
-    const double rest = noise.position_mm * noise.position_mm * position.expected;
-    joint_share_ = joint / (joint + rest);
-    noise.position_mm = std::max(kLeastNoise_mm, noise.position_mm * position.times());
-    noise.orientation_rad *= orientation.times();
-    noise.joint_rad = std::max(kLeastJoint_rad, noise.joint_rad * joints.times());
-    noise.gears_rad = std::max(kLeastJoint_rad, noise.gears_rad * gears.times());
-    if (noise.play_rad > 0)
-      noise.play_rad = std::max(kLeastJoint_rad, noise.play_rad * play.times());
+    NoiseSizes sizes(fit_, white_, step_);
+    if (start_.gears_rad > 0) sizes.hold(start_);
+    joint_share_ = sizes.joint_share();
+    fit_.noise = sizes.next();
   }
 
   PoseFit& fit_;
   const std::vector<Pose>& poses_;
   const std::optional<ChainPrior>& prior_;
   const PoseNoise start_;
-  std::vector<Whitened> white_;
+  std::vector<WhitenedPose> white_;
   VectorXd step_;
   double joint_share_ = 1;
 };
@@ -320,9 +213,7 @@ class Problem {
 }  // namespace
 
 double PoseFit::sigmas_off(std::size_t pose) const {
-  const PoseRow& row = rows[pose];
-  const double square = row.off.dot(noise.covariance(row.by_own).llt().solve(row.off));
-  return std::sqrt(3 * square / static_cast<double>(row.off.size()));
+  return sigmas_of(noise, rows[pose], rows[pose].off);
 }
 
 PoseFit fitted(const PoseModel& start, const PoseNoise& noise, const std::vector<Pose>& poses,

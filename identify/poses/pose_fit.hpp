@@ -56,12 +56,13 @@ struct PoseFit {
     return noise.joint_rad * std::sqrt(widened);
   }
 
-  /// How far off a pose is, in standard deviations of its noise: root of the sum of squares.
+  /// How far off a pose is (sigmas_of()).
   [[nodiscard]] double sigmas_off(std::size_t pose) const;
 };
 
 /// From `start`, whose model may be off by as much as Gauss-Newton bears. The noise starts as large
-/// as `noise` says; zero stays zero. The joints' may not be zero where the model has places.
+/// as `noise` says; zero stays zero. The joints' may not be zero where the model has places. Where
+/// gears are assumed (NoiseSizes::hold()), `noise` is what is known of it without them.
 [[nodiscard]] PoseFit fitted(const PoseModel& start, const PoseNoise& noise,
                              const std::vector<Pose>& poses, bool with_orientation,
                              const std::optional<ChainPrior>& prior);

@@ -1,18 +1,36 @@
 #include "identify/poses/pose_rows.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace identify {
 
 using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
 MatrixXd PoseNoise::covariance(const MatrixXd& by_own) const {
   MatrixXd whole = joint_rad * joint_rad * (by_own * by_own.transpose());
   whole.diagonal().head<3>().array() += position_mm * position_mm;
   whole.diagonal().tail(whole.rows() - 3).array() += orientation_rad * orientation_rad;
   return whole;
+}
+
+double sigmas_of(const PoseNoise& noise, const PoseRow& row, const VectorXd& left) {
+  const double square = left.dot(noise.covariance(row.by_own).llt().solve(left));
+  return std::sqrt(3 * square / static_cast<double>(left.size()));
+}
+
+WhitenedPose::WhitenedPose(const PoseNoise& noise, const PoseRow& row, double weight)
+    : root(noise.covariance(row.by_own)) {
+  for (Index p = 0; p < row.by_parameter.cols(); ++p)
+    if (!row.by_parameter.col(p).isZero(0)) parameters.push_back(p);
+  const auto over_sigma = [&](const MatrixXd& of) -> MatrixXd {
+    return std::sqrt(weight) * root.matrixL().solve(of);
+  };
+  columns = over_sigma(row.by_parameter(Eigen::all, parameters)).transpose();
+  off = over_sigma(row.off);
 }
 
 PoseRow pose_row(const PoseModel& model, const Pose& pose, bool with_orientation) {

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 #include "identify/poses/pose_model.hpp"
@@ -36,6 +37,27 @@ struct PoseRow {
   Eigen::MatrixXd by_parameter;  ///< one column a parameter of the model
   Eigen::MatrixXd by_joint;      ///< one column a joint, as it turns
   Eigen::MatrixXd by_own;        ///< the same, zero for joints at a place of the model or at home
+};
+
+/// How far `left` of a row is from nothing, in standard deviations of its noise, as if the row were
+/// a position alone: root of the sum of squares.
+[[nodiscard]] double sigmas_of(const PoseNoise& noise, const PoseRow& row,
+                               const Eigen::VectorXd& left);
+
+/// The rows of a pose, divided by their standard deviations. A joint stands at one place of many:
+/// most of the model's parameters do nothing to a pose.
+struct WhitenedPose {
+  WhitenedPose(const PoseNoise& noise, const PoseRow& row, double weight);
+
+  /// What a fit with this covariance takes up of the rows.
+  [[nodiscard]] Eigen::MatrixXd taken_up(const Eigen::MatrixXd& covariance) const {
+    return columns.transpose() * covariance(parameters, parameters) * columns;
+  }
+
+  std::vector<Eigen::Index> parameters;  ///< that do
+  Eigen::MatrixXd columns;  ///< transposed: one row a parameter, one column a row of the model
+  Eigen::VectorXd off;
+  Eigen::LLT<Eigen::MatrixXd> root;  ///< of the rows' covariance
 };
 
 /// Torques count as those of the chain as it is: how they change with it is of second order.

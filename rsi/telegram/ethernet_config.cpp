@@ -321,14 +321,7 @@ EthernetConfig EthernetConfig::parse(std::string_view xml, std::string name) {
 }
 
 EthernetConfig EthernetConfig::load(const std::filesystem::path& file) {
-  std::string xml;
-  try {
-    xml = file_bytes(file, kMostBytes);
-  } catch (const std::system_error& error) {
-    throw EthernetConfigError(file.string() + ": cannot be read: " + error.code().message() +
-                              ": check the path and the permissions");
-  }
-  return parse(xml, file.string());
+  return parse(file_bytes<EthernetConfigError>(file, kMostBytes), file.string());
 }
 
 std::vector<Element> EthernetConfig::commands() const {

@@ -231,14 +231,7 @@ RsiContext RsiContext::parse(std::string_view xml, std::string name) {
 }
 
 RsiContext RsiContext::load(const std::filesystem::path& file) {
-  std::string xml;
-  try {
-    xml = file_bytes(file, kMostContextBytes);
-  } catch (const std::system_error& error) {
-    throw RsiContextError(file.string() + ": cannot be read: " + error.code().message() +
-                          ": correct the path");
-  }
-  return parse(xml, file.string());
+  return parse(file_bytes<RsiContextError>(file, kMostContextBytes), file.string());
 }
 
 std::vector<std::string> RsiContext::compare(const EthernetConfig& config) const {

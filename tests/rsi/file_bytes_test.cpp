@@ -1,32 +1,38 @@
 #include "rsi/file_bytes.hpp"
 
-#include <cstdlib>
-#include <fstream>
-#include <system_error>
-
 #include "tests/catch.hpp"
+#include "tests/rsi/capture_bytes.hpp"
 
-TEST_CASE("a file is read whole, or as far as it may be long", "[file_bytes]") {
-  std::string folder = std::filesystem::temp_directory_path() / "sweepd-XXXXXX";
-  REQUIRE(mkdtemp(folder.data()) != nullptr);
-  const auto file = std::filesystem::path(folder) / "some";
+using Catch::Matchers::EndsWith;
+using rsi::file_bytes;
+using rsi::test::TemporaryFile;
+
+TEST_CASE("a file is read whole, or the reason is said with its path", "[file_bytes]") {
+  const std::string bytes(300'000, '\0');
+  CHECK(file_bytes(TemporaryFile(bytes).path()) == bytes);
+  CHECK(file_bytes(TemporaryFile().path()).empty());
+  CHECK_THROWS_WITH(file_bytes("/nowhere/none"),
+                    EndsWith("/none: cannot be read: No such file or directory: check the path and "
+                             "the permissions"));
+  CHECK_THROWS_WITH(file_bytes(std::filesystem::temp_directory_path()),
+                    EndsWith(": cannot be read: Is a directory: check the path and the "
+                             "permissions"));
+  CHECK_THROWS_AS(file_bytes<std::logic_error>("/nowhere/none"), std::logic_error);
+  std::error_code why;
+  CHECK(file_bytes("/nowhere/none", 10, why).empty());
+  CHECK(why == std::errc::no_such_file_or_directory);
+  CHECK(file_bytes("/dev/null", 10, why).empty());
+  CHECK_FALSE(why);
+}
+
+TEST_CASE("of a file that is longer than it may be, one byte more tells that", "[file_bytes]") {
   std::string all(200'000, 'a');
   all.back() = 'z';
-  std::ofstream(file) << all;
-  CHECK(rsi::file_bytes(file) == all);
-  CHECK(rsi::file_bytes(file, all.size()) == all);
-  CHECK(rsi::file_bytes(file, all.size() + 1) == all);
-  // One byte more tells that there are more.
-  CHECK(rsi::file_bytes(file, all.size() - 1) == all);
-  CHECK(rsi::file_bytes(file, 100'000) == all.substr(0, 100'001));
-  CHECK(rsi::file_bytes(file, 0) == "a");
-  CHECK(rsi::file_bytes("/dev/zero", 70'000).size() == 70'001);
-  std::filesystem::remove_all(folder);
-  try {
-    (void)rsi::file_bytes(file);
-    FAIL("it is gone");
-  } catch (const std::system_error& error) {
-    CHECK(error.code() == std::errc::no_such_file_or_directory);
-  }
-  CHECK_THROWS_AS(rsi::file_bytes("/"), std::system_error);
+  const TemporaryFile file(all);
+  CHECK(file_bytes(file.path(), all.size() + 1) == all);
+  CHECK(file_bytes(file.path(), all.size()) == all);
+  CHECK(file_bytes(file.path(), all.size() - 1) == all);
+  CHECK(file_bytes(file.path(), 100'000) == all.substr(0, 100'001));
+  CHECK(file_bytes(file.path(), 0) == "a");
+  CHECK(file_bytes("/dev/zero", 70'000).size() == 70'001);
 }

@@ -1,0 +1,112 @@
+#include "identify/poses/noise_sizes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace identify {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+/// Below it residuals are those of computing.
+constexpr double kLeastNoise_mm = 1e-6;
+constexpr double kLeastJoint_rad = 1e-9;
+/// One wheel that is off, or two, tell nothing of the others.
+constexpr std::size_t kManyWheels = 3;
+
+}  // namespace
+
+double NoiseSizes::Sized::times() const {
+  return expected > 0 ? std::sqrt(seen / expected) : 1;
+}
+
+void NoiseSizes::Sized::hold(double now, double before) {
+  constexpr double kBefore = 4;
+  if (!(now > 0)) return;
+  seen += kBefore * before * before / std::pow(now, 4);
+  expected += kBefore / (now * now);
+}
+
+NoiseSizes::NoiseSizes(const PoseFit& fit, const std::vector<WhitenedPose>& white,
+                       const VectorXd& step)
+    : now_(fit.noise) {
+  auto pose = white.begin();
+  for (std::size_t i = 0; i < fit.rows.size(); ++i)
+    if (fit.weights(static_cast<Index>(i)) > 0)
+      add_pose(fit.rows[i], *pose++, fit.covariance, step);
+  add_effects(fit, step);
+}
+
+void NoiseSizes::add_pose(const PoseRow& row, const WhitenedPose& pose, const MatrixXd& covariance,
+                          const VectorXd& step) {
+  const Index count = row.off.size();
+  const VectorXd left = pose.off - pose.columns.transpose() * step(pose.parameters);
+  const auto back = [&](const MatrixXd& of) -> MatrixXd { return pose.root.matrixU().solve(of); };
+  const VectorXd weighed = back(left);
+  const MatrixXd free =
+      back(back(MatrixXd::Identity(count, count) - pose.taken_up(covariance)).transpose());
+  // V^-1 less what the fit takes up, in which each component is measured.
+  position_.seen += weighed.head<3>().squaredNorm();
+  position_.expected += free.topLeftCorner<3, 3>().trace();
+  joints_.seen += (row.by_own.transpose() * weighed).squaredNorm();
+  joints_.expected += (free * row.by_own).cwiseProduct(row.by_own).sum();
+  if (count == 6) {
+    orientation_.seen += weighed.tail<3>().squaredNorm();
+    orientation_.expected += free.bottomRightCorner<3, 3>().trace();
+  }
+}
+
+void NoiseSizes::add_effects(const PoseFit& fit, const VectorXd& step) {
+  Index at = fit.model.chain_parameters().count(true);
+  std::set<std::size_t> found;
+  for (const JointEffect& effect : fit.model.effects)
+    if (!effect.assumed && effect.kind != JointEffect::Kind::compliance) found.insert(effect.joint);
+  const bool many = now_.gears_rad > 0 && found.size() >= kManyWheels;
+  // A size that was held to its variance beforehand falls short by what is left open of it; one
+  // that was not exceeds it by that.
+  const auto take = [&](double size, double sigma, bool held, Sized& sized) {
+    const double known = sigma * sigma, off = size + step(at);
+    const double open = fit.covariance(at, at) / (known * fit.widened);
+    sized.seen += off * off / (known * known);
+    sized.expected += (held ? 1 - open : 1 + open) / known;
+    ++at;
+  };
+  for (const JointEffect& effect : fit.model.effects)
+    if (effect.assumed || (many && effect.kind != JointEffect::Kind::compliance))
+      for (Index k = 0; k < effect.count(); ++k)
+        take(effect.size(k), now_.assumed_rad(effect.kind), effect.assumed,
+             effect.kind == JointEffect::Kind::play ? play_ : gears_);
+    else
+      at += effect.count();
+  for (const JointPlace& place : fit.model.places)
+    take(place.off_rad, now_.joint_rad, true, joints_);
+}
+
+void NoiseSizes::hold(const PoseNoise& before) {
+  position_.hold(now_.position_mm, before.position_mm);
+  joints_.hold(now_.joint_rad, before.joint_rad);
+  orientation_.hold(now_.orientation_rad, before.orientation_rad);
+}
+
+double NoiseSizes::joint_share() const {
+  const double joint = now_.joint_rad * now_.joint_rad * joints_.expected;
+  const double rest = now_.position_mm * now_.position_mm * position_.expected;
+  return joint / (joint + rest);
+}
+
+PoseNoise NoiseSizes::next() const {
+  PoseNoise noise = now_;
+  noise.position_mm = std::max(kLeastNoise_mm, noise.position_mm * position_.times());
+  noise.orientation_rad *= orientation_.times();
+  noise.joint_rad = std::max(kLeastJoint_rad, noise.joint_rad * joints_.times());
+  noise.gears_rad = std::max(kLeastJoint_rad, noise.gears_rad * gears_.times());
+  if (noise.play_rad > 0)
+    noise.play_rad = std::max(kLeastJoint_rad, noise.play_rad * play_.times());
+  return noise;
+}
+
+}  // namespace identify
