@@ -21,19 +21,25 @@ using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
 /// Half of them bad, one of so many pairs is all good but for once in 10^12 times.
-constexpr int kPairs = 100;
+constexpr double kPairs = 100;
+/// As few where all points are good: some pairs are too close to each other to tell a direction.
+constexpr double kFewestPairs = 25;
 constexpr Index kLineJudges = 400;
 
 Eigen::VectorXd squared_distances(const LineFit& line, const Matrix3Xd& points) {
   const Matrix3Xd from = points.colwise() - line.point_mm;
-  return (from.colwise().squaredNorm() -
-          (line.direction.transpose() * from).colwise().squaredNorm())
+  // Not by Pythagoras: of exact points nothing but rounding would be left.
+  return (from - line.direction * (line.direction.transpose() * from))
+      .colwise()
+      .squaredNorm()
       .transpose();
 }
 
-double median_squared_off(const LineFit& line, const Matrix3Xd& points) {
-  const Eigen::VectorXd all = squared_distances(line, points);
-  return median_of({all.begin(), all.end()});
+/// Up to where points are close, by the distances of the usual ones.
+double close_squared(const Eigen::VectorXd& squared_distances, double rounding) {
+  constexpr double kMedian = 1.386;  // of chi squared with two degrees of freedom
+  const double median = median_of({squared_distances.begin(), squared_distances.end()});
+  return 36 * (median / kMedian + rounding * rounding);
 }
 
 /// Medians of more points than so many would not choose better.
@@ -44,24 +50,29 @@ Matrix3Xd judges_of(const Matrix3Xd& points) {
   return few;
 }
 
-LineFit through_most(const Matrix3Xd& points) {
+LineFit through_most(const Matrix3Xd& points, double rounding) {
   std::mt19937 random(1);
   const auto any = [&] {
     return points.col(static_cast<Index>(random() % static_cast<std::uint32_t>(points.cols())));
   };
   LineFit best;
-  double least = std::numeric_limits<double>::infinity();
-  for (int pair = 0; pair < kPairs; ++pair) {
+  double least = std::numeric_limits<double>::infinity(), pairs = kPairs;
+  for (int pair = 0; pair < pairs; ++pair) {
     const Vector3d a = any(), b = any();
     if (!((b - a).squaredNorm() > 0)) continue;
     LineFit line;
     line.point_mm = a;
     line.direction = (b - a).normalized();
-    if (const double median = median_squared_off(line, points); median < least) {
-      least = median;
-      best = line;
-      best.points = 2;
-    }
+    const Eigen::VectorXd squares = squared_distances(line, points);
+    const double bound = close_squared(squares, rounding);
+    if (bound >= least) continue;
+    least = bound;
+    best = line;
+    best.points = 2;
+    const double close = (squares.array() <= bound).cast<double>().mean();
+    // With this share of good ones, as often as kPairs with half.
+    pairs =
+        std::clamp(kPairs * std::log1p(-0.25) / std::log1p(-close * close), kFewestPairs, pairs);
   }
   return best;
 }
@@ -79,8 +90,8 @@ bool refine(LineFit& line, const Matrix3Xd& close) {
   const Eigen::VectorXd along = from.transpose() * line.direction;
   if (along(along.size() - 1) < along(0)) line.direction = -line.direction;
   line.length_mm = along.maxCoeff() - along.minCoeff();
-  const double squares = std::max(0.0, from.squaredNorm() - along.squaredNorm());
-  line.across_rms_mm = std::sqrt(squares / 2 / static_cast<double>(close.cols()));
+  line.across_rms_mm =
+      std::sqrt(squared_distances(line, close).sum() / 2 / static_cast<double>(close.cols()));
   return true;
 }
 
@@ -114,15 +125,15 @@ void set_bend(LineFit& line, const Matrix3Xd& close) {
 
 std::optional<LineFit> fit_line(const Matrix3Xd& points) {
   if (points.cols() < 3 || !points.allFinite()) return std::nullopt;
+  const double rounding = 8 * std::numeric_limits<double>::epsilon() * points.cwiseAbs().maxCoeff();
   const Matrix3Xd judges = judges_of(points);
-  LineFit line = through_most(judges);
+  LineFit line = through_most(judges, rounding);
   if (line.points == 0) return std::nullopt;
   // The line through two points is itself off, and so are the ends of one that is bent: be
   // generous. Twice, since the second line is much better than the first.
   Matrix3Xd close;
   for (int round = 0; round < 2; ++round) {
-    constexpr double kMedian = 1.386;  // of chi squared with two degrees of freedom
-    const double bound = 36 * median_squared_off(line, judges) / kMedian;
+    const double bound = close_squared(squared_distances(line, judges), rounding);
     const Eigen::VectorXd squares = squared_distances(line, points);
     close.resize(3, points.cols());
     Index count = 0;

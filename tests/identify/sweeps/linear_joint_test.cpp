@@ -117,6 +117,21 @@ TEST_CASE("The line through points stands a quarter of outliers and tells how su
   CHECK_FALSE(fit_line(Eigen::Matrix3Xd::Ones(3, 10)));
 }
 
+TEST_CASE("Points of a line that noise did not touch are all on it, however they are written",
+          "[linear_joint]") {
+  const double last = GENERATE(1e-3, 1e-6, 1e-9, 0);
+  Eigen::Matrix3Xd points = stroke(0, 350, 0);
+  points = Eigen::AngleAxisd(1, Vector3d(1, -2, 3).normalized()).toRotationMatrix() * points;
+  points.colwise() += Vector3d(4100, 6300, -12500);
+  if (last > 0) points = (points / last).array().round() * last;
+  const LineFit line = fit_line(points).value();
+  CAPTURE(last, line.points);
+  CHECK(line.points == 400);
+  CHECK(line.length_mm == Approx(350));
+  CHECK(line.across_rms_mm < last + 1e-11);
+  CHECK(straightness(line, {}) == Straightness::straight);
+}
+
 TEST_CASE("A SCARA's linear joint is identified: its direction, its row, and what places it",
           "[linear_joint]") {
   const Arm built = as_built(scara(), 3);
