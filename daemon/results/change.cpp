@@ -1,6 +1,7 @@
 #include "daemon/results/change.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -56,6 +57,12 @@ std::vector<std::string> notes_on(const Change& change) {
   if (change.first.describes != "arm")
     notes.push_back(
         "Both are the controller's model. What happened to the arm itself does not show in it.");
+  if (change.arms.height_mm)
+    notes.push_back(fmt::format(
+        "Nothing tells where along its first axes the arm stands. A and B agree best where B's "
+        "base "
+        "is {:.0f} mm {} than its frame has it. What that can take up is in U.",
+        std::abs(*change.arms.height_mm), *change.arms.height_mm < 0 ? "lower" : "higher"));
   if (!change.arms.other_homes.empty()) {
     std::string joints;
     for (const std::size_t j : change.arms.other_homes)

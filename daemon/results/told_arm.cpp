@@ -162,13 +162,8 @@ std::filesystem::path result_file(const std::filesystem::path& path) {
 
 Json parse_result(const std::filesystem::path& file, std::string_view text) {
   Json json = Json::parse(text, nullptr, false);
-  const std::string schema = text_of(json, "schema");
-  if (schema == kResultSchema) return json;
-  refuse(file, schema.starts_with("sweepd.result/")
-                   ? "has the schema " + schema + ", and this sweepd reads " +
-                         std::string(kResultSchema) + ": use the sweepd that wrote it for both"
-                   : "holds no result of sweepd: give a folder that run, replay or identify has "
-                     "written, or its result.json");
+  require_result(json, file);
+  return json;
 }
 
 Json read_result(const std::filesystem::path& file) {
@@ -216,6 +211,11 @@ ToldArm told_arm_in(const Json& json, const std::filesystem::path& file) {
     refuse(told.file,
            "has no covariance of its numbers: without it nobody can tell a change from noise. "
            "Make the result again with replay or identify, from samples and not from axes");
+
+  const Json& warnings = list_of(json, "warnings");
+  told.arm.height_known = std::none_of(warnings.begin(), warnings.end(), [](const Json& warning) {
+    return text_of(warning, "code") == "height_unknown" && number_of(warning, "joint") == 1;
+  });
 
   const Json& home = list_of(json, "home_deg");
   const Json& limits = list_of(json, "limits_deg");

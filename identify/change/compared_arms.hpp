@@ -7,22 +7,9 @@
 
 #include <Eigen/Core>
 
-#include "identify/dh/dh_extraction.hpp"
+#include "identify/change/measured_arm.hpp"
 
 namespace identify {
-
-/// What a result tells of an arm. All numbers of the table but the last row's are known.
-struct MeasuredArm {
-  std::vector<DhEstimate> dh;
-  /// Of all numbers: five rows a row (b, theta, a, alpha, beta; mm, rad), zero for what is not
-  /// identified.
-  Eigen::MatrixXd covariance;
-  std::vector<int> positive;  ///< +1 where Z of the table is along positive rotation, -1 against it
-  std::vector<std::optional<double>> home_rad;  ///< as Identification has them
-  /// By how much each joint's gear is off, rad per rad that it turned from home, root mean square;
-  /// nothing where no angles tell.
-  std::vector<std::optional<double>> gear;
-};
 
 /// Numbers that neither conventions nor the measurement frame change. `zero` is theta (of a linear
 /// joint b) at home minus the controller's value there: a joint that lost its mastering changes it.
@@ -46,9 +33,7 @@ enum class LeftOutBecause {
   convention,  ///< one of the two has it by convention
 };
 
-/// Two arms written down in the same way: axes along positive rotation; axes that one of the two
-/// takes for parallel, or has within a degree of it, are parallel (with Hayati's beta) in both;
-/// common normals point alike.
+/// Two arms written down in the same way, see `RewrittenArm`.
 struct ComparedArms {
   struct LeftOut {
     ArmNumber number;
@@ -59,6 +44,10 @@ struct ComparedArms {
   Eigen::VectorXd first, second;  ///< their numbers; angles in (-pi, pi]
   Eigen::VectorXd difference;     ///< second minus first, angles wrapped
   Eigen::MatrixXd first_covariance, second_covariance;
+  /// By how much higher along its first axis the second arm's base is taken than its table has it:
+  /// where the two agree best. How open that is is in the second covariance. Nothing where both
+  /// tell it.
+  std::optional<double> height_mm;
   /// Joints whose homes are apart: what their gears are off by there is in the second covariance.
   std::vector<std::size_t> other_homes;
 

@@ -1,12 +1,19 @@
 #include "identify/change/compared_arms.hpp"
 
+#include <cmath>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include <Eigen/Cholesky>
+
+#include "identify/dh/placed_axes.hpp"
 #include "identify/geometry/angle.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/change/measured_arms.hpp"
 
 using namespace identify;
+using Eigen::Vector3d;
 using identify::test::measured;
 using identify::test::Measuring;
 using simulation::Robot;
@@ -41,7 +48,67 @@ Eigen::Isometry3d other_base() {
          Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized());
 }
 
+/// A SCARA whose upright axes are some hundredths of a degree off parallel. Its linear joint is
+/// seen by a target that is so high at home.
+MeasuredArm scara(double target_height_mm, double base_height_mm = 0) {
+  const auto upright = [&](double x, double y, double tilt_x, double tilt_y) {
+    const Vector3d along = Vector3d(tilt_x * kDegree, tilt_y * kDegree, 1).normalized();
+    return Axis{along, Vector3d(x, y, -base_height_mm)};
+  };
+  std::vector<std::optional<Axis>> axes = {upright(0, 0, 0, 0), upright(350, 40, 0.03, -0.02),
+                                           upright(0, 0, -0.04, 0.05),
+                                           upright(500, 320, 0.02, 0.03)};
+  axes[2]->linear = true;
+  axes[2]->point_mm = {480, 300, target_height_mm - base_height_mm};
+  for (auto& axis : axes) axis->covariance = 1e-10 * Eigen::Matrix<double, 6, 6>::Identity();
+  MeasuredArm arm;
+  arm.dh = placed_table(axes, {}, 1500);
+  arm.covariance = Eigen::MatrixXd::Zero(20, 20);
+  Eigen::Index at = 0;
+  for (DhEstimate& row : arm.dh)
+    for (const DhNumber* number : numbers_of(row)) {
+      const bool length = at % 5 == 0 || at % 5 == 2;
+      if (number->knowledge == Knowledge::identified)
+        arm.covariance(at, at) = std::pow(length ? 0.02 : 1e-5, 2);
+      ++at;
+    }
+  arm.positive.assign(4, 1);
+  arm.home_rad.assign(4, 0);
+  arm.gear.assign(4, 0);
+  return arm;
+}
+
 }  // namespace
+
+TEST_CASE("where convention puts a linear joint's axis changes no number of the arm",
+          "[compared_arms]") {
+  const auto first = scara(150), lower = scara(-250);
+  REQUIRE(first.dh[2].linear);
+  REQUIRE(std::abs(first.dh[1].theta_rad.value - lower.dh[1].theta_rad.value) > 0.05 * kDegree);
+  const auto arms = compared(first, lower);
+  CHECK(names(arms) == "a1 alpha1 beta1 zero2 a2 alpha2 beta2 ");
+  CHECK(arms.difference.cwiseAbs().maxCoeff() < kNothingLeft);
+  CHECK_FALSE(arms.height_mm);
+}
+
+TEST_CASE("a base that may stand anywhere along parallel axes is taken where the arms agree",
+          "[compared_arms]") {
+  auto first = scara(150), higher = scara(150, 1200);
+  CHECK(std::abs(difference(compared(first, higher), ArmNumberKind::a, 0)) > 0.5);
+  higher.height_known = false;
+  const auto arms = compared(first, higher);
+  REQUIRE(arms.height_mm);
+  CHECK(*arms.height_mm == Approx(-1200).epsilon(0.01));
+  CHECK(arms.difference.cwiseAbs().maxCoeff() < 0.01);
+  const auto sigmas = [](const ComparedArms& of) {
+    return std::sqrt(of.difference.dot(of.covariance().ldlt().solve(of.difference)));
+  };
+  CHECK(sigmas(arms) < 0.1);
+  SECTION("but not where one of them has changed") {
+    higher.dh[1].theta_rad.value += 0.2 * kDegree;
+    CHECK(sigmas(compared(first, higher)) > 10);
+  }
+}
 
 TEST_CASE("numbers of an arm do not change with base, home and table", "[compared_arms]") {
   const Robot robot = built_kr5();
