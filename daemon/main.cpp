@@ -1,6 +1,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <stdexcept>
 
@@ -53,6 +54,10 @@ int main(int argc, char** argv) {
     return say(problem, kConfigError);
   } catch (const std::invalid_argument& problem) {
     return say(problem, kUsage);
+  } catch (const std::filesystem::filesystem_error& problem) {
+    return say(std::runtime_error(problem.path1().string() + ": " + problem.code().message() +
+                                  ": check the path and the permissions"),
+               kFailed);
   } catch (const std::exception& problem) {
     return say(problem, kFailed);
   }

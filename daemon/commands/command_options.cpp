@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include <CLI/CLI.hpp>
+#include <spdlog/fmt/fmt.h>
 
 #include "daemon/text/utc.hpp"
 #include "rsi/ascii.hpp"
@@ -40,6 +41,11 @@ CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
   return expecting<std::uint64_t>(
       std::to_string(least) + (open ? " or more" : " to " + std::to_string(most)),
       [=](std::uint64_t value) { return least <= value && value <= most; });
+}
+
+CLI::Validator number_between(double least, double most) {
+  return expecting<double>(fmt::format("{} to {}", least, most),
+                           [=](double value) { return least <= value && value <= most; });
 }
 
 CLI::Validator zero_or_more() {

@@ -36,6 +36,8 @@ void add_quiet(CLI::App& command, bool& quiet);
 /// A whole number from `least` to `most`.
 [[nodiscard]] CLI::Validator whole_number(
     std::uint64_t least, std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
+/// A number from `least` to `most`; "nan" is none.
+[[nodiscard]] CLI::Validator number_between(double least, double most);
 [[nodiscard]] CLI::Validator zero_or_more();
 [[nodiscard]] CLI::Validator more_than_zero();
 

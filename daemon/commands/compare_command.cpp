@@ -41,7 +41,7 @@ CLI::App* add_compare(CLI::App& app, CompareOptions& options) {
   command
       ->add_option("--level", options.level,
                    "Call this share of unchanged pairs changed, and no more")
-      ->check(CLI::Range(1e-6, 0.5))
+      ->check(number_between(1e-6, 0.5))
       ->capture_default_str()
       ->type_name("SHARE");
   command

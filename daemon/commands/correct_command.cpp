@@ -159,7 +159,7 @@ CLI::App* add_correct(CLI::App& app, CorrectOptions& options) {
   command
       ->add_option("--largest-shift", options.largest_shift_mm,
                    "Refuse to shift a point by more than so many mm")
-      ->check(CLI::Range(0.0, 100.0))
+      ->check(number_between(0.0, 100.0))
       ->capture_default_str()
       ->type_name("MM");
   command->add_option("--leave", options.leave, "Leave the points of these names as they are")

@@ -115,7 +115,7 @@ CLI::App* add_history(CLI::App& app, HistoryCommandOptions& options) {
   command
       ->add_option("--level", options.level,
                    "Call this share of unchanged campaigns, and of unchanged histories, changed")
-      ->check(CLI::Range(1e-6, 0.5))
+      ->check(number_between(1e-6, 0.5))
       ->capture_default_str()
       ->type_name("SHARE");
   command->add_option("--csv", options.csv, "Write a line for each campaign to this file")

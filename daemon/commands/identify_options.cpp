@@ -82,7 +82,7 @@ CLI::App* add_identify(CLI::App& app, IdentifyOptions& options) {
                    "without angles")
       ->type_name("FILE");
   command->add_option("--joints", options.joints, "Set the number of joints of the arm")
-      ->check(CLI::Range(std::size_t{1}, identify::kMostJoints))
+      ->check(whole_number(1, identify::kMostJoints))
       ->default_str("that of the description, the plan or the points, else 6");
   command
       ->add_option_function<std::string>(

@@ -154,29 +154,29 @@ CLI::App* add_plan(CLI::App& app, PlanOptions& options) {
       what->add_option("--poses", options.poses.count,
                        "Choose so many static poses in place of sweeps, which a device will "
                        "measure: those that together tell most")
-          ->check(CLI::Range(1, 1000))
+          ->check(whole_number(1, 1000))
           ->type_name("N");
   what->require_option(1);
   command
       ->add_option("--cycle-ms", options.cycle_ms,
                    "Assume a telegram every so many milliseconds: 4 on IPO_FAST, 12 on IPO")
-      ->check(CLI::Range(1, 1000))
+      ->check(whole_number(1, 1000))
       ->capture_default_str();
   command
       ->add_option("--precision", options.precision,
                    "Assume numbers with this many decimals, as set at the ETHERNET object")
-      ->check(CLI::Range(0, 15))
+      ->check(whole_number(0, 15))
       ->capture_default_str();
   command
       ->add_option("--wobble-deg", options.wobble_deg,
                    "Assume that every joint wobbles with this standard deviation, in degrees")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(number_between(0.0, 1.0))
       ->capture_default_str();
   command
       ->add_option("--position-sigma-mm", options.position_sigma_mm,
                    "Assume that another device measures positions and no angles, with this "
                    "standard deviation of each coordinate in mm")
-      ->check(CLI::Range(1e-6, 100.0))
+      ->check(number_between(1e-6, 100.0))
       ->default_str("positions and angles are the controller's; of static poses 0.02");
   add_tool(*command, options.tool_mm);
   auto* propose = command->add_flag("--propose", options.propose,
@@ -184,7 +184,7 @@ CLI::App* add_plan(CLI::App& app, PlanOptions& options) {
   command
       ->add_option("--margin-deg", options.margin_deg,
                    "Keep proposed ranges and poses this many degrees off the joint limits")
-      ->check(CLI::Range(0.0, 90.0))
+      ->check(number_between(0.0, 90.0))
       ->capture_default_str();
   command->add_option("--write-plan", options.write_plan, "Write the proposed plan to this file")
       ->type_name("FILE")

@@ -54,7 +54,7 @@ void add_pose_options(CLI::App& command, PoseTask& poses, CLI::Option& count) {
   command
       .add_option("--cone-deg", limits.cone_deg,
                   "Let the reflector see the device only within this angle from where it looks")
-      ->check(CLI::Range(1.0, 180.0))
+      ->check(number_between(1.0, 180.0))
       ->default_str("it looks everywhere");
   command
       .add_option_function<std::array<double, 3>>(
@@ -101,7 +101,9 @@ void add_pose_options(CLI::App& command, PoseTask& poses, CLI::Option& count) {
        {std::tuple{"--speed-deg-s", &poses.speed_deg_s,
                    "Drive from pose to pose at this speed of every axis"},
         std::tuple{"--dwell-s", &poses.dwell_s, "Rest so many seconds at each pose"}})
-    command.add_option(name, *value, help)->check(CLI::Range(0.1, 1000.0))->capture_default_str();
+    command.add_option(name, *value, help)
+        ->check(number_between(0.1, 1000.0))
+        ->capture_default_str();
   const auto all = command.get_options();
   for (std::size_t k = before; k < all.size(); ++k) all[k]->needs(&count);
 }

@@ -262,12 +262,12 @@ CLI::App* add_simulate(CLI::App& app, SimulateOptions& options) {
   command
       ->add_option("--precision", options.precision,
                    "Write numbers with this many decimals, as set at the ETHERNET object")
-      ->check(CLI::Range(0, 15))
+      ->check(whole_number(0, 15))
       ->capture_default_str();
   command
       ->add_option("--cycle-ms", options.cycle_ms,
                    "Send a telegram every so many milliseconds: 4 on IPO_FAST, 12 on IPO")
-      ->check(CLI::Range(1, 1000))
+      ->check(whole_number(1, 1000))
       ->capture_default_str();
   command
       ->add_option("--timeout-cycles", options.timeout_cycles,
@@ -295,7 +295,9 @@ CLI::App* add_simulate(CLI::App& app, SimulateOptions& options) {
                    "Send this share of the telegrams twice, in percent"},
         std::tuple{"--swap-percent", &options.swap_percent,
                    "Exchange this share of the telegrams with the next one, in percent"}})
-    command->add_option(name, *value, help)->check(CLI::Range(0.0, 100.0))->capture_default_str();
+    command->add_option(name, *value, help)
+        ->check(number_between(0.0, 100.0))
+        ->capture_default_str();
   add_tool(*command, options.tool_mm);
   add_quiet(*command, options.quiet);
   add_force(*command, options.force);

@@ -44,7 +44,6 @@ std::string usage_problem(const CLI::App& command, const CLI::ParseError& proble
   static const std::regex kTooOften("(.*): At Most 1 required but received (\\d+)");
   static const std::regex kNoValue("(.*): \\d+ required .* missing");
   static const std::regex kNoneOf("(.*): ([^]*) not in \\{(.*)\\}");
-  static const std::regex kOutOfRange("(.*): Value ([^]*) not in range (.*)");
   static const std::regex kOneOf("Exactly 1 option from \\[(.*)\\] is required(.*)");
   const std::string said = problem.what();
   constexpr std::size_t kLongest = 1000;  // std::regex takes stack for each character
@@ -61,9 +60,6 @@ std::string usage_problem(const CLI::App& command, const CLI::ParseError& proble
   if (is(kNoneOf))
     return part.str(1) + " takes " + listed(part.str(3), ", ") + ": found " +
            rsi::printable(part.str(2)) + help_of(command);
-  if (is(kOutOfRange))
-    return part.str(1) + ": expected " + part.str(3) + ", found " + rsi::printable(part.str(2)) +
-           help_of(command);
   if (is(kOneOf))
     return "give " + listed(part.str(1), " or ") + (part.str(2).empty() ? "" : ", and only one") +
            help_of(command);

@@ -147,7 +147,7 @@ CLI::App* add_watch(CLI::App& app, WatchOptions& options) {
   command
       ->add_option("--port", options.port,
                    "Watch the RSI server on this port, of the settings the robots with it")
-      ->check(CLI::Range(1, 65535))
+      ->check(whole_number(1, 65535))
       ->default_str("the robots of the settings, or where RSI goes to");
   command
       ->add_option("--config", options.config,

@@ -141,16 +141,27 @@ void read_strokes(std::string_view text, ReportFolder& folder) {
   }
 }
 
+void require_result(const nlohmann::ordered_json& json, const std::filesystem::path& file) {
+  const std::string schema = text_of(json, "schema");
+  if (schema == kResultSchema) return;
+  throw std::runtime_error(
+      file.string() +
+      (schema.starts_with("sweepd.result/")
+           ? " has the schema " + schema + ", and this sweepd reads " + kResultSchema +
+                 ": use the sweepd that wrote it"
+           : " holds no result of sweepd: give a folder that run, replay or identify has "
+             "written, or its result.json"));
+}
+
 ReportFolder read_report_folder(const std::filesystem::path& path) {
   ReportFolder folder;
   const auto named = [&](const char* name) { return folder.files.emplace_back(path / name); };
   const auto file = named(file_names::kResult);
   folder.result = json_of(file);
-  if (text_of(folder.result, "schema") != kResultSchema)
+  if (!std::filesystem::exists(file))
     throw std::runtime_error(
-        file.string() +
-        (std::filesystem::exists(file) ? " holds no result of sweepd" : " is not there") +
-        ": give a folder that run, replay or identify has written");
+        file.string() + " is not there: give a folder that run, replay or identify has written");
+  require_result(folder.result, file);
   folder.run = json_of(named(file_names::kRun));
   folder.link = json_of(named(file_names::kLink));
   folder.dh_csv = content(named(file_names::kTable)).value_or("");

@@ -13,6 +13,8 @@ namespace sweepd {
 
 /// What result.json says of itself.
 inline constexpr const char* kResultSchema = "sweepd.result/1";
+/// Throws std::runtime_error where `json`, the content of `file`, is none of that schema.
+void require_result(const nlohmann::ordered_json& json, const std::filesystem::path& file);
 
 /// One row of sweeps.csv, as far as a picture needs it. Not a number where the file has nothing.
 struct StrokePoint {

@@ -218,8 +218,10 @@ void Identifier::go_on_with_earlier() {
     } else if (!earlier.replay) {
       const auto folder = std::move(earlier.folders.back());
       earlier.folders.pop_back();
-      earlier.replay = std::make_unique<SessionReplay>(folder, earlier.setup);
-      earlier.log.note("{} has no last result: it is made from the recording", folder.string());
+      if (FolderLock lock(folder); lock.held()) {  // else a session is written there just now
+        earlier.replay = std::make_unique<SessionReplay>(folder, std::move(lock), earlier.setup);
+        earlier.log.note("{} has no last result: it is made from the recording", folder.string());
+      }
     } else if (!earlier.replay->step()) {
       auto end = std::exchange(earlier.replay, nullptr)->end(earlier.log);
       auto identified = identify(end.snapshot, Share::low);

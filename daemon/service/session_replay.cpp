@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <fstream>
-#include <stdexcept>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -30,9 +29,8 @@ std::uint64_t telegrams_of_result(const fs::path& folder) {
 
 }  // namespace
 
-SessionReplay::SessionReplay(fs::path folder, const RobotSetup& setup)
-    : folder_(std::move(folder)), lock_(folder_), device_(setup) {
-  if (!lock_.held()) throw std::runtime_error(folder_.string() + ": another sweepd writes there");
+SessionReplay::SessionReplay(fs::path folder, FolderLock lock, const RobotSetup& setup)
+    : folder_(std::move(folder)), lock_(std::move(lock)), device_(setup) {
   traces_ = traces_of(folder_);
   const auto search = rsi::find_conversation(traces_);
   if (search.chosen) conversation_ = *search.chosen;

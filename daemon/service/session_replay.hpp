@@ -17,9 +17,8 @@ namespace sweepd {
 /// Reads the recording of a session whose last result was never written. One thread.
 class SessionReplay : private StreamSink {
  public:
-  /// Throws rsi::CaptureError where there is nothing to read, and std::runtime_error if another
-  /// sweepd is writing there.
-  SessionReplay(std::filesystem::path folder, const RobotSetup& setup);
+  /// `lock`: of the folder, held. Throws rsi::CaptureError where there is nothing to read.
+  SessionReplay(std::filesystem::path folder, FolderLock lock, const RobotSetup& setup);
 
   /// Reads on for some tenth of a second. False once all is read.
   bool step();

@@ -68,6 +68,9 @@ TEST_CASE("a folder without a result says which one to give", "[report_folder]")
   (void)folder.write("result.json", "{\"schema\": \"something else\"}");
   CHECK_THROWS_WITH(read_report_folder(folder.path()),
                     ContainsSubstring("result.json holds no result of sweepd"));
+  (void)folder.write("result.json", "{\"schema\": \"sweepd.result/2\"}");
+  CHECK_THROWS_WITH(read_report_folder(folder.path()),
+                    ContainsSubstring("result.json has the schema sweepd.result/2"));
   (void)folder.write("result.json", "[1, 2");
   CHECK_THROWS_WITH(read_report_folder(folder.path()), ContainsSubstring("holds no result"));
   (void)folder.write("result.json", "{\"schema\": 5}");
