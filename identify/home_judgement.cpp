@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,14 +22,18 @@ using Eigen::Vector3d;
 constexpr double kOffHome_mm = 3;
 constexpr double kOffHomeToPeers = 20;
 constexpr std::size_t kFewestPeers = 3;  // two circles meet nearly anywhere
-/// Steps of brakes and of targets that settle are smaller, and the uncertainties hold them.
+/// Where a circle passes home is known to within that, or it tells nothing of it.
 constexpr double kStep_mm = 0.5;
+constexpr double kLeastStep_mm = 0.05;
 /// A step explains a hundred times more than it leaves, with so many numbers to spare: by chance,
 /// homes that scatter look so in one of some thousand campaigns (F of 3 and 4).
 constexpr double kExplainedByStep = 100;
-constexpr std::size_t kFewestSpare = 4;
-/// Gears err by minutes of arc.
+constexpr double kFewestSpare = 4;
+/// Gears err by minutes of arc; less is said and no doubt.
 constexpr double kOffAngle_rad = 0.1 * kDegree;
+constexpr double kLeastOffAngle_rad = 0.01 * kDegree;
+/// Of what the other joints are off: homes that scatter make it in one of a thousand campaigns.
+constexpr double kOffAngleToPeers = 10;
 constexpr std::size_t kFewestNear = 3;
 constexpr double kHomeSigmas = 5;
 /// Locked joints that were told to stand elsewhere explain it themselves.
@@ -82,40 +85,65 @@ std::vector<SeenCircle> circles_of_sweeps(const Identification& found) {
   return seen;
 }
 
-/// Where circles of two joints or more meet.
+/// Where the circles of some sweeps meet.
 struct Meeting {
-  Vector3d at_mm;
-  double misfit = 0;
-};
-std::optional<Meeting> meeting_of(const std::vector<SeenCircle>& seen, std::size_t from,
-                                  std::size_t to, const Vector3d& start) {
-  std::set<std::size_t> joints;
   std::vector<AxisCircle> circles;
-  for (std::size_t i = from; i < to; ++i) {
-    joints.insert(seen[i].joint);
-    circles.push_back(seen[i].circle);
+  std::size_t visits = 0;  ///< to joints: a sweep there and back is one
+  bool one_joint = true;   ///< met anywhere on its circle
+  Vector3d at_mm = Vector3d::Zero();
+
+  Meeting(const std::vector<SeenCircle>& seen, std::size_t from, std::size_t to,
+          const Vector3d& near_mm) {
+    for (std::size_t i = from; i < to; ++i) {
+      circles.push_back(seen[i].circle);
+      if (i == from || seen[i].joint != seen[i - 1].joint) ++visits;
+      one_joint = one_joint && seen[i].joint == seen[from].joint;
+    }
+    at_mm = meeting_point(circles, near_mm);
   }
-  if (joints.size() < 2) return std::nullopt;
-  const Vector3d at = meeting_point(circles, start);
-  return Meeting{at, misfit(circles, at)};
-}
+  [[nodiscard]] double left() const { return misfit(circles, at_mm); }
+  /// Two numbers a visit, three of which the place takes up; a single circle both of its own.
+  [[nodiscard]] double spare() const {
+    return one_joint ? 2 * static_cast<double>(visits) - 2 : 2 * static_cast<double>(visits) - 3;
+  }
+};
 
 std::optional<Warning> step_of_home(const Identification& found, bool timed) {
   const auto seen = circles_of_sweeps(found);
-  if (2 * seen.size() < 6 + kFewestSpare) return std::nullopt;
-  const auto circles = circles_in(seen);
-  const Vector3d home = meeting_point(circles);
-  double least = misfit(circles, home) / kExplainedByStep, moved_mm = 0;
+  if (seen.size() < 2) return std::nullopt;
+  const Meeting all(seen, 0, seen.size(), meeting_point(circles_in(seen)));
+  double sigma_mm = 0;
+  for (const SeenCircle& one : seen) sigma_mm = std::max(sigma_mm, one.known.sigma_mm(all.at_mm));
+  double most = 0, moved_mm = 0;
   std::size_t from = 0;
-  for (std::size_t cut = 2; cut + 2 <= seen.size(); ++cut) {
-    const auto before = meeting_of(seen, 0, cut, home);
-    const auto after = meeting_of(seen, cut, seen.size(), home);
-    if (!before || !after || !(before->misfit + after->misfit < least)) continue;
-    least = before->misfit + after->misfit;
-    moved_mm = (after->at_mm - before->at_mm).norm();
+  std::optional<std::size_t> alone;  // the joint on one side of the step
+  for (std::size_t cut = 1; cut < seen.size(); ++cut) {
+    Meeting before(seen, 0, cut, all.at_mm), after(seen, cut, seen.size(), all.at_mm);
+    if (before.one_joint && after.one_joint) continue;
+    if (before.one_joint) before.at_mm = meeting_point(before.circles, after.at_mm);
+    if (after.one_joint) after.at_mm = meeting_point(after.circles, before.at_mm);
+    const double spare = before.spare() + after.spare();
+    const double moved = (after.at_mm - before.at_mm).norm();
+    if (spare < kFewestSpare || moved < kLeastStep_mm + kHomeSigmas * sigma_mm) continue;
+    const double times = all.left() / (before.left() + after.left());
+    // What is left falls the faster the fewer numbers there are.
+    const double evidence = spare * std::log(times);
+    if (times < kExplainedByStep || evidence < most) continue;
+    most = evidence;
+    moved_mm = moved;
     from = cut;
+    alone.reset();
+    if (before.one_joint) alone = seen.front().joint;
+    if (after.one_joint) alone = seen.back().joint;
   }
-  if (!(moved_mm > kStep_mm)) return std::nullopt;
+  if (most == 0) return std::nullopt;
+  if (alone)
+    return Warning{"off_home", alone,
+                   joint_name(*alone) + ": its circle passes " + brief(moved_mm) +
+                       " mm from where the other joints' circles meet: another joint stood "
+                       "elsewhere than in the other sweeps, or the device, the robot's base or the "
+                       "target was moved. Sweep all joints again, each from the same home, and "
+                       "touch nothing meanwhile"};
   const std::string when = timed ? " on, at " + fixed(seen[from].time_s, 1) + " s," : " on";
   return Warning{"device_moved", seen[from].joint,
                  "from a sweep of " + joint_name(seen[from].joint) + when +
@@ -183,8 +211,16 @@ std::vector<const Sample*> nearest_to_home(const Sweep& sweep, std::size_t joint
 struct ToldOff {
   std::size_t joint = 0;
   double off_rad = 0;
-  double most_rad = 0;  ///< what gears and noise may make of it
-  double off_mm = 0;
+  double noise_rad = 0;  ///< what noise may make of it
+  double reach_mm = 0;   ///< from the axis to the target
+  double peers_rad = 0;  ///< what other joints' usually are off
+
+  [[nodiscard]] double off_mm() const { return off_rad * reach_mm; }
+  /// Without what noise usually makes of it.
+  [[nodiscard]] double beyond_noise_rad() const {
+    const double usual = 2 / kHomeSigmas * noise_rad;
+    return std::sqrt(std::max(0.0, off_rad * off_rad - usual * usual));
+  }
 };
 std::optional<ToldOff> told_off(const Identification& found, std::size_t j) {
   const JointResult& joint = found.joints[j];
@@ -193,7 +229,7 @@ std::optional<ToldOff> told_off(const Identification& found, std::size_t j) {
   double sigma_mm = found.chain->noise.position_mm;
   if (joint.circle && joint.circle_target < found.chain->chain.targets_mm.size())
     sigma_mm += sigma_at(found, j, found.chain->chain.targets_mm[joint.circle_target]);
-  ToldOff farthest{j, 0, kOffAngle_rad + kHomeSigmas * sigma_mm / reach_mm, 0};
+  ToldOff farthest{j, 0, kHomeSigmas * sigma_mm / reach_mm, reach_mm, 0};
   bool any = false;
   for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
     const Sweep& sweep = joint.sweeps[s];
@@ -210,7 +246,6 @@ std::optional<ToldOff> told_off(const Identification& found, std::size_t j) {
     any = true;
     farthest.off_rad = std::max(farthest.off_rad, std::abs(wrapped(first + median_in(off))));
   }
-  farthest.off_mm = farthest.off_rad * reach_mm;
   return any ? std::optional(farthest) : std::nullopt;
 }
 
@@ -220,12 +255,19 @@ std::optional<ToldOff> angle_off(const Identification& found) {
   for (std::size_t j = 0; found.chain && j < found.joints.size(); ++j)
     if (const auto one = told_off(found, j)) all.push_back(*one);
   std::optional<ToldOff> worst;
-  for (const ToldOff& one : all) {
-    std::vector<double> others;
-    for (const ToldOff& other : all)
-      if (other.joint != one.joint) others.push_back(other.off_rad);
-    if (others.size() + 1 >= kFewestPeers && one.off_rad > one.most_rad && one.off_mm > kStep_mm &&
-        one.off_rad > kOffHomeToPeers * median_of(others) && (!worst || one.off_mm > worst->off_mm))
+  if (all.size() < kFewestPeers) return worst;
+  for (ToldOff& one : all) {
+    std::vector<double> others, others_mm;
+    for (const ToldOff& other : all) {
+      if (other.joint == one.joint) continue;
+      others.push_back(other.beyond_noise_rad());
+      others_mm.push_back(other.beyond_noise_rad() * other.reach_mm);
+    }
+    one.peers_rad = median_of(others);
+    if (one.off_rad > kLeastOffAngle_rad + one.noise_rad &&
+        one.off_rad > kOffAngleToPeers * one.peers_rad &&
+        one.off_mm() > kOffAngleToPeers * median_of(others_mm) &&
+        (!worst || one.off_mm() > worst->off_mm()))
       worst = one;
   }
   return worst;
@@ -248,15 +290,24 @@ void judge_home(Identification& found, bool timed) {
   }
   if (const auto one = angle_off(found)) {
     const bool linear = found.joints[one->joint].line.has_value();
-    found.doubts.push_back(
-        {"off_home", one->joint,
-         joint_name(one->joint) + (linear ? ": its places as told are " : ": its angles are ") +
-             (linear ? "" : fixed(one->off_rad / kDegree, 2) + "°, ") + brief(one->off_mm) +
-             (linear ? " mm" : " mm at the target,") +
-             " off where the target was seen, and the other joints' are not: robot, device or "
-             "target were moved between the sweeps, or this joint's zero or scale is wrong. Sweep "
-             "all joints again, and touch nothing meanwhile"});
-    return;
+    const bool doubtful = one->off_rad > kOffAngle_rad + one->noise_rad &&
+                          one->off_rad > kOffHomeToPeers * one->peers_rad &&
+                          one->off_mm() > kStep_mm;
+    const std::string off =
+        joint_name(one->joint) + (linear ? ": its places as told are " : ": its angles are ") +
+        (linear ? "" : fixed(one->off_rad / kDegree, doubtful ? 2 : 3) + "°, ") +
+        brief(one->off_mm()) + (linear ? " mm" : " mm at the target,") +
+        " off where the target was seen, and the other joints' are not: robot, device or target "
+        "were moved between the sweeps, or ";
+    if (doubtful) {
+      found.doubts.push_back({"off_home", one->joint,
+                              off + "this joint's zero or scale is wrong. Sweep all joints again, "
+                                    "and touch nothing meanwhile"});
+      return;
+    }
+    found.warnings.push_back({"off_home", one->joint,
+                              off + "its gear has play. What it has at home is no better known: "
+                                    "sweep all joints there and back"});
   }
   const double scatter = found.chain ? found.chain->home_scatter_mm : 0;
   if (scatter > kOffHome_mm)

@@ -32,6 +32,7 @@ struct Choice {
   /// by convention.
   bool held = false;
   double theta_rad = 0;  // where held
+  double b_mm = 0;       // of parallel and coincident axes
 };
 
 /// Where a frame stands: its Z is an axis.
@@ -53,33 +54,33 @@ Vector5d advance(const Axis& from, const Axis& to, const Choice& choice, Frame& 
   const Line second = to.line();
   const Vector3d z = first.direction;
   const Vector3d start = second.point_mm();
-  // Where the second axis passes a plane through the frame's origin.
-  const auto passes = [&](const Vector3d& normal) -> Vector3d {
-    return start +
-           second.direction * (normal.dot(frame.origin - start) / normal.dot(second.direction));
+  // Where the second axis passes a plane through a point.
+  const auto passes = [&](const Vector3d& normal, const Vector3d& through) -> Vector3d {
+    return start + second.direction * (normal.dot(through - start) / normal.dot(second.direction));
   };
-  Vector3d foot = frame.origin;
+  double b = choice.b_mm;
+  const auto foot = [&]() -> Vector3d { return frame.origin + b * z; };
   Frame next;
   if (choice.held) {
-    foot += z * z.dot(from.point_mm - foot);
-    next.origin = start + second.direction * (z.dot(foot - start) / z.dot(second.direction));
+    b = z.dot(from.point_mm - frame.origin);
+    next.origin = passes(z, foot());
     next.x = Eigen::AngleAxisd(choice.theta_rad, z) * frame.x;
   } else if (choice.relation == Relation::skew || choice.relation == Relation::intersecting) {
     // The plane of the first axis and the common normal: so the row leads to the second axis even
     // where rounding moves the feet along both.
     next.x = choice.sign * turned_across(z.cross(second.direction), z);
-    next.origin = passes(z.cross(next.x));
-    foot += z * z.dot(next.origin - foot);
+    next.origin = passes(z.cross(next.x), frame.origin);
+    b = z.dot(next.origin - frame.origin);
   } else {
-    next.origin = passes(z);  // the plane across the first axis
-    const Vector3d offset = next.origin - foot;
+    next.origin = passes(z, foot());  // the plane across the first axis
+    const Vector3d offset = next.origin - foot();
     next.x = offset.norm() > kExact ? Vector3d(choice.sign * turned_across(offset, z)) : frame.x;
   }
   // The second direction is Rx(alpha) Ry(beta) Z, seen from X, Y = Z x X, Z.
   const Vector3d& n = second.direction;
   Vector5d numbers;
-  numbers << (foot - frame.origin).dot(z), angle_across(z, frame.x, next.x),
-      (next.origin - foot).dot(next.x), std::atan2(-n.dot(z.cross(next.x)), n.dot(z)),
+  numbers << b, angle_across(z, frame.x, next.x), (next.origin - foot()).dot(next.x),
+      std::atan2(-n.dot(z.cross(next.x)), n.dot(z)),
       std::asin(std::clamp(n.dot(next.x), -1.0, 1.0));
   next.x = turned_across(next.x, n);
   frame = next;
@@ -96,6 +97,9 @@ Choice choose(const Axis& first, const Axis& second, double size, const DhRow* s
     if (specified != nullptr) choice.theta_rad = specified->theta_rad;
     return choice;
   }
+  if (specified != nullptr && choice.relation != Relation::skew &&
+      choice.relation != Relation::intersecting)
+    choice.b_mm = specified->b_mm;
   const auto numbers = [&](double sign) {
     Frame frame = frame_on(first.line());
     Choice with = choice;
@@ -266,7 +270,7 @@ void fill(const Run& run, const MatrixXd& covariance, double size, std::vector<D
       row.theta_rad = x_was_meaningful && x_meaningful && !choice.held ? number(1) : convention(1);
     x_known = true;
     if (parallel) {
-      row.b_mm = choice.held ? convention(0) : conventional();
+      row.b_mm = convention(0);
       continue;
     }
     const bool placed = i > 0 && run.axes[i - 1].linear;

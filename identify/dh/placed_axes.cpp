@@ -49,7 +49,9 @@ class Placement {
   [[nodiscard]] Vector3d origin(const Axes& z, std::size_t k, const Vector3d& target) const {
     const Line axis = z[k]->line();
     if (k + 1 == z.size() || !z[k + 1]) return axis.closest_mm(target);
-    if (parallel_[k]) return axis.closest_mm(origin(z, k + 1, target));
+    if (parallel_[k])
+      return axis.closest_mm(origin(z, k + 1, target)) -
+             (specified_.empty() ? 0 : specified_[k].b_mm) * axis.direction;
     return relate(axis, z[k + 1]->line()).first_foot_mm;
   }
 

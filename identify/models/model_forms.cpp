@@ -180,7 +180,7 @@ std::vector<Group> ModelForms::dh_groups(ModelForm form) const {
                b};
     } else {
       const bool hayati = form == ModelForm::hayati;
-      if (!hayati || !parallel(row) || row.linear) group.push_back(b);
+      if (!hayati || !parallel(row) || row.linear || row.b_mm.value != 0) group.push_back(b);
       group.push_back(theta);
       group.push_back({"a", Quantity::length, row.a_mm});
       group.push_back({"alpha", Quantity::angle, row.alpha_rad});
