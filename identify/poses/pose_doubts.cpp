@@ -28,6 +28,9 @@ constexpr double kManyOutliers = 0.2;
 /// A target has moved where a shift explains so much (chi-square, 3 degrees of freedom, at the
 /// worst of all places in the order), and is no smaller than what is left of a pose.
 constexpr double kMoved = 60;
+/// Poses leave so much more beside sweeps than alone, and no less, where they are of another place.
+constexpr double kApartFromSweeps = 5;
+constexpr double kLeastApart_mm = 0.05;
 constexpr std::size_t kMostNamed = 5;
 constexpr double kNearAxis_mm = 20;
 
@@ -184,10 +187,18 @@ std::vector<Pose> without_copies(std::vector<Pose> poses, std::vector<Warning>& 
     return a.target == b.target && a.sample.position_mm == b.sample.position_mm &&
            a.sample.angles_rad == b.sample.angles_rad;
   };
+  const auto same_orientation = [](const Pose& a, const Pose& b) {
+    return a.sample.has_orientation && a.sample.abc_rad == b.sample.abc_rad &&
+           a.sample.angles_rad == b.sample.angles_rad;
+  };
   std::vector<Pose> kept;
   std::size_t copies = 0;
   std::string first;
   for (Pose& pose : poses) {
+    // Several targets of one stand have the tool's orientation beside each: it was measured once.
+    if (std::any_of(kept.begin(), kept.end(),
+                    [&](const Pose& one) { return same_orientation(one, pose); }))
+      pose.sample.has_orientation = false;
     const auto other =
         std::find_if(kept.begin(), kept.end(), [&](const Pose& one) { return same(one, pose); });
     if (other == kept.end()) {
@@ -221,6 +232,16 @@ std::vector<Warning> doubts_of(const PoseEstimate& found, const std::vector<Pose
                           " mm away from where it was on the tool: give the poses from there on a "
                           "target name of their own, or measure again"});
   }
+  if (doubts.empty() && found.left_middle_mm > kLeastApart_mm &&
+      found.left_middle_mm > kApartFromSweeps * found.left_alone_mm)
+    doubts.push_back({"device_moved",
+                      {},
+                      "the poses lie " + brief(found.left_middle_mm) +
+                          " mm off the arm that the sweeps tell, and " +
+                          brief(found.left_alone_mm) +
+                          " mm off an arm of their own: the device, the robot's base or the target "
+                          "was moved between the two. Measure both again, and touch nothing "
+                          "meanwhile"});
   const auto outliers = static_cast<double>(found.outliers.size());
   if (doubts.empty() && outliers > kManyOutliers * static_cast<double>(poses.size()))
     doubts.push_back({"pose_outliers",

@@ -8,6 +8,7 @@
 namespace identify {
 
 /// Poses that were given more than once, in every digit, are counted once; the warning names them.
+/// An orientation that stands beside each of several targets counts once, too.
 [[nodiscard]] std::vector<Pose> without_copies(std::vector<Pose> poses,
                                                std::vector<Warning>& warnings);
 

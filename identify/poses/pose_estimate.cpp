@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "identify/geometry/median.hpp"
 #include "identify/poses/pose_start.hpp"
 
 namespace identify {
@@ -66,6 +67,13 @@ std::vector<ChainEstimate::Part> parts_of(const PoseFit& fit,
       parts.push_back({part.cause, share(of)});
   }
   return parts;
+}
+
+/// The middle one of the distances between seen and predicted.
+double middle_left_mm(const PoseFit& fit) {
+  std::vector<double> distances;
+  for (const PoseRow& row : fit.rows) distances.push_back(row.off.head<3>().norm());
+  return median_of(std::move(distances));
 }
 
 ChainEstimate chain_of(const PoseFit& fit, const std::optional<FromSweeps>& sweeps) {
@@ -170,6 +178,12 @@ std::optional<PoseEstimate> estimate_poses(const std::vector<Pose>& poses, const
   widen(found.fit, poses, prior);
   for (EffectEvidence& one : found.effects) one.sigma *= std::sqrt(found.fit.widened);
   found.with_sweeps = sweeps != nullptr;
+  if (const Index spare = rows - unknowns; sweeps != nullptr && spare >= kSpareRows) {
+    const PoseFit alone = fitted(start.model, noise, poses, oriented, std::nullopt);
+    found.left_alone_mm =
+        middle_left_mm(alone) * std::sqrt(static_cast<double>(rows) / static_cast<double>(spare));
+  }
+  found.left_middle_mm = middle_left_mm(found.fit);
   VectorXd distances(static_cast<Index>(poses.size()));
   VectorXd counted(distances.size());
   Index in = 0;

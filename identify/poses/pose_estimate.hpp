@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,6 +45,10 @@ struct PoseEstimate {
   Observability observability;
   PoseDrift drift;  ///< in the order of `poses`
   bool with_sweeps = false;
+  /// The middle of what is left of them, and of what they would leave without the sweeps, for as
+  /// many numbers; infinite where they are too few for an arm of their own.
+  double left_middle_mm = 0;
+  double left_alone_mm = std::numeric_limits<double>::infinity();
   /// What is left is no more than printing takes away: the positions were computed from the angles.
   bool computed = false;
   std::vector<std::size_t> outliers;  ///< poses that count less than half

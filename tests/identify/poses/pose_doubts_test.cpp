@@ -82,6 +82,21 @@ TEST_CASE("A target that was put back elsewhere is noticed, and where", "[pose_d
   CHECK_THAT(found.doubts.front().message, Catch::Matchers::ContainsSubstring("pose 2"));
 }
 
+TEST_CASE("A device that was moved between sweeps and poses is noticed", "[pose_doubts]") {
+  const double moved_mm = GENERATE(0.0, 0.6, 50.0);
+  CAPTURE(moved_mm);
+  for (const std::uint32_t seed : {1U, 2U, 3U}) {
+    const auto built = arm_with(tracker(), seed);
+    auto poses = built.poses(30);
+    for (Pose& pose : poses)
+      pose.sample.position_mm += moved_mm / std::sqrt(3) * Eigen::Vector3d(1, -1, 1);
+    const auto found = identify::identify(built.sweeps(), built.campaign(), poses);
+    INFO("seed " << seed << ": " << found.reason);
+    CHECK((found.status == Status::complete) == (moved_mm == 0));
+    if (moved_mm > 0) CHECK(found.doubts.front().code == "device_moved");
+  }
+}
+
 TEST_CASE("One wrong pose in twenty is left out and named; the others tell the same",
           "[pose_doubts]") {
   const auto built = arm_with(tracker(), 5);
@@ -107,6 +122,39 @@ TEST_CASE("Copies of poses count once", "[pose_doubts]") {
   const auto found = identify::identify({}, built.campaign(), poses);
   CHECK(warned(found, "pose_copies"));
   CHECK(found.dh[1].a_mm.sigma == once.dh[1].a_mm.sigma);
+}
+
+TEST_CASE("An orientation that stands beside each of two targets counts once", "[pose_doubts]") {
+  for (const std::uint32_t seed : {1U, 2U, 3U}) {
+    const auto built = arm_with(tracker(), seed, 2);
+    const auto arm = robot(seed, 2).arm;
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<> turn(-50 * kDegree, 50 * kDegree);
+    std::normal_distribution<> noise(0, 1e-5);
+    std::vector<std::vector<double>> stands;
+    for (int i = 0; i < 30; ++i) {
+      auto angles = arm.home_rad;
+      for (double& angle : angles) angle += turn(random);
+      stands.insert(stands.end(), 2, angles);
+    }
+    auto poses = built.poses_at(stands);
+    for (std::size_t i = 0; i < poses.size(); i += 2) {
+      const Eigen::Isometry3d frame =
+          built.base() * forward_kinematics(arm, {stands[i].begin(), stands[i].end()});
+      const Eigen::Vector3d off(noise(random), noise(random), noise(random));
+      const Eigen::AngleAxisd error(off.norm(), off.normalized());
+      for (const std::size_t k : {i, i + 1}) {
+        poses[k].sample.has_orientation = true;
+        poses[k].sample.abc_rad = abc_of(error.toRotationMatrix() * frame.linear());
+      }
+    }
+    const auto found = identify::identify({}, built.campaign(), poses);
+    INFO("seed " << seed << ": " << found.reason);
+    CHECK(found.status == Status::complete);
+    // Joints may take up some of it; copies as if independent left none.
+    CHECK(found.poses->fit.noise.orientation_rad > 3e-6);
+    CHECK(found.poses->fit.noise.orientation_rad < 3e-5);
+  }
 }
 
 TEST_CASE("Clean poses of many kinds are not doubted", "[pose_doubts][long]") {
