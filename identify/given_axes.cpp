@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "identify/chain/chain_table.hpp"
 #include "identify/geometry/angle.hpp"
 #include "identify/identification.hpp"
 
@@ -49,8 +50,17 @@ double misfit(const std::vector<DhEstimate>& dh, const std::vector<DhRow>& speci
   return sum;
 }
 
+/// In a device's frame, where the base stands is nobody's number.
+std::vector<DhEstimate> table_of(const Axes& axes, const Identification& found, double size,
+                                 const Campaign& campaign) {
+  auto table = extract_dh(axes, size, found.specified);
+  if (campaign.device_frame && !table.empty()) leave_first_to_frame(table, found.specified);
+  return table;
+}
+
 /// The axes, each turned as agrees best with the specified table; of equals the first.
-Axes agreeing(const Axes& axes, const std::vector<DhRow>& specified, double size) {
+Axes agreeing(const Axes& axes, const Identification& found, double size,
+              const Campaign& campaign) {
   constexpr double kEqual = 1e-9;
   Axes best;
   double least = 0;
@@ -58,7 +68,7 @@ Axes agreeing(const Axes& axes, const std::vector<DhRow>& specified, double size
     Axes tried = axes;
     for (std::size_t j = 0; j < axes.size(); ++j)
       if ((flips >> j & 1) != 0) tried[j] = tried[j]->reversed();
-    const double sum = misfit(extract_dh(tried, size, specified), specified, size);
+    const double sum = misfit(table_of(tried, found, size, campaign), found.specified, size);
     if (!best.empty() && sum >= least - kEqual) continue;
     least = sum;
     best = std::move(tried);
@@ -85,9 +95,9 @@ Identification identify_given_axes(const std::vector<Axis>& axes, const Campaign
       found.specified[j] = campaign.specified->row_at(j, *found.home_rad[j]);
       found.specified[j].theta_rad = wrapped(found.specified[j].theta_rad);
     }
-    z = agreeing(z, found.specified, size);
+    z = agreeing(z, found, size, campaign);
   }
-  found.dh = extract_dh(z, size, found.specified);
+  found.dh = table_of(z, found, size, campaign);
   found.joints.resize(axes.size());
   for (std::size_t j = 0; j < axes.size(); ++j) {
     const bool turned = campaign.specified && campaign.specified->positive[j] < 0;

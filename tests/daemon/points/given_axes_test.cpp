@@ -79,6 +79,33 @@ TEST_CASE("the axes of a KR 5 give its table, whichever way round they are and w
         1e-12);
 }
 
+TEST_CASE("axes in a device's frame are met wherever it stands, and the base is nobody's number",
+          "[given_axes]") {
+  auto campaign = given_campaign();
+  campaign.device_frame = true;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<> any(-3000, 3000);
+  for (int place = 0; place < 20; ++place) {
+    const Eigen::AngleAxisd turn(
+        any(random) / 1000, Eigen::Vector3d(any(random), any(random), any(random)).normalized());
+    const Eigen::Vector3d by(any(random), any(random), any(random));
+    auto axes = axes_of(identify::test::kr5_arc());
+    for (Axis& axis : axes) {
+      axis.direction = turn * axis.direction;
+      axis.point_mm = turn * axis.point_mm + by;
+    }
+    const auto found = identify_given_axes(axes, campaign);
+    CHECK(found.dh[0].b_mm.knowledge == identify::Knowledge::by_convention);
+    CHECK(found.dh[0].theta_rad.knowledge == identify::Knowledge::by_convention);
+    for (std::size_t j = 0; j + 1 < 6; ++j) {
+      CHECK(std::abs(found.dh[j].a_mm.value - found.specified[j].a_mm) < 1e-6);
+      CHECK(std::abs(identify::wrapped(found.dh[j].alpha_rad.value -
+                                       found.specified[j].alpha_rad)) < 1e-9);
+      CHECK(std::abs(found.dh[j].b_mm.value - found.specified[j].b_mm) < 1e-6);
+    }
+  }
+}
+
 TEST_CASE("the pose in which axes were given is known only if it is declared", "[given_axes]") {
   const auto arm = identify::test::kr5_arc();
   auto campaign = given_campaign();
