@@ -88,8 +88,9 @@ class TargetNames {
 };
 
 inline constexpr std::string_view kTimeRunsBackwards =
-    "expected a time no earlier than the line before, found an earlier one: sort the lines, or "
-    "give each recording as a file of its own";
+    "expected a time no earlier than the line before, found an earlier one: give dates where "
+    "midnight lies between and UTC where clocks were set back, else sort the lines, or give each "
+    "recording as a file of its own";
 
 /// Is told how much of a file was read.
 using OnBytesRead = std::function<void(std::size_t bytes_read)>;
