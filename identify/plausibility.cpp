@@ -196,10 +196,18 @@ class Judge {
       const double sure_rad =
           sigmas * std::hypot(axis.direction_sigma_rad(), first->axis.direction_sigma_rad());
       if (!(apart_mm > kApart_mm + sure_mm) && !(apart_rad > kApart_rad + sure_rad)) continue;
+      const Vector3d between = circle->center_mm - first->circle.center_mm;
+      const bool coaxial = apart_rad < kApart_rad + sure_rad &&
+                           circle->normal.cross(between).norm() < kApart_mm + sure_mm;
       doubt("strokes_disagree", j,
-            joint_name(j) + ": its sweeps do not turn about one axis: their circles' centres are " +
-                fixed(apart_mm, 1) + " mm apart, their normals " + fixed(apart_rad / kDegree, 1) +
-                "°: something else moved between them, or one is another joint's");
+            joint_name(j) +
+                (coaxial ? ": its sweeps turn about one axis on circles that are "
+                         : ": its sweeps do not turn about one axis: their circles' centres are ") +
+                fixed(apart_mm, 1) + " mm apart" +
+                (coaxial ? " along it: the target is another one. Name the targets in a column "
+                           "target"
+                         : ", their normals " + fixed(apart_rad / kDegree, 1) +
+                               "°: something else moved between them, or one is another joint's"));
       return true;
     }
     return false;

@@ -474,6 +474,20 @@ TEST_CASE("sweeps of one joint about different axes are a doubt", "[plausibility
   check_doubt(identify::identify(sweeps, campaign), "strokes_disagree", 3);
 }
 
+TEST_CASE("sweeps of two targets that have one name are a doubt that asks for names",
+          "[plausibility]") {
+  const Simulation simulation(some_kr5(3, 2), {}, tracker(true), 3);
+  const auto unnamed = [](Sweep& sweep, std::vector<Sample>&) { sweep.target = 0; };
+  const auto found =
+      identify::identify(changed(simulation.sweeps(), unnamed), simulation.campaign());
+  CHECK(found.status == Status::doubtful);
+  const Warning* doubt = nullptr;
+  for (const Warning& one : found.doubts)
+    if (one.code == "strokes_disagree") doubt = &one;
+  REQUIRE(doubt != nullptr);
+  CHECK_THAT(doubt->message, ContainsSubstring("the target is another one"));
+}
+
 TEST_CASE("angles that do not belong to the arc are a doubt", "[plausibility]") {
   const Simulation simulation(some_kr5(7), {}, tracker(true), 7);
   auto campaign = simulation.campaign();
