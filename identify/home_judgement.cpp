@@ -22,7 +22,8 @@ using Eigen::Vector3d;
 constexpr double kOffHome_mm = 3;
 constexpr double kOffHomeToPeers = 20;
 constexpr std::size_t kFewestPeers = 3;  // two circles meet nearly anywhere
-/// Where a circle passes home is known to within that, or it tells nothing of it.
+/// Where a circle passes home is known to within that, or it tells nothing of it. Angles that are
+/// off by less at the target are no doubt.
 constexpr double kStep_mm = 0.5;
 constexpr double kLeastStep_mm = 0.05;
 /// A step explains a hundred times more than it leaves, with so many numbers to spare: by chance,
@@ -126,7 +127,7 @@ std::optional<Warning> step_of_home(const Identification& found, bool timed) {
     const double moved = (after.at_mm - before.at_mm).norm();
     if (spare < kFewestSpare || moved < kLeastStep_mm + kHomeSigmas * sigma_mm) continue;
     const double times = all.left() / (before.left() + after.left());
-    // What is left falls the faster the fewer numbers there are.
+    // By chance little is left where few numbers are to spare.
     const double evidence = spare * std::log(times);
     if (times < kExplainedByStep || evidence < most) continue;
     most = evidence;
