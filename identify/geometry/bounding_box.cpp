@@ -68,7 +68,8 @@ PrincipalFrame frame_of(const Matrix3Xd& points, double flat) {
   }
   frame.axes << x, y, x.cross(y);
 
-  const double height = (frame.axes.col(2).transpose() * from_first).cwiseAbs().maxCoeff(&far);
+  const Eigen::RowVectorXd heights = frame.axes.col(2).transpose() * from_first;
+  const double height = heights.cwiseAbs().maxCoeff(&far);
   if (frame.rank == 2 && height > flat) {
     frame.rank = 3;
     edges.col(2) = from_first.col(far);
