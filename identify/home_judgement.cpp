@@ -40,6 +40,9 @@ constexpr double kHomeSigmas = 5;
 /// Locked joints that were told to stand elsewhere explain it themselves.
 constexpr double kHeld_rad = 0.005 * kDegree;
 
+constexpr const char* kSweepAgain =
+    "Sweep all joints again, each from the same home, and touch nothing meanwhile";
+
 AxisCircle circle_of(const CircleFit& circle) {
   return {{circle.normal, circle.center_mm},
           circle.center_mm + circle.radius_mm * circle.normal.unitOrthogonal()};
@@ -143,15 +146,15 @@ std::optional<Warning> step_of_home(const Identification& found, bool timed) {
                    joint_name(*alone) + ": its circle passes " + brief(moved_mm) +
                        " mm from where the other joints' circles meet: another joint stood "
                        "elsewhere than in the other sweeps, or the device, the robot's base or the "
-                       "target was moved. Sweep all joints again, each from the same home, and "
-                       "touch nothing meanwhile"};
+                       "target was moved. " +
+                       kSweepAgain};
   const std::string when = timed ? " on, at " + fixed(seen[from].time_s, 1) + " s," : " on";
   return Warning{"device_moved", seen[from].joint,
                  "from a sweep of " + joint_name(seen[from].joint) + when +
                      " the target at home is " + brief(moved_mm) +
                      " mm from where it was, and stays there: the device, the robot's base or the "
-                     "target was moved, or a joint did not come back home. Sweep all joints again, "
-                     "each from the same home, and touch nothing meanwhile"};
+                     "target was moved, or a joint did not come back home. " +
+                     kSweepAgain};
 }
 
 /// How certain a joint's circle is at a place.
@@ -301,14 +304,13 @@ void judge_home(Identification& found, bool timed) {
         " off where the target was seen, and the other joints' are not: robot, device or target "
         "were moved between the sweeps, or ";
     if (doubtful) {
-      found.doubts.push_back({"off_home", one->joint,
-                              off + "this joint's zero or scale is wrong. Sweep all joints again, "
-                                    "and touch nothing meanwhile"});
+      found.doubts.push_back(
+          {"off_home", one->joint, off + "this joint's zero or scale is wrong. " + kSweepAgain});
       return;
     }
     found.warnings.push_back({"off_home", one->joint,
-                              off + "its gear has play. What it has at home is no better known: "
-                                    "sweep all joints there and back"});
+                              off + "its gear has play. It is known no better than that where it "
+                                    "stands at home. Sweep all joints there and back"});
   }
   const double scatter = found.chain ? found.chain->home_scatter_mm : 0;
   if (scatter > kOffHome_mm)

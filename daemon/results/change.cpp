@@ -60,8 +60,7 @@ std::vector<std::string> notes_on(const Change& change) {
   if (change.arms.height_mm)
     notes.push_back(fmt::format(
         "Nothing tells where along its first axes the arm stands. A and B agree best where B's "
-        "base "
-        "is {:.0f} mm {} than its frame has it. What that can take up is in U.",
+        "base is {:.0f} mm {} than its frame has it. What that can take up is in U.",
         std::abs(*change.arms.height_mm), *change.arms.height_mm < 0 ? "lower" : "higher"));
   if (!change.arms.other_homes.empty()) {
     std::string joints;

@@ -72,7 +72,7 @@ constexpr double kHeightOpen = 30;
 /// Takes the second arm at the height at which both agree best (Gauss-Newton), and what that can
 /// take up of the differences as uncertain. `change`: of the second's numbers with its height.
 void find_height(ComparedArms& arms, const std::function<VectorXd(double height_mm)>& change) {
-  constexpr double kStep_mm = 1, kPrior = 1 / (kHeight_mm * kHeight_mm);
+  constexpr double kNudge_mm = 1, kPrior = 1 / (kHeight_mm * kHeight_mm);
   const VectorXd first_difference = arms.difference;
   const auto difference = [&](double height_mm) {
     return wrapped_angles(first_difference + change(height_mm), arms.numbers);
@@ -84,9 +84,9 @@ void find_height(ComparedArms& arms, const std::function<VectorXd(double height_
   VectorXd slope;
   int rounds = 10;
   do {
-    slope = wrapped_angles(difference(height + kStep_mm) - difference(height - kStep_mm),
+    slope = wrapped_angles(difference(height + kNudge_mm) - difference(height - kNudge_mm),
                            arms.numbers) /
-            (2 * kStep_mm);
+            (2 * kNudge_mm);
     const VectorXd weighed = weights.cwiseProduct(correlation.solve(weights.cwiseProduct(slope)));
     information = weighed.dot(slope) + kPrior;
     step = -(weighed.dot(difference(height)) + kPrior * height) / information;
@@ -125,7 +125,7 @@ std::string_view text(ArmNumberKind kind) noexcept {
 }
 
 Index ArmNumber::place() const {
-  const auto row = 5 * static_cast<Index>(joint);
+  const auto row = static_cast<Index>(kDhNumbers.size() * joint);
   switch (kind) {
     case ArmNumberKind::b:
       return row;

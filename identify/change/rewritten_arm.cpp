@@ -15,7 +15,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr Index kRowNumbers = 5;
+constexpr auto kRowNumbers = static_cast<Index>(kDhNumbers.size());
 /// Along axes that are so close to parallel, b of two rows hardly tells anything by itself.
 constexpr double kNearlyParallel_rad = 1 * kDegree;
 

@@ -65,8 +65,8 @@ inline constexpr std::array<DhNumberName, 5> kDhNumbers{
 /// DH table of the axes in the paper's notation, as the robot stood: one row an axis, in order,
 /// from the first axis' `first_frame` on.
 ///
-/// Row n needs a frame on the end-effector: it is zero by convention. For parallel axes b is free:
-/// by convention it is as specified, else zero; and beta carries what is not quite parallel: the table reproduces the
+/// Row n needs a frame on the end-effector: it is zero by convention. For parallel axes b is free,
+/// as specified or else zero, and beta carries what is not quite parallel: the table reproduces the
 /// axes whatever their relation is called. For coincident axes all numbers, and the next theta, are
 /// by convention: that they coincide is all that is known. Where an axis is missing or not finite,
 /// or the relation of two is unknown, the numbers that need it stay undetermined, and so does a

@@ -232,11 +232,11 @@ std::vector<Warning> doubts_of(const PoseEstimate& found, const std::vector<Pose
                           " mm away from where it was on the tool: give the poses from there on a "
                           "target name of their own, or measure again"});
   }
-  if (doubts.empty() && found.left_middle_mm > kLeastApart_mm &&
-      found.left_middle_mm > kApartFromSweeps * found.left_alone_mm)
+  const double left_mm = middle_left_mm(found.fit);
+  if (doubts.empty() && left_mm > std::max(kLeastApart_mm, kApartFromSweeps * found.left_alone_mm))
     doubts.push_back({"device_moved",
                       {},
-                      "the poses lie " + brief(found.left_middle_mm) +
+                      "the poses lie " + brief(left_mm) +
                           " mm off the arm that the sweeps tell, and " +
                           brief(found.left_alone_mm) +
                           " mm off an arm of their own: the device, the robot's base or the target "

@@ -5,7 +5,6 @@
 
 #include <Eigen/Cholesky>
 
-#include "identify/geometry/median.hpp"
 #include "identify/poses/pose_start.hpp"
 
 namespace identify {
@@ -69,13 +68,6 @@ std::vector<ChainEstimate::Part> parts_of(const PoseFit& fit,
   return parts;
 }
 
-/// The middle one of the distances between seen and predicted.
-double middle_left_mm(const PoseFit& fit) {
-  std::vector<double> distances;
-  for (const PoseRow& row : fit.rows) distances.push_back(row.off.head<3>().norm());
-  return median_of(std::move(distances));
-}
-
 ChainEstimate chain_of(const PoseFit& fit, const std::optional<FromSweeps>& sweeps) {
   ChainEstimate chain;
   chain.chain = fit.model.chain;
@@ -117,6 +109,13 @@ Left left_of(const VectorXd& distances_mm) {
   return {distances_mm.mean(),
           distances_mm.norm() / std::sqrt(static_cast<double>(distances_mm.size())),
           distances_mm.maxCoeff()};
+}
+
+double middle_left_mm(const PoseFit& fit) {
+  VectorXd distances(static_cast<Index>(fit.rows.size()));
+  for (Index i = 0; i < distances.size(); ++i)
+    distances(i) = fit.rows[static_cast<std::size_t>(i)].off.head<3>().norm();
+  return middle_of(distances);
 }
 
 Eigen::Matrix3d PoseEstimate::covariance_at(const Pose& pose) const {
@@ -183,7 +182,6 @@ std::optional<PoseEstimate> estimate_poses(const std::vector<Pose>& poses, const
     found.left_alone_mm =
         middle_left_mm(alone) * std::sqrt(static_cast<double>(rows) / static_cast<double>(spare));
   }
-  found.left_middle_mm = middle_left_mm(found.fit);
   VectorXd distances(static_cast<Index>(poses.size()));
   VectorXd counted(distances.size());
   Index in = 0;

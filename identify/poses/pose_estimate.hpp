@@ -28,6 +28,9 @@ struct Left {
 };
 [[nodiscard]] Left left_of(const Eigen::VectorXd& distances_mm);
 
+/// The middle one of the distances between seen and predicted.
+[[nodiscard]] double middle_left_mm(const PoseFit& fit);
+
 /// What remains when so much of the specified arm is let go.
 struct PoseLevel {
   Freedom freedom = Freedom::frames;
@@ -45,9 +48,8 @@ struct PoseEstimate {
   Observability observability;
   PoseDrift drift;  ///< in the order of `poses`
   bool with_sweeps = false;
-  /// The middle of what is left of them, and of what they would leave without the sweeps, for as
-  /// many numbers; infinite where they are too few for an arm of their own.
-  double left_middle_mm = 0;
+  /// What the middle one would leave without the sweeps, for as many numbers; infinite where they
+  /// are too few for an arm of their own.
   double left_alone_mm = std::numeric_limits<double>::infinity();
   /// What is left is no more than printing takes away: the positions were computed from the angles.
   bool computed = false;

@@ -22,16 +22,17 @@ struct Step {
 };
 
 /// From the frame (origin, x, z) to the axis `next`, by the common normal or, of parallel axes, by
-/// the plane across z through the origin; its X points by `sign`.
+/// the plane across z, `b_mm` from the origin; its X points by `sign`.
 Step step(const Vector3d& origin, const Vector3d& x, const Vector3d& z,
-          const identify::ChainAxis& next, bool parallel, double sign) {
+          const identify::ChainAxis& next, bool parallel, double b_mm, double sign) {
   const Vector3d& n = next.direction;
   Step found{{}, next.point_mm, x};
   Vector3d foot = origin;
   Vector3d normal;
   if (parallel) {
-    found.origin = next.point_mm + n * (z.dot(origin - next.point_mm) / z.dot(n));
-    normal = sign * (found.origin - origin).normalized();
+    foot += b_mm * z;
+    found.origin = next.point_mm + n * (z.dot(foot - next.point_mm) / z.dot(n));
+    normal = sign * (found.origin - foot).normalized();
   } else {
     const Vector3d across = z.cross(n);
     const Vector3d gap = next.point_mm - origin;
@@ -78,8 +79,9 @@ std::vector<identify::DhRow> true_table(const Simulation& simulation,
       return std::abs(one.row.a_mm - specified.a_mm) / kSize_mm +
              std::abs(identify::wrapped(one.row.alpha_rad - specified.alpha_rad));
     };
-    Step best = step(origin, x, axes[j].direction, axes[j + 1], parallel, 1);
-    const Step other = step(origin, x, axes[j].direction, axes[j + 1], parallel, -1);
+    Step best = step(origin, x, axes[j].direction, axes[j + 1], parallel, specified.b_mm, 1);
+    const Step other =
+        step(origin, x, axes[j].direction, axes[j + 1], parallel, specified.b_mm, -1);
     if (misfit(other) < misfit(best)) best = other;
     table.push_back(best.row);
     origin = best.origin;

@@ -8,10 +8,10 @@
 namespace simulation {
 
 /// The numbers that `found` ought to have: the true table at the home of the result, in its own
-/// form. Rows that it calls parallel or coincident have b = 0 and a beta, others have beta = 0; the
-/// first frame lies as identify::first_frame has it; common normals point as the specified arm's.
-/// Worked out from the definition, apart from identify/dh/dh_extraction.cpp. `home_rad`: the home
-/// of the result, where it has one; else that which was meant.
+/// form. Rows that it calls parallel or coincident have b as specified and a beta, others have
+/// beta = 0; the first frame lies as identify::first_frame has it; common normals point as the
+/// specified arm's. Worked out from the definition, apart from identify/dh/dh_extraction.cpp.
+/// `home_rad`: the home of the result, where it has one; else that which was meant.
 [[nodiscard]] std::vector<identify::DhRow> true_table(
     const Simulation& simulation, const std::vector<identify::DhEstimate>& found,
     const std::vector<std::optional<double>>& home_rad);
