@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "identify/chain/delay.hpp"
+#include "identify/chain_advice.hpp"
 #include "identify/circle/joint_motion.hpp"
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/median.hpp"
@@ -32,9 +33,6 @@ constexpr double kPoorResolution_rad = 0.0011 * kDegree;
 constexpr double kAdviceSigmas = 4;
 constexpr double kLeastCurve_rad = 5 * kArcsec;
 constexpr double kLeastCoherence = 8;
-constexpr double kManyOutliers = 0.01;
-constexpr double kManySamples = 10;    // a single independent one
-constexpr double kRounding_mm = 1e-6;  // below it residuals are those of computing
 
 std::string degrees(double angle_rad) {
   return fixed(angle_rad / kDegree, 1) + "°";
@@ -83,7 +81,8 @@ class Adviser {
     if (campaign_.motion_limit)
       if (auto hidden = hidden_motion(found_, *campaign_.motion_limit))
         found_.warnings.push_back(std::move(*hidden));
-    if (found_.chain) judge_fit(*found_.chain);
+    if (!found_.chain) return;
+    for (Warning& warning : advice_on_chain(found_)) found_.warnings.push_back(std::move(warning));
   }
 
  private:
@@ -273,68 +272,6 @@ class Adviser {
          "numbers come in steps of " + sizes +
              ": have them written with four decimals or more (on a KUKA controller: Precision of "
              "the ETHERNET object)");
-  }
-
-  void judge_uneven_joints(const ChainEffects& effects) {
-    // By 10, 5 of 40 campaigns of even joints had one that seemed uneven.
-    constexpr double kSure = 20;
-    for (std::size_t j = 0; j < effects.home_gains.size(); ++j) {
-      const double home_rad = effects.home_rad_of(j);
-      if (effects.home_gains[j] > kSure)
-        warn("joint_not_held", j,
-             "while it was locked it stood elsewhere from sweep to sweep, by " +
-                 fixed(home_rad / kDegree, 4) + "°, the other joints by " +
-                 fixed(effects.home_rad / kDegree, 4) + "°: look after its brake and its gear");
-      if (effects.figure_gains[j] > kSure)
-        warn("arc_bent", j,
-             "its arc departs from a circle " + brief(effects.figure_times_of(j)) +
-                 " times as far as the other joints': look after its bearing, and whether another "
-                 "joint moved along");
-    }
-  }
-
-  void judge_fit(const ChainEstimate& chain) {
-    const auto samples = static_cast<double>(std::max<std::size_t>(1, chain.samples));
-    const double share = static_cast<double>(chain.outliers) / samples;
-    if (share > kManyOutliers)
-      warn("outliers", {},
-           std::to_string(chain.outliers) + " of " + std::to_string(chain.samples) + " samples (" +
-               fixed(100 * share, 1) +
-               " %) lie far off and hardly count: look for an interrupted line of sight or a "
-               "loose target");
-    if (chain.samples_per_independent > kManySamples && chain.noise.position_mm > kRounding_mm)
-      warn("correlated_noise", {},
-           "errors of successive samples are alike: " + fixed(chain.samples_per_independent, 0) +
-               " samples tell as much as one; uncertainties allow for it; more sweeps help, "
-               "denser samples do not");
-    judge_uneven_joints(chain.effects);
-    if (chain.home_scatter_mm > kHomeScatter_mm)
-      warn("home_not_shared", {},
-           "from sweep to sweep the target stood off home by " + brief(chain.home_scatter_mm) +
-               " mm (1 sigma): keep the target where it is on the tool, lock the other joints at "
-               "the same home for all sweeps, and do not touch the device; uncertainties allow for "
-               "it");
-    judge_orientation(chain);
-  }
-
-  void judge_orientation(const ChainEstimate& chain) {
-    const bool trusted =
-        std::any_of(chain.angles.begin(), chain.angles.end(),
-                    [](const AngleEvidence& seen) { return seen.trust == AngleTrust::trusted; });
-    if (chain.with_orientation || !trusted) return;
-    bool any = false;
-    for (const JointResult& joint : found_.joints)
-      for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
-        if (!joint.used[s]) continue;
-        for (const Sample& sample : *joint.sweeps[s].samples) {
-          if (!sample.has_orientation) return;
-          any = true;
-        }
-      }
-    if (any)
-      warn("orientation_inconsistent", {},
-           "the tool's orientations contradict positions and angles and were not used: check that "
-           "A, B, C are those of the same tool and base, R = Rz(A) Ry(B) Rx(C)");
   }
 
   Identification& found_;

@@ -32,6 +32,17 @@ Json effects(const identify::ChainEffects& seen) {
           {"offset_deg", json_angle(seen.offset_rad)}, {"sag_deg", json_angle(seen.sag_rad)}};
 }
 
+Json steady_drift(const identify::ChainEstimate::SteadyDrift& seen) {
+  Json mm = Json::array(), sigma = Json::array();
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    mm.push_back(json_length(seen.mm(k)));
+    sigma.push_back(json_length(std::sqrt(seen.covariance(k, k))));
+  }
+  return {{"mm", std::move(mm)},
+          {"sigma_mm", std::move(sigma)},
+          {"seconds", rounded(seen.seconds, 3)}};
+}
+
 /// Of a linear joint its ways: mm.
 Json ways(Json json, const AngleEvidence& seen) {
   json["error_rms_mm"] = json_angle(seen.error_rms_rad);
@@ -97,6 +108,8 @@ Json chain_json(const identify::ChainEstimate& estimate) {
           {"shared_home", estimate.home_scatter_mm <= identify::kHomeScatter_mm},
           {"home_scatter_mm", json_length(estimate.home_scatter_mm)},
           {"effects", effects(estimate.effects)},
+          {"steady_drift",
+           estimate.steady_drift ? steady_drift(*estimate.steady_drift) : Json()},
           {"with_orientation", estimate.with_orientation},
           {"noise", noise(estimate)},
           {"angles", std::move(evidence)}};

@@ -51,6 +51,9 @@ struct Chain {
   /// less than what is printed can show. One a joint, or none: not at all.
   std::vector<double> zero_rad;
   std::vector<ChainSag> sags;  ///< none: rigid joints, or nothing is known of them
+  /// How far the measuring device drifts from the middle of the campaign to its end, steadily: so
+  /// much farther the target is seen.
+  Eigen::Vector3d drift_mm = Eigen::Vector3d::Zero();
 
   /// Where joints that turned so far carry what moves with the last of them.
   [[nodiscard]] Eigen::Isometry3d displacement(const Turns& turns) const;

@@ -169,16 +169,6 @@ bool sweeps_again(const ChainNodes& nodes) {
   return nodes.units.size() > joints.size();
 }
 
-/// From the first sample of all strokes to the last one.
-double seconds_of(const ChainNodes& nodes) {
-  double begin_s = std::numeric_limits<double>::infinity(), end_s = -begin_s;
-  for (const StrokeMoments& stroke : nodes.strokes) {
-    begin_s = std::min(begin_s, stroke.begin_s);
-    end_s = std::max(end_s, stroke.end_s);
-  }
-  return end_s - begin_s;
-}
-
 /// Which share of the variance of a random walk's places, their means over strokes, the units of
 /// each group have in common. Over a time D it is D/6 a unit of time, half of that of what lies
 /// between two places if they were independent. Between the means over two strokes of length T
@@ -191,7 +181,7 @@ std::vector<double> shares_in_common(const ChainNodes& nodes) {
     double count = 0;
   };
   constexpr double kOverlapping = 0.9;  // of a stroke's length
-  const double seconds = seconds_of(nodes);
+  const double seconds = nodes.seconds();
   std::vector<Pairs> pairs(nodes.home_of.size());
   const auto stroke = [&](std::size_t u) -> const StrokeMoments& {
     return nodes.strokes[nodes.units[u].front()];
@@ -272,7 +262,7 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
                              const EffectColumns& columns) {
   EffectVariances variances;
   const auto turns = static_cast<Index>(nodes.known.size());
-  const double seconds = seconds_of(nodes);
+  const double seconds = nodes.seconds();
   const double drift = effects.drift_mm * effects.drift_mm;
   const auto home = [&](Index joint) {
     return std::pow(effects.home_rad_of(static_cast<std::size_t>(joint)), 2);

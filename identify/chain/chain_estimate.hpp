@@ -40,6 +40,9 @@ struct ChainEffects {
   bool home_stays = false;
   /// Of the measuring device's place in a stroke, each coordinate. It walks on during a stroke.
   double drift_mm = 0;
+  /// Of how far it drifts steadily from the middle of the campaign to its end, each coordinate:
+  /// `drift_mm` of the chain.
+  double steady_mm = 0;
   /// Of the figure that a stroke describes, radial and axial, from a circle: the standard deviation
   /// of the coefficient of its first Chebyshev polynomial, one a law by which the others fall. It
   /// is the sum of such figures. At home, which is one pose of the arm however it was reached,
@@ -161,6 +164,14 @@ struct ChainEstimate {
   bool with_orientation = false;      ///< A, B, C were present, consistent, and used
   /// How far the target stood off from home in each stroke, by the effects of home and drift.
   double home_scatter_mm = 0;
+  /// How far the measuring device drifted steadily over the whole campaign, along the measurement
+  /// frame's axes, and what it took. It is out of everything above.
+  struct SteadyDrift {
+    Eigen::Vector3d mm = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    double seconds = 0;
+  };
+  std::optional<SteadyDrift> steady_drift;  ///< where the data show one
   std::size_t samples = 0;
   std::size_t outliers = 0;            ///< of them: given less than half their weight
   std::size_t summed = 0;              ///< strokes of which only sums were known

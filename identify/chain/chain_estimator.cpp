@@ -133,6 +133,7 @@ class Estimation {
     }
     shape.figures_mm.fill(1);
     shape.home_rad = shape.drift_mm = nodes_.units.size() > 1 ? 1 : 0;  // from stroke to stroke
+    shape.steady_mm = nodes_.timed ? 1 : 0;
     shape.offset_rad = several_homes ? 1 : 0;
     Fitted other = best;
     size_twice(best, shape);
@@ -140,26 +141,23 @@ class Estimation {
     // Whether joints that stood still stood elsewhere in each stroke, the likelihood tells. What is
     // the same there and back may have been taken for the arc's figure.
     constexpr double kShown = 4;
-    const double anew = deviance(best, effects_);
+    LinearisedChain linearised(best.fit.chain, nodes_, best.noise, effects_, false);
+    const double anew = linearised.deviance(effects_);
     const auto nodes = nodes_.observations;
     const ChainEffects effects = effects_;
     ChainEffects none = effects_;
-    none.home_rad = none.drift_mm = none.sag_rad = 0;
+    none.home_rad = none.drift_mm = none.sag_rad = none.steady_mm = 0;
     none.figures_mm = {};
-    if (!(deviance(best, none) > anew + kShown)) return;
+    if (!(linearised.deviance(none) > anew + kShown)) return;
     shape.home_stays = true;
     size_twice(other, shape);
-    if (deviance(other, effects_) < anew) {
+    LinearisedChain of_other(other.fit.chain, nodes_, other.noise, effects_, false);
+    if (of_other.deviance(effects_) < anew) {
       best = std::move(other);
     } else {
       nodes_.observations = nodes;
       effects_ = effects;
     }
-  }
-
-  [[nodiscard]] double deviance(const Fitted& fitted, const ChainEffects& effects) {
-    return LinearisedChain(fitted.fit.chain, nodes_, fitted.noise, effects, false)
-        .deviance(effects);
   }
 
   void size_twice(Fitted& best, ChainEffects shape) {
@@ -185,6 +183,7 @@ class Estimation {
     // A joint whose sag may be anything could not be told from its angle, and one of none has no
     // sag.
     if (!(effects_.sag_rad > 0)) best.fit.chain.sags.clear();
+    if (!(effects_.steady_mm > 0)) best.fit.chain.drift_mm.setZero();
     best.fit = fit_chain(best.fit.chain, nodes_, best.noise, effects_, false);
   }
 
@@ -317,6 +316,9 @@ class Estimation {
     LinearisedChain linearised(best.fit.chain, nodes_, best.noise, effects_,
                                estimate.with_orientation);
     best.fit.parts = linearised.parts();
+    if (effects_.steady_mm > 0)
+      estimate.steady_drift = {2 * best.fit.chain.drift_mm,
+                               4 * best.fit.covariance.bottomRightCorner<3, 3>(), nodes_.seconds()};
     set_fitted_axes(estimate, best.fit, nodes_.known, nodes_.targets);
   }
 

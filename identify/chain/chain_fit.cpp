@@ -125,6 +125,7 @@ class Fitting {
       there.zero_rad[j] += change(count + static_cast<Index>(j));
     for (std::size_t s = 0; s < there.sags.size(); ++s)
       there.sags[s].rad += change(count + static_cast<Index>(there.zero_rad.size() + s));
+    if (problem_.first_drift(there) < change.size()) there.drift_mm += change.tail<3>();
     return there;
   }
 
@@ -163,6 +164,7 @@ void set_fitted_axes(ChainEstimate& estimate, const ChainFit& fit, const std::ve
   estimate.chain.tool = at_home.linear() * fit.chain.tool;
   estimate.chain.zero_rad.clear();
   estimate.chain.sags.clear();  // at home there is none
+  estimate.chain.drift_mm.setZero();
   const ChainParameters parameters{joints, fit.chain.targets_mm.size()};
   const auto tool = static_cast<Index>(6 * joints + 3 * targets);
   const auto rows = tool + (estimate.with_orientation ? 3 : 0);

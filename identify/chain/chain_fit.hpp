@@ -13,8 +13,8 @@ namespace identify {
 /// A weighted least-squares fit of a chain to samples, for given noise.
 struct ChainFit {
   Chain chain;
-  /// Of the parameters (`ChainParameters`, at `chain`, and behind them its `zero_rad` and `sags`),
-  /// for errors independent between samples; zero for what has no information.
+  /// Of the parameters (`ChainParameters`, at `chain`, and behind them its `zero_rad`, `sags` and
+  /// `drift_mm`), for errors independent between samples; zero for what has no information.
   Eigen::MatrixXd covariance;
   std::vector<ChainEstimate::Part> parts;  ///< of it; nobody has asked yet where it is empty
   Summary summary;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -59,7 +60,7 @@ bool together(const StrokeMoments& one, const StrokeMoments& other) {
          one.squares == other.squares && both > shorter / 2;
 }
 
-/// Sorts the units by what swept in between.
+/// Sorts the units by what swept in between, and tells whether they follow each other at all.
 void set_stands(ChainNodes& nodes) {
   const auto begin_s = [&](std::size_t unit) {
     return nodes.strokes[nodes.units[unit].front()].begin_s;
@@ -70,14 +71,33 @@ void set_stands(ChainNodes& nodes) {
                    [&](std::size_t a, std::size_t b) { return begin_s(a) < begin_s(b); });
   nodes.stand.resize(in_time.size());
   double end_s = 0;  // of all before
+  nodes.timed = in_time.size() > 1;
   for (std::size_t i = 0; i < in_time.size(); ++i) {
     const std::size_t unit = in_time[i], group = nodes.group[unit];
     // Where times begin anew with each sweep, nothing tells what follows what.
-    const bool follows = i > 0 && nodes.group[in_time[i - 1]] == group && begin_s(unit) >= end_s;
+    const bool after = i > 0 && begin_s(unit) >= end_s;
+    const bool follows = after && nodes.group[in_time[i - 1]] == group;
+    if (i > 0 && !after) nodes.timed = false;
     if (!follows) nodes.group_of.push_back(group);
     nodes.stand[unit] = nodes.group_of.size() - 1;
     for (const std::size_t s : nodes.units[unit]) end_s = std::max(end_s, nodes.strokes[s].end_s);
   }
+}
+
+/// Sets when each node was seen. Of strokes' sums nobody knows it.
+void set_times(ChainNodes& nodes) {
+  double begin_s = std::numeric_limits<double>::infinity();
+  for (const StrokeMoments& stroke : nodes.strokes) {
+    begin_s = std::min(begin_s, stroke.begin_s);
+    if (!stroke.squares) nodes.timed = false;
+  }
+  const double seconds = nodes.seconds();
+  for (std::size_t s = 0; nodes.timed && s < nodes.strokes.size(); ++s)
+    for (std::size_t n = 0; n < nodes.strokes[s].nodes.size(); ++n) {
+      const StrokeMoments& stroke = nodes.strokes[s];
+      nodes.observations[nodes.first[s] + n].when =
+          2 * (stroke.time_s(stroke.nodes[n].turn_rad) - begin_s) / seconds - 1;
+    }
 }
 
 /// Sorts the strokes by what was seen at once, and by where their locked joints stood.
@@ -116,6 +136,7 @@ void set_groups(ChainNodes& nodes) {
     if (fresh) nodes.home_of.push_back(home);
   }
   set_stands(nodes);
+  set_times(nodes);
   for (const Place& place : places) {
     Turns turns{};
     for (std::size_t k = 0; k < kMostJoints; ++k) turns[k] = place[k].value_or(0);
@@ -124,6 +145,15 @@ void set_groups(ChainNodes& nodes) {
 }
 
 }  // namespace
+
+double ChainNodes::seconds() const {
+  double begin_s = std::numeric_limits<double>::infinity(), end_s = -begin_s;
+  for (const StrokeMoments& stroke : strokes) {
+    begin_s = std::min(begin_s, stroke.begin_s);
+    end_s = std::max(end_s, stroke.end_s);
+  }
+  return end_s - begin_s;
+}
 
 std::size_t ChainNodes::samples() const {
   std::size_t count = 0;

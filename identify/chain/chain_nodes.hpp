@@ -38,9 +38,12 @@ struct ChainNodes {
   /// Where the joints stood at each home, from the first one; of a joint that was never seen locked
   /// there, zero. The first is the common one.
   std::vector<Turns> homes;
+  bool timed = false;  ///< units follow each other on one clock, and `when` of observations is set
 
   [[nodiscard]] std::size_t samples() const;
   [[nodiscard]] std::size_t outliers() const;
+  /// From the first sample of all strokes to the last one.
+  [[nodiscard]] double seconds() const;
   /// Whether a stand has several units.
   [[nodiscard]] bool stays() const { return group_of.size() < units.size(); }
 };

@@ -41,12 +41,17 @@ Eigen::Index ChainProblem<Size>::count(const Chain& chain) {
 
 template <int Size>
 Eigen::Index ChainProblem<Size>::count_all(const Chain& chain) const {
-  return first_sag(chain) + static_cast<Eigen::Index>(chain.sags.size());
+  return first_drift(chain) + (shape_.steady_mm > 0 ? 3 : 0);
 }
 
 template <int Size>
 Eigen::Index ChainProblem<Size>::first_sag(const Chain& chain) const {
   return count(chain) + static_cast<Eigen::Index>(shape_.zero_rad.size());
+}
+
+template <int Size>
+Eigen::Index ChainProblem<Size>::first_drift(const Chain& chain) const {
+  return first_sag(chain) + static_cast<Eigen::Index>(chain.sags.size());
 }
 
 template <int Size>
@@ -70,6 +75,7 @@ NormalEquations ChainProblem<Size>::linearised(const Chain& chain) {
   };
   for (const double zero : chain.zero_rad) pull(zero);
   for (const ChainSag& sag : chain.sags) pull(sag.rad);
+  for (Eigen::Index k = 0; at < known.size(); ++k) pull(chain.drift_mm(k));
   return equations;
 }
 
@@ -84,6 +90,8 @@ Eigen::VectorXd ChainProblem<Size>::prior(const Chain& chain) const {
     const double sigma_rad = chain.sags[s].share * shape_.sag_rad;
     known(first_sag(chain) + static_cast<Eigen::Index>(s)) = 1 / (sigma_rad * sigma_rad);
   }
+  known.tail(known.size() - first_drift(chain))
+      .setConstant(1 / (shape_.steady_mm * shape_.steady_mm));
   return known;
 }
 
@@ -129,9 +137,11 @@ StrokeProducts ChainProblem<Size>::unit(const Chain& chain, std::size_t u, Chain
           row = pose.by_parameter.col(at).template head<Size>().transpose();
         } else if (at < first_sag(chain)) {
           row = residual_.by_swept.transpose();
-        } else {
+        } else if (at < first_drift(chain)) {
           const auto sag = static_cast<std::size_t>(at - first_sag(chain));
           row = levers[sag] * pose.by_turn[chain.sags[sag].joint].template head<Size>().transpose();
+        } else {
+          row(at - first_drift(chain)) = seen.when;
         }
       }
       block.row(last) = residual_.error.transpose();
@@ -258,7 +268,7 @@ std::vector<Eigen::Index> ChainProblem<Size>::active(
     if (!shape_.zero_rad.empty() && shape_.zero_rad[first.joint] > 0 && !free(first))
       add(count(chain) + static_cast<Eigen::Index>(first.joint), 1);
   }
-  add(first_sag(chain), static_cast<Eigen::Index>(chain.sags.size()));
+  add(first_sag(chain), count_all(chain) - first_sag(chain));
   return {found.begin(), found.end()};
 }
 

@@ -32,11 +32,12 @@ class ChainProblem {
                const ChainEffects& shape);
 
   /// Of the chain's parameters. Behind them, where they are estimated: one a joint for where its
-  /// angle is zero, and one a sag.
+  /// angle is zero, one a sag, and three of the steady drift.
   [[nodiscard]] static Eigen::Index count(const Chain& chain);
   /// The same with those behind them.
   [[nodiscard]] Eigen::Index count_all(const Chain& chain) const;
   [[nodiscard]] Eigen::Index first_sag(const Chain& chain) const;
+  [[nodiscard]] Eigen::Index first_drift(const Chain& chain) const;
 
   /// The free angles go along to where the last linearisation put them.
   void follow();

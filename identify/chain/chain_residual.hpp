@@ -22,6 +22,8 @@ struct ChainObservation {
   std::size_t sweep = 0;  ///< samples of one stroke stand next to each other, in time's order
   bool falling = false;   ///< the stroke's direction
   double weight = 1;      ///< 0 to 1: how far the sample is believed
+  /// From -1 at the campaign's first sample to 1 at its last one; 0 where times do not tell.
+  double when = 0;
 };
 
 /// The turns of a sample of `joint`'s sweep: where its angle is believed, by where that is zero,
@@ -79,7 +81,7 @@ struct ChainResidual {
   /// `base` is the sample's base weight; `free`: the sweeping joint's angle is not used.
   void set(const Chain& chain, const ChainObservation& seen, const ChainPose& pose,
            const Square& base, bool free) {
-    error.template head<3>() = seen.position_mm - pose.position_mm;
+    error.template head<3>() = seen.position_mm - pose.position_mm - seen.when * chain.drift_mm;
     if constexpr (Size == 6) {
       const Eigen::AngleAxisd off(seen.orientation * (pose.rotation * chain.tool).transpose());
       error.template tail<3>() = off.angle() * off.axis();

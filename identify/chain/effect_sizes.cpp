@@ -12,7 +12,7 @@
 namespace identify {
 namespace {
 
-constexpr std::size_t kCount = 6, kFigure = 2, kSag = 5;
+constexpr std::size_t kCount = 7, kFigure = 2, kSag = 5, kSteady = 6;
 /// Steps of each effect's size: nothing, then up by a factor.
 using SizeSteps = std::array<int, kCount>;
 
@@ -32,9 +32,9 @@ struct SizeTask {
   std::size_t law;  ///< of figures, all of which are of one
 
   [[nodiscard]] double& in(ChainEffects& effects, std::size_t effect) const {
-    const std::array<double*, kCount> sizes{&effects.home_rad,        &effects.drift_mm,
-                                            &effects.figures_mm[law], &effects.offset_rad,
-                                            &effects.told_rad,        &effects.sag_rad};
+    const std::array<double*, kCount> sizes{
+        &effects.home_rad, &effects.drift_mm, &effects.figures_mm[law], &effects.offset_rad,
+        &effects.told_rad, &effects.sag_rad,  &effects.steady_mm};
     return *sizes[effect];
   }
   /// Whether the size of this effect is asked for.
@@ -55,7 +55,7 @@ class SizeGrid {
     }
     // In units of each effect in which they move the target alike.
     const double turn = task.smallest_mm / task.reach_mm;
-    unit_ = {turn, task.smallest_mm, task.smallest_mm, turn, turn, turn};
+    unit_ = {turn, task.smallest_mm, task.smallest_mm, turn, turn, turn, task.smallest_mm};
     last_.fill(last_step(1 / turn));
     last_[kFigure] = last_step(kMostFigure / turn);
     last_[kSag] = last_step(kMostSag / turn);
@@ -72,18 +72,13 @@ class SizeGrid {
   double deviance(const SizeSteps& steps) {
     const auto known = known_.find(steps);
     if (known != known_.end()) return known->second;
-    std::vector<double> sags(static_cast<std::size_t>(open_[kSag] ? last_[kSag] + 1 : 1),
-                             task_.shape.sag_rad);
-    if (open_[kSag])
-      for (int step = 0; step <= last_[kSag]; ++step)
-        sags[static_cast<std::size_t>(step)] = size(kSag, step);
-    const auto found = task_.chain->deviances(effects(steps), sags);
-    SizeSteps here = steps;
-    for (std::size_t k = 0; k < sags.size(); ++k) {
-      here[kSag] = static_cast<int>(k);
-      known_[here] = finite(found[k]);
-    }
-    return known_.at(steps);
+    SizeSteps others = steps;
+    others[kSag] = others[kSteady] = 0;
+    const ChainEffects here = effects(steps);
+    auto left = left_.find(others);
+    if (left == left_.end()) left = left_.emplace(others, task_.chain->left_by(here)).first;
+    return known_[steps] =
+               finite(task_.chain->deviance(left->second, here.sag_rad, here.steady_mm));
   }
   /// Shifts each effect's sizes so that the least deviance near these steps is at them: where the
   /// data tell a size well, the nearest on a grid that knows nothing of them is wrong by half a
@@ -103,6 +98,7 @@ class SizeGrid {
             unit_[k] /= times;
         }
     known_.clear();
+    left_.clear();
   }
   /// By how much the mean square of this effect is larger than the grid has it, which is too coarse
   /// for one that the data tell well: along its sizes alone, around these steps.
@@ -168,6 +164,7 @@ class SizeGrid {
   std::array<double, kCount> unit_{};
   std::array<int, kCount> last_{};
   std::map<SizeSteps, double> known_;
+  std::map<SizeSteps, LinearisedChain::Left> left_;
 };
 
 /// Whether the data limit the size of this effect: far beyond all that was seen, at the largest
@@ -188,13 +185,13 @@ bool is_limited(const SizeTask& task, std::size_t effect) {
 /// So much above the least, a deviance is out of the question.
 constexpr double kOut = 10;
 
-/// Whether the data tell that there is this effect.
-bool is_shown(const SizeTask& task, std::size_t effect) {
+/// Whether the data tell that there is this effect: the deviance falls by so much.
+bool is_shown(const SizeTask& task, std::size_t effect, double by) {
   if (!task.is_open(effect)) return false;
   SizeGrid grid(task);
   const double none = grid.deviance({});
   for (SizeSteps steps{}; ++steps[effect] <= grid.last(effect);)
-    if (grid.deviance(steps) < none - kOut) return true;
+    if (grid.deviance(steps) < none - by) return true;
   return false;
 }
 
@@ -269,6 +266,9 @@ ChainEffects effect_sizes(LinearisedChain& chain, const ChainEffects& shape, dou
   SizeTask limited = asked;
   for (std::size_t k = 0; k < kCount; ++k)
     if (k != kFigure && !is_limited(asked, k)) asked.in(limited.shape, k) = 0;
+  // What cannot be seen beside noise alone cannot be seen beside more.
+  constexpr double kSeen = 4;
+  if (!is_shown(asked, kSteady, kSeen)) asked.in(limited.shape, kSteady) = 0;
   struct ByLaw {
     SizeTask task;
     SizeSearch search;
@@ -284,7 +284,8 @@ ChainEffects effect_sizes(LinearisedChain& chain, const ChainEffects& shape, dou
     SizeTask task = limited;
     task.law = law;
     // Arms limit figures where the data do not. Only where these show none, none is assumed.
-    if (!is_limited(task, kFigure) && !is_shown(task, kFigure)) task.in(task.shape, kFigure) = 0;
+    if (!is_limited(task, kFigure) && !is_shown(task, kFigure, kOut))
+      task.in(task.shape, kFigure) = 0;
     laws.push_back({task, SizeSearch(task), kChances[law]});
     most = std::max(most, likely(laws.back()));
   }

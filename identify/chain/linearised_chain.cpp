@@ -20,12 +20,13 @@ LinearisedChain::LinearisedChain(const Chain& chain, ChainNodes& nodes, const Ch
                                  const ChainEffects& shape, bool with_orientation)
     : nodes_(nodes), shape_(shape), columns_(shape, nodes) {
   const auto sags = static_cast<Eigen::Index>(chain.sags.size());
-  sags_.resize(sags);
+  last_.resize(sags + (shape.steady_mm > 0 ? 3 : 0));
   sag_shares_.resize(sags);
   for (Eigen::Index s = 0; s < sags; ++s) {
-    sags_(s) = chain.sags[static_cast<std::size_t>(s)].rad;
+    last_(s) = chain.sags[static_cast<std::size_t>(s)].rad;
     sag_shares_(s) = chain.sags[static_cast<std::size_t>(s)].share;
   }
+  if (shape.steady_mm > 0) last_.tail<3>() = chain.drift_mm;
   const auto set = [&](auto&& problem) {
     prior_ = problem.prior(chain);
     eliminated_.emplace(problem.products(chain), nodes.group_of, nodes.home_of, prior_.size());
@@ -34,61 +35,52 @@ LinearisedChain::LinearisedChain(const Chain& chain, ChainNodes& nodes, const Ch
     set(ChainProblem<6>(chain, nodes, noise, shape));
   else
     set(ChainProblem<3>(chain, nodes, noise, shape));
-  const Eigen::Index others = prior_.size() - sags;
+  const Eigen::Index others = prior_.size() - last_.size();
   const MatrixXd noise_alone = (*eliminated_)(variances_of({}, nodes, columns_)).normal;
   determined_ = Information(noise_alone.topLeftCorner(others, others)).determined();
 }
 
-MatrixXd LinearisedChain::sags_first(const Eliminated& all) const {
-  const Eigen::Index sags = sags_.size(), others = prior_.size() - sags, y = prior_.size();
-  const auto order = [&](Eigen::Index k) { return k < sags ? others + k : k - sags; };
-  const VectorXd bent = all.normal.rightCols(sags) * sags_;
-  MatrixXd products(y + 1, y + 1);
-  for (Eigen::Index c = 0; c < y; ++c) {
-    for (Eigen::Index r = 0; r < y; ++r) products(r, c) = all.normal(order(r), order(c));
-    products(y, c) = products(c, y) = all.gradient(order(c)) + bent(order(c));
-  }
-  products(y, y) = all.squares + sags_.dot(2 * all.gradient.tail(sags) + bent.tail(sags));
-  return products;
-}
-
-namespace {
-
-/// Minus twice the logarithm of the restricted likelihood, from products of (parameters, y), along
-/// these directions alone. Whichever effects there are, it is of the same directions: one more or
-/// less would be worth the logarithm of what rounding leaves of it. Infinite where the effects are
-/// so large that rounding is most of what they leave.
-double deviance_of(const MatrixXd& products, const MatrixXd& directions, double log_determinant) {
-  const Eigen::Index y = products.rows() - 1;
-  if (directions.cols() == 0) return log_determinant + products(y, y);
-  const Eigen::LLT<MatrixXd> factors(directions.transpose() * products.topLeftCorner(y, y) *
-                                     directions);
+// Along the determined directions alone. Whichever effects there are, it is of the same directions:
+// one more or less would be worth the logarithm of what rounding leaves of it. Infinite where the
+// effects are so large that rounding is most of what they leave.
+LinearisedChain::Left LinearisedChain::left_by(const ChainEffects& effects) {
+  const Eliminated all = (*eliminated_)(variances_of(effects, nodes_, columns_));
+  const Eigen::Index last = last_.size(), others = prior_.size() - last;
+  Left left{MatrixXd(last + 1, last + 1), all.log_determinant};
+  MatrixXd sides(others, last + 1);
+  sides.leftCols(last) = all.normal.topRightCorner(others, last);
+  sides.col(last) = all.gradient.head(others) + sides.leftCols(last) * last_;
+  const auto own = all.normal.bottomRightCorner(last, last);
+  const VectorXd moved = own * last_;
+  left.products.topLeftCorner(last, last) = own;
+  left.products.col(last).head(last) = all.gradient.tail(last) + moved;
+  left.products.row(last).head(last) = left.products.col(last).head(last).transpose();
+  left.products(last, last) = all.squares + last_.dot(2 * all.gradient.tail(last) + moved);
+  if (determined_.cols() == 0) return left;
+  const Eigen::LLT<MatrixXd> factors(determined_.transpose() *
+                                     all.normal.topLeftCorner(others, others) * determined_);
   constexpr double kFine = 1e-13;  // of what noise alone leaves
   const VectorXd pivots = factors.matrixLLT().diagonal().cwiseAbs2();
-  if (factors.info() != Eigen::Success || !(pivots.minCoeff() > kFine))
-    return std::numeric_limits<double>::infinity();
-  const VectorXd side = factors.matrixL().solve(directions.transpose() * products.col(y).head(y));
-  return log_determinant + pivots.array().log().sum() + products(y, y) - side.squaredNorm();
+  if (factors.info() != Eigen::Success || !(pivots.minCoeff() > kFine)) {
+    left.log_determinant = std::numeric_limits<double>::infinity();
+    return left;
+  }
+  const MatrixXd solved = factors.matrixL().solve(determined_.transpose() * sides);
+  left.log_determinant += pivots.array().log().sum();
+  left.products -= solved.transpose() * solved;
+  return left;
 }
 
-}  // namespace
-
-std::vector<double> LinearisedChain::deviances(const ChainEffects& effects,
-                                               const std::vector<double>& sags_rad) {
-  const Eliminated all = (*eliminated_)(variances_of(effects, nodes_, columns_));
-  const MatrixXd products = sags_first(all);
-  std::vector<double> found;
-  for (const double sag_rad : sags_rad) {
-    double log_determinant = all.log_determinant;
-    const VectorXd sigma = sag_rad * sag_shares_;
-    const MatrixXd left = without_effects(products, sigma.cwiseAbs2(), log_determinant);
-    found.push_back(deviance_of(left, determined_, log_determinant));
-  }
-  return found;
+double LinearisedChain::deviance(const Left& left, double sag_rad, double steady_mm) const {
+  VectorXd sigma = VectorXd::Constant(last_.size(), steady_mm);
+  sigma.head(sag_shares_.size()) = sag_rad * sag_shares_;
+  double log_determinant = left.log_determinant;
+  const MatrixXd rest = without_effects(left.products, sigma.cwiseAbs2(), log_determinant);
+  return log_determinant + rest(rest.rows() - 1, rest.cols() - 1);
 }
 
 double LinearisedChain::deviance(const ChainEffects& effects) {
-  return deviances(effects, {effects.sag_rad}).front();
+  return deviance(left_by(effects), effects.sag_rad, effects.steady_mm);
 }
 
 std::vector<ChainEstimate::Part> LinearisedChain::parts() {
@@ -101,6 +93,7 @@ std::vector<ChainEstimate::Part> LinearisedChain::parts() {
   const MatrixXd covariance = Information(normal).covariance();
   std::vector<ChainEstimate::Part> found;
   MatrixXd left = covariance;
+  const Eigen::Index sags = sag_shares_.size();
   const auto add = [&](Cause cause, const MatrixXd& information) {
     found.push_back({cause, covariance * information * covariance});
     left -= found.back().covariance;
@@ -135,13 +128,16 @@ std::vector<ChainEstimate::Part> LinearisedChain::parts() {
       return normal_at(variances);
     };
     MatrixXd information = (changed(-kStep) - changed(kStep)) / (2 * kStep);
-    const Eigen::Index others = prior_.size() - sags_.size();
+    const Eigen::Index others = prior_.size() - last_.size();
     if (cause == Cause::print) information.diagonal().head(others) += prior_.head(others);
+    const Eigen::Index steady = last_.size() - sags;
+    if (cause == Cause::drift) information.diagonal().tail(steady) += prior_.tail(steady);
     if (!information.isZero(0)) add(cause, information);
   }
-  if (sags_.size() > 0) {
+  if (sags > 0) {
+    const Eigen::Index first = prior_.size() - last_.size();
     MatrixXd information = MatrixXd::Zero(prior_.size(), prior_.size());
-    information.diagonal().tail(sags_.size()) = prior_.tail(sags_.size());
+    information.diagonal().segment(first, sags) = prior_.segment(first, sags);
     add(Cause::sag, information);
   }
   found.push_back({Cause::noise, left});

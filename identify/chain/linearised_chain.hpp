@@ -19,23 +19,25 @@ class LinearisedChain {
   /// Minus twice the logarithm of the restricted likelihood (Patterson & Thompson 1971), but for a
   /// constant. `effects` as large or zero as the shape's allow.
   [[nodiscard]] double deviance(const ChainEffects& effects);
-  /// The same of these effects with each of these sizes of sag, which takes hardly longer.
-  [[nodiscard]] std::vector<double> deviances(const ChainEffects& effects,
-                                              const std::vector<double>& sags_rad);
+  /// What these effects leave of the sags, the steady drift and y: whichever sizes of those two are
+  /// asked for then, hardly takes time.
+  struct Left {
+    Eigen::MatrixXd products;  ///< columns: sags, drift, and y as it is where both are zero
+    double log_determinant = 0;
+  };
+  [[nodiscard]] Left left_by(const ChainEffects& effects);
+  [[nodiscard]] double deviance(const Left& left, double sag_rad, double steady_mm) const;
   /// The shares of the shape's effects and of the noise in the covariance of the fit's parameters:
   /// K V K^T for each cause's V, with K the generalised least-squares estimate's gain.
   [[nodiscard]] std::vector<ChainEstimate::Part> parts();
 
  private:
-  /// Columns: the sags, the other parameters, and y as it is where nothing sags.
-  [[nodiscard]] Eigen::MatrixXd sags_first(const Eliminated& all) const;
-
   const ChainNodes& nodes_;
   ChainEffects shape_;
   EffectColumns columns_;
   std::optional<EffectElimination> eliminated_;
   Eigen::VectorXd prior_;  ///< of each parameter
-  Eigen::VectorXd sags_;   ///< the chain's: the last of them
+  Eigen::VectorXd last_;   ///< the chain's sags, and its drift where the shape has one
   Eigen::VectorXd sag_shares_;
   /// Directions, one a column, that the samples tell of where there is nothing but noise. Effects
   /// leave less of each, but neither take one away nor add one.

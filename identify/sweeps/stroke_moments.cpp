@@ -197,6 +197,8 @@ std::optional<StrokeMoments> moments_of(const Sweep& sweep, const StrokeContent&
   set_across(stroke, seen);
   set_turns(stroke, seen);
   set_range(stroke, seen);
+  stroke.begin_rad = seen.turns(0);
+  stroke.end_rad = seen.turns(seen.turns.size() - 1);
   set_said(stroke, seen);
   set_orientation(stroke, seen);
   set_errors(stroke, seen);

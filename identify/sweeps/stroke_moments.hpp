@@ -70,14 +70,21 @@ struct StrokeMoments : ReferenceMotion {
   std::array<bool, kMostJoints> dithers{};       ///< whether the angle told changed at all
 
   StrokeRounding rounding;
-  double from_rad = 0;  ///< least x
-  double to_rad = 0;    ///< greatest x
+  double from_rad = 0;   ///< least x
+  double to_rad = 0;     ///< greatest x
+  double begin_rad = 0;  ///< x of the first sample
+  double end_rad = 0;    ///< x of the last sample
   std::vector<Node> nodes;
   /// From minus one at the least x to one at the greatest.
   [[nodiscard]] double place_of(double turn_rad) const {
     return to_rad > from_rad
                ? std::clamp((2 * turn_rad - from_rad - to_rad) / (to_rad - from_rad), -1.0, 1.0)
                : 0;
+  }
+  /// When it was there, had it turned evenly from its first sample to its last one.
+  [[nodiscard]] double time_s(double turn_rad) const {
+    if (begin_rad == end_rad) return (begin_s + end_s) / 2;
+    return begin_s + (turn_rad - begin_rad) / (end_rad - begin_rad) * (end_s - begin_s);
   }
 
   /// Of the errors left by the stroke's own curve, radial and axial: the mean square of sums over

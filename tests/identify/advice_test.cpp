@@ -301,6 +301,15 @@ TEST_CASE("sweeps that miss each other's home are told", "[advice][long]") {
   CHECK_THAT(message(found, "home_not_shared", {}), ContainsSubstring("lock the other joints"));
 }
 
+TEST_CASE("a device that drifts steadily is told", "[advice][chain_advice]") {
+  auto world = accuracy::tracker(0.02);
+  for (const Warning& warning : identified(kr5_swept(), world).warnings)
+    CHECK(warning.code != "device_drifts");
+  world.drift.linear_mm = 0.2;
+  CHECK_THAT(message(identified(kr5_swept(), world), "device_drifts", {}),
+             ContainsSubstring("the target drifted steadily by 0.2"));
+}
+
 TEST_CASE("orientations that contradict the positions are told", "[advice][long]") {
   const auto robot = kr5_swept();
   const auto sweeps =

@@ -10,6 +10,7 @@
 #include "identify/geometry/angle.hpp"
 #include "identify/identification.hpp"
 #include "tests/catch.hpp"
+#include "tests/identify/simulated_campaign.hpp"
 #include "tests/simulation/simulation.hpp"
 #include "tests/simulation/truth.hpp"
 
@@ -129,6 +130,43 @@ TEST_CASE("Uncertainties hold where a device walks and sweeps go there and back"
   how.there_and_back = true;
   how.ramp = 0.1;
   CHECK(rms_z(campaigns_of(24, how, world)) == Approx(1).margin(0.15));
+}
+
+TEST_CASE("A device's steady drift is seen, and moves no axis", "[effect_sizes][long]") {
+  simulation::World world = seen_without_angles();
+  world.angles = true;
+  world.drift.linear_mm = 0.2;
+  simulation::Strokes how;
+  how.there_and_back = true;
+  double squares = 0;
+  const auto campaigns = campaigns_of(16, how, world);
+  for (const Simulation& campaign : campaigns) {
+    const auto found = identify::identify(campaign.sweeps(), campaign.campaign());
+    REQUIRE(found.chain);
+    REQUIRE(found.chain->steady_drift);
+    const auto& drift = *found.chain->steady_drift;
+    CHECK(drift.mm.norm() == Approx(0.2).margin(4 * std::sqrt(drift.covariance.trace())));
+    CHECK(std::sqrt(drift.covariance.trace()) < 0.02);
+    // Along parallel axes: what each of them has is far apart in time.
+    const auto truth = simulation::true_table(campaign, found.dh, found.home_rad);
+    const double z = (found.dh[2].b_mm.value - truth[2].b_mm) / found.dh[2].b_mm.sigma;
+    squares += z * z;
+  }
+  CHECK(std::sqrt(squares / static_cast<double>(campaigns.size())) < 1.4);
+}
+
+TEST_CASE("Where each sweep's times begin anew nobody can tell a steady drift", "[effect_sizes]") {
+  simulation::World world = seen_without_angles();
+  world.drift.linear_mm = 0.2;
+  const auto campaign = campaigns_of(1, {}, world).front();
+  const auto sweeps =
+      test::changed(campaign.sweeps(), [](const Sweep& sweep, std::vector<Sample>& samples) {
+        for (Sample& sample : samples) sample.time_s -= sweep.first().time_s;
+      });
+  const auto found = identify::identify(sweeps, campaign.campaign());
+  REQUIRE(found.chain);
+  CHECK_FALSE(found.chain->steady_drift);
+  CHECK(found.status == Status::complete);
 }
 
 TEST_CASE("Sweeps from a second home show how far joints give way", "[effect_sizes][long]") {

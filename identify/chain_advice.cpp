@@ -1,0 +1,124 @@
+#include "identify/chain_advice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <Eigen/Cholesky>
+
+#include "identify/geometry/angle.hpp"
+#include "identify/geometry/warning.hpp"
+
+namespace identify {
+namespace {
+
+constexpr double kManyOutliers = 0.01;
+constexpr double kManySamples = 10;    // a single independent one
+constexpr double kRounding_mm = 1e-6;  // below it residuals are those of computing
+/// Robots and trackers stay by about as much.
+constexpr double kDrifts_mm = 0.02;
+
+class ChainAdviser {
+ public:
+  explicit ChainAdviser(const Identification& found) : found_(found), chain_(*found.chain) {}
+
+  std::vector<Warning> run() {
+    judge_samples();
+    judge_uneven_joints(chain_.effects);
+    if (chain_.home_scatter_mm > kHomeScatter_mm)
+      warn("home_not_shared", {},
+           "from sweep to sweep the target stood off home by " + brief(chain_.home_scatter_mm) +
+               " mm (1 sigma): keep the target where it is on the tool, lock the other joints at "
+               "the same home for all sweeps, and do not touch the device; uncertainties allow for "
+               "it");
+    if (chain_.steady_drift) judge_drift(*chain_.steady_drift);
+    judge_orientation();
+    return std::move(warnings_);
+  }
+
+ private:
+  void warn(std::string_view code, std::optional<std::size_t> joint, const std::string& message) {
+    warnings_.push_back(
+        {std::string(code), joint, (joint ? joint_name(*joint) + ": " : "") + message});
+  }
+
+  void judge_samples() {
+    const auto samples = static_cast<double>(std::max<std::size_t>(1, chain_.samples));
+    const double share = static_cast<double>(chain_.outliers) / samples;
+    if (share > kManyOutliers)
+      warn("outliers", {},
+           std::to_string(chain_.outliers) + " of " + std::to_string(chain_.samples) +
+               " samples (" + fixed(100 * share, 1) +
+               " %) lie far off and hardly count: look for an interrupted line of sight or a "
+               "loose target");
+    if (chain_.samples_per_independent > kManySamples && chain_.noise.position_mm > kRounding_mm)
+      warn("correlated_noise", {},
+           "errors of successive samples are alike: " + fixed(chain_.samples_per_independent, 0) +
+               " samples tell as much as one; uncertainties allow for it; more sweeps help, "
+               "denser samples do not");
+  }
+
+  void judge_uneven_joints(const ChainEffects& effects) {
+    // By 10, 5 of 40 campaigns of even joints had one that seemed uneven.
+    constexpr double kSure = 20;
+    for (std::size_t j = 0; j < effects.home_gains.size(); ++j) {
+      const double home_rad = effects.home_rad_of(j);
+      if (effects.home_gains[j] > kSure)
+        warn("joint_not_held", j,
+             "while it was locked it stood elsewhere from sweep to sweep, by " +
+                 fixed(home_rad / kDegree, 4) + "°, the other joints by " +
+                 fixed(effects.home_rad / kDegree, 4) + "°: look after its brake and its gear");
+      if (effects.figure_gains[j] > kSure)
+        warn("arc_bent", j,
+             "its arc departs from a circle " + brief(effects.figure_times_of(j)) +
+                 " times as far as the other joints': look after its bearing, and whether another "
+                 "joint moved along");
+    }
+  }
+
+  void judge_drift(const ChainEstimate::SteadyDrift& drift) {
+    constexpr double kSure = 30;  // of a chi-square of three: by chance once in a million campaigns
+    if (drift.mm.norm() < kDrifts_mm ||
+        drift.mm.dot(drift.covariance.ldlt().solve(drift.mm)) < kSure)
+      return;
+    warn("device_drifts", {},
+         "from the first sweep to the last one, in " + fixed(drift.seconds / 60, 1) +
+             " min, the target drifted steadily by " + brief(drift.mm.norm()) +
+             " mm. The result allows for it. Let robot and device warm up before the sweeps");
+  }
+
+  void judge_orientation() {
+    const bool trusted =
+        std::any_of(chain_.angles.begin(), chain_.angles.end(),
+                    [](const AngleEvidence& seen) { return seen.trust == AngleTrust::trusted; });
+    if (chain_.with_orientation || !trusted) return;
+    bool any = false;
+    for (const JointResult& joint : found_.joints)
+      for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
+        if (!joint.used[s]) continue;
+        for (const Sample& sample : *joint.sweeps[s].samples) {
+          if (!sample.has_orientation) return;
+          any = true;
+        }
+      }
+    if (any)
+      warn("orientation_inconsistent", {},
+           "the tool's orientations contradict positions and angles and were not used: check that "
+           "A, B, C are those of the same tool and base, R = Rz(A) Ry(B) Rx(C)");
+  }
+
+  const Identification& found_;
+  const ChainEstimate& chain_;
+  std::vector<Warning> warnings_;
+};
+
+}  // namespace
+
+std::vector<Warning> advice_on_chain(const Identification& found) {
+  return ChainAdviser(found).run();
+}
+
+}  // namespace identify

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <vector>
+
+#include "identify/identification.hpp"
+
+namespace identify {
+
+/// What the chain's fit as a whole says of how was measured: codes and texts as of `add_advice`.
+/// The result has a chain.
+[[nodiscard]] std::vector<Warning> advice_on_chain(const Identification& found);
+
+}  // namespace identify
