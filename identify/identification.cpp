@@ -15,6 +15,7 @@
 #include "identify/geometry/angle.hpp"
 #include "identify/plausibility.hpp"
 #include "identify/poses/pose_doubts.hpp"
+#include "identify/poses/pose_sag.hpp"
 
 namespace identify {
 namespace {
@@ -180,11 +181,24 @@ void take_poses(Identification& found, const std::vector<Pose>& poses, const Cam
 
 Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign,
                         std::vector<Pose> poses) {
-  Identification found = estimate(std::move(sweeps), campaign);
+  Identification found = estimate(sweeps, campaign);
   if (!poses.empty()) {
     std::vector<Warning> copies;
     poses = without_copies(std::move(poses), copies);
     take_poses(found, poses, campaign);
+    // Of sweeps from one home nothing tells how far joints gave way, and they are believed far too
+    // much beside poses, which do.
+    constexpr int kMostRounds = 3;
+    Campaign elastic = campaign;
+    for (int round = 0; round < kMostRounds && found.poses && found.poses->with_sweeps; ++round) {
+      const auto sag_rad = sag_of(*found.poses);
+      if (!gives_way_more(sag_rad, elastic.sag_rad)) break;
+      elastic.sag_rad.resize(sag_rad.size());
+      for (std::size_t j = 0; j < sag_rad.size(); ++j)
+        elastic.sag_rad[j] = std::max(elastic.sag_rad[j], sag_rad[j]);
+      found = estimate(sweeps, elastic);
+      take_poses(found, poses, campaign);
+    }
     found.warnings.insert(found.warnings.end(), copies.begin(), copies.end());
   }
   name_undetermined(found);

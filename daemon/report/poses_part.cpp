@@ -93,14 +93,15 @@ void add_effects(Markup parent, const Json& effects) {
           2);
       continue;
     }
+    const std::string what = kind == "weight" ? fmt::format("gives way by the weight of link {}",
+                                                            number_of(effect, "link_of_joint"))
+                             : kind == "once_a_turn" ? "once a turn"
+                                                     : "twice a turn";
     const double size =
         std::hypot(number_of(effect, "cos_arcsec"), number_of(effect, "sin_arcsec"));
     const double sigma =
         std::max(number_of(effect, "cos_sigma_arcsec"), number_of(effect, "sin_sigma_arcsec"));
-    add_row(body,
-            {joint, kind == "once_a_turn" ? "once a turn" : "twice a turn",
-             fixed(size, 1) + " arcsec", fixed(sigma, 1), chance},
-            2);
+    add_row(body, {joint, what, fixed(size, 1) + " arcsec", fixed(sigma, 1), chance}, 2);
   }
 }
 

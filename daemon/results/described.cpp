@@ -30,9 +30,7 @@ std::string explanation(const Outcome& outcome) {
            "arm itself is: for that, measure it with a device.";
   if (outcome.identification.poses)
     return "the arm as a device measured it: for calibration, and to compare with its model. "
-           "Elastic "
-           "deformation is in what is left of the poses, unless loads are described and a joint's "
-           "compliance was found.";
+           "Elastic deformation is in what is left of the poses, but for what they tell of it.";
   const auto& chain = outcome.identification.chain;
   const std::string_view elastic =
       !chain || !(chain->effects.sag_rad > 0)

@@ -34,6 +34,8 @@ Json effect(const identify::EffectEvidence& seen) {
     json["urad_per_nm"] = rounded(1e6 * seen.effect.size(0), 4);
     json["sigma_urad_per_nm"] = rounded(1e6 * seen.sigma(0), 4);
   } else {
+    if (seen.effect.kind == JointEffect::Kind::weight)
+      json["link_of_joint"] = seen.effect.carried + 1;
     json["cos_arcsec"] = json_arcsec(seen.effect.size(0));
     json["sin_arcsec"] = json_arcsec(seen.effect.size(1));
     json["cos_sigma_arcsec"] = json_arcsec(seen.sigma(0));
@@ -91,6 +93,7 @@ Json model(const identify::PoseFit& fit, const std::vector<std::string>& names) 
   for (const auto& one : of.effects)
     effects.push_back({{"joint", one.joint + 1},
                        {"kind", text(one.kind)},
+                       {"carried", one.carried + 1},
                        {"size", list(one.size)},
                        {"middle", list(one.middle)}});
   Json loads = Json::array();
@@ -114,15 +117,16 @@ Json model(const identify::PoseFit& fit, const std::vector<std::string>& names) 
 }
 
 JointEffect::Kind kind(const std::string& name) {
-  for (const auto one : {JointEffect::Kind::once, JointEffect::Kind::twice,
-                         JointEffect::Kind::compliance, JointEffect::Kind::play})
+  for (const auto one :
+       {JointEffect::Kind::once, JointEffect::Kind::twice, JointEffect::Kind::weight,
+        JointEffect::Kind::compliance, JointEffect::Kind::play})
     if (name == text(one)) return one;
   throw std::runtime_error("an effect of an unknown kind");
 }
 
 /// Counted from 1 in the file.
-std::size_t joint_of(const Json& json, std::size_t joints) {
-  const auto joint = json.at("joint").get<std::size_t>();
+std::size_t joint_of(const Json& json, std::size_t joints, const char* key = "joint") {
+  const auto joint = json.at(key).get<std::size_t>();
   if (joint < 1 || joint > joints) throw std::runtime_error("a joint that the arm has not");
   return joint - 1;
 }
@@ -164,6 +168,7 @@ Json poses_json(const Outcome& outcome) {
            {{"position_mm", json_length(found.fit.noise.position_mm)},
             {"joint_arcsec", json_arcsec(found.fit.noise.joint_rad)},
             {"gears_arcsec", json_arcsec(found.fit.noise.gears_rad)},
+            {"weights_arcsec", json_arcsec(found.fit.noise.weights_rad)},
             {"play_arcsec", json_arcsec(found.fit.noise.play_rad)},
             {"orientation_arcsec",
              found.fit.with_orientation ? json_arcsec(found.fit.noise.orientation_rad) : Json()}}},
@@ -206,6 +211,7 @@ PosePredictor pose_predictor(const Json& poses) {
   }
   for (const Json& one : json.at("effects")) {
     JointEffect effect{kind(one.at("kind").get<std::string>()), joint_of(one, joints)};
+    if (effect.kind == JointEffect::Kind::weight) effect.carried = joint_of(one, joints, "carried");
     effect.size = numbers(one.at("size"));
     effect.middle = numbers(one.at("middle"));
     model.effects.push_back(effect);

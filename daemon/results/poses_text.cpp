@@ -21,9 +21,12 @@ std::string effect_line(const identify::EffectEvidence& seen) {
   if (effect.kind == JointEffect::Kind::compliance)
     return line + left("gives way by its load", 24) + number(1e6 * effect.size(0), 3, 12) +
            number(1e6 * seen.sigma(0), 3, 10) + "  urad/Nm\n";
-  return line + left(effect.kind == JointEffect::Kind::once ? "once a turn" : "twice a turn", 24) +
-         number(arcsec(effect.amplitude()), 2, 12) + number(arcsec(seen.sigma.maxCoeff()), 2, 10) +
-         "  arcsec\n";
+  const std::string what = effect.kind == JointEffect::Kind::weight
+                               ? fmt::format("by the weight of link {}", effect.carried + 1)
+                           : effect.kind == JointEffect::Kind::once ? "once a turn"
+                                                                    : "twice a turn";
+  return line + left(what, 24) + number(arcsec(effect.amplitude()), 2, 12) +
+         number(arcsec(seen.sigma.maxCoeff()), 2, 10) + "  arcsec\n";
 }
 
 }  // namespace
@@ -51,6 +54,11 @@ std::string poses_text(const identify::PoseEstimate& found) {
                             "(1 sigma, a pose); gears err by {:.2f} arcsec once and twice a "
                             "turn (1 sigma of each size)",
                             noise.position_mm, arcsec(noise.joint_rad), arcsec(noise.gears_rad)) +
+                    (arcsec(noise.weights_rad) >= 0.01
+                         ? fmt::format("; links' weights bend joints by {:.2f} arcsec (1 sigma of "
+                                       "each size)",
+                                       arcsec(noise.weights_rad))
+                         : std::string()) +
                     (noise.play_rad > 0
                          ? fmt::format("; joints play by {:.2f} arcsec (1 sigma, from one side to "
                                        "the other)",

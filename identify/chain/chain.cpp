@@ -151,6 +151,12 @@ void ChainPose::set(std::size_t target, const Turns& turns, bool with_parameters
   at_tool.bottomRows<3>() = rotation;
 }
 
+std::optional<std::size_t> first_turning(const Chain& chain) {
+  for (std::size_t j = 0; j < chain.axes.size(); ++j)
+    if (!chain.axes[j].linear) return j;
+  return std::nullopt;
+}
+
 namespace {
 
 using Eigen::Vector3d;
@@ -161,12 +167,6 @@ struct Loads {
   std::vector<Vector3d> directions;
   std::vector<Vector3d> points;  // of the axes, then the first target
 };
-
-std::optional<std::size_t> first_turning(const Chain& chain) {
-  for (std::size_t j = 0; j < chain.axes.size(); ++j)
-    if (!chain.axes[j].linear) return j;
-  return std::nullopt;
-}
 
 Loads loads_at(const Chain& chain, const Turns& turns) {
   Loads loads;

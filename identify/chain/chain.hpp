@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -104,6 +105,9 @@ class ChainPose {
   const Chain* chain_;
   std::array<Eigen::Matrix<double, 3, 2>, kMostJoints> across_;  ///< of each axis
 };
+
+/// The first joint that turns, which is taken to stand upright. Nothing where none does.
+[[nodiscard]] std::optional<std::size_t> first_turning(const Chain& chain);
 
 /// A chain's sags for joints that give way in proportion to `sag_rad`, one a joint: each joint by
 /// the loads that it carries, which are taken to hang on the axes behind it and on the first

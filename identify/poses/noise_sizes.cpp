@@ -64,8 +64,10 @@ void NoiseSizes::add_effects(const PoseFit& fit, const VectorXd& step) {
   Index at = fit.model.chain_parameters().count(true);
   std::set<std::size_t> found;
   for (const JointEffect& effect : fit.model.effects)
-    if (!effect.assumed && effect.kind != JointEffect::Kind::compliance) found.insert(effect.joint);
+    if (!effect.assumed && effect.is_wheel()) found.insert(effect.joint);
   const bool many = now_.gears_rad > 0 && found.size() >= kManyWheels;
+  // What gives way to one weight does to others.
+  const bool elastic = now_.weights_rad > 0;
   // A size that was held to its variance beforehand falls short by what is left open of it; one
   // that was not exceeds it by that.
   const auto take = [&](double size, double sigma, bool held, Sized& sized) {
@@ -75,11 +77,15 @@ void NoiseSizes::add_effects(const PoseFit& fit, const VectorXd& step) {
     sized.expected += (held ? 1 - open : 1 + open) / known;
     ++at;
   };
+  const auto sized = [&](JointEffect::Kind kind) -> Sized& {
+    if (kind == JointEffect::Kind::weight) return weights_;
+    return kind == JointEffect::Kind::play ? play_ : gears_;
+  };
   for (const JointEffect& effect : fit.model.effects)
-    if (effect.assumed || (many && effect.kind != JointEffect::Kind::compliance))
+    if (effect.assumed || (many && effect.is_wheel()) ||
+        (elastic && effect.kind == JointEffect::Kind::weight))
       for (Index k = 0; k < effect.count(); ++k)
-        take(effect.size(k), now_.assumed_rad(effect.kind), effect.assumed,
-             effect.kind == JointEffect::Kind::play ? play_ : gears_);
+        take(effect.size(k), now_.assumed_rad(effect.kind), effect.assumed, sized(effect.kind));
     else
       at += effect.count();
   for (const JointPlace& place : fit.model.places)
@@ -104,6 +110,8 @@ PoseNoise NoiseSizes::next() const {
   noise.orientation_rad *= orientation_.times();
   noise.joint_rad = std::max(kLeastJoint_rad, noise.joint_rad * joints_.times());
   noise.gears_rad = std::max(kLeastJoint_rad, noise.gears_rad * gears_.times());
+  if (noise.weights_rad > 0)
+    noise.weights_rad = std::max(kLeastJoint_rad, noise.weights_rad * weights_.times());
   if (noise.play_rad > 0)
     noise.play_rad = std::max(kLeastJoint_rad, noise.play_rad * play_.times());
   return noise;

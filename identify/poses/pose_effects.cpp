@@ -24,22 +24,45 @@ double chance_above(double square, Index degrees) {
   return degrees == 1 ? std::erfc(std::sqrt(square / 2)) : std::exp(-square / 2);
 }
 
-std::vector<JointEffect> candidates(const PoseModel& model) {
+/// Of links whose weights nobody knows: those on the joint's own link and on the next two. About an
+/// axis that stays upright nothing pulls.
+std::vector<JointEffect> weights(const PoseModel& model) {
+  constexpr double kUpright = 0.996;  // the cosine of 5 degrees
+  constexpr std::size_t kFarther = 2;
+  const auto& axes = model.chain.axes;
   std::vector<JointEffect> all;
+  for (std::size_t j = 0; j < axes.size(); ++j) {
+    const bool stays = all.empty() && std::abs(axes[j].direction.dot(model.up)) > kUpright;
+    for (std::size_t k = j; k < std::min(axes.size(), j + kFarther + 1); ++k)
+      if (!stays && !axes[j].linear && !axes[k].linear)
+        all.push_back({JointEffect::Kind::weight, j, k});
+  }
+  return all;
+}
+
+/// What the model does not have yet.
+std::vector<JointEffect> missing(const PoseModel& model) {
+  std::vector<JointEffect> all;
+  if (model.loads.empty()) all = weights(model);
   for (std::size_t j = 0; j < model.chain.axes.size(); ++j) {
     if (model.chain.axes[j].linear) continue;
-    for (const auto kind :
-         {JointEffect::Kind::once, JointEffect::Kind::twice, JointEffect::Kind::compliance}) {
-      if (kind == JointEffect::Kind::compliance && model.loads.empty()) continue;
-      const bool there =
-          std::any_of(model.effects.begin(), model.effects.end(),
-                      [&](const JointEffect& one) { return one.joint == j && one.kind == kind; });
-      if (there) continue;
-      JointEffect effect{kind, j};
-      effect.middle = model.pattern(effect, {});
-      all.push_back(effect);
-    }
+    all.push_back({JointEffect::Kind::once, j});
+    all.push_back({JointEffect::Kind::twice, j});
+    if (!model.loads.empty()) all.push_back({JointEffect::Kind::compliance, j});
   }
+  std::erase_if(all, [&](const JointEffect& effect) {
+    return std::any_of(model.effects.begin(), model.effects.end(),
+                       [&](const JointEffect& one) { return one.is_like(effect); });
+  });
+  for (JointEffect& effect : all) effect.middle = model.pattern(effect, {});
+  return all;
+}
+
+/// Of these, what poses can tell: a weight on the first link that tilts goes with its joint, once a
+/// turn, and is told as that.
+std::vector<JointEffect> candidates(const PoseModel& model) {
+  auto all = missing(model);
+  if (!all.empty() && all.front().kind == JointEffect::Kind::weight) all.erase(all.begin());
   return all;
 }
 
@@ -97,12 +120,9 @@ class Scores {
 
   /// The model has it now: the others are left with what it does not take up.
   void take_up(const JointEffect& effect) {
-    const auto k = static_cast<std::size_t>(std::find_if(candidates_.begin(), candidates_.end(),
-                                                         [&](const JointEffect& one) {
-                                                           return one.joint == effect.joint &&
-                                                                  one.kind == effect.kind;
-                                                         }) -
-                                            candidates_.begin());
+    const auto at = std::find_if(candidates_.begin(), candidates_.end(),
+                                 [&](const JointEffect& one) { return one.is_like(effect); });
+    const auto k = static_cast<std::size_t>(at - candidates_.begin());
     const Index first = first_[k], size = effect.count();
     const MatrixXd inverse = normal_.block(first, first, size, size).inverse();
     const MatrixXd with = normal_.middleCols(first, size);
@@ -123,13 +143,14 @@ class Scores {
 void assume_others(PoseFit& fit, const std::vector<Pose>& poses,
                    const std::optional<ChainPrior>& prior) {
   PoseModel model = fit.model;
-  for (JointEffect& effect : candidates(fit.model)) {
+  for (JointEffect& effect : missing(fit.model)) {
     if (effect.kind == JointEffect::Kind::compliance) continue;
     effect.assumed = true;
     model.effects.push_back(effect);
   }
   PoseNoise noise = fit.noise;
   noise.gears_rad = kStartGears_rad;
+  if (model.loads.empty()) noise.weights_rad = kStartGears_rad;
   PoseFit with = fitted(model, noise, poses, fit.with_orientation, prior);
   if (with.converged) fit = std::move(with);
 }

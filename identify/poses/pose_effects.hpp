@@ -22,8 +22,8 @@ struct EffectEvidence {
 inline constexpr double kEffectByChance = 0.02;
 
 /// Adds to the fit, one after the other, the effects that the poses ask for, and fits anew. Returns
-/// those that were added. Joints that turn are tried once and twice a turn, and, where loads are
-/// known, for compliance.
+/// those that were added. Joints that turn are tried once and twice a turn, and for compliance
+/// where loads are known, else for what weights on the links behind them bend.
 [[nodiscard]] std::vector<EffectEvidence> add_effects(PoseFit& fit, const std::vector<Pose>& poses,
                                                       const std::optional<ChainPrior>& prior);
 

@@ -75,12 +75,14 @@ class Problem {
       const auto still = [](double was, double is) {
         return std::abs(is - was) <= kNoiseSettled * was;
       };
+      const auto fades = [&](double was, double is) { return still(was, is) || is < kNoGears_rad; };
       if (still(before.position_mm, fit_.noise.position_mm) &&
           still(before.orientation_rad, fit_.noise.orientation_rad) &&
           // A share that fades away matters no more.
           (still(before.joint_rad, fit_.noise.joint_rad) || joint_share_ < kNoiseSettled) &&
-          (still(before.gears_rad, fit_.noise.gears_rad) || fit_.noise.gears_rad < kNoGears_rad) &&
-          (still(before.play_rad, fit_.noise.play_rad) || fit_.noise.play_rad < kNoGears_rad))
+          fades(before.gears_rad, fit_.noise.gears_rad) &&
+          fades(before.weights_rad, fit_.noise.weights_rad) &&
+          fades(before.play_rad, fit_.noise.play_rad))
         break;
     }
     solve();
@@ -96,7 +98,7 @@ class Problem {
       free += fit_.weights(static_cast<Index>(i)) * static_cast<double>(fit_.rows[i].off.size());
     for (const WhitenedPose& pose : white_) free -= pose.taken_up(fit_.covariance).trace();
     double lost = fit_.with_orientation ? 6 : 4;
-    for (const double size : {fit_.noise.gears_rad, fit_.noise.play_rad})
+    for (const double size : {fit_.noise.gears_rad, fit_.noise.weights_rad, fit_.noise.play_rad})
       if (size > kNoGears_rad) lost += 2;
     fit_.widened = free > lost ? std::min(kMost, free / (free - lost)) : kMost;
     solve();

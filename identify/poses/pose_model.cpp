@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/geometry/line.hpp"
+
 namespace identify {
 
 using Eigen::Index;
@@ -34,6 +36,21 @@ double torque(const PoseModel& model, std::size_t joint, const Turns& turns) {
   return kGravity_m_s2 * sum / kMillimetres;
 }
 
+/// Of a load on the link that joint `carried` turns, about the joint's axis, over its distance from
+/// the axis of `carried`, in each of the directions across that: the part of it that turns with the
+/// link, as the rest is fixed to links before.
+Vector2d levers(const PoseModel& model, const JointEffect& effect, const Turns& turns) {
+  Eigen::Matrix3d carried = Eigen::Matrix3d::Identity();
+  Vector3d axis = Vector3d::Zero();
+  for (std::size_t j = 0; j <= effect.carried; ++j) {
+    const ChainAxis& here = model.chain.axes[j];
+    if (j == effect.joint) axis = carried * here.direction;
+    if (!here.linear) carried = carried * Eigen::AngleAxisd(turns[j], here.direction);
+  }
+  return (carried * across(model.chain.axes[effect.carried].direction)).transpose() *
+         model.up.cross(axis);
+}
+
 }  // namespace
 
 std::string_view text(JointEffect::Kind kind) noexcept {
@@ -42,6 +59,8 @@ std::string_view text(JointEffect::Kind kind) noexcept {
       return "once_a_turn";
     case JointEffect::Kind::twice:
       return "twice_a_turn";
+    case JointEffect::Kind::weight:
+      return "weight";
     case JointEffect::Kind::compliance:
       return "compliance";
     case JointEffect::Kind::play:
@@ -63,6 +82,8 @@ Vector2d PoseModel::pattern(const JointEffect& effect, const Turns& told,
   Vector2d here(0, 0);
   if (effect.kind == JointEffect::Kind::compliance) {
     here.x() = torque(*this, effect.joint, told);
+  } else if (effect.kind == JointEffect::Kind::weight) {
+    here = levers(*this, effect, told);
   } else {
     const double turn = (effect.kind == JointEffect::Kind::once ? 1 : 2) * told[effect.joint];
     here = {std::cos(turn), std::sin(turn)};

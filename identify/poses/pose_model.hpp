@@ -14,18 +14,22 @@
 namespace identify {
 
 /// What a joint turns by beside what its angle says: an eccentric wheel or encoder, once and twice
-/// a turn, what its gear gives way by under the weight that it carries, or half of its play.
+/// a turn, what its gear gives way by under weights that are known (compliance) or not (weight), or
+/// half of its play.
 struct JointEffect {
-  enum class Kind { once, twice, compliance, play };
+  enum class Kind { once, twice, weight, compliance, play };
   Kind kind = Kind::once;
   std::size_t joint = 0;
+  std::size_t carried = 0;  ///< of a weight: it is on the link that this joint turns
   /// No test found it: it is there as in all gears, as large as PoseNoise says.
   bool assumed = false;
   /// What the pattern below is at home: there the effect is zero, so that theta is that of the arm
   /// as it stands at home.
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   /// Once, twice (k = 1, 2): rad times cos(k t) and times sin(k t), with t the joint's turn from
-  /// home. Compliance: rad/Nm times the torque of the weights about the joint. These less `middle`.
+  /// home. Weight: rad times the levers of a load on the link, one in each of the directions
+  /// `across` the joint that turns it, in units of its distance from that. Compliance: rad/Nm times
+  /// the torque of the weights about the joint. These less `middle`.
   /// Play: rad times the sense in which the joint last turned.
   Eigen::Vector2d size = Eigen::Vector2d::Zero();
 
@@ -33,6 +37,10 @@ struct JointEffect {
   /// from lengths and twists does not run away. Wheels are off by a minute of arc or two; a reducer
   /// gives way by some seconds of arc a newton metre at most.
   [[nodiscard]] double prior() const { return kind == Kind::compliance ? 1e-4 : 300 * kArcsec; }
+  [[nodiscard]] bool is_like(const JointEffect& other) const {
+    return kind == other.kind && joint == other.joint && carried == other.carried;
+  }
+  [[nodiscard]] bool is_wheel() const { return kind == Kind::once || kind == Kind::twice; }
   [[nodiscard]] Eigen::Index count() const {
     return kind == Kind::compliance || kind == Kind::play ? 1 : 2;
   }

@@ -18,11 +18,13 @@ struct PoseNoise {
   double orientation_rad = 0;  ///< about each direction
   /// Of each joint's angle from what is told, anew at every place: backlash, gears, the servo.
   double joint_rad = 0;
-  double gears_rad = 0;  ///< of the sizes of effects once and twice a turn that are assumed
-  double play_rad = 0;   ///< of the sizes of play: of half of what joints play by
+  double gears_rad = 0;    ///< of the sizes of effects once and twice a turn that are assumed
+  double weights_rad = 0;  ///< of those of weights
+  double play_rad = 0;     ///< of the sizes of play: of half of what joints play by
 
   /// Of the sizes of such an effect where it is assumed.
   [[nodiscard]] double assumed_rad(JointEffect::Kind kind) const {
+    if (kind == JointEffect::Kind::weight) return weights_rad;
     return kind == JointEffect::Kind::play ? play_rad : gears_rad;
   }
 

@@ -84,8 +84,9 @@ std::vector<JointEffect> plays(const PoseModel& model, const std::vector<Pose>& 
       return std::any_of(poses.begin(), poses.end(),
                          [&](const Pose& pose) { return pose.senses[j] == sense; });
     };
-    if (!model.chain.axes[j].linear && came(1) && came(-1))
-      all.push_back({JointEffect::Kind::play, j, true});
+    if (model.chain.axes[j].linear || !came(1) || !came(-1)) continue;
+    all.push_back({JointEffect::Kind::play, j});
+    all.back().assumed = true;
   }
   return all;
 }
@@ -158,6 +159,8 @@ PoseStart pose_start(const std::vector<Pose>& poses, const Campaign& campaign,
     distances = distances_mm(placed, poses);
   }
   if (whole(sweeps)) {
+    if (const auto upright = first_turning(sweeps->chain); upright && !campaign.specified)
+      start.model.up = sweeps->chain.axes[*upright].direction;
     start.model.chain = sweeps->chain;
     start.model.chain.zero_rad.clear();
     start.model.chain.sags.clear();

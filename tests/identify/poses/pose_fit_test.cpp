@@ -24,11 +24,11 @@ PoseModel true_model(const simulation::Simulation& of) {
 TEST_CASE("Rows change with parameters as differences have it", "[pose_rows]") {
   const auto built = arm_with(tracker(), 3, 2);
   PoseModel model = true_model(built);
-  for (const auto kind :
-       {JointEffect::Kind::once, JointEffect::Kind::twice, JointEffect::Kind::compliance}) {
-    JointEffect effect{kind, 1};
-    // How torques change with the axes is left out.
-    if (kind != JointEffect::Kind::compliance) effect.size << 1e-3, 2e-3;
+  for (const auto kind : {JointEffect::Kind::once, JointEffect::Kind::twice,
+                          JointEffect::Kind::weight, JointEffect::Kind::compliance}) {
+    JointEffect effect{kind, 1, kind == JointEffect::Kind::weight ? std::size_t{2} : 0};
+    // How levers and torques change with the axes is left out.
+    if (effect.is_wheel()) effect.size << 1e-3, 2e-3;
     model.effects.push_back(effect);
   }
   auto pose = built.poses(2).back();
