@@ -30,12 +30,13 @@ std::string explanation(const Outcome& outcome) {
            "arm itself is: for that, measure it with a device.";
   if (outcome.identification.poses)
     return "the arm as a device measured it: for calibration, and to compare with its model. "
-           "Elastic deformation is in what is left of the poses, but for what they tell of it.";
+           "Where joints are seen to give way to weight, the table of what joints do says so. The "
+           "rest of elastic deformation is in what is left of the poses.";
   const auto& chain = outcome.identification.chain;
   const std::string_view elastic =
       !chain || !(chain->effects.sag_rad > 0)
           ? "Elastic deformation is not in the uncertainties: sag_arcsec in the robot description "
-            "puts it there, and so do sweeps from a second home."
+            "puts it there, and so do static poses and sweeps from a second home."
       : chain->effects.sag_told
           ? "Elastic deformation is in the uncertainties as far as the robot description states it "
             "(sag_arcsec)."
