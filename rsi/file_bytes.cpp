@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <utility>
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -24,6 +25,12 @@ std::string file_bytes(const std::filesystem::path& path, std::size_t most, std:
   why = count < 0 ? std::error_code(errno, std::generic_category()) : std::error_code();
   if (file >= 0) close(file);
   return bytes;
+}
+
+std::optional<std::string> readable_bytes(const std::filesystem::path& file) {
+  std::error_code why;
+  std::string bytes = file_bytes(file, kWholeFile, why);
+  return why ? std::nullopt : std::optional(std::move(bytes));
 }
 
 }  // namespace rsi

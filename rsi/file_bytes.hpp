@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -15,6 +16,9 @@ inline constexpr std::size_t kWholeFile = std::numeric_limits<std::size_t>::max(
 /// more, by which it is known. Where it cannot be read, `why` says so.
 [[nodiscard]] std::string file_bytes(const std::filesystem::path& file, std::size_t most,
                                      std::error_code& why);
+
+/// The bytes; nothing where they cannot be read, whatever the reason.
+[[nodiscard]] std::optional<std::string> readable_bytes(const std::filesystem::path& file);
 
 /// The same. Throws `Error`: which file, why it cannot be read, and what to do.
 template <class Error = std::runtime_error>

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 
 #include <sys/stat.h>
@@ -13,6 +11,7 @@
 #include "daemon/record/session_folder.hpp"
 #include "daemon/text/file_names.hpp"
 #include "rsi/counted.hpp"
+#include "rsi/file_bytes.hpp"
 
 namespace sweepd {
 namespace {
@@ -24,11 +23,8 @@ constexpr std::array kRecordFiles = {file_names::kResult, file_names::kRun, file
 constexpr int kDeepest = 2;
 constexpr std::size_t kMostNamed = 3;
 
-std::string file_bytes(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream bytes;
-  if (stream) bytes << stream.rdbuf();
-  return std::move(bytes).str();
+std::string bytes_of(const fs::path& file) {
+  return rsi::readable_bytes(file).value_or("");
 }
 
 /// Of the files that a record is made of: sizes, and when each was written last.
@@ -47,12 +43,12 @@ std::string stamp_of(const fs::path& folder) {
 CampaignRecord read_record(const fs::path& folder) {
   CampaignTexts texts;
   texts.name = folder.string();
-  texts.result = file_bytes(folder / file_names::kResult);
-  texts.run = file_bytes(folder / file_names::kRun);
-  texts.link = file_bytes(folder / file_names::kLink);
+  texts.result = bytes_of(folder / file_names::kResult);
+  texts.run = bytes_of(folder / file_names::kRun);
+  texts.link = bytes_of(folder / file_names::kLink);
   if (texts.result.find("\"currents\"") == texts.result.npos)
-    texts.currents = file_bytes(folder / file_names::kCurrents);
-  texts.notes = file_bytes(folder / kNotesFile);
+    texts.currents = bytes_of(folder / file_names::kCurrents);
+  texts.notes = bytes_of(folder / kNotesFile);
   struct stat status {};
   if (stat((folder / file_names::kResult).c_str(), &status) == 0 ||
       stat(folder.c_str(), &status) == 0)
@@ -82,7 +78,7 @@ void look(const fs::path& path, int depth, std::set<fs::path>& seen, std::vector
     folders.push_back(path);
     return;
   }
-  CampaignNotes notes = parse_notes(file_bytes(path / kNotesFile));
+  CampaignNotes notes = parse_notes(bytes_of(path / kNotesFile));
   found.notes.insert(found.notes.end(), notes.notes.begin(), notes.notes.end());
   for (const std::size_t line : notes.broken_lines)
     found.messages.push_back("Line " + std::to_string(line) + " of " +

@@ -1,12 +1,11 @@
 #include "daemon/plant/credentials.hpp"
 
 #include <cstdlib>
-#include <fstream>
-#include <sstream>
 #include <system_error>
 #include <utility>
 
 #include "daemon/settings/toml_table.hpp"
+#include "rsi/file_bytes.hpp"
 
 namespace sweepd {
 
@@ -21,17 +20,14 @@ std::optional<std::filesystem::path> credential(const std::string& name) {
 }
 
 std::string read_secret(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream)
+  auto text = rsi::readable_bytes(file);
+  if (!text)
     throw ConfigError(file.string() +
                       ": cannot be read: check the path and who may read it, or hand it over with "
                       "LoadCredential= of the unit");
-  std::ostringstream bytes;
-  bytes << stream.rdbuf();
-  std::string text = std::move(bytes).str();
-  while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
-  if (text.empty()) throw ConfigError(file.string() + ": is empty: write the password into it");
-  return text;
+  while (!text->empty() && (text->back() == '\n' || text->back() == '\r')) text->pop_back();
+  if (text->empty()) throw ConfigError(file.string() + ": is empty: write the password into it");
+  return std::move(*text);
 }
 
 }  // namespace sweepd

@@ -1,7 +1,6 @@
 #include "daemon/plant/ledger.hpp"
 
 #include <cerrno>
-#include <fstream>
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
@@ -9,6 +8,8 @@
 
 #include <fcntl.h>
 #include <unistd.h>
+
+#include "rsi/file_bytes.hpp"
 
 namespace sweepd {
 namespace {
@@ -22,10 +23,7 @@ namespace {
 }  // namespace
 
 Ledger::Ledger(const std::filesystem::path& file) : path_(file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream content;
-  content << stream.rdbuf();
-  std::string text = std::move(content).str();
+  std::string text = rsi::readable_bytes(file).value_or("");
   // A crash may have left half a line.
   text.resize(text.rfind('\n') == std::string::npos ? 0 : text.rfind('\n') + 1);
   std::istringstream lines(text);

@@ -1,8 +1,5 @@
 #include "daemon/plant/outbox.hpp"
 
-#include <fstream>
-#include <optional>
-#include <sstream>
 #include <system_error>
 #include <utility>
 
@@ -12,6 +9,7 @@
 #include "daemon/report/json_part.hpp"
 #include "daemon/system/file_hash.hpp"
 #include "daemon/text/file_names.hpp"
+#include "rsi/file_bytes.hpp"
 
 namespace sweepd {
 namespace {
@@ -21,14 +19,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kUnreadable =
     "cannot be read by the user of `sweepd publish`: change its permissions";
-
-std::optional<std::string> file_bytes(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) return std::nullopt;
-  std::ostringstream bytes;
-  bytes << stream.rdbuf();
-  return std::move(bytes).str();
-}
 
 /// Folders named by a start, in their order.
 std::map<SessionName, fs::path> sessions_in(const fs::path& folder) {
@@ -43,7 +33,7 @@ std::map<SessionName, fs::path> sessions_in(const fs::path& folder) {
 
 /// Null where there is none.
 Json run_of(const fs::path& folder) {
-  const auto text = file_bytes(folder / file_names::kRun);
+  const auto text = rsi::readable_bytes(folder / file_names::kRun);
   return text ? Json::parse(*text, nullptr, false) : Json();
 }
 
@@ -85,7 +75,7 @@ std::vector<FinishedResult> Outbox::take(std::size_t most, const Ledger& ledger)
       unfinished_.push_back(folder);
       continue;
     }
-    auto bytes = file_bytes(file);
+    auto bytes = rsi::readable_bytes(file);
     if (!bytes) {
       if (fs::exists(file, error)) complain(session, kUnreadable);
       continue;

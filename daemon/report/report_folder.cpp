@@ -2,32 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <map>
-#include <sstream>
 #include <stdexcept>
 #include <string_view>
 #include <tuple>
 
 #include "daemon/report/csv_cells.hpp"
 #include "daemon/text/file_names.hpp"
+#include "rsi/file_bytes.hpp"
 
 namespace sweepd {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::optional<std::string> content(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) return std::nullopt;
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return std::move(text).str();
-}
-
 Json json_of(const std::filesystem::path& file) {
-  const auto text = content(file);
+  const auto text = rsi::readable_bytes(file);
   Json json = text ? Json::parse(*text, nullptr, false) : Json();
   return json.is_object() ? json : Json();
 }
@@ -164,11 +155,11 @@ ReportFolder read_report_folder(const std::filesystem::path& path) {
   require_result(folder.result, file);
   folder.run = json_of(named(file_names::kRun));
   folder.link = json_of(named(file_names::kLink));
-  folder.dh_csv = content(named(file_names::kTable)).value_or("");
-  folder.currents_csv = content(named(file_names::kCurrents)).value_or("");
-  folder.displacement_csv = content(named(file_names::kDisplacement)).value_or("");
+  folder.dh_csv = rsi::readable_bytes(named(file_names::kTable)).value_or("");
+  folder.currents_csv = rsi::readable_bytes(named(file_names::kCurrents)).value_or("");
+  folder.displacement_csv = rsi::readable_bytes(named(file_names::kDisplacement)).value_or("");
   folder.name = std::filesystem::weakly_canonical(path).filename().string();
-  read_strokes(content(named(file_names::kSweeps)).value_or(""), folder);
+  read_strokes(rsi::readable_bytes(named(file_names::kSweeps)).value_or(""), folder);
   return folder;
 }
 

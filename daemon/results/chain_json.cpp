@@ -38,9 +38,8 @@ Json steady_drift(const identify::ChainEstimate::SteadyDrift& seen) {
     mm.push_back(json_length(seen.mm(k)));
     sigma.push_back(json_length(std::sqrt(seen.covariance(k, k))));
   }
-  return {{"mm", std::move(mm)},
-          {"sigma_mm", std::move(sigma)},
-          {"seconds", rounded(seen.seconds, 3)}};
+  return {
+      {"mm", std::move(mm)}, {"sigma_mm", std::move(sigma)}, {"seconds", rounded(seen.seconds, 3)}};
 }
 
 /// Of a linear joint its ways: mm.
@@ -108,8 +107,7 @@ Json chain_json(const identify::ChainEstimate& estimate) {
           {"shared_home", estimate.home_scatter_mm <= identify::kHomeScatter_mm},
           {"home_scatter_mm", json_length(estimate.home_scatter_mm)},
           {"effects", effects(estimate.effects)},
-          {"steady_drift",
-           estimate.steady_drift ? steady_drift(*estimate.steady_drift) : Json()},
+          {"steady_drift", estimate.steady_drift ? steady_drift(*estimate.steady_drift) : Json()},
           {"with_orientation", estimate.with_orientation},
           {"noise", noise(estimate)},
           {"angles", std::move(evidence)}};

@@ -11,6 +11,9 @@ TEST_CASE("a file is read whole, or the reason is said with its path", "[file_by
   const std::string bytes(300'000, '\0');
   CHECK(file_bytes(TemporaryFile(bytes).path()) == bytes);
   CHECK(file_bytes(TemporaryFile().path()).empty());
+  CHECK(rsi::readable_bytes(TemporaryFile(bytes).path()) == bytes);
+  CHECK_FALSE(rsi::readable_bytes("/nowhere/none"));
+  CHECK_FALSE(rsi::readable_bytes(std::filesystem::temp_directory_path()));
   CHECK_THROWS_WITH(file_bytes("/nowhere/none"),
                     EndsWith("/none: cannot be read: No such file or directory: check the path and "
                              "the permissions"));
