@@ -30,8 +30,8 @@ std::string explanation(const Outcome& outcome) {
            "arm itself is: for that, measure it with a device.";
   if (outcome.identification.poses)
     return "the arm as a device measured it: for calibration, and to compare with its model. "
-           "Where joints are seen to give way to weight, the table of what joints do says so. The "
-           "rest of elastic deformation is in what is left of the poses.";
+           "Where joints are seen to give way to weight, the table of what joints do says so. What "
+           "the poses do not show of it is not in the uncertainties.";
   const auto& chain = outcome.identification.chain;
   const std::string_view elastic =
       !chain || !(chain->effects.sag_rad > 0)

@@ -12,7 +12,7 @@
 namespace identify {
 namespace {
 
-constexpr std::size_t kCount = 7, kFigure = 2, kSag = 5, kSteady = 6;
+constexpr std::size_t kCount = 7, kFigure = 2, kSag = 5, kTrend = 6;
 /// Steps of each effect's size: nothing, then up by a factor.
 using SizeSteps = std::array<int, kCount>;
 
@@ -73,7 +73,7 @@ class SizeGrid {
     const auto known = known_.find(steps);
     if (known != known_.end()) return known->second;
     SizeSteps others = steps;
-    others[kSag] = others[kSteady] = 0;
+    others[kSag] = others[kTrend] = 0;
     const ChainEffects here = effects(steps);
     auto left = left_.find(others);
     if (left == left_.end()) left = left_.emplace(others, task_.chain->left_by(here)).first;
@@ -268,7 +268,7 @@ ChainEffects effect_sizes(LinearisedChain& chain, const ChainEffects& shape, dou
     if (k != kFigure && !is_limited(asked, k)) asked.in(limited.shape, k) = 0;
   // What cannot be seen beside noise alone cannot be seen beside more.
   constexpr double kSeen = 4;
-  if (!is_shown(asked, kSteady, kSeen)) asked.in(limited.shape, kSteady) = 0;
+  if (!is_shown(asked, kTrend, kSeen)) asked.in(limited.shape, kTrend) = 0;
   struct ByLaw {
     SizeTask task;
     SizeSearch search;
