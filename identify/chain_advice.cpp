@@ -7,8 +7,6 @@
 #include <string_view>
 #include <utility>
 
-#include <Eigen/Cholesky>
-
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/warning.hpp"
 
@@ -80,13 +78,12 @@ class ChainAdviser {
   }
 
   void judge_drift(const ChainEstimate::SteadyDrift& drift) {
-    constexpr double kSure = 30;  // of a chi-square of three: by chance once in a million campaigns
-    if (drift.mm.norm() < kDrifts_mm ||
-        drift.mm.dot(drift.covariance.ldlt().solve(drift.mm)) < kSure)
-      return;
+    if (drift.mm.norm() < kDrifts_mm) return;
+    const std::string within =
+        drift.seconds > 0 ? ", in " + fixed(drift.seconds / 60, 1) + " min," : "";
     warn("device_drifts", {},
-         "from the first sweep to the last one, in " + fixed(drift.seconds / 60, 1) +
-             " min, the target drifted steadily by " + brief(drift.mm.norm()) +
+         "from the first sweep to the last one" + within + " the target drifted steadily by " +
+             brief(drift.mm.norm()) +
              " mm. The result allows for it. Let robot and device warm up before the sweeps");
   }
 

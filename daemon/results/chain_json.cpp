@@ -38,8 +38,9 @@ Json steady_drift(const identify::ChainEstimate::SteadyDrift& seen) {
     mm.push_back(json_length(seen.mm(k)));
     sigma.push_back(json_length(std::sqrt(seen.covariance(k, k))));
   }
-  return {
-      {"mm", std::move(mm)}, {"sigma_mm", std::move(sigma)}, {"seconds", rounded(seen.seconds, 3)}};
+  return {{"mm", std::move(mm)},
+          {"sigma_mm", std::move(sigma)},
+          {"seconds", seen.seconds > 0 ? Json(rounded(seen.seconds, 3)) : Json()}};
 }
 
 /// Of a linear joint its ways: mm.

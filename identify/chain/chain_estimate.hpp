@@ -165,7 +165,8 @@ struct ChainEstimate {
   /// How far the target stood off from home in each stroke, by the effects of home and drift.
   double home_scatter_mm = 0;
   /// How far the measuring device drifted steadily over the whole campaign, along the measurement
-  /// frame's axes, and what it took. It is out of everything above.
+  /// frame's axes, and what it took; 0 where times are only an order. It is out of everything
+  /// above.
   struct SteadyDrift {
     Eigen::Vector3d mm = Eigen::Vector3d::Zero();
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();

@@ -316,9 +316,8 @@ class Estimation {
     LinearisedChain linearised(best.fit.chain, nodes_, best.noise, effects_,
                                estimate.with_orientation);
     best.fit.parts = linearised.parts();
-    if (effects_.steady_mm > 0)
-      estimate.steady_drift = {2 * best.fit.chain.drift_mm,
-                               4 * best.fit.covariance.bottomRightCorner<3, 3>(), nodes_.seconds()};
+    estimate.steady_drift =
+        steady_drift_of(best.fit, effects_, campaign_.timed ? nodes_.seconds() : 0);
     set_fitted_axes(estimate, best.fit, nodes_.known, nodes_.targets);
   }
 

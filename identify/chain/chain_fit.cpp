@@ -6,6 +6,8 @@
 #include <string_view>
 #include <utility>
 
+#include <Eigen/Cholesky>
+
 #include "identify/chain/chain_problem.hpp"
 #include "identify/geometry/information.hpp"
 
@@ -140,6 +142,19 @@ ChainFit fit_chain(const Chain& start, ChainNodes& nodes, const ChainNoise& nois
                    const ChainEffects& effects, bool with_orientation, int most_iterations) {
   return with_orientation ? Fitting<6>(start, nodes, noise, effects).run(most_iterations)
                           : Fitting<3>(start, nodes, noise, effects).run(most_iterations);
+}
+
+std::optional<ChainEstimate::SteadyDrift> steady_drift_of(const ChainFit& fit,
+                                                          const ChainEffects& effects,
+                                                          double seconds) {
+  constexpr double kSure = 30;  // of a chi-square of three: by chance once in a million campaigns
+  constexpr double kWalk = 6;   // the variance of a walk from end to end, in that of its places
+  if (!(effects.steady_mm > 0)) return std::nullopt;
+  ChainEstimate::SteadyDrift drift{2 * fit.chain.drift_mm,
+                                   4 * fit.covariance.bottomRightCorner<3, 3>(), seconds};
+  drift.covariance.diagonal().array() += kWalk * effects.drift_mm * effects.drift_mm;
+  if (drift.mm.dot(drift.covariance.ldlt().solve(drift.mm)) < kSure) return std::nullopt;
+  return drift;
 }
 
 using Eigen::Index;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "identify/chain/chain.hpp"
@@ -19,6 +20,12 @@ struct ChainFit {
   std::vector<ChainEstimate::Part> parts;  ///< of it; nobody has asked yet where it is empty
   Summary summary;
 };
+
+/// The steady drift that a fit has found, in so many seconds: where it is beyond chance, and beyond
+/// what a device that walks at random comes to.
+[[nodiscard]] std::optional<ChainEstimate::SteadyDrift> steady_drift_of(const ChainFit& fit,
+                                                                        const ChainEffects& effects,
+                                                                        double seconds);
 
 inline constexpr int kMostIterations = 50;
 

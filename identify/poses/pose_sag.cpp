@@ -11,9 +11,13 @@ namespace identify {
 std::vector<double> sag_of(const PoseEstimate& found) {
   const PoseModel& model = found.fit.model;
   std::vector<double> sag_rad(model.chain.axes.size());
+  std::vector<bool> carries(sag_rad.size());
+  for (const JointEffect& effect : model.effects)
+    if (effect.kind == JointEffect::Kind::weight) carries[effect.joint] = true;
   for (const JointEffect& effect : model.effects) {
     double size_rad = 0;
-    if (effect.kind == JointEffect::Kind::weight) {
+    // Poses hardly tell a wheel that is off from weight, where a joint carries any.
+    if (effect.kind == JointEffect::Kind::weight || (!effect.assumed && carries[effect.joint])) {
       size_rad = effect.assumed ? std::sqrt(2) * found.fit.noise.weights_rad : effect.amplitude();
     } else if (effect.kind == JointEffect::Kind::compliance) {
       for (const Pose& pose : found.poses)

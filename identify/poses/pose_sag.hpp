@@ -7,7 +7,8 @@
 namespace identify {
 
 /// How far joints give way under what they carry, as poses tell: rad, one a joint, as
-/// Campaign::sag_rad.
+/// Campaign::sag_rad. Wheels that are off, of joints that carry weight, count in it: few poses do
+/// not tell them from weight.
 [[nodiscard]] std::vector<double> sag_of(const PoseEstimate& found);
 
 /// Whether a joint gives way by more than was taken for granted; of none, nothing was.

@@ -136,9 +136,25 @@ FromSweeps from_sweeps(const ChainEstimate& sweeps, std::size_t targets) {
       }
     return all;
   };
-  from.prior.information = inverse_where_known(widened(sweeps.covariance));
   for (const auto& part : sweeps.parts)
     from.parts.push_back({part.cause, widened(part.covariance)});
+  // The device goes on to drift until it sees the poses: all that it knows of the sweeps may be
+  // elsewhere by then, as one body.
+  MatrixXd all = widened(sweeps.covariance);
+  MatrixXd shifted = MatrixXd::Zero(wide.count(true), 3);
+  for (std::size_t j = 0; j < own.joints; ++j)
+    shifted.middleRows<2>(wide.axis(j) + 2) = across(sweeps.chain.axes[j].direction).transpose();
+  for (std::size_t t = 0; t < targets; ++t) shifted.middleRows<3>(wide.target(t)).setIdentity();
+  for (Index i = 0; i < all.rows(); ++i)
+    if (!(all(i, i) > 0)) shifted.row(i).setZero();
+  Eigen::Matrix3d drift = Eigen::Matrix3d::Identity() * std::pow(sweeps.effects.drift_mm, 2);
+  if (sweeps.steady_drift) drift += sweeps.steady_drift->mm * sweeps.steady_drift->mm.transpose();
+  const MatrixXd later = shifted * drift * shifted.transpose();
+  all += later;
+  from.prior.information = inverse_where_known(all);
+  const auto drifted = std::find_if(from.parts.begin(), from.parts.end(),
+                                    [](const auto& part) { return part.cause == Cause::drift; });
+  if (drifted != from.parts.end()) drifted->covariance += later;
   return from;
 }
 

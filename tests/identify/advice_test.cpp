@@ -307,7 +307,12 @@ TEST_CASE("a device that drifts steadily is told", "[advice][chain_advice]") {
     CHECK(warning.code != "device_drifts");
   world.drift.linear_mm = 0.2;
   CHECK_THAT(message(identified(kr5_swept(), world), "device_drifts", {}),
-             ContainsSubstring("the target drifted steadily by 0.2"));
+             ContainsSubstring(" min, the target drifted steadily by 0.2"));
+  auto campaign = campaign_of(kr5_swept(), world);
+  campaign.timed = false;  // the samples' order is all that is known
+  const auto found = identify::identify(sweeps_of(kr5_swept(), world, 1), campaign);
+  CHECK_THAT(message(found, "device_drifts", {}),
+             ContainsSubstring("to the last one the target drifted steadily by 0.2"));
 }
 
 TEST_CASE("orientations that contradict the positions are told", "[advice][long]") {

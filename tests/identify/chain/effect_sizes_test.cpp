@@ -155,6 +155,19 @@ TEST_CASE("A device's steady drift is seen, and moves no axis", "[effect_sizes][
   CHECK(std::sqrt(squares / static_cast<double>(campaigns.size())) < 1.4);
 }
 
+TEST_CASE("Of a device that walks at random no steady drift is told",
+          "[effect_sizes][chain_fit][long]") {
+  simulation::World world = seen_without_angles();
+  world.drift.walk_mm = 0.1;
+  simulation::Strokes how;
+  how.there_and_back = true;
+  for (const Simulation& campaign : campaigns_of(8, how, world)) {
+    const auto found = identify::identify(campaign.sweeps(), campaign.campaign());
+    REQUIRE(found.chain);
+    CHECK_FALSE(found.chain->steady_drift);
+  }
+}
+
 TEST_CASE("Where each sweep's times begin anew nobody can tell a steady drift", "[effect_sizes]") {
   simulation::World world = seen_without_angles();
   world.drift.linear_mm = 0.2;

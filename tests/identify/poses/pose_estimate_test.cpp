@@ -123,6 +123,26 @@ TEST_CASE("Poses tell how far joints of an arm gave way while others swept",
   CHECK(all.farthest < 5);
 }
 
+TEST_CASE("A device that drifted between sweeps and poses accuses no joint",
+          "[pose_estimate][pose_start][long]") {
+  Judged all;
+  auto drifting = tracker();
+  drifting.drift.linear_mm = 0.5;
+  for (std::uint32_t seed = 1; seed <= 8; ++seed) {
+    const auto sweeps = arm_with(drifting, seed).sweeps();
+    const auto built = arm_with(tracker(), seed);  // before it drifted
+    const auto found = identify::identify(sweeps, built.campaign(), built.poses(30));
+    INFO("seed " << seed << ": " << found.reason);
+    REQUIRE(found.status == Status::complete);
+    REQUIRE(found.poses);
+    CHECK(found.poses->effects.empty());
+    REQUIRE(found.chain);
+    CHECK(found.chain->steady_drift);
+    judge(built, found, all);
+  }
+  CHECK(static_cast<double>(all.inside) / all.numbers > 0.92);
+}
+
 TEST_CASE("Gears do not take up all noise of a few poses", "[pose_estimate][long]") {
   Judged all;
   for (std::uint32_t seed = 1; seed <= 40; ++seed) {
