@@ -92,6 +92,7 @@ void set_times(ChainNodes& nodes) {
     if (!stroke.squares) nodes.timed = false;
   }
   const double seconds = nodes.seconds();
+  if (!(seconds > 0)) nodes.timed = false;
   for (std::size_t s = 0; nodes.timed && s < nodes.strokes.size(); ++s)
     for (std::size_t n = 0; n < nodes.strokes[s].nodes.size(); ++n) {
       const StrokeMoments& stroke = nodes.strokes[s];
