@@ -47,7 +47,7 @@ TEST_CASE("What is wrong with all poses is named", "[pose_doubts][long]") {
         }) == "joints_exchanged");
 }
 
-TEST_CASE("One pose that is metres off is left out, whichever it is", "[pose_doubts]") {
+TEST_CASE("One pose that is metres off is left out, whichever it is", "[pose_doubts][long]") {
   const auto built = arm_with(tracker(0.002), 5);
   for (const double off_mm : {2000.0, 50'000.0})
     for (std::size_t wrong = 0; wrong < 60; wrong += 6) {
@@ -82,7 +82,7 @@ TEST_CASE("A target that was put back elsewhere is noticed, and where", "[pose_d
   CHECK_THAT(found.doubts.front().message, Catch::Matchers::ContainsSubstring("pose 2"));
 }
 
-TEST_CASE("A device that was moved between sweeps and poses is noticed", "[pose_doubts]") {
+TEST_CASE("A device that was moved between sweeps and poses is noticed", "[pose_doubts][long]") {
   const double moved_mm = GENERATE(0.0, 0.6, 50.0);
   CAPTURE(moved_mm);
   for (const std::uint32_t seed : {1U, 2U, 3U}) {
@@ -124,7 +124,8 @@ TEST_CASE("Copies of poses count once", "[pose_doubts]") {
   CHECK(found.dh[1].a_mm.sigma == once.dh[1].a_mm.sigma);
 }
 
-TEST_CASE("An orientation that stands beside each of two targets counts once", "[pose_doubts]") {
+TEST_CASE("An orientation that stands beside each of two targets counts once",
+          "[pose_doubts][long]") {
   for (const std::uint32_t seed : {1U, 2U, 3U}) {
     const auto built = arm_with(tracker(), seed, 2);
     const auto arm = robot(seed, 2).arm;
