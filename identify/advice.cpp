@@ -87,7 +87,7 @@ class Adviser {
 
  private:
   void warn(std::string_view code, std::optional<std::size_t> joint, const std::string& message) {
-    const std::string who = joint ? "joint " + std::to_string(*joint + 1) + ": " : "";
+    const std::string who = joint ? joint_name(*joint) + ": " : "";
     found_.warnings.push_back({std::string(code), joint, who + message});
   }
 

@@ -191,12 +191,9 @@ Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign,
     // much beside poses, which do.
     constexpr int kMostRounds = 3;
     Campaign elastic = campaign;
-    for (int round = 0; round < kMostRounds && found.poses && found.poses->with_sweeps; ++round) {
-      const auto sag_rad = sag_of(*found.poses);
-      if (!gives_way_more(sag_rad, elastic.sag_rad)) break;
-      elastic.sag_rad.resize(sag_rad.size());
-      for (std::size_t j = 0; j < sag_rad.size(); ++j)
-        elastic.sag_rad[j] = std::max(elastic.sag_rad[j], sag_rad[j]);
+    for (int round = 0; round < kMostRounds; ++round) {
+      if (!found.poses || !found.poses->with_sweeps || !grant_sag(*found.poses, elastic.sag_rad))
+        break;
       found = estimate(sweeps, elastic);
       take_poses(found, poses, campaign);
     }

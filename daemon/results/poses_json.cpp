@@ -90,12 +90,13 @@ Json model(const identify::PoseFit& fit, const std::vector<std::string>& names) 
     targets.push_back({{"name", t < names.size() ? names[t] : std::string()},
                        {"point_mm", list(of.chain.targets_mm[t])}});
   Json effects = Json::array();
-  for (const auto& one : of.effects)
+  for (const auto& one : of.effects) {
     effects.push_back({{"joint", one.joint + 1},
                        {"kind", text(one.kind)},
-                       {"carried", one.carried + 1},
                        {"size", list(one.size)},
                        {"middle", list(one.middle)}});
+    if (one.kind == JointEffect::Kind::weight) effects.back()["link_of_joint"] = one.carried + 1;
+  }
   Json loads = Json::array();
   for (const auto& load : of.loads)
     loads.push_back({{"mass_kg", load.mass_kg},
@@ -211,7 +212,8 @@ PosePredictor pose_predictor(const Json& poses) {
   }
   for (const Json& one : json.at("effects")) {
     JointEffect effect{kind(one.at("kind").get<std::string>()), joint_of(one, joints)};
-    if (effect.kind == JointEffect::Kind::weight) effect.carried = joint_of(one, joints, "carried");
+    if (effect.kind == JointEffect::Kind::weight)
+      effect.carried = joint_of(one, joints, "link_of_joint");
     effect.size = numbers(one.at("size"));
     effect.middle = numbers(one.at("middle"));
     model.effects.push_back(effect);

@@ -60,8 +60,8 @@ bool together(const StrokeMoments& one, const StrokeMoments& other) {
          one.squares == other.squares && both > shorter / 2;
 }
 
-/// Sorts the units by what swept in between, and tells whether they follow each other at all.
-void set_stands(ChainNodes& nodes) {
+/// Sorts the units by what swept in between. Returns whether they follow each other at all.
+bool set_stands(ChainNodes& nodes) {
   const auto begin_s = [&](std::size_t unit) {
     return nodes.strokes[nodes.units[unit].front()].begin_s;
   };
@@ -71,34 +71,35 @@ void set_stands(ChainNodes& nodes) {
                    [&](std::size_t a, std::size_t b) { return begin_s(a) < begin_s(b); });
   nodes.stand.resize(in_time.size());
   double end_s = 0;  // of all before
-  nodes.timed = in_time.size() > 1;
+  bool in_turn = in_time.size() > 1;
   for (std::size_t i = 0; i < in_time.size(); ++i) {
     const std::size_t unit = in_time[i], group = nodes.group[unit];
     // Where times begin anew with each sweep, nothing tells what follows what.
     const bool after = i > 0 && begin_s(unit) >= end_s;
     const bool follows = after && nodes.group[in_time[i - 1]] == group;
-    if (i > 0 && !after) nodes.timed = false;
+    if (i > 0 && !after) in_turn = false;
     if (!follows) nodes.group_of.push_back(group);
     nodes.stand[unit] = nodes.group_of.size() - 1;
     for (const std::size_t s : nodes.units[unit]) end_s = std::max(end_s, nodes.strokes[s].end_s);
   }
+  return in_turn;
 }
 
 /// Sets when each node was seen. Of strokes' sums nobody knows it.
-void set_times(ChainNodes& nodes) {
-  double begin_s = std::numeric_limits<double>::infinity();
-  for (const StrokeMoments& stroke : nodes.strokes) {
-    begin_s = std::min(begin_s, stroke.begin_s);
-    if (!stroke.squares) nodes.timed = false;
-  }
+void set_times(ChainNodes& nodes, bool in_turn) {
   const double seconds = nodes.seconds();
-  if (!(seconds > 0)) nodes.timed = false;
-  for (std::size_t s = 0; nodes.timed && s < nodes.strokes.size(); ++s)
-    for (std::size_t n = 0; n < nodes.strokes[s].nodes.size(); ++n) {
-      const StrokeMoments& stroke = nodes.strokes[s];
+  nodes.timed = in_turn && seconds > 0 &&
+                std::all_of(nodes.strokes.begin(), nodes.strokes.end(),
+                            [](const StrokeMoments& stroke) { return stroke.squares; });
+  if (!nodes.timed) return;
+  double begin_s = std::numeric_limits<double>::infinity();
+  for (const StrokeMoments& stroke : nodes.strokes) begin_s = std::min(begin_s, stroke.begin_s);
+  for (std::size_t s = 0; s < nodes.strokes.size(); ++s) {
+    const StrokeMoments& stroke = nodes.strokes[s];
+    for (std::size_t n = 0; n < stroke.nodes.size(); ++n)
       nodes.observations[nodes.first[s] + n].when =
           2 * (stroke.time_s(stroke.nodes[n].turn_rad) - begin_s) / seconds - 1;
-    }
+  }
 }
 
 /// Sorts the strokes by what was seen at once, and by where their locked joints stood.
@@ -136,8 +137,7 @@ void set_groups(ChainNodes& nodes) {
     nodes.group.push_back(group->second);
     if (fresh) nodes.home_of.push_back(home);
   }
-  set_stands(nodes);
-  set_times(nodes);
+  set_times(nodes, set_stands(nodes));
   for (const Place& place : places) {
     Turns turns{};
     for (std::size_t k = 0; k < kMostJoints; ++k) turns[k] = place[k].value_or(0);

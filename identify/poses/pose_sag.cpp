@@ -7,7 +7,9 @@
 #include "identify/geometry/angle.hpp"
 
 namespace identify {
+namespace {
 
+/// One a joint, as poses tell.
 std::vector<double> sag_of(const PoseEstimate& found) {
   const PoseModel& model = found.fit.model;
   std::vector<double> sag_rad(model.chain.axes.size());
@@ -16,26 +18,31 @@ std::vector<double> sag_of(const PoseEstimate& found) {
     if (effect.kind == JointEffect::Kind::weight) carries[effect.joint] = true;
   for (const JointEffect& effect : model.effects) {
     double size_rad = 0;
-    // Poses hardly tell a wheel that is off from weight, where a joint carries any.
-    if (effect.kind == JointEffect::Kind::weight || (!effect.assumed && carries[effect.joint])) {
-      size_rad = effect.assumed ? std::sqrt(2) * found.fit.noise.weights_rad : effect.amplitude();
-    } else if (effect.kind == JointEffect::Kind::compliance) {
+    if (effect.kind == JointEffect::Kind::compliance)
       for (const Pose& pose : found.poses)
         size_rad = std::max(
             size_rad, std::abs(effect.size.dot(model.pattern(effect, model.told(pose.sample)))));
-    }
+    else if (!effect.assumed && carries[effect.joint])
+      size_rad = effect.amplitude();
+    else if (effect.kind == JointEffect::Kind::weight)
+      size_rad = std::sqrt(2) * found.fit.noise.weights_rad;  // of two sizes
     sag_rad[effect.joint] = std::hypot(sag_rad[effect.joint], size_rad);
   }
   return sag_rad;
 }
 
-bool gives_way_more(const std::vector<double>& sag_rad, const std::vector<double>& granted_rad) {
+}  // namespace
+
+bool grant_sag(const PoseEstimate& found, std::vector<double>& granted_rad) {
   constexpr double kMore = 1.2, kNone_rad = 1 * kArcsec;
+  const auto sag_rad = sag_of(found);
+  granted_rad.resize(sag_rad.size());
+  bool more = false;
   for (std::size_t j = 0; j < sag_rad.size(); ++j) {
-    const double granted = j < granted_rad.size() ? granted_rad[j] : 0;
-    if (sag_rad[j] > kMore * granted + kNone_rad) return true;
+    more = more || sag_rad[j] > kMore * granted_rad[j] + kNone_rad;
+    granted_rad[j] = std::max(granted_rad[j], sag_rad[j]);
   }
-  return false;
+  return more;
 }
 
 }  // namespace identify

@@ -6,13 +6,10 @@
 
 namespace identify {
 
-/// How far joints give way under what they carry, as poses tell: rad, one a joint, as
-/// Campaign::sag_rad. Wheels that are off, of joints that carry weight, count in it: few poses do
-/// not tell them from weight.
-[[nodiscard]] std::vector<double> sag_of(const PoseEstimate& found);
-
-/// Whether a joint gives way by more than was taken for granted; of none, nothing was.
-[[nodiscard]] bool gives_way_more(const std::vector<double>& sag_rad,
-                                  const std::vector<double>& granted_rad);
+/// Raises what joints are granted to give way by (rad, one a joint, as Campaign::sag_rad; of none,
+/// nothing was) to what poses show. Wheels that are off, of joints that carry weight, count in it:
+/// few poses do not tell them from weight. False where what was granted is enough, but for a fifth
+/// or a second of arc.
+[[nodiscard]] bool grant_sag(const PoseEstimate& found, std::vector<double>& granted_rad);
 
 }  // namespace identify

@@ -57,6 +57,16 @@ std::vector<Simulation> campaigns_of(std::uint32_t count, const simulation::Stro
   return all;
 }
 
+/// By a device that drifts so, each joint there and back.
+std::vector<Simulation> there_and_back(std::uint32_t count, const simulation::Drift& drift) {
+  simulation::World world = seen_without_angles();
+  world.drift = drift;
+  simulation::Strokes how;
+  how.there_and_back = true;
+  how.ramp = 0.1;
+  return campaigns_of(count, how, world);
+}
+
 std::vector<Simulation> sagging(bool told, int homes = 1) {
   simulation::World world = seen_without_angles();
   world.sag_arcsec = 60;
@@ -124,22 +134,12 @@ TEST_CASE("Joints that stand still while another one sweeps there and back are o
 
 TEST_CASE("Uncertainties hold where a device walks and sweeps go there and back",
           "[effect_sizes][long]") {
-  simulation::World world = seen_without_angles();
-  world.drift.walk_mm = 0.05;
-  simulation::Strokes how;
-  how.there_and_back = true;
-  how.ramp = 0.1;
-  CHECK(rms_z(campaigns_of(24, how, world)) == Approx(1).margin(0.15));
+  CHECK(rms_z(there_and_back(24, {0, 0.05})) == Approx(1).margin(0.15));
 }
 
 TEST_CASE("A device's steady drift is seen, and moves no axis", "[effect_sizes][long]") {
-  simulation::World world = seen_without_angles();
-  world.angles = true;
-  world.drift.linear_mm = 0.2;
-  simulation::Strokes how;
-  how.there_and_back = true;
   double squares = 0;
-  const auto campaigns = campaigns_of(16, how, world);
+  const auto campaigns = there_and_back(16, {0.2, 0});
   for (const Simulation& campaign : campaigns) {
     const auto found = identify::identify(campaign.sweeps(), campaign.campaign());
     REQUIRE(found.chain);
@@ -157,11 +157,7 @@ TEST_CASE("A device's steady drift is seen, and moves no axis", "[effect_sizes][
 
 TEST_CASE("Of a device that walks at random no steady drift is told",
           "[effect_sizes][chain_fit][long]") {
-  simulation::World world = seen_without_angles();
-  world.drift.walk_mm = 0.1;
-  simulation::Strokes how;
-  how.there_and_back = true;
-  for (const Simulation& campaign : campaigns_of(8, how, world)) {
+  for (const Simulation& campaign : there_and_back(8, {0, 0.1})) {
     const auto found = identify::identify(campaign.sweeps(), campaign.campaign());
     REQUIRE(found.chain);
     CHECK_FALSE(found.chain->steady_drift);
