@@ -1,5 +1,11 @@
 #include "rsi/file_bytes.hpp"
 
+#include <chrono>
+#include <fstream>
+#include <thread>
+
+#include <sys/stat.h>
+
 #include "tests/catch.hpp"
 #include "tests/rsi/capture_bytes.hpp"
 
@@ -38,4 +44,17 @@ TEST_CASE("of a file that is longer than it may be, one byte more tells that", "
   CHECK(file_bytes(file.path(), 100'000) == all.substr(0, 100'001));
   CHECK(file_bytes(file.path(), 0) == "a");
   CHECK(file_bytes("/dev/zero", 70'000).size() == 70'001);
+}
+
+TEST_CASE("a pipe that nobody fills is given up, and one that is filled is read to its end",
+          "[file_bytes]") {
+  const TemporaryFile place;
+  std::filesystem::remove(place.path());
+  REQUIRE(mkfifo(place.path().c_str(), 0600) == 0);
+  std::error_code why;
+  CHECK(file_bytes(place.path(), 10, why, std::chrono::milliseconds(20)).empty());
+  CHECK(why == std::errc::timed_out);
+  std::thread writer([&] { std::ofstream(place.path()) << std::string(300'000, 'a'); });
+  CHECK(file_bytes(place.path()).size() == 300'000);
+  writer.join();
 }
