@@ -155,6 +155,7 @@ void take_poses(Identification& found, const std::vector<Pose>& poses, const Cam
     found.chain->effects = sweeps->effects;
     found.chain->angles = sweeps->angles;
     found.chain->home_scatter_mm = sweeps->home_scatter_mm;
+    found.chain->wander_mm = sweeps->wander_mm;
     found.chain->steady_drift = sweeps->steady_drift;
     found.chain->samples = sweeps->samples;
     found.chain->outliers = sweeps->outliers;

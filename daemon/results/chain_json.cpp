@@ -26,10 +26,12 @@ Json noise(const identify::ChainEstimate& estimate) {
            estimate.with_orientation ? json_angle(estimate.noise.orientation_rad) : Json()}};
 }
 
-Json effects(const identify::ChainEffects& seen) {
-  return {{"home_deg", json_angle(seen.home_rad)},     {"home_stays", seen.home_stays},
-          {"drift_mm", json_length(seen.drift_mm)},    {"figure_mm", json_length(seen.figure_mm())},
-          {"offset_deg", json_angle(seen.offset_rad)}, {"sag_deg", json_angle(seen.sag_rad)}};
+Json effects(const identify::ChainEstimate& estimate) {
+  const identify::ChainEffects& seen = estimate.effects;
+  return {
+      {"home_deg", json_angle(seen.home_rad)},       {"home_stays", seen.home_stays},
+      {"drift_mm", json_length(estimate.wander_mm)}, {"figure_mm", json_length(seen.figure_mm())},
+      {"offset_deg", json_angle(seen.offset_rad)},   {"sag_deg", json_angle(seen.sag_rad)}};
 }
 
 Json steady_drift(const identify::ChainEstimate::SteadyDrift& seen) {
@@ -107,7 +109,7 @@ Json chain_json(const identify::ChainEstimate& estimate) {
           {"samples_per_independent", rounded(estimate.samples_per_independent, 3)},
           {"shared_home", estimate.home_scatter_mm <= identify::kHomeScatter_mm},
           {"home_scatter_mm", json_length(estimate.home_scatter_mm)},
-          {"effects", effects(estimate.effects)},
+          {"effects", effects(estimate)},
           {"steady_drift", estimate.steady_drift ? steady_drift(*estimate.steady_drift) : Json()},
           {"with_orientation", estimate.with_orientation},
           {"noise", noise(estimate)},

@@ -4,10 +4,28 @@
 #include <cmath>
 #include <optional>
 
+#include "identify/geometry/angle.hpp"
+
 namespace identify {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+
+DriftTimes drift_times(double when) {
+  DriftTimes times;
+  times(0) = when;
+  for (Eigen::Index k = 1; k < kDriftParts; ++k)
+    times(k) = std::sin(static_cast<double>(k) * kPi * (1 + when) / 2);
+  return times;
+}
+
+DriftTimes drift_of_walk() {
+  DriftTimes sizes;
+  sizes(0) = 1;
+  for (Eigen::Index k = 1; k < kDriftParts; ++k)
+    sizes(k) = 2 * std::sqrt(2) / (static_cast<double>(k) * kPi);
+  return sizes;
+}
 
 Eigen::Isometry3d ChainAxis::displacement(double turn) const {
   if (linear) return Eigen::Isometry3d(Eigen::Translation3d(kLinear_mm * turn * direction));
@@ -155,90 +173,6 @@ std::optional<std::size_t> first_turning(const Chain& chain) {
   for (std::size_t j = 0; j < chain.axes.size(); ++j)
     if (!chain.axes[j].linear) return j;
   return std::nullopt;
-}
-
-namespace {
-
-using Eigen::Vector3d;
-
-/// Where loads hang, and about what they pull.
-struct Loads {
-  Vector3d up = Vector3d::Zero();
-  std::vector<Vector3d> directions;
-  std::vector<Vector3d> points;  // of the axes, then the first target
-};
-
-Loads loads_at(const Chain& chain, const Turns& turns) {
-  Loads loads;
-  Eigen::Isometry3d moved = Eigen::Isometry3d::Identity();
-  for (std::size_t j = 0; j < chain.axes.size(); ++j) {
-    loads.directions.emplace_back(moved.linear() * chain.axes[j].direction);
-    loads.points.emplace_back(moved * chain.axes[j].point_mm);
-    if (turns[j] != 0) moved = moved * chain.axes[j].displacement(turns[j]);
-  }
-  loads.points.emplace_back(moved * chain.targets_mm.front());
-  if (const auto first = first_turning(chain)) loads.up = loads.directions[*first];
-  return loads;
-}
-
-/// How far beside the line of its axes a link's weight is, in its length.
-constexpr double kBeside = 0.5;
-
-double lever(const ChainSag& sag, const Loads& loads) {
-  const Vector3d& about = loads.directions[sag.joint];
-  Vector3d arm = loads.points[sag.load] - loads.points[sag.joint];
-  if (sag.beside) arm = about.cross(arm);
-  return loads.up.dot(about.cross(arm)) / sag.reach_mm;
-}
-
-}  // namespace
-
-std::vector<ChainSag> sags_of(const Chain& chain, const std::vector<bool>& known,
-                              const std::vector<double>& sag_rad) {
-  std::vector<ChainSag> sags;
-  const auto upright = first_turning(chain);
-  if (sag_rad.empty() || !upright || !known[*upright]) return sags;
-  // Weights do not pull about the upright axis.
-  const auto gives_way = [&](std::size_t j) {
-    return known[j] && j != *upright && !chain.axes[j].linear && sag_rad[j] > 0;
-  };
-  double most = 0;
-  for (std::size_t j = 0; j < chain.axes.size(); ++j)
-    if (gives_way(j)) most = std::max(most, sag_rad[j]);
-  const Loads home = loads_at(chain, {});
-  for (std::size_t j = 0; j < chain.axes.size(); ++j) {
-    if (!gives_way(j)) continue;
-    const std::size_t first = sags.size();
-    double reach = 0;  // stretched out
-    std::size_t before = j, loads = 0;
-    for (std::size_t load = j + 1; load < home.points.size(); ++load) {
-      if (load < known.size() && (!known[load] || chain.axes[load].linear)) continue;
-      reach += (home.points[load] - home.points[before]).norm();
-      before = load;
-      if (!(reach > 0)) continue;
-      sags.push_back({j, load, false, reach, 1, 0});
-      if (++loads == 1) sags.push_back({j, load, true, reach, kBeside, 0});
-    }
-    for (std::size_t s = first; s < sags.size(); ++s)
-      sags[s].share *= sag_rad[j] / most / std::sqrt(static_cast<double>(loads));
-  }
-  return sags;
-}
-
-std::vector<double> sag_levers(const Chain& chain, const Turns& turns) {
-  std::vector<double> levers;
-  if (chain.sags.empty()) return levers;
-  const Loads here = loads_at(chain, turns), home = loads_at(chain, {});
-  for (const ChainSag& sag : chain.sags) levers.push_back(lever(sag, here) - lever(sag, home));
-  return levers;
-}
-
-Turns sagged(const Chain& chain, const Turns& turns) {
-  Turns bent = turns;
-  const auto levers = sag_levers(chain, turns);
-  for (std::size_t s = 0; s < levers.size(); ++s)
-    bent[chain.sags[s].joint] += chain.sags[s].rad * levers[s];
-  return bent;
 }
 
 }  // namespace identify

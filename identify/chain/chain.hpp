@@ -26,19 +26,26 @@ struct ChainAxis {
   [[nodiscard]] Eigen::Isometry3d displacement(double turn) const;
 };
 
-/// What a joint gives way under a load farther out: `rad` times the load's lever about it, in
-/// `reach_mm`, beyond what it gives way at home (see sagged()).
+/// What a joint gives way by under weight on a link behind it: `rad` times the weight's lever about
+/// it beyond the lever at home (chain_sag.hpp).
 struct ChainSag {
   std::size_t joint = 0;
-  std::size_t load = 0;  ///< hangs on this axis; on the first target where there is no such axis
-  /// Or where that is after a right angle about the joint: a link's weight is not on the line from
-  /// its axis to the next.
-  bool beside = false;
-  double reach_mm = 0;
-  double share =
-      0;  ///< standard deviation of `rad` beforehand, in that of the joint that gives way most
+  std::size_t link = 0;                            ///< that this joint turns
+  Eigen::Vector3d arm = Eigen::Vector3d::UnitX();  ///< to the weight, unit, across the link's axis
+  double share = 0;  ///< standard deviation of `rad` beforehand, in ChainEffects::sag_rad
   double rad = 0;
 };
+
+/// How a measuring device drifts: evenly, and in waves beside it, of half the campaign's length,
+/// and of a half, a third and a quarter of that. The waves are zero at the first and the last
+/// sample.
+inline constexpr Eigen::Index kDriftParts = 5;
+/// What each part is multiplied by, `when` from -1 at the first sample to 1 at the last one.
+using DriftTimes = Eigen::Matrix<double, kDriftParts, 1>;
+[[nodiscard]] DriftTimes drift_times(double when);
+/// How large a random walk's parts are, in the first one: its waves are 2 sqrt(2) / (k pi) of it
+/// (Karhunen-Loeve expansion of the Brownian bridge).
+[[nodiscard]] DriftTimes drift_of_walk();
 
 /// A robot as a product of exponentials (Brockett 1984; Lynch & Park, Modern Robotics, eq. 4.14):
 ///   x(q) = exp(xi_1 q_1) ... exp(xi_n q_n) x(0),
@@ -52,9 +59,8 @@ struct Chain {
   /// less than what is printed can show. One a joint, or none: not at all.
   std::vector<double> zero_rad;
   std::vector<ChainSag> sags;  ///< none: rigid joints, or nothing is known of them
-  /// How far the measuring device drifts from the middle of the campaign to its end, steadily: so
-  /// much farther the target is seen.
-  Eigen::Vector3d drift_mm = Eigen::Vector3d::Zero();
+  /// How far the measuring device drifts, one part a column: so much farther the target is seen.
+  Eigen::Matrix<double, 3, kDriftParts> drift_mm = Eigen::Matrix<double, 3, kDriftParts>::Zero();
 
   /// Where joints that turned so far carry what moves with the last of them.
   [[nodiscard]] Eigen::Isometry3d displacement(const Turns& turns) const;
@@ -108,20 +114,5 @@ class ChainPose {
 
 /// The first joint that turns, which is taken to stand upright. Nothing where none does.
 [[nodiscard]] std::optional<std::size_t> first_turning(const Chain& chain);
-
-/// A chain's sags for joints that give way in proportion to `sag_rad`, one a joint: each joint by
-/// the loads that it carries, which are taken to hang on the axes behind it and on the first
-/// target, and its own link's also beside the next axis, in shares that nobody knows. Nothing where
-/// the first joint that turns is not `known`: it stands upright, and tells which way weights pull.
-/// Linear joints do not give way.
-[[nodiscard]] std::vector<ChainSag> sags_of(const Chain& chain, const std::vector<bool>& known,
-                                            const std::vector<double>& sag_rad);
-
-/// Of each sag of the chain: the load's lever about the joint when the joints turned so far, less
-/// that at home, in its reach. By virtual work it is how fast the load rises as the joint turns.
-[[nodiscard]] std::vector<double> sag_levers(const Chain& chain, const Turns& turns);
-
-/// How far the joints really turned, those that give way with what they sag by.
-[[nodiscard]] Turns sagged(const Chain& chain, const Turns& turns);
 
 }  // namespace identify

@@ -41,8 +41,10 @@ struct ChainEffects {
   /// Of the measuring device's place in a stroke, each coordinate. It walks on during a stroke.
   double drift_mm = 0;
   /// Of how far it drifts steadily from the middle of the campaign to its end, each coordinate:
-  /// `drift_mm` of the chain.
+  /// the first part of the chain's `drift_mm`. Of `drift_parts`, the others are of the size that
+  /// they have of a random walk.
   double steady_mm = 0;
+  Eigen::Index drift_parts = 1;
   /// Of the figure that a stroke describes, radial and axial, from a circle: the standard deviation
   /// of the coefficient of its first Chebyshev polynomial, one a law by which the others fall. It
   /// is the sum of such figures. At home, which is one pose of the arm however it was reached,
@@ -164,6 +166,9 @@ struct ChainEstimate {
   bool with_orientation = false;      ///< A, B, C were present, consistent, and used
   /// How far the target stood off from home in each stroke, by the effects of home and drift.
   double home_scatter_mm = 0;
+  /// How far the measuring device wandered beside steady drift: standard deviation of each
+  /// coordinate.
+  double wander_mm = 0;
   /// How far the measuring device drifted steadily over the whole campaign, along the measurement
   /// frame's axes, and what it took; 0 where times are only an order. It is out of everything
   /// above.

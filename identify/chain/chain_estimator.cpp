@@ -9,9 +9,8 @@
 #include "identify/chain/chain_fit.hpp"
 #include "identify/chain/chain_noise.hpp"
 #include "identify/chain/chain_start.hpp"
-#include "identify/chain/effect_sizes.hpp"
+#include "identify/chain/effect_search.hpp"
 #include "identify/chain/linearised_chain.hpp"
-#include "identify/chain/uneven_joints.hpp"
 #include "identify/geometry/angle.hpp"
 #include "identify/sweeps/stroke_correlation.hpp"
 
@@ -22,12 +21,6 @@ using Eigen::Vector3d;
 
 /// Below this nothing is measured, and nothing computed in double precision.
 constexpr double kLeastPosition_mm = 1e-7;
-
-/// A way to explain the samples, and how well it does.
-struct Fitted {
-  ChainFit fit;
-  ChainNoise noise;
-};
 
 class Estimation {
  public:
@@ -48,7 +41,7 @@ class Estimation {
     if (nodes_.with_angles)
       effects_.zero_rad = unseen_zeros(nodes_, campaign_.resolution.angle_rad);
 
-    Fitted best = without_angles(start);
+    FittedChain best = without_angles(start);
     ChainEstimate estimate;
     estimate.angles.assign(joints_, AngleEvidence{});
     for (AngleEvidence& evidence : estimate.angles) evidence.reason = "no angles";
@@ -57,7 +50,7 @@ class Estimation {
       if (explained_by_print(best, false)) believe_angles(best, estimate.angles);
     }
     if (!explained_by_print(best, false)) {
-      find_effects(best);
+      search().find_all(best);
       judge_gears(best, estimate.angles);
     }
     if (nodes_.with_orientation) estimate.with_orientation = add_orientation(best);
@@ -79,9 +72,9 @@ class Estimation {
   }
 
   /// Fits and estimates the noise until neither changes the other.
-  Fitted settled(Chain chain, ChainNoise noise, bool with_orientation) {
+  FittedChain settled(Chain chain, ChainNoise noise, bool with_orientation) {
     constexpr int kMostRounds = 8;
-    Fitted result;
+    FittedChain result;
     int iterations = 0;
     for (int round = 0; round < kMostRounds; ++round) {
       result.fit = fit_chain(chain, nodes_, noise, effects_, with_orientation);
@@ -97,6 +90,8 @@ class Estimation {
     return result;
   }
 
+  [[nodiscard]] EffectSearch search() { return {nodes_, effects_, campaign_.sag_rad}; }
+
   static bool same(const ChainNoise& a, const ChainNoise& b) {
     constexpr double kAlike = 0.01;
     const auto alike = [](double x, double y) {
@@ -110,7 +105,7 @@ class Estimation {
   }
 
   /// The first fit: the noise is not known yet.
-  Fitted without_angles(const Chain& start) {
+  FittedChain without_angles(const Chain& start) {
     ChainNoise noise = floor_;
     noise.swept_rad.assign(joints_, kFreeAngle);
     noise.position_mm = 1;
@@ -118,100 +113,21 @@ class Estimation {
     return settled(chain, estimate_noise(chain, nodes_, noise, floor_, false), false);
   }
 
-  /// What is left beyond the samples' noise, and the fit that knows of it.
-  void find_effects(Fitted& best) {
-    const bool several_homes = nodes_.homes.size() > 1;
-    best.fit.chain.sags = sags_of(best.fit.chain, nodes_.known, campaign_.sag_rad);
-    effects_.sag_told = !best.fit.chain.sags.empty();
-    for (const ChainSag& sag : best.fit.chain.sags)
-      effects_.sag_rad = std::max(effects_.sag_rad, campaign_.sag_rad[sag.joint]);
-    ChainEffects shape = effects_;
-    if (several_homes && !effects_.sag_told) {
-      best.fit.chain.sags =
-          sags_of(best.fit.chain, nodes_.known, std::vector<double>(joints_, 1.0));
-      shape.sag_rad = best.fit.chain.sags.empty() ? 0 : 1;
-    }
-    shape.figures_mm.fill(1);
-    shape.home_rad = shape.drift_mm = nodes_.units.size() > 1 ? 1 : 0;  // from stroke to stroke
-    shape.steady_mm = nodes_.timed ? 1 : 0;
-    shape.offset_rad = several_homes ? 1 : 0;
-    Fitted other = best;
-    size_twice(best, shape);
-    if (!nodes_.stays()) return;
-    // Whether joints that stood still stood elsewhere in each stroke, the likelihood tells. What is
-    // the same there and back may have been taken for the arc's figure.
-    constexpr double kShown = 4;
-    LinearisedChain linearised(best.fit.chain, nodes_, best.noise, effects_, false);
-    const double anew = linearised.deviance(effects_);
-    const auto nodes = nodes_.observations;
-    const ChainEffects effects = effects_;
-    ChainEffects none = effects_;
-    none.home_rad = none.drift_mm = none.sag_rad = none.steady_mm = 0;
-    none.figures_mm = {};
-    if (!(linearised.deviance(none) > anew + kShown)) return;
-    shape.home_stays = true;
-    size_twice(other, shape);
-    LinearisedChain of_other(other.fit.chain, nodes_, other.noise, effects_, false);
-    if (of_other.deviance(effects_) < anew) {
-      best = std::move(other);
-    } else {
-      nodes_.observations = nodes;
-      effects_ = effects;
-    }
-  }
-
-  void size_twice(Fitted& best, ChainEffects shape) {
-    constexpr int kRounds = 2;
-    for (int round = 0; round < kRounds; ++round) {
-      size_effects(best, shape);
-      shape.home_times = effects_.home_times;
-      shape.figure_times = effects_.figure_times;
-    }
-  }
-
-  /// The effects that the shape has, and the fit that knows of them.
-  void size_effects(Fitted& best, const ChainEffects& shape) {
-    double weight = 0, strokes = 0;
-    for (const StrokeMoments& stroke : nodes_.strokes) {
-      weight += stroke.weight / stroke.correlation;
-      strokes += static_cast<double>(stroke.strokes);
-    }
-    LinearisedChain linearised(best.fit.chain, nodes_, best.noise, shape, false);
-    effects_ = effect_sizes(linearised, shape, best.noise.position_mm / std::sqrt(weight / strokes),
-                            reach_mm(best.fit.chain));
-    find_uneven_joints(linearised, joints_, effects_);
-    // A joint whose sag may be anything could not be told from its angle, and one of none has no
-    // sag.
-    if (!(effects_.sag_rad > 0)) best.fit.chain.sags.clear();
-    if (!(effects_.steady_mm > 0)) best.fit.chain.drift_mm.setZero();
-    best.fit = fit_chain(best.fit.chain, nodes_, best.noise, effects_, false);
-  }
-
-  /// How far the targets are from the axes at most.
-  [[nodiscard]] double reach_mm(const Chain& chain) const {
-    double reach = 1;
-    for (const auto& axis : axes_)
-      if (axis)
-        for (const Vector3d& target : chain.targets_mm)
-          reach = std::max(reach, (target - axis->point_mm).cross(axis->direction).norm());
-    return reach;
-  }
-
   /// Root mean square of what is left, in what printed numbers alone would leave.
-  [[nodiscard]] double misprint(const Fitted& fitted, bool with_orientation) const {
+  [[nodiscard]] double misprint(const FittedChain& fitted, bool with_orientation) const {
     ChainNoise printed = quantum_;
     for (std::size_t j = 0; j < joints_; ++j)
       if (std::isinf(fitted.noise.swept_rad[j])) printed.swept_rad[j] = kFreeAngle;
     return misfit(fitted.fit.chain, nodes_, printed, with_orientation);
   }
 
-  [[nodiscard]] bool explained_by_print(const Fitted& fitted, bool with_orientation) const {
+  [[nodiscard]] bool explained_by_print(const FittedChain& fitted, bool with_orientation) const {
     return misprint(fitted, with_orientation) <= kMostQuanta;
   }
 
   /// Believes all angles, then takes back the worst joint's that does not stand the test, and so
   /// on.
-  void believe_angles(Fitted& best, std::vector<AngleEvidence>& evidence) {
+  void believe_angles(FittedChain& best, std::vector<AngleEvidence>& evidence) {
     ChainNoise noise = best.noise;
     noise.locked_rad = std::max(noise.locked_rad, floor_.locked_rad);
     std::vector<bool> swept(joints_, false);
@@ -228,10 +144,10 @@ class Estimation {
         if (std::isfinite(noise.swept_rad[sample.joint]))
           sample.turns[sample.joint] = sample.measured_turn;
       effects_.told_rad = 0;
-      Fitted believed = settled(best.fit.chain, noise, false);
+      FittedChain believed = settled(best.fit.chain, noise, false);
       ChainEffects shape = effects_;
       shape.told_rad = 1;
-      size_effects(believed, shape);
+      search().size(believed, shape);
       test_believed_angles(believed.fit.chain, nodes_, believed.noise, quantum_, evidence);
       std::optional<std::size_t> worst;
       bool any = false;
@@ -262,7 +178,7 @@ class Estimation {
 
   /// Of the angles that are not believed, what their gears have, now that it is known what strokes
   /// have for themselves.
-  void judge_gears(const Fitted& best, std::vector<AngleEvidence>& evidence) const {
+  void judge_gears(const FittedChain& best, std::vector<AngleEvidence>& evidence) const {
     if (!nodes_.with_angles) return;
     auto now = seen_angle_errors(best.fit.chain, nodes_, best.noise, quantum_, effects_);
     if (!best.fit.summary.converged) {
@@ -274,7 +190,7 @@ class Estimation {
   }
 
   /// Whether the tool's orientations agree with what the positions found; then they are used.
-  bool add_orientation(Fitted& best) {
+  bool add_orientation(FittedChain& best) {
     Chain chain = best.fit.chain;
     chain.tool = starting_tool(chain, nodes_.observations);
     // They share their encoders with the positions, or they are left alone.
@@ -284,7 +200,7 @@ class Estimation {
     ChainNoise noise = best.noise;
     noise.orientation_rad = quantum_.orientation_rad;
     effects_.print_rad = campaign_.resolution.angle_rad;
-    Fitted oriented = settled(chain, noise, true);
+    FittedChain oriented = settled(chain, noise, true);
     const bool consistent = oriented.fit.summary.converged && explained_by_print(oriented, true);
     if (consistent) {
       best = std::move(oriented);
@@ -295,7 +211,7 @@ class Estimation {
     return consistent;
   }
 
-  void finish(Fitted& best, ChainEstimate& estimate) {
+  void finish(FittedChain& best, ChainEstimate& estimate) {
     estimate.noise = best.noise;
     estimate.summary = best.fit.summary;
     estimate.samples = nodes_.samples();
@@ -312,7 +228,11 @@ class Estimation {
     double home_rad = 0;
     for (std::size_t j = 0; j < joints_; ++j)
       home_rad = std::max(home_rad, effects_.home_rad_of(j));
-    estimate.home_scatter_mm = std::hypot(home_rad * reach_mm(best.fit.chain), effects_.drift_mm);
+    // A wave is, on the average of its square, a half.
+    const double waves = best.fit.chain.drift_mm.rightCols<kDriftParts - 1>().squaredNorm() / 2 / 3;
+    estimate.wander_mm = std::hypot(effects_.drift_mm, std::sqrt(waves));
+    estimate.home_scatter_mm =
+        std::hypot(home_rad * reach_mm(best.fit.chain, nodes_.known), estimate.wander_mm);
     LinearisedChain linearised(best.fit.chain, nodes_, best.noise, effects_,
                                estimate.with_orientation);
     best.fit.parts = linearised.parts();

@@ -127,7 +127,9 @@ class Fitting {
       there.zero_rad[j] += change(count + static_cast<Index>(j));
     for (std::size_t s = 0; s < there.sags.size(); ++s)
       there.sags[s].rad += change(count + static_cast<Index>(there.zero_rad.size() + s));
-    if (problem_.first_drift(there) < change.size()) there.drift_mm += change.tail<3>();
+    const Index drift = problem_.first_drift(there);
+    for (Index k = drift; k < change.size(); ++k)
+      there.drift_mm((k - drift) % 3, (k - drift) / 3) += change(k);
     return there;
   }
 
@@ -150,9 +152,16 @@ std::optional<ChainEstimate::SteadyDrift> steady_drift_of(const ChainFit& fit,
   constexpr double kSure = 30;  // of a chi-square of three: by chance once in a million campaigns
   constexpr double kWalk = 6;   // the variance of a walk from end to end, in that of its places
   if (!(effects.steady_mm > 0)) return std::nullopt;
-  ChainEstimate::SteadyDrift drift{2 * fit.chain.drift_mm,
-                                   4 * fit.covariance.bottomRightCorner<3, 3>(), seconds};
+  const Index steady = fit.covariance.rows() - 3 * effects.drift_parts;
+  ChainEstimate::SteadyDrift drift{2 * fit.chain.drift_mm.col(0),
+                                   4 * fit.covariance.block<3, 3>(steady, steady), seconds};
   drift.covariance.diagonal().array() += kWalk * effects.drift_mm * effects.drift_mm;
+  // And of a walk whose waves are as large as those that were found.
+  const DriftTimes walk = drift_of_walk();
+  for (Index k = 1; k < effects.drift_parts; ++k)
+    drift.covariance.diagonal().array() += 4 * fit.chain.drift_mm.col(k).squaredNorm() /
+                                           (walk(k) * walk(k)) / 3 /
+                                           static_cast<double>(effects.drift_parts - 1);
   if (drift.mm.dot(drift.covariance.ldlt().solve(drift.mm)) < kSure) return std::nullopt;
   return drift;
 }

@@ -97,8 +97,8 @@ void set_times(ChainNodes& nodes, bool in_turn) {
   for (std::size_t s = 0; s < nodes.strokes.size(); ++s) {
     const StrokeMoments& stroke = nodes.strokes[s];
     for (std::size_t n = 0; n < stroke.nodes.size(); ++n)
-      nodes.observations[nodes.first[s] + n].when =
-          2 * (stroke.time_s(stroke.nodes[n].turn_rad) - begin_s) / seconds - 1;
+      nodes.observations[nodes.first[s] + n].times =
+          drift_times(2 * (stroke.time_s(stroke.nodes[n].turn_rad) - begin_s) / seconds - 1);
   }
 }
 

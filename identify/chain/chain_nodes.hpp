@@ -38,7 +38,8 @@ struct ChainNodes {
   /// Where the joints stood at each home, from the first one; of a joint that was never seen locked
   /// there, zero. The first is the common one.
   std::vector<Turns> homes;
-  bool timed = false;  ///< units follow each other on one clock, and `when` of observations is set
+  bool timed =
+      false;  ///< units follow each other on one clock, and `times` of observations are set
 
   [[nodiscard]] std::size_t samples() const;
   [[nodiscard]] std::size_t outliers() const;

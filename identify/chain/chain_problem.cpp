@@ -41,7 +41,7 @@ Eigen::Index ChainProblem<Size>::count(const Chain& chain) {
 
 template <int Size>
 Eigen::Index ChainProblem<Size>::count_all(const Chain& chain) const {
-  return first_drift(chain) + (shape_.steady_mm > 0 ? 3 : 0);
+  return first_drift(chain) + (shape_.steady_mm > 0 ? 3 * shape_.drift_parts : 0);
 }
 
 template <int Size>
@@ -75,7 +75,7 @@ NormalEquations ChainProblem<Size>::linearised(const Chain& chain) {
   };
   for (const double zero : chain.zero_rad) pull(zero);
   for (const ChainSag& sag : chain.sags) pull(sag.rad);
-  for (Eigen::Index k = 0; at < known.size(); ++k) pull(chain.drift_mm(k));
+  for (Eigen::Index k = 0; at < known.size(); ++k) pull(chain.drift_mm(k % 3, k / 3));
   return equations;
 }
 
@@ -90,8 +90,9 @@ Eigen::VectorXd ChainProblem<Size>::prior(const Chain& chain) const {
     const double sigma_rad = chain.sags[s].share * shape_.sag_rad;
     known(first_sag(chain) + static_cast<Eigen::Index>(s)) = 1 / (sigma_rad * sigma_rad);
   }
-  known.tail(known.size() - first_drift(chain))
-      .setConstant(1 / (shape_.steady_mm * shape_.steady_mm));
+  const DriftTimes drift_mm = shape_.steady_mm * drift_of_walk();
+  for (Eigen::Index at = first_drift(chain); at < known.size(); ++at)
+    known(at) = std::pow(drift_mm((at - first_drift(chain)) / 3), -2);
   return known;
 }
 
@@ -141,7 +142,8 @@ StrokeProducts ChainProblem<Size>::unit(const Chain& chain, std::size_t u, Chain
           const auto sag = static_cast<std::size_t>(at - first_sag(chain));
           row = levers[sag] * pose.by_turn[chain.sags[sag].joint].template head<Size>().transpose();
         } else {
-          row(at - first_drift(chain)) = seen.when;
+          const Eigen::Index drift = at - first_drift(chain);
+          row(drift % 3) = seen.times(drift / 3);
         }
       }
       block.row(last) = residual_.error.transpose();

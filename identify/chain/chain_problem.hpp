@@ -32,7 +32,7 @@ class ChainProblem {
                const ChainEffects& shape);
 
   /// Of the chain's parameters. Behind them, where they are estimated: one a joint for where its
-  /// angle is zero, one a sag, and three of the steady drift.
+  /// angle is zero, one a sag, and three a part of the drift.
   [[nodiscard]] static Eigen::Index count(const Chain& chain);
   /// The same with those behind them.
   [[nodiscard]] Eigen::Index count_all(const Chain& chain) const;

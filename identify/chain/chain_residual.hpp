@@ -6,8 +6,8 @@
 
 #include <Eigen/Geometry>
 
-#include "identify/chain/chain.hpp"
 #include "identify/chain/chain_estimate.hpp"
+#include "identify/chain/chain_sag.hpp"
 
 namespace identify {
 
@@ -22,8 +22,7 @@ struct ChainObservation {
   std::size_t sweep = 0;  ///< samples of one stroke stand next to each other, in time's order
   bool falling = false;   ///< the stroke's direction
   double weight = 1;      ///< 0 to 1: how far the sample is believed
-  /// From -1 at the campaign's first sample to 1 at its last one; 0 where times do not tell.
-  double when = 0;
+  DriftTimes times = DriftTimes::Zero();  ///< when it was seen; zero where nobody knows
 };
 
 /// The turns of a sample of `joint`'s sweep: where its angle is believed, by where that is zero,
@@ -81,7 +80,7 @@ struct ChainResidual {
   /// `base` is the sample's base weight; `free`: the sweeping joint's angle is not used.
   void set(const Chain& chain, const ChainObservation& seen, const ChainPose& pose,
            const Square& base, bool free) {
-    error.template head<3>() = seen.position_mm - pose.position_mm - seen.when * chain.drift_mm;
+    error.template head<3>() = seen.position_mm - pose.position_mm - chain.drift_mm * seen.times;
     if constexpr (Size == 6) {
       const Eigen::AngleAxisd off(seen.orientation * (pose.rotation * chain.tool).transpose());
       error.template tail<3>() = off.angle() * off.axis();

@@ -20,13 +20,14 @@ LinearisedChain::LinearisedChain(const Chain& chain, ChainNodes& nodes, const Ch
                                  const ChainEffects& shape, bool with_orientation)
     : nodes_(nodes), shape_(shape), columns_(shape, nodes) {
   const auto sags = static_cast<Eigen::Index>(chain.sags.size());
-  last_.resize(sags + (shape.steady_mm > 0 ? 3 : 0));
+  const Eigen::Index drift = shape.steady_mm > 0 ? 3 * shape.drift_parts : 0;
+  last_.resize(sags + drift);
   sag_shares_.resize(sags);
   for (Eigen::Index s = 0; s < sags; ++s) {
     last_(s) = chain.sags[static_cast<std::size_t>(s)].rad;
     sag_shares_(s) = chain.sags[static_cast<std::size_t>(s)].share;
   }
-  if (shape.steady_mm > 0) last_.tail<3>() = chain.drift_mm;
+  last_.tail(drift) = chain.drift_mm.reshaped().head(drift);
   const auto set = [&](auto&& problem) {
     prior_ = problem.prior(chain);
     eliminated_.emplace(problem.products(chain), nodes.group_of, nodes.home_of, prior_.size());
@@ -72,8 +73,11 @@ LinearisedChain::Left LinearisedChain::left_by(const ChainEffects& effects) {
 }
 
 double LinearisedChain::deviance(const Left& left, double sag_rad, double steady_mm) const {
-  VectorXd sigma = VectorXd::Constant(last_.size(), steady_mm);
-  sigma.head(sag_shares_.size()) = sag_rad * sag_shares_;
+  VectorXd sigma(last_.size());
+  const Eigen::Index sags = sag_shares_.size();
+  sigma.head(sags) = sag_rad * sag_shares_;
+  const DriftTimes drift_mm = steady_mm * drift_of_walk();
+  for (Eigen::Index k = sags; k < last_.size(); ++k) sigma(k) = drift_mm((k - sags) / 3);
   double log_determinant = left.log_determinant;
   const MatrixXd rest = without_effects(left.products, sigma.cwiseAbs2(), log_determinant);
   return log_determinant + rest(rest.rows() - 1, rest.cols() - 1);

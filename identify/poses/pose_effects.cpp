@@ -54,7 +54,8 @@ std::vector<JointEffect> missing(const PoseModel& model) {
     return std::any_of(model.effects.begin(), model.effects.end(),
                        [&](const JointEffect& one) { return one.is_like(effect); });
   });
-  for (JointEffect& effect : all) effect.middle = model.pattern(effect, {});
+  const auto at_home = model.patterns(all, {});
+  for (std::size_t e = 0; e < all.size(); ++e) all[e].middle = at_home[e];
   return all;
 }
 
@@ -85,10 +86,7 @@ class Scores {
       const double weight = fit.weights(static_cast<Index>(i));
       if (weight == 0) continue;
       const PoseRow& row = fit.rows[i];
-      MatrixXd columns(row.off.size(), count);
-      for (std::size_t k = 0; k < candidates_.size(); ++k)
-        columns.middleCols(first_[k], candidates_[k].count()) =
-            effect_columns(fit.model, candidates_[k], poses[i], row);
+      const MatrixXd columns = effect_columns(fit.model, candidates_, poses[i], row);
       const Eigen::LLT<MatrixXd> noise(fit.noise.covariance(row.by_own));
       const MatrixXd weighed = weight * noise.solve(columns);
       normal_ += columns.transpose() * weighed;

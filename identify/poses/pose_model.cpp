@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/chain/chain_sag.hpp"
 #include "identify/geometry/line.hpp"
 
 namespace identify {
@@ -36,21 +37,6 @@ double torque(const PoseModel& model, std::size_t joint, const Turns& turns) {
   return kGravity_m_s2 * sum / kMillimetres;
 }
 
-/// Of a load on the link that joint `carried` turns, about the joint's axis, over its distance from
-/// the axis of `carried`, in each of the directions across that: the part of it that turns with the
-/// link, as the rest is fixed to links before.
-Vector2d levers(const PoseModel& model, const JointEffect& effect, const Turns& turns) {
-  Eigen::Matrix3d carried = Eigen::Matrix3d::Identity();
-  Vector3d axis = Vector3d::Zero();
-  for (std::size_t j = 0; j <= effect.carried; ++j) {
-    const ChainAxis& here = model.chain.axes[j];
-    if (j == effect.joint) axis = carried * here.direction;
-    if (!here.linear) carried = carried * Eigen::AngleAxisd(turns[j], here.direction);
-  }
-  return (carried * across(model.chain.axes[effect.carried].direction)).transpose() *
-         model.up.cross(axis);
-}
-
 }  // namespace
 
 std::string_view text(JointEffect::Kind kind) noexcept {
@@ -75,26 +61,34 @@ Turns PoseModel::told(const Sample& sample) const {
   return turns;
 }
 
-Vector2d PoseModel::pattern(const JointEffect& effect, const Turns& told,
-                            const JointSenses& senses) const {
-  if (effect.kind == JointEffect::Kind::play)
-    return {static_cast<double>(senses[effect.joint]), 0.0};
-  Vector2d here(0, 0);
-  if (effect.kind == JointEffect::Kind::compliance) {
-    here.x() = torque(*this, effect.joint, told);
-  } else if (effect.kind == JointEffect::Kind::weight) {
-    here = levers(*this, effect, told);
-  } else {
-    const double turn = (effect.kind == JointEffect::Kind::once ? 1 : 2) * told[effect.joint];
-    here = {std::cos(turn), std::sin(turn)};
+std::vector<Vector2d> PoseModel::patterns(const std::vector<JointEffect>& of, const Turns& told,
+                                          const JointSenses& senses) const {
+  const LinkLevers levers(chain, told, up);
+  std::vector<Vector2d> found;
+  for (const JointEffect& effect : of) {
+    Vector2d here(0, 0);
+    if (effect.kind == JointEffect::Kind::play) {
+      here.x() = static_cast<double>(senses[effect.joint]);
+    } else if (effect.kind == JointEffect::Kind::compliance) {
+      here.x() = torque(*this, effect.joint, told);
+    } else if (effect.kind == JointEffect::Kind::weight) {
+      const auto arms = across(chain.axes[effect.carried].direction);
+      for (Index k = 0; k < 2; ++k)
+        here(k) = levers.lever(effect.joint, effect.carried, arms.col(k));
+    } else {
+      const double turn = (effect.kind == JointEffect::Kind::once ? 1 : 2) * told[effect.joint];
+      here = {std::cos(turn), std::sin(turn)};
+    }
+    found.emplace_back(here - effect.middle);
   }
-  return here - effect.middle;
+  return found;
 }
 
 Turns PoseModel::turned(const Turns& told, const JointSenses& senses) const {
   Turns turns = told;
-  for (const JointEffect& effect : effects)
-    turns[effect.joint] += effect.size.dot(pattern(effect, told, senses));
+  const auto by_size = patterns(effects, told, senses);
+  for (std::size_t e = 0; e < effects.size(); ++e)
+    turns[effects[e].joint] += effects[e].size.dot(by_size[e]);
   for (std::size_t j = 0; j < chain.axes.size(); ++j)
     if (const std::size_t at = place_of(j, told[j]); at < places.size())
       turns[j] += places[at].off_rad;

@@ -27,8 +27,8 @@ struct JointEffect {
   /// as it stands at home.
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   /// Once, twice (k = 1, 2): rad times cos(k t) and times sin(k t), with t the joint's turn from
-  /// home. Weight: rad times the levers of a load on the link, one in each of the directions
-  /// `across` the joint that turns it, in units of its distance from that. Compliance: rad/Nm times
+  /// home. Weight: rad times the levers of a weight on the link (LinkLevers), one in each of the
+  /// directions `across` the axis that turns it. Compliance: rad/Nm times
   /// the torque of the weights about the joint. These less `middle`.
   /// Play: rad times the sense in which the joint last turned.
   Eigen::Vector2d size = Eigen::Vector2d::Zero();
@@ -74,10 +74,11 @@ struct PoseModel {
   [[nodiscard]] Turns told(const Sample& sample) const;
   /// And as they are. Where no senses are known, in the middle of their play.
   [[nodiscard]] Turns turned(const Turns& told, const JointSenses& senses = {}) const;
-  /// What an effect's sizes are multiplied by, 1 or Nm, where the joints turned so far, less its
-  /// middle; two, or one and nothing.
-  [[nodiscard]] Eigen::Vector2d pattern(const JointEffect& effect, const Turns& told,
-                                        const JointSenses& senses = {}) const;
+  /// What each of these effects' sizes are multiplied by, 1 or Nm, where the joints turned so far,
+  /// less its middle; two, or one and nothing.
+  [[nodiscard]] std::vector<Eigen::Vector2d> patterns(const std::vector<JointEffect>& of,
+                                                      const Turns& told,
+                                                      const JointSenses& senses = {}) const;
   [[nodiscard]] Eigen::Vector3d position_mm(const Pose& pose) const;
 
   /// Whether what a joint is off where it turned so far is in its zero.

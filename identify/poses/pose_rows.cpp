@@ -59,10 +59,9 @@ PoseRow pose_row(const PoseModel& model, const Pose& pose, bool with_orientation
   row.by_parameter.middleCols<3>(parameters.tool()) =
       at.by_parameter.block(0, parameters.tool(), rows, 3);
   Index column = of_chain;
-  for (const JointEffect& effect : model.effects) {
-    row.by_parameter.middleCols(column, effect.count()) = effect_columns(model, effect, pose, row);
-    column += effect.count();
-  }
+  const MatrixXd of_effects = effect_columns(model, model.effects, pose, row);
+  row.by_parameter.middleCols(column, of_effects.cols()) = of_effects;
+  column += of_effects.cols();
   row.by_own = row.by_joint;
   for (Index j = 0; j < row.by_joint.cols(); ++j) {
     const auto joint = static_cast<std::size_t>(j);
@@ -85,12 +84,18 @@ Matrix3d play_covariance(const PoseModel& model, const Pose& pose, const PoseRow
   return covariance;
 }
 
-MatrixXd effect_columns(const PoseModel& model, const JointEffect& effect, const Pose& pose,
-                        const PoseRow& row) {
-  const auto joint = static_cast<Index>(effect.joint);
-  return row.by_joint.col(joint) * model.pattern(effect, model.told(pose.sample), pose.senses)
-                                       .head(effect.count())
-                                       .transpose();
+MatrixXd effect_columns(const PoseModel& model, const std::vector<JointEffect>& effects,
+                        const Pose& pose, const PoseRow& row) {
+  Index count = 0;
+  for (const JointEffect& effect : effects) count += effect.count();
+  MatrixXd columns(row.by_joint.rows(), count);
+  const auto patterns = model.patterns(effects, model.told(pose.sample), pose.senses);
+  Index at = 0;
+  for (std::size_t e = 0; e < effects.size(); at += effects[e++].count())
+    columns.middleCols(at, effects[e].count()) =
+        row.by_joint.col(static_cast<Index>(effects[e].joint)) *
+        patterns[e].head(effects[e].count()).transpose();
+  return columns;
 }
 
 }  // namespace identify

@@ -71,8 +71,9 @@ struct WhitenedPose {
 [[nodiscard]] Eigen::Matrix3d play_covariance(const PoseModel& model, const Pose& pose,
                                               const PoseRow& row);
 
-/// How a pose's position changes with one effect's sizes: as many columns.
-[[nodiscard]] Eigen::MatrixXd effect_columns(const PoseModel& model, const JointEffect& effect,
+/// How a pose changes with these effects' sizes, a column each.
+[[nodiscard]] Eigen::MatrixXd effect_columns(const PoseModel& model,
+                                             const std::vector<JointEffect>& effects,
                                              const Pose& pose, const PoseRow& row);
 
 }  // namespace identify

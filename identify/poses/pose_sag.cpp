@@ -21,7 +21,8 @@ std::vector<double> sag_of(const PoseEstimate& found) {
     if (effect.kind == JointEffect::Kind::compliance)
       for (const Pose& pose : found.poses)
         size_rad = std::max(
-            size_rad, std::abs(effect.size.dot(model.pattern(effect, model.told(pose.sample)))));
+            size_rad,
+            std::abs(effect.size.dot(model.patterns({effect}, model.told(pose.sample))[0])));
     else if (!effect.assumed && carries[effect.joint])
       size_rad = effect.amplitude();
     else if (effect.kind == JointEffect::Kind::weight)

@@ -147,7 +147,7 @@ FromSweeps from_sweeps(const ChainEstimate& sweeps, std::size_t targets) {
   for (std::size_t t = 0; t < targets; ++t) shifted.middleRows<3>(wide.target(t)).setIdentity();
   for (Index i = 0; i < all.rows(); ++i)
     if (!(all(i, i) > 0)) shifted.row(i).setZero();
-  Eigen::Matrix3d drift = Eigen::Matrix3d::Identity() * std::pow(sweeps.effects.drift_mm, 2);
+  Eigen::Matrix3d drift = Eigen::Matrix3d::Identity() * std::pow(sweeps.wander_mm, 2);
   if (sweeps.steady_drift) drift += sweeps.steady_drift->mm * sweeps.steady_drift->mm.transpose();
   const MatrixXd later = shifted * drift * shifted.transpose();
   all += later;

@@ -137,6 +137,14 @@ std::vector<Case> cases() {
     add(walk ? "drift_walk" : "drift", walk ? "0.05 mm, a random walk" : "0.05 mm, evenly", world);
     if (walk) add("drift_walk_back", "the same, there and back", world, back);
   }
+  for (const bool warms : {false, true}) {
+    world = tracker();
+    (warms ? world.drift.warm_mm : world.drift.sway_mm) = 0.2;
+    add(warms ? "drift_warm" : "drift_sway",
+        warms ? "0.2 mm while it warms up, there and back"
+              : "0.2 mm to and fro once, there and back",
+        world, back);
+  }
   world = tracker();
   world.noise.range_mm = 0.005;
   world.noise.across_mm = 0.03;

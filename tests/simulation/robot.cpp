@@ -1,5 +1,6 @@
 #include "tests/simulation/robot.hpp"
 
+#include <cmath>
 #include <random>
 #include <utility>
 
@@ -64,6 +65,11 @@ Robot built(Robot robot, std::uint32_t seed) {
     row.theta_rad += 0.05 * kDegree * normal(random);
     row.a_mm += 0.5 * normal(random);
     row.alpha_rad += 0.05 * kDegree * normal(random);
+  }
+  auto weights = stream(seed, Source::weights);
+  for (Link& link : robot.links) {
+    link.mass_kg *= std::exp(0.5 * normal(weights));
+    for (double& coordinate : link.center_mm) coordinate += 80 * normal(weights);
   }
   return robot;
 }

@@ -20,7 +20,8 @@ enum class Source {
   home,
   homes,
   poses,
-  clock
+  clock,
+  weights
 };
 
 [[nodiscard]] inline std::mt19937_64 stream(std::uint32_t seed, Source source) {

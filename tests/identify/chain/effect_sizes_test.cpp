@@ -155,6 +155,22 @@ TEST_CASE("A device's steady drift is seen, and moves no axis", "[effect_sizes][
   CHECK(std::sqrt(squares / static_cast<double>(campaigns.size())) < 1.4);
 }
 
+TEST_CASE("A device that sways or warms up moves no axis", "[effect_search][long]") {
+  const bool warms = GENERATE(false, true);
+  simulation::Drift drift;
+  (warms ? drift.warm_mm : drift.sway_mm) = 0.2;
+  const auto campaigns = there_and_back(8, drift);
+  CAPTURE(warms);
+  CHECK(rms_z(campaigns) == Approx(1).margin(0.2));
+  const auto found = identify::identify(campaigns.front().sweeps(), campaigns.front().campaign());
+  REQUIRE(found.chain);
+  // A third and less of what a walk of this size would leave.
+  for (const DhEstimate& row : found.dh)
+    if (row.a_mm.knowledge == Knowledge::identified) CHECK(row.a_mm.sigma < 0.03);
+  CHECK(found.chain->wander_mm == Approx(warms ? 0.03 : 0.08).epsilon(0.4));
+  CHECK_FALSE(found.chain->steady_drift);
+}
+
 TEST_CASE("Of a device that walks at random no steady drift is told",
           "[effect_sizes][chain_fit][long]") {
   for (const Simulation& campaign : there_and_back(8, {0, 0.1})) {

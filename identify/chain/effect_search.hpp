@@ -1,0 +1,46 @@
+#pragma once
+
+#include <vector>
+
+#include "identify/chain/chain_fit.hpp"
+
+namespace identify {
+
+/// A way to explain the samples, and how well it does.
+struct FittedChain {
+  ChainFit fit;
+  ChainNoise noise;
+};
+
+/// Finds what is left beyond the samples' noise, and the fits that know of it.
+class EffectSearch {
+ public:
+  /// `effects` are those that fits allow for: what is found becomes part of them. `sag_rad`: as
+  /// Campaign's. The search lives no longer than these.
+  EffectSearch(ChainNodes& nodes, ChainEffects& effects, const std::vector<double>& sag_rad)
+      : nodes_(nodes), effects_(effects), sag_rad_(sag_rad) {}
+
+  /// All effects, in the shape that is likeliest.
+  void find_all(FittedChain& best);
+  /// The sizes of the effects that the shape has.
+  void size(FittedChain& best, const ChainEffects& shape);
+
+ private:
+  /// Whether the data tell of any effect.
+  bool shows_any(const FittedChain& best);
+  /// Whether the data tell that a device that wanders does so in slow waves, or warms up.
+  bool may_sway(const FittedChain& best, const ChainEffects& shape);
+  /// Whether the other shape's effects, sized from this fit, have taken the place of those that
+  /// there were: where the deviance is less by so much.
+  bool take_if_likelier(FittedChain& best, FittedChain from, const ChainEffects& shape, double by);
+  void size_twice(FittedChain& best, ChainEffects shape);
+
+  ChainNodes& nodes_;
+  ChainEffects& effects_;
+  const std::vector<double>& sag_rad_;
+};
+
+/// How far the targets are from the axes at most; from those that are known.
+[[nodiscard]] double reach_mm(const Chain& chain, const std::vector<bool>& known);
+
+}  // namespace identify
