@@ -179,6 +179,27 @@ void take_poses(Identification& found, const std::vector<Pose>& poses, const Cam
   for (auto& advice : advice_on(*found.poses, poses)) found.warnings.push_back(std::move(advice));
 }
 
+/// Of sweeps from one home nothing tells how far joints gave way, and they are believed far too
+/// much beside poses, which do. Sweeps of joints that may give way say little against that.
+void take_elastic(Identification& found, const std::vector<Sweep>& sweeps,
+                  const std::vector<Pose>& poses, const Campaign& campaign) {
+  constexpr int kMostRounds = 3;
+  const auto with_sag = [&](const std::vector<double>& sag_rad) {
+    Campaign elastic = campaign;
+    elastic.sag_rad = sag_rad;
+    found = estimate(sweeps, elastic);
+    take_poses(found, poses, campaign);
+    return found.poses && found.poses->with_sweeps;
+  };
+  std::vector<double> granted_rad = campaign.sag_rad;
+  granted_rad.resize(campaign.joints);
+  std::vector<double> loose_rad = granted_rad;
+  for (double& sag_rad : loose_rad) sag_rad = std::max(sag_rad, kMayGive_rad);
+  bool more = with_sag(loose_rad);
+  for (int round = 0; more && round < kMostRounds; ++round)
+    more = (grant_sag(*found.poses, granted_rad) || round == 0) && with_sag(granted_rad);
+}
+
 }  // namespace
 
 Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign,
@@ -188,16 +209,7 @@ Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign,
     std::vector<Warning> copies;
     poses = without_copies(std::move(poses), copies);
     take_poses(found, poses, campaign);
-    // Of sweeps from one home nothing tells how far joints gave way, and they are believed far too
-    // much beside poses, which do.
-    constexpr int kMostRounds = 3;
-    Campaign elastic = campaign;
-    for (int round = 0; round < kMostRounds; ++round) {
-      if (!found.poses || !found.poses->with_sweeps || !grant_sag(*found.poses, elastic.sag_rad))
-        break;
-      found = estimate(sweeps, elastic);
-      take_poses(found, poses, campaign);
-    }
+    if (found.poses && found.poses->with_sweeps) take_elastic(found, sweeps, poses, campaign);
     found.warnings.insert(found.warnings.end(), copies.begin(), copies.end());
   }
   name_undetermined(found);

@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "identify/poses/pose_sag.hpp"
 #include "identify/poses/pose_start.hpp"
 
 namespace identify {
@@ -177,6 +178,7 @@ std::optional<PoseEstimate> estimate_poses(const std::vector<Pose>& poses, const
   widen(found.fit, poses, prior);
   for (EffectEvidence& one : found.effects) one.sigma *= std::sqrt(found.fit.widened);
   found.with_sweeps = sweeps != nullptr;
+  if (found.with_sweeps) found.weights_unsure_rad = weights_unsure_rad(found.fit, poses, prior);
   if (const Index spare = rows - unknowns; sweeps != nullptr && spare >= kSpareRows) {
     const PoseFit alone = fitted(start.model, noise, poses, oriented, std::nullopt);
     found.left_alone_mm =

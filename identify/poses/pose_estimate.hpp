@@ -48,6 +48,8 @@ struct PoseEstimate {
   Observability observability;
   PoseDrift drift;  ///< in the order of `poses`
   bool with_sweeps = false;
+  /// How much larger the weights' sizes (PoseNoise) may be than they are told to be (pose_sag.hpp).
+  double weights_unsure_rad = 0;
   /// What the middle one would leave without the sweeps, for as many numbers; infinite where they
   /// are too few for an arm of their own.
   double left_alone_mm = std::numeric_limits<double>::infinity();

@@ -88,11 +88,16 @@ class Problem {
     solve();
   }
 
+  /// The covariance as it is here.
+  void state() {
+    linearise();
+    solve();
+  }
+
   /// Once the fit has come to its end: see widen() in the header.
   void widen() {
     constexpr double kMost = 3;
-    linearise();
-    solve();
+    state();
     double free = 0;
     for (std::size_t i = 0; i < poses_.size(); ++i)
       free += fit_.weights(static_cast<Index>(i)) * static_cast<double>(fit_.rows[i].off.size());
@@ -239,6 +244,13 @@ PoseFit fitted(const PoseModel& start, const PoseNoise& noise, const std::vector
 
 void widen(PoseFit& fit, const std::vector<Pose>& poses, const std::optional<ChainPrior>& prior) {
   Problem(fit, poses, prior).widen();
+}
+
+PoseFit with_noise(PoseFit fit, const PoseNoise& noise, const std::vector<Pose>& poses,
+                   const std::optional<ChainPrior>& prior) {
+  fit.noise = noise;
+  Problem(fit, poses, prior).state();
+  return fit;
 }
 
 }  // namespace identify

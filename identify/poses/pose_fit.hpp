@@ -73,4 +73,9 @@ struct PoseFit {
 /// (JCGM 101:2008, 6.4.9).
 void widen(PoseFit& fit, const std::vector<Pose>& poses, const std::optional<ChainPrior>& prior);
 
+/// The fit with the covariance that it has where this is the noise.
+[[nodiscard]] PoseFit with_noise(PoseFit fit, const PoseNoise& noise,
+                                 const std::vector<Pose>& poses,
+                                 const std::optional<ChainPrior>& prior);
+
 }  // namespace identify
