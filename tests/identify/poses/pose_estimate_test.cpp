@@ -110,6 +110,36 @@ TEST_CASE(
   CHECK(all.farthest < 5);
 }
 
+TEST_CASE("Uncertainties hold of sweeps beside so few poses that these do not show what gives way",
+          "[pose_estimate][pose_sag][long]") {
+  Judged all;
+  auto world = tracker();
+  world.sag_arcsec = 60;
+  for (std::uint32_t seed = 1; seed <= 8; ++seed) {
+    const auto robot =
+        simulation::at_random_home(simulation::built(simulation::iiwa(), seed), seed);
+    const simulation::Simulation built(robot, simulation::Strokes(), world, seed);
+    const auto found = identify::identify(built.sweeps(), built.campaign(), built.poses(8));
+    INFO("seed " << seed << ": " << found.reason);
+    REQUIRE(found.status == Status::complete);
+    judge(built, found, all);
+  }
+  CHECK(static_cast<double>(all.inside) / all.numbers > 0.9);
+  CHECK(all.farthest < 6);
+}
+
+TEST_CASE("Many poses show that nothing gives way, few do not", "[pose_estimate][pose_sag]") {
+  const auto built = arm_with(tracker(), 3);
+  const auto unsure_rad = [&](std::size_t count) {
+    const auto found = identify::identify(built.sweeps(), built.campaign(), built.poses(count));
+    REQUIRE(found.poses);
+    return found.poses->weights_unsure_rad;
+  };
+  CHECK(unsure_rad(6) > 4 * kArcsec);
+  CHECK(unsure_rad(6) <= 10 * kArcsec);
+  CHECK(unsure_rad(100) < unsure_rad(6) / 2);
+}
+
 TEST_CASE("A device that drifted between sweeps and poses accuses no joint",
           "[pose_estimate][pose_start][long]") {
   Judged all;
