@@ -8,13 +8,12 @@
 
 namespace identify {
 
-/// How far joints may give way about whom nothing is known.
+/// How far joints may give way of which nothing is known.
 inline constexpr double kMayGive_rad = 30 * kArcsec;
 
-/// What a few poses tell of PoseNoise::weights_rad, a size of random sizes: the root of the
-/// standard deviation of its square, by the information that they have of each (of n that are known
-/// with the variance v the square's variance is 2 (w^2 + v)^2 / n, the Cramer-Rao bound), at most a
-/// tenth of a minute of arc or so.
+/// How much larger PoseNoise::weights_rad may be than the fit has it: the root of the standard
+/// deviation of its square, at most 10 arcsec. Of n weights that the poses know with the variance
+/// v, the square of their size w has the variance 2 (w^2 + v)^2 / n (the Cramer-Rao bound).
 [[nodiscard]] double weights_unsure_rad(const PoseFit& fit, const std::vector<Pose>& poses,
                                         const std::optional<ChainPrior>& prior);
 
