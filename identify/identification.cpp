@@ -181,37 +181,42 @@ void take_poses(Identification& found, const std::vector<Pose>& poses, const Cam
 
 /// Of sweeps from one home nothing tells how far joints gave way, and they are believed far too
 /// much beside poses, which do. Sweeps of joints that may give way say little against that.
-void take_elastic(Identification& found, const std::vector<Sweep>& sweeps,
-                  const std::vector<Pose>& poses, const Campaign& campaign) {
-  constexpr int kMostRounds = 3;
+Identification with_poses(const std::vector<Sweep>& sweeps, const std::vector<Pose>& poses,
+                          const Campaign& campaign) {
   const auto with_sag = [&](const std::vector<double>& sag_rad) {
     Campaign elastic = campaign;
     elastic.sag_rad = sag_rad;
-    found = estimate(sweeps, elastic);
+    Identification found = estimate(sweeps, elastic);
     take_poses(found, poses, campaign);
+    return found;
+  };
+  const auto uses_sweeps = [](const Identification& found) {
     return found.poses && found.poses->with_sweeps;
   };
+  if (sweeps.empty()) return with_sag(campaign.sag_rad);
   std::vector<double> granted_rad = campaign.sag_rad;
   granted_rad.resize(campaign.joints);
   std::vector<double> loose_rad = granted_rad;
   for (double& sag_rad : loose_rad) sag_rad = std::max(sag_rad, kMayGive_rad);
-  bool more = with_sag(loose_rad);
-  for (int round = 0; more && round < kMostRounds; ++round)
-    more = (grant_sag(*found.poses, granted_rad) || round == 0) && with_sag(granted_rad);
+  Identification found = with_sag(loose_rad);
+  if (!uses_sweeps(found)) return with_sag(campaign.sag_rad);
+  constexpr int kMostRounds = 3;
+  for (int round = 0; round < kMostRounds && uses_sweeps(found); ++round) {
+    if (!grant_sag(*found.poses, granted_rad) && round > 0) break;
+    found = with_sag(granted_rad);
+  }
+  return found;
 }
 
 }  // namespace
 
 Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign,
                         std::vector<Pose> poses) {
-  Identification found = estimate(sweeps, campaign);
-  if (!poses.empty()) {
-    std::vector<Warning> copies;
-    poses = without_copies(std::move(poses), copies);
-    take_poses(found, poses, campaign);
-    if (found.poses && found.poses->with_sweeps) take_elastic(found, sweeps, poses, campaign);
-    found.warnings.insert(found.warnings.end(), copies.begin(), copies.end());
-  }
+  std::vector<Warning> copies;
+  poses = without_copies(std::move(poses), copies);
+  Identification found =
+      poses.empty() ? estimate(sweeps, campaign) : with_poses(sweeps, poses, campaign);
+  found.warnings.insert(found.warnings.end(), copies.begin(), copies.end());
   name_undetermined(found);
   if (found.status == Status::complete && !found.doubt.empty()) {
     found.status = Status::partial;
