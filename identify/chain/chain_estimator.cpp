@@ -180,7 +180,9 @@ class Estimation {
   /// have for themselves.
   void judge_gears(const FittedChain& best, std::vector<AngleEvidence>& evidence) const {
     if (!nodes_.with_angles) return;
-    auto now = seen_angle_errors(best.fit.chain, nodes_, best.noise, quantum_, effects_);
+    ChainEffects open = effects_;  // strokes have for themselves what is not known of a drift, too
+    open.drift_mm = std::hypot(open.drift_mm, drift_sigma_mm(best.fit, effects_));
+    auto now = seen_angle_errors(best.fit.chain, nodes_, best.noise, quantum_, open);
     if (!best.fit.summary.converged) {
       now.assign(joints_, AngleEvidence{});
       for (AngleEvidence& nothing : now) nothing.reason = "the chain did not come to its end";

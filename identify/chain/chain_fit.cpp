@@ -166,6 +166,21 @@ std::optional<ChainEstimate::SteadyDrift> steady_drift_of(const ChainFit& fit,
   return drift;
 }
 
+double drift_sigma_mm(const ChainFit& fit, const ChainEffects& effects) {
+  if (!(effects.steady_mm > 0)) return 0;
+  const Index parts = effects.drift_parts, first = fit.covariance.rows() - 3 * parts;
+  constexpr int kTimes = 64;
+  double variance = 0;
+  for (int i = 0; i < kTimes; ++i) {
+    const DriftTimes times = drift_times((2.0 * i + 1) / kTimes - 1);
+    for (Index k = 0; k < parts; ++k)
+      for (Index m = 0; m < parts; ++m)
+        variance += times(k) * times(m) *
+                    fit.covariance.block<3, 3>(first + 3 * k, first + 3 * m).trace() / 3 / kTimes;
+  }
+  return std::sqrt(std::max(0.0, variance));
+}
+
 using Eigen::Index;
 using Eigen::MatrixXd;
 

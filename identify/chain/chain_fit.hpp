@@ -27,6 +27,10 @@ struct ChainFit {
                                                                         const ChainEffects& effects,
                                                                         double seconds);
 
+/// How uncertain the drift is that a fit has found: standard deviation of each coordinate, on the
+/// average over the campaign.
+[[nodiscard]] double drift_sigma_mm(const ChainFit& fit, const ChainEffects& effects);
+
 inline constexpr int kMostIterations = 50;
 
 /// Gauss-Newton, damped where a step does not help, from `start`, with the random effects

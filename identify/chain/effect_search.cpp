@@ -45,7 +45,9 @@ void EffectSearch::find_all(FittedChain& best) {
   }
   if (nodes_.timed) {
     shape.drift_parts = kDriftParts;
-    if (may_sway(best, shape)) take_if_likelier(best, best, shape, kSways);
+    FittedChain from = best;
+    from.fit.chain.sags = first.fit.chain.sags;  // they may have been taken for a walk
+    if (may_sway(from, shape)) take_if_likelier(best, from, shape, kSways);
   }
 }
 
@@ -58,17 +60,19 @@ bool EffectSearch::shows_any(const FittedChain& best) {
   return linearised.deviance(none) > linearised.deviance(effects_) + kShown;
 }
 
-// In place of the walk, or beside less of it.
+// In place of the walk and of homes that are off, or beside less of them.
 bool EffectSearch::may_sway(const FittedChain& best, const ChainEffects& shape) {
-  LinearisedChain without(best.fit.chain, nodes_, best.noise, effects_, false);
-  const double here = without.deviance(effects_);
   LinearisedChain with(best.fit.chain, nodes_, best.noise, shape, false);
-  for (const double walk : {0.0, 1.0 / 16, 1.0 / 4, 1.0}) {
+  const double here = with.deviance(effects_);
+  const double reach = reach_mm(best.fit.chain, nodes_.known);
+  const double scatter_mm = std::hypot(effects_.drift_mm, effects_.home_rad * reach);
+  for (const double less : {0.0, 1.0 / 16, 1.0 / 4, 1.0}) {
     ChainEffects effects = effects_;
-    effects.drift_mm *= walk;
+    effects.drift_mm *= less;
+    effects.home_rad *= less;
     const auto left = with.left_by(effects);
     for (const double steady : {1.0 / 4, 1.0, 4.0, 16.0})
-      if (with.deviance(left, effects.sag_rad, steady * effects_.drift_mm) < here - kSways / 2)
+      if (with.deviance(left, effects.sag_rad, steady * scatter_mm) < here - kSways / 2)
         return true;
   }
   return false;

@@ -170,16 +170,22 @@ class SizeGrid {
 /// Whether the data limit the size of this effect: far beyond all that was seen, at the largest
 /// that can be judged, each number that tells of it takes log(size^2) from the likelihood. With two
 /// or fewer the mean size has no limit: a campaign of one stroke says nothing of other strokes.
-bool is_limited(const SizeTask& task, std::size_t effect) {
+bool is_limited(const SizeTask& task, std::size_t effect, const SizeSteps& beside = {}) {
   if (!task.is_open(effect)) return true;
   SizeGrid grid(task);
-  SizeSteps most{};
+  SizeSteps most = beside;
   most[effect] = grid.last(effect);
   while (most[effect] > 1 && !(grid.deviance(most) < SizeGrid::kBeyond)) --most[effect];
   SizeSteps before = most;
   --before[effect];
   constexpr double kNumbers = 2.5;
   return grid.deviance(most) - grid.deviance(before) > 2 * kNumbers * std::log(SizeGrid::kFactor);
+}
+
+/// The likeliest sizes where there is no such effect.
+SizeSteps likeliest_without(SizeTask task, std::size_t effect) {
+  task.in(task.shape, effect) = 0;
+  return SizeGrid(task).lowest_from({});
 }
 
 /// So much above the least, a deviance is out of the question.
@@ -265,7 +271,10 @@ ChainEffects effect_sizes(LinearisedChain& chain, const ChainEffects& shape, dou
   const SizeTask asked{&chain, shape, smallest_mm, reach_mm, 0};
   SizeTask limited = asked;
   for (std::size_t k = 0; k < kCount; ++k)
-    if (k != kFigure && !is_limited(asked, k)) asked.in(limited.shape, k) = 0;
+    if (k != kFigure && !is_limited(asked, k) &&
+        // What gives way takes a device's drift for its own where it stands alone.
+        !(k == kSag && is_limited(asked, k, likeliest_without(asked, k))))
+      asked.in(limited.shape, k) = 0;
   // What cannot be seen beside noise alone cannot be seen beside more.
   constexpr double kSeen = 4;
   if (!is_shown(asked, kTrend, kSeen)) asked.in(limited.shape, kTrend) = 0;

@@ -47,6 +47,13 @@ simulation::World seen_without_angles() {
   return world;
 }
 
+simulation::World seen_with_angles() {
+  simulation::World world = seen_without_angles();
+  world.angles = true;
+  world.decimals = 4;
+  return world;
+}
+
 /// Of so many KR 5 as built, each from a home of its own.
 std::vector<Simulation> campaigns_of(std::uint32_t count, const simulation::Strokes& how,
                                      const simulation::World& world) {
@@ -58,27 +65,25 @@ std::vector<Simulation> campaigns_of(std::uint32_t count, const simulation::Stro
 }
 
 /// By a device that drifts so, each joint there and back.
-std::vector<Simulation> there_and_back(std::uint32_t count, const simulation::Drift& drift) {
-  simulation::World world = seen_without_angles();
+std::vector<Simulation> there_and_back(std::uint32_t count, const simulation::Drift& drift,
+                                       simulation::World world = seen_without_angles(),
+                                       int homes = 1) {
   world.drift = drift;
   simulation::Strokes how;
   how.there_and_back = true;
   how.ramp = 0.1;
+  how.homes = homes;
   return campaigns_of(count, how, world);
 }
 
 std::vector<Simulation> sagging(bool told, int homes = 1) {
-  simulation::World world = seen_without_angles();
+  simulation::World world = homes > 1 ? seen_with_angles() : seen_without_angles();
   world.sag_arcsec = 60;
   world.sag_told = told;
   simulation::Strokes how;
   how.arc_deg = 90;
   how.samples = 300;
   how.homes = homes;
-  if (homes > 1) {
-    world.angles = true;
-    world.decimals = 4;
-  }
   return campaigns_of(4, how, world);
 }
 
@@ -169,6 +174,29 @@ TEST_CASE("A device that sways or warms up moves no axis", "[effect_search][long
     if (row.a_mm.knowledge == Knowledge::identified) CHECK(row.a_mm.sigma < 0.03);
   CHECK(found.chain->wander_mm == Approx(warms ? 0.03 : 0.08).epsilon(0.4));
   CHECK_FALSE(found.chain->steady_drift);
+}
+
+TEST_CASE("A device that sways accuses no gear", "[effect_search][chain_fit][long]") {
+  simulation::Drift drift;
+  drift.sway_mm = 0.2;
+  for (const Simulation& campaign : there_and_back(8, drift, seen_with_angles())) {
+    const auto found = identify::identify(campaign.sweeps(), campaign.campaign());
+    for (const Warning& warning : found.warnings) CHECK(warning.code != "backlash");
+  }
+}
+
+TEST_CASE("What gives way is told also where the device drifts",
+          "[effect_sizes][effect_search][long]") {
+  const bool sways = GENERATE(false, true);
+  simulation::World world = seen_with_angles();
+  world.sag_arcsec = 60;
+  simulation::Drift drift;
+  (sways ? drift.sway_mm : drift.linear_mm) = 0.2;
+  const auto campaigns = there_and_back(3, drift, world, 2);
+  CAPTURE(sways);
+  CHECK(rms_z(campaigns) < 1.4);
+  const auto found = identify::identify(campaigns.back().sweeps(), campaigns.back().campaign());
+  CHECK(found.chain->effects.sag_rad > 10 * kArcsec);
 }
 
 TEST_CASE("Of a device that walks at random no steady drift is told",
