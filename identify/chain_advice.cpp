@@ -18,6 +18,8 @@ constexpr double kManySamples = 10;    // a single independent one
 constexpr double kRounding_mm = 1e-6;  // below it residuals are those of computing
 /// Robots and trackers stay by about as much.
 constexpr double kDrifts_mm = 0.02;
+constexpr std::string_view kWarmUp =
+    "The result allows for it. Let robot and device warm up before the sweeps";
 
 class ChainAdviser {
  public:
@@ -32,8 +34,15 @@ class ChainAdviser {
                " mm (1 sigma): keep the target where it is on the tool, lock the other joints at "
                "the same home for all sweeps, and do not touch the device; uncertainties allow for "
                "it");
-    if (chain_.steady_drift) judge_drift(*chain_.steady_drift);
+    if (chain_.steady_drift)
+      judge_drift(*chain_.steady_drift);
+    else if (chain_.effects.drift_parts > 1 && chain_.wander_mm >= kDrifts_mm)
+      warn("device_drifts", {},
+           "during the sweeps the target wandered slowly by " + brief(chain_.wander_mm) +
+               " mm (1 sigma). " + std::string(kWarmUp));
     judge_orientation();
+    if (found_.poses && found_.poses->with_sweeps)
+      judge_poses(found_.poses->fit.noise.position_mm, chain_.noise.position_mm);
     return std::move(warnings_);
   }
 
@@ -83,8 +92,7 @@ class ChainAdviser {
         drift.seconds > 0 ? ", in " + fixed(drift.seconds / 60, 1) + " min," : "";
     warn("device_drifts", {},
          "from the first sweep to the last one" + within + " the target drifted steadily by " +
-             brief(drift.mm.norm()) +
-             " mm. The result allows for it. Let robot and device warm up before the sweeps");
+             brief(drift.mm.norm()) + " mm. " + std::string(kWarmUp));
   }
 
   void judge_orientation() {
@@ -105,6 +113,17 @@ class ChainAdviser {
       warn("orientation_inconsistent", {},
            "the tool's orientations contradict positions and angles and were not used: check that "
            "A, B, C are those of the same tool and base, R = Rz(A) Ry(B) Rx(C)");
+  }
+
+  /// The same device saw both.
+  void judge_poses(double poses_mm, double samples_mm) {
+    constexpr double kNoisier = 4, kLeast_mm = 0.05;
+    if (poses_mm > std::max(kLeast_mm, kNoisier * samples_mm))
+      warn("poses_noisy", {},
+           "the poses scatter by " + brief(poses_mm) + " mm, the sweeps' samples by " +
+               brief(samples_mm) +
+               " mm: the device, the robot's base or the target was moved between the two, or "
+               "joints do more than the model has. Measure some poses again, and 30 or more");
   }
 
   const Identification& found_;
