@@ -36,9 +36,8 @@ struct ChainSag {
   double rad = 0;
 };
 
-/// How a measuring device drifts: evenly, and in waves beside it, of half the campaign's length,
-/// and of a half, a third and a quarter of that. The waves are zero at the first and the last
-/// sample.
+/// How a measuring device drifts: evenly, and in waves beside it, zero at the first and the last
+/// sample, between which they go half to and fro, once, one and a half times, and twice.
 inline constexpr Eigen::Index kDriftParts = 5;
 /// What each part is multiplied by, `when` from -1 at the first sample to 1 at the last one.
 using DriftTimes = Eigen::Matrix<double, kDriftParts, 1>;
