@@ -28,9 +28,9 @@ struct JointEffect {
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   /// Once, twice (k = 1, 2): rad times cos(k t) and times sin(k t), with t the joint's turn from
   /// home. Weight: rad times the levers of a weight on the link (LinkLevers), one in each of the
-  /// directions `across` the axis that turns it. Compliance: rad/Nm times
-  /// the torque of the weights about the joint. These less `middle`.
-  /// Play: rad times the sense in which the joint last turned.
+  /// directions `across` the axis that turns it. Compliance: rad/Nm times the torque of the weights
+  /// about the joint. These less `middle`. Play: rad times the sense in which the joint last
+  /// turned.
   Eigen::Vector2d size = Eigen::Vector2d::Zero();
 
   /// Standard deviation of a size that was found, known beforehand: what poses hardly tell

@@ -199,6 +199,7 @@ TEST_CASE("What gives way is told also where the device drifts",
   CAPTURE(sways);
   CHECK(rms_z(campaigns) < 1.4);
   const auto found = identify::identify(campaigns.back().sweeps(), campaigns.back().campaign());
+  REQUIRE(found.chain);
   CHECK(found.chain->effects.sag_rad > 10 * kArcsec);
 }
 
