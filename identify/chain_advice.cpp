@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -20,6 +21,9 @@ constexpr double kRounding_mm = 1e-6;  // below it residuals are those of comput
 constexpr double kDrifts_mm = 0.02;
 constexpr std::string_view kWarmUp =
     "The result allows for it. Let robot and device warm up before the sweeps";
+constexpr std::string_view kThereAndBack =
+    "Each joint was swept once, so nothing tells how far it went during a sweep, and "
+    "uncertainties may be too small. Sweep each joint there and back";
 
 class ChainAdviser {
  public:
@@ -34,12 +38,7 @@ class ChainAdviser {
                " mm (1 sigma): keep the target where it is on the tool, lock the other joints at "
                "the same home for all sweeps, and do not touch the device; uncertainties allow for "
                "it");
-    if (chain_.steady_drift)
-      judge_drift(*chain_.steady_drift);
-    else if (chain_.effects.drift_parts > 1 && chain_.wander_mm >= kDrifts_mm)
-      warn("device_drifts", {},
-           "during the sweeps the target wandered slowly by " + brief(chain_.wander_mm) +
-               " mm (1 sigma). " + std::string(kWarmUp));
+    judge_drift();
     judge_orientation();
     if (found_.poses && found_.poses->with_sweeps)
       judge_poses(found_.poses->fit.noise.position_mm, chain_.noise.position_mm);
@@ -86,13 +85,32 @@ class ChainAdviser {
     }
   }
 
-  void judge_drift(const ChainEstimate::SteadyDrift& drift) {
-    if (drift.mm.norm() < kDrifts_mm) return;
-    const std::string within =
-        drift.seconds > 0 ? ", in " + fixed(drift.seconds / 60, 1) + " min," : "";
-    warn("device_drifts", {},
-         "from the first sweep to the last one" + within + " the target drifted steadily by " +
-             brief(drift.mm.norm()) + " mm. " + std::string(kWarmUp));
+  void judge_drift() {
+    // Joints that come back elsewhere seem to be some drift, too.
+    const double mostly_mm = std::max(kDrifts_mm, chain_.home_scatter_mm / std::sqrt(2.0));
+    const bool untold = chain_.effects.drift_mm >= mostly_mm && swept_once();
+    const std::string_view remedy = untold ? kThereAndBack : kWarmUp;
+    if (const auto& drift = chain_.steady_drift; drift && drift->mm.norm() >= kDrifts_mm) {
+      const std::string within =
+          drift->seconds > 0 ? ", in " + fixed(drift->seconds / 60, 1) + " min," : "";
+      warn("device_drifts", {},
+           "from the first sweep to the last one" + within + " the target drifted steadily by " +
+               brief(drift->mm.norm()) + " mm. " + std::string(remedy));
+    } else if (untold || (chain_.effects.drift_parts > 1 && chain_.wander_mm >= kDrifts_mm)) {
+      warn("device_drifts", {},
+           "during the sweeps the target " + std::string(untold ? "seems to have " : "") +
+               "wandered by " + brief(chain_.wander_mm) + " mm (1 sigma). " + std::string(remedy));
+    }
+  }
+
+  /// Every joint, so that nothing tells what moves during a sweep from what the arm does.
+  [[nodiscard]] bool swept_once() const {
+    return std::none_of(found_.joints.begin(), found_.joints.end(), [](const JointResult& joint) {
+      std::set<std::size_t> targets;
+      for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
+        if (joint.used[s] && !targets.insert(joint.sweeps[s].target).second) return true;
+      return false;
+    });
   }
 
   void judge_orientation() {

@@ -315,6 +315,19 @@ TEST_CASE("a device that drifts steadily is told", "[advice][chain_advice]") {
              ContainsSubstring("to the last one the target drifted steadily by 0.2"));
 }
 
+TEST_CASE("a device that sways while each joint is swept once is told", "[advice][chain_advice]") {
+  auto world = accuracy::tracker(0.02);
+  world.drift.sway_mm = 0.2;
+  world.drift.sways = 3;
+  CHECK_THAT(message(identified(kr5_swept(), world), "device_drifts", {}),
+             ContainsSubstring("Sweep each joint there and back"));
+  // Nor are joints that come back elsewhere such a device.
+  auto homes = accuracy::tracker(0.02);
+  homes.home.sigma_deg = 0.005;
+  for (const Warning& warning : identified(kr5_swept(), homes).warnings)
+    CHECK(warning.code != "device_drifts");
+}
+
 TEST_CASE("orientations that contradict the positions are told", "[advice][long]") {
   const auto robot = kr5_swept();
   const auto sweeps =

@@ -41,10 +41,10 @@ Vector3d Device::measured(const Vector3d& point, double time_s) {
   }
   const double part = time_s / seconds_;
   constexpr double kWarm = 0.2;
-  seen += wandered_mm_ +
-          (drift_.linear_mm * part + drift_.sway_mm * std::sin(2 * identify::kPi * part) +
-           drift_.warm_mm * (1 - std::exp(-part / kWarm))) *
-              way_;
+  seen += wandered_mm_ + (drift_.linear_mm * part +
+                          drift_.sway_mm * std::sin(2 * identify::kPi * drift_.sways * part) +
+                          drift_.warm_mm * (1 - std::exp(-part / kWarm))) *
+                             way_;
   for (double& value : seen) value = printed(value, noise_.decimals);
   return seen;
 }

@@ -21,7 +21,8 @@ struct Noise {
 struct Drift {
   double linear_mm = 0;  ///< in any direction
   double walk_mm = 0;    ///< a random walk: root mean square of where it ends
-  double sway_mm = 0;    ///< to and fro once over all sweeps, in any direction: half of its way
+  double sway_mm = 0;    ///< to and fro, in any direction: half of its way
+  double sways = 1;      ///< so often over all sweeps
   double warm_mm = 0;    ///< as what warms up, in a fifth of the time by 1/e: all of its way
 };
 
