@@ -150,17 +150,7 @@ void take_poses(Identification& found, const std::vector<Pose>& poses, const Cam
   found.doubt.clear();  // what a sweep alone left open, angles tell
   const std::optional<ChainEstimate> sweeps = std::move(found.chain);
   found.chain = found.poses->chain;
-  if (sweeps) {  // what was seen of them stays
-    found.chain->noise = sweeps->noise;
-    found.chain->effects = sweeps->effects;
-    found.chain->angles = sweeps->angles;
-    found.chain->home_scatter_mm = sweeps->home_scatter_mm;
-    found.chain->wander_mm = sweeps->wander_mm;
-    found.chain->steady_drift = sweeps->steady_drift;
-    found.chain->samples = sweeps->samples;
-    found.chain->outliers = sweeps->outliers;
-    found.chain->samples_per_independent = sweeps->samples_per_independent;
-  }
+  if (sweeps) static_cast<SweepEvidence&>(*found.chain) = *sweeps;
   place_linear_axes(*found.chain, campaign, found.specified);
   if (found.poses->fit.converged) {
     if (found.status == Status::failed) found.status = Status::partial;

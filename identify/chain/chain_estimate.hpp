@@ -141,29 +141,11 @@ struct Summary {
   std::size_t undetermined = 0;  ///< directions in parameter space without information
 };
 
-/// What the chain estimator found (see chain_estimator.hpp).
-struct ChainEstimate {
-  /// All joints of the arm; those without an axis below are never turned.
-  Chain chain;
-  /// One a joint, along positive rotation. Nothing where the joint could not be used.
-  std::vector<std::optional<Axis>> axes;
-  /// Of all axes' (direction, point), six rows a joint, then three a target, then,
-  /// with orientation, three of the tool's rotation in the measurement frame.
-  Eigen::MatrixXd covariance;
-  /// With linear joints: how (direction, point) of the table's axes, six rows a joint, change with
-  /// the first target only because convention places theirs by it. Else empty.
-  Eigen::MatrixXd by_target;
-  /// What each cause has of it; together they are it.
-  struct Part {
-    Cause cause = Cause::noise;
-    Eigen::MatrixXd covariance;
-  };
-  std::vector<Part> parts;
-  std::vector<DhEstimate> dh;
+/// What sweeps showed beside the geometry.
+struct SweepEvidence {
   ChainNoise noise;
   ChainEffects effects;
   std::vector<AngleEvidence> angles;  ///< one a joint
-  bool with_orientation = false;      ///< A, B, C were present, consistent, and used
   /// How far the target stood off from home in each stroke, by the effects of home and drift.
   double home_scatter_mm = 0;
   /// How far the measuring device wandered beside steady drift: standard deviation of each
@@ -182,6 +164,28 @@ struct ChainEstimate {
   std::size_t outliers = 0;            ///< of them: given less than half their weight
   std::size_t summed = 0;              ///< strokes of which only sums were known
   double samples_per_independent = 1;  ///< how many correlated samples are worth one
+};
+
+/// What the chain estimator found (see chain_estimator.hpp).
+struct ChainEstimate : SweepEvidence {
+  /// All joints of the arm; those without an axis below are never turned.
+  Chain chain;
+  /// One a joint, along positive rotation. Nothing where the joint could not be used.
+  std::vector<std::optional<Axis>> axes;
+  /// Of all axes' (direction, point), six rows a joint, then three a target, then,
+  /// with orientation, three of the tool's rotation in the measurement frame.
+  Eigen::MatrixXd covariance;
+  /// With linear joints: how (direction, point) of the table's axes, six rows a joint, change with
+  /// the first target only because convention places theirs by it. Else empty.
+  Eigen::MatrixXd by_target;
+  /// What each cause has of it; together they are it.
+  struct Part {
+    Cause cause = Cause::noise;
+    Eigen::MatrixXd covariance;
+  };
+  std::vector<Part> parts;
+  std::vector<DhEstimate> dh;
+  bool with_orientation = false;  ///< A, B, C were present, consistent, and used
   Summary summary;
 };
 

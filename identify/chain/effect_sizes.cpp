@@ -271,9 +271,8 @@ ChainEffects effect_sizes(LinearisedChain& chain, const ChainEffects& shape, dou
   const SizeTask asked{&chain, shape, smallest_mm, reach_mm, 0};
   SizeTask limited = asked;
   for (std::size_t k = 0; k < kCount; ++k)
-    if (k != kFigure && !is_limited(asked, k) &&
-        // What gives way takes a device's drift for its own where it stands alone.
-        !(k == kSag && is_limited(asked, k, likeliest_without(asked, k))))
+    // Beside noise alone what gives way takes a device's drift for its own.
+    if (k != kFigure && !is_limited(asked, k) && !is_limited(asked, k, likeliest_without(asked, k)))
       asked.in(limited.shape, k) = 0;
   // What cannot be seen beside noise alone cannot be seen beside more.
   constexpr double kSeen = 4;
