@@ -157,6 +157,7 @@ identify::Campaign campaign_of_poses(const RobotDescription& robot) {
   campaign.specified = robot.arm;
   campaign.device_frame = true;
   campaign.loads = robot.loads;
+  campaign.up = robot.up;
   return campaign;
 }
 

@@ -111,7 +111,7 @@ Json model(const identify::PoseFit& fit, const std::vector<std::string>& names) 
           {"targets", std::move(targets)},
           {"effects", std::move(effects)},
           {"loads", std::move(loads)},
-          {"up", list(of.up)},
+          {"up", list(of.chain.up)},
           {"position_mm", fit.noise.position_mm},
           {"joint_rad", fit.noise.joint_rad},
           {"covariance", std::move(covariance)}};
@@ -221,7 +221,7 @@ PosePredictor pose_predictor(const Json& poses) {
   for (const Json& one : json.at("loads"))
     model.loads.push_back(
         {one.at("mass_kg").get<double>(), joint_of(one, joints), vector3(one.at("center_mm"))});
-  model.up = vector3(json.at("up"));
+  model.chain.up = vector3(json.at("up"));
   predictor.fit.noise.position_mm = json.at("position_mm").get<double>();
   predictor.fit.noise.joint_rad = json.at("joint_rad").get<double>();
   const Eigen::Index count = model.parameters();

@@ -120,6 +120,16 @@ Eigen::Vector3d read_point(const TomlTable& table, std::string_view key) {
   return {point[0], point[1], point[2]};
 }
 
+/// Of any length.
+Eigen::Vector3d read_up(const TomlTable& table) {
+  const Eigen::Vector3d up = read_point(table, "up");
+  if (!(up.norm() > 0))
+    table.fail("up", "expected a direction, found " + table.found("up") +
+                         ": write [0, 0, 1] for a robot that stands on the floor, [0, 0, -1] for "
+                         "one that hangs from a ceiling");
+  return up.normalized();
+}
+
 /// What a joint carries, or the payload: a mass and where its centre is.
 void read_load(const TomlTable& table, std::string_view mass, std::string_view center,
                std::size_t joint, std::vector<identify::Load>& loads) {
@@ -132,7 +142,7 @@ void read_load(const TomlTable& table, std::string_view mass, std::string_view c
 RobotDescription load_robot(const std::filesystem::path& file) {
   const TomlTable top = TomlTable::load(file);
   top.allow_only(
-      {"name", "source", "home_deg", "tool_mm", "payload_kg", "payload_center_mm", "joint"});
+      {"name", "source", "home_deg", "tool_mm", "up", "payload_kg", "payload_center_mm", "joint"});
   const std::vector<TomlTable> joints = top.tables("joint");
   if (joints.size() > 12)
     joints[12].fail(
@@ -166,11 +176,16 @@ RobotDescription load_robot(const std::filesystem::path& file) {
     for (const JointLimits& limits : robot.limits) arm.linear.push_back(limits.linear);
     check_linear_rows(joints, arm);
     if (top.has("tool_mm")) arm.tool_mm = read_point(top, "tool_mm");
-  } else if (top.has("tool_mm")) {
-    top.fail("tool_mm",
-             "expected no tool point, as it is given in the frame after the last row "
-             "and no [[joint]] has one, found " +
-                 top.found("tool_mm") + ": leave it out, or add the DH table");
+    if (top.has("up")) robot.up = read_up(top);
+  } else {
+    const auto refuse = [&](std::string_view key, std::string_view what) {
+      if (top.has(key))
+        top.fail(key, fmt::format("expected no {}, as no [[joint]] has a row, found {}: leave it "
+                                  "out, or add the DH table",
+                                  what, top.found(key)));
+    };
+    refuse("tool_mm", "tool point in the frame after the last row");
+    refuse("up", "direction in the base of the DH table");
   }
   return robot;
 }

@@ -44,6 +44,8 @@ struct RobotDescription {
   std::vector<double> sag_arcsec;
   /// What the joints carry, the payload last; empty where the file does not say.
   std::vector<identify::Load> loads;
+  /// Which way is up in the base, unit.
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
 
   [[nodiscard]] std::size_t joints() const { return limits.size(); }
 };

@@ -50,7 +50,10 @@ identify::Campaign campaign(const RobotSetup& setup, const identify::Resolution&
   campaign.resolution = resolution;
   if (setup.description) {
     campaign.specified = setup.description->arm;
-    if (campaign.specified) campaign.loads = setup.description->loads;
+    if (campaign.specified) {
+      campaign.loads = setup.description->loads;
+      campaign.up = setup.description->up;
+    }
     for (const double sag : setup.description->sag_arcsec)
       campaign.sag_rad.push_back(sag * identify::kArcsec);
   }

@@ -57,6 +57,8 @@ struct Chain {
   /// How far each joint has turned from where it was locked when its angle says that it is there:
   /// less than what is printed can show. One a joint, or none: not at all.
   std::vector<double> zero_rad;
+  /// Away from the earth, unit, which weights pull against; zero where that is not known.
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();
   std::vector<ChainSag> sags;  ///< none: rigid joints, or nothing is known of them
   /// How far the measuring device drifts, one part a column: so much farther the target is seen.
   Eigen::Matrix<double, 3, kDriftParts> drift_mm = Eigen::Matrix<double, 3, kDriftParts>::Zero();

@@ -11,6 +11,7 @@
 #include "identify/chain/chain_start.hpp"
 #include "identify/chain/effect_search.hpp"
 #include "identify/chain/linearised_chain.hpp"
+#include "identify/dh/upright.hpp"
 #include "identify/geometry/angle.hpp"
 #include "identify/sweeps/stroke_correlation.hpp"
 
@@ -35,6 +36,7 @@ class Estimation {
     for (StrokeMoments& stroke : nodes_.strokes) stroke.correlation = correlation;
     Chain start;
     for (const auto& axis : axes_) start.axes.push_back(axis.value_or(ChainAxis{}));
+    start.up = up_in(start).value_or(Vector3d::Zero());
     start.targets_mm =
         starting_targets(start, nodes_.observations, nodes_.targets, nodes_.with_angles);
     set_quanta(nodes_.with_angles);
@@ -59,6 +61,20 @@ class Estimation {
   }
 
  private:
+  /// Without a specified arm, the first joint that turns is taken to stand upright.
+  [[nodiscard]] std::optional<Vector3d> up_in(const Chain& start) const {
+    std::vector<std::optional<Vector3d>> seen;
+    for (const auto& axis : axes_)
+      seen.push_back(axis ? std::optional(axis->direction) : std::nullopt);
+    if (!campaign_.specified) {
+      const auto first = first_turning(start);
+      return first ? seen[*first] : std::nullopt;
+    }
+    Arm arm = *campaign_.specified;
+    arm.rows = circles_.specified;
+    return up_among(seen, arm, campaign_.up);
+  }
+
   void set_quanta(bool with_angles) {
     const double step = 1 / std::sqrt(12.0);
     quantum_.position_mm = std::max(kLeastPosition_mm, step * campaign_.resolution.position_mm);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/dh/upright.hpp"
 #include "identify/geometry/line.hpp"
 
 namespace identify {
@@ -10,8 +11,7 @@ namespace identify {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-LinkLevers::LinkLevers(const Chain& chain, const Turns& turns, const Vector3d& up)
-    : chain_(&chain), up_(up) {
+LinkLevers::LinkLevers(const Chain& chain, const Turns& turns) : chain_(&chain) {
   Matrix3d turned = Matrix3d::Identity();
   for (std::size_t j = 0; j < chain.axes.size(); ++j) {
     if (turns[j] != 0 && !chain.axes[j].linear)
@@ -21,7 +21,8 @@ LinkLevers::LinkLevers(const Chain& chain, const Turns& turns, const Vector3d& u
 }
 
 double LinkLevers::lever(std::size_t joint, std::size_t link, const Vector3d& arm) const {
-  return up_.dot((turned_[joint] * chain_->axes[joint].direction).cross(turned_[link] * arm));
+  return chain_->up.dot(
+      (turned_[joint] * chain_->axes[joint].direction).cross(turned_[link] * arm));
 }
 
 namespace {
@@ -60,15 +61,15 @@ std::vector<Link> links_of(const Chain& chain, const std::vector<bool>& known) {
 std::vector<ChainSag> sags_of(const Chain& chain, const std::vector<bool>& known,
                               const std::vector<double>& sag_rad) {
   std::vector<ChainSag> sags;
-  const auto upright = first_turning(chain);
-  if (sag_rad.empty() || !upright || !known[*upright]) return sags;
+  if (sag_rad.empty() || chain.up.isZero()) return sags;
   constexpr double kBeside = 0.5;  // how far beside its line a link's weight is, in that along it
   constexpr double kOff = 0.1;     // and at least off its axis, in the length of the arm from there
   const auto links = links_of(chain, known);
   const double most = *std::max_element(sag_rad.begin(), sag_rad.end());
-  for (std::size_t first = 1; first < links.size(); ++first) {  // weights do not pull about upright
+  for (std::size_t first = 0; first < links.size(); ++first) {
     const std::size_t j = links[first].joint;
-    if (!(sag_rad[j] > 0)) continue;
+    const bool stays = first == 0 && is_upright(chain.axes[j].direction, chain.up);
+    if (!(sag_rad[j] > 0) || stays) continue;
     const std::size_t before = sags.size();
     double squares = 0;
     for (std::size_t l = first; l < links.size(); ++l) {
@@ -92,9 +93,7 @@ std::vector<ChainSag> sags_of(const Chain& chain, const std::vector<bool>& known
 std::vector<double> sag_levers(const Chain& chain, const Turns& turns) {
   std::vector<double> levers;
   if (chain.sags.empty()) return levers;
-  const auto first = first_turning(chain);
-  const Vector3d up = first ? chain.axes[*first].direction : Vector3d::Zero();
-  const LinkLevers here(chain, turns, up), home(chain, {}, up);
+  const LinkLevers here(chain, turns), home(chain, {});
   for (const ChainSag& sag : chain.sags)
     levers.push_back(here.lever(sag.joint, sag.link, sag.arm) -
                      home.lever(sag.joint, sag.link, sag.arm));

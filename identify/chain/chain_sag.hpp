@@ -16,22 +16,20 @@ namespace identify {
 class LinkLevers {
  public:
   /// The chain must outlive it. Linear joints turn nothing.
-  LinkLevers(const Chain& chain, const Turns& turns, const Eigen::Vector3d& up);
+  LinkLevers(const Chain& chain, const Turns& turns);
   /// Of a weight on the link that joint `link` turns, at a unit length along `arm`, as it is at
   /// home. Joints are counted from 0; `link` is not before `joint`.
   [[nodiscard]] double lever(std::size_t joint, std::size_t link, const Eigen::Vector3d& arm) const;
 
  private:
   const Chain* chain_;
-  Eigen::Vector3d up_;
   std::array<Eigen::Matrix3d, kMostJoints> turned_;  ///< of each link
 };
 
 /// A chain's sags for joints that give way by `sag_rad` at their worst pose (standard deviations,
 /// one a joint): under two weights on each link behind, as large as the links' lengths have them
 /// where mass is spread evenly along the arm. Shares are in the largest of `sag_rad`. Nothing where
-/// the first joint that turns is not `known`: it stands upright, and tells which way weights pull.
-/// Linear joints do not give way.
+/// nobody knows which way is up. Linear joints do not give way, nor does one that stands upright.
 [[nodiscard]] std::vector<ChainSag> sags_of(const Chain& chain, const std::vector<bool>& known,
                                             const std::vector<double>& sag_rad);
 

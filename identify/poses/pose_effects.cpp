@@ -7,6 +7,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "identify/dh/upright.hpp"
+
 namespace identify {
 namespace {
 
@@ -27,12 +29,11 @@ double chance_above(double square, Index degrees) {
 /// Of links whose weights nobody knows: those on the joint's own link and on the next two. About an
 /// axis that stays upright nothing pulls.
 std::vector<JointEffect> weights(const PoseModel& model) {
-  constexpr double kUpright = 0.996;  // the cosine of 5 degrees
   constexpr std::size_t kFarther = 2;
   const auto& axes = model.chain.axes;
   std::vector<JointEffect> all;
   for (std::size_t j = 0; j < axes.size(); ++j) {
-    const bool stays = all.empty() && std::abs(axes[j].direction.dot(model.up)) > kUpright;
+    const bool stays = all.empty() && is_upright(axes[j].direction, model.chain.up);
     for (std::size_t k = j; k < std::min(axes.size(), j + kFarther + 1); ++k)
       if (!stays && !axes[j].linear && !axes[k].linear)
         all.push_back({JointEffect::Kind::weight, j, k});

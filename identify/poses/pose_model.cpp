@@ -32,7 +32,7 @@ double torque(const PoseModel& model, std::size_t joint, const Turns& turns) {
     if (j < joint) continue;
     for (const Load& load : model.loads)
       if (load.joint == j)
-        sum -= load.mass_kg * axis.dot((carried * load.center_mm - point).cross(model.up));
+        sum -= load.mass_kg * axis.dot((carried * load.center_mm - point).cross(model.chain.up));
   }
   return kGravity_m_s2 * sum / kMillimetres;
 }
@@ -63,7 +63,7 @@ Turns PoseModel::told(const Sample& sample) const {
 
 std::vector<Vector2d> PoseModel::patterns(const std::vector<JointEffect>& of, const Turns& told,
                                           const JointSenses& senses) const {
-  const LinkLevers levers(chain, told, up);
+  const LinkLevers levers(chain, told);
   std::vector<Vector2d> found;
   for (const JointEffect& effect : of) {
     Vector2d here(0, 0);

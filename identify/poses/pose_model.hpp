@@ -68,7 +68,6 @@ struct PoseModel {
   /// The chain was seen at home: what the joints are off there is in its zeros already.
   bool seen_at_home = false;
   std::vector<Load> loads;  ///< centres of mass at home, in the measurement frame
-  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
 
   /// From home, as the angles tell.
   [[nodiscard]] Turns told(const Sample& sample) const;

@@ -35,6 +35,7 @@ PoseForecast::PoseForecast(const Campaign& campaign, const PoseNoise& noise)
     : campaign_(campaign), noise_(noise) {
   const Arm& arm = *campaign.specified;
   model_.chain = PlacedArm{arm, Eigen::Isometry3d::Identity(), {arm.tool_mm}}.chain();
+  model_.chain.up = campaign.up;
   model_.home_rad = arm.home_rad;
 }
 

@@ -170,13 +170,11 @@ PoseStart pose_start(const std::vector<Pose>& poses, const Campaign& campaign,
     arm.home_rad = home_rad;
     const PlacedArm placed = placed_robustly(arm, Freedom::zeros, poses, targets);
     start.model.chain = placed.chain();
-    start.model.up = placed.base.linear().col(2);
+    start.model.chain.up = placed.base.linear() * campaign.up;
     start.model.loads = placed_loads(campaign.loads, placed.arm, placed.base, home_rad);
     distances = distances_mm(placed, poses);
   }
   if (whole(sweeps)) {
-    if (const auto upright = first_turning(sweeps->chain); upright && !campaign.specified)
-      start.model.up = sweeps->chain.axes[*upright].direction;
     start.model.chain = sweeps->chain;
     start.model.chain.zero_rad.clear();
     start.model.chain.sags.clear();

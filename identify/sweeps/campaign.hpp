@@ -45,6 +45,9 @@ struct Campaign {
   std::vector<double> sag_rad;
   /// Bodies that hang on the arm, where they are known: what gears give way to.
   std::vector<Load> loads = {};
+  /// Which way is up in the base of the specified arm, unit: another one than Z where it is mounted
+  /// to a wall or a ceiling.
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
   /// The samples' times are times; else they are only an order.
   bool timed = true;
   /// Positions and angles come from two devices, each with a clock of its own.

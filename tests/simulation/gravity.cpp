@@ -15,7 +15,7 @@ constexpr double kGravity = 9.81;  // m / s^2
 
 }  // namespace
 
-Sag::Sag(const Robot& robot, double worst_rad) : home_(chain_of(robot)) {
+Sag::Sag(const Robot& robot, double worst_rad) : home_(chain_of(robot)), up_(robot.up) {
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
   for (std::size_t j = 0; j < robot.arm.joints(); ++j) {
     frame = frame * identify::transform(robot.arm.rows[j]);
@@ -60,10 +60,10 @@ identify::Turns Sag::torques(const identify::Turns& turns) const {
   Vector3d moment = Vector3d::Zero();  // of the weights, about the base's origin
   double weight = 0;
   for (std::size_t j = joints; j-- > 0;) {
-    const Vector3d down = -weights_n_[j] * Vector3d::UnitZ();
+    const Vector3d down = -weights_n_[j] * up_;
     moment += centers[j].cross(down);
     weight += weights_n_[j];
-    const Vector3d about = moment + points[j].cross(Vector3d(0, 0, weight));
+    const Vector3d about = moment + points[j].cross(weight * up_);
     torques[j] = directions[j].dot(about) / 1000;
   }
   return torques;

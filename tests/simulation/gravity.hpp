@@ -22,6 +22,7 @@ class Sag {
 
  private:
   identify::Chain home_;
+  Eigen::Vector3d up_;
   std::vector<double> weights_n_;
   std::vector<Eigen::Vector3d> centers_mm_;  ///< at home
   identify::Turns compliance_{};             ///< rad / N m

@@ -24,6 +24,7 @@ struct Robot {
   std::vector<Eigen::Vector3d> targets_mm;  ///< in the frame behind the last row
   std::vector<Link> links;                  ///< one a joint; empty: weightless
   std::vector<std::size_t> elastic;         ///< the joints that bend under load, counted from 0
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< in the base: how the robot is mounted
 };
 
 /// KR 5 arc, by the paper's table at the paper's home. One target or three. The masses are guesses.

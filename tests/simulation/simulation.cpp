@@ -187,6 +187,7 @@ identify::Campaign Simulation::campaign() const {
   campaign.resolution.angle_rad = world_.angles ? print_step(world_.decimals) * kDegree : 0;
   campaign.declared_home_rad = robot_.arm.home_rad;
   campaign.device_frame = world_.placed;
+  campaign.up = robot_.up;
   if (world_.sag_told) {
     campaign.sag_rad.assign(campaign.joints, 0);
     for (const std::size_t j : robot_.elastic) campaign.sag_rad[j] = world_.sag_arcsec * kArcsec;

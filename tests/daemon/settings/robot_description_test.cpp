@@ -222,6 +222,8 @@ TEST_CASE("a table is given for all joints or for none", "[robot_description]") 
              Catch::Matchers::StartsWith("3:1: joint.b_mm: missing"));
   CHECK_THAT(robot_error(head + "tool_mm = [1, 2, 3]\n[[joint]]\n[[joint]]\n"),
              Catch::Matchers::StartsWith("3:11: tool_mm: expected no tool point"));
+  CHECK_THAT(robot_error(head + "up = [1, 0, 0]\n[[joint]]\n[[joint]]\n"),
+             Catch::Matchers::StartsWith("3:6: up: expected no direction in the base"));
   CHECK_THAT(robot_error("name = \"x\"\n[[joint]]\n" + kRow),
              Catch::Matchers::ContainsSubstring(
                  "home_deg: missing: expected an array of numbers of degrees"));
@@ -244,6 +246,8 @@ TEST_CASE("a wrong figure of a robot is found in its line", "[robot_description]
   CHECK_THAT(
       robot_error("tool_mm = [1, 2]\n" + robot),
       Catch::Matchers::StartsWith("1:11: tool_mm: expected [x, y, z], found an array of 2 values"));
+  CHECK_THAT(robot_error("up = [0, 0, 0]\n" + robot),
+             Catch::Matchers::StartsWith("1:6: up: expected a direction, found "));
   CHECK_THAT(robot_error("name = \"x\"\nhome_deg = [5, 6]\n[[joint]]\n" + kRow),
              Catch::Matchers::ContainsSubstring(
                  "expected 1 angles, one a [[joint]], found an array of 2 values"));

@@ -29,10 +29,10 @@ Turns some_turns(std::size_t joints, Random& chance) {
 TEST_CASE("A weight's lever is how fast it rises as the joint turns", "[chain_sag]") {
   Random chance(1);
   Chain chain = test::random_chain(6, 1, chance);
+  chain.up = chance.direction();
   chain.sags = sags_of(chain, std::vector<bool>(6, true), {0, 1, 1, 0, 0, 1});
   REQUIRE(chain.sags.size() == 2 * (5 + 4 + 1));
   const Turns turns = some_turns(6, chance);
-  const Eigen::Vector3d up = chain.axes.front().direction;
   constexpr double kStep = 1e-6;
   const auto levers = sag_levers(chain, turns);
   for (std::size_t s = 0; s < chain.sags.size(); ++s) {
@@ -44,7 +44,7 @@ TEST_CASE("A weight's lever is how fast it rises as the joint turns", "[chain_sa
       from[sag.joint] -= kStep;
       const Eigen::Matrix3d turned =
           chain.displacement(more).linear() - chain.displacement(from).linear();
-      return up.dot(turned * sag.arm) / (2 * kStep);
+      return chain.up.dot(turned * sag.arm) / (2 * kStep);
     };
     CHECK(levers[s] == Approx(rise(turns) - rise({})).margin(1e-8));
   }
@@ -55,8 +55,10 @@ TEST_CASE("What any weights bend is a sum of a chain's sags, as large as was sai
   double squares = 0, count = 0;
   for (const std::uint32_t seed : {1U, 2U, 3U, 4U})
     for (const auto& plain : {simulation::kr5(), simulation::iiwa()}) {
-      const auto robot = simulation::built(plain, seed);
+      auto robot = simulation::built(plain, seed);
+      if (seed > 2) robot.up = Eigen::Vector3d::UnitX();  // mounted to a wall
       Chain chain = simulation::chain_of(robot);
+      chain.up = robot.up;
       const std::size_t joints = chain.axes.size();
       std::vector<double> bends(joints);
       for (const std::size_t j : robot.elastic) bends[j] = 1;
@@ -91,7 +93,8 @@ TEST_CASE("What any weights bend is a sum of a chain's sags, as large as was sai
 TEST_CASE("What joints give way by is shared out so that it is what the description says",
           "[chain_sag]") {
   Random chance(2);
-  const Chain chain = test::random_chain(6, 1, chance);
+  Chain chain = test::random_chain(6, 1, chance);
+  chain.up = chance.direction();
   const auto sags = sags_of(chain, std::vector<bool>(6, true), {0, 0.1, 0.2, 0, 0, 0});
   // All links along one line: the first sag of each link pulls.
   std::array<double, 6> squares{};
@@ -101,4 +104,11 @@ TEST_CASE("What joints give way by is shared out so that it is what the descript
   CHECK(std::sqrt(squares[2]) == Approx(1));
   CHECK(sags_of(chain, std::vector<bool>(6, false), {0, 0.1, 0, 0, 0, 0}).empty());
   CHECK(sags_of(chain, std::vector<bool>(6, true), {}).empty());
+  // About a joint that stands upright nothing pulls.
+  const std::vector<double> first{0.1, 0, 0, 0, 0, 0};
+  CHECK_FALSE(sags_of(chain, std::vector<bool>(6, true), first).empty());
+  chain.up = chain.axes.front().direction;
+  CHECK(sags_of(chain, std::vector<bool>(6, true), first).empty());
+  chain.up.setZero();  // nobody knows
+  CHECK(sags_of(chain, std::vector<bool>(6, true), {0, 0.1, 0, 0, 0, 0}).empty());
 }

@@ -94,6 +94,25 @@ TEST_CASE("Joints that give way to weights that nobody knows are told", "[pose_e
   }
 }
 
+TEST_CASE("Joints of an arm on a wall give way that way", "[pose_effects][upright][long]") {
+  auto world = tracker();
+  world.sag_arcsec = 100;
+  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+    auto wall = robot(seed);
+    wall.up = Eigen::Vector3d::UnitX();
+    const simulation::Simulation built(wall, strokes(50), world, seed);
+    const auto poses = built.poses(120);
+    const auto found = estimated(poses, built.campaign());
+    REQUIRE(found);
+    const auto* effect = effect_of(*found, 1, JointEffect::Kind::weight);
+    REQUIRE(effect != nullptr);
+    CHECK(effect->effect.amplitude() > 20 * kArcsec);
+    CHECK(effect_of(*found, 1, JointEffect::Kind::once) == nullptr);
+    CHECK(effect_of(*found, 2, JointEffect::Kind::once) == nullptr);
+    CHECK(mean_off(*found, poses) < 0.045);
+  }
+}
+
 TEST_CASE("What loads do is not said to be wheels, too", "[pose_effects][long]") {
   auto world = tracker();
   world.sag_arcsec = 60;

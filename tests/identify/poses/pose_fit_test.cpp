@@ -15,7 +15,7 @@ PoseModel true_model(const simulation::Simulation& of) {
   model.chain = PlacedArm{of.robot().arm, of.base(), of.robot().targets_mm}.chain();
   model.home_rad = of.robot().arm.home_rad;
   model.loads = {{10, 2, of.base() * Eigen::Vector3d(400, 300, 900)}};
-  model.up = of.base().linear().col(2);
+  model.chain.up = of.base().linear().col(2);
   return model;
 }
 
