@@ -86,8 +86,8 @@ ChainEstimate chain_of(const PoseFit& fit, const std::optional<FromSweeps>& swee
     const ChainAxis& axis = chain.chain.axes[j];
     const auto at = static_cast<Index>(6 * j);
     Axis found{axis.direction, axis.point_mm, chain.covariance.block<6, 6>(at, at), axis.linear};
-    chain.axes.emplace_back(found.direction_sigma_rad() < kWorstDirection_rad ? std::optional(found)
-                                                                              : std::nullopt);
+    const bool seen = !fit.model.still[j] && found.direction_sigma_rad() < kWorstDirection_rad;
+    chain.axes.emplace_back(seen ? std::optional(found) : std::nullopt);
   }
   chain.angles.resize(chain.axes.size());
   chain.noise.position_mm = fit.noise.position_mm;

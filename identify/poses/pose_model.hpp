@@ -65,6 +65,8 @@ struct PoseModel {
   std::vector<double> home_rad;      ///< the controller's angles at which the chain is at home
   std::vector<JointEffect> effects;  ///< first those that were found, then those that are assumed
   std::vector<JointPlace> places;
+  /// Joints that never leave home, whose axes nobody has seen; one a joint, or none: no such joint.
+  std::vector<bool> still;
   /// The chain was seen at home: what the joints are off there is in its zeros already.
   bool seen_at_home = false;
   std::vector<Load> loads;  ///< centres of mass at home, in the measurement frame

@@ -54,6 +54,8 @@ PoseRow pose_row(const PoseModel& model, const Pose& pose, bool with_orientation
   const ChainParameters parameters = model.chain_parameters();
   const Index axes = parameters.target(0);
   row.by_parameter.leftCols(axes) = at.by_parameter.topLeftCorner(rows, axes);
+  for (std::size_t j = 0; j < model.still.size(); ++j)
+    if (model.still[j]) row.by_parameter.middleCols<4>(parameters.axis(j)).setZero();
   const Index target = parameters.target(pose.target);
   row.by_parameter.middleCols<3>(target) = at.by_parameter.block(0, target, rows, 3);
   row.by_parameter.middleCols<3>(parameters.tool()) =

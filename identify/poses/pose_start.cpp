@@ -76,6 +76,18 @@ std::vector<JointPlace> shared_places(const std::vector<Pose>& poses, const Pose
   return places;
 }
 
+/// By the last decimals of what is told they seem to turn, and these would tell their axes.
+std::vector<bool> still_joints(const PoseModel& model, const std::vector<Pose>& poses,
+                               const ChainEstimate* sweeps) {
+  std::vector<bool> still;
+  for (std::size_t j = 0; j < model.chain.axes.size(); ++j)
+    still.push_back(!(sweeps != nullptr && sweeps->axes[j]) &&
+                    std::all_of(poses.begin(), poses.end(), [&](const Pose& pose) {
+                      return std::abs(model.told(pose.sample)[j]) <= kOnePlace_rad;
+                    }));
+  return still;
+}
+
 /// Of joints that came to rest both ways.
 std::vector<JointEffect> plays(const PoseModel& model, const std::vector<Pose>& poses) {
   std::vector<JointEffect> all;
@@ -128,12 +140,13 @@ FromSweeps from_sweeps(const ChainEstimate& sweeps, std::size_t targets) {
     all.bottomRightCorner<3, 3>() = narrow.bottomRightCorner<3, 3>();
     all.bottomLeftCorner(3, common) = narrow.bottomLeftCorner(3, common);
     all.topRightCorner(common, 3) = narrow.topRightCorner(common, 3);
-    // A linear axis has no place: that of another axis stands for it, by convention.
-    for (std::size_t j = 0; j < own.joints; ++j)
-      if (sweeps.chain.axes[j].linear) {
-        all.middleRows<2>(wide.axis(j) + 2).setZero();
-        all.middleCols<2>(wide.axis(j) + 2).setZero();
-      }
+    // Nothing is known of an axis that was not found, but for rounding. A linear one has no place:
+    // that of another axis stands for it, by convention.
+    for (std::size_t j = 0; j < own.joints; ++j) {
+      const Index known = !sweeps.axes[j] ? 0 : sweeps.chain.axes[j].linear ? 2 : 4;
+      all.middleRows(wide.axis(j) + known, 4 - known).setZero();
+      all.middleCols(wide.axis(j) + known, 4 - known).setZero();
+    }
     return all;
   };
   for (const auto& part : sweeps.parts)
@@ -174,18 +187,25 @@ PoseStart pose_start(const std::vector<Pose>& poses, const Campaign& campaign,
     start.model.loads = placed_loads(campaign.loads, placed.arm, placed.base, home_rad);
     distances = distances_mm(placed, poses);
   }
-  if (whole(sweeps)) {
-    start.model.chain = sweeps->chain;
-    start.model.chain.zero_rad.clear();
-    start.model.chain.sags.clear();
+  if (sweeps != nullptr) {
+    // What sweeps told is of axes where they saw them, at the same points of them.
+    Chain& chain = start.model.chain;
+    chain.axes.resize(sweeps->axes.size());
+    for (std::size_t j = 0; j < chain.axes.size(); ++j)
+      if (sweeps->axes[j]) chain.axes[j] = sweeps->chain.axes[j];
+    chain.targets_mm.resize(targets, sweeps->chain.targets_mm.front());
+    std::copy(sweeps->chain.targets_mm.begin(), sweeps->chain.targets_mm.end(),
+              chain.targets_mm.begin());
+    chain.tool = sweeps->chain.tool;
+    if (!sweeps->chain.up.isZero()) chain.up = sweeps->chain.up;
     start.model.seen_at_home = true;
-    start.model.chain.targets_mm.resize(targets, sweeps->chain.targets_mm.front());
     distances.resize(static_cast<Index>(poses.size()));
     for (std::size_t i = 0; i < poses.size(); ++i)
       distances(static_cast<Index>(i)) =
           (poses[i].sample.position_mm - start.model.position_mm(poses[i])).norm();
   }
   start.middle_mm = middle_of(distances);
+  start.model.still = still_joints(start.model, poses, sweeps);
   start.model.places = shared_places(poses, start.model);
   start.model.effects = plays(start.model, poses);
   // The tool's orientation at home, by the first pose that has one.

@@ -140,6 +140,37 @@ TEST_CASE("Many poses show that nothing gives way, few do not", "[pose_estimate]
   CHECK(unsure_rad(100) < unsure_rad(6) / 2);
 }
 
+TEST_CASE("Sweeps of some joints, and poses of all, tell the table", "[pose_estimate][pose_start]") {
+  Judged all;
+  for (std::uint32_t seed = 1; seed <= 12; ++seed) {
+    const auto built = arm_with(tracker(), seed);
+    auto sweeps = built.sweeps();
+    std::erase_if(sweeps, [&](const Sweep& sweep) { return sweep.joint == seed % 6; });
+    const auto found = identify::identify(sweeps, built.campaign(), built.poses(20));
+    INFO("seed " << seed << ": " << found.reason);
+    REQUIRE(found.status == Status::complete);
+    judge(built, found, all);
+  }
+  CHECK(static_cast<double>(all.inside) / all.numbers > 0.92);
+  CHECK(all.farthest < 4.5);
+}
+
+TEST_CASE("A joint that never turned has no axis", "[pose_estimate][pose_start]") {
+  const std::size_t joint = GENERATE(2, 4, 5);
+  const auto built = arm_with(tracker(), 1);
+  auto sweeps = built.sweeps();
+  std::erase_if(sweeps, [&](const Sweep& sweep) { return sweep.joint == joint; });
+  std::vector<std::vector<double>> angles_rad;
+  for (const Pose& pose : built.poses(15)) {
+    angles_rad.emplace_back(pose.sample.angles_rad.begin(), pose.sample.angles_rad.begin() + 6);
+    angles_rad.back()[joint] = built.robot().arm.home_rad[joint];
+  }
+  const auto found = identify::identify(sweeps, built.campaign(), built.poses_at(angles_rad));
+  CHECK(found.status == Status::partial);
+  CHECK(found.reason == "no axis for joint " + std::to_string(joint + 1));
+  for (std::size_t j = 0; j < 6; ++j) CHECK(found.joints[j].axis.has_value() == (j != joint));
+}
+
 TEST_CASE("A device that drifted between sweeps and poses accuses no joint",
           "[pose_estimate][pose_start][long]") {
   Judged all;
