@@ -53,6 +53,11 @@ CLI::Validator zero_or_more() {
                            [](double value) { return value >= 0 && std::isfinite(value); });
 }
 
+CLI::Validator finite() {
+  return expecting<double>("a number", [](double value) { return std::isfinite(value); })
+      .description("");
+}
+
 CLI::Validator more_than_zero() {
   return expecting<double>("more than 0",
                            [](double value) { return value > 0 && std::isfinite(value); });
@@ -106,6 +111,7 @@ void add_tool(CLI::App& command, std::optional<std::array<double, 3>>& tool_mm) 
   command
       .add_option("--tool-mm", tool_mm,
                   "Place the target at this point, in mm, of the frame after the last DH row")
+      ->check(finite())
       ->type_name("X,Y,Z")
       ->delimiter(',')
       ->default_str("that of the robot description");

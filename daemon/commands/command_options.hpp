@@ -39,6 +39,8 @@ void add_quiet(CLI::App& command, bool& quiet);
 /// A number from `least` to `most`; "nan" is none.
 [[nodiscard]] CLI::Validator number_between(double least, double most);
 [[nodiscard]] CLI::Validator zero_or_more();
+/// Of each number of an option that may be any; help says nothing of it.
+[[nodiscard]] CLI::Validator finite();
 [[nodiscard]] CLI::Validator more_than_zero();
 
 inline constexpr const char* kAnAddress = "expected an IPv4 address, as 192.168.1.20";

@@ -49,6 +49,7 @@ void add_pose_options(CLI::App& command, PoseTask& poses, CLI::Option& count) {
           },
           "Take static poses only where the target is seen from the device at this point of the "
           "robot's base, in mm")
+      ->check(finite())
       ->type_name("X,Y,Z")
       ->delimiter(',');
   command
@@ -65,6 +66,7 @@ void add_pose_options(CLI::App& command, PoseTask& poses, CLI::Option& count) {
               throw CLI::ValidationError("--facing", "expected a direction, found 0,0,0");
           },
           "Let the reflector look along this direction of the frame after the last row")
+      ->check(finite())
       ->type_name("X,Y,Z")
       ->delimiter(',')
       ->default_str("0,0,1");
@@ -87,10 +89,12 @@ void add_pose_options(CLI::App& command, PoseTask& poses, CLI::Option& count) {
           },
           "Keep the arm's lines out of the box between these two corners, in mm of the robot's "
           "base. More boxes: name it again")
+      ->check(finite())
       ->type_name("X,Y,Z,X,Y,Z")
       ->delimiter(',');
   command
       .add_option("--floor-mm", limits.floor_mm, "Keep all behind the third axis above this height")
+      ->check(finite())
       ->type_name("Z");
   command
       .add_option("--column-mm", limits.column_mm,

@@ -7,6 +7,7 @@
 
 #include "tests/catch.hpp"
 
+using Catch::Matchers::ContainsSubstring;
 using Catch::Matchers::StartsWith;
 using sweepd::CommandLine;
 
@@ -72,6 +73,10 @@ TEST_CASE("wrong usage is told in this program's words", "[command_line]") {
              StartsWith("--krl takes krc2, krc4, iiqka: found krc3"));
   CHECK_THAT(problem({"plan", "--robot", "r", "--plan", "p", "--cycle-ms", "0"}),
              StartsWith("--cycle-ms: expected 1 to 1000, found 0"));
+  for (const char* option : {"--floor-mm=nan", "--device=0,nan,0", "--facing=inf,0,1",
+                             "--keep-out=0,0,0,1,1,nan", "--tool-mm=nan,0,0"})
+    CHECK_THAT(problem({"plan", "--robot", "r", "--poses", "20", option}),
+               ContainsSubstring(": expected a number, found "));
   const std::vector<const char*> simulate{"simulate", "--robot", "r", "--plan", "p"};
   CHECK_THAT(problem(simulate), StartsWith("give --to or --write: `sweepd simulate --help`"));
   auto both = simulate;
