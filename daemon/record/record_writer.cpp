@@ -185,7 +185,7 @@ void RecordWriter::sync() {
 }
 
 void RecordWriter::delete_old(const RecordingSettings& settings) {
-  if (robot_folder_.empty()) return;
+  if (robot_folder_.empty() || !options_.may_delete()) return;
   InUse in_use;
   if (session_ && session_->files)
     in_use = {session_->files->folder().filename().string(), session_->files->part()};

@@ -32,6 +32,8 @@ struct RecorderOptions {
   std::function<std::optional<DiskRoom>(const std::filesystem::path&)> room = {};
   /// Which disk that is, as a group of the threads that record.
   std::function<TurnThreads::Group(const std::filesystem::path&)> disk_of = file_system_of;
+  /// Whether old recordings may be deleted by now. Default: always.
+  std::function<bool()> may_delete = [] { return true; };
 };
 
 struct SessionStart {

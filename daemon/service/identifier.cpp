@@ -238,10 +238,12 @@ void Identifier::go_on_with_earlier() {
     earlier.replay.reset();
     earlier.log.warning("no result is made of an earlier recording: {}", error.what());
   }
-  if (earlier.replay || !earlier.folders.empty())
+  if (earlier.replay || !earlier.folders.empty()) {
     interim_jobs_.submit([this] { go_on_with_earlier(); }, false);
-  else
+  } else {
     earlier_.reset();
+    status_->earlier_finished = true;
+  }
 }
 
 void Identifier::link(std::shared_ptr<const Recording> recording, LinkFiles link, Log log) {

@@ -38,6 +38,13 @@ Say say_for(const std::string& name) {
   };
 }
 
+/// Recordings are the only source of the results that an earlier sweepd did not write.
+RecorderOptions after_results(std::shared_ptr<const RobotStatus> status) {
+  RecorderOptions options;
+  options.may_delete = [status = std::move(status)] { return status->earlier_finished.load(); };
+  return options;
+}
+
 }  // namespace
 
 RobotService::RobotService(const RobotSettings& settings, std::shared_ptr<RobotThreads> threads)
@@ -49,7 +56,8 @@ RobotService::RobotService(const RobotSettings& settings, std::shared_ptr<RobotT
       log_(settings.name),
       status_(std::make_shared<RobotStatus>()),
       threads_(std::move(threads)),
-      recorder_(threads_->recorders, inputs_.disk, settings.recording, say_for(settings.name)),
+      recorder_(threads_->recorders, inputs_.disk, settings.recording, say_for(settings.name),
+                after_results(status_)),
       identifier_(status_),
       reply_thread_(*server_),
       reloaded_(settings),

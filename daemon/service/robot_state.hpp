@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -96,6 +97,8 @@ struct RobotStatus {
   Published<RobotState> state;
   Published<ResultState> result;
   LiveSlices live;
+  /// No session of an earlier sweepd waits for its last result any longer.
+  std::atomic<bool> earlier_finished{false};
 };
 
 }  // namespace sweepd

@@ -223,6 +223,45 @@ TEST_CASE("a session whose last result was never written gets it at the next sta
   CHECK_FALSE(json_in(other / "run.json").contains("ended"));
 }
 
+TEST_CASE("no recording is deleted before its session has a result",
+          "[robot_service][live][retention]") {
+  const TemporaryFolder folder;
+  auto of = settings(folder / "out");
+  fs::path session;
+  {
+    RobotService service(of);
+    service.start();
+    static_cast<void>(stream(service.local()));
+    service.stop();
+    session = *sessions(folder / "out").begin();
+  }
+  const auto result = content(session / "result.json");
+  auto run = json_in(session / "run.json");
+  run.erase("ended");
+  for (int copy = 10; copy < 40; ++copy) {
+    const auto cut =
+        session.parent_path() / ("202601" + std::to_string(copy - 9 + 100).substr(1) + "T000000Z");
+    fs::create_directory(cut);
+    fs::copy(session / "trace.pcap", cut / "trace.pcap");
+    std::ofstream(cut / "run.json") << run.dump();
+  }
+  of.recording.keep_bytes = 1;
+  RobotService service(of);
+  service.start();
+  static_cast<void>(stream(service.local()));  // meanwhile, recordings are looked at
+  REQUIRE(eventually([&] {
+    const auto all = sessions(folder / "out");
+    return std::all_of(all.begin(), all.end(), [](const fs::path& one) {
+      return fs::exists(one / "run.json") && json_in(one / "run.json").contains("ended");
+    });
+  }));
+  service.stop();
+  CHECK(sessions(folder / "out").size() == 32);
+  for (const auto& one : sessions(folder / "out"))
+    if (one.filename().string().starts_with("202601"))
+      CHECK(content(one / "result.json") == result);
+}
+
 TEST_CASE("a stray with an IPOC neither keeps out the controller nor shares its recording",
           "[live][robot_service][issue11][point_8]") {
   const TemporaryFolder folder;
