@@ -8,6 +8,7 @@
 #include "identify/chain/chain_table.hpp"
 #include "identify/geometry/angle.hpp"
 #include "identify/identification.hpp"
+#include "identify/specified_fit.hpp"
 
 namespace identify {
 namespace {
@@ -104,6 +105,9 @@ Identification identify_given_axes(const std::vector<Axis>& axes, const Campaign
     found.joints[j].axis = turned ? z[j]->reversed() : z[j];
   }
   name_undetermined(found);
+  if (auto contradiction = contradiction_of_specified(found, campaign))
+    found.doubts.push_back(std::move(*contradiction));
+  apply_doubts(found);
   return found;
 }
 

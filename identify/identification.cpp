@@ -219,8 +219,8 @@ Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign,
 }
 
 void apply_doubts(Identification& found) {
-  if (found.doubts.empty() || found.status == Status::failed) return;
-  found.status = Status::doubtful;
+  if (found.doubts.empty()) return;
+  if (found.status != Status::failed) found.status = Status::doubtful;
   found.reason = found.doubts.front().message + (found.reason.empty() ? "" : "; " + found.reason);
 }
 

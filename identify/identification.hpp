@@ -60,7 +60,8 @@ struct Identification : CircleEstimate {
   std::optional<RobotPose> robot_pose;
 };
 
-/// Complete and partial become doubtful where there are doubts; the first leads the reason.
+/// Complete and partial become doubtful where there are doubts. The first leads the reason, also
+/// that of a result that failed.
 void apply_doubts(Identification& found);
 
 /// The engine: circles first, then the chain, which starts from them; `dh` and the joints' axes are

@@ -76,7 +76,8 @@ class Judge {
   /// Circles know of no errors but the samples' noise: their uncertainties are too small wherever
   /// there are others.
   void judge_fit() {
-    if (!found_.chain || found_.chain->summary.converged || found_.estimator != Estimator::circle)
+    if (!found_.chain || found_.chain->summary.converged || found_.estimator != Estimator::circle ||
+        found_.status == Status::failed)
       return;
     const Summary& fit = found_.chain->summary;
     doubt("not_converged", std::nullopt,

@@ -272,9 +272,9 @@ std::optional<Warning> explained(const Explanation& explanation, const Identific
           (pairs.empty() ? "" : ", or ") + std::to_string(i + 1) + " and " + std::to_string(j + 1);
     }
   if (!first) return std::nullopt;
-  return Warning{"joints_exchanged", first,
-                 "the sweeps of two joints are exchanged: those of joints " + pairs +
-                     " the other way round fit the specified table"};
+  return Warning{
+      "joints_exchanged", first,
+      "two joints are exchanged: joints " + pairs + " the other way round fit the specified table"};
 }
 
 }  // namespace

@@ -31,6 +31,10 @@ constexpr double kMoved = 60;
 /// Poses leave so much more beside sweeps than alone, and no less, where they are of another place.
 constexpr double kApartFromSweeps = 5;
 constexpr double kLeastApart_mm = 0.05;
+/// An arm that warms up moves by less.
+constexpr double kMostWarming_mm = 0.5;
+/// No device measures as badly, the middle one of all poses.
+constexpr double kMostLeft_mm = 10;
 constexpr std::size_t kMostNamed = 5;
 constexpr double kNearAxis_mm = 20;
 
@@ -242,6 +246,20 @@ std::vector<Warning> doubts_of(const PoseEstimate& found, const std::vector<Pose
                           " mm off an arm of their own: the device, the robot's base or the target "
                           "was moved between the two. Measure both again, and touch nothing "
                           "meanwhile"});
+  if (doubts.empty() && found.drift.seen && found.drift.moved_mm > kMostWarming_mm)
+    doubts.push_back({"device_moved",
+                      {},
+                      "the first half of the poses and the second tell arms that are " +
+                          brief(found.drift.moved_mm) +
+                          " mm apart at the target (rms): the device, the robot's base or the "
+                          "target was moved between them. Measure again, and touch nothing "
+                          "meanwhile"});
+  if (doubts.empty() && left_mm > kMostLeft_mm)
+    doubts.push_back({"pose_outliers",
+                      {},
+                      "the poses lie " + brief(left_mm) +
+                          " mm off any arm: the angles are not those of the positions, or several "
+                          "targets were measured and have no names (column target)"});
   const auto outliers = static_cast<double>(found.outliers.size());
   if (doubts.empty() && outliers > kManyOutliers * static_cast<double>(poses.size()))
     doubts.push_back({"pose_outliers",
@@ -269,7 +287,7 @@ std::vector<Warning> advice_on(const PoseEstimate& found, const std::vector<Pose
                           std::to_string(poses.size()) + " poses lie far off and hardly count: " +
                           names + ": look at them, or measure them again"});
   }
-  if (found.drift.seen)
+  if (found.drift.seen && found.drift.moved_mm <= kMostWarming_mm)
     advice.push_back({"poses_drift",
                       {},
                       "the first half of the poses and the second tell arms that are " +
@@ -279,7 +297,8 @@ std::vector<Warning> advice_on(const PoseEstimate& found, const std::vector<Pose
                           "or take the poses as of an arm between the two"});
   const ChainEstimate& chain = found.chain;
   for (std::size_t j = 0; j < chain.axes.size(); ++j) {
-    if (chain.axes[j] || chain.chain.axes[j].linear) continue;
+    // Where the fit went astray, nobody knows where axes are.
+    if (chain.axes[j] || chain.chain.axes[j].linear || !found.fit.converged) continue;
     double radius = 0;
     for (const Vector3d& target : chain.chain.targets_mm) {
       const Vector3d arm = target - chain.chain.axes[j].point_mm;

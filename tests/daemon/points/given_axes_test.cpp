@@ -106,6 +106,28 @@ TEST_CASE("axes in a device's frame are met wherever it stands, and the base is 
   }
 }
 
+TEST_CASE("axes that are not the described arm's are doubted", "[given_axes]") {
+  auto axes = axes_of(identify::test::kr5_arc());
+  auto campaign = given_campaign();
+  std::string code;
+  SECTION("of two joints in each other's place") {
+    std::swap(axes[1], axes[2]);
+    code = "joints_exchanged";
+  }
+  SECTION("in metres") {
+    for (Axis& axis : axes) axis.point_mm /= 1000;
+    code = "unit_factor";
+  }
+  SECTION("of another robot") {
+    campaign.specified->rows[1].a_mm += 50;
+    code = "specified_contradicted";
+  }
+  const auto found = identify_given_axes(axes, campaign);
+  CHECK(found.status == identify::Status::doubtful);
+  REQUIRE(found.doubts.size() == 1);
+  CHECK(found.doubts.front().code == code);
+}
+
 TEST_CASE("the pose in which axes were given is known only if it is declared", "[given_axes]") {
   const auto arm = identify::test::kr5_arc();
   auto campaign = given_campaign();
