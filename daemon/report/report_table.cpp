@@ -75,8 +75,9 @@ std::vector<DhLine> dh_lines(const ReportFolder& folder) {
       DhLine line{i + 1, std::string(of.symbol), std::string(of.unit()), known(row, key), {}, {},
                   {}};
       line.sigma = known(row, fmt::format("{}_sigma_{}", of.name, of.unit()));
-      line.specified = known(specified, key);
       line.difference = known(difference, key);
+      line.specified = known(specified, key);
+      if (!line.specified && line.difference) line.specified = 0;  // a described table has no beta
       line.by_convention = is_set(row, key);
       if (line.unit == "deg" && line.identified && line.specified && !line.by_convention)
         *line.identified -= 360 * std::nearbyint((*line.identified - *line.specified) / 360);

@@ -127,12 +127,14 @@ Json dh_json(const std::vector<DhDifference>& rows) {
     return value ? unit(*value) : Json();
   };
   Json json = Json::array();
-  for (std::size_t i = 0; i < rows.size(); ++i)
+  for (std::size_t i = 0; i < rows.size(); ++i) {
     json.push_back({{"joint", i + 1},
                     {"b_mm", optional(rows[i].b_mm, json_length)},
                     {"theta_deg", optional(rows[i].theta_rad, json_angle)},
                     {"a_mm", optional(rows[i].a_mm, json_length)},
                     {"alpha_deg", optional(rows[i].alpha_rad, json_angle)}});
+    if (rows[i].beta_rad) json.back()["beta_deg"] = json_angle(*rows[i].beta_rad);
+  }
   return json;
 }
 

@@ -87,7 +87,8 @@ std::string dh_latex(const Outcome& outcome) {
         line({"\\alpha", "deg", degree, row.alpha_rad, expected.alpha_rad, difference.alpha_rad},
              i + 1, compared);
     if (row.beta_rad.knowledge == Knowledge::identified)
-      text += line({"\\beta", "deg", degree, row.beta_rad, 0, row.beta_rad.value}, i + 1, compared);
+      text += line({"\\beta", "deg", degree, row.beta_rad, expected.beta_rad, difference.beta_rad},
+                   i + 1, compared);
   }
   const std::string span =
       "\\multicolumn{" + std::string(compared ? "5" : "3") + "}{l}{\\footnotesize ";

@@ -113,13 +113,9 @@ class Table {
     line(i, {"a      mm", &DhEstimate::a_mm, 1, kMmDecimals, expected.a_mm, off.a_mm});
     line(i, {"alpha  deg", &DhEstimate::alpha_rad, degree, kDegDecimals, expected.alpha_rad,
              off.alpha_rad});
-    if (has_beta(row)) {
-      std::optional<double> beta_off;
-      if (row.beta_rad.knowledge == Knowledge::identified)
-        beta_off = row.beta_rad.value - expected.beta_rad;
+    if (has_beta(row))
       line(i, {"beta   deg", &DhEstimate::beta_rad, degree, kDegDecimals, expected.beta_rad,
-               beta_off});
-    }
+               off.beta_rad});
     if (i + 1 < found_.dh.size())
       text_ += "        to the next axis: " + std::string(identify::text(row.relation)) + "\n";
   }

@@ -90,12 +90,13 @@ std::string run_json(std::string_view command, const Json& given,
 }
 
 std::string run_json_of_cut_session(const std::filesystem::path& folder, const std::string& ended,
-                                    bool from_recording) {
+                                    bool from_recording, const std::vector<std::string>& damage) {
   std::ifstream stream(folder / file_names::kRun, std::ios::binary);
   Json run = Json::parse(stream, nullptr, false);
   if (!run.is_object()) run = begun("run");
   run["ended"] = ended;
   if (from_recording) run["from_recording"] = true;
+  if (!damage.empty()) run["damage"] = damage;
   return text(run);
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -37,9 +38,10 @@ struct RunFacts {
                                    const std::vector<FileHash>& inputs);
 
 /// What run.json of `folder` becomes once the files of a session that was cut are final: as it is,
-/// with "ended" and, where the result was made from the recording, "from_recording". Made anew
-/// where it cannot be read.
+/// with "ended" and, where the result was made from the recording, "from_recording", and what is
+/// wrong with the recording as "damage". Made anew where it cannot be read.
 [[nodiscard]] std::string run_json_of_cut_session(const std::filesystem::path& folder,
-                                                  const std::string& ended, bool from_recording);
+                                                  const std::string& ended, bool from_recording,
+                                                  const std::vector<std::string>& damage);
 
 }  // namespace sweepd

@@ -48,6 +48,7 @@ bool SessionReplay::step() {
     }
     const auto datagram = trace_->next();
     if (!datagram) {
+      for (auto& note : trace_->notes()) damage_.push_back(std::move(note));
       trace_.reset();
       continue;
     }
@@ -74,10 +75,11 @@ SessionEnd SessionReplay::end(Log log) {
                  folder_,
                  snapshot,
                  std::nullopt,
-                 [ended = utc_name(newest_), better](const fs::path& folder) {
-                   return run_json_of_cut_session(folder, ended, better);
+                 [ended = utc_name(newest_), better, damage = damage_](const fs::path& folder) {
+                   return run_json_of_cut_session(folder, ended, better, damage);
                  },
                  std::move(log)};
+  for (const std::string& what : damage_) end.log.warning("{}", what);
   end.lock = std::move(lock_);
   if (!better) {
     end.log.note("the result in {} stays: it knew more than is in the recording", folder_.string());

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "daemon/points/device_recording.hpp"
@@ -36,6 +37,7 @@ class SessionReplay : private StreamSink {
   std::unique_ptr<Session> session_;
   std::optional<rsi::CaptureReader> trace_;
   rsi::Timestamp newest_{};
+  std::vector<std::string> damage_;  // sentences
 };
 
 }  // namespace sweepd

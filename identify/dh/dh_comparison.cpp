@@ -27,7 +27,9 @@ std::vector<DhDifference> compare_with_specified(
     DhDifference difference{length(row.b_mm, specified.b_mm),
                             {},
                             length(row.a_mm, specified.a_mm),
-                            angle(row.alpha_rad, specified.alpha_rad)};
+                            angle(row.alpha_rad, specified.alpha_rad),
+                            {}};
+    if (has_beta(row)) difference.beta_rad = angle(row.beta_rad, specified.beta_rad);
     if (home_rad[i]) difference.theta_rad = angle(row.theta_rad, specified.theta_rad);
     differences.push_back(difference);
   }

@@ -16,6 +16,7 @@ struct DhDifference {
   std::optional<double> theta_rad;
   std::optional<double> a_mm;
   std::optional<double> alpha_rad;
+  std::optional<double> beta_rad;  ///< only of rows that have it
 };
 
 /// One row a joint; empty without a specified table. `specified` holds at `home_rad`.

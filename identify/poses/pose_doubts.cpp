@@ -113,8 +113,8 @@ std::optional<Warning> contradiction(const std::vector<Pose>& poses, const Campa
   return Warning{"pose_misfit",
                  {},
                  off +
-                     ": check the description, the units, the order of the columns, and that "
-                     "angles and positions are of the same poses"};
+                     ": check the description, the units, the order of the columns, that angles "
+                     "and positions are of the same poses, and that several targets have names"};
 }
 
 /// The shift of a target from one pose of the order on that explains most.

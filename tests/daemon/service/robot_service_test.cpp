@@ -216,6 +216,10 @@ TEST_CASE("a session whose last result was never written gets it at the next sta
   service.stop();
   CHECK(content(damaged / "result.json") == result);
   CHECK(json_in(damaged / "run.json")["from_recording"] == true);
+  CHECK_FALSE(json_in(damaged / "run.json").contains("damage"));
+  REQUIRE(json_in(cut / "run.json")["damage"].size() == 1);
+  CHECK_THAT(json_in(cut / "run.json")["damage"][0].get<std::string>(),
+             ContainsSubstring("trace.pcap"));
   CHECK(json_in(cut / "run.json").contains("ended"));
   CHECK_FALSE(json_in(cut / "run.json").contains("from_recording"));
   CHECK(content(cut / "result.json") == result);

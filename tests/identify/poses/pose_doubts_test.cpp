@@ -122,7 +122,7 @@ TEST_CASE("Targets that have no names of their own are noticed", "[pose_doubts]"
   for (Pose& pose : poses) pose.target = 0;
   const auto found = identify::identify({}, built.campaign(), poses);
   CHECK(found.status != Status::complete);
-  CHECK_THAT(found.reason, Catch::Matchers::ContainsSubstring("targets were measured"));
+  CHECK_THAT(found.reason, Catch::Matchers::ContainsSubstring("several targets"));
 }
 
 TEST_CASE("One wrong pose in twenty is left out and named; the others tell the same",
