@@ -12,7 +12,8 @@ int exit_code(const Outcome& outcome, std::ostream& errors) {
   if (found.status != identify::Status::failed) return kOk.code;
   errors << "sweepd: nothing is identified: " << found.reason;
   // The first warning has what to do, as a doubt has.
-  if (found.doubts.empty() && !found.warnings.empty() && found.warnings.front().message != found.reason)
+  if (found.doubts.empty() && !found.warnings.empty() &&
+      found.warnings.front().message != found.reason)
     errors << ": " << found.warnings.front().message;
   errors << '\n';
   return kFailed;

@@ -123,6 +123,7 @@ Settings watching(Settings settings, const WatchOptions& options) {
 int watch(const WatchOptions& options) {
   if (options.config)
     return serve_robots([options] { return watching(watched_settings(options), options); });
+  static_cast<void>(load_setup(options.robot, options.plan));  // before RSI has to come for it
   std::optional<rsi::Endpoint> watched;
   if (options.port) {
     watched = rsi::Endpoint{0, *options.port};

@@ -104,6 +104,15 @@ ColumnName column_name(std::string_view text) {
   return {{}, unit};
 }
 
+bool names_joint(std::string_view text) {
+  const std::string name = lower(rsi::trimmed(text));
+  if (name == "joint") return true;
+  const auto unit = name.find('_');
+  return name.starts_with('a') && unit != std::string::npos &&
+         rsi::all_digits(std::string_view(name).substr(1, unit - 1)) &&
+         (name.substr(unit) == "_deg" || name.substr(unit) == "_rad");
+}
+
 double time_unit_s(std::string_view name) {
   static constexpr std::array<std::pair<std::string_view, double>, 10> kUnits{
       {{"s", 1},

@@ -38,13 +38,6 @@ Say say_for(const std::string& name) {
   };
 }
 
-/// Recordings are the only source of the results that an earlier sweepd did not write.
-RecorderOptions after_results(std::shared_ptr<const RobotStatus> status) {
-  RecorderOptions options;
-  options.may_delete = [status = std::move(status)] { return status->earlier_finished.load(); };
-  return options;
-}
-
 }  // namespace
 
 RobotService::RobotService(const RobotSettings& settings, std::shared_ptr<RobotThreads> threads)
@@ -57,7 +50,8 @@ RobotService::RobotService(const RobotSettings& settings, std::shared_ptr<RobotT
       status_(std::make_shared<RobotStatus>()),
       threads_(std::move(threads)),
       recorder_(threads_->recorders, inputs_.disk, settings.recording, say_for(settings.name),
-                after_results(status_)),
+                // Results that an earlier sweepd did not write are made of recordings alone.
+                {.may_delete = [of = status_] { return of->earlier_finished.load(); }}),
       identifier_(status_),
       reply_thread_(*server_),
       reloaded_(settings),

@@ -53,7 +53,8 @@ struct PoseEstimate {
   /// What the middle one would leave without the sweeps, for as many numbers; infinite where they
   /// are too few for an arm of their own.
   double left_alone_mm = std::numeric_limits<double>::infinity();
-  /// What is left is no more than printing takes away: the positions were computed from the angles.
+  /// What is left is no more than printing takes away, and looks like it: as far as anyone can
+  /// tell, the positions were computed from the angles.
   bool computed = false;
   std::vector<std::size_t> outliers;  ///< poses that count less than half
   ChainEstimate chain;                ///< the fit's chain, with the axes that are certain enough

@@ -5,6 +5,7 @@
 #include <streambuf>
 #include <vector>
 
+#include "daemon/settings/toml_table.hpp"
 #include "tests/catch.hpp"
 
 using Catch::Matchers::ContainsSubstring;
@@ -57,6 +58,10 @@ TEST_CASE("what cannot be printed is told, and no success", "[command_line]") {
   }
   CHECK(code == 1);
   CHECK_THAT(errors.str(), StartsWith("sweepd: standard output cannot be written"));
+}
+
+TEST_CASE("a description that watch cannot read is told before RSI comes", "[command_line]") {
+  CHECK_THROWS_AS(execute({"watch", "--robot", "/nowhere/kr5.toml"}), sweepd::ConfigError);
 }
 
 TEST_CASE("wrong usage is told in this program's words", "[command_line]") {

@@ -79,6 +79,17 @@ TEST_CASE("a header may be in capitals, and the file in UTF-16", "[points_file]"
   }
 }
 
+TEST_CASE("joint angles in capitals are no measuring program's", "[points_file][column_name]") {
+  for (const char* header : {"A1_DEG,A2_DEG,X_MM,Y_MM,Z_MM", "a1_rad,a2_rad,X_mm,Y_mm,Z_mm"}) {
+    const TemporaryFolder folder;
+    const auto file = read(folder, std::string(header) + "\n0.5,1,1,2,3\n");
+    CHECK(file.format.empty());
+    REQUIRE(file.points.size() == 1);
+    CHECK(file.points.front().sample.joints == 2);
+    CHECK(file.points.front().sample.position_mm.z() == 3);
+  }
+}
+
 TEST_CASE("without times the points count; without a joint there is none", "[points_file]") {
   const TemporaryFolder folder;
   const auto file = read(folder, "x_mm,y_mm,z_mm\n1,2,3\n4,5,6\n");

@@ -140,7 +140,8 @@ TEST_CASE("Many poses show that nothing gives way, few do not", "[pose_estimate]
   CHECK(unsure_rad(100) < unsure_rad(6) / 2);
 }
 
-TEST_CASE("Sweeps of some joints, and poses of all, tell the table", "[pose_estimate][pose_start]") {
+TEST_CASE("Sweeps of some joints, and poses of all, tell the table",
+          "[pose_estimate][pose_start]") {
   Judged all;
   for (std::uint32_t seed = 1; seed <= 12; ++seed) {
     const auto built = arm_with(tracker(), seed);
@@ -364,6 +365,24 @@ TEST_CASE("Poses that were computed leave no noise, and the fit comes to its end
     REQUIRE(found);
     CHECK(found->fit.converged);
   }
+}
+
+TEST_CASE("Angles of few decimals do not make a device's poses the controller's own",
+          "[pose_estimate]") {
+  for (const bool device : {false, true})
+    for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+      auto world = tracker(device ? 0.005 : 0);
+      world.noise.range_mm = world.noise.across_mm = device ? 0.05 : 0;
+      world.noise.decimals = 4;
+      world.decimals = 2;
+      const auto built = arm_with(world, seed);
+      auto campaign = built.campaign();
+      campaign.resolution = {1e-4, 0.01 * kDegree};
+      const auto found = estimated(built.poses(40), campaign);
+      REQUIRE(found);
+      INFO("device " << device << ", seed " << seed);
+      CHECK(found->computed == !device);
+    }
 }
 
 TEST_CASE("Thirty poses are not few, whatever their gears do", "[pose_estimate]") {
