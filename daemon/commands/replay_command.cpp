@@ -122,7 +122,9 @@ int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) 
   std::future<std::vector<FileHash>> hashes;  // made beside the reading
   if (options.output) {
     make_folder(*options.output);
-    write_run_file(options, search, {});
+    // One that is there belongs to the result beside it, which stays until the new one is made.
+    if (!std::filesystem::exists(*options.output / file_names::kRun))
+      write_run_file(options, search, {});
     hashes = std::async(std::launch::async, hashes_of, inputs_of(options));
     samples.emplace(samples_file.emplace(*options.output / "samples.csv").beside());
   }

@@ -195,7 +195,9 @@ void compare_campaigns(std::vector<CampaignRecord> records, const std::vector<st
       test.test(campaign, others * difference, spread.covariance * others + worse, spread.degrees,
                 places);
     }
-    if (options.since && campaign.record.time < *options.since) continue;
+    // Without what is compared with, nothing tells whether the first one since then is other, or
+    // those behind it are.
+    if (options.since && campaign.record.time < *options.since && !member) continue;
     MatrixXd weight = usual_weight;
     if (!worse.isZero(0) || places.size() < static_cast<std::size_t>(mean.size())) {
       weight.setZero();

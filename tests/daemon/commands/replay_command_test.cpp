@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <sstream>
+#include <streambuf>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -317,6 +318,28 @@ TEST_CASE("of a capture that is cut off, what was read is used, and it is said",
              Catch::Matchers::StartsWith("sweepd: ") && ContainsSubstring("cut off"));
   CHECK(std::count(result.errors.begin(), result.errors.end(), '\n') == 1);
   CHECK(result_in(folder / "out")["source"]["telegrams"] == 400);
+}
+
+TEST_CASE("a replay that is broken off leaves the result that was there, and what says whose it is",
+          "[replay_command]") {
+  const TemporaryFolder folder;
+  std::uint64_t ipoc = 4000;
+  Capture(folder / "x.pcap").add_stroke(ipoc, 0, 60);
+  Capture(folder / "cut.pcap").add_stroke(ipoc, 0, 60);
+  fs::resize_file(folder / "cut.pcap", fs::file_size(folder / "cut.pcap") - 7);
+  CHECK(replayed(trace_options(folder / "x.pcap", folder / "out")).code == 0);
+  const auto run = content(folder / "out/run.json");
+  const auto result = content(folder / "out/result.json");
+  auto options = trace_options(folder / "cut.pcap", folder / "out");
+  options.force = true;
+  class Refusing : public std::streambuf {
+  } refusing;  // breaks it off where it tells of the cut
+  std::ostringstream report;
+  std::ostream errors(&refusing);
+  errors.exceptions(std::ios::badbit);
+  CHECK_THROWS_AS(replay(options, report, errors), std::ios::failure);
+  CHECK(content(folder / "out/run.json") == run);
+  CHECK(content(folder / "out/result.json") == result);
 }
 
 TEST_CASE("a capture that cannot be opened is said, and leaves no files", "[replay_command]") {

@@ -186,6 +186,17 @@ TEST_CASE("campaigns before a date only tell what is compared with", "[history][
   options.since = month(12);
   const History history = history_of({campaigns(20, 6), {}, {}}, options);
   CHECK(history.campaigns.size() == 6 + 8);
+  CHECK(history.changes.empty());
+}
+
+TEST_CASE("a crash after the first campaign since a date is a jump", "[history][long]") {
+  sweepd::HistoryOptions options;
+  options.since = month(12);
+  const History history =
+      history_of({campaigns(18, 6, 13, 20 * sigma_of_zero4()), {}, {}}, options);
+  REQUIRE(history.changes.size() == 1);
+  CHECK(history.changes[0].kind == ChangeKind::jump);
+  CHECK(history.campaigns[history.changes[0].at].record.name == "campaign13");
 }
 
 TEST_CASE("friction that rises is told as a drift of its joint", "[history][long]") {

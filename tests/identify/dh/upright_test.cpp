@@ -34,7 +34,7 @@ TEST_CASE("Axes tell a device which way is up, however the robot is mounted", "[
 TEST_CASE("Parallel axes tell what lies along them, and no more", "[upright]") {
   const auto robot = simulation::kr5();
   auto directions = seen(simulation::chain_of(robot), kAskew);
-  for (const std::size_t j : {0, 3, 4, 5}) directions[j].reset();
+  for (const std::size_t j : {0U, 3U, 4U, 5U}) directions[j].reset();
   const Vector3d axis = *directions[1] * robot.arm.positive[1];  // along Z of its row
   const Eigen::Matrix3d row = transform(robot.specified.rows[0]).linear();
   CHECK(up_among(directions, robot.specified, row.col(2)).value().isApprox(axis, 1e-6));

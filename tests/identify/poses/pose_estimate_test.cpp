@@ -157,7 +157,7 @@ TEST_CASE("Sweeps of some joints, and poses of all, tell the table",
 }
 
 TEST_CASE("A joint that never turned has no axis", "[pose_estimate][pose_start]") {
-  const std::size_t joint = GENERATE(2, 4, 5);
+  const std::size_t joint = GENERATE(2U, 4U, 5U);
   const auto built = arm_with(tracker(), 1);
   auto sweeps = built.sweeps();
   std::erase_if(sweeps, [&](const Sweep& sweep) { return sweep.joint == joint; });
