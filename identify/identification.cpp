@@ -150,7 +150,8 @@ void take_poses(Identification& found, const std::vector<Pose>& poses, const Cam
   found.doubt.clear();  // what a sweep alone left open, angles tell
   const std::optional<ChainEstimate> sweeps = std::move(found.chain);
   found.chain = found.poses->chain;
-  if (sweeps) static_cast<SweepEvidence&>(*found.chain) = *sweeps;
+  if (sweeps)
+    static_cast<SweepEvidence&>(*found.chain) = static_cast<const SweepEvidence&>(*sweeps);
   place_linear_axes(*found.chain, campaign, found.specified);
   if (found.poses->fit.converged) {
     if (found.status == Status::failed) found.status = Status::partial;
@@ -205,7 +206,7 @@ Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign,
   std::vector<Warning> copies;
   poses = without_copies(std::move(poses), copies);
   Identification found =
-      poses.empty() ? estimate(sweeps, campaign) : with_poses(sweeps, poses, campaign);
+      poses.empty() ? estimate(std::move(sweeps), campaign) : with_poses(sweeps, poses, campaign);
   found.warnings.insert(found.warnings.end(), copies.begin(), copies.end());
   name_undetermined(found);
   if (found.status == Status::complete && !found.doubt.empty()) {

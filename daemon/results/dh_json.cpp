@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -63,15 +64,17 @@ Json dh_json(std::size_t index, const DhEstimate& row) {
     if (of.number == &DhEstimate::beta_rad && !has_beta(row)) continue;
     const DhNumber& number = row.*of.number;
     const auto in_unit = of.length ? json_length : json_angle;
-    const std::string name(of.name), unit = "_" + std::string(of.unit());
+    const auto key = [&](std::string_view what) {
+      return fmt::format("{}{}_{}", of.name, what, of.unit());
+    };
     const bool known = number.knowledge != Knowledge::undetermined;
     const bool identified = number.knowledge == Knowledge::identified;
     const double half = identify::kSigmasOf95Percent * number.sigma;
-    json[name + unit] = known ? in_unit(number.value) : Json();
-    json[name + "_sigma" + unit] = identified ? in_unit(number.sigma) : Json();
-    json[name + "_low" + unit] = identified ? in_unit(number.value - half) : Json();
-    json[name + "_high" + unit] = identified ? in_unit(number.value + half) : Json();
-    if (number.knowledge == Knowledge::by_convention) by_convention.push_back(name + unit);
+    json[key("")] = known ? in_unit(number.value) : Json();
+    json[key("_sigma")] = identified ? in_unit(number.sigma) : Json();
+    json[key("_low")] = identified ? in_unit(number.value - half) : Json();
+    json[key("_high")] = identified ? in_unit(number.value + half) : Json();
+    if (number.knowledge == Knowledge::by_convention) by_convention.push_back(key(""));
   }
   if (row.linear) json["variable"] = "b_mm";
   json["relation"] = identify::text(row.relation);

@@ -37,7 +37,7 @@ constexpr Kind kKindsOfTrouble[] = {
      "not from the controller and not answered: keep others off this network; `controller` in the "
      "settings names the one that counts"},
     {&Counts::overflows, "datagram", "datagrams",
-     "answered but neither recorded nor used, since the queue was full: raise queue_bytes or free "
+     "neither recorded nor used, since the queue was full: raise queue_bytes or free "
      "the machine"},
 };
 

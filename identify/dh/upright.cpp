@@ -20,7 +20,7 @@ std::optional<Vector3d> up_among(const std::vector<std::optional<Vector3d>>& see
     frame = frame * transform(arm.rows[j]).linear();
   }
   const Eigen::JacobiSVD<Matrix3d> svd(products, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Vector3d sizes = svd.singularValues();
+  const Vector3d& sizes = svd.singularValues();
   if (!(sizes(0) > 0)) return std::nullopt;
   constexpr double kParallel = 0.01;
   if (sizes(1) < kParallel * sizes(0)) {
