@@ -109,7 +109,7 @@ ChainEstimate chain_of(const PoseFit& fit, const std::optional<FromSweeps>& swee
 bool may_be_computed(const PoseEstimate& found, const Resolution& resolution) {
   const double step_mm = kComputed_mm + resolution.position_mm;
   const double angle_rad = resolution.angle_rad / std::sqrt(12.0);
-  constexpr double kMostOfJoints = 1.5;  // of 200 files of computed poses it was 1.2 at most
+  constexpr double kMostOfJoints = 1.5;  // of 144 files of computed poses it was 1.2 at most
   return found.left.rms_mm < step_mm + kMetre_mm * resolution.angle_rad &&
          found.fit.noise.position_mm < step_mm + kMetre_mm * angle_rad &&
          found.fit.noise.joint_rad < kMostOfJoints * angle_rad + step_mm / kMetre_mm;

@@ -83,6 +83,15 @@ Json json_in(const fs::path& file) {
   return Json::parse(content(file));
 }
 
+/// The folder of a session that was served to its end.
+fs::path recorded_session(const fs::path& output) {
+  RobotService service(settings(output));
+  service.start();
+  static_cast<void>(stream(service.local()));
+  service.stop();
+  return *sessions(output).begin();
+}
+
 struct Traced {
   std::uint64_t telegrams = 0;
   std::uint64_t replies = 0;
@@ -177,14 +186,7 @@ TEST_CASE("each stream gets a folder of its own, and silence completes it",
 TEST_CASE("a session whose last result was never written gets it at the next start",
           "[robot_service][live][issue11][point_10]") {
   const TemporaryFolder folder;
-  fs::path session;
-  {
-    RobotService service(settings(folder / "out"));
-    service.start();
-    static_cast<void>(stream(service.local()));
-    service.stop();
-    session = *sessions(folder / "out").begin();
-  }
+  const fs::path session = recorded_session(folder / "out");
   // As after kill -9: the recording, and run.json without its end.
   const auto result = content(session / "result.json");
   auto run = json_in(session / "run.json");
@@ -230,25 +232,17 @@ TEST_CASE("a session whose last result was never written gets it at the next sta
 TEST_CASE("no recording is deleted before its session has a result",
           "[robot_service][live][retention]") {
   const TemporaryFolder folder;
-  auto of = settings(folder / "out");
-  fs::path session;
-  {
-    RobotService service(of);
-    service.start();
-    static_cast<void>(stream(service.local()));
-    service.stop();
-    session = *sessions(folder / "out").begin();
-  }
+  const fs::path session = recorded_session(folder / "out");
   const auto result = content(session / "result.json");
   auto run = json_in(session / "run.json");
   run.erase("ended");
-  for (int copy = 10; copy < 40; ++copy) {
-    const auto cut =
-        session.parent_path() / ("202601" + std::to_string(copy - 9 + 100).substr(1) + "T000000Z");
+  for (int day = 1; day <= 30; ++day) {
+    const auto cut = session.parent_path() / fmt::format("202601{:02}T000000Z", day);
     fs::create_directory(cut);
     fs::copy(session / "trace.pcap", cut / "trace.pcap");
     std::ofstream(cut / "run.json") << run.dump();
   }
+  auto of = settings(folder / "out");
   of.recording.keep_bytes = 1;
   RobotService service(of);
   service.start();

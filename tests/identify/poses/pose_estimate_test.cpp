@@ -72,6 +72,22 @@ std::vector<Pose> rests(const simulation::Simulation& of) {
   return of.poses_at(angles_rad);
 }
 
+/// Identifies and judges a result that is to be complete.
+void judge_complete(const simulation::Simulation& of, const std::vector<Sweep>& sweeps,
+                    std::size_t poses, Judged& all) {
+  const auto found = identify::identify(sweeps, of.campaign(), of.poses(poses));
+  INFO(found.reason);
+  REQUIRE(found.status == Status::complete);
+  judge(of, found, all);
+}
+
+/// But those of one joint.
+std::vector<Sweep> sweeps_without(std::size_t joint, const simulation::Simulation& of) {
+  auto sweeps = of.sweeps();
+  std::erase_if(sweeps, [&](const Sweep& sweep) { return sweep.joint == joint; });
+  return sweeps;
+}
+
 }  // namespace
 
 TEST_CASE("Poses alone tell the table, and their uncertainties hold", "[pose_estimate][long]") {
@@ -101,10 +117,8 @@ TEST_CASE(
   for (std::uint32_t seed = 1; seed <= (swept ? 10U : 25U); ++seed) {
     const auto built = arm_with(world, seed);
     const auto sweeps = swept ? built.sweeps() : std::vector<Sweep>();
-    const auto found = identify::identify(sweeps, built.campaign(), built.poses(40));
-    INFO("seed " << seed << ": " << found.reason);
-    REQUIRE(found.status == Status::complete);
-    judge(built, found, all);
+    INFO("seed " << seed);
+    judge_complete(built, sweeps, 40, all);
   }
   CHECK(static_cast<double>(all.inside) / all.numbers > 0.92);
   CHECK(all.farthest < 5);
@@ -119,10 +133,8 @@ TEST_CASE("Uncertainties hold of sweeps beside so few poses that these do not sh
     const auto robot =
         simulation::at_random_home(simulation::built(simulation::iiwa(), seed), seed);
     const simulation::Simulation built(robot, simulation::Strokes(), world, seed);
-    const auto found = identify::identify(built.sweeps(), built.campaign(), built.poses(8));
-    INFO("seed " << seed << ": " << found.reason);
-    REQUIRE(found.status == Status::complete);
-    judge(built, found, all);
+    INFO("seed " << seed);
+    judge_complete(built, built.sweeps(), 8, all);
   }
   CHECK(static_cast<double>(all.inside) / all.numbers > 0.9);
   CHECK(all.farthest < 6);
@@ -145,12 +157,8 @@ TEST_CASE("Sweeps of some joints, and poses of all, tell the table",
   Judged all;
   for (std::uint32_t seed = 1; seed <= 12; ++seed) {
     const auto built = arm_with(tracker(), seed);
-    auto sweeps = built.sweeps();
-    std::erase_if(sweeps, [&](const Sweep& sweep) { return sweep.joint == seed % 6; });
-    const auto found = identify::identify(sweeps, built.campaign(), built.poses(20));
-    INFO("seed " << seed << ": " << found.reason);
-    REQUIRE(found.status == Status::complete);
-    judge(built, found, all);
+    INFO("seed " << seed);
+    judge_complete(built, sweeps_without(seed % 6, built), 20, all);
   }
   CHECK(static_cast<double>(all.inside) / all.numbers > 0.92);
   CHECK(all.farthest < 4.5);
@@ -159,14 +167,13 @@ TEST_CASE("Sweeps of some joints, and poses of all, tell the table",
 TEST_CASE("A joint that never turned has no axis", "[pose_estimate][pose_start]") {
   const std::size_t joint = GENERATE(2U, 4U, 5U);
   const auto built = arm_with(tracker(), 1);
-  auto sweeps = built.sweeps();
-  std::erase_if(sweeps, [&](const Sweep& sweep) { return sweep.joint == joint; });
   std::vector<std::vector<double>> angles_rad;
   for (const Pose& pose : built.poses(15)) {
     angles_rad.emplace_back(pose.sample.angles_rad.begin(), pose.sample.angles_rad.begin() + 6);
     angles_rad.back()[joint] = built.robot().arm.home_rad[joint];
   }
-  const auto found = identify::identify(sweeps, built.campaign(), built.poses_at(angles_rad));
+  const auto found = identify::identify(sweeps_without(joint, built), built.campaign(),
+                                        built.poses_at(angles_rad));
   CHECK(found.status == Status::partial);
   CHECK(found.reason == "no axis for joint " + std::to_string(joint + 1));
   for (std::size_t j = 0; j < 6; ++j) CHECK(found.joints[j].axis.has_value() == (j != joint));
