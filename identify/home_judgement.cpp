@@ -30,6 +30,8 @@ constexpr double kLeastStep_mm = 0.05;
 /// homes that scatter look so in one of some thousand campaigns (F of 3 and 4).
 constexpr double kExplainedByStep = 100;
 constexpr double kFewestSpare = 4;
+/// Less is not said of a move that the chain allows for.
+constexpr double kLeastMove_mm = 0.02;
 /// Gears err by minutes of arc; less is said and no doubt.
 constexpr double kOffAngle_rad = 0.1 * kDegree;
 constexpr double kLeastOffAngle_rad = 0.01 * kDegree;
@@ -112,15 +114,38 @@ struct Meeting {
   }
 };
 
+/// From a joint's sweep on the target at home is elsewhere.
+struct Step {
+  double mm = 0;
+  std::size_t joint = 0;
+  std::optional<std::size_t> alone;  ///< the only joint on one side of it
+  double time_s = 0;
+};
+
+Warning told(const Step& step, bool timed, const std::string& therefore) {
+  if (step.alone)
+    return {"off_home", step.alone,
+            joint_name(*step.alone) + ": its circle passes " + brief(step.mm) +
+                " mm from where the other joints' circles meet: another joint stood elsewhere than "
+                "in the other sweeps, or the device, the robot's base or the target was moved. " +
+                therefore + kSweepAgain};
+  const std::string when = timed ? " on, at " + fixed(step.time_s, 1) + " s," : " on";
+  return {"device_moved", step.joint,
+          "from a sweep of " + joint_name(step.joint) + when + " the target at home is " +
+              brief(step.mm) +
+              " mm from where it was, and stays there: the device, the robot's base or the target "
+              "was moved, or a joint did not come back home. " +
+              therefore + kSweepAgain};
+}
+
 std::optional<Warning> step_of_home(const Identification& found, bool timed) {
   const auto seen = circles_of_sweeps(found);
   if (seen.size() < 2) return std::nullopt;
   const Meeting all(seen, 0, seen.size(), meeting_point(circles_in(seen)));
   double sigma_mm = 0;
   for (const SeenCircle& one : seen) sigma_mm = std::max(sigma_mm, one.known.sigma_mm(all.at_mm));
-  double most = 0, moved_mm = 0;
-  std::size_t from = 0;
-  std::optional<std::size_t> alone;  // the joint on one side of the step
+  double most = 0;
+  Step step;
   for (std::size_t cut = 1; cut < seen.size(); ++cut) {
     Meeting before(seen, 0, cut, all.at_mm), after(seen, cut, seen.size(), all.at_mm);
     if (before.one_joint && after.one_joint) continue;
@@ -134,27 +159,21 @@ std::optional<Warning> step_of_home(const Identification& found, bool timed) {
     const double evidence = spare * std::log(times);
     if (times < kExplainedByStep || evidence < most) continue;
     most = evidence;
-    moved_mm = moved;
-    from = cut;
-    alone.reset();
-    if (before.one_joint) alone = seen.front().joint;
-    if (after.one_joint) alone = seen.back().joint;
+    step = {moved, seen[cut].joint, {}, seen[cut].time_s};
+    if (before.one_joint) step.alone = seen.front().joint;
+    if (after.one_joint) step.alone = seen.back().joint;
   }
   if (most == 0) return std::nullopt;
-  if (alone)
-    return Warning{"off_home", alone,
-                   joint_name(*alone) + ": its circle passes " + brief(moved_mm) +
-                       " mm from where the other joints' circles meet: another joint stood "
-                       "elsewhere than in the other sweeps, or the device, the robot's base or the "
-                       "target was moved. " +
-                       kSweepAgain};
-  const std::string when = timed ? " on, at " + fixed(seen[from].time_s, 1) + " s," : " on";
-  return Warning{"device_moved", seen[from].joint,
-                 "from a sweep of " + joint_name(seen[from].joint) + when +
-                     " the target at home is " + brief(moved_mm) +
-                     " mm from where it was, and stays there: the device, the robot's base or the "
-                     "target was moved, or a joint did not come back home. " +
-                     kSweepAgain};
+  return told(step, timed, "");
+}
+
+/// What the chain allows for.
+void tell_move(Identification& found, bool timed) {
+  if (!found.chain || !found.chain->move) return;
+  const ChainEstimate::MoveSeen& move = *found.chain->move;
+  const Step step{move.mm.norm(), move.joint, move.alone, move.time_s};
+  if (step.mm > kLeastMove_mm)
+    found.warnings.push_back(told(step, timed, "The result allows for it. "));
 }
 
 /// How certain a joint's circle is at a place.
@@ -292,6 +311,7 @@ void judge_home(Identification& found, bool timed) {
     found.doubts.push_back(std::move(*step));
     return;
   }
+  tell_move(found, timed);
   if (const auto one = angle_off(found)) {
     const bool linear = found.joints[one->joint].line.has_value();
     const bool doubtful = one->off_rad > kOffAngle_rad + one->noise_rad &&

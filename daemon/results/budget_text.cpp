@@ -26,7 +26,7 @@ std::string size(Cause cause, const Identification& found) {
     case Cause::home:
       return angle(effects.home_rad);
     case Cause::drift:
-      return length(std::hypot(effects.drift_mm, effects.steady_mm));
+      return length(std::hypot(effects.drift_mm, effects.steady_mm, effects.moved_mm));
     case Cause::figure:
       return length(effects.figure_mm());
     case Cause::offset:

@@ -34,15 +34,27 @@ Json effects(const identify::ChainEstimate& estimate) {
       {"offset_deg", json_angle(seen.offset_rad)},   {"sag_deg", json_angle(seen.sag_rad)}};
 }
 
-Json steady_drift(const identify::ChainEstimate::SteadyDrift& seen) {
+/// What has `mm` and its `covariance`.
+template <class Shift>
+Json shift(const Shift& seen) {
   Json mm = Json::array(), sigma = Json::array();
   for (Eigen::Index k = 0; k < 3; ++k) {
     mm.push_back(json_length(seen.mm(k)));
     sigma.push_back(json_length(std::sqrt(seen.covariance(k, k))));
   }
-  return {{"mm", std::move(mm)},
-          {"sigma_mm", std::move(sigma)},
-          {"seconds", seen.seconds > 0 ? Json(rounded(seen.seconds, 3)) : Json()}};
+  return {{"mm", std::move(mm)}, {"sigma_mm", std::move(sigma)}};
+}
+
+Json steady_drift(const identify::ChainEstimate::SteadyDrift& seen) {
+  Json json = shift(seen);
+  json["seconds"] = seen.seconds > 0 ? Json(rounded(seen.seconds, 3)) : Json();
+  return json;
+}
+
+Json move(const identify::ChainEstimate::MoveSeen& seen) {
+  Json json = shift(seen);
+  json["joint"] = seen.joint + 1;
+  return json;
 }
 
 /// Of a linear joint its ways: mm.
@@ -111,6 +123,7 @@ Json chain_json(const identify::ChainEstimate& estimate) {
           {"home_scatter_mm", json_length(estimate.home_scatter_mm)},
           {"effects", effects(estimate)},
           {"steady_drift", estimate.steady_drift ? steady_drift(*estimate.steady_drift) : Json()},
+          {"move", estimate.move ? move(*estimate.move) : Json()},
           {"with_orientation", estimate.with_orientation},
           {"noise", noise(estimate)},
           {"angles", std::move(evidence)}};

@@ -135,4 +135,8 @@ template <int Size, class ByTurn>
 [[nodiscard]] EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& nodes,
                                            const EffectColumns& columns);
 
+/// Standard deviations of the chain's drift and the move, as `effects` size them: one a
+/// column that the shape has.
+[[nodiscard]] Eigen::VectorXd device_sigmas(const ChainEffects& shape, const ChainEffects& effects);
+
 }  // namespace identify

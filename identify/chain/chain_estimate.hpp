@@ -45,6 +45,11 @@ struct ChainEffects {
   /// they have of a random walk.
   double steady_mm = 0;
   Eigen::Index drift_parts = 1;
+  /// Of how far it was moved, once, each coordinate: the chain's `move`. What is 1 m from the
+  /// target it was turned by as much.
+  double moved_mm = 0;
+  /// How many numbers of a chain's `drift_mm` there are.
+  [[nodiscard]] Eigen::Index drift_columns() const { return steady_mm > 0 ? 3 * drift_parts : 0; }
   /// Of the figure that a stroke describes, radial and axial, from a circle: the standard deviation
   /// of the coefficient of its first Chebyshev polynomial, one a law by which the others fall. It
   /// is the sum of such figures. At home, which is one pose of the arm however it was reached,
@@ -160,6 +165,17 @@ struct SweepEvidence {
     double seconds = 0;
   };
   std::optional<SteadyDrift> steady_drift;  ///< where the data show one
+  /// How far the target at home was moved in the measurement frame, once: with the device, with the
+  /// robot's base, on the tool, or because a joint stayed off home. The estimate is of what was
+  /// there after that. It, too, is out of everything above.
+  struct MoveSeen {
+    Eigen::Vector3d mm = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    std::size_t joint = 0;             ///< whose stroke is the first one after it
+    double time_s = 0;                 ///< of that stroke's first sample
+    std::optional<std::size_t> alone;  ///< the only joint that swept on one side of it
+  };
+  std::optional<MoveSeen> move;  ///< where the data show one
   std::size_t samples = 0;
   std::size_t outliers = 0;            ///< of them: given less than half their weight
   std::size_t summed = 0;              ///< strokes of which only sums were known

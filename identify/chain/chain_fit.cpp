@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -127,9 +128,10 @@ class Fitting {
       there.zero_rad[j] += change(count + static_cast<Index>(j));
     for (std::size_t s = 0; s < there.sags.size(); ++s)
       there.sags[s].rad += change(count + static_cast<Index>(there.zero_rad.size() + s));
-    const Index drift = problem_.first_drift(there);
-    for (Index k = drift; k < change.size(); ++k)
+    const Index drift = problem_.first_drift(there), move = problem_.first_move(there);
+    for (Index k = drift; k < move; ++k)
       there.drift_mm((k - drift) % 3, (k - drift) / 3) += change(k);
+    for (Index k = move; k < change.size(); ++k) there.move(k - move) += change(k);
     return there;
   }
 
@@ -146,13 +148,24 @@ ChainFit fit_chain(const Chain& start, ChainNodes& nodes, const ChainNoise& nois
                           : Fitting<3>(start, nodes, noise, effects).run(most_iterations);
 }
 
+namespace {
+
+Index first_move(const ChainFit& fit, const ChainEffects& effects) {
+  return fit.covariance.rows() - (effects.moved_mm > 0 ? fit.chain.move.size() : 0);
+}
+Index first_drift(const ChainFit& fit, const ChainEffects& effects) {
+  return first_move(fit, effects) - effects.drift_columns();
+}
+
+}  // namespace
+
 std::optional<ChainEstimate::SteadyDrift> steady_drift_of(const ChainFit& fit,
                                                           const ChainEffects& effects,
                                                           double seconds) {
   constexpr double kSure = 30;  // of a chi-square of three: by chance once in a million campaigns
   constexpr double kWalk = 6;   // the variance of a walk from end to end, in that of its places
   if (!(effects.steady_mm > 0)) return std::nullopt;
-  const Index steady = fit.covariance.rows() - 3 * effects.drift_parts;
+  const Index steady = first_drift(fit, effects);
   ChainEstimate::SteadyDrift drift{2 * fit.chain.drift_mm.col(0),
                                    4 * fit.covariance.block<3, 3>(steady, steady), seconds};
   drift.covariance.diagonal().array() += kWalk * effects.drift_mm * effects.drift_mm;
@@ -166,9 +179,38 @@ std::optional<ChainEstimate::SteadyDrift> steady_drift_of(const ChainFit& fit,
   return drift;
 }
 
+std::optional<ChainEstimate::MoveSeen> move_of(const ChainFit& fit, const ChainNodes& nodes,
+                                               const ChainEffects& effects) {
+  if (!(effects.moved_mm > 0)) return std::nullopt;
+  const Index first = first_move(fit, effects);
+  // At home: what is moved with the device and on the tool moves the target alike.
+  Eigen::Matrix<double, 3, Move::RowsAtCompileTime> at_home;
+  at_home << Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Identity();
+  ChainEstimate::MoveSeen move{
+      -at_home * fit.chain.move,
+      at_home * fit.covariance.block<9, 9>(first, first) * at_home.transpose()};
+  std::set<std::size_t> before, after;
+  for (const std::size_t unit : nodes.in_time()) {
+    const std::size_t stroke = nodes.units[unit].front();
+    const std::size_t joint = nodes.strokes[stroke].content.joint;
+    if (nodes.observations[nodes.first[stroke]].before_move) {
+      before.insert(joint);
+      continue;
+    }
+    if (after.empty()) {
+      move.joint = joint;
+      move.time_s = nodes.begin_s(unit);
+    }
+    after.insert(joint);
+  }
+  if (before.size() == 1) move.alone = *before.begin();
+  if (after.size() == 1) move.alone = *after.begin();
+  return move;
+}
+
 double drift_sigma_mm(const ChainFit& fit, const ChainEffects& effects) {
   if (!(effects.steady_mm > 0)) return 0;
-  const Index parts = effects.drift_parts, first = fit.covariance.rows() - 3 * parts;
+  const Index parts = effects.drift_parts, first = first_drift(fit, effects);
   constexpr int kTimes = 64;
   double variance = 0;
   for (int i = 0; i < kTimes; ++i) {
@@ -204,6 +246,7 @@ void set_fitted_axes(ChainEstimate& estimate, const ChainFit& fit, const std::ve
   estimate.chain.zero_rad.clear();
   estimate.chain.sags.clear();  // at home there is none
   estimate.chain.drift_mm.setZero();
+  estimate.chain.move.setZero();
   const ChainParameters parameters{joints, fit.chain.targets_mm.size()};
   const auto tool = static_cast<Index>(6 * joints + 3 * targets);
   const auto rows = tool + (estimate.with_orientation ? 3 : 0);

@@ -14,8 +14,9 @@ namespace identify {
 /// A weighted least-squares fit of a chain to samples, for given noise.
 struct ChainFit {
   Chain chain;
-  /// Of the parameters (`ChainParameters`, at `chain`, and behind them its `zero_rad`, `sags` and
-  /// `drift_mm`), for errors independent between samples; zero for what has no information.
+  /// Of the parameters (`ChainParameters`, at `chain`, and behind them its `zero_rad`, `sags`,
+  /// `drift_mm` and `move`), for errors independent between samples; zero for what has no
+  /// information.
   Eigen::MatrixXd covariance;
   std::vector<ChainEstimate::Part> parts;  ///< of it; nobody has asked yet where it is empty
   Summary summary;
@@ -26,6 +27,11 @@ struct ChainFit {
 [[nodiscard]] std::optional<ChainEstimate::SteadyDrift> steady_drift_of(const ChainFit& fit,
                                                                         const ChainEffects& effects,
                                                                         double seconds);
+
+/// How the device was moved, as a fit has found it.
+[[nodiscard]] std::optional<ChainEstimate::MoveSeen> move_of(const ChainFit& fit,
+                                                             const ChainNodes& nodes,
+                                                             const ChainEffects& effects);
 
 /// How uncertain the drift is that a fit has found: standard deviation of each coordinate, on the
 /// average over the campaign.

@@ -62,20 +62,14 @@ bool together(const StrokeMoments& one, const StrokeMoments& other) {
 
 /// Sorts the units by what swept in between. Returns whether they follow each other at all.
 bool set_stands(ChainNodes& nodes) {
-  const auto begin_s = [&](std::size_t unit) {
-    return nodes.strokes[nodes.units[unit].front()].begin_s;
-  };
-  std::vector<std::size_t> in_time(nodes.units.size());
-  std::iota(in_time.begin(), in_time.end(), std::size_t{0});
-  std::stable_sort(in_time.begin(), in_time.end(),
-                   [&](std::size_t a, std::size_t b) { return begin_s(a) < begin_s(b); });
+  const std::vector<std::size_t> in_time = nodes.in_time();
   nodes.stand.resize(in_time.size());
   double end_s = 0;  // of all before
   bool in_turn = in_time.size() > 1;
   for (std::size_t i = 0; i < in_time.size(); ++i) {
     const std::size_t unit = in_time[i], group = nodes.group[unit];
     // Where times begin anew with each sweep, nothing tells what follows what.
-    const bool after = i > 0 && begin_s(unit) >= end_s;
+    const bool after = i > 0 && nodes.begin_s(unit) >= end_s;
     const bool follows = after && nodes.group[in_time[i - 1]] == group;
     if (i > 0 && !after) in_turn = false;
     if (!follows) nodes.group_of.push_back(group);
@@ -146,6 +140,19 @@ void set_groups(ChainNodes& nodes) {
 }
 
 }  // namespace
+
+std::vector<std::size_t> ChainNodes::in_time() const {
+  std::vector<std::size_t> order(units.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return begin_s(a) < begin_s(b); });
+  return order;
+}
+
+void ChainNodes::set_move(std::size_t unit) {
+  for (ChainObservation& seen : observations)
+    seen.before_move = strokes[seen.sweep].begin_s < begin_s(unit);
+}
 
 double ChainNodes::seconds() const {
   double begin_s = std::numeric_limits<double>::infinity(), end_s = -begin_s;

@@ -43,6 +43,13 @@ struct ChainNodes {
 
   [[nodiscard]] std::size_t samples() const;
   [[nodiscard]] std::size_t outliers() const;
+  [[nodiscard]] double begin_s(std::size_t unit) const {
+    return strokes[units[unit].front()].begin_s;
+  }
+  /// The units in the order of time.
+  [[nodiscard]] std::vector<std::size_t> in_time() const;
+  /// The device was moved before this unit.
+  void set_move(std::size_t unit);
   /// From the first sample of all strokes to the last one.
   [[nodiscard]] double seconds() const;
   /// Whether a stand has several units.

@@ -6,6 +6,20 @@
 #include <utility>
 
 namespace identify {
+namespace {
+
+/// How the target is seen elsewhere with each number of the chain's move, one a row.
+Eigen::Matrix<double, Move::RowsAtCompileTime, 3> by_move(const Chain& chain,
+                                                          const ChainPose& pose) {
+  const Eigen::Vector3d from = pose.position_mm - chain.targets_mm.front();
+  Eigen::Matrix<double, Move::RowsAtCompileTime, 3> rows;
+  rows.topRows<3>().setIdentity();
+  for (Eigen::Index k = 0; k < 3; ++k) rows.row(3 + k) = Eigen::Vector3d::Unit(k).cross(from);
+  rows.bottomRows<3>() = pose.rotation.transpose();
+  return rows;
+}
+
+}  // namespace
 
 template <int Size>
 ChainProblem<Size>::ChainProblem(const Chain& chain, ChainNodes& nodes, const ChainNoise& noise,
@@ -41,7 +55,7 @@ Eigen::Index ChainProblem<Size>::count(const Chain& chain) {
 
 template <int Size>
 Eigen::Index ChainProblem<Size>::count_all(const Chain& chain) const {
-  return first_drift(chain) + (shape_.steady_mm > 0 ? 3 * shape_.drift_parts : 0);
+  return first_move(chain) + (shape_.moved_mm > 0 ? chain.move.size() : 0);
 }
 
 template <int Size>
@@ -52,6 +66,11 @@ Eigen::Index ChainProblem<Size>::first_sag(const Chain& chain) const {
 template <int Size>
 Eigen::Index ChainProblem<Size>::first_drift(const Chain& chain) const {
   return first_sag(chain) + static_cast<Eigen::Index>(chain.sags.size());
+}
+
+template <int Size>
+Eigen::Index ChainProblem<Size>::first_move(const Chain& chain) const {
+  return first_drift(chain) + shape_.drift_columns();
 }
 
 template <int Size>
@@ -75,7 +94,8 @@ NormalEquations ChainProblem<Size>::linearised(const Chain& chain) {
   };
   for (const double zero : chain.zero_rad) pull(zero);
   for (const ChainSag& sag : chain.sags) pull(sag.rad);
-  for (Eigen::Index k = 0; at < known.size(); ++k) pull(chain.drift_mm(k % 3, k / 3));
+  for (Eigen::Index k = 0; k < shape_.drift_columns(); ++k) pull(chain.drift_mm(k % 3, k / 3));
+  for (Eigen::Index k = 0; at < known.size(); ++k) pull(chain.move(k));
   return equations;
 }
 
@@ -90,9 +110,8 @@ Eigen::VectorXd ChainProblem<Size>::prior(const Chain& chain) const {
     const double sigma_rad = chain.sags[s].share * shape_.sag_rad;
     known(first_sag(chain) + static_cast<Eigen::Index>(s)) = 1 / (sigma_rad * sigma_rad);
   }
-  const DriftTimes drift_mm = shape_.steady_mm * drift_of_walk();
-  for (Eigen::Index at = first_drift(chain); at < known.size(); ++at)
-    known(at) = std::pow(drift_mm((at - first_drift(chain)) / 3), -2);
+  const Eigen::VectorXd device = device_sigmas(shape_, shape_);
+  known.tail(device.size()) = device.cwiseAbs2().cwiseInverse();
   return known;
 }
 
@@ -141,9 +160,11 @@ StrokeProducts ChainProblem<Size>::unit(const Chain& chain, std::size_t u, Chain
         } else if (at < first_drift(chain)) {
           const auto sag = static_cast<std::size_t>(at - first_sag(chain));
           row = levers[sag] * pose.by_turn[chain.sags[sag].joint].template head<Size>().transpose();
-        } else {
+        } else if (at < first_move(chain)) {
           const Eigen::Index drift = at - first_drift(chain);
           row(drift % 3) = seen.times(drift / 3);
+        } else if (seen.before_move) {
+          row.template head<3>() = by_move(chain, pose).row(at - first_move(chain));
         }
       }
       block.row(last) = residual_.error.transpose();

@@ -32,12 +32,14 @@ class ChainProblem {
                const ChainEffects& shape);
 
   /// Of the chain's parameters. Behind them, where they are estimated: one a joint for where its
-  /// angle is zero, one a sag, and three a part of the drift.
+  /// angle is zero, one a sag, three a part of the drift, and
+  /// nine for the move.
   [[nodiscard]] static Eigen::Index count(const Chain& chain);
   /// The same with those behind them.
   [[nodiscard]] Eigen::Index count_all(const Chain& chain) const;
   [[nodiscard]] Eigen::Index first_sag(const Chain& chain) const;
   [[nodiscard]] Eigen::Index first_drift(const Chain& chain) const;
+  [[nodiscard]] Eigen::Index first_move(const Chain& chain) const;
 
   /// The free angles go along to where the last linearisation put them.
   void follow();

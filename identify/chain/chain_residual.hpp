@@ -23,6 +23,7 @@ struct ChainObservation {
   bool falling = false;   ///< the stroke's direction
   double weight = 1;      ///< 0 to 1: how far the sample is believed
   DriftTimes times = DriftTimes::Zero();  ///< when it was seen; zero where nobody knows
+  bool before_move = false;               ///< the chain's `move` counts
 };
 
 /// The turns of a sample of `joint`'s sweep: where its angle is believed, by where that is zero,
@@ -81,6 +82,11 @@ struct ChainResidual {
   void set(const Chain& chain, const ChainObservation& seen, const ChainPose& pose,
            const Square& base, bool free) {
     error.template head<3>() = seen.position_mm - pose.position_mm - chain.drift_mm * seen.times;
+    if (seen.before_move)
+      error.template head<3>() -=
+          chain.move.head<3>() +
+          chain.move.segment<3>(3).cross(pose.position_mm - chain.targets_mm.front()) +
+          pose.rotation * chain.move.tail<3>();
     if constexpr (Size == 6) {
       const Eigen::AngleAxisd off(seen.orientation * (pose.rotation * chain.tool).transpose());
       error.template tail<3>() = off.angle() * off.axis();

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "identify/chain/chain_sag.hpp"
 #include "identify/chain/effect_sizes.hpp"
@@ -15,6 +18,22 @@ namespace {
 /// By so much less the deviance has to be of a device that sways than of one that walks at random:
 /// of walks, too, some seem to sway.
 constexpr double kSways = 20;
+/// And of one that was moved.
+constexpr double kMoved = 12;
+/// A larger move is a mistake, and none of the effects.
+constexpr double kMostMove_mm = 0.5;
+
+double move_at_home_mm(const Chain& chain) {
+  return (chain.move.head<3>() + chain.move.tail<3>()).norm();
+}
+
+ChainEffects less_of(ChainEffects effects, double times) {
+  effects.home_rad *= times;
+  effects.drift_mm *= times;
+  effects.steady_mm *= times;
+  for (double& figure_mm : effects.figures_mm) figure_mm *= times;
+  return effects;
+}
 
 }  // namespace
 
@@ -36,7 +55,7 @@ void EffectSearch::find_all(FittedChain& best) {
   shape.offset_rad = several_homes ? 1 : 0;
   const FittedChain first = best;
   size_twice(best, shape);
-  if (nodes_.stays() && shows_any(best)) {
+  if (nodes_.stays() && shows_any(best, effects_)) {
     // Whether joints that stood still stood elsewhere in each stroke, the likelihood tells. What is
     // the same there and back may have been taken for the arc's figure.
     ChainEffects other = shape;
@@ -44,20 +63,65 @@ void EffectSearch::find_all(FittedChain& best) {
     if (take_if_likelier(best, first, other, 0)) shape = other;
   }
   if (nodes_.timed) {
-    shape.drift_parts = kDriftParts;
     FittedChain from = best;
     from.fit.chain.sags = first.fit.chain.sags;  // they may have been taken for a walk
-    if (may_sway(from, shape)) take_if_likelier(best, from, shape, kSways);
+    const ChainEffects effects = effects_;
+    ChainEffects waves = shape;
+    waves.drift_parts = kDriftParts;
+    if (may_sway(from, waves)) take_if_likelier(best, from, waves, kSways);
+    if (const auto moved_mm = likeliest_move_mm(from, effects, shape, kMoved)) {
+      shape.moved_mm = *moved_mm;
+      take_if_likelier(best, from, shape, kMoved);
+    }
   }
 }
 
-bool EffectSearch::shows_any(const FittedChain& best) {
+std::optional<double> EffectSearch::likeliest_move_mm(const FittedChain& fitted,
+                                                      const ChainEffects& effects,
+                                                      ChainEffects shape, double by) {
+  if (!shows_any(fitted, effects)) return std::nullopt;
+  const std::vector<std::size_t> units = nodes_.in_time();
+  shape.moved_mm = 1;
+  double least = std::numeric_limits<double>::infinity(), without = least, moved_mm = 0;
+  std::size_t best = 0;
+  const auto look_before = [&](std::size_t at) {
+    nodes_.set_move(units[at]);
+    LinearisedChain with(fitted.fit.chain, nodes_, fitted.noise, shape, false);
+    for (const double less : {0.0, 1.0 / 16, 1.0 / 4, 1.0}) {
+      ChainEffects here = less_of(effects, less);
+      const auto left = with.left_by(here);
+      if (less == 1) without = with.deviance(left, here);
+      for (here.moved_mm = smallest_mm(fitted); here.moved_mm < kMostMove_mm; here.moved_mm *= 4) {
+        const double deviance = with.deviance(left, here);
+        if (!(deviance < least)) continue;
+        least = deviance;
+        moved_mm = here.moved_mm;
+        best = at;
+      }
+    }
+  };
+  // First in large steps, then on both sides of the best.
+  constexpr std::size_t kLooks = 16;
+  std::size_t stride = std::max<std::size_t>(1, units.size() / kLooks);
+  for (std::size_t at = 1; at < units.size(); at += stride) look_before(at);
+  while (stride > 1) {
+    stride = (stride + 1) / 2;
+    const std::size_t middle = best;
+    if (middle > stride) look_before(middle - stride);
+    if (middle + stride < units.size()) look_before(middle + stride);
+  }
+  if (best == 0 || !(least < without - by)) return std::nullopt;
+  nodes_.set_move(units[best]);
+  return moved_mm;
+}
+
+bool EffectSearch::shows_any(const FittedChain& fitted, const ChainEffects& effects) {
   constexpr double kShown = 4;
-  LinearisedChain linearised(best.fit.chain, nodes_, best.noise, effects_, false);
-  ChainEffects none = effects_;
+  LinearisedChain linearised(fitted.fit.chain, nodes_, fitted.noise, effects, false);
+  ChainEffects none = effects;
   none.home_rad = none.drift_mm = none.sag_rad = none.steady_mm = 0;
   none.figures_mm = {};
-  return linearised.deviance(none) > linearised.deviance(effects_) + kShown;
+  return linearised.deviance(none) > linearised.deviance(effects) + kShown;
 }
 
 // In place of the walk and of homes that are off, or beside less of them.
@@ -71,9 +135,10 @@ bool EffectSearch::may_sway(const FittedChain& best, const ChainEffects& shape) 
     effects.drift_mm *= less;
     effects.home_rad *= less;
     const auto left = with.left_by(effects);
-    for (const double steady : {1.0 / 4, 1.0, 4.0, 16.0})
-      if (with.deviance(left, effects.sag_rad, steady * scatter_mm) < here - kSways / 2)
-        return true;
+    for (const double steady : {1.0 / 4, 1.0, 4.0, 16.0}) {
+      effects.steady_mm = steady * scatter_mm;
+      if (with.deviance(left, effects) < here - kSways / 2) return true;
+    }
   }
   return false;
 }
@@ -88,7 +153,7 @@ bool EffectSearch::take_if_likelier(FittedChain& best, FittedChain from, const C
   const auto nodes = nodes_.observations;
   const ChainEffects effects = effects_;
   size_twice(from, shape);
-  if (deviance(from) < here - by) {
+  if (deviance(from) < here - by && move_at_home_mm(from.fit.chain) <= kMostMove_mm) {
     best = std::move(from);
     return true;
   }
@@ -107,20 +172,24 @@ void EffectSearch::size_twice(FittedChain& best, ChainEffects shape) {
 }
 
 void EffectSearch::size(FittedChain& best, const ChainEffects& shape) {
+  Chain& chain = best.fit.chain;
+  LinearisedChain linearised(chain, nodes_, best.noise, shape, false);
+  effects_ = effect_sizes(linearised, shape, smallest_mm(best), reach_mm(chain, nodes_.known));
+  find_uneven_joints(linearised, chain.axes.size(), effects_);
+  // A joint whose sag may be anything could not be told from its angle, and one of none has no sag.
+  if (!(effects_.sag_rad > 0)) chain.sags.clear();
+  if (!(effects_.steady_mm > 0)) chain.drift_mm.setZero();
+  if (!(effects_.moved_mm > 0)) chain.move.setZero();
+  best.fit = fit_chain(chain, nodes_, best.noise, effects_, false);
+}
+
+double EffectSearch::smallest_mm(const FittedChain& fitted) const {
   double weight = 0, strokes = 0;
   for (const StrokeMoments& stroke : nodes_.strokes) {
     weight += stroke.weight / stroke.correlation;
     strokes += static_cast<double>(stroke.strokes);
   }
-  Chain& chain = best.fit.chain;
-  LinearisedChain linearised(chain, nodes_, best.noise, shape, false);
-  effects_ = effect_sizes(linearised, shape, best.noise.position_mm / std::sqrt(weight / strokes),
-                          reach_mm(chain, nodes_.known));
-  find_uneven_joints(linearised, chain.axes.size(), effects_);
-  // A joint whose sag may be anything could not be told from its angle, and one of none has no sag.
-  if (!(effects_.sag_rad > 0)) chain.sags.clear();
-  if (!(effects_.steady_mm > 0)) chain.drift_mm.setZero();
-  best.fit = fit_chain(chain, nodes_, best.noise, effects_, false);
+  return fitted.noise.position_mm / std::sqrt(weight / strokes);
 }
 
 double reach_mm(const Chain& chain, const std::vector<bool>& known) {

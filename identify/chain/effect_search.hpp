@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "identify/chain/chain_fit.hpp"
@@ -26,10 +27,16 @@ class EffectSearch {
   void size(FittedChain& best, const ChainEffects& shape);
 
  private:
-  /// Whether the data tell of any effect.
-  bool shows_any(const FittedChain& best);
+  /// Whether the data tell of any of these effects.
+  bool shows_any(const FittedChain& fitted, const ChainEffects& effects);
   /// Whether the data tell that a device that wanders does so in slow waves, or warms up.
   bool may_sway(const FittedChain& best, const ChainEffects& shape);
+  /// How large the move of a device is likeliest that was moved once, where such a move makes the
+  /// deviance less by so much, beside less of these effects or of none: the nodes know when, then.
+  std::optional<double> likeliest_move_mm(const FittedChain& fitted, const ChainEffects& effects,
+                                          ChainEffects shape, double by);
+  /// What a stroke's place is uncertain by, by noise alone.
+  [[nodiscard]] double smallest_mm(const FittedChain& fitted) const;
   /// Whether the other shape's effects, sized from this fit, have taken the place of those that
   /// there were: where the deviance is less by so much.
   bool take_if_likelier(FittedChain& best, FittedChain from, const ChainEffects& shape, double by);

@@ -77,8 +77,7 @@ class SizeGrid {
     const ChainEffects here = effects(steps);
     auto left = left_.find(others);
     if (left == left_.end()) left = left_.emplace(others, task_.chain->left_by(here)).first;
-    return known_[steps] =
-               finite(task_.chain->deviance(left->second, here.sag_rad, here.steady_mm));
+    return known_[steps] = finite(task_.chain->deviance(left->second, here));
   }
   /// Shifts each effect's sizes so that the least deviance near these steps is at them: where the
   /// data tell a size well, the nearest on a grid that knows nothing of them is wrong by half a

@@ -20,14 +20,16 @@ LinearisedChain::LinearisedChain(const Chain& chain, ChainNodes& nodes, const Ch
                                  const ChainEffects& shape, bool with_orientation)
     : nodes_(nodes), shape_(shape), columns_(shape, nodes) {
   const auto sags = static_cast<Eigen::Index>(chain.sags.size());
-  const Eigen::Index drift = shape.steady_mm > 0 ? 3 * shape.drift_parts : 0;
-  last_.resize(sags + drift);
+  const Eigen::Index drift = shape.drift_columns();
+  const Eigen::Index move = shape.moved_mm > 0 ? chain.move.size() : 0;
+  last_.resize(sags + drift + move);
   sag_shares_.resize(sags);
   for (Eigen::Index s = 0; s < sags; ++s) {
     last_(s) = chain.sags[static_cast<std::size_t>(s)].rad;
     sag_shares_(s) = chain.sags[static_cast<std::size_t>(s)].share;
   }
-  last_.tail(drift) = chain.drift_mm.reshaped().head(drift);
+  last_.segment(sags, drift) = chain.drift_mm.reshaped().head(drift);
+  last_.tail(move) = chain.move.head(move);
   const auto set = [&](auto&& problem) {
     prior_ = problem.prior(chain);
     eliminated_.emplace(problem.products(chain), nodes.group_of, nodes.home_of, prior_.size());
@@ -72,19 +74,18 @@ LinearisedChain::Left LinearisedChain::left_by(const ChainEffects& effects) {
   return left;
 }
 
-double LinearisedChain::deviance(const Left& left, double sag_rad, double steady_mm) const {
+double LinearisedChain::deviance(const Left& left, const ChainEffects& effects) const {
   VectorXd sigma(last_.size());
   const Eigen::Index sags = sag_shares_.size();
-  sigma.head(sags) = sag_rad * sag_shares_;
-  const DriftTimes drift_mm = steady_mm * drift_of_walk();
-  for (Eigen::Index k = sags; k < last_.size(); ++k) sigma(k) = drift_mm((k - sags) / 3);
+  sigma.head(sags) = effects.sag_rad * sag_shares_;
+  sigma.tail(last_.size() - sags) = device_sigmas(shape_, effects);
   double log_determinant = left.log_determinant;
   const MatrixXd rest = without_effects(left.products, sigma.cwiseAbs2(), log_determinant);
   return log_determinant + rest(rest.rows() - 1, rest.cols() - 1);
 }
 
 double LinearisedChain::deviance(const ChainEffects& effects) {
-  return deviance(left_by(effects), effects.sag_rad, effects.steady_mm);
+  return deviance(left_by(effects), effects);
 }
 
 std::vector<ChainEstimate::Part> LinearisedChain::parts() {

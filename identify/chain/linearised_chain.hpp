@@ -19,14 +19,14 @@ class LinearisedChain {
   /// Minus twice the logarithm of the restricted likelihood (Patterson & Thompson 1971), but for a
   /// constant. `effects` as large or zero as the shape's allow.
   [[nodiscard]] double deviance(const ChainEffects& effects);
-  /// What these effects leave of the sags, the steady drift and y: whichever sizes of those two are
+  /// What these effects leave of the sags, what the device does and y: whichever sizes of those are
   /// asked for then, hardly takes time.
   struct Left {
-    Eigen::MatrixXd products;  ///< columns: sags, drift, and y as it is where both are zero
+    Eigen::MatrixXd products;  ///< columns: sags, drift, move, and y as it is where all are zero
     double log_determinant = 0;
   };
   [[nodiscard]] Left left_by(const ChainEffects& effects);
-  [[nodiscard]] double deviance(const Left& left, double sag_rad, double steady_mm) const;
+  [[nodiscard]] double deviance(const Left& left, const ChainEffects& effects) const;
   /// The shares of the shape's effects and of the noise in the covariance of the fit's parameters:
   /// K V K^T for each cause's V, with K the generalised least-squares estimate's gain.
   [[nodiscard]] std::vector<ChainEstimate::Part> parts();
@@ -37,7 +37,7 @@ class LinearisedChain {
   EffectColumns columns_;
   std::optional<EffectElimination> eliminated_;
   Eigen::VectorXd prior_;  ///< of each parameter
-  Eigen::VectorXd last_;   ///< the chain's sags, and its drift where the shape has one
+  Eigen::VectorXd last_;   ///< the chain's sags, its drift and its move, where the shape has them
   Eigen::VectorXd sag_shares_;
   /// Directions, one a column, that the samples tell of where there is nothing but noise. Effects
   /// leave less of each, but neither take one away nor add one.

@@ -162,6 +162,7 @@ FromSweeps from_sweeps(const ChainEstimate& sweeps, std::size_t targets) {
     if (!(all(i, i) > 0)) shifted.row(i).setZero();
   Eigen::Matrix3d drift = Eigen::Matrix3d::Identity() * std::pow(sweeps.wander_mm, 2);
   if (sweeps.steady_drift) drift += sweeps.steady_drift->mm * sweeps.steady_drift->mm.transpose();
+  if (sweeps.move) drift += sweeps.move->mm * sweeps.move->mm.transpose();  // the poses came first
   const MatrixXd later = shifted * drift * shifted.transpose();
   all += later;
   from.prior.information = inverse_where_known(all);

@@ -145,6 +145,14 @@ std::vector<Case> cases() {
               : "0.2 mm to and fro once, there and back",
         world, back);
   }
+  for (const bool again : {false, true}) {
+    world = tracker();
+    world.drift.moved_mm = 0.1;
+    add(again ? "moved_back" : "moved",
+        std::string("a device moved by 0.1 mm half way through") +
+            (again ? ", there and back" : ""),
+        world, again ? back : Strokes{});
+  }
   world = tracker();
   world.noise.range_mm = 0.005;
   world.noise.across_mm = 0.03;

@@ -332,6 +332,30 @@ TEST_CASE("short strokes in much noise do not disagree", "[plausibility]") {
   }
 }
 
+TEST_CASE("a device that was moved a little is told, and allowed for", "[home_judgement][long]") {
+  const auto seed = GENERATE(1U, 2U, 3U);
+  const Simulation simulation(some_kr5(seed), {}, tracker(seed != 2), seed);
+  const Eigen::Vector3d by_mm(0.03, -0.02, 0.04);
+  const auto bumped = [&](Sweep& sweep, std::vector<Sample>& samples) {
+    if (*sweep.joint < 3) return;
+    for (Sample& sample : samples) sample.position_mm += by_mm;
+  };
+  const auto found =
+      identify::identify(changed(simulation.sweeps(), bumped), simulation.campaign());
+  CHECK(found.status == Status::complete);
+  REQUIRE(found.chain);
+  REQUIRE(found.chain->move);
+  const auto& move = *found.chain->move;
+  CHECK((move.mm - by_mm).norm() < 4 * std::sqrt(move.covariance.trace()));
+  CHECK(std::sqrt(move.covariance.trace()) < 0.02);
+  const auto told =
+      std::find_if(found.warnings.begin(), found.warnings.end(),
+                   [](const Warning& warning) { return warning.code == "device_moved"; });
+  REQUIRE(told != found.warnings.end());
+  CHECK(told->joint == 3);
+  CHECK_THAT(told->message, Catch::Contains("The result allows for it"));
+}
+
 TEST_CASE("a joint that does not come back home is no device that was moved",
           "[plausibility][long]") {
   int not_moved = 0;

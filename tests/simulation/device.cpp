@@ -10,6 +10,18 @@ namespace simulation {
 
 using Eigen::Vector3d;
 
+namespace {
+
+constexpr double kLever_mm = 3000;
+
+Vector3d unit3(std::mt19937_64& random) {
+  std::normal_distribution<> normal;
+  const double x = normal(random), y = normal(random);
+  return Vector3d(x, y, normal(random)).normalized();
+}
+
+}  // namespace
+
 Device::Device(const Noise& noise, const Drift& drift, double seconds, std::uint32_t seed)
     : noise_(noise),
       drift_(drift),
@@ -17,9 +29,15 @@ Device::Device(const Noise& noise, const Drift& drift, double seconds, std::uint
       random_(stream(seed, Source::noise)),
       outliers_(stream(seed, Source::outliers)),
       wandering_(stream(seed, Source::drift)),
-      way_(normal3(wandering_).normalized()) {}
+      way_(normal3(wandering_).normalized()) {
+  auto random = stream(seed, Source::move);
+  move_ = unit3(random);
+  turn_ = unit3(random);
+}
 
 Vector3d Device::measured(const Vector3d& point, double time_s) {
+  const double part = time_s / seconds_;
+  if (fresh_ && part >= drift_.moved_at) moved_mm_ = drift_.moved_mm;
   const double old = fresh_ ? 0 : noise_.correlation;
   fresh_ = false;
   Vector3d seen = point;
@@ -39,12 +57,12 @@ Vector3d Device::measured(const Vector3d& point, double time_s) {
     wandered_mm_ += sigma * std::sqrt((time_s - time_s_) / seconds_) * normal3(wandering_);
     time_s_ = time_s;
   }
-  const double part = time_s / seconds_;
   constexpr double kWarm = 0.2;
   seen += wandered_mm_ + (drift_.linear_mm * part +
                           drift_.sway_mm * std::sin(2 * identify::kPi * drift_.sways * part) +
                           drift_.warm_mm * (1 - std::exp(-part / kWarm))) *
                              way_;
+  seen += moved_mm_ * (move_ + turn_.cross(seen) / kLever_mm);
   for (double& value : seen) value = printed(value, noise_.decimals);
   return seen;
 }

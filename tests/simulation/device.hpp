@@ -33,6 +33,8 @@ class Device {
   Eigen::Vector3d error_ = Eigen::Vector3d::Zero();  ///< in standard deviations
   Eigen::Vector3d way_;                              ///< of the linear drift, unit
   Eigen::Vector3d wandered_mm_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d move_, turn_;  ///< unit
+  double moved_mm_ = 0;
   double time_s_ = 0;
   bool fresh_ = true;
 };

@@ -21,7 +21,8 @@ enum class Source {
   homes,
   poses,
   clock,
-  weights
+  weights,
+  move
 };
 
 [[nodiscard]] inline std::mt19937_64 stream(std::uint32_t seed, Source source) {

@@ -24,6 +24,9 @@ struct Drift {
   double sway_mm = 0;    ///< to and fro, in any direction: half of its way
   double sways = 1;      ///< so often over all sweeps
   double warm_mm = 0;    ///< as what warms up, in a fifth of the time by 1/e: all of its way
+  /// It is moved once, in any direction, by so much, and turned about itself: by so much, 3 m away.
+  double moved_mm = 0;
+  double moved_at = 0.5;  ///< of all the time: before the next stroke
 };
 
 /// How locked joints stand elsewhere than at home.

@@ -182,6 +182,39 @@ TEST_CASE("A device that sways or warms up moves no axis", "[effect_search][long
   CHECK_THAT(told->message, !Catch::Contains("there and back"));  // that was done
 }
 
+TEST_CASE("A device that was moved half way through moves no axis", "[effect_search][long]") {
+  const bool back = GENERATE(false, true);
+  CAPTURE(back);
+  simulation::World world = seen_without_angles();
+  world.drift.moved_mm = 0.05;
+  simulation::Strokes how;
+  how.there_and_back = back;
+  const auto campaigns = campaigns_of(16, how, world);
+  CHECK(rms_z(campaigns) == Approx(1).margin(0.2));
+  int seen = 0;
+  for (const Simulation& campaign : campaigns) {
+    const auto found = identify::identify(campaign.sweeps(), campaign.campaign());
+    REQUIRE(found.chain);
+    if (!found.chain->move) continue;
+    ++seen;
+    CHECK(found.chain->move->joint == 3);
+  }
+  CHECK(seen >= 12);
+}
+
+TEST_CASE("A device that walks at random was not moved, nor was one whose robot comes home badly",
+          "[effect_search][long]") {
+  const bool walks = GENERATE(false, true);
+  CAPTURE(walks);
+  simulation::World world = seen_without_angles();
+  (walks ? world.drift.walk_mm : world.home.sigma_deg) = walks ? 0.1 : 0.005;
+  for (const Simulation& campaign : campaigns_of(16, {}, world)) {
+    const auto found = identify::identify(campaign.sweeps(), campaign.campaign());
+    REQUIRE(found.chain);
+    CHECK_FALSE(found.chain->move);
+  }
+}
+
 TEST_CASE("A device that sways accuses no gear", "[effect_search][chain_fit][long]") {
   simulation::Drift drift;
   drift.sway_mm = 0.2;
