@@ -27,6 +27,11 @@ class DevicePort {
   bool pop(rsi::Datagram& datagram) { return receiver_.datagrams().pop(datagram); }
   /// What was dropped, and what to do; at most once a minute. The thread that calls pop().
   [[nodiscard]] std::optional<std::string> complaint(std::chrono::steady_clock::time_point now);
+  /// The end: also what waits for its minute.
+  [[nodiscard]] std::optional<std::string> rest() {
+    again_ = {};
+    return complaint({});
+  }
 
  private:
   rsi::TextReceiver receiver_;

@@ -36,6 +36,9 @@ constexpr Kind kKindsOfTrouble[] = {
     {&Counts::foreign, "datagram or connection", "datagrams or connections",
      "not from the controller and not answered: keep others off this network; `controller` in the "
      "settings names the one that counts"},
+    {&Counts::skipped, "byte", "bytes",
+     "left out of a TCP stream, being in no telegram: see that `listen` is the port of RSI alone, "
+     "and what the controller sends"},
     {&Counts::overflows, "datagram", "datagrams",
      "neither recorded nor used, since the queue was full: raise queue_bytes or free "
      "the machine"},
@@ -62,6 +65,11 @@ std::vector<std::string> LinkComplaints::about(const Counts& counts,
     said = {count, now + std::chrono::minutes(1)};
   }
   return complaints;
+}
+
+std::vector<std::string> LinkComplaints::rest(const Counts& counts) {
+  for (Said& said : said_) said.again = {};
+  return about(counts, {});
 }
 
 }  // namespace sweepd

@@ -20,13 +20,15 @@ class LinkComplaints {
   /// What is new, for the time `now` of any steady clock: what, how many, what to do.
   [[nodiscard]] std::vector<std::string> about(const rsi::Server::Counts& counts,
                                                std::chrono::steady_clock::time_point now);
+  /// The end: also what waits for its minute.
+  [[nodiscard]] std::vector<std::string> rest(const rsi::Server::Counts& counts);
 
  private:
   struct Said {
     std::uint64_t count = 0;
     std::chrono::steady_clock::time_point again{};  ///< not before
   };
-  static constexpr std::size_t kKinds = 8;
+  static constexpr std::size_t kKinds = 9;
 
   std::array<Said, kKinds> said_{};
 };

@@ -38,6 +38,16 @@ RobotFacts RobotInputs::facts() const {
   return facts;
 }
 
+RobotState RobotInputs::first_state(const rsi::Server& server) const {
+  RobotState state;
+  state.name = settings.name;
+  state.listen = server.local();
+  state.transport = server.transport();
+  state.replies = server.replies();
+  for (std::size_t joint = 1; joint <= setup.joints; ++joint) state.sweeps[joint] = {};
+  return state;
+}
+
 RunFacts RobotInputs::run_facts() const {
   RunFacts facts;
   facts.robot = settings.name;

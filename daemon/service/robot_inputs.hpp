@@ -28,6 +28,8 @@ struct RobotInputs {
 
   /// What viewers are told of the robot.
   [[nodiscard]] RobotFacts facts() const;
+  /// What is told of it while nothing has come to `server`.
+  [[nodiscard]] RobotState first_state(const rsi::Server& server) const;
   /// What a session's run.json is told of them.
   [[nodiscard]] RunFacts run_facts() const;
 

@@ -56,10 +56,10 @@ RobotService::RobotService(const RobotSettings& settings, std::shared_ptr<RobotT
       reply_thread_(*server_),
       reloaded_(settings),
       session_log_(settings.name),
-      tally_(first_state()),
+      tally_(inputs_.first_state(*server_)),
       live_(status_->live) {
   status_->facts.publish(inputs_.facts());
-  status_->state.publish(first_state());
+  status_->state.publish(inputs_.first_state(*server_));
   std::error_code error;
   std::filesystem::create_directories(inputs_.folder(), error);
   if (error)
@@ -121,6 +121,7 @@ bool RobotService::stop(std::chrono::seconds patience) {
     log_.error("the last result is not written: see what is wrong with the disk of {}",
                inputs_.settings.output.string());
   reply_thread_.stop();
+  say_rest_of_complaints();
   server_.reset();
   device_port_.reset();
   return recorded && written;
@@ -309,14 +310,10 @@ void RobotService::say_link() {
     session_log_.note("no RSI at the moment, so there is no link to tell of");
 }
 
-RobotState RobotService::first_state() const {
-  RobotState state;
-  state.name = inputs_.settings.name;
-  state.listen = server_->local();
-  state.transport = server_->transport();
-  state.replies = server_->replies();
-  for (std::size_t joint = 1; joint <= inputs_.setup.joints; ++joint) state.sweeps[joint] = {};
-  return state;
+void RobotService::say_rest_of_complaints() {
+  for (const auto& complaint : complaints_.rest(server_->counts())) log_.error("{}", complaint);
+  if (!device_port_) return;
+  if (const auto complaint = device_port_->rest()) log_.error("{}", *complaint);
 }
 
 void RobotService::show() {

@@ -89,7 +89,7 @@ class RobotService : private StreamSink {
   }
   void sweep(const identify::Sweep& sweep) override;
   void say_link();
-  [[nodiscard]] RobotState first_state() const;
+  void say_rest_of_complaints();
   void publish();
   void show();  ///< to those who look at the live page
   [[nodiscard]] RunFacts run_facts() const;

@@ -27,13 +27,36 @@ TEST_CASE("trouble on the link is said at once, and then once a minute with all 
   CHECK(complaints.about(counts, now += 5min).empty());
 }
 
+TEST_CASE("what waits for its minute is said at the end", "[link_complaints]") {
+  sweepd::LinkComplaints complaints;
+  rsi::Server::Counts counts;
+  const auto now = std::chrono::steady_clock::time_point(1h);
+  counts.foreign = 1;
+  CHECK(complaints.about(counts, now).size() == 1);
+  counts.foreign = 8;
+  CHECK(complaints.about(counts, now + 1s).empty());
+  const auto rest = complaints.rest(counts);
+  REQUIRE(rest.size() == 1);
+  CHECK(rest[0].starts_with("7 datagrams or connections were not from the controller"));
+  CHECK(complaints.rest(counts).empty());
+}
+
+TEST_CASE("bytes of a TCP stream that are no telegram are said", "[link_complaints]") {
+  sweepd::LinkComplaints complaints;
+  rsi::Server::Counts counts;
+  counts.skipped = 15;
+  const auto said = complaints.about(counts, std::chrono::steady_clock::time_point(1h));
+  REQUIRE(said.size() == 1);
+  CHECK(said[0].starts_with("15 bytes were left out of a TCP stream, being in no telegram: "));
+}
+
 TEST_CASE("each kind of trouble is said by itself, with what to do", "[link_complaints]") {
   sweepd::LinkComplaints complaints;
   rsi::Server::Counts counts;
   counts.refused = counts.send_failures = counts.dropped = counts.cut = counts.foreign =
-      counts.overflows = counts.not_begun = counts.missed = 7;
+      counts.overflows = counts.not_begun = counts.missed = counts.skipped = 7;
   const auto all = complaints.about(counts, std::chrono::steady_clock::time_point(1h));
-  REQUIRE(all.size() == 8);
+  REQUIRE(all.size() == 9);
   for (const auto& text : all) {
     INFO(text);
     CHECK(text.starts_with("7 "));

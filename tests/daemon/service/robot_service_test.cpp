@@ -4,6 +4,7 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <regex>
 #include <set>
 #include <sstream>
 #include <thread>
@@ -19,6 +20,7 @@
 #include "rsi/controller/controller_link.hpp"
 #include "tests/catch.hpp"
 #include "tests/config_folder.hpp"
+#include "tests/daemon/said_lines.hpp"
 #include "tests/daemon/telegrams.hpp"
 #include "tests/daemon/temporary_folder.hpp"
 #include "tests/eventually.hpp"
@@ -81,6 +83,13 @@ std::set<fs::path> sessions(const fs::path& output) {
 
 Json json_in(const fs::path& file) {
   return Json::parse(content(file));
+}
+
+/// An Ethernet file that asks for TCP.
+fs::path over_tcp(const TemporaryFolder& folder) {
+  auto xml = content(kEthernet);
+  xml.insert(xml.find("<SENTYPE>"), "<PROTOCOL>TCP</PROTOCOL>");
+  return folder.write("ethernet.xml", xml);
 }
 
 /// The folder of a session that was served to its end.
@@ -227,6 +236,38 @@ TEST_CASE("a session whose last result was never written gets it at the next sta
   CHECK(content(cut / "result.json") == result);
   CHECK_FALSE(fs::exists(other / "result.json"));
   CHECK_FALSE(json_in(other / "run.json").contains("ended"));
+}
+
+TEST_CASE("what is no telegram over TCP is said, and at the end what has come since",
+          "[robot_service][live]") {
+  using boost::asio::ip::tcp;
+  const SaidLines said;
+  const TemporaryFolder folder;
+  auto robot = settings(folder / "out");
+  robot.name = "asked-for-pages";
+  robot.ethernet_config = over_tcp(folder);
+  spdlog::set_level(spdlog::level::info);
+  RobotService service(robot);
+  service.start();
+  const auto ask_for_page = [&](const std::string& request, std::uint64_t bytes_in_all) {
+    boost::asio::io_context context;
+    tcp::socket browser(context);
+    browser.connect(rsi::to_asio<tcp>(service.local()));
+    browser.send(boost::asio::buffer(request));
+    browser.close();
+    return eventually(
+        [&] { return service.status()->state.newest()->server.skipped == bytes_in_all; });
+  };
+  REQUIRE(ask_for_page("GET/HTTP/1.1", 12));
+  REQUIRE(ask_for_page("GET/result.json", 27));
+  service.stop();
+  spdlog::set_level(spdlog::level::off);
+  const auto text = said.text();
+  const std::regex sentence("asked-for-pages: (\\d+) bytes were left out of a TCP stream");
+  int bytes = 0;
+  for (std::sregex_iterator at(text.begin(), text.end(), sentence), end; at != end; ++at)
+    bytes += std::stoi(at->str(1));
+  CHECK(bytes == 27);
 }
 
 TEST_CASE("no recording is deleted before its session has a result",
@@ -462,10 +503,8 @@ TEST_CASE("a controller that only sends gets nothing sent", "[robot_service][liv
 TEST_CASE("a controller over TCP is answered, and recorded as if over UDP",
           "[robot_service][live]") {
   const TemporaryFolder folder;
-  auto xml = content(kEthernet);
-  xml.insert(xml.find("<SENTYPE>"), "<PROTOCOL>TCP</PROTOCOL>");
   auto robot = settings(folder / "out");
-  robot.ethernet_config = folder.write("ethernet.xml", xml);
+  robot.ethernet_config = over_tcp(folder);
   robot.silence = 10s;  // a machine that stalls must not split the stream
   RobotService service(robot);
   service.start();
