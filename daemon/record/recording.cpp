@@ -16,6 +16,22 @@ std::filesystem::path Recording::folder() const {
   return folder_;
 }
 
+std::string Recording::Counts::gaps() const {
+  std::string missing;
+  const auto add = [&missing](bool any, const std::string& what) {
+    if (any) missing += (missing.empty() ? "" : ", ") + what;
+  };
+  add(disk != RecordCount{}, text(disk) + " as the disk had no room or refused");
+  add(memory_full != RecordCount{}, text(memory_full) + " as the disk was too slow");
+  add(deleted != RecordCount{}, text(deleted) + " with a folder that somebody deleted or moved");
+  add(files_deleted > 0,
+      rsi::counted(files_deleted, "file") + " deleted as keep_bytes and keep_days say");
+  if (pauses == 0 && missing.empty()) return {};
+  return "the recording of this session " +
+         (pauses > 0 ? "paused " + rsi::counted(pauses, "time") + ", and " : "") +
+         (missing.empty() ? "lacks nothing" : "lacks " + missing);
+}
+
 Recording::Counts& Recording::Counts::operator+=(const Counts& other) {
   recorded += other.recorded;
   memory_full += other.memory_full;

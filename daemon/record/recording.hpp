@@ -55,6 +55,8 @@ class Recording {
       return memory_full == RecordCount{} && disk == RecordCount{} && folders_deleted == 0 &&
              files_deleted == 0;
     }
+    /// A sentence on its pauses and on what is not in it; empty if there is nothing to say.
+    [[nodiscard]] std::string gaps() const;
     Counts& operator+=(const Counts& other);
   };
 

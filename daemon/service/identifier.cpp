@@ -156,6 +156,7 @@ void Identifier::make_outcome(SessionEnd& end) {
     const std::lock_guard lock(result_mutex_);
     publish(identified, false, end.log);
   }
+  if (const auto gaps = recorded.gaps(); !gaps.empty()) end.log.warning("{}", gaps);
   if (!end.link->good) end.log.warning("the link is {}", end.link->verdict);
   if (!end.link->bad_end.empty())
     end.log.warning("the stream ended badly: {}; its last cycles are in last_cycles.csv",

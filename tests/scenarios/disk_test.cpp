@@ -154,7 +154,8 @@ TEST_CASE("a full disk stops the recording, not the replies, until there is room
     INFO(log);
     CHECK(occurrences(log, "recording pauses") == 1);
     CHECK(occurrences(log, "recording goes on") == 1);
-    CHECK(occurrences(log, std::to_string(lost) + " datagrams and ") == 1);
+    CHECK(occurrences(log, "has room again: " + std::to_string(lost) + " datagrams and ") == 1);
+    CHECK(occurrences(log, "lacks " + std::to_string(lost) + " datagrams and ") == 1);
     CHECK(occurrences(log, "memory for the recording is full") == 0);
     check_answers("disk full", sent, filled, emptied);
   }

@@ -7,9 +7,11 @@
 #include <spdlog/spdlog.h>
 
 #include "tests/catch.hpp"
+#include "tests/daemon/said_lines.hpp"
 #include "tests/daemon/temporary_folder.hpp"
 #include "tests/eventually.hpp"
 
+using Catch::Matchers::ContainsSubstring;
 using namespace sweepd;
 using namespace sweepd::test;
 using namespace std::chrono_literals;
@@ -59,6 +61,21 @@ TEST_CASE("a result that the disk refuses is pending, and tried again until it i
   CHECK(fs::exists(session / "result.json"));
   CHECK(fs::exists(session / "run.json"));
   CHECK(bench.identifier.results().given_up == 0);
+}
+
+TEST_CASE("what is not in the recording of a session is said once at its end", "[identifier]") {
+  const SaidLines said;
+  IdentifierBench bench;
+  spdlog::set_level(spdlog::level::info);
+  const auto recording = std::make_shared<Recording>();
+  recording->paused();
+  recording->lost(Missing::disk, {12, 6});
+  recording->finish();
+  bench.identifier.last(bench.end("20250101T000000Z", recording));
+  REQUIRE(bench.identifier.drain(std::chrono::steady_clock::now() + 20s));
+  spdlog::set_level(spdlog::level::off);
+  CHECK_THAT(said.text(), ContainsSubstring("robot: the recording of this session paused 1 time, "
+                                            "and lacks 12 datagrams and 6 samples as the disk"));
 }
 
 TEST_CASE("a folder that is deleted while its result is pending is made anew, with all files",
