@@ -24,13 +24,14 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_unfinished(const fs::path& folder) {
-  if (traces_of(folder).empty()) return false;
   std::ifstream stream(folder / file_names::kRun, std::ios::binary);
   const auto run = nlohmann::json::parse(stream, nullptr, false);
   // Without it, or of a damaged one, nobody knows whose results these are.
   std::error_code error;
-  if (!run.is_object()) return !fs::exists(folder / file_names::kResult, error);
-  return run.value("command", nlohmann::json()) == "run" && !run.contains("ended");
+  if (!run.is_object())
+    return !traces_of(folder).empty() && !fs::exists(folder / file_names::kResult, error);
+  const auto command = run.value("command", nlohmann::json());
+  return (command == "run" || command == "watch") && !run.contains("ended");
 }
 
 }  // namespace

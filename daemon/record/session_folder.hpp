@@ -43,8 +43,8 @@ class FolderLock {
   int folder_ = -1;
 };
 
-/// The sessions of a robot that have a trace, but whose last result was never written, as sweepd
-/// was killed or the disk was full: run.json has no "ended". The newest first. Those of earlier
+/// The sessions of a robot whose last result was never written, as sweepd was killed or the disk
+/// was full: run.json has no "ended". The newest first. Their trace may be gone. Those of earlier
 /// replays and what cannot be read are left out.
 [[nodiscard]] std::vector<std::filesystem::path> unfinished_sessions(
     const std::filesystem::path& robot_folder);

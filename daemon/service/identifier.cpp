@@ -6,6 +6,7 @@
 #include <thread>
 #include <utility>
 
+#include "daemon/record/recording_files.hpp"
 #include "daemon/results/outcome.hpp"
 #include "daemon/results/result_files.hpp"
 #include "daemon/results/result_json.hpp"
@@ -151,7 +152,8 @@ void Identifier::make_outcome(SessionEnd& end) {
   auto identified = identify(end.snapshot, Share::fair);
   end.recording->wait();
   // A replay of what is not whole would give something else.
-  if (!end.recording->counts().complete()) identified.outcome.source_kind = "live";
+  const auto recorded = end.recording->counts();
+  if (!recorded.complete()) identified.outcome.source_kind = "live";
   {
     const std::lock_guard lock(result_mutex_);
     publish(identified, false, end.log);
@@ -219,7 +221,12 @@ void Identifier::go_on_with_earlier() {
     } else if (!earlier.replay) {
       const auto folder = std::move(earlier.folders.back());
       earlier.folders.pop_back();
-      if (FolderLock lock(folder); lock.held()) {  // else a session is written there just now
+      FolderLock lock(folder);
+      if (lock.held() && traces_of(folder).empty()) {
+        end_without_trace(folder);
+        earlier.log.note("{} has no last result, and no trace to make it of: what is there stays",
+                         folder.string());
+      } else if (lock.held()) {  // else a session is written there just now
         earlier.replay = std::make_unique<SessionReplay>(folder, std::move(lock), earlier.setup);
         earlier.log.note("{} has no last result: it is made from the recording", folder.string());
       }

@@ -1,6 +1,7 @@
 #include "daemon/service/session_replay.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <fstream>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "daemon/record/recording_files.hpp"
 #include "daemon/results/result_files.hpp"
 #include "daemon/results/run_json.hpp"
+#include "daemon/system/atomic_file.hpp"
 #include "daemon/text/file_names.hpp"
 #include "daemon/text/utc.hpp"
 #include "rsi/capture/capture_reader.hpp"
@@ -86,6 +88,19 @@ SessionEnd SessionReplay::end(Log log) {
     for (auto& name : result_file_names()) end.written.insert(std::move(name));
   }
   return end;
+}
+
+void end_without_trace(const fs::path& folder) {
+  fs::file_time_type newest = fs::file_time_type::min();
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const auto name = entry.path().filename().string();
+    if (name == file_names::kRun || name == file_names::kResult || part_of(name, "samples", ".csv"))
+      newest = std::max(newest, entry.last_write_time());
+  }
+  const auto ended = std::chrono::file_clock::to_sys(newest).time_since_epoch();
+  write_atomically(folder / file_names::kRun,
+                   run_json_of_cut_session(folder, utc_name(ended), false,
+                                           {"there is no trace to make a last result of"}));
 }
 
 }  // namespace sweepd

@@ -40,4 +40,8 @@ class SessionReplay : private StreamSink {
   std::vector<std::string> damage_;  // sentences
 };
 
+/// The end of a session that was cut and has no trace: it stays as it is, and run.json says so and
+/// gets "ended", by the newest of its files. Throws std::runtime_error.
+void end_without_trace(const std::filesystem::path& folder);
+
 }  // namespace sweepd

@@ -238,6 +238,31 @@ TEST_CASE("a session whose last result was never written gets it at the next sta
   CHECK_FALSE(json_in(other / "run.json").contains("ended"));
 }
 
+TEST_CASE("a session that was cut and has no trace is ended at the next start, and stays",
+          "[robot_service][live]") {
+  const TemporaryFolder folder;
+  const auto session = folder / "out/kr5-arc/20250101T000000Z";
+  fs::create_directories(session);
+  static_cast<void>(folder.write("out/kr5-arc/20250101T000000Z/result.json", "as it was"));
+  static_cast<void>(folder.write("out/kr5-arc/20250101T000000Z/run.json",
+                                 R"({"command": "run", "robot": "kr5-arc"})"));
+  for (const auto& [name, second] : {std::pair{"run.json", 100}, {"result.json", 200}})
+    fs::last_write_time(
+        session / name,
+        std::chrono::file_clock::from_sys(
+            std::chrono::sys_time<std::chrono::seconds>(std::chrono::seconds(second))));
+  RobotService service(settings(folder / "out"));
+  service.start();
+  REQUIRE(eventually([&] { return json_in(session / "run.json").contains("ended"); }));
+  service.stop();
+  const auto run = json_in(session / "run.json");
+  CHECK(run["ended"] == "19700101T000320Z");
+  CHECK(run["robot"] == "kr5-arc");
+  CHECK(run["damage"] == Json{"there is no trace to make a last result of"});
+  CHECK_FALSE(run.contains("from_recording"));
+  CHECK(content(session / "result.json") == "as it was");
+}
+
 TEST_CASE("what is no telegram over TCP is said, and at the end what has come since",
           "[robot_service][live]") {
   using boost::asio::ip::tcp;
