@@ -12,6 +12,7 @@
 #include "daemon/commands/exit_codes.hpp"
 #include "daemon/settings/toml_table.hpp"
 #include "daemon/system/log.hpp"
+#include "daemon/system/unfinished_file.hpp"
 #include "daemon/text/text_layout.hpp"
 #include "rsi/telegram/ethernet_config.hpp"
 
@@ -44,6 +45,7 @@ int say(const std::exception& problem, int exit_code) {
 int main(int argc, char** argv) {
   // A write that is refused says so by its result: a reader that went, a limit of file size.
   for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
+  sweepd::delete_unfinished_on_signals();  // commands that go on serving take them over
   sweepd::log_at_once();
 
   try {

@@ -100,6 +100,7 @@ OutputFile::OutputFile(const fs::path& path) : path_(path), beside_(path) {
   if (const auto real = fs::canonical(path, error); !error) path_ = real;
   beside_ = path_.parent_path() / ("." + path_.filename().string() + ".sweepd~");
   unlink(beside_.c_str());
+  unfinished_.emplace(beside_);
   // Here, as an error is to name the file that was asked for.
   const int file = open(beside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (file < 0) fail(path);

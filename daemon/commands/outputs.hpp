@@ -1,9 +1,12 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "daemon/system/unfinished_file.hpp"
 
 namespace sweepd {
 
@@ -40,7 +43,7 @@ class OutputFile {
  public:
   /// `path` as Outputs has checked it. Throws std::runtime_error where nothing can be written.
   explicit OutputFile(const std::filesystem::path& path);
-  ~OutputFile();  ///< without commit() the file is as it was
+  ~OutputFile();  ///< without commit() the file is as it was, also after a signal
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
@@ -52,6 +55,7 @@ class OutputFile {
  private:
   std::filesystem::path path_;
   std::filesystem::path beside_;
+  std::optional<UnfinishedFile> unfinished_;
 };
 
 /// The whole of a file at once. Throws std::runtime_error.

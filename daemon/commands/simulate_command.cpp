@@ -15,6 +15,7 @@
 #include "daemon/commands/outputs.hpp"
 #include "daemon/commands/simulation_report.hpp"
 #include "daemon/plan/simulated_robot.hpp"
+#include "daemon/system/unfinished_file.hpp"
 #include "daemon/text/progress.hpp"
 #include "rsi/capture/capture_writer.hpp"
 
@@ -24,15 +25,17 @@ namespace {
 using rsi::ControllerLink;
 using rsi::EthernetConfig;
 
-/// From the beginning to the end of its life SIGINT and SIGTERM are noted instead of killing.
+/// From the beginning to the end of its life SIGINT and SIGTERM are noted instead of killing; a
+/// second one kills.
 class Interrupt {
  public:
   Interrupt() {
     caught_ = false;
     struct sigaction action {};
-    action.sa_handler = [](int) { caught_ = true; };
-    // A second one kills.
-    action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
+    action.sa_handler = [](int signal) {
+      if (caught_.exchange(true)) end_by(signal);
+    };
+    action.sa_flags = SA_RESTART;
     sigaction(SIGINT, &action, &old_int_);
     sigaction(SIGTERM, &action, &old_term_);
   }
@@ -196,7 +199,7 @@ int Simulation::to_capture() {
   }
   datagram.time = kStart + since_start;
   record(wire.flush());
-  if (capture.flush()) output.commit();
+  if (capture.flush() && !interrupted_) output.commit();
 
   auto report = report_to(options_.write->string());
   report.link.controller.telegrams = telegrams;

@@ -40,7 +40,7 @@ struct SimulateOptions {
 
 /// Stands in for a controller whose robot runs the plan: sends its telegrams and checks each reply,
 /// or writes them to a capture. The same options write the same bytes. SIGINT and SIGTERM end it in
-/// order; a second one kills as usual.
+/// order, without a capture; a second one kills as usual.
 ///
 /// Returns the exit code: 0 if the plan was played to its end and every telegram that was not
 /// spoilt on purpose had a right reply in time; 3 if only the time was wrong; else 1. `errors` says

@@ -160,7 +160,8 @@ std::string problem(const SimulationReport& report) {
   if (report.live)
     if (auto text = link_problem(report); !text.empty()) return text;
   if (report.interrupted)
-    return "a signal stopped the simulation before the plan was over: run it again";
+    return "a signal stopped the simulation before the plan was over" +
+           (report.live ? "" : ", and " + report.target + " is not written") + ": run it again";
   return {};
 }
 

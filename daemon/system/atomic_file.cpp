@@ -8,6 +8,8 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "daemon/system/unfinished_file.hpp"
+
 namespace sweepd {
 namespace {
 
@@ -39,6 +41,7 @@ std::string cannot_write(const std::filesystem::path& path, int error) {
 
 void write_atomically(const std::filesystem::path& path, std::string_view content) {
   const auto beside = std::filesystem::path(path).concat(".tmp");
+  const UnfinishedFile unfinished(beside);
   {
     const File file{open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)};
     if (file.descriptor < 0) fail(path, beside);

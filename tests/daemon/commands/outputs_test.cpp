@@ -1,6 +1,10 @@
 #include "daemon/commands/outputs.hpp"
 
+#include <csignal>
 #include <sstream>
+
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "daemon/commands/export_command.hpp"
 #include "daemon/commands/identify_command.hpp"
@@ -175,5 +179,24 @@ TEST_CASE("a file that was not finished leaves the one before it", "[outputs][is
   CHECK_THROWS_WITH(OutputFile(file / "y"),
                     ContainsSubstring("cannot write " + file.string() + "/y "));
   CHECK_THROWS_WITH(OutputFile(folder / "none/y"), ContainsSubstring("make that folder first"));
+  CHECK(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()) == 1);
+}
+
+TEST_CASE("a signal in the middle of a file leaves the one before it, and nothing beside it",
+          "[outputs]") {
+  const TemporaryFolder folder;
+  const auto file = folder.write("x", "before");
+  const pid_t child = fork();
+  if (child == 0) {
+    std::signal(SIGINT, SIG_DFL);
+    delete_unfinished_on_signals();
+    const OutputFile output(file);
+    raise(SIGINT);
+    _exit(0);
+  }
+  int status = 0;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  CHECK(WIFSIGNALED(status));
+  CHECK(content(file) == "before");
   CHECK(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()) == 1);
 }

@@ -10,6 +10,7 @@
 #include "rsi/telegram/reply.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/simulations.hpp"
+#include "tests/eventually.hpp"
 
 using boost::asio::ip::udp;
 using Catch::Matchers::ContainsSubstring;
@@ -182,4 +183,22 @@ TEST_CASE("SIGINT and SIGTERM end a simulation in order, with its report",
   CHECK_THAT(outcome.errors, ContainsSubstring("a signal stopped the simulation"));
   CHECK_THAT(outcome.report, ContainsSubstring("telegrams                        4") &&
                                  ContainsSubstring("a signal stopped it"));
+}
+
+TEST_CASE("a capture that a signal stops is not there, and that is said", "[simulate_live][live]") {
+  const TemporaryFolder folder;
+  // Half a million telegrams.
+  auto simulation = simulation_of(write_plan(folder, "0.01"));
+  simulation.cycle_ms = 1;
+  simulation.write = folder / "trace.pcap";
+  const std::jthread stops([&] {
+    if (eventually([&] { return std::filesystem::exists(folder / ".trace.pcap.sweepd~"); }))
+      kill(getpid(), SIGTERM);
+  });
+  const auto outcome = run(simulation);
+  CHECK(outcome.code == 1);
+  CHECK(outcome.errors == "sweepd: a signal stopped the simulation before the plan was over, and " +
+                              (folder / "trace.pcap").string() + " is not written: run it again\n");
+  CHECK_FALSE(std::filesystem::exists(folder / "trace.pcap"));
+  CHECK_FALSE(std::filesystem::exists(folder / ".trace.pcap.sweepd~"));
 }
