@@ -20,7 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kRunCommand = "run";
 constexpr const char* kOfRecording = "it belongs to a recording";
 constexpr const char* kAnotherFile = "name another file, or add --force";
 constexpr const char* kAnotherFolder = "give --output a folder of its own, or add --force";
@@ -40,6 +39,11 @@ std::string command_of(const fs::path& folder) {
   if (!run.is_object() || run.value("schema", nlohmann::json()) != "sweepd.run/1") return {};
   const auto command = run.find("command");
   return command != run.end() && command->is_string() ? command->get<std::string>() : "";
+}
+
+/// Whether such a folder holds what was recorded.
+bool holds_recording(std::string_view command) {
+  return command == "run" || command == "watch";
 }
 
 [[noreturn]] void refuse(const fs::path& file, const std::string& why, const std::string& remedy) {
@@ -71,7 +75,7 @@ void Outputs::check_made_again(const fs::path& file, std::string_view ours) cons
 
 void Outputs::check(const fs::path& file, std::string_view ours) const {
   check_made_again(file, ours);
-  if (in_the_way(file) && command_of(file.parent_path()) == kRunCommand)
+  if (in_the_way(file) && holds_recording(command_of(file.parent_path())))
     refuse(file, kOfRecording, kAnotherFile);
 }
 
@@ -86,7 +90,7 @@ void Outputs::check_results(const fs::path& folder, const std::vector<std::strin
     if (in_the_way(folder / name) && first.empty()) first = folder / name;
   if (first.empty()) return;
   const auto command = command_of(folder);
-  if (command == kRunCommand) refuse(first, kOfRecording, kAnotherFolder);
+  if (holds_recording(command)) refuse(first, kOfRecording, kAnotherFolder);
   if (command.empty())
     refuse(first, "it is there already, and by run.json of that folder not sweepd's",
            kAnotherFolder);

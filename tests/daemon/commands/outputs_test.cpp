@@ -200,3 +200,13 @@ TEST_CASE("a signal in the middle of a file leaves the one before it, and nothin
   CHECK(content(file) == "before");
   CHECK(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()) == 1);
 }
+
+TEST_CASE("what was watched is a recording, whose files no command overwrites", "[outputs]") {
+  const std::string command = GENERATE("run", "watch");
+  const TemporaryFolder folder;
+  static_cast<void>(
+      folder.write("run.json", R"({"schema": "sweepd.run/1", "command": ")" + command + R"("})"));
+  static_cast<void>(folder.write("samples.csv", "recorded"));
+  CHECK_THROWS_WITH(Outputs({}, false).check_results(folder.path(), {"samples.csv"}),
+                    ContainsSubstring("it belongs to a recording"));
+}
