@@ -65,6 +65,9 @@ void check_together(const CorrectOptions& options) {
     throw std::invalid_argument(
         "--program, --write, --config and --leave need --level targets: choose it, or leave them "
         "out");
+  if (!targets && options.level != CorrectionLevel::frames && !options.tool.empty())
+    throw std::invalid_argument(
+        "--tool needs --level targets or --level frames: choose one, or leave it out");
 }
 
 void check_axes(const Correctable& of) {
@@ -132,16 +135,17 @@ CLI::App* add_correct(CLI::App& app, CorrectOptions& options) {
       ->required()
       ->type_name("mastering|frames|machine-data|targets")
       ->check(CLI::IsMember({"mastering", "frames", "machine-data", "targets"}));
-  command
-      ->add_option("--program", options.program,
-                   "Correct the E6POS, POS, E6AXIS and AXIS in this .dat file")
-      ->type_name("P.dat");
+  auto* program = command
+                      ->add_option("--program", options.program,
+                                   "Correct the E6POS, POS, E6AXIS and AXIS in this .dat file")
+                      ->type_name("P.dat");
   command->add_option("--write", options.write, "Write the corrected program to this file")
       ->type_name("NEW.dat");
   command
       ->add_option("--base", options.base,
                    "Take the points as told in this base, as \"{X 0,Y 0,Z 0,A 0,B 0,C 0}\"")
-      ->type_name("FRAME");
+      ->type_name("FRAME")
+      ->needs(program);
   command
       ->add_option("--tool", options.tool,
                    "Take the points as told of this tool. With --level frames, only its A, B, C "
@@ -160,6 +164,7 @@ CLI::App* add_correct(CLI::App& app, CorrectOptions& options) {
       ->add_option("--largest-shift", options.largest_shift_mm,
                    "Refuse to shift a point by more than so many mm")
       ->check(number_between(0.0, 100.0))
+      ->needs(program)
       ->capture_default_str()
       ->type_name("MM");
   command->add_option("--leave", options.leave, "Leave the points of these names as they are")

@@ -122,15 +122,19 @@ CLI::App* add_history(CLI::App& app, HistoryCommandOptions& options) {
       ->type_name("FILE");
   command->add_option("--html", options.html, "Write a page with pictures to this file")
       ->type_name("FILE");
-  command->add_option("--index", options.index, "Keep the index of the campaigns in this file")
-      ->type_name("FILE")
-      ->default_str("history.sqlite in DIR where there are 100 and more");
-  command->add_flag("--rebuild", options.rebuild, "Make the index anew from the folders");
+  auto* index =
+      command->add_option("--index", options.index, "Keep the index of the campaigns in this file")
+          ->type_name("FILE")
+          ->default_str("history.sqlite in DIR where there are 100 and more");
+  auto* rebuild =
+      command->add_flag("--rebuild", options.rebuild, "Make the index anew from the folders");
   command
       ->add_option("--database", options.database,
                    "Take the campaigns from this PostgreSQL, as `sweepd collect` has filled it: "
                    "each DIR is then SITE/CELL/ROBOT")
-      ->type_name("CONNECTION");
+      ->type_name("CONNECTION")
+      ->excludes(index)
+      ->excludes(rebuild);
   add_force(*command, options.force);
   command->footer(exit_status({{0, "No change is seen that can be dated."},
                                {kAdverse, "A change is seen."},

@@ -42,6 +42,8 @@ void check(const IdentifyOptions& options) {
     throw std::invalid_argument("--format is for files of points: leave it out with --axes");
   if (options.axes && options.per_joint)
     throw std::invalid_argument("--per-joint is for files of points: leave it out with --axes");
+  if (options.axes && options.poses)
+    throw std::invalid_argument("--poses is for files of points: leave it out with --axes");
   if (options.poses && options.per_joint)
     throw std::invalid_argument("--poses and --per-joint exclude each other: leave one out");
   if (!options.angles.empty() && (options.axes || options.per_joint || options.poses))

@@ -46,6 +46,8 @@ int note(const NoteOptions& options, std::ostream& out) {
   for (const auto& word : options.words) one.text += (one.text.empty() ? "" : " ") + word;
   one.same_state = options.same_state;
   if (one.text.empty() && !one.same_state && !options.measured) {
+    if (options.at)
+      throw std::invalid_argument("--at dates a note, and there is none: give its text");
     print_notes(options.folder, out);
     return 0;
   }

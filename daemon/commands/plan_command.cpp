@@ -26,6 +26,10 @@ void check(const PlanOptions& options) {
     throw std::invalid_argument(
         "--krl, --output: expected both or neither: name the dialect and the folder of the "
         "program");
+  if (options.margin_deg && !options.propose)
+    throw std::invalid_argument(
+        "--margin-deg: expected --propose, whose ranges keep it: add it, or leave --margin-deg "
+        "out");
   if (options.write_plan && !options.propose)
     throw std::invalid_argument("--write-plan: expected --propose, as it writes the proposal");
   if (!options.krl && !options.name.empty())
@@ -107,10 +111,10 @@ int plan(const PlanOptions& options, std::ostream& out, std::ostream& errors) {
   if (options.propose) {
     Progress progress("plan");
     proposal =
-        propose(robot, outlook, measurement, options.margin_deg,
+        propose(robot, outlook, measurement, options.margin(),
                 [&](double done, double total) { progress.update(done, total, "proposal"); });
     progress.clear();
-    out << proposal_text(outlook, *proposal, options.margin_deg);
+    out << proposal_text(outlook, *proposal, options.margin());
   }
   const PlanOutlook& judged = proposal && !options.krl ? proposal->outlook : outlook;
   out << std::flush;
@@ -149,7 +153,8 @@ CLI::App* add_plan(CLI::App& app, PlanOptions& options) {
       "plan in T1 first.");
   add_robot(*command, options.robot);
   auto* what = command->add_option_group("What");
-  what->add_option("--plan", options.plan, "Read the sweep plan from this file")->type_name("FILE");
+  auto* sweeps = what->add_option("--plan", options.plan, "Read the sweep plan from this file")
+                     ->type_name("FILE");
   auto* poses =
       what->add_option("--poses", options.poses.count,
                        "Choose so many static poses in place of sweeps, which a device will "
@@ -160,11 +165,13 @@ CLI::App* add_plan(CLI::App& app, PlanOptions& options) {
   command
       ->add_option("--cycle-ms", options.cycle_ms,
                    "Assume a telegram every so many milliseconds: 4 on IPO_FAST, 12 on IPO")
+      ->needs(sweeps)
       ->check(whole_number(1, 1000))
       ->capture_default_str();
   command
       ->add_option("--precision", options.precision,
                    "Assume numbers with this many decimals, as set at the ETHERNET object")
+      ->needs(sweeps)
       ->check(whole_number(0, 15))
       ->capture_default_str();
   command
@@ -185,7 +192,7 @@ CLI::App* add_plan(CLI::App& app, PlanOptions& options) {
       ->add_option("--margin-deg", options.margin_deg,
                    "Keep proposed ranges and poses this many degrees off the joint limits")
       ->check(number_between(0.0, 90.0))
-      ->capture_default_str();
+      ->default_str("5");
   command->add_option("--write-plan", options.write_plan, "Write the proposed plan to this file")
       ->type_name("FILE")
       ->needs(propose);
@@ -211,18 +218,21 @@ CLI::App* add_plan(CLI::App& app, PlanOptions& options) {
   krl->needs(output);
   command->add_option("--name", options.name, "Give the KRL program this name")
       ->type_name("NAME")
+      ->needs(output)
       ->default_str("sweepd_sweeps, of poses sweepd_poses");
   command
       ->add_option("--krl-tool", options.krl_tool,
                    "Use the controller's tool of this number in the KRL program, whose point is "
                    "the target")
       ->check(whole_number(1, kMostKrlTools))
+      ->needs(krl)
       ->capture_default_str();
   command
       ->add_option("--rsi-file", options.rsi_file,
                    "Let the KRL program load this Ethernet file (krc2) or RSI context (krc4, "
                    "iiqka)")
       ->type_name("NAME")
+      ->needs(krl)
       ->default_str("sweepd_udp.xml, sweepd.rsi or sweepd; a program of poses has no RSI then");
   add_pose_options(*command, options.poses, *poses);
   add_force(*command, options.force);

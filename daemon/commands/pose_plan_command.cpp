@@ -120,7 +120,7 @@ int plan_static_poses(const PlanOptions& options, std::ostream& out) {
   RobotDescription robot = load_robot(options.robot);
   if (options.tool_mm && robot.arm) robot.arm->tool_mm = Eigen::Vector3d(options.tool_mm->data());
   PoseTask task = options.poses;
-  task.limits.margin_deg = options.margin_deg;
+  task.limits.margin_deg = options.margin();
   task.joint_sigma_deg = options.wobble_deg;
   task.position_sigma_mm = options.position_sigma_mm.value_or(task.position_sigma_mm);
   Progress progress("plan");

@@ -237,11 +237,12 @@ CLI::App* add_simulate(CLI::App& app, SimulateOptions& options) {
       "same telegrams.");
   add_robot_and_plan(*command, options.robot, options.plan);
   auto* target = command->add_option_group("Target");
-  target
-      ->add_option("--to", parsed(options.to, rsi::parse_endpoint, "--to", kAnEndpoint),
-                   "Send the telegrams to the RSI server at this IPv4 address and port in real "
-                   "time, over TCP where the Ethernet file says so and else over UDP")
-      ->type_name("ADDRESS:PORT");
+  auto* to =
+      target
+          ->add_option("--to", parsed(options.to, rsi::parse_endpoint, "--to", kAnEndpoint),
+                       "Send the telegrams to the RSI server at this IPv4 address and port in real "
+                       "time, over TCP where the Ethernet file says so and else over UDP")
+          ->type_name("ADDRESS:PORT");
   target
       ->add_option("--write", options.write,
                    "Write the telegrams to this capture as fast as possible")
@@ -276,6 +277,7 @@ CLI::App* add_simulate(CLI::App& app, SimulateOptions& options) {
       ->add_option("--timeout-cycles", options.timeout_cycles,
                    "Stop after this many unanswered cycles in a row, as a controller does")
       ->check(whole_number(1))
+      ->needs(to)
       ->capture_default_str();
   command
       ->add_option_function<std::string>(
@@ -287,6 +289,7 @@ CLI::App* add_simulate(CLI::App& app, SimulateOptions& options) {
           "only what sweepd promises (every tag of RECEIVE is there and zero)")
       ->type_name("controller|sweepd")
       ->check(CLI::IsMember({"controller", "sweepd"}))
+      ->needs(to)
       ->default_str("controller");
   command->add_option("--first-ipoc", options.first_ipoc, "Give the first telegram this IPOC")
       ->check(whole_number(0))

@@ -93,3 +93,33 @@ TEST_CASE("wrong usage is told in this program's words", "[command_line]") {
              StartsWith("--level: expected 1e-06 to 0.5, found nan"));
   CHECK_THAT(problem({"compare", "a", "b", "c"}), StartsWith("c is one argument too many: "));
 }
+
+TEST_CASE("an option is refused where what it belongs to is not asked for", "[command_line]") {
+  const auto with = [](std::vector<const char*> words, std::initializer_list<const char*> more) {
+    words.insert(words.end(), more);
+    return problem(words);
+  };
+  const std::vector<const char*> plan{"plan", "--robot", "r", "--plan", "p"};
+  CHECK_THAT(with(plan, {"--krl-tool", "2"}), StartsWith("--krl-tool requires --krl: "));
+  CHECK_THAT(with(plan, {"--rsi-file", "a.rsi"}), StartsWith("--rsi-file requires --krl: "));
+  CHECK_THAT(with(plan, {"--margin-deg", "9"}), StartsWith("--margin-deg: expected --propose, "));
+  const std::vector<const char*> poses{"plan", "--robot", "r", "--poses", "20"};
+  CHECK_THAT(with(poses, {"--name", "n"}), StartsWith("--name requires --output: "));
+  CHECK_THAT(with(poses, {"--cycle-ms", "12"}), StartsWith("--cycle-ms requires --plan: "));
+  CHECK_THAT(with(poses, {"--precision", "3"}), StartsWith("--precision requires --plan: "));
+  const std::vector<const char*> write{"simulate", "--robot", "r", "--plan", "p", "--write", "w"};
+  CHECK_THAT(with(write, {"--check", "sweepd"}), StartsWith("--check requires --to: "));
+  CHECK_THAT(with(write, {"--timeout-cycles", "9"}),
+             StartsWith("--timeout-cycles requires --to: "));
+  const std::vector<const char*> correct{"correct", "result", "--level", "mastering"};
+  CHECK_THAT(with(correct, {"--base", "{X 0}"}), StartsWith("--base requires --program: "));
+  CHECK_THAT(with(correct, {"--largest-shift", "1"}),
+             StartsWith("--largest-shift requires --program: "));
+  CHECK_THAT(with(correct, {"--tool", "{X 0}"}), StartsWith("--tool needs --level targets or "));
+  for (const char* option : {"--rebuild", "--index=i"})
+    CHECK_THAT(problem({"history", "a/b/c", option, "--database", "dbname=x"}),
+               ContainsSubstring(" excludes --"));
+  CHECK_THAT(problem({"note", ".", "--at", "2026-03-01"}), StartsWith("--at dates a note, and "));
+  CHECK_THAT(problem({"identify", "--axes", "a.csv", "--poses"}),
+             StartsWith("--poses is for files of points: leave it out with --axes"));
+}
