@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "daemon/commands/bash_completion.hpp"
+#include "daemon/commands/command_options.hpp"
 #include "daemon/commands/command_table.hpp"
 #include "daemon/commands/exit_codes.hpp"
 #include "daemon/commands/help_text.hpp"
@@ -57,6 +58,7 @@ CommandLine::CommandLine()
        kWrongFile}));
 
   add_commands(app, arguments_, exit_code_);
+  refuse_empty_paths(app);
 }
 
 CommandLine::~CommandLine() = default;

@@ -1,5 +1,6 @@
 #include "daemon/commands/command_options.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <stdexcept>
@@ -35,6 +36,22 @@ CLI::Validator expecting(const std::string& expected, const Holds& holds) {
 }
 
 }  // namespace
+
+void refuse_empty_paths(CLI::App& command) {
+  static constexpr std::array kPaths{"FILE",    "DIR",    "TRACE", "TRACE.pcap", "P.dat",
+                                     "NEW.dat", "RESULT", "A",     "B"};
+  const CLI::Validator there(
+      [](std::string& path) {
+        return path.empty() ? std::string("expected a path, found an empty one") : std::string();
+      },
+      "");
+  for (CLI::Option* option : command.get_options()) {
+    const auto type = option->get_type_name();
+    const auto what = type.empty() ? option->get_name(true) : type;
+    if (std::find(kPaths.begin(), kPaths.end(), what) != kPaths.end()) option->check(there);
+  }
+  for (CLI::App* part : command.get_subcommands({})) refuse_empty_paths(*part);
+}
 
 CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
   const bool open = most == std::numeric_limits<std::uint64_t>::max();

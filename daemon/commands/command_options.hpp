@@ -33,6 +33,9 @@ void add_columns(CLI::App& command, std::string& columns);
 void add_output(CLI::App& command, std::optional<std::filesystem::path>& output);
 void add_force(CLI::App& command, bool& force);
 void add_quiet(CLI::App& command, bool& quiet);
+/// Lets no option of `command` that is a path be empty: that would be the current folder, or
+/// nothing. Once all options are there.
+void refuse_empty_paths(CLI::App& command);
 /// A whole number from `least` to `most`.
 [[nodiscard]] CLI::Validator whole_number(
     std::uint64_t least, std::uint64_t most = std::numeric_limits<std::uint64_t>::max());

@@ -123,3 +123,24 @@ TEST_CASE("an option is refused where what it belongs to is not asked for", "[co
   CHECK_THAT(problem({"identify", "--axes", "a.csv", "--poses"}),
              StartsWith("--poses is for files of points: leave it out with --axes"));
 }
+
+TEST_CASE("a path that is empty is refused", "[command_line]") {
+  const char* const refused = ": expected a path, found an empty one: `sweepd ";
+  for (const std::vector<const char*>& words : std::vector<std::vector<const char*>>{
+           {"report", ""},
+           {"report", "a", "--output", ""},
+           {"identify", ""},
+           {"identify", "a.csv", "--output", ""},
+           {"identify", "a.csv", "--angles", ""},
+           {"replay", "a.pcap", ""},
+           {"replay", "a.pcap", "--config", ""},
+           {"export", "a.pcap", "--csv", ""},
+           {"simulate", "--robot", "r", "--plan", "p", "--write", ""},
+           {"correct", "result", "--level", "targets", "--program", "", "--write", "w"},
+           {"compare", "a", ""},
+           {"note", ""},
+           {"run", "--config", ""}}) {
+    INFO(words.front() << ' ' << words.back());
+    CHECK_THAT(problem(words), ContainsSubstring(refused));
+  }
+}
