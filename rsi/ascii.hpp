@@ -50,4 +50,14 @@ namespace rsi {
   return shown;
 }
 
+/// The same of what somebody has written, which may be of any length: its beginning.
+[[nodiscard]] inline std::string in_short(std::string_view text) {
+  constexpr std::size_t kMost = 60;
+  std::size_t end = std::min(text.size(), kMost);
+  // Not within a character of UTF-8.
+  while (end < text.size() && end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80)
+    --end;
+  return printable(text.substr(0, end)) + (end < text.size() ? "..." : "");
+}
+
 }  // namespace rsi

@@ -87,7 +87,7 @@ int CommandLine::run(int argc, const char* const* argv) {
     std::string text = "name a command";
     if (argc > 1) {
       const std::string word = foreign.empty() ? argv[1] : foreign.front();
-      text = rsi::printable(word) + (word.starts_with('-') ? " is no option" : " is no command");
+      text = rsi::in_short(word) + (word.starts_with('-') ? " is no option" : " is no command");
     }
     throw std::invalid_argument(text + ": `sweepd --help` tells how it is used");
   }

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 #include <stdexcept>
+#include <system_error>
+#include <type_traits>
 
 #include <CLI/CLI.hpp>
 #include <spdlog/fmt/fmt.h>
@@ -14,23 +16,25 @@
 namespace sweepd {
 namespace {
 
-/// Nothing where `text` as a whole is no such number.
+/// Whether `text` as a whole is such a number.
 template <typename Number>
-std::optional<Number> number_in(const std::string& text) {
-  Number value{};
+std::errc number_from(const std::string& text, Number& value) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
+  return end == text.data() + text.size() ? error : std::errc::invalid_argument;
 }
 
 /// Help has `expected` in brackets, see help_text.cpp.
 template <typename Number, typename Holds>
 CLI::Validator expecting(const std::string& expected, const Holds& holds) {
   return {[=](std::string& text) {
-            const auto value = number_in<Number>(text);
-            return value && holds(*value)
-                       ? std::string()
-                       : "expected " + expected + ", found " + rsi::printable(text);
+            constexpr auto kMost = std::numeric_limits<Number>::max();
+            Number value{};
+            const auto error = number_from(text, value);
+            if (error == std::errc() && holds(value)) return std::string();
+            const bool too_large = error == std::errc::result_out_of_range &&
+                                   std::is_integral_v<Number> && holds(kMost);
+            return "expected " + (too_large ? fmt::format("at most {}", kMost) : expected) +
+                   ", found " + rsi::in_short(text);
           },
           "(" + expected + ")"};
 }
@@ -82,12 +86,12 @@ CLI::Validator more_than_zero() {
 
 void refuse_value(const std::string& option, const std::string& expected,
                   const std::string& found) {
-  throw CLI::ValidationError(option, expected + ", found " + rsi::printable(found));
+  throw CLI::ValidationError(option, expected + ", found " + rsi::in_short(found));
 }
 
 std::chrono::nanoseconds date_option(const std::string& name, const std::string& text) {
   if (const auto time = parse_utc(text)) return *time;
-  throw std::invalid_argument(name + ": " + text +
+  throw std::invalid_argument(name + ": " + rsi::in_short(text) +
                               " is no date: write it as 2026-03-01 or 2026-03-01T14:30, in UTC");
 }
 

@@ -28,13 +28,13 @@ std::string help_of(const CLI::App& command) {
 
 std::string not_expected(const CLI::App& command, const std::string& word) {
   if (!word.starts_with('-'))
-    return rsi::printable(word) + " is one argument too many" + help_of(command);
+    return rsi::in_short(word) + " is one argument too many" + help_of(command);
   std::vector<std::string> names;
   for (const auto& option : command_text(command).options)
     names.insert(names.end(), option.names.begin(), option.names.end());
   const std::vector<std::string_view> known(names.begin(), names.end());
   const auto meant = nearest_word(word, known);
-  return rsi::printable(word) + " is no option" +
+  return rsi::in_short(word) + " is no option" +
          (meant.empty() ? help_of(command) : ": did you mean " + std::string(meant) + "?");
 }
 
@@ -59,7 +59,7 @@ std::string usage_problem(const CLI::App& command, const CLI::ParseError& proble
   if (is(kNoValue)) return needs_value(command, part.str(1));
   if (is(kNoneOf))
     return part.str(1) + " takes " + listed(part.str(3), ", ") + ": found " +
-           rsi::printable(part.str(2)) + help_of(command);
+           rsi::in_short(part.str(2)) + help_of(command);
   if (is(kOneOf))
     return "give " + listed(part.str(1), " or ") + (part.str(2).empty() ? "" : ", and only one") +
            help_of(command);

@@ -273,17 +273,14 @@ void DeviceRows::fail_time(const std::string& problem) const {
 }
 
 void DeviceRows::fail(std::size_t column, const std::string& problem) const {
-  constexpr std::size_t kLongest = 60;
   std::string name(column < header_.size() ? header_[column] : std::string_view());
   for (const TargetColumns& target : layout_.targets)
     if (!target.name.empty() && std::count(target.position.begin(), target.position.end(), column))
       name = name.empty() || contains(name, lower(target.name))
                  ? target.name
                  : fmt::format("{} {}", target.name, name);
-  text_.fail(line_,
-             fmt::format("column {}{}: {}", column + 1,
-                         name.empty() ? "" : " (" + rsi::printable(name.substr(0, kLongest)) + ")",
-                         problem));
+  text_.fail(line_, fmt::format("column {}{}: {}", column + 1,
+                                name.empty() ? "" : " (" + rsi::in_short(name) + ")", problem));
 }
 
 std::size_t joint_in(std::string_view name) {

@@ -30,10 +30,7 @@ std::optional<rsi::Decimal> printed_number(std::string_view text) {
 }
 
 std::string as_found(std::string_view text) {
-  constexpr std::size_t kLongest = 40;
-  if (text.empty()) return "nothing";
-  return '"' + rsi::printable(text.substr(0, kLongest)) + (text.size() > kLongest ? "..." : "") +
-         '"';
+  return text.empty() ? "nothing" : '"' + rsi::in_short(text) + '"';
 }
 
 }  // namespace sweepd

@@ -69,11 +69,10 @@ void WideTargets::into(DeviceLayout& layout) && {
                "file again with markers or rigid bodies");
   layout.targets = std::move(targets_);
   constexpr std::size_t kMostNamed = 4;
-  constexpr std::size_t kLongest = 60;
   for (const auto& [why, all] : left_out_) {
     std::string note = "left out: ";
     for (std::size_t k = 0; k < std::min(all.size(), kMostNamed); ++k)
-      note.append(k > 0 ? ", " : "").append(rsi::printable(all[k].substr(0, kLongest)));
+      note.append(k > 0 ? ", " : "").append(rsi::in_short(all[k]));
     if (all.size() > kMostNamed)
       note.append(" and ").append(std::to_string(all.size() - kMostNamed)).append(" more");
     layout.notes.push_back(why.empty() ? note : note.append(" (").append(why).append(")"));

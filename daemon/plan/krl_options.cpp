@@ -38,7 +38,7 @@ void check_name(const std::string& name, std::vector<std::string>& findings) {
     findings.push_back(
         "--name: expected a letter, then letters, digits and underscores, 24 characters at most, "
         "found '" +
-        rsi::printable(name) + "': choose another name for the KRL program");
+        rsi::in_short(name) + "': choose another name for the KRL program");
   else if (std::any_of(kTaken.begin(), kTaken.end(),
                        [&](const char* word) { return rsi::equal_ignoring_case(name, word); }))
     findings.push_back("--name: expected a name of its own, found '" + name +
@@ -96,7 +96,7 @@ std::vector<std::string> krl_findings(const KrlOptions& options) {
       }))
     findings.push_back(
         "--rsi-file: expected a file name of letters, digits, _ . and -, 60 at most, found '" +
-        rsi::printable(file) + "': rename it on the controller");
+        rsi::in_short(file) + "': rename it on the controller");
   return findings;
 }
 

@@ -166,7 +166,7 @@ std::size_t CsvFile::whole_number(std::size_t column, std::size_t least, std::si
 
 void CsvFile::fail(std::size_t column, const std::string& problem) const {
   throw CsvError(fmt::format("{}, column {} ({}): {}", place(), column + 1,
-                             rsi::printable(columns_[column]), problem));
+                             rsi::in_short(columns_[column]), problem));
 }
 
 void CsvFile::fail_header(const std::string& problem) const {
@@ -177,7 +177,7 @@ void CsvFile::fail_header(const std::string& problem) const {
 
 void CsvFile::fail_header(std::size_t column, const std::string& problem) const {
   const auto text = fmt::format("{}, column {} ({}): {}", header_place(), column + 1,
-                                rsi::printable(columns_[column]), problem);
+                                rsi::in_short(columns_[column]), problem);
   if (declared_) throw std::invalid_argument(text);
   throw CsvError(text);
 }

@@ -26,7 +26,7 @@ std::string listed(const Elements& tags) {
   constexpr std::size_t kMost = 64;
   std::string text;
   for (std::size_t i = 0; i < std::min(tags.size(), kMost); ++i)
-    text += (i == 0 ? "" : ", ") + rsi::printable(tags[i].tag);
+    text += (i == 0 ? "" : ", ") + rsi::in_short(tags[i].tag);
   if (tags.size() > kMost) text += fmt::format(" and {} more", tags.size() - kMost);
   return text;
 }
@@ -55,9 +55,9 @@ std::string misspelt(const RobotSettings& robot, const rsi::EthernetConfig& conf
     if (std::count(tags.begin(), tags.end(), name) > 0) continue;
     const auto text = fmt::format(
         "answers_with_zeros of robot {}: \"{}\" is no tag in RECEIVE of {}: ", robot.name,
-        rsi::printable(name), config.name);
+        rsi::in_short(name), config.name);
     if (const auto meant = nearest_word(name, tags); !meant.empty())
-      return text + "did you mean \"" + rsi::printable(meant) + "\"?";
+      return text + "did you mean \"" + rsi::in_short(meant) + "\"?";
     return text +
            (tags.empty() ? "it has none, leave the key out" : "it has " + listed(config.receive));
   }

@@ -7,6 +7,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "rsi/ascii.hpp"
+
 namespace sweepd {
 namespace {
 
@@ -140,11 +142,12 @@ struct Reader {
     if (names->empty() || names->size() > 12) wrong("1 to 12 signals", "name one a joint");
     for (const auto& name : *names)
       if (!is_signal(name))
-        table.fail(option.key, "expected signals like \"Act_X\" or \"Pos.X\", found \"" + name +
+        table.fail(option.key, "expected signals like \"Act_X\" or \"Pos.X\", found \"" +
+                                   rsi::in_short(name) +
                                    "\": write the element, or element.attribute");
     for (auto name = names->begin(); name != names->end(); ++name)
       if (std::find(names->begin(), name, *name) != name)
-        table.fail(option.key, "expected each signal once, found \"" + *name +
+        table.fail(option.key, "expected each signal once, found \"" + rsi::in_short(*name) +
                                    "\" twice: name the signal of each joint");
   }
   void operator()(Triple* triple) const {

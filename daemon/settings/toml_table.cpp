@@ -45,26 +45,29 @@ std::string unit_of(std::string_view key) {
 
 /// Text from a file inside a message: in quotes, on one line, not too long.
 std::string in_quotes(std::string_view text) {
-  constexpr std::size_t kMost = 60;
-  return '"' + rsi::printable(text.substr(0, kMost)) + (text.size() > kMost ? "...\"" : "\"");
-}
-
-/// A key or message that stands without quotes.
-std::string unquoted(std::string_view text) {
-  const std::string shown = in_quotes(text);
-  return shown.substr(1, shown.size() - 2);
+  return '"' + rsi::in_short(text) + '"';
 }
 
 std::string in_words(const toml::node* node) {
   if (!node) return "nothing";
   if (const auto* text = node->as_string()) return "the string " + in_quotes(text->get());
   if (const auto* whole = node->as_integer()) return fmt::format("the number {}", whole->get());
-  if (const auto* number = node->as_floating_point())
-    return "the number " + number_text(number->get());
+  if (const auto* number = node->as_floating_point()) {
+    const auto text = number_text(number->get());
+    const bool whole = text.find_first_not_of("-0123456789") == std::string::npos;
+    return "the number " + text + (whole ? ".0" : "");
+  }
   if (const auto* flag = node->as_boolean()) return flag->get() ? "true" : "false";
   if (const auto* array = node->as_array())
     return "an array of " + rsi::counted(array->size(), "value");
   return node->is_table() ? "a table" : "a date or a time";
+}
+
+/// What to write in the place of a number with a decimal point.
+std::string without_decimals(double value) {
+  constexpr double kMost = 1e15;
+  if (value != std::floor(value) || std::abs(value) > kMost) return "write it without decimals";
+  return fmt::format("write {}, without a decimal point", static_cast<std::int64_t>(value));
 }
 
 std::string place(const std::string& file, const toml::source_position& where) {
@@ -89,12 +92,12 @@ struct TomlTable::Node {
   [[nodiscard]] std::shared_ptr<const Node> child(std::string_view key,
                                                   const toml::node& value) const {
     return std::make_shared<const Node>(
-        Node{root, value.as_table(), file, prefix + std::string(key) + '.'});
+        Node{root, value.as_table(), file, prefix + rsi::in_short(key) + '.'});
   }
 
   [[noreturn]] void fail(std::string_view key, const toml::source_position& where,
                          const std::string& problem) const {
-    throw ConfigError(sweepd::place(file, where) + prefix + unquoted(key) + ": " +
+    throw ConfigError(sweepd::place(file, where) + prefix + rsi::in_short(key) + ": " +
                       rsi::printable(problem));
   }
 
@@ -111,6 +114,8 @@ struct TomlTable::Node {
       remedy = text->find_first_of("0123456789") == 0 && text->find(' ') != std::string::npos
                    ? "write the number alone, without unit and quotes"
                    : "write it without quotes";
+    else if (node.is_floating_point() && expected.find("whole") != std::string::npos)
+      remedy = without_decimals(node.as_floating_point()->get());
     else if (node.is_number() && expected.find("string") != std::string::npos)
       remedy = "put it in quotes";
     fail(key, node, "expected " + expected + ", found " + in_words(&node) + ": " + remedy);

@@ -90,7 +90,7 @@ class Reader {
                          const std::string& expected, std::string_view found) const {
     throw EthernetConfigError(
         position(node.offset_debug()) + key + ": expected " + expected + ", found " +
-        (found.empty() ? "nothing: add it" : "\"" + printable(found) + "\": correct it") +
+        (found.empty() ? "nothing: add it" : "\"" + in_short(found) + "\": correct it") +
         ", here and on the controller");
   }
 
@@ -139,7 +139,8 @@ bool Reader::is_understood(const pugi::xml_node& node, const std::string& name, 
   if (node.name() == name) return true;
   const std::string found = *node.name() ? node.name() : node.value();
   if (received) fail(node, "<" + std::string(node.parent().name()) + ">", name + " alone", found);
-  if (node.type() == pugi::node_element) warn(node, found + ": expected " + name + ": not used");
+  if (node.type() == pugi::node_element)
+    warn(node, in_short(found) + ": expected " + name + ": not used");
   return false;
 }
 
@@ -201,7 +202,7 @@ void Reader::read_config(const pugi::xml_node& config) {
   for (const auto& node : config.children())
     if (node.type() == pugi::node_element &&
         std::find(std::begin(known), std::end(known), node.name()) == std::end(known))
-      warn(node, std::string(node.name()) + ": unknown key: not used");
+      warn(node, in_short(node.name()) + ": unknown key: not used");
 }
 
 std::vector<Element> Reader::read_list(const pugi::xml_node& section) {
@@ -218,12 +219,12 @@ std::vector<Element> Reader::read_list(const pugi::xml_node& section) {
       if (received) check_received(node, element);
       const auto [same, is_first] = line_of_tag.try_emplace(element.tag, element.line);
       if (!is_first)
-        warn(node, "TAG: \"" + element.tag + "\" stands in line " + std::to_string(same->second) +
-                       " already: only the first counts");
+        warn(node, "TAG: \"" + in_short(element.tag) + "\" stands in line " +
+                       std::to_string(same->second) + " already: only the first counts");
       else if (const auto [other, is_free] = tag_of_channel.try_emplace(element.index, element.tag);
                !is_free && element.index != 0)
         warn(node, "INDX: channel " + std::to_string(element.index) + " is that of \"" +
-                       other->second + "\" already: give each tag a channel of its own");
+                       in_short(other->second) + "\" already: give each tag a channel of its own");
       list.push_back(std::move(element));
     }
   }
@@ -262,7 +263,7 @@ Element Reader::read_element(const pugi::xml_node& node) {
 }
 
 void Reader::check_internal(const pugi::xml_node& node, const Element& element) {
-  const auto quoted = "\"" + element.tag + "\"";
+  const auto quoted = "\"" + in_short(element.tag) + "\"";
   if (is_internal(element.tag) != (element.index == 0))
     warn(node,
          "INDX: expected INTERNAL for a tag that starts with DEF_, and a number for another: " +
@@ -281,11 +282,11 @@ void Reader::check_internal(const pugi::xml_node& node, const Element& element) 
 void Reader::check_received(const pugi::xml_node& node, const Element& element) {
   const auto known = internal_tag(element.tag);
   if (known && known->only_sent)
-    warn(node, "TAG: \"" + element.tag +
+    warn(node, "TAG: \"" + in_short(element.tag) +
                    "\" is measured by the controller and cannot be received: take it out of "
                    "RECEIVE");
   if (element.tag == "DEF_Tech.T1" || element.tag == "DEF_Tech.C1")
-    warn(node, "TAG: \"" + element.tag +
+    warn(node, "TAG: \"" + in_short(element.tag) +
                    "\" belongs to function generator 1, which RSI keeps for its own corrections: "
                    "the Ethernet object fails with RSIBad; take another, such as DEF_Tech.T2");
 }

@@ -65,7 +65,7 @@ class ContextReader {
            ".rsi.xml beside it");
     else if (!is_named(root, "RSIObjects"))
       fail(root.offset_debug(), "expected <RSIObjects> or <RsiContext>, found <" +
-                                    printable(root.name()) +
+                                    in_short(root.name()) +
                                     ">: give the .rsi.xml (RSI 3) or .rsix (RSI 4 and later)");
     find_objects(root);
     const auto ethernet = find_ethernet(root);
@@ -98,7 +98,7 @@ class ContextReader {
                                     " objects, found more: give the .rsi.xml or .rsix");
     for (const Object& object : objects_)
       if (!flow_.add(object.id, is_ethernet(object.type, object.type_id)))
-        warn(object.node, "\"" + printable(object.id) +
+        warn(object.node, "\"" + in_short(object.id) +
                               "\" is the name of another object already: give each its own");
   }
 
@@ -143,7 +143,7 @@ class ContextReader {
     const auto number = whole_number(value);
     if (!number || *number < 0)
       fail(node.offset_debug(), std::string(name) + ": expected a whole number, found \"" +
-                                    printable(value) + "\": correct it");
+                                    in_short(value) + "\": correct it");
     return number;
   }
 
@@ -162,7 +162,7 @@ class ContextReader {
         const auto source = attribute(input, "OutObjID");
         const auto from = flow_.of(source);
         if (from == SignalFlow::none) {
-          warn(input, printable(object.id) + " takes a signal of \"" + printable(source) +
+          warn(input, in_short(object.id) + " takes a signal of \"" + in_short(source) +
                           "\", which is no object here: correct the link");
           continue;
         }
@@ -183,7 +183,7 @@ class ContextReader {
       if (effect == RsiEffect::none) continue;
       context_.actors.push_back(
           {std::string(object.type), std::string(object.id), effect, flow_.path(i)});
-      warn(object.node, flow_.name(i) + " (" + printable(object.type) + ") " +
+      warn(object.node, flow_.name(i) + " (" + in_short(object.type) + ") " +
                             std::string(text(effect)) +
                             (flow_.is_fed(i) ? ", fed by " + flow_.path(i) : ", fed by nothing") +
                             ": leave it out, an identification needs no such object");
@@ -195,7 +195,7 @@ class ContextReader {
     if (!index || *index < first || *index >= first + 64)
       fail(input.offset_debug(), std::string(name) + ": expected a channel from " +
                                      std::to_string(first) + " to " + std::to_string(first + 63) +
-                                     ", found \"" + printable(attribute(input, name)) +
+                                     ", found \"" + in_short(attribute(input, name)) +
                                      "\": correct it");
     return *index - first + 1;
   }
@@ -248,12 +248,12 @@ std::vector<std::string> RsiContext::compare(const EthernetConfig& config) const
   for (const auto& element : config.send)
     if (element.index != 0 && std::find(fed.begin(), fed.end(), element.index) == fed.end())
       findings.push_back(config.name + ":" + std::to_string(element.line) + ": " +
-                         printable(element.tag) + ": nothing feeds input " +
+                         in_short(element.tag) + ": nothing feeds input " +
                          std::to_string(element.index) + " of the Ethernet object in " + name +
                          ": link it there, or leave the tag out");
   for (const auto& receiver : receivers)
     if (!received[static_cast<std::size_t>(receiver.channel)])
-      findings.push_back(receiver.position + printable(receiver.id) + " takes channel " +
+      findings.push_back(receiver.position + in_short(receiver.id) + " takes channel " +
                          std::to_string(receiver.channel) + ", which no tag in RECEIVE of " +
                          config.name +
                          " fills: the controller refuses the context; add the tag, "

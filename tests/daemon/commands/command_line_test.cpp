@@ -144,3 +144,17 @@ TEST_CASE("a path that is empty is refused", "[command_line]") {
     CHECK_THAT(problem(words), ContainsSubstring(refused));
   }
 }
+
+TEST_CASE("a number that is too large, and a word that is too long, are told readably",
+          "[command_line]") {
+  const std::vector<const char*> seed{
+      "simulate", "--robot", "r", "--plan", "p", "--write", "w", "--seed", "99999999999999999999"};
+  CHECK_THAT(
+      problem(seed),
+      StartsWith("--seed: expected at most 18446744073709551615, found 99999999999999999999"));
+  const std::string word(100'000, 'k');
+  const std::string shown = std::string(60, 'k') + "...";
+  CHECK(problem({word.c_str()}) == shown + " is no command: `sweepd --help` tells how it is used");
+  CHECK_THAT(problem({"inspect", "x", "--port", word.c_str()}),
+             StartsWith("--port: expected 1 to 65535, found " + shown + ": "));
+}

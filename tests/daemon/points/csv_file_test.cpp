@@ -212,3 +212,15 @@ TEST_CASE("any bytes are read or refused, never worse", "[csv_file]") {
     }
   }
 }
+
+TEST_CASE("a column whose name is too long is told by the beginning of its name", "[csv_file]") {
+  const TemporaryFolder folder;
+  const std::string letters(59, 'k');
+  std::string name = letters;
+  for (int i = 0; i < 50'000; ++i) name += "\xc3\xa4";  // is not cut in two
+  CsvFile file(folder.write("x.csv", "t_s," + name + "\n1,no\n"));
+  REQUIRE(file.next());
+  CHECK_THROWS_WITH(file.number(1), ContainsSubstring("line 2, column 2 (" + letters + "...): "));
+  CHECK_THROWS_WITH(file.fail_header(1, "unknown"),
+                    ContainsSubstring("column 2 (" + letters + "...): unknown"));
+}

@@ -120,7 +120,12 @@ TEST_CASE("a value of a wrong type is described beside what was expected, with i
                  "the string \"x\""));
   CHECK_THAT(table_error([&] { return t.whole_number("broken_ms", 0, 9); }),
              Catch::Matchers::ContainsSubstring(
-                 "expected a whole number of milliseconds, found the number 1.5"));
+                 "expected a whole number of milliseconds, found the number 1.5: write it without "
+                 "decimals"));
+  CHECK_THAT(
+      table_error([] { return toml("silence_ms = 2000.0").whole_number("silence_ms", 0, 9); }),
+      Catch::Matchers::EndsWith("expected a whole number of milliseconds, found the number "
+                                "2000.0: write 2000, without a decimal point"));
   CHECK_THAT(table_error([&] { return t.numbers("date", 0, 1); }),
              Catch::Matchers::ContainsSubstring("a date or a time"));
   CHECK_THAT(
@@ -130,6 +135,16 @@ TEST_CASE("a value of a wrong type is described beside what was expected, with i
              Catch::Matchers::ContainsSubstring("found the number 1"));
   CHECK_THAT(table_error([&] { return t.text("empty"); }),
              Catch::Matchers::ContainsSubstring("found an empty one"));
+}
+
+TEST_CASE("a key that is too long is told by its beginning, also before the keys in its table",
+          "[toml_table]") {
+  const std::string key(100'000, 'k');
+  const std::string shown = std::string(60, 'k') + "...";
+  CHECK(table_error([&] { return toml("[" + key + "]\nx = 1").table(key)->text("x"); }) ==
+        "some/file.toml:2:5: " + shown +
+            ".x: expected a string, found the number 1: put it in "
+            "quotes");
 }
 
 TEST_CASE("a number outside its range is told the range", "[toml_table]") {
