@@ -41,11 +41,6 @@ std::string command_of(const fs::path& folder) {
   return command != run.end() && command->is_string() ? command->get<std::string>() : "";
 }
 
-/// Whether such a folder holds what was recorded.
-bool holds_recording(std::string_view command) {
-  return command == "run" || command == "watch";
-}
-
 [[noreturn]] void refuse(const fs::path& file, const std::string& why, const std::string& remedy) {
   throw std::invalid_argument(file.string() + " is not overwritten: " + why + ": " + remedy);
 }
@@ -75,7 +70,7 @@ void Outputs::check_made_again(const fs::path& file, std::string_view ours) cons
 
 void Outputs::check(const fs::path& file, std::string_view ours) const {
   check_made_again(file, ours);
-  if (in_the_way(file) && holds_recording(command_of(file.parent_path())))
+  if (in_the_way(file) && records_sessions(command_of(file.parent_path())))
     refuse(file, kOfRecording, kAnotherFile);
 }
 
@@ -90,7 +85,7 @@ void Outputs::check_results(const fs::path& folder, const std::vector<std::strin
     if (in_the_way(folder / name) && first.empty()) first = folder / name;
   if (first.empty()) return;
   const auto command = command_of(folder);
-  if (holds_recording(command)) refuse(first, kOfRecording, kAnotherFolder);
+  if (records_sessions(command)) refuse(first, kOfRecording, kAnotherFolder);
   if (command.empty())
     refuse(first, "it is there already, and by run.json of that folder not sweepd's",
            kAnotherFolder);

@@ -37,10 +37,11 @@ Json run_of(const fs::path& folder) {
   return text ? Json::parse(*text, nullptr, false) : Json();
 }
 
-/// "ended" is written last: what is read of a result after it is final. Other commands than run
-/// write theirs at once.
+/// "ended" is written last: what is read of a result after it is final. Other commands write theirs
+/// at once.
 bool is_final(const Json& run) {
-  return run.is_object() && (text_of(run, "command") != "run" || !text_of(run, "ended").empty());
+  return run.is_object() &&
+         (!records_sessions(text_of(run, "command")) || !text_of(run, "ended").empty());
 }
 
 }  // namespace

@@ -31,7 +31,8 @@ bool is_unfinished(const fs::path& folder) {
   if (!run.is_object())
     return !traces_of(folder).empty() && !fs::exists(folder / file_names::kResult, error);
   const auto command = run.value("command", nlohmann::json());
-  return (command == "run" || command == "watch") && !run.contains("ended");
+  return command.is_string() && records_sessions(command.get<std::string>()) &&
+         !run.contains("ended");
 }
 
 }  // namespace

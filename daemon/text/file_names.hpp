@@ -1,6 +1,16 @@
 #pragma once
 
-namespace sweepd::file_names {
+#include <string_view>
+
+namespace sweepd {
+
+/// Whether a folder whose run.json names this command is a session's: recorded as it went, and
+/// without "ended" until its last result is there.
+[[nodiscard]] constexpr bool records_sessions(std::string_view command) {
+  return command == "run" || command == "watch";
+}
+
+namespace file_names {
 
 /// What a run leaves in its folder, where more than one room knows it: docs/results.md says what is
 /// in each.
@@ -17,4 +27,5 @@ inline constexpr const char* kLink = "link.json";
 inline constexpr const char* kLinkText = "link.txt";
 inline constexpr const char* kLastCycles = "last_cycles.csv";
 
-}  // namespace sweepd::file_names
+}  // namespace file_names
+}  // namespace sweepd

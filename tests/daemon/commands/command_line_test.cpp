@@ -14,9 +14,10 @@ using sweepd::CommandLine;
 
 namespace {
 
-int execute(std::vector<const char*> words) {
-  words.insert(words.begin(), "sweepd");
-  return CommandLine().execute(static_cast<int>(words.size()), words.data());
+int execute(const std::vector<const char*>& words) {
+  std::vector<const char*> all{"sweepd"};
+  all.insert(all.end(), words.begin(), words.end());
+  return CommandLine().execute(static_cast<int>(all.size()), all.data());
 }
 
 std::string problem(const std::vector<const char*>& words) {

@@ -83,8 +83,10 @@ TEST_CASE("what is not final, or only half there, is left alone", "[outbox]") {
   plant.finish("20260104T000000Z", "{\"schema\":");
   plant.write("20260105T000000Z", "result.json", kPlantResult);  // being written
   plant.write("20260105T000000Z", "run.json", "{\"comm");
+  plant.write("20260106T000000Z", "result.json", kPlantResult);
+  plant.write("20260106T000000Z", "run.json", R"({"command": "watch"})");
   CHECK(plant.sessions().empty());
-  CHECK(plant.outbox.unfinished().size() == 3);
+  CHECK(plant.outbox.unfinished().size() == 4);
   plant.write("20260102T000000Z", "run.json", kPlantEnded);
   CHECK(plant.sessions() == PlantNames{"20260102T000000Z"});
   CHECK(plant.outbox.before("20260104T000000Z").filename() == "20260102T000000Z");
