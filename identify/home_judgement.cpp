@@ -30,8 +30,6 @@ constexpr double kLeastStep_mm = 0.05;
 /// homes that scatter look so in one of some thousand campaigns (F of 3 and 4).
 constexpr double kExplainedByStep = 100;
 constexpr double kFewestSpare = 4;
-/// Less is not said of a move that the chain allows for.
-constexpr double kLeastMove_mm = 0.02;
 /// Gears err by minutes of arc; less is said and no doubt.
 constexpr double kOffAngle_rad = 0.1 * kDegree;
 constexpr double kLeastOffAngle_rad = 0.01 * kDegree;
@@ -59,6 +57,7 @@ struct SeenCircle {
 
 std::vector<AxisCircle> circles_in(const std::vector<SeenCircle>& seen) {
   std::vector<AxisCircle> circles;
+  circles.reserve(seen.size());
   for (const SeenCircle& one : seen) circles.push_back(one.circle);
   return circles;
 }
@@ -172,8 +171,7 @@ void tell_move(Identification& found, bool timed) {
   if (!found.chain || !found.chain->move) return;
   const ChainEstimate::MoveSeen& move = *found.chain->move;
   const Step step{move.mm.norm(), move.joint, move.alone, move.time_s};
-  if (step.mm > kLeastMove_mm)
-    found.warnings.push_back(told(step, timed, "The result allows for it. "));
+  found.warnings.push_back(told(step, timed, "The result allows for it. "));
 }
 
 /// How certain a joint's circle is at a place.

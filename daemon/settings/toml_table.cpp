@@ -188,6 +188,7 @@ std::vector<std::string_view> TomlTable::check_keys(const std::vector<std::strin
     return a->source().begin < b->source().begin;
   });
   std::vector<std::string_view> others;
+  others.reserve(elsewhere.size());
   for (const KeyElsewhere& other : elsewhere) others.push_back(other.key);
   std::vector<std::string_view> meant;
   for (const toml::key* key : unknown) {

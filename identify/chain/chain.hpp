@@ -46,11 +46,6 @@ using DriftTimes = Eigen::Matrix<double, kDriftParts, 1>;
 /// (Karhunen-Loeve expansion of the Brownian bridge).
 [[nodiscard]] DriftTimes drift_of_walk();
 
-/// How else the target is seen before something was moved, once. With the device or the robot's
-/// base: shifted along the measurement frame's axes, mm, and turned about them and the first target
-/// at home, rad. And on the tool: shifted, mm, along the same axes at home.
-using Move = Eigen::Matrix<double, 9, 1>;
-
 /// A robot as a product of exponentials (Brockett 1984; Lynch & Park, Modern Robotics, eq. 4.14):
 ///   x(q) = exp(xi_1 q_1) ... exp(xi_n q_n) x(0),
 /// where all joints stand at home for q = 0, and everything is in the measurement frame. The twist
@@ -67,7 +62,16 @@ struct Chain {
   std::vector<ChainSag> sags;  ///< none: rigid joints, or nothing is known of them
   /// How far the measuring device drifts, one part a column: so much farther the target is seen.
   Eigen::Matrix<double, 3, kDriftParts> drift_mm = Eigen::Matrix<double, 3, kDriftParts>::Zero();
-  Move move = Move::Zero();
+  /// How else targets are seen before something was moved, once. With the device or the robot's
+  /// base: shifted along the measurement frame's axes, mm, and turned about them and the first
+  /// target at home, rad. And each target on the tool: shifted, mm, along the same axes at home.
+  /// Empty: nothing was.
+  Eigen::VectorXd move;
+  [[nodiscard]] Eigen::Index move_numbers() const {
+    return 6 + 3 * static_cast<Eigen::Index>(targets_mm.size());
+  }
+  /// How far the target at home is moved by each number, one a column.
+  [[nodiscard]] Eigen::Matrix3Xd by_move(std::size_t target) const;
 
   /// Where joints that turned so far carry what moves with the last of them.
   [[nodiscard]] Eigen::Isometry3d displacement(const Turns& turns) const;

@@ -258,16 +258,12 @@ VectorXd figure_variances(const ChainEffects& effects, double arc_rad) {
 
 }  // namespace
 
-VectorXd device_sigmas(const ChainEffects& shape, const ChainEffects& effects) {
-  constexpr double kLever_mm = 1000;
+VectorXd device_sigmas(const ChainEffects& shape, const ChainEffects& effects, Index move_numbers) {
   const Index drift = shape.drift_columns();
-  VectorXd sigmas(drift + (shape.moved_mm > 0 ? Move::RowsAtCompileTime : 0));
+  VectorXd sigmas = VectorXd::Constant(drift + move_numbers, effects.moved_mm);
   const DriftTimes walk = drift_of_walk();
   for (Index k = 0; k < drift; ++k) sigmas(k) = effects.steady_mm * walk(k / 3);
-  if (sigmas.size() > drift) {
-    sigmas.tail<9>().setConstant(effects.moved_mm);
-    sigmas.segment<3>(drift + 3) /= kLever_mm;
-  }
+  if (move_numbers > 0) sigmas.segment<3>(drift + 3) /= kMoveLever_mm;
   return sigmas;
 }
 

@@ -135,8 +135,13 @@ template <int Size, class ByTurn>
 [[nodiscard]] EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& nodes,
                                            const EffectColumns& columns);
 
+/// What is moved by as much as the target turns by so much at this distance: of all that is moved a
+/// joint of the wrist that stands off home turns most.
+inline constexpr double kMoveLever_mm = 250;
+
 /// Standard deviations of the chain's drift and the move, as `effects` size them: one a
 /// column that the shape has.
-[[nodiscard]] Eigen::VectorXd device_sigmas(const ChainEffects& shape, const ChainEffects& effects);
+[[nodiscard]] Eigen::VectorXd device_sigmas(const ChainEffects& shape, const ChainEffects& effects,
+                                            Eigen::Index move_numbers);
 
 }  // namespace identify

@@ -256,7 +256,7 @@ class Estimation {
     best.fit.parts = linearised.parts();
     estimate.steady_drift =
         steady_drift_of(best.fit, effects_, campaign_.timed ? nodes_.seconds() : 0);
-    estimate.move = move_of(best.fit, nodes_, effects_);
+    estimate.move = move_of(best.fit, nodes_);
     set_fitted_axes(estimate, best.fit, nodes_.known, nodes_.targets);
   }
 

@@ -150,11 +150,11 @@ ChainFit fit_chain(const Chain& start, ChainNodes& nodes, const ChainNoise& nois
 
 namespace {
 
-Index first_move(const ChainFit& fit, const ChainEffects& effects) {
-  return fit.covariance.rows() - (effects.moved_mm > 0 ? fit.chain.move.size() : 0);
+Index first_move(const ChainFit& fit) {
+  return fit.covariance.rows() - fit.chain.move.size();
 }
 Index first_drift(const ChainFit& fit, const ChainEffects& effects) {
-  return first_move(fit, effects) - effects.drift_columns();
+  return first_move(fit) - effects.drift_columns();
 }
 
 }  // namespace
@@ -179,21 +179,25 @@ std::optional<ChainEstimate::SteadyDrift> steady_drift_of(const ChainFit& fit,
   return drift;
 }
 
-std::optional<ChainEstimate::MoveSeen> move_of(const ChainFit& fit, const ChainNodes& nodes,
-                                               const ChainEffects& effects) {
-  if (!(effects.moved_mm > 0)) return std::nullopt;
-  const Index first = first_move(fit, effects);
-  // At home: what is moved with the device and on the tool moves the target alike.
-  Eigen::Matrix<double, 3, Move::RowsAtCompileTime> at_home;
-  at_home << Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Identity();
-  ChainEstimate::MoveSeen move{
-      -at_home * fit.chain.move,
-      at_home * fit.covariance.block<9, 9>(first, first) * at_home.transpose()};
+std::optional<ChainEstimate::MoveSeen> move_of(const ChainFit& fit, const ChainNodes& nodes) {
+  const Chain& chain = fit.chain;
+  if (chain.move.size() == 0) return std::nullopt;
+  const auto covariance =
+      fit.covariance.bottomRightCorner(chain.move_numbers(), chain.move_numbers());
+  ChainEstimate::MoveSeen move;
+  for (std::size_t target = 0; target < chain.targets_mm.size(); ++target) {
+    const Eigen::Matrix3Xd by = chain.by_move(target);
+    const Eigen::Vector3d mm = -by * chain.move;
+    if (target == 0 || mm.norm() > move.mm.norm())
+      move = {mm, by * covariance * by.transpose(), 0, 0, {}};
+  }
   std::set<std::size_t> before, after;
   for (const std::size_t unit : nodes.in_time()) {
     const std::size_t stroke = nodes.units[unit].front();
     const std::size_t joint = nodes.strokes[stroke].content.joint;
-    if (nodes.observations[nodes.first[stroke]].before_move) {
+    const auto first = nodes.observations.begin() + static_cast<Index>(nodes.first[stroke]);
+    if (std::all_of(first, first + static_cast<Index>(nodes.strokes[stroke].nodes.size()),
+                    [](const ChainObservation& seen) { return seen.before_move; })) {
       before.insert(joint);
       continue;
     }
@@ -246,7 +250,7 @@ void set_fitted_axes(ChainEstimate& estimate, const ChainFit& fit, const std::ve
   estimate.chain.zero_rad.clear();
   estimate.chain.sags.clear();  // at home there is none
   estimate.chain.drift_mm.setZero();
-  estimate.chain.move.setZero();
+  estimate.chain.move.resize(0);
   const ChainParameters parameters{joints, fit.chain.targets_mm.size()};
   const auto tool = static_cast<Index>(6 * joints + 3 * targets);
   const auto rows = tool + (estimate.with_orientation ? 3 : 0);

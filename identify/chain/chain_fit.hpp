@@ -28,10 +28,9 @@ struct ChainFit {
                                                                         const ChainEffects& effects,
                                                                         double seconds);
 
-/// How the device was moved, as a fit has found it.
+/// What was moved, as a fit has found it: where the target is moved farthest at home.
 [[nodiscard]] std::optional<ChainEstimate::MoveSeen> move_of(const ChainFit& fit,
-                                                             const ChainNodes& nodes,
-                                                             const ChainEffects& effects);
+                                                             const ChainNodes& nodes);
 
 /// How uncertain the drift is that a fit has found: standard deviation of each coordinate, on the
 /// average over the campaign.

@@ -149,9 +149,16 @@ std::vector<std::size_t> ChainNodes::in_time() const {
   return order;
 }
 
-void ChainNodes::set_move(std::size_t unit) {
-  for (ChainObservation& seen : observations)
-    seen.before_move = strokes[seen.sweep].begin_s < begin_s(unit);
+void ChainNodes::set_move(std::size_t unit, double part) {
+  const StrokeMoments& during = strokes[units[unit].front()];
+  const double moved_s = during.begin_s + part * (during.end_s - during.begin_s);
+  for (std::size_t s = 0; s < strokes.size(); ++s) {
+    const StrokeMoments& stroke = strokes[s];
+    const bool splits = part > 0 && stroke.begin_s < moved_s && moved_s < stroke.end_s;
+    for (std::size_t n = 0; n < stroke.nodes.size(); ++n)
+      observations[first[s] + n].before_move =
+          splits ? stroke.time_s(stroke.nodes[n].turn_rad) < moved_s : stroke.begin_s < moved_s;
+  }
 }
 
 double ChainNodes::seconds() const {

@@ -48,8 +48,8 @@ struct ChainNodes {
   }
   /// The units in the order of time.
   [[nodiscard]] std::vector<std::size_t> in_time() const;
-  /// The device was moved before this unit.
-  void set_move(std::size_t unit);
+  /// Something was moved before this unit, or while it ran: after a part of its time.
+  void set_move(std::size_t unit, double part = 0);
   /// From the first sample of all strokes to the last one.
   [[nodiscard]] double seconds() const;
   /// Whether a stand has several units.

@@ -8,15 +8,14 @@
 namespace identify {
 namespace {
 
-/// How the target is seen elsewhere with each number of the chain's move, one a row.
-Eigen::Matrix<double, Move::RowsAtCompileTime, 3> by_move(const Chain& chain,
-                                                          const ChainPose& pose) {
-  const Eigen::Vector3d from = pose.position_mm - chain.targets_mm.front();
-  Eigen::Matrix<double, Move::RowsAtCompileTime, 3> rows;
-  rows.topRows<3>().setIdentity();
-  for (Eigen::Index k = 0; k < 3; ++k) rows.row(3 + k) = Eigen::Vector3d::Unit(k).cross(from);
-  rows.bottomRows<3>() = pose.rotation.transpose();
-  return rows;
+/// How a target is seen elsewhere with one number of the chain's move.
+Eigen::Vector3d by_move(const Chain& chain, const ChainPose& pose, std::size_t target,
+                        Eigen::Index number) {
+  if (number < 3) return Eigen::Vector3d::Unit(number);
+  if (number < 6)
+    return Eigen::Vector3d::Unit(number - 3).cross(pose.position_mm - chain.targets_mm.front());
+  if ((number - 6) / 3 != static_cast<Eigen::Index>(target)) return Eigen::Vector3d::Zero();
+  return pose.rotation.col((number - 6) % 3);
 }
 
 }  // namespace
@@ -55,7 +54,7 @@ Eigen::Index ChainProblem<Size>::count(const Chain& chain) {
 
 template <int Size>
 Eigen::Index ChainProblem<Size>::count_all(const Chain& chain) const {
-  return first_move(chain) + (shape_.moved_mm > 0 ? chain.move.size() : 0);
+  return first_move(chain) + (shape_.moved_mm > 0 ? chain.move_numbers() : 0);
 }
 
 template <int Size>
@@ -110,7 +109,8 @@ Eigen::VectorXd ChainProblem<Size>::prior(const Chain& chain) const {
     const double sigma_rad = chain.sags[s].share * shape_.sag_rad;
     known(first_sag(chain) + static_cast<Eigen::Index>(s)) = 1 / (sigma_rad * sigma_rad);
   }
-  const Eigen::VectorXd device = device_sigmas(shape_, shape_);
+  const Eigen::VectorXd device =
+      device_sigmas(shape_, shape_, count_all(chain) - first_move(chain));
   known.tail(device.size()) = device.cwiseAbs2().cwiseInverse();
   return known;
 }
@@ -164,7 +164,8 @@ StrokeProducts ChainProblem<Size>::unit(const Chain& chain, std::size_t u, Chain
           const Eigen::Index drift = at - first_drift(chain);
           row(drift % 3) = seen.times(drift / 3);
         } else if (seen.before_move) {
-          row.template head<3>() = by_move(chain, pose).row(at - first_move(chain));
+          row.template head<3>() =
+              by_move(chain, pose, seen.target, at - first_move(chain)).transpose();
         }
       }
       block.row(last) = residual_.error.transpose();

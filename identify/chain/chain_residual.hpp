@@ -82,11 +82,11 @@ struct ChainResidual {
   void set(const Chain& chain, const ChainObservation& seen, const ChainPose& pose,
            const Square& base, bool free) {
     error.template head<3>() = seen.position_mm - pose.position_mm - chain.drift_mm * seen.times;
-    if (seen.before_move)
+    if (seen.before_move && chain.move.size() > 0)
       error.template head<3>() -=
           chain.move.head<3>() +
           chain.move.segment<3>(3).cross(pose.position_mm - chain.targets_mm.front()) +
-          pose.rotation * chain.move.tail<3>();
+          pose.rotation * chain.move.segment<3>(6 + 3 * static_cast<Eigen::Index>(seen.target));
     if constexpr (Size == 6) {
       const Eigen::AngleAxisd off(seen.orientation * (pose.rotation * chain.tool).transpose());
       error.template tail<3>() = off.angle() * off.axis();

@@ -24,7 +24,10 @@ constexpr double kMoved = 12;
 constexpr double kMostMove_mm = 0.5;
 
 double move_at_home_mm(const Chain& chain) {
-  return (chain.move.head<3>() + chain.move.tail<3>()).norm();
+  double most = 0;
+  for (std::size_t target = 0; chain.move.size() > 0 && target < chain.targets_mm.size(); ++target)
+    most = std::max(most, (chain.by_move(target) * chain.move).norm());
+  return most;
 }
 
 ChainEffects less_of(ChainEffects effects, double times) {
@@ -69,6 +72,8 @@ void EffectSearch::find_all(FittedChain& best) {
     ChainEffects waves = shape;
     waves.drift_parts = kDriftParts;
     if (may_sway(from, waves)) take_if_likelier(best, from, waves, kSways);
+    if (!shows_any(from, effects)) return;
+    from.fit.chain.move.setZero(from.fit.chain.move_numbers());
     if (const auto moved_mm = likeliest_move_mm(from, effects, shape, kMoved)) {
       shape.moved_mm = *moved_mm;
       take_if_likelier(best, from, shape, kMoved);
@@ -79,15 +84,17 @@ void EffectSearch::find_all(FittedChain& best) {
 std::optional<double> EffectSearch::likeliest_move_mm(const FittedChain& fitted,
                                                       const ChainEffects& effects,
                                                       ChainEffects shape, double by) {
-  if (!shows_any(fitted, effects)) return std::nullopt;
   const std::vector<std::size_t> units = nodes_.in_time();
   shape.moved_mm = 1;
   double least = std::numeric_limits<double>::infinity(), without = least, moved_mm = 0;
-  std::size_t best = 0;
-  const auto look_before = [&](std::size_t at) {
-    nodes_.set_move(units[at]);
+  struct Moment {
+    std::size_t unit = 0;  // in time's order
+    double part = 0;
+  } best;
+  const auto look = [&](std::size_t unit, double part) {
+    nodes_.set_move(units[unit], part);
     LinearisedChain with(fitted.fit.chain, nodes_, fitted.noise, shape, false);
-    for (const double less : {0.0, 1.0 / 16, 1.0 / 4, 1.0}) {
+    for (const double less : {0.0, 1.0 / 4, 1.0}) {
       ChainEffects here = less_of(effects, less);
       const auto left = with.left_by(here);
       if (less == 1) without = with.deviance(left, here);
@@ -96,22 +103,25 @@ std::optional<double> EffectSearch::likeliest_move_mm(const FittedChain& fitted,
         if (!(deviance < least)) continue;
         least = deviance;
         moved_mm = here.moved_mm;
-        best = at;
+        best = {unit, part};
       }
     }
   };
   // First in large steps, then on both sides of the best.
-  constexpr std::size_t kLooks = 16;
+  constexpr std::size_t kLooks = 40;
   std::size_t stride = std::max<std::size_t>(1, units.size() / kLooks);
-  for (std::size_t at = 1; at < units.size(); at += stride) look_before(at);
+  for (std::size_t unit = 1; unit < units.size(); unit += stride) look(unit, 0);
   while (stride > 1) {
     stride = (stride + 1) / 2;
-    const std::size_t middle = best;
-    if (middle > stride) look_before(middle - stride);
-    if (middle + stride < units.size()) look_before(middle + stride);
+    const std::size_t middle = best.unit;
+    if (middle > stride) look(middle - stride, 0);
+    if (middle + stride < units.size()) look(middle + stride, 0);
   }
-  if (best == 0 || !(least < without - by)) return std::nullopt;
-  nodes_.set_move(units[best]);
+  if (!(least < without - by)) return std::nullopt;
+  const std::size_t after = best.unit;
+  for (const std::size_t unit : {after - 1, after})
+    for (const double part : {0.25, 0.5, 0.75}) look(unit, part);
+  nodes_.set_move(units[best.unit], best.part);
   return moved_mm;
 }
 
@@ -179,7 +189,7 @@ void EffectSearch::size(FittedChain& best, const ChainEffects& shape) {
   // A joint whose sag may be anything could not be told from its angle, and one of none has no sag.
   if (!(effects_.sag_rad > 0)) chain.sags.clear();
   if (!(effects_.steady_mm > 0)) chain.drift_mm.setZero();
-  if (!(effects_.moved_mm > 0)) chain.move.setZero();
+  if (!(effects_.moved_mm > 0)) chain.move.resize(0);
   best.fit = fit_chain(chain, nodes_, best.noise, effects_, false);
 }
 

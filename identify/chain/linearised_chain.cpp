@@ -29,7 +29,7 @@ LinearisedChain::LinearisedChain(const Chain& chain, ChainNodes& nodes, const Ch
     sag_shares_(s) = chain.sags[static_cast<std::size_t>(s)].share;
   }
   last_.segment(sags, drift) = chain.drift_mm.reshaped().head(drift);
-  last_.tail(move) = chain.move.head(move);
+  last_.tail(move) = chain.move;
   const auto set = [&](auto&& problem) {
     prior_ = problem.prior(chain);
     eliminated_.emplace(problem.products(chain), nodes.group_of, nodes.home_of, prior_.size());
@@ -78,7 +78,8 @@ double LinearisedChain::deviance(const Left& left, const ChainEffects& effects) 
   VectorXd sigma(last_.size());
   const Eigen::Index sags = sag_shares_.size();
   sigma.head(sags) = effects.sag_rad * sag_shares_;
-  sigma.tail(last_.size() - sags) = device_sigmas(shape_, effects);
+  sigma.tail(last_.size() - sags) =
+      device_sigmas(shape_, effects, last_.size() - sags - shape_.drift_columns());
   double log_determinant = left.log_determinant;
   const MatrixXd rest = without_effects(left.products, sigma.cwiseAbs2(), log_determinant);
   return log_determinant + rest(rest.rows() - 1, rest.cols() - 1);

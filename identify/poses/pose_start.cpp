@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "identify/chain/chain_effects.hpp"
 #include "identify/geometry/line.hpp"
 #include "identify/poses/arm_fit.hpp"
 
@@ -154,15 +155,31 @@ FromSweeps from_sweeps(const ChainEstimate& sweeps, std::size_t targets) {
   // The device goes on to drift until it sees the poses: all that it knows of the sweeps may be
   // elsewhere by then, as one body.
   MatrixXd all = widened(sweeps.covariance);
-  MatrixXd shifted = MatrixXd::Zero(wide.count(true), 3);
-  for (std::size_t j = 0; j < own.joints; ++j)
-    shifted.middleRows<2>(wide.axis(j) + 2) = across(sweeps.chain.axes[j].direction).transpose();
-  for (std::size_t t = 0; t < targets; ++t) shifted.middleRows<3>(wide.target(t)).setIdentity();
+  MatrixXd shifted = MatrixXd::Zero(wide.count(true), 6);  // and turned about the first target
+  const auto by = [&](const Eigen::Vector3d& point) {
+    Eigen::Matrix<double, 3, 6> columns;
+    columns << Eigen::Matrix3d::Identity(), -cross_matrix(point - sweeps.chain.targets_mm.front());
+    return columns;
+  };
+  for (std::size_t j = 0; j < own.joints; ++j) {
+    const ChainAxis& axis = sweeps.chain.axes[j];
+    const Eigen::Matrix<double, 2, 3> basis = across(axis.direction).transpose();
+    shifted.block<2, 3>(wide.axis(j), 3) = -basis * cross_matrix(axis.direction);
+    shifted.middleRows<2>(wide.axis(j) + 2) = basis * by(axis.point_mm);
+  }
+  for (std::size_t t = 0; t < targets; ++t)
+    shifted.middleRows<3>(wide.target(t)) = by(from.prior.chain.targets_mm[t]);
   for (Index i = 0; i < all.rows(); ++i)
     if (!(all(i, i) > 0)) shifted.row(i).setZero();
-  Eigen::Matrix3d drift = Eigen::Matrix3d::Identity() * std::pow(sweeps.wander_mm, 2);
-  if (sweeps.steady_drift) drift += sweeps.steady_drift->mm * sweeps.steady_drift->mm.transpose();
-  if (sweeps.move) drift += sweeps.move->mm * sweeps.move->mm.transpose();  // the poses came first
+  Eigen::Matrix<double, 6, 6> drift = Eigen::Matrix<double, 6, 6>::Zero();
+  drift.topLeftCorner<3, 3>().diagonal().setConstant(std::pow(sweeps.wander_mm, 2));
+  if (const auto& steady = sweeps.steady_drift)
+    drift.topLeftCorner<3, 3>() += steady->mm * steady->mm.transpose();
+  if (const auto& move = sweeps.move) {  // the poses may have come first
+    drift.topLeftCorner<3, 3>() += move->mm * move->mm.transpose() + move->covariance;
+    drift.diagonal().tail<3>().setConstant(move->mm.squaredNorm() /
+                                           (kMoveLever_mm * kMoveLever_mm));
+  }
   const MatrixXd later = shifted * drift * shifted.transpose();
   all += later;
   from.prior.information = inverse_where_known(all);

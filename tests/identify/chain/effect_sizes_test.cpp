@@ -20,23 +20,28 @@ using simulation::Simulation;
 
 namespace {
 
-/// How the estimates' errors compare with what is stated, all identified lengths and angles.
+/// The estimates' errors in what is stated, all identified lengths and angles between axes.
+std::vector<double> scores(const Identification& found, const Simulation& campaign) {
+  std::vector<double> all;
+  const auto truth = simulation::true_table(campaign, found.dh, found.home_rad);
+  REQUIRE(found.estimator == Estimator::chain);
+  for (std::size_t i = 0; i < found.dh.size(); ++i)
+    for (const auto& [number, actual] :
+         {std::pair(found.dh[i].a_mm, truth[i].a_mm), std::pair(found.dh[i].b_mm, truth[i].b_mm),
+          std::pair(found.dh[i].alpha_rad, truth[i].alpha_rad)})
+      if (number.knowledge == Knowledge::identified)
+        all.push_back((number.value - actual) / number.sigma);
+  return all;
+}
+
 double rms_z(const std::vector<Simulation>& campaigns) {
   double squares = 0, count = 0;
-  for (const Simulation& campaign : campaigns) {
-    const auto found = identify::identify(campaign.sweeps(), campaign.campaign());
-    const auto truth = simulation::true_table(campaign, found.dh, found.home_rad);
-    REQUIRE(found.estimator == Estimator::chain);
-    for (std::size_t i = 0; i < found.dh.size(); ++i)
-      for (const auto& [number, actual] :
-           {std::pair(found.dh[i].a_mm, truth[i].a_mm), std::pair(found.dh[i].b_mm, truth[i].b_mm),
-            std::pair(found.dh[i].alpha_rad, truth[i].alpha_rad)}) {
-        if (number.knowledge != Knowledge::identified) continue;
-        const double z = (number.value - actual) / number.sigma;
-        squares += z * z;
-        ++count;
-      }
-  }
+  for (const Simulation& campaign : campaigns)
+    for (const double z :
+         scores(identify::identify(campaign.sweeps(), campaign.campaign()), campaign)) {
+      squares += z * z;
+      ++count;
+    }
   return std::sqrt(squares / count);
 }
 
@@ -190,7 +195,9 @@ TEST_CASE("A device that was moved half way through moves no axis", "[effect_sea
   simulation::Strokes how;
   how.there_and_back = back;
   const auto campaigns = campaigns_of(16, how, world);
-  CHECK(rms_z(campaigns) == Approx(1).margin(0.2));
+  const double rms = rms_z(campaigns);  // below one: the target might have been moved as well
+  CHECK(rms < 1.2);
+  CHECK(rms > 0.6);
   int seen = 0;
   for (const Simulation& campaign : campaigns) {
     const auto found = identify::identify(campaign.sweeps(), campaign.campaign());
@@ -200,6 +207,35 @@ TEST_CASE("A device that was moved half way through moves no axis", "[effect_sea
     CHECK(found.chain->move->joint == 3);
   }
   CHECK(seen >= 12);
+}
+
+TEST_CASE("One of three targets that slips on the tool moves no axis", "[effect_search][long]") {
+  simulation::Strokes how;
+  how.there_and_back = true;
+  how.samples = 100;
+  double squares = 0, count = 0;
+  for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+    auto robot = simulation::at_random_home(simulation::built(simulation::kr5(3), seed), seed);
+    const Simulation before(robot, how, seen_with_angles(), seed);
+    robot.targets_mm[1] += Eigen::Vector3d(0.05, -0.05, 0.05);
+    const Simulation after(robot, how, seen_with_angles(), seed);
+    auto sweeps = before.sweeps();
+    const auto later = after.sweeps();
+    for (std::size_t s = 0; s < sweeps.size(); ++s)
+      if (*sweeps[s].joint >= 3) sweeps[s] = later[s];
+    const auto found = identify::identify(sweeps, before.campaign());
+    CAPTURE(seed);
+    REQUIRE(found.chain);
+    REQUIRE(found.chain->move);
+    CHECK(found.chain->move->joint == 3);
+    CHECK(found.chain->move->mm.norm() == Approx(0.087).margin(0.01));
+    for (const double z : scores(found, before)) {
+      CHECK(std::abs(z) < 4);
+      squares += z * z;
+      ++count;
+    }
+  }
+  CHECK(std::sqrt(squares / count) < 1.2);
 }
 
 TEST_CASE("A device that walks at random was not moved, nor was one whose robot comes home badly",
