@@ -12,8 +12,8 @@ namespace identify {
 ///   off_home, where a joint's angles, as told while it swept, are off those at which the target
 ///   was seen by more than gears err, and the other joints' angles are not; off_home, where the
 ///   chain finds the target millimetres off home.
-/// The first of these that holds. A move of the device that the chain allows for is a warning, and
-/// a doubt beyond 0.5 mm. `timed`: samples tell when they were taken, in s.
+/// The first of these that holds. A move that the chain allows for is a warning.
+/// `timed`: samples tell when they were taken, in s.
 void judge_home(Identification& found, bool timed);
 
 }  // namespace identify

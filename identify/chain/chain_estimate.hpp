@@ -45,8 +45,7 @@ struct ChainEffects {
   /// they have of a random walk.
   double steady_mm = 0;
   Eigen::Index drift_parts = 1;
-  /// Of how far it was moved, once, each coordinate: the chain's `move`. What is 1 m from the
-  /// target it was turned by as much.
+  /// Of the chain's `move`, each coordinate of its shifts.
   double moved_mm = 0;
   /// How many numbers of a chain's `drift_mm` there are.
   [[nodiscard]] Eigen::Index drift_columns() const { return steady_mm > 0 ? 3 * drift_parts : 0; }

@@ -32,8 +32,7 @@ class ChainProblem {
                const ChainEffects& shape);
 
   /// Of the chain's parameters. Behind them, where they are estimated: one a joint for where its
-  /// angle is zero, one a sag, three a part of the drift, and the
-  /// move's numbers.
+  /// angle is zero, one a sag, three a part of the drift, and those of the move.
   [[nodiscard]] static Eigen::Index count(const Chain& chain);
   /// The same with those behind them.
   [[nodiscard]] Eigen::Index count_all(const Chain& chain) const;

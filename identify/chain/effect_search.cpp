@@ -19,7 +19,7 @@ namespace {
 /// of walks, too, some seem to sway.
 constexpr double kSways = 20;
 /// And of one that was moved.
-constexpr double kMoved = 12;
+constexpr double kMoves = 12;
 /// A larger move is a mistake, and none of the effects.
 constexpr double kMostMove_mm = 0.5;
 
@@ -74,9 +74,9 @@ void EffectSearch::find_all(FittedChain& best) {
     if (may_sway(from, waves)) take_if_likelier(best, from, waves, kSways);
     if (!shows_any(from, effects)) return;
     from.fit.chain.move.setZero(from.fit.chain.move_numbers());
-    if (const auto moved_mm = likeliest_move_mm(from, effects, shape, kMoved)) {
+    if (const auto moved_mm = likeliest_move_mm(from, effects, shape, kMoves)) {
       shape.moved_mm = *moved_mm;
-      take_if_likelier(best, from, shape, kMoved);
+      take_if_likelier(best, from, shape, kMoves);
     }
   }
 }

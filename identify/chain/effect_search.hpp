@@ -31,8 +31,8 @@ class EffectSearch {
   bool shows_any(const FittedChain& fitted, const ChainEffects& effects);
   /// Whether the data tell that a device that wanders does so in slow waves, or warms up.
   bool may_sway(const FittedChain& best, const ChainEffects& shape);
-  /// How large the move of a device is likeliest that was moved once, where such a move makes the
-  /// deviance less by so much, beside less of these effects or of none: the nodes know when, then.
+  /// How large a move is likeliest, where one at some moment makes the deviance less by so much,
+  /// beside less of these effects or none: the nodes know the moment, then.
   std::optional<double> likeliest_move_mm(const FittedChain& fitted, const ChainEffects& effects,
                                           ChainEffects shape, double by);
   /// What a stroke's place is uncertain by, by noise alone.

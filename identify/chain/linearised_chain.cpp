@@ -29,7 +29,7 @@ LinearisedChain::LinearisedChain(const Chain& chain, ChainNodes& nodes, const Ch
     sag_shares_(s) = chain.sags[static_cast<std::size_t>(s)].share;
   }
   last_.segment(sags, drift) = chain.drift_mm.reshaped().head(drift);
-  last_.tail(move) = chain.move;
+  last_.tail(move) = chain.move.head(move);
   const auto set = [&](auto&& problem) {
     prior_ = problem.prior(chain);
     eliminated_.emplace(problem.products(chain), nodes.group_of, nodes.home_of, prior_.size());
