@@ -192,7 +192,7 @@ CLI::App* add_plan(CLI::App& app, PlanOptions& options) {
       ->add_option("--margin-deg", options.margin_deg,
                    "Keep proposed ranges and poses this many degrees off the joint limits")
       ->check(number_between(0.0, 90.0))
-      ->default_str("5");
+      ->default_str(std::to_string(PlanOptions::kMargin_deg));
   command->add_option("--write-plan", options.write_plan, "Write the proposed plan to this file")
       ->type_name("FILE")
       ->needs(propose);

@@ -25,7 +25,7 @@ struct PlanOptions {
   std::optional<double> position_sigma_mm;       ///< another device measures, this well
   std::optional<std::array<double, 3>> tool_mm;  ///< target, in place of the description's
   bool propose = false;                          ///< better ranges
-  std::optional<double> margin_deg;              ///< they keep off the joint limits; else 5
+  std::optional<double> margin_deg;              ///< they keep off the joint limits
   std::optional<std::filesystem::path> write_plan;  ///< of the proposal; needs `propose`
   std::optional<KrlDialect> krl;                    ///< program of the plan as given, into `output`
   std::optional<std::filesystem::path> output;      ///< folder; of sweeps set together with `krl`
@@ -38,7 +38,8 @@ struct PlanOptions {
   PoseTask poses = {};
 
   /// Of proposed ranges and poses.
-  [[nodiscard]] double margin() const { return margin_deg.value_or(5); }
+  static constexpr int kMargin_deg = 5;
+  [[nodiscard]] double margin() const { return margin_deg.value_or(kMargin_deg); }
   /// Of the program and its files.
   [[nodiscard]] std::string file_name() const;
   [[nodiscard]] KrlOptions krl_options(const RobotDescription& of) const;

@@ -40,12 +40,13 @@ Eigen::Isometry3d Chain::displacement(const Turns& turns) const {
   return pose;
 }
 
-Eigen::Matrix3Xd Chain::by_move(std::size_t target) const {
+Eigen::Matrix3Xd Chain::by_move(std::size_t target, const Vector3d& position_mm,
+                                const Matrix3d& rotation) const {
   Eigen::Matrix3Xd by = Eigen::Matrix3Xd::Zero(3, move_numbers());
   by.leftCols<3>().setIdentity();
   for (Eigen::Index k = 0; k < 3; ++k)
-    by.col(3 + k) = Vector3d::Unit(k).cross(targets_mm[target] - targets_mm.front());
-  by.middleCols<3>(6 + 3 * static_cast<Eigen::Index>(target)).setIdentity();
+    by.col(3 + k) = Vector3d::Unit(k).cross(position_mm - targets_mm.front());
+  by.middleCols<3>(6 + 3 * static_cast<Eigen::Index>(target)) = rotation;
   return by;
 }
 

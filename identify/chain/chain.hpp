@@ -70,8 +70,10 @@ struct Chain {
   [[nodiscard]] Eigen::Index move_numbers() const {
     return 6 + 3 * static_cast<Eigen::Index>(targets_mm.size());
   }
-  /// How far the target at home is moved by each number, one a column.
-  [[nodiscard]] Eigen::Matrix3Xd by_move(std::size_t target) const;
+  /// How far a target at `position_mm`, which `rotation` has turned since home, is seen elsewhere
+  /// by each number, one a column.
+  [[nodiscard]] Eigen::Matrix3Xd by_move(std::size_t target, const Eigen::Vector3d& position_mm,
+                                         const Eigen::Matrix3d& rotation) const;
 
   /// Where joints that turned so far carry what moves with the last of them.
   [[nodiscard]] Eigen::Isometry3d displacement(const Turns& turns) const;

@@ -165,8 +165,9 @@ struct SweepEvidence {
   };
   std::optional<SteadyDrift> steady_drift;  ///< where the data show one
   /// How far the target at home was moved in the measurement frame, once: with the device, with the
-  /// robot's base, on the tool, or because a joint stayed off home. The estimate is of what was
-  /// there after that. It, too, is out of everything above.
+  /// robot's base, on the tool, or because a joint stayed off home; of several targets the one that
+  /// went farthest. The estimate is of what was there after that. It, too, is out of everything
+  /// above.
   struct MoveSeen {
     Eigen::Vector3d mm = Eigen::Vector3d::Zero();
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();

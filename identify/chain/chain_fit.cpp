@@ -186,7 +186,8 @@ std::optional<ChainEstimate::MoveSeen> move_of(const ChainFit& fit, const ChainN
       fit.covariance.bottomRightCorner(chain.move_numbers(), chain.move_numbers());
   ChainEstimate::MoveSeen move;
   for (std::size_t target = 0; target < chain.targets_mm.size(); ++target) {
-    const Eigen::Matrix3Xd by = chain.by_move(target);
+    const Eigen::Matrix3Xd by =
+        chain.by_move(target, chain.targets_mm[target], Eigen::Matrix3d::Identity());
     const Eigen::Vector3d mm = -by * chain.move;
     if (target == 0 || mm.norm() > move.mm.norm())
       move = {mm, by * covariance * by.transpose(), 0, 0, {}};

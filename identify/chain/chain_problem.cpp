@@ -6,20 +6,6 @@
 #include <utility>
 
 namespace identify {
-namespace {
-
-/// How a target is seen elsewhere with one number of the chain's move.
-Eigen::Vector3d by_move(const Chain& chain, const ChainPose& pose, std::size_t target,
-                        Eigen::Index number) {
-  if (number < 3) return Eigen::Vector3d::Unit(number);
-  if (number < 6)
-    return Eigen::Vector3d::Unit(number - 3).cross(pose.position_mm - chain.targets_mm.front());
-  if ((number - 6) / 3 != static_cast<Eigen::Index>(target)) return Eigen::Vector3d::Zero();
-  return pose.rotation.col((number - 6) % 3);
-}
-
-}  // namespace
-
 template <int Size>
 ChainProblem<Size>::ChainProblem(const Chain& chain, ChainNodes& nodes, const ChainNoise& noise,
                                  const ChainEffects& shape)
@@ -148,6 +134,8 @@ StrokeProducts ChainProblem<Size>::unit(const Chain& chain, std::size_t u, Chain
       Turns turns = seen.turns;
       if (free(seen)) turns[seen.joint] = swept_[i];
       const auto levers = sag_levers(chain, turns);
+      Eigen::Matrix3Xd moves;
+      if (shape_.moved_mm > 0) moves = chain.by_move(seen.target, pose.position_mm, pose.rotation);
       auto block = rows_.template middleCols<Size>(column);
       for (Eigen::Index a = 0; a < parameters; ++a) {
         const Eigen::Index at = result.parameters[static_cast<std::size_t>(a)];
@@ -164,8 +152,7 @@ StrokeProducts ChainProblem<Size>::unit(const Chain& chain, std::size_t u, Chain
           const Eigen::Index drift = at - first_drift(chain);
           row(drift % 3) = seen.times(drift / 3);
         } else if (seen.before_move) {
-          row.template head<3>() =
-              by_move(chain, pose, seen.target, at - first_move(chain)).transpose();
+          row.template head<3>() = moves.col(at - first_move(chain)).transpose();
         }
       }
       block.row(last) = residual_.error.transpose();

@@ -84,9 +84,7 @@ struct ChainResidual {
     error.template head<3>() = seen.position_mm - pose.position_mm - chain.drift_mm * seen.times;
     if (seen.before_move && chain.move.size() > 0)
       error.template head<3>() -=
-          chain.move.head<3>() +
-          chain.move.segment<3>(3).cross(pose.position_mm - chain.targets_mm.front()) +
-          pose.rotation * chain.move.segment<3>(6 + 3 * static_cast<Eigen::Index>(seen.target));
+          chain.by_move(seen.target, pose.position_mm, pose.rotation) * chain.move;
     if constexpr (Size == 6) {
       const Eigen::AngleAxisd off(seen.orientation * (pose.rotation * chain.tool).transpose());
       error.template tail<3>() = off.angle() * off.axis();

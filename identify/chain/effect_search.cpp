@@ -23,13 +23,6 @@ constexpr double kMoves = 12;
 /// A larger move is a mistake, and none of the effects.
 constexpr double kMostMove_mm = 0.5;
 
-double move_at_home_mm(const Chain& chain) {
-  double most = 0;
-  for (std::size_t target = 0; chain.move.size() > 0 && target < chain.targets_mm.size(); ++target)
-    most = std::max(most, (chain.by_move(target) * chain.move).norm());
-  return most;
-}
-
 ChainEffects less_of(ChainEffects effects, double times) {
   effects.home_rad *= times;
   effects.drift_mm *= times;
@@ -85,6 +78,7 @@ std::optional<double> EffectSearch::likeliest_move_mm(const FittedChain& fitted,
                                                       const ChainEffects& effects,
                                                       ChainEffects shape, double by) {
   const std::vector<std::size_t> units = nodes_.in_time();
+  const double smallest = smallest_mm(fitted);
   shape.moved_mm = 1;
   double least = std::numeric_limits<double>::infinity(), without = least, moved_mm = 0;
   struct Moment {
@@ -98,7 +92,7 @@ std::optional<double> EffectSearch::likeliest_move_mm(const FittedChain& fitted,
       ChainEffects here = less_of(effects, less);
       const auto left = with.left_by(here);
       if (less == 1) without = with.deviance(left, here);
-      for (here.moved_mm = smallest_mm(fitted); here.moved_mm < kMostMove_mm; here.moved_mm *= 4) {
+      for (here.moved_mm = smallest; here.moved_mm < kMostMove_mm; here.moved_mm *= 4) {
         const double deviance = with.deviance(left, here);
         if (!(deviance < least)) continue;
         least = deviance;
@@ -163,7 +157,9 @@ bool EffectSearch::take_if_likelier(FittedChain& best, FittedChain from, const C
   const auto nodes = nodes_.observations;
   const ChainEffects effects = effects_;
   size_twice(from, shape);
-  if (deviance(from) < here - by && move_at_home_mm(from.fit.chain) <= kMostMove_mm) {
+  const auto move = move_of(from.fit, nodes_);
+  const bool mistaken = move && move->mm.norm() > kMostMove_mm;
+  if (deviance(from) < here - by && !mistaken) {
     best = std::move(from);
     return true;
   }
