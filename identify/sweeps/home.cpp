@@ -56,6 +56,39 @@ std::optional<Vector3d> home_point(const std::vector<Sweep>& sweeps, std::size_t
   return median(points);  // one joint that did not come home must not shift it
 }
 
+/// Within that an end of a stroke is at a place: of its joint's angle,
+double near_rad(const Resolution& resolution) {
+  return std::max(kEnd_rad, 2 * resolution.angle_rad);
+}
+/// or of the target, 0 where the stroke tells nothing.
+double near_mm(const Sweep& sweep, const Resolution& resolution) {
+  const auto points = positions(*sweep.samples);
+  if (const auto line = fit_line(points); line && straightness(*line, {}) == Straightness::straight)
+    return kEnd_rad * kLinear_mm;
+  const auto usual = fit_usual_circle(points);
+  if (!usual) return 0;
+  // The ends of a stroke are cut off as far as noise hides them, and are noisy themselves.
+  const CircleFit& circle = usual->circle;
+  const double noise = std::max(circle.plane_rms_mm, circle.radial_rms_mm);
+  return std::max({kEnd_rad * circle.radius_mm, 2 * resolution.position_mm, kEndSizes * noise});
+}
+
+/// Whether a sweep comes by where a stroke of the same joint ends, with the other joints where they
+/// stood then. Both have lost their ramps.
+bool passes(const Sweep& sweep, const Sample& end, const Sweep& stroke,
+            const Resolution& resolution) {
+  const bool angles = has_angles(sweep) && has_angles(stroke);
+  const double near = 2 * (angles ? near_rad(resolution) : near_mm(stroke, resolution));
+  return std::any_of(sweep.samples->begin(), sweep.samples->end(), [&](const Sample& sample) {
+    if (!angles) return (sample.position_mm - end.position_mm).norm() <= near;
+    for (std::size_t k = 0; k < end.joints; ++k)
+      if (std::abs(sample.angles_rad[k] - end.angles_rad[k]) >
+          (k == *stroke.joint ? near : std::max(kSameHome_rad, 2 * resolution.angle_rad)))
+        return false;
+    return true;
+  });
+}
+
 }  // namespace
 
 std::vector<std::optional<double>> find_home(const std::vector<Sweep>& sweeps, std::size_t joints,
@@ -118,39 +151,33 @@ void mark_positioning(std::vector<Sweep>& sweeps, const std::vector<std::optiona
   for (const Sweep& sweep : sweeps)
     if (!rests.contains(sweep.target)) rests[sweep.target] = home_point(sweeps, sweep.target);
   const auto touches = [&](const Sweep& sweep, const Sample& end) {
-    if (has_angles(sweep) && home[*sweep.joint]) {
-      const double tolerance = std::max(kEnd_rad, 2 * resolution.angle_rad);
-      return std::abs(end.angles_rad[*sweep.joint] - *home[*sweep.joint]) <= tolerance;
-    }
+    if (has_angles(sweep) && home[*sweep.joint])
+      return std::abs(end.angles_rad[*sweep.joint] - *home[*sweep.joint]) <= near_rad(resolution);
     const auto& rest = rests[sweep.target];
     if (has_angles(sweep) || !rest) return false;
-    const auto points = positions(*sweep.samples);
-    if (const auto line = fit_line(points);
-        line && straightness(*line, {}) == Straightness::straight)
-      return (end.position_mm - *rest).norm() <= kEnd_rad * kLinear_mm;
-    const auto usual = fit_usual_circle(points);
-    if (!usual) return false;
-    // The ends of a stroke are cut off as far as noise hides them, and are noisy themselves.
-    const CircleFit& circle = usual->circle;
-    const double noise = std::max(circle.plane_rms_mm, circle.radial_rms_mm);
-    const double tolerance =
-        std::max({kEnd_rad * circle.radius_mm, 2 * resolution.position_mm, kEndSizes * noise});
-    return (end.position_mm - *rest).norm() <= tolerance;
+    return (end.position_mm - *rest).norm() <= near_mm(sweep, resolution);
   };
-  const auto touches_home = [&](const Sweep& sweep) {
-    return touches(sweep, sweep.first()) || touches(sweep, sweep.last());
-  };
-  const auto usable = [](const Sweep& sweep) {
-    return sweep.joint && sweep.defect == SweepDefect::none;
-  };
-  std::set<std::pair<std::size_t, std::size_t>> with_proper_sweeps;  // joint and target
-  for (const Sweep& sweep : sweeps)
-    if (usable(sweep) && !touches_home(sweep))
-      with_proper_sweeps.emplace(*sweep.joint, sweep.target);
-  for (Sweep& sweep : sweeps)
-    sweep.positioning = usable(sweep) &&
-                        with_proper_sweeps.contains({*sweep.joint, sweep.target}) &&
-                        touches_home(sweep);
+  std::vector<const Sweep*> proper;
+  std::vector<std::pair<Sweep*, std::vector<const Sample*>>> at_home;  // and the ends that are not
+  for (Sweep& sweep : sweeps) {
+    sweep.positioning = false;
+    if (!sweep.joint || sweep.defect != SweepDefect::none) continue;
+    std::vector<const Sample*> away;
+    for (const Sample* end : {&sweep.first(), &sweep.last()})
+      if (!touches(sweep, *end)) away.push_back(end);
+    if (away.size() == 2)
+      proper.push_back(&sweep);
+    else
+      at_home.emplace_back(&sweep, std::move(away));
+  }
+  for (auto& [sweep, away] : at_home)
+    sweep->positioning = std::any_of(
+        proper.begin(), proper.end(), [&, &one = *sweep, &ends = away](const Sweep* other) {
+          return other->joint == one.joint && other->target == one.target &&
+                 std::all_of(ends.begin(), ends.end(), [&](const Sample* end) {
+                   return passes(*other, *end, one, resolution);
+                 });
+        });
 }
 
 }  // namespace identify

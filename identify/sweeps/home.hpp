@@ -29,9 +29,10 @@ inline constexpr double kSameHome_rad = 0.5 * kDegree;
                            const Resolution& resolution);
 
 /// Marks the strokes that only lead from home to a sweep's start, or from its end back home: those
-/// that touch home at one end, where the same joint has others that touch it at neither. A stroke
-/// touches home by its own joint's angle or, without angles, by the point where the arm rests
-/// between the strokes of one joint and those of the next.
+/// that touch home at one end, while the other lies on another sweep of the same joint, from the
+/// same stand, that touches home at neither. A stroke touches home by its own joint's angle or,
+/// without angles, by the point where the arm rests between the strokes of one joint and those of
+/// the next.
 void mark_positioning(std::vector<Sweep>& sweeps,
                       const std::vector<std::optional<double>>& home_rad,
                       const Resolution& resolution);

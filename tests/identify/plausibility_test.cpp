@@ -514,6 +514,21 @@ TEST_CASE("sweeps of two targets that have one name are a doubt that asks for na
   CHECK_THAT(doubt->message, ContainsSubstring("the target is another one"));
 }
 
+TEST_CASE("sweeps from two homes without angles are one doubt that asks for the angles",
+          "[plausibility]") {
+  Strokes strokes;
+  strokes.homes = 2;
+  const Simulation simulation(some_kr5(3), strokes, tracker(false), 3);
+  const auto found = identify::identify(simulation.sweeps(), simulation.campaign());
+  CHECK(found.status == Status::doubtful);
+  std::vector<const Warning*> doubts;
+  for (const Warning& one : found.doubts)
+    if (one.code == "strokes_disagree") doubts.push_back(&one);
+  REQUIRE(doubts.size() == 1);
+  CHECK_FALSE(doubts.front()->joint);
+  CHECK_THAT(doubts.front()->message, ContainsSubstring("Give the angles of all joints"));
+}
+
 TEST_CASE("angles that do not belong to the arc are a doubt", "[plausibility]") {
   const Simulation simulation(some_kr5(7), {}, tracker(true), 7);
   auto campaign = simulation.campaign();

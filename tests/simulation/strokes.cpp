@@ -35,8 +35,9 @@ std::vector<Stroke> strokes_of(const Strokes& how, std::size_t joints, std::size
                        bool back) {
     Stroke stroke{joint, home, std::move(seen), 0, 0, time, 0, false};
     const double half = (joint % 2 == 0 ? 0.5 : -0.5) * how.arc_deg;
-    const auto [from, to] =
-        how.ranges_deg.empty() ? std::array<double, 2>{-half, half} : how.ranges_deg[joint];
+    const auto [from, to] = how.ranges_deg.empty()
+                                ? std::array<double, 2>{-half, half}
+                                : how.ranges_deg[(home * joints + joint) % how.ranges_deg.size()];
     stroke.from_rad = (back ? to : from) * kDegree;
     stroke.to_rad = (back ? from : to) * kDegree;
     stroke.seconds = std::abs(to - from) / how.speed_deg_s;

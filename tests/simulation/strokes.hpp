@@ -21,7 +21,8 @@ struct Along {
 /// Which sweeps a campaign has, and how the joints are moved.
 struct Strokes {
   double arc_deg = 90;  ///< every joint, home in its middle
-  /// One a joint, from home, start and end: instead of `arc_deg`. Empty: that.
+  /// One a joint, of each home or of all, from home, start and end: instead of `arc_deg`. Empty:
+  /// that.
   std::vector<std::array<double, 2>> ranges_deg;
   int samples = 300;  ///< a stroke
   bool there_and_back = false;

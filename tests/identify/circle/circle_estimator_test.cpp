@@ -1,6 +1,7 @@
 #include "identify/circle/circle_estimator.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -67,6 +68,22 @@ TEST_CASE("only the sweeps proper are fitted: moves from and to home are marked"
   CHECK(first.circle->arc_rad == Approx(90 * kDegree).margin(0.5 * kDegree));
   // Joint 6 starts from home: both its strokes are sweeps.
   CHECK(result.joints[5].used == std::vector<bool>{true, true});
+}
+
+TEST_CASE("Strokes that begin at home are sweeps, though their joints have others at a second home",
+          "[circle_estimator]") {
+  simulation::World world;
+  world.angles = GENERATE(true, false);
+  simulation::Strokes how;
+  how.homes = 2;
+  const std::array<double, 2> about = {-45, 45}, from = {0, 90}, to = {90, 0};
+  how.ranges_deg = {about, about, about, from, from, to, about, about, about, about, about, about};
+  const simulation::Simulation campaign(simulation::kr5(), how, world, 1);
+  const auto result = estimate_circles(campaign.sweeps(), campaign.campaign());
+  for (const JointResult& joint : result.joints)
+    for (const Sweep& sweep : joint.sweeps) CHECK_FALSE(sweep.positioning);
+  CHECK(std::none_of(result.warnings.begin(), result.warnings.end(),
+                     [](const Warning& warning) { return warning.code == "off_home"; }));
 }
 
 TEST_CASE("axes point along positive rotation of the controller's angles", "[circle_estimator]") {
