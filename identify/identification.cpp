@@ -47,12 +47,12 @@ void set_budget(Identification& found, const TableAxes& axes) {
     found.dh_budget.push_back({part.cause, of_numbers(part.covariance).diagonal()});
 }
 
-/// Counted from 1, as a list.
-std::string without_axis(const Identification& found) {
-  std::string missing;
+/// As a reason; empty: all joints have theirs.
+std::string axes_missing(const Identification& found) {
+  std::vector<std::size_t> missing;
   for (std::size_t j = 0; j < found.joints.size(); ++j)
-    if (!found.joints[j].axis) missing += (missing.empty() ? "" : ", ") + std::to_string(j + 1);
-  return missing;
+    if (!found.joints[j].axis) missing.push_back(j);
+  return missing.empty() ? "" : "no axis for " + joints_named(missing);
 }
 
 /// What the circles tell by themselves.
@@ -60,7 +60,7 @@ Identification by_circles(CircleEstimate circles) {
   Identification found;
   static_cast<CircleEstimate&>(found) = std::move(circles);
   found.dh = found.circle_dh;
-  const std::string missing = without_axis(found);
+  const std::string missing = axes_missing(found);
   if (found.no_positions) {
     // Strokes that angles alone tell are something: partial, not failed.
     found.status = Status::partial;
@@ -74,8 +74,7 @@ Identification by_circles(CircleEstimate circles) {
     const bool any = std::any_of(found.joints.begin(), found.joints.end(),
                                  [](const JointResult& joint) { return joint.axis.has_value(); });
     found.status = any ? Status::partial : Status::failed;
-    found.reason =
-        found.any_sweep ? "no axis for joint " + missing : "no sweep of a single joint was seen";
+    found.reason = found.any_sweep ? missing : "no sweep of a single joint was seen";
   }
   return found;
 }
@@ -94,10 +93,10 @@ void take_chain(Identification& found, const Campaign& campaign, Estimator estim
   set_budget(found, axes);
   found.tool = tool_pose(*found.chain, axes, found.chain->dh, found.specified);
   for (std::size_t j = 0; j < joints; ++j) found.joints[j].axis = found.chain->axes[j];
-  const std::string missing = without_axis(found);
+  const std::string missing = axes_missing(found);
   if (found.status != Status::failed || missing.empty())
     found.status = missing.empty() ? Status::complete : Status::partial;
-  found.reason = missing.empty() ? "" : "no axis for joint " + missing;
+  found.reason = missing;
 }
 
 Identification estimate(std::vector<Sweep> sweeps, const Campaign& campaign) {

@@ -131,7 +131,7 @@ Prediction predict(const Identification& rehearsed, const Campaign& campaign, Ch
   auto axes = starting_axes(rehearsed);
   for (std::size_t j = 0; j < joints; ++j)
     if (axes[j]) axes[j] = chain.axes[j];
-  ChainNodes nodes = chain_nodes(rehearsed, axes, campaign.resolution.angle_rad);
+  ChainNodes nodes = chain_nodes(rehearsed, axes, campaign.resolution);
   if (!nodes.strokes.empty())
     predict_from(nodes, chain_samples(rehearsed, axes), rehearsed, campaign, chain, noise,
                  prediction);

@@ -30,6 +30,9 @@ constexpr Unit kUnits[] = {
      "m?"},
     {25.4, "25.4 times smaller than specified: are the positions in inches?"}};
 constexpr double kAboutUnit = 1.3;
+/// No robot's target runs on circles that are all smaller or larger than that.
+constexpr double kSmallest_mm = 10;
+constexpr double kLargest_mm = 30000;
 /// Of radians that were taken for degrees it is 57.
 constexpr double kMuchFarther = 10;
 /// All senses of rotation are tried for so many joints: 256 tables.
@@ -277,12 +280,26 @@ std::optional<Warning> explained(const Explanation& explanation, const Identific
       "two joints are exchanged: joints " + pairs + " the other way round fit the specified table"};
 }
 
+/// Where no table says how large the robot is.
+std::optional<Warning> no_robots_size(const Identification& found) {
+  double largest_mm = 0;
+  for (const JointResult& joint : found.joints)
+    if (joint.circle) largest_mm = std::max(largest_mm, joint.circle->radius_mm);
+  if (largest_mm == 0 || (largest_mm > kSmallest_mm && largest_mm < kLargest_mm))
+    return std::nullopt;
+  return Warning{"unit_factor",
+                 {},
+                 "the largest circle has a radius of " + brief(largest_mm) +
+                     " mm, and no robot is like that: are the positions in " +
+                     (largest_mm < kLargest_mm ? "metres?" : "micrometres?")};
+}
+
 }  // namespace
 
 std::optional<Warning> contradiction_of_specified(const Identification& found,
                                                   const Campaign& campaign) {
-  if (!campaign.specified || found.specified.empty() || found.dh.size() != found.specified.size())
-    return std::nullopt;
+  if (!campaign.specified) return no_robots_size(found);
+  if (found.specified.empty() || found.dh.size() != found.specified.size()) return std::nullopt;
   const Worst worst = worst_of(found.dh, found.specified, found.home_rad);
   const Explanation explanation(found, campaign);
   if (worst.excess <= 1) {

@@ -1,10 +1,12 @@
 #include "daemon/results/chain_text.hpp"
 
 #include <algorithm>
+#include <vector>
 
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/text_layout.hpp"
 #include "daemon/text/units.hpp"
+#include "identify/geometry/warning.hpp"
 #include "rsi/counted.hpp"
 
 namespace sweepd {
@@ -33,11 +35,10 @@ std::string reasons(const std::vector<AngleEvidence>& angles) {
     if (std::find_if(angles.begin(), angles.end(), same) - angles.begin() <
         static_cast<std::ptrdiff_t>(j))
       continue;
-    std::string joints;
+    std::vector<std::size_t> joints;
     for (std::size_t k = j; k < angles.size(); ++k)
-      if (same(angles[k])) joints += (joints.empty() ? "" : ", ") + std::to_string(k + 1);
-    text += paragraph(
-        "  - ", (joints.size() > 1 ? "joints " : "joint ") + joints + ": " + angles[j].reason);
+      if (same(angles[k])) joints.push_back(k);
+    text += paragraph("  - ", identify::joints_named(joints) + ": " + angles[j].reason);
   }
   return text;
 }

@@ -6,6 +6,7 @@
 #include "daemon/text/text_layout.hpp"
 #include "daemon/text/units.hpp"
 #include "identify/dh/dh_comparison.hpp"
+#include "identify/geometry/warning.hpp"
 
 namespace sweepd {
 namespace {
@@ -71,11 +72,10 @@ class Table {
     for (const DhEstimate& row : found_.dh) beta = beta || has_beta(row);
     std::string way = "leads from frame i to i+1: Tz(b) Rz(theta) Tx(a) Rx(alpha)";
     if (beta) way += ", and Ry(beta) where axes are parallel";
-    std::string linear;
-    std::size_t count = 0;
+    std::vector<std::size_t> linear;
     for (std::size_t i = 0; i < found_.dh.size(); ++i)
-      if (found_.dh[i].linear) linear += (count++ > 0 ? ", " : "") + std::to_string(i + 1);
-    if (count == 0) {
+      if (found_.dh[i].linear) linear.push_back(i);
+    if (linear.empty()) {
       text_ += "\n" + paragraph("Row i       ", way + ". theta is the angle at home.");
       return;
     }
@@ -85,7 +85,7 @@ class Table {
                                   "home.");
     text_ += paragraph(
         "Linear      ",
-        std::string(count > 1 ? "joints " : "joint ") + linear +
+        identify::joints_named(linear) +
             ": b changes, theta stays. Such an axis has a direction and no place: by convention a "
             "of its row and b of the next are " +
             (compared() ? "as specified" : "zero") + ", or it lies on a next axis parallel to it.");

@@ -169,6 +169,15 @@ bool sweeps_again(const ChainNodes& nodes) {
   return nodes.units.size() > joints.size();
 }
 
+/// Whether what rounding bends a stroke's X, Y and Z by is a fifth of what noise does, or more: of
+/// n samples whose noise has the variance s^2, the second Legendre coefficient has 5 s^2 / n.
+bool bent_by_print(double print_mm, const ChainNodes& nodes) {
+  return std::any_of(nodes.units.begin(), nodes.units.end(), [&](const auto& unit) {
+    const StrokeRounding& rounding = nodes.strokes[unit.front()].rounding;
+    return rounding.shifts(print_mm, 0)[2].maxCoeff() * rounding.samples > print_mm * print_mm / 12;
+  });
+}
+
 /// Which share of the variance of a random walk's places, their means over strokes, the units of
 /// each group have in common. Over a time D it is D/6 a unit of time, half of that of what lies
 /// between two places if they were independent. Between the means over two strokes of length T
@@ -212,8 +221,9 @@ EffectColumns::EffectColumns(const ChainEffects& shape, const ChainNodes& nodes)
   if (shape.home_rad > 0 || shape.drift_mm > 0 || shape.print_mm > 0 || shape.print_rad > 0 ||
       shape.print_turn_rad > 0)
     own = turns + 6;
-  if (shape.print_rad > 0) own += turned = 6;
-  if (shape.drift_mm > 0 && sweeps_again(nodes)) own += bent = 3;
+  if (shape.print_rad > 0) own += turned = 9;
+  drift_bends = shape.drift_mm > 0 && sweeps_again(nodes);
+  if (drift_bends || (shape.print_mm > 0 && bent_by_print(shape.print_mm, nodes))) own += bent = 3;
   if (shape.home_rad > 0 && shape.home_stays) stand = turns;
   if (shape.figure_mm() > 0) figure = 2 * kFigureOrders;
   if (shape.drift_mm > 0 && nodes.units.size() > nodes.home_of.size()) {
@@ -290,14 +300,15 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
       const double share = std::min(1.0, 6 * (stroke.end_s - stroke.begin_s) / seconds);
       const double walk = drift * (share > 0 ? share : 1);
       own.segment<3>(turns + 3).setConstant(0.3 * walk);
-      own.tail(columns.bent).setConstant(walk * (1.0 / 7 + 1.0 / 3) / 4);
+      if (columns.drift_bends) own.tail<3>().setConstant(walk * (1.0 / 7 + 1.0 / 3) / 4);
       own(static_cast<Index>(stroke.content.joint)) =
           stroke.rounding.told_shift(effects.print_turn_rad);
       const auto shifts = stroke.rounding.shifts(effects.print_mm, effects.print_rad);
-      for (Index at = 0; at <= columns.turned; at += 6) {
-        own.segment<3>(turns + at) += shifts.level.segment<3>(at / 2).matrix();
-        own.segment<3>(turns + at + 3) += shifts.growth.segment<3>(at / 2).matrix();
-      }
+      for (Index order = 0; order < 2; ++order)
+        own.segment<3>(turns + 3 * order) += shifts[order].head<3>().matrix();
+      if (columns.bent > 0) own.tail<3>() += shifts[2].head<3>().matrix();
+      for (Index order = 0; 3 * order < columns.turned; ++order)
+        own.segment<3>(turns + 6 + 3 * order) += shifts[order].tail<3>().matrix();
     }
     variances.own.push_back(std::move(own));
   }

@@ -81,17 +81,18 @@ inline constexpr Eigen::Index kFigureOrders = 8;
 /// The columns that a problem has: of effects that are zero in `shape` none. A unit's own are a
 /// turn of each joint, of the sweeping one where rounding shifts its angle, three shifts, and three
 /// that grow from minus one at a stroke's least turn to one at its greatest. Where printed
-/// orientations are shifted, so many follow, of A, B, C. Where a joint has swept again, so that a
-/// device that wanders can be told from homes that are off, three bend, as the second Legendre
-/// polynomial of the stroke's turn. A stand's are a turn of each joint, where homes stay. Those of
-/// a group are the orders of each target's radial and then axial figure, behind them three shifts
-/// where several units share a device that wanders, and those of the joint's angle. A home's are a
-/// turn of each joint.
+/// orientations are shifted, so many follow, of A, B, C, and three that bend, as the second
+/// Legendre polynomial of the stroke's turn. Where rounding bends a stroke, and where a joint has
+/// swept again, so that a device that wanders can be told from homes that are off, three shifts do
+/// so, too. A stand's are a turn of each joint, where homes stay. Those of a group are the orders
+/// of each target's radial and then axial figure, behind them three shifts where several units
+/// share a device that wanders, and those of the joint's angle. A home's are a turn of each joint.
 struct EffectColumns {
   EffectColumns(const ChainEffects& shape, const ChainNodes& nodes);
   Eigen::Index own = 0;
   Eigen::Index turned = 0;  ///< of these, those of A, B, C
   Eigen::Index bent = 0;    ///< and the last ones
+  bool drift_bends = false;
   Eigen::Index stand = 0;
   Eigen::Index figure = 0;  ///< of one target
   Eigen::Index wander = 0;
@@ -116,6 +117,7 @@ template <int Size, class ByTurn>
   for (std::size_t k = 0; k < known.size(); ++k)
     if (known[k])
       rows.row(static_cast<Eigen::Index>(k)) = by_turn[k].template head<Size>().transpose();
+  const double bend = 1.5 * place * place - 0.5;
   rows.template block<3, 3>(turns, 0).setIdentity();
   rows.template block<3, 3>(turns + 3, 0).diagonal().setConstant(place);
   if constexpr (Size == 6)
@@ -123,9 +125,9 @@ template <int Size, class ByTurn>
       const Eigen::Matrix3d axes = abc_axes(seen.orientation).transpose();
       rows.template block<3, 3>(turns + 6, 3) = axes;
       rows.template block<3, 3>(turns + 9, 3) = place * axes;
+      rows.template block<3, 3>(turns + 12, 3) = bend * axes;
     }
-  if (columns.bent > 0)
-    rows.template block<3, 3>(columns.own - 3, 0).diagonal().setConstant(1.5 * place * place - 0.5);
+  if (columns.bent > 0) rows.template block<3, 3>(columns.own - 3, 0).diagonal().setConstant(bend);
   return rows;
 }
 

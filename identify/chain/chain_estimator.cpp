@@ -30,7 +30,7 @@ class Estimation {
 
   std::optional<ChainEstimate> run() {
     axes_ = starting_axes(circles_);
-    nodes_ = chain_nodes(circles_, axes_, campaign_.resolution.angle_rad);
+    nodes_ = chain_nodes(circles_, axes_, campaign_.resolution);
     if (nodes_.strokes.empty()) return std::nullopt;
     const double correlation = correlation_of(nodes_.strokes);
     for (StrokeMoments& stroke : nodes_.strokes) stroke.correlation = correlation;

@@ -240,7 +240,8 @@ ChainNodes nodes_of(std::vector<StrokeMoments> strokes,
 }
 
 ChainNodes chain_nodes(const CircleEstimate& circles,
-                       const std::vector<std::optional<ChainAxis>>& axes, double angle_step_rad) {
+                       const std::vector<std::optional<ChainAxis>>& axes,
+                       const Resolution& printed) {
   const auto sweeps = chain_sweeps(circles, axes);
   const std::size_t joints = circles.joints.size();
   bool with_angles = true, with_orientation = true;
@@ -254,7 +255,7 @@ ChainNodes chain_nodes(const CircleEstimate& circles,
   std::vector<StrokeMoments> strokes;
   for (const ChainSweep& one : sweeps) {
     const StrokeContent content{one.joint, with_angles ? joints : 0, with_orientation,
-                                axes[one.joint]->linear, angle_step_rad};
+                                axes[one.joint]->linear, printed};
     auto stroke = moments_of(*one.sweep, content);
     if (!stroke) continue;
     // A joint that was never seen locked is at home where its first sweep begins.

@@ -63,10 +63,10 @@ struct ChainNodes {
 
 /// The strokes of all joints with an axis to start from, joint by joint: those of the circles and,
 /// where angles tell where the other joints stood, those from elsewhere than home. The other joints
-/// are never turned. `angle_step_rad`: in which angles are printed.
+/// are never turned. `printed`: the steps of what was told.
 [[nodiscard]] ChainNodes chain_nodes(const CircleEstimate& circles,
                                      const std::vector<std::optional<ChainAxis>>& axes,
-                                     double angle_step_rad);
+                                     const Resolution& printed);
 
 /// How far each joint may have stood from the home that was printed: where its angle hardly changed
 /// while it was locked, up to half a step of the last decimal; where it wobbled through the steps,

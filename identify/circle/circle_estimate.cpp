@@ -30,7 +30,7 @@ double correlation_of(const CircleEstimate& found) {
     const JointResult& joint = found.joints[j];
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
       if (!joint.used[s] || joint.sweeps[s].target != joint.circle_target) continue;
-      const StrokeContent content{j, 0, false, joint.line.has_value(), 0};
+      const StrokeContent content{j, 0, false, joint.line.has_value()};
       if (auto stroke = moments_of(joint.sweeps[s], content)) strokes.push_back(*std::move(stroke));
     }
   }
@@ -102,6 +102,24 @@ double size_by_circles_mm(const CircleEstimate& found) {
   for (const auto& a : places)
     for (const auto& b : places) size = std::max(size, (a - b).norm());
   return size;
+}
+
+void measure_boxes(CircleEstimate& found) {
+  std::vector<Eigen::Matrix3Xd> points;
+  Eigen::Index count = 0;
+  for (JointResult& joint : found.joints) {
+    if (!joint.axis) continue;
+    points.push_back(used_points(joint));
+    joint.box = minimum_bounding_box(points.back());
+    count += points.back().cols();
+  }
+  Eigen::Matrix3Xd all(3, count);
+  count = 0;
+  for (const auto& some : points) {
+    all.middleCols(count, some.cols()) = some;
+    count += some.cols();
+  }
+  if (all.cols() > 0) found.bounding_box = minimum_bounding_box(all);
 }
 
 }  // namespace identify

@@ -69,4 +69,7 @@ void set_circle_axes(CircleEstimate& found, const Resolution& resolution);
 /// An upper estimate of the robot's size, for where it matters, by the points.
 [[nodiscard]] double size_by_circles_mm(const CircleEstimate& found);
 
+/// The smallest boxes around the points of each joint that has an axis, and of all.
+void measure_boxes(CircleEstimate& found);
+
 }  // namespace identify

@@ -53,7 +53,7 @@ class Circles {
     for (std::size_t j = 0; j < campaign_.joints; ++j) fit(j);
     set_circle_axes(result_, campaign_.resolution);
     extract();
-    measure();
+    measure_boxes(result_);
     return std::move(result_);
   }
 
@@ -230,7 +230,10 @@ class Circles {
     };
     std::vector<std::optional<Axis>> positive;
     for (const JointResult& joint : result_.joints) positive.push_back(joint.axis);
-    if (campaign_.specified) settle_senses(positive, turned);
+    if (campaign_.specified)
+      settle_senses(positive, turned);
+    else
+      tell_unknown_senses();
     result_.circle_dh =
         placed_table(turned(positive), result_.specified, size_by_circles_mm(result_));
   }
@@ -255,15 +258,9 @@ class Circles {
       for (const auto& other : senses.others)
         others.push_back(
             placed_table(turned(with(other)), result_.specified, size_by_circles_mm(result_)));
-      std::string joints;
-      for (const std::size_t j : senses.ambiguous)
-        joints += (joints.empty() ? "" : ", ") + std::to_string(j + 1);
-      result_.doubt = "nothing tells which way joint" +
-                      std::string(senses.ambiguous.size() > 1 ? "s " : " ") + joints +
-                      (senses.ambiguous.size() > 1 ? " turn" : " turns");
-      warn("direction_ambiguous", senses.ambiguous.front(),
-           result_.doubt + ": " + differing_numbers(best, others) +
-               "; record joint angles, or give the plan that was run and the home pose");
+      tell_ambiguous(senses.ambiguous, differing_numbers(best, others) +
+                                           "; record joint angles, or give the plan that was run "
+                                           "and the home pose");
     }
     for (const std::size_t j : senses.against) result_.joints[j].against_plan = true;
     tell_against_plan();
@@ -271,16 +268,34 @@ class Circles {
     for (std::size_t j = 0; j < campaign_.joints; ++j) result_.joints[j].axis = positive[j];
   }
 
+  void tell_ambiguous(const std::vector<std::size_t>& joints, const std::string& then) {
+    result_.doubt = "nothing tells which way " + joints_named(joints) +
+                    (joints.size() > 1 ? " turn" : " turns");
+    warn("direction_ambiguous", joints.front(), result_.doubt + ": " + then);
+  }
+
+  /// Without a table to agree with.
+  void tell_unknown_senses() {
+    std::vector<std::size_t> joints;
+    for (std::size_t j = 0; j < result_.joints.size(); ++j)
+      if (result_.joints[j].axis && result_.joints[j].sense_by == SenseBy::nothing)
+        joints.push_back(j);
+    if (joints.empty()) return;
+    tell_ambiguous(
+        joints,
+        "the way that each moved first is taken. The other way, b and alpha change their "
+        "signs, and theta is half a turn off; record joint angles, name the robot, or "
+        "give the plan that was run");
+  }
+
   /// Plan and description tell two robots, whose axes turn one way and the other.
   void tell_against_plan() {
-    std::string joints;
-    std::size_t count = 0;
+    std::vector<std::size_t> joints;
     for (std::size_t j = 0; j < result_.joints.size(); ++j)
-      if (result_.joints[j].against_plan)
-        joints += (count++ == 0 ? "" : ", ") + std::to_string(j + 1);
-    if (count == 0) return;
-    const std::string why = "joint" + std::string(count > 1 ? "s " : " ") + joints +
-                            " turned against the plan, as the robot description tells";
+      if (result_.joints[j].against_plan) joints.push_back(j);
+    if (joints.empty()) return;
+    const std::string why =
+        joints_named(joints) + " turned against the plan, as the robot description tells";
     warn("plan_contradicted", {},
          why +
              ": check that the plan is the one that was run, and alpha_deg and positive of the "
@@ -313,24 +328,6 @@ class Circles {
         result_.specified[j] = campaign_.specified->row_at(j, *result_.home_rad[j]);
         result_.specified[j].theta_rad = wrapped(result_.specified[j].theta_rad);
       }
-  }
-
-  void measure() {
-    std::vector<Matrix3Xd> points;
-    Eigen::Index count = 0;
-    for (JointResult& joint : result_.joints) {
-      if (!joint.axis) continue;
-      points.push_back(used_points(joint));
-      joint.box = minimum_bounding_box(points.back());
-      count += points.back().cols();
-    }
-    Matrix3Xd all(3, count);
-    count = 0;
-    for (const auto& some : points) {
-      all.middleCols(count, some.cols()) = some;
-      count += some.cols();
-    }
-    if (all.cols() > 0) result_.bounding_box = minimum_bounding_box(all);
   }
 
   const Campaign& campaign_;

@@ -113,19 +113,19 @@ std::optional<JointMotion> joint_motion(const JointResult& joint) {
 std::optional<Warning> hidden_motion(const CircleEstimate& found, const MotionLimit& limit) {
   if (!limit.by_noise()) return std::nullopt;
   const double clearly_mm_s = kClearlySeen * limit.slowest_mm_s;
-  std::string hidden;
+  std::vector<std::size_t> hidden;
   double slowest_mm_s = clearly_mm_s;
   for (std::size_t j = 0; j < found.joints.size(); ++j) {
     const auto moved = joint_motion(found.joints[j]);
     if (moved && found.joints[j].axis && moved->speed_mm_s >= clearly_mm_s) continue;
-    hidden += (hidden.empty() ? "" : ", ") + std::to_string(j + 1);
+    hidden.push_back(j);
     if (moved) slowest_mm_s = std::min(slowest_mm_s, moved->speed_mm_s);
   }
   if (hidden.empty()) return std::nullopt;
   std::string message = "a position noise of " + brief(limit.noise_mm) +
                         " mm hides motion slower than " + brief(limit.slowest_mm_s) +
                         " mm/s and arcs shorter than " + brief(limit.shortest_mm) +
-                        " mm: perhaps sweeps of joint " + hidden + ", or parts of them";
+                        " mm: perhaps sweeps of " + joints_named(hidden) + ", or parts of them";
   if (slowest_mm_s < clearly_mm_s)
     message += ", where the target was seen to move at " + brief(slowest_mm_s) + " mm/s";
   message += "; sweep so fast that the target moves at " + brief(clearly_mm_s) +

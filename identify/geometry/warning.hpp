@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <system_error>
+#include <vector>
 
 namespace identify {
 
@@ -33,6 +34,14 @@ inline std::string fixed(double value, int decimals) {
 /// As people count: "joint 1" is the first.
 inline std::string joint_name(std::size_t joint) {
   return "joint " + std::to_string(joint + 1);
+}
+
+/// As in "joints 1, 4".
+inline std::string joints_named(const std::vector<std::size_t>& joints) {
+  std::string text = joints.size() == 1 ? "joint " : "joints ";
+  for (std::size_t k = 0; k < joints.size(); ++k)
+    text += (k == 0 ? "" : ", ") + std::to_string(joints[k] + 1);
+  return text;
 }
 
 /// With two digits that tell something.

@@ -19,8 +19,8 @@ struct StrokeContent {
   std::size_t joint = 0;   ///< the one that turns
   std::size_t joints = 0;  ///< whose angles every sample has; 0: no angles
   bool orientation = false;
-  bool linear = false;        ///< it moves along a line
-  double angle_step_rad = 0;  ///< in which angles are printed; 0: at full precision
+  bool linear = false;      ///< it moves along a line
+  Resolution printed = {};  ///< steps; 0: at full precision
 };
 
 /// The errors that tell how the samples' noise is correlated: radial and axial.

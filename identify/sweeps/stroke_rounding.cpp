@@ -18,41 +18,71 @@ using Eigen::Index;
 namespace {
 
 constexpr double kWhole = 1.0 / 12;  // variance of what is spread evenly over a step
+/// Of so many steps those where an arc turns back count, and their places are not looked at.
+constexpr double kManySteps = 100;
 
-/// Variance of what rounding shifts a number by over a whole stroke, in squares of steps, as all
-/// here: `scatter` about its smooth curve, `uneven` from sample to sample.
-double shift_of(double scatter, double uneven, double agreement, double samples) {
+/// Shares of all rounding's variance, of numbers within a step; all in squares of steps.
+/// By how little numbers scatter about their smooth curve, 0 to 1.
+double within_a_step(double scatter, double samples) {
   // Squares of evenly spread errors, whose mean is known, scatter by 2 / sqrt(5) of it each.
   constexpr double kOfSquares = 0.894;
   constexpr double kChance = 3;  // standard deviations
   const double unseen = 1 - scatter / kWhole;
   const double chance = kChance * kOfSquares / std::sqrt(std::max(1.0, samples));
+  return unseen < chance ? 0 : unseen;
+}
+
+/// What numbers at places that agree are all off by, by how they scatter from one to the next.
+double alike(double uneven) {
   // At one place within the step, two printed values in turn have the variance p (1 - p), and tell
   // by p where that is. Noise of more than half a step averages out.
   constexpr double kTwoValues = 0.25;
-  const double alike = uneven < kTwoValues ? std::min(kWhole, kTwoValues - uneven)
-                                           : kWhole * std::exp(-4 * kPi * kPi * (uneven - kWhole));
-  return std::max(agreement * alike, unseen < chance ? 0 : kWhole * unseen);
+  return uneven < kTwoValues ? std::min(1.0, (kTwoValues - uneven) / kWhole)
+                             : std::exp(-4 * kPi * kPi * (uneven - kWhole));
 }
 
+using Agreement = std::array<double, StrokeRounding::kOrders>;
+
 /// How far places agree that were seen with this standard deviation, all in steps: see
-/// StrokeRounding::agreement.
-double agreement_of(const Eigen::ArrayXd& places, const Eigen::ArrayXd& weights, double sigma) {
+/// StrokeRounding::agreement. `ahead`: from minus one to one along the stroke.
+Agreement agreement_of(const Eigen::ArrayXd& places, const Eigen::ArrayXd& ahead,
+                       const Eigen::ArrayXd& weights, double sigma) {
   // What rounding adds is a saw tooth of the place within a step, sum_m sin(2 pi m x) / (pi m) but
-  // for signs. The mean over the samples leaves each wave as far as their places agree.
+  // for signs. What it leaves of each wave in a Legendre polynomial is that of the samples' places.
   constexpr int kWaves = 4;
   const Eigen::ArrayXcd wave =
       (std::complex<double>(0, 2 * kPi) * (places - places(0)).cast<std::complex<double>>()).exp();
+  const Eigen::ArrayXd shares = weights / weights.sum();
+  const Eigen::ArrayXd grown = 3 * shares * ahead;
+  const Eigen::ArrayXd bent = 5 * shares * (1.5 * ahead.square() - 0.5);
   Eigen::ArrayXcd waves = wave;
-  double squares = 0, all = 0;
+  Agreement squares{};
+  double all = 0;
   for (int m = 1; m <= kWaves; ++m, waves *= wave) {
     // Noise of the places hides how far they agree.
     const double hidden = std::exp(-2 * std::pow(kPi * m * sigma, 2));
-    const double agree = std::abs((waves * weights).sum()) / weights.sum();
-    squares += std::pow(std::min(1.0, agree / hidden) / m, 2);
+    const double level = std::min(1.0, std::abs((waves * shares).sum()) / hidden);
+    squares[0] += std::pow(level / m, 2);
+    squares[1] += std::pow(std::abs((waves * grown).sum()) / m, 2);
+    squares[2] += std::pow(std::abs((waves * bent).sum()) / m, 2);
     all += 1.0 / (m * m);
   }
-  return squares / all;
+  for (double& square : squares) square /= all;
+  return squares;
+}
+
+/// A, B and C since the first sample, on beyond half a turn.
+template <class Rows>
+void set_angles(Rows&& angles, const StrokeSamples& seen) {
+  angles.col(0).setZero();
+  for (Index i = 1; i < angles.cols(); ++i) {
+    const auto& before = seen.samples[static_cast<std::size_t>(i - 1)]->abc_rad;
+    const auto& here = seen.samples[static_cast<std::size_t>(i)]->abc_rad;
+    for (Index k = 0; k < 3; ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      angles(k, i) = angles(k, i - 1) + short_way(here[at] - before[at]);
+    }
+  }
 }
 
 }  // namespace
@@ -60,30 +90,42 @@ double agreement_of(const Eigen::ArrayXd& places, const Eigen::ArrayXd& weights,
 double StrokeRounding::told_shift(double step_rad) const {
   if (!(step_rad > 0) || !told) return 0;
   const double squared = step_rad * step_rad;
-  return squared *
-         shift_of(told->scatter / squared, told->uneven / squared, told->agreement, samples);
+  return squared * kWhole *
+         std::max(told->agreement * alike(told->uneven / squared),
+                  within_a_step(told->scatter / squared, samples));
 }
 
-StrokeRounding::Shifts StrokeRounding::shifts(double step_mm, double step_rad) const {
-  // Of a saw tooth as long as the stroke, with any phase: the variance of its first Chebyshev
-  // coefficient, in that of the tooth.
-  constexpr double kGrowth = 0.6;
-  Shifts variances;
+std::array<StrokeRounding::Coordinates, StrokeRounding::kOrders> StrokeRounding::shifts(
+    double step_mm, double step_rad) const {
+  // Of a saw tooth as long as the stroke, with any phase: the variances of its Legendre
+  // coefficients, in that of the tooth, (2n+1)^2 j_n(pi)^2 / 2 pi^2 and so on. What moves within a
+  // step shows no more of it.
+  constexpr std::array<double, kOrders> kOfOneTooth{1, 0.6, 1.4};
+  std::array<Coordinates, kOrders> variances = {Coordinates::Zero(), Coordinates::Zero(),
+                                                Coordinates::Zero()};
   for (Index k = 0; k < extent.size(); ++k) {
     const double step = k < 3 ? step_mm : step_rad;
     if (!(step > 0)) continue;
-    const double whole = kWhole * step * step;
+    const double squared = step * step;
     // Where it turns back, a coordinate that passes n steps stays within one for 1 / sqrt(n) of the
     // samples. Noise of variance s^2 leaves of the saw tooth's first wave exp(-2 (pi s / step)^2).
-    const double noise = std::max(0.0, scatter(k) - whole) / (step * step);
-    const double turning = std::exp(-2 * kPi * kPi * noise) / (1 + extent(k) / step);
-    const double unseen = k < 3 ? 0
-                                : shift_of(scatter(k) / (step * step), uneven(k) / (step * step),
-                                           agreement(k), samples) /
-                                      kWhole;
-    variances.level(k) = whole * std::max(turning, unseen);
-    variances.growth(k) =
-        whole * std::max(turning * (1 - turning) / 3, kGrowth * (unseen - turning));
+    const double noise = std::max(0.0, scatter(k) / squared - kWhole);
+    const double fades = std::exp(-2 * kPi * kPi * noise);
+    const double steps = extent(k) / step;
+    const double turning = fades / (1 + steps);
+    const double within = followed(k) ? within_a_step(scatter(k) / squared, samples) : 0;
+    const double same = followed(k) ? alike(uneven(k) / squared) : 0;
+    for (std::size_t order = 0; order < kOrders; ++order) {
+      // Of an even way of n steps, with any phase and n: (2l+1)^2 (6 / pi^2) / 2 (pi n)^2.
+      const double even = std::pow((2.0 * static_cast<double>(order) + 1) / (kPi * steps), 2) * 0.3;
+      const double least = order == 0    ? turning
+                           : followed(k) ? fades * std::min(kOfOneTooth[order], even)
+                           : order == 1  ? turning * (1 - turning) / 3
+                                         : 0;
+      variances[order](k) =
+          kWhole * squared *
+          std::max({least, kOfOneTooth[order] * within, same * agreement[order](k)});
+    }
   }
   return variances;
 }
@@ -105,40 +147,35 @@ double unevenness(const Eigen::ArrayXd& numbers) {
 }
 
 StrokeRounding rounding_of(const StrokeSamples& seen, const StrokeContent& content,
-                           const StrokeCurve& curve, double turn_sigma_rad) {
+                           const StrokeCurve& curve, double across_mm2, double turn_sigma_rad) {
   StrokeRounding rounding;
   const Index count = seen.positions_mm.cols();
   if (count == 0) return rounding;
-  const auto extent = [](const SampleRows& rows) -> Eigen::Array3d {
-    return rows.rowwise().maxCoeff() - rows.rowwise().minCoeff();
-  };
-  rounding.extent.head<3>() = extent(seen.positions_mm);
+  SampleRows numbers(content.orientation ? 6 : 3, count);
+  numbers.topRows(3) = seen.positions_mm;
+  if (content.orientation) set_angles(numbers.bottomRows(3), seen);
+  for (Index k = 0; k < numbers.rows(); ++k)
+    rounding.extent(k) = numbers.row(k).maxCoeff() - numbers.row(k).minCoeff();
+  rounding.scatter.head<3>() = across_mm2;
   rounding.samples = seen.weights.sum();
-  if (!content.orientation) return rounding;
-  SampleRows angles(3, count);  // since the first sample, on beyond half a turn
-  angles.col(0).setZero();
-  for (Index i = 1; i < count; ++i) {
-    const auto& before = seen.samples[static_cast<std::size_t>(i - 1)]->abc_rad;
-    const auto& here = seen.samples[static_cast<std::size_t>(i)]->abc_rad;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto at = static_cast<Index>(k);
-      angles(at, i) = angles(at, i - 1) + short_way(here[k] - before[k]);
-    }
-  }
-  rounding.extent.tail<3>() = extent(angles);
   const double free = std::max(1.0, rounding.samples - static_cast<double>(curve.orders()));
-  const SampleRows left = curve.left(angles);
-  rounding.scatter.tail<3>() =
-      (left.square().rowwise() * seen.weights.transpose()).rowwise().sum() / free;
-  const double turned_rad = seen.turns.maxCoeff() - seen.turns.minCoeff();
-  const double step = content.angle_step_rad;
-  for (Index k = 0; k < 3 && step > 0; ++k) {
-    rounding.uneven(3 + k) = unevenness(angles.row(k).transpose());
+  const double least = seen.turns.minCoeff(), turned = seen.turns.maxCoeff() - least;
+  const Eigen::ArrayXd ahead =
+      turned > 0 ? (2 * (seen.turns - least) / turned - 1).eval() : 0 * seen.turns;
+  for (Index k = 0; k < numbers.rows(); ++k) {
+    const double step = k < 3 ? content.printed.position_mm : content.printed.angle_rad;
+    rounding.followed(k) = k >= 3 || (step > 0 && rounding.extent(k) < kManySteps * step);
+    if (!rounding.followed(k)) continue;
+    const SampleRows left = curve.left(numbers.row(k));
+    rounding.scatter(k) = (left.row(0).square() * seen.weights.transpose()).sum() / free;
+    if (!(step > 0)) continue;
+    rounding.uneven(k) = unevenness(numbers.row(k).transpose());
     // Noise of the turn moves the places along their curve.
-    const double noise_rad =
-        turned_rad > 0 ? rounding.extent(3 + k) * turn_sigma_rad / turned_rad : 0;
-    rounding.agreement(3 + k) = agreement_of((angles.row(k) - left.row(k)).transpose() / step,
-                                             seen.weights, noise_rad / step);
+    const double noise = turned > 0 ? rounding.extent(k) * turn_sigma_rad / turned : 0;
+    const Agreement agreement = agreement_of((numbers.row(k) - left.row(0)).transpose() / step,
+                                             ahead, seen.weights, noise / step);
+    for (std::size_t order = 0; order < agreement.size(); ++order)
+      rounding.agreement[order](k) = agreement[order];
   }
   return rounding;
 }
@@ -148,7 +185,8 @@ StrokeRounding::Told told_rounding(const StrokeSamples& seen, const Eigen::Array
   const double along_rad2 =
       (along_rad.square() * seen.weights).sum() / std::max(1.0, seen.weights.sum());
   return {std::max(0.0, along_rad2 - across_rad2), unevenness(seen.told),
-          agreement_of(seen.turns / step_rad, seen.weights, turn_sigma_rad / step_rad)};
+          agreement_of(seen.turns / step_rad, 0 * seen.turns, seen.weights,
+                       turn_sigma_rad / step_rad)[0]};
 }
 
 double unseen_zero(double mean, double variance) {

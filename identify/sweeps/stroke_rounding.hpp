@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include <Eigen/Core>
@@ -16,19 +17,28 @@ class StrokeCurve;
 /// Each number is off by up to half a step of its last decimal: as a variance, step^2 / 12. Of a
 /// coordinate that passes many steps unevenly, this is noise that no two samples share, and
 /// averages out. What does not scatter lies along the stroke, where no number of samples takes it
-/// away: all of it where the coordinate stays within a step, most of it where it goes on by nearly
-/// a whole number of steps from sample to sample, as A, B and C may; X, Y and Z go along an arc.
+/// away: all of it where the coordinate stays within a step, some where it passes few, as that
+/// along a joint's axis, most of it where it goes on by nearly a whole number of steps from sample
+/// to sample, as A, B and C may.
 struct StrokeRounding {
   using Coordinates = Eigen::Array<double, 6, 1>;
+  /// Of a stroke's level, its growth from the middle to its ends and its bend: the Legendre
+  /// polynomials of its turn, from minus one at the least to one at the greatest.
+  static constexpr std::size_t kOrders = 3;
+
   Coordinates extent = Coordinates::Zero();  ///< greatest minus least
-  /// Variance about smooth curves: of X, Y and Z that across the arc.
+  /// Whether the places within a step were looked at: of A, B, C, and X, Y, Z that pass few steps.
+  Eigen::Array<bool, 6, 1> followed = Eigen::Array<bool, 6, 1>::Constant(false);
+  /// Variance about smooth curves; of X, Y, Z that pass many steps that across the arc.
   Coordinates scatter = Coordinates::Zero();
   double samples = 0;
-  /// Variance from sample to sample about an even motion, wobble and all: of A, B and C.
+  /// Of those followed: variance from sample to sample about an even motion, wobble and all.
   Coordinates uneven = Coordinates::Zero();
-  /// How far the places within a step agree at which numbers were rounded, from 0, evenly spread,
-  /// to 1, all the same, as where a number goes on by whole steps from sample to sample.
-  Coordinates agreement = Coordinates::Zero();
+  /// What the places at which numbers were rounded leave of it in each order, had they not
+  /// scattered: variances in that of all rounding. Level: from 0, evenly spread, to 1, all the
+  /// same, as where a number goes on by whole steps from sample to sample.
+  std::array<Coordinates, kOrders> agreement = {Coordinates::Zero(), Coordinates::Zero(),
+                                                Coordinates::Zero()};
   /// Of the sweeping joint's angle as told: variances about where it was seen, and from sample to
   /// sample, rad^2. Nothing where the positions do not tell the turn.
   struct Told {
@@ -38,13 +48,8 @@ struct StrokeRounding {
   };
   std::optional<Told> told;
 
-  /// Variances of what rounding shifts the coordinates by over the whole stroke, and of how much
-  /// more from its middle to its ends.
-  struct Shifts {
-    Coordinates level = Coordinates::Zero();
-    Coordinates growth = Coordinates::Zero();
-  };
-  [[nodiscard]] Shifts shifts(double step_mm, double step_rad) const;
+  /// Variances of what rounding shifts the coordinates by, one for each order.
+  [[nodiscard]] std::array<Coordinates, kOrders> shifts(double step_mm, double step_rad) const;
   /// The same of the sweeping joint's angle, over the whole stroke.
   [[nodiscard]] double told_shift(double step_rad) const;
 };
@@ -52,10 +57,12 @@ struct StrokeRounding {
 /// Variance of what numbers scatter by from one to the next about an even motion.
 [[nodiscard]] double unevenness(const Eigen::ArrayXd& numbers);
 
-/// `curve`: of the turn, which the positions tell with noise of this standard deviation. A, B, C
-/// are zero where the orientation was not measured.
+/// `curve`: of the turn, which the positions tell with noise of this standard deviation;
+/// `across_mm2`: variance of what it leaves across the arc. A, B, C are zero where the orientation
+/// was not measured.
 [[nodiscard]] StrokeRounding rounding_of(const StrokeSamples& seen, const StrokeContent& content,
-                                         const StrokeCurve& curve, double turn_sigma_rad);
+                                         const StrokeCurve& curve, double across_mm2,
+                                         double turn_sigma_rad);
 
 /// `along_rad`: what the stroke's curve leaves of the told angle's errors; `across_rad2`: variance
 /// of what it leaves across, as an angle.

@@ -224,7 +224,7 @@ void set_weights(StrokeMoments& stroke, StrokeSamples& seen) {
   };
   // Printed alike all along an even speed, and otherwise on the ramps, told angles are no outliers.
   const double told_mm =
-      stroke.told ? stroke.circle.radius_mm * kEvenlySpread * stroke.content.angle_step_rad : 0;
+      stroke.told ? stroke.circle.radius_mm * kEvenlySpread * stroke.content.printed.angle_rad : 0;
   weigh(seen.distances, 2);  // the circle is robust; what is told may be off
   SampleRows left;
   constexpr int kMostRounds = 4;
@@ -244,13 +244,12 @@ void set_weights(StrokeMoments& stroke, StrokeSamples& seen) {
   const double across_mm2 = stroke.blocks.variance_mm2.front();
   const double radius_mm = stroke.circle.radius_mm;
   const double across_rad2 = across_mm2 / (radius_mm * radius_mm);
-  const bool printed = stroke.about && stroke.content.angle_step_rad > 0;
+  const bool printed = stroke.about && stroke.content.printed.angle_rad > 0;
   const double noise = printed ? std::sqrt(std::max(across_rad2, unevenness(seen.turns))) : 0;
-  stroke.rounding = rounding_of(seen, stroke.content, curve, noise);
-  stroke.rounding.scatter.head<3>() = across_mm2;
+  stroke.rounding = rounding_of(seen, stroke.content, curve, across_mm2, noise);
   if (told_mm > 0 && stroke.about)
     stroke.rounding.told = told_rounding(seen, left.row(2).transpose() / radius_mm, across_rad2,
-                                         noise, stroke.content.angle_step_rad);
+                                         noise, stroke.content.printed.angle_rad);
 }
 
 void count_weights(StrokeMoments& stroke, const StrokeSamples& seen) {
