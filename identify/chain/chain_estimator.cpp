@@ -44,14 +44,15 @@ class Estimation {
       effects_.zero_rad = unseen_zeros(nodes_, campaign_.resolution.angle_rad);
 
     FittedChain best = without_angles(start);
+    by_device_ = noise_of_device(best);
     ChainEstimate estimate;
     estimate.angles.assign(joints_, AngleEvidence{});
     for (AngleEvidence& evidence : estimate.angles) evidence.reason = "no angles";
     if (nodes_.with_angles) {
       estimate.angles = seen_angle_errors(best.fit.chain, nodes_, best.noise, quantum_, {});
-      if (explained_by_print(best, false)) believe_angles(best, estimate.angles);
+      if (by_print_alone(best)) believe_angles(best, estimate.angles);
     }
-    if (!explained_by_print(best, false)) {
+    if (!by_print_alone(best)) {
       search().find_all(best);
       judge_gears(best, estimate.angles);
     }
@@ -141,6 +142,20 @@ class Estimation {
     return misprint(fitted, with_orientation) <= kMostQuanta;
   }
 
+  /// Few decimals of locked joints' angles explain much: a device's noise, too. But a joint that
+  /// shakes moves the target as its lever is, and a device's noise is the same wherever it stands.
+  [[nodiscard]] bool noise_of_device(const FittedChain& fitted) const {
+    constexpr double kMostOfShaking = 0.5;
+    const ChainNoise& noise = fitted.noise;
+    return noise.position_mm > kMostQuanta * quantum_.position_mm &&
+           noise.position_mm >
+               kMostOfShaking * noise.locked_rad * reach_mm(fitted.fit.chain, nodes_.known);
+  }
+
+  [[nodiscard]] bool by_print_alone(const FittedChain& fitted) const {
+    return !by_device_ && explained_by_print(fitted, false);
+  }
+
   /// Believes all angles, then takes back the worst joint's that does not stand the test, and so
   /// on.
   void believe_angles(FittedChain& best, std::vector<AngleEvidence>& evidence) {
@@ -213,7 +228,7 @@ class Estimation {
     chain.tool = starting_tool(chain, nodes_.observations);
     // They share their encoders with the positions, or they are left alone.
     best.fit.chain.tool = chain.tool;
-    if (!explained_by_print(best, false) || misprint(best, true) > 2 * kMostQuanta) return false;
+    if (!by_print_alone(best) || misprint(best, true) > 2 * kMostQuanta) return false;
     const auto kept = nodes_.observations;
     ChainNoise noise = best.noise;
     noise.orientation_rad = quantum_.orientation_rad;
@@ -268,6 +283,7 @@ class Estimation {
   ChainEffects effects_;
   ChainNoise quantum_;  ///< what printed numbers alone would scatter
   ChainNoise floor_;    ///< what estimates of the noise do not go below
+  bool by_device_ = false;
 };
 
 }  // namespace
