@@ -185,31 +185,8 @@ class Adviser {
 
   void advise_linear(std::size_t j) {
     judge_speed(j);
-    const double by_delay = found_.chain ? direction_by_delay_rad(j, kLinear_mm) : 0;
-    for (Warning& warning : advice_of_linear(found_, j, campaign_.resolution, by_delay))
+    for (Warning& warning : advice_of_linear(found_, j, campaign_.resolution))
       found_.warnings.push_back(std::move(warning));
-  }
-
-  /// By how much angles may still differ by direction since they came late: as far as the delay is
-  /// uncertain, and by the noise of one sample at strokes' ends, where angles were not told in
-  /// time.
-  [[nodiscard]] double direction_by_delay_rad(std::size_t j, double radius_mm) const {
-    if (!found_.delay || !is_significant(*found_.delay)) return 0;
-    const JointResult& joint = found_.joints[j];
-    const Delay& delay = *found_.delay;
-    double speed = 0, untold = 0, sigma_s = delay.sigma_s;
-    for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
-      const Sweep& sweep = joint.sweeps[s];
-      const double seconds = sweep.last().time_s - sweep.first().time_s;
-      if (!joint.used[s] || !(seconds > 0)) continue;
-      speed = std::max(speed, sweep.range_rad / seconds);
-      untold = std::max(untold, std::min(1.0, std::abs(delay.late_s) / seconds));
-      if (delay.rate != 0)
-        sigma_s = std::max(
-            sigma_s,
-            std::hypot(delay.sigma_s, delay.rate_sigma * (sweep.first().time_s - delay.at_s)));
-    }
-    return std::hypot(2 * speed * sigma_s, untold * found_.chain->noise.position_mm / radius_mm);
   }
 
   void judge_angles(std::size_t j) {
@@ -217,9 +194,7 @@ class Adviser {
     if (seen.samples == 0) return;
     const CircleFit& circle = *found_.joints[j].circle;
     const double backlash = std::abs(seen.backlash_rad);
-    const double by_delay = direction_by_delay_rad(j, circle.radius_mm);
-    if (seen.backlash_sigma_rad > 0 &&
-        backlash > kAdviceSigmas * std::hypot(seen.backlash_sigma_rad, by_delay) &&
+    if (seen.backlash_sigma_rad > 0 && backlash > kAdviceSigmas * seen.backlash_sigma_rad &&
         backlash > campaign_.resolution.angle_rad)
       warn("backlash", j,
            "its error depends on the direction of the motion, by " + arcsec(backlash) + " or " +

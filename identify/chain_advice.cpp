@@ -75,8 +75,10 @@ class ChainAdviser {
       if (effects.home_gains[j] > kSure)
         warn("joint_not_held", j,
              "while it was locked it stood elsewhere from sweep to sweep, by " +
-                 fixed(home_rad / kDegree, 4) + "°, the other joints by " +
-                 fixed(effects.home_rad / kDegree, 4) + "°: look after its brake and its gear");
+                 (found_.joints[j].linear ? brief(kLinear_mm * home_rad) + " mm"
+                                          : fixed(home_rad / kDegree, 4) + "°") +
+                 ", the other joints by " + fixed(effects.home_rad / kDegree, 4) +
+                 "°: look after its brake and its gear");
       if (effects.figure_gains[j] > kSure)
         warn("arc_bent", j,
              "its arc departs from a circle " + brief(effects.figure_times_of(j)) +

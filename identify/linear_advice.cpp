@@ -25,7 +25,7 @@ std::string way(double turn_rad) {
 }  // namespace
 
 std::vector<Warning> advice_of_linear(const Identification& found, std::size_t j,
-                                      const Resolution& resolution, double by_delay_rad) {
+                                      const Resolution& resolution) {
   std::vector<Warning> advice;
   const auto warn = [&](const char* code, const std::string& text) {
     advice.push_back({code, j, joint_name(j) + ": " + text});
@@ -48,7 +48,7 @@ std::vector<Warning> advice_of_linear(const Identification& found, std::size_t j
   const AngleEvidence& seen = found.chain->angles[j];
   const double backlash = std::abs(seen.backlash_rad);
   if (seen.backlash_sigma_rad > 0 && backlash > resolution.angle_rad &&
-      backlash > kLinearSigmas * std::hypot(seen.backlash_sigma_rad, by_delay_rad))
+      backlash > kLinearSigmas * seen.backlash_sigma_rad)
     warn("backlash", "its error depends on the direction of the motion, by " + way(backlash) +
                          ": move it in one direction only, or look after the drive");
   if (seen.trust == AngleTrust::free)
@@ -108,12 +108,19 @@ std::optional<Warning> is_no_line(const LineFit& line, std::size_t joint) {
                      " mm: another joint moved along, or points of other places are among them"};
 }
 
+/// `late_s`: how late its mm may have come, which leaves their ends out.
 std::optional<Warning> went_elsewhere(const LineFit& line, const std::vector<Sweep>& used,
-                                      std::size_t joint) {
+                                      std::size_t joint, double late_s) {
   const ToldWay told = told_way(line, used, joint);
   const double way_mm = kLinear_mm * told.range_rad;
   const double seen_mm = way_mm * std::abs(told.mm_per_unit);
-  if (!(std::abs(seen_mm - way_mm) > std::max(kWrongWay_mm, kWrongWayShare * way_mm)))
+  double fastest_mm_s = 0;
+  for (const Sweep& sweep : used) {
+    const double seconds = sweep.last().time_s - sweep.first().time_s;
+    if (seconds > 0) fastest_mm_s = std::max(fastest_mm_s, way_mm / seconds);
+  }
+  const double late_mm = late_s * fastest_mm_s;
+  if (!(std::abs(seen_mm - way_mm) > std::max(kWrongWay_mm, kWrongWayShare * way_mm) + late_mm))
     return std::nullopt;
   return Warning{"angle_arc_mismatch", joint,
                  joint_name(joint) + ": while it was told to have moved by " + fixed(way_mm, 1) +
@@ -130,7 +137,8 @@ void judge_linear_joints(Identification& found) {
     const auto used = used_sweeps(joint);
     auto doubt = lines_disagree(used, j);
     if (!doubt) doubt = is_no_line(*joint.line, j);
-    if (!doubt) doubt = went_elsewhere(*joint.line, used, j);
+    const double late_s = found.delay ? std::abs(found.delay->late_s) : 0;
+    if (!doubt) doubt = went_elsewhere(*joint.line, used, j, late_s);
     if (doubt) found.doubts.push_back(*std::move(doubt));
   }
 }

@@ -8,6 +8,8 @@
 
 #include "identify/chain/angle_track.hpp"
 #include "identify/chain/delay_fit.hpp"
+#include "identify/geometry/circle_fit.hpp"
+#include "identify/geometry/line_fit.hpp"
 #include "identify/geometry/median.hpp"
 
 namespace identify {
@@ -18,7 +20,57 @@ constexpr double kWorstSigma_s = 0.05;
 /// So many samples tell how an angle goes on where it was not told.
 constexpr std::size_t kAtEnd = 50;
 
+/// The axis that a sweep ran about, wherever the other joints stood; along positive rotation, as
+/// the joint's angle tells.
+std::optional<ChainAxis> own_axis(const Sweep& sweep, std::size_t joint, bool linear) {
+  const auto points = positions(*sweep.samples);
+  ChainAxis axis;
+  axis.linear = linear;
+  if (linear) {
+    const auto line = fit_line(points);
+    if (!line) return std::nullopt;
+    axis.direction = line->direction;
+    axis.point_mm = line->point_mm;
+  } else {
+    const auto usual = fit_usual_circle(points);
+    if (!usual) return std::nullopt;
+    axis.direction = usual->circle.normal;
+    axis.point_mm = usual->circle.center_mm;
+  }
+  AngleAbout about(axis);
+  double along = 0;
+  const Sample* before = nullptr;
+  double seen = 0;
+  for (const Sample& sample : *sweep.samples) {
+    if (!sample.has_position || sample.joints <= joint) continue;
+    const double now = about.next(sample.position_mm);
+    if (before != nullptr)
+      along += (now - seen) * (sample.angles_rad[joint] - before->angles_rad[joint]);
+    before = &sample;
+    seen = now;
+  }
+  if (along < 0) axis.direction = -axis.direction;
+  return axis;
+}
+
 }  // namespace
+
+double play_by_delay_rad(const JointResult& joint, const Delay& delay, double noise_mm) {
+  double speed = 0, untold = 0, sigma_s = delay.sigma_s;
+  for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
+    const Sweep& sweep = joint.sweeps[s];
+    const double seconds = sweep.last().time_s - sweep.first().time_s;
+    if (!joint.used[s] || !(seconds > 0)) continue;
+    speed = std::max(speed, sweep.range_rad / seconds);
+    untold = std::max(untold, std::min(1.0, std::abs(delay.late_s) / seconds));
+    if (delay.rate != 0)
+      sigma_s = std::max(
+          sigma_s,
+          std::hypot(delay.sigma_s, delay.rate_sigma * (sweep.first().time_s - delay.at_s)));
+  }
+  const double reach_mm = joint.circle ? joint.circle->radius_mm : kLinear_mm;
+  return std::hypot(2 * speed * sigma_s, untold * noise_mm / reach_mm);
+}
 
 std::optional<Delay> find_delay(const CircleEstimate& circles,
                                 const std::vector<std::optional<ChainAxis>>& axes,
@@ -38,12 +90,17 @@ CircleEstimate in_step(CircleEstimate circles, const std::vector<std::optional<C
                        const Delay& delay) {
   for (std::size_t j = 0; j < circles.joints.size(); ++j) {
     if (!axes[j]) continue;
-    for (Sweep& sweep : circles.joints[j].sweeps) {
+    JointResult& joint = circles.joints[j];
+    for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
+      Sweep& sweep = joint.sweeps[s];
       sweep.repeats.reset();  // in sums no angle can be put off
-      const auto track = angle_track(sweep, j, *axes[j]);
+      const auto axis =
+          joint.used[s] || sweep.positioning ? axes[j] : own_axis(sweep, j, axes[j]->linear);
+      if (!axis) continue;
+      const auto track = angle_track(sweep, j, *axis);
       if (!track) continue;
       auto samples = *sweep.samples;
-      AngleAbout about(*axes[j]);
+      AngleAbout about(*axis);
       std::vector<double> seen(samples.size());
       std::vector<bool> told(samples.size(), false);
       std::vector<double> off;  // told minus seen, where both are
