@@ -16,7 +16,7 @@
 #include "daemon/commands/outputs.hpp"
 #include "daemon/points/point_poses.hpp"
 #include "daemon/points/points_file.hpp"
-#include "daemon/report/displacement_figure.hpp"
+#include "daemon/report/figures.hpp"
 #include "daemon/results/displacement_csv.hpp"
 #include "daemon/results/validation.hpp"
 #include "daemon/text/file_names.hpp"

@@ -8,8 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "daemon/report/csv_cells.hpp"
-#include "daemon/report/json_part.hpp"
+#include "daemon/report/file_parts.hpp"
 #include "daemon/system/atomic_file.hpp"
 #include "daemon/text/utc.hpp"
 

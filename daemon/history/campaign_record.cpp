@@ -7,8 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/record/session_folder.hpp"
-#include "daemon/report/csv_cells.hpp"
-#include "daemon/report/json_part.hpp"
+#include "daemon/report/file_parts.hpp"
 #include "daemon/text/file_names.hpp"
 #include "daemon/text/utc.hpp"
 

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "daemon/history/history.hpp"
-#include "daemon/report/json_part.hpp"
+#include "daemon/report/file_parts.hpp"
 #include "identify/geometry/median.hpp"
 
 namespace sweepd {

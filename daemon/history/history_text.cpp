@@ -8,7 +8,7 @@
 #include "daemon/drawing/markup.hpp"
 #include "daemon/history/history.hpp"
 #include "daemon/history/history_words.hpp"
-#include "daemon/report/json_part.hpp"
+#include "daemon/report/file_parts.hpp"
 #include "daemon/results/change.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/text_layout.hpp"

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/history/campaign_record.hpp"
-#include "daemon/report/json_part.hpp"
+#include "daemon/report/file_parts.hpp"
 
 namespace sweepd {
 namespace {

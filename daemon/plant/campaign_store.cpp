@@ -9,7 +9,7 @@
 
 #include "daemon/plant/migrations.hpp"
 #include "daemon/record/session_folder.hpp"
-#include "daemon/report/json_part.hpp"
+#include "daemon/report/file_parts.hpp"
 #include "daemon/settings/toml_table.hpp"
 #include "daemon/system/file_hash.hpp"
 #include "daemon/text/utc.hpp"

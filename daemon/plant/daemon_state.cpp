@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #include "daemon/drawing/markup.hpp"
-#include "daemon/report/json_part.hpp"
+#include "daemon/report/file_parts.hpp"
 #include "daemon/text/utc.hpp"
 
 namespace sweepd {

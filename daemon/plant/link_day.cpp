@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "daemon/report/json_part.hpp"
+#include "daemon/report/file_parts.hpp"
 
 namespace sweepd {
 namespace {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/record/session_folder.hpp"
-#include "daemon/report/json_part.hpp"
+#include "daemon/report/file_parts.hpp"
 #include "daemon/system/file_hash.hpp"
 #include "daemon/text/file_names.hpp"
 #include "rsi/file_bytes.hpp"

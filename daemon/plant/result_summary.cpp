@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "daemon/report/json_part.hpp"
+#include "daemon/report/file_parts.hpp"
 #include "daemon/results/change.hpp"
 #include "daemon/results/change_json.hpp"
 #include "daemon/text/file_names.hpp"

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "daemon/plant/result_summary.hpp"
-#include "daemon/report/json_part.hpp"
+#include "daemon/report/file_parts.hpp"
 
 namespace sweepd {
 namespace {

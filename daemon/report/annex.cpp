@@ -1,8 +1,7 @@
-#include "daemon/report/annex.hpp"
-
 #include <algorithm>
 #include <array>
 
+#include "daemon/report/report_parts.hpp"
 #include "daemon/text/numbers.hpp"
 
 namespace sweepd {

@@ -1,11 +1,10 @@
-#include "daemon/report/axes_figure.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "daemon/drawing/plot.hpp"
 #include "daemon/drawing/view.hpp"
+#include "daemon/report/figures.hpp"
 #include "daemon/report/joint_shapes.hpp"
 #include "daemon/text/numbers.hpp"
 

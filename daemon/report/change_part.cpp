@@ -1,5 +1,3 @@
-#include "daemon/report/change_part.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -8,7 +6,8 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/drawing/picture.hpp"
-#include "daemon/report/json_part.hpp"
+#include "daemon/report/file_parts.hpp"
+#include "daemon/report/report_parts.hpp"
 #include "daemon/text/numbers.hpp"
 
 namespace sweepd {

@@ -1,5 +1,3 @@
-#include "daemon/report/circle_figures.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +5,7 @@
 #include <Eigen/Dense>
 
 #include "daemon/drawing/view.hpp"
+#include "daemon/report/figures.hpp"
 #include "daemon/report/joint_shapes.hpp"
 #include "daemon/text/numbers.hpp"
 #include "identify/geometry/symmetric_eigen.hpp"

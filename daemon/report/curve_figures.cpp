@@ -1,5 +1,3 @@
-#include "daemon/report/curve_figures.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "daemon/drawing/plot.hpp"
+#include "daemon/report/figures.hpp"
 #include "daemon/text/numbers.hpp"
 #include "identify/chain/chain_estimate.hpp"
 #include "identify/dh/dh_extraction.hpp"

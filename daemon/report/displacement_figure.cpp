@@ -1,5 +1,3 @@
-#include "daemon/report/displacement_figure.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,7 +7,8 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/drawing/plot.hpp"
-#include "daemon/report/csv_cells.hpp"
+#include "daemon/report/figures.hpp"
+#include "daemon/report/file_parts.hpp"
 #include "daemon/text/numbers.hpp"
 
 namespace sweepd {

@@ -1,11 +1,10 @@
-#include "daemon/report/first_page.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <string_view>
 
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/report/report_parts.hpp"
 #include "daemon/report/report_table.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/utc.hpp"

@@ -4,9 +4,12 @@
 #include <string>
 #include <string_view>
 
-#include "daemon/report/change_part.hpp"
+#include <pugixml.hpp>
+
+#include "daemon/drawing/markup.hpp"
 #include "daemon/report/report_facts.hpp"
 #include "daemon/report/report_folder.hpp"
+#include "daemon/report/report_parts.hpp"
 
 namespace sweepd {
 
@@ -21,5 +24,9 @@ namespace sweepd {
 /// What it begins with.
 inline constexpr std::string_view kHtmlBegin =
     "<!DOCTYPE html>\n<!-- sweepd measurement report -->\n";
+
+/// The head of a page in the style of the reports, and its main part, to be filled. Pictures and
+/// style are within, no script, nothing from elsewhere.
+[[nodiscard]] Markup begin_page(pugi::xml_document& document, const std::string& title);
 
 }  // namespace sweepd

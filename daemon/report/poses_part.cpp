@@ -1,5 +1,3 @@
-#include "daemon/report/poses_part.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -8,6 +6,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/drawing/picture.hpp"
+#include "daemon/report/report_parts.hpp"
 #include "daemon/text/numbers.hpp"
 
 namespace sweepd {

@@ -1,10 +1,9 @@
-#include "daemon/report/range_figure.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "daemon/drawing/view.hpp"
+#include "daemon/report/figures.hpp"
 #include "daemon/text/numbers.hpp"
 
 namespace sweepd {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <tuple>
 
-#include "daemon/report/csv_cells.hpp"
+#include "daemon/report/file_parts.hpp"
 #include "daemon/text/file_names.hpp"
 #include "rsi/file_bytes.hpp"
 

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "daemon/report/json_part.hpp"
+#include "daemon/report/file_parts.hpp"
 
 namespace sweepd {
 

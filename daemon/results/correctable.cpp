@@ -9,7 +9,7 @@
 
 #include "daemon/points/point_poses.hpp"
 #include "daemon/points/points_file.hpp"
-#include "daemon/report/json_part.hpp"
+#include "daemon/report/file_parts.hpp"
 #include "daemon/results/told_arm.hpp"
 #include "daemon/text/file_names.hpp"
 #include "daemon/text/units.hpp"

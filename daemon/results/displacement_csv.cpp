@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "daemon/report/json_part.hpp"
+#include "daemon/report/file_parts.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
 

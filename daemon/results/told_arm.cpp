@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
-#include "daemon/report/json_part.hpp"
+#include "daemon/report/file_parts.hpp"
 #include "daemon/report/report_folder.hpp"
 #include "daemon/results/outcome.hpp"
 #include "daemon/text/file_names.hpp"

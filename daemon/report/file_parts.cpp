@@ -1,6 +1,5 @@
-#include "daemon/report/json_part.hpp"
 
-#include <limits>
+#include "daemon/report/file_parts.hpp"
 
 namespace sweepd {
 namespace {
