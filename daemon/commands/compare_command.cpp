@@ -8,8 +8,6 @@
 #include "daemon/commands/exit_codes.hpp"
 #include "daemon/commands/help_text.hpp"
 #include "daemon/results/change.hpp"
-#include "daemon/results/change_json.hpp"
-#include "daemon/results/change_text.hpp"
 
 namespace sweepd {
 

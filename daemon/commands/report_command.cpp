@@ -10,7 +10,6 @@
 #include "daemon/report/html_report.hpp"
 #include "daemon/report/pdf.hpp"
 #include "daemon/results/change.hpp"
-#include "daemon/results/change_json.hpp"
 #include "daemon/text/file_names.hpp"
 
 namespace sweepd {

@@ -3,8 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/page/state_json.hpp"
-#include "daemon/results/dh_json.hpp"
-#include "daemon/results/json_numbers.hpp"
+#include "daemon/results/json_parts.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
 #include "daemon/text/utc.hpp"

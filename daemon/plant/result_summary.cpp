@@ -7,7 +7,6 @@
 
 #include "daemon/report/file_parts.hpp"
 #include "daemon/results/change.hpp"
-#include "daemon/results/change_json.hpp"
 #include "daemon/text/file_names.hpp"
 
 namespace sweepd {

@@ -1,10 +1,9 @@
-#include "daemon/results/chain_json.hpp"
 
 #include <cmath>
 
 #include <nlohmann/json.hpp>
 
-#include "daemon/results/json_numbers.hpp"
+#include "daemon/results/json_parts.hpp"
 #include "daemon/results/outcome.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"

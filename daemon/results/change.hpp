@@ -38,4 +38,10 @@ inline constexpr std::size_t kComparedPoses = 2000;
 [[nodiscard]] double in_unit(const identify::ArmNumber& number, double value);
 [[nodiscard]] std::string unit_of(const identify::ArmNumber& number);
 
+/// What `sweepd compare` says to a person; the first sentence is the verdict.
+[[nodiscard]] std::string change_text(const Change& change);
+
+/// Schema sweepd.compare/1, as docs/compare.schema.json has it.
+[[nodiscard]] std::string change_json(const Change& change);
+
 }  // namespace sweepd

@@ -1,4 +1,3 @@
-#include "daemon/results/change_json.hpp"
 
 #include <nlohmann/json.hpp>
 

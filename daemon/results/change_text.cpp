@@ -1,4 +1,3 @@
-#include "daemon/results/change_text.hpp"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 #include "daemon/krl/krl_frame.hpp"
 #include "daemon/results/correction.hpp"
-#include "daemon/results/json_numbers.hpp"
+#include "daemon/results/json_parts.hpp"
 #include "daemon/results/poses_json.hpp"
 #include "identify/sweeps/sample.hpp"
 

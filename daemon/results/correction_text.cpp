@@ -5,7 +5,7 @@
 
 #include "daemon/krl/krl_frame.hpp"
 #include "daemon/results/correction.hpp"
-#include "daemon/results/poses_text.hpp"
+#include "daemon/results/report.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/text_layout.hpp"
 #include "daemon/text/units.hpp"

@@ -1,4 +1,3 @@
-#include "daemon/results/dh_json.hpp"
 
 #include <cmath>
 #include <optional>
@@ -9,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
-#include "daemon/results/json_numbers.hpp"
+#include "daemon/results/json_parts.hpp"
 #include "daemon/results/outcome.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"

@@ -1,9 +1,8 @@
-#include "daemon/results/dh_latex.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
+#include "daemon/results/result_formats.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
 #include "identify/dh/dh_comparison.hpp"

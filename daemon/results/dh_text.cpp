@@ -1,8 +1,7 @@
-#include "daemon/results/dh_text.hpp"
-
 #include <cmath>
 
 #include "daemon/results/outcome.hpp"
+#include "daemon/results/report.hpp"
 #include "daemon/text/text_layout.hpp"
 #include "daemon/text/units.hpp"
 #include "identify/dh/dh_comparison.hpp"

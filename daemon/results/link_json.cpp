@@ -1,10 +1,8 @@
-#include "daemon/results/link_json.hpp"
-
 #include <chrono>
 
 #include <nlohmann/json.hpp>
 
-#include "daemon/results/link_bins.hpp"
+#include "daemon/results/link_files.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
 #include "daemon/text/utc.hpp"
@@ -96,6 +94,14 @@ Json replies_json(const LinkReport& report) {
           {"worst_runs_not_in_time", count_places(report.silent_runs, "telegrams")}};
 }
 
+using std::chrono::nanoseconds;
+
+/// The next of 1, 2, 5, 10, 20, 50, …; the longest duration where a number would be too large.
+nanoseconds next_limit(nanoseconds limit, int index) {
+  if (limit > nanoseconds::max() / 5) return nanoseconds::max();
+  return index % 3 == 1 ? limit * 5 / 2 : limit * 2;
+}
+
 }  // namespace
 
 std::string link_json(const rsi::Conversation& conversation, const LinkReport& report) {
@@ -129,6 +135,21 @@ std::string link_json(const rsi::Conversation& conversation, const LinkReport& r
                          {"back", report.clock_steps_back},
                          {"largest_s", s(report.largest_clock_step)}};
   return json.dump(2) + "\n";
+}
+
+std::vector<LinkBin> link_bins(const rsi::LatencyHistogram& histogram) {
+  std::vector<LinkBin> bins;
+  std::uint64_t below = 0;
+  nanoseconds from{};
+  nanoseconds to = std::chrono::microseconds(1);
+  for (int index = 0; below < histogram.count(); ++index) {
+    const auto until = histogram.at_most(to);
+    if (until > 0) bins.push_back({from, to, until - below});
+    below = until;
+    from = to;
+    to = next_limit(to, index);
+  }
+  return bins;
 }
 
 }  // namespace sweepd

@@ -1,12 +1,10 @@
-#include "daemon/results/link_text.hpp"
-
 #include <algorithm>
 #include <array>
 #include <chrono>
 
 #include <spdlog/fmt/fmt.h>
 
-#include "daemon/results/link_bins.hpp"
+#include "daemon/results/link_files.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/text_layout.hpp"
 #include "daemon/text/units.hpp"

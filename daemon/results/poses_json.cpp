@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "daemon/results/json_numbers.hpp"
+#include "daemon/results/json_parts.hpp"
 
 namespace sweepd {
 namespace {

@@ -1,8 +1,7 @@
-#include "daemon/results/poses_text.hpp"
-
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/results/poses_json.hpp"
+#include "daemon/results/report.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/text_layout.hpp"
 #include "daemon/text/units.hpp"

@@ -7,11 +7,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "daemon/results/budget_text.hpp"
-#include "daemon/results/chain_text.hpp"
-#include "daemon/results/described.hpp"
-#include "daemon/results/dh_text.hpp"
-#include "daemon/results/poses_text.hpp"
+#include "daemon/results/outcome.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/text_layout.hpp"
 #include "daemon/text/units.hpp"

@@ -1,11 +1,10 @@
-#include "daemon/results/result_csv.hpp"
-
 #include <array>
 #include <optional>
 #include <span>
 
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/results/result_formats.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
 #include "identify/dh/dh_comparison.hpp"

@@ -6,15 +6,10 @@
 #include <stdexcept>
 
 #include "daemon/report/html_report.hpp"
-#include "daemon/results/currents_csv.hpp"
-#include "daemon/results/dh_latex.hpp"
 #include "daemon/results/displacement_csv.hpp"
 #include "daemon/results/models.hpp"
-#include "daemon/results/models_csv.hpp"
 #include "daemon/results/report.hpp"
-#include "daemon/results/result_csv.hpp"
-#include "daemon/results/result_json.hpp"
-#include "daemon/results/urdf.hpp"
+#include "daemon/results/result_formats.hpp"
 #include "daemon/system/atomic_file.hpp"
 #include "daemon/text/file_names.hpp"
 

@@ -1,5 +1,3 @@
-#include "daemon/results/result_json.hpp"
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -8,14 +6,11 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/report/report_folder.hpp"
-#include "daemon/results/chain_json.hpp"
-#include "daemon/results/currents_csv.hpp"
-#include "daemon/results/described.hpp"
-#include "daemon/results/dh_json.hpp"
-#include "daemon/results/json_numbers.hpp"
+#include "daemon/results/json_parts.hpp"
 #include "daemon/results/models.hpp"
-#include "daemon/results/models_json.hpp"
+#include "daemon/results/outcome.hpp"
 #include "daemon/results/poses_json.hpp"
+#include "daemon/results/result_formats.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
 #include "identify/chain/delay.hpp"

@@ -1,5 +1,3 @@
-#include "daemon/results/urdf.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,6 +5,7 @@
 
 #include <pugixml.hpp>
 
+#include "daemon/results/result_formats.hpp"
 #include "daemon/settings/toml_table.hpp"
 #include "daemon/text/units.hpp"
 

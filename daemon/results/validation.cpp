@@ -6,8 +6,8 @@
 #include <Eigen/Cholesky>
 #include <spdlog/fmt/fmt.h>
 
-#include "daemon/results/json_numbers.hpp"
-#include "daemon/results/poses_text.hpp"
+#include "daemon/results/json_parts.hpp"
+#include "daemon/results/report.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/text_layout.hpp"
 #include "rsi/counted.hpp"

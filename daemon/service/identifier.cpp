@@ -9,7 +9,7 @@
 #include "daemon/record/recording_files.hpp"
 #include "daemon/results/outcome.hpp"
 #include "daemon/results/result_files.hpp"
-#include "daemon/results/result_json.hpp"
+#include "daemon/results/result_formats.hpp"
 #include "daemon/text/file_names.hpp"
 
 namespace sweepd {

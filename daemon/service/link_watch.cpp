@@ -2,8 +2,7 @@
 
 #include <algorithm>
 
-#include "daemon/results/link_json.hpp"
-#include "daemon/results/link_text.hpp"
+#include "daemon/results/link_files.hpp"
 #include "daemon/system/atomic_file.hpp"
 #include "daemon/text/file_names.hpp"
 #include "rsi/link/last_cycles.hpp"

@@ -21,7 +21,7 @@
 #include <Eigen/Dense>
 
 #include "daemon/results/change.hpp"
-#include "daemon/results/result_json.hpp"
+#include "daemon/results/result_formats.hpp"
 #include "identify/geometry/angle.hpp"
 #include "tests/bench/coverage_cases.hpp"
 #include "tests/bench/table.hpp"

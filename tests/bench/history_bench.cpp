@@ -19,7 +19,7 @@
 #include "daemon/history/history_text.hpp"
 #include "daemon/results/change.hpp"
 #include "daemon/results/change_test.hpp"
-#include "daemon/results/result_json.hpp"
+#include "daemon/results/result_formats.hpp"
 #include "daemon/text/units.hpp"
 #include "daemon/text/utc.hpp"
 #include "identify/geometry/angle.hpp"

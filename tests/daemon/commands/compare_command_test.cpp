@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "daemon/results/result_json.hpp"
+#include "daemon/results/result_formats.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/outcomes.hpp"
 #include "tests/daemon/temporary_folder.hpp"

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "daemon/results/result_json.hpp"
+#include "daemon/results/result_formats.hpp"
 #include "tests/daemon/outcomes.hpp"
 
 namespace sweepd::test {

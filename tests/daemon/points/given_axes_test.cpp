@@ -9,10 +9,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "daemon/results/dh_latex.hpp"
 #include "daemon/results/report.hpp"
-#include "daemon/results/result_csv.hpp"
-#include "daemon/results/result_json.hpp"
+#include "daemon/results/result_formats.hpp"
 #include "daemon/text/units.hpp"
 #include "identify/dh/dh_comparison.hpp"
 #include "tests/catch.hpp"

@@ -1,7 +1,6 @@
-#include "daemon/results/dh_latex.hpp"
-
 #include <sstream>
 
+#include "daemon/results/result_formats.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/chain_outcomes.hpp"
 

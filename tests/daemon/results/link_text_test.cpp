@@ -1,8 +1,7 @@
-#include "daemon/results/link_text.hpp"
-
 #include <algorithm>
 #include <sstream>
 
+#include "daemon/results/link_files.hpp"
 #include "rsi/link/link.hpp"
 #include "tests/catch.hpp"
 #include "tests/rsi/link_stream.hpp"

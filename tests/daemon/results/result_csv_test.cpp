@@ -1,9 +1,8 @@
-#include "daemon/results/result_csv.hpp"
-
 #include <charconv>
 #include <cmath>
 #include <sstream>
 
+#include "daemon/results/result_formats.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/outcomes.hpp"
 #include "tests/daemon/texts.hpp"

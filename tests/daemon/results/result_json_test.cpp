@@ -1,5 +1,3 @@
-#include "daemon/results/result_json.hpp"
-
 #include <chrono>
 #include <cmath>
 #include <functional>
@@ -7,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "daemon/results/result_formats.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/outcomes.hpp"
 

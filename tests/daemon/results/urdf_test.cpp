@@ -1,11 +1,10 @@
-#include "daemon/results/urdf.hpp"
-
 #include <charconv>
 #include <random>
 
 #include <pugixml.hpp>
 
 #include "daemon/results/models.hpp"
+#include "daemon/results/result_formats.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/chain_outcomes.hpp"
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "daemon/results/report.hpp"
-#include "daemon/results/result_json.hpp"
+#include "daemon/results/result_formats.hpp"
 #include "daemon/settings/robot_setup.hpp"
 #include "tests/catch.hpp"
 #include "tests/config_folder.hpp"

@@ -1,13 +1,17 @@
-#include "daemon/results/models_csv.hpp"
+#include "daemon/results/models.hpp"
 
 #include <charconv>
 #include <map>
 #include <random>
 #include <sstream>
 
-#include "daemon/results/models.hpp"
+#include <nlohmann/json.hpp>
+
+#include "daemon/results/result_files.hpp"
+#include "daemon/results/result_formats.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/chain_outcomes.hpp"
+#include "tests/daemon/temporary_folder.hpp"
 #include "tests/daemon/texts.hpp"
 
 using namespace sweepd;
@@ -16,6 +20,7 @@ using Eigen::AngleAxisd;
 using Eigen::Isometry3d;
 using Eigen::Translation3d;
 using Eigen::Vector3d;
+using OrderedJson = nlohmann::ordered_json;
 
 namespace {
 
@@ -119,7 +124,7 @@ Isometry3d kinematics(const std::string& form, const Read& m, const identify::Tu
 
 }  // namespace
 
-TEST_CASE("every model read back from models.csv moves as the chain to 1e-9 m", "[models_csv]") {
+TEST_CASE("every model read back from models.csv moves as the chain to 1e-9 m", "[models]") {
   const Outcome outcome = chain_outcome();
   const auto models = read(models_csv(models_of(outcome)));
   CHECK(models.size() == 6);
@@ -140,7 +145,7 @@ TEST_CASE("every model read back from models.csv moves as the chain to 1e-9 m", 
 }
 
 TEST_CASE("models.csv has an interval for what is identified, and none for conventions",
-          "[models_csv]") {
+          "[models]") {
   const auto csv = models_csv(models_of(chain_outcome()));
   std::istringstream stream(csv);
   std::string line;
@@ -173,8 +178,7 @@ TEST_CASE("models.csv has an interval for what is identified, and none for conve
   CHECK_THAT(csv, Catch::Matchers::ContainsSubstring("\ndh,1,positive,-1,1,,,,by_convention\n"));
 }
 
-TEST_CASE("there are no models without a chain, of another estimator or with gaps",
-          "[models_csv]") {
+TEST_CASE("there are no models without a chain, of another estimator or with gaps", "[models]") {
   CHECK(models_of(Outcome{}).empty());
   Outcome by_circles = chain_outcome();
   by_circles.identification.estimator = identify::Estimator::circle;
@@ -182,4 +186,38 @@ TEST_CASE("there are no models without a chain, of another estimator or with gap
   Outcome with_gap = chain_outcome();
   with_gap.identification.chain->dh[3].a_mm.knowledge = identify::Knowledge::undetermined;
   CHECK(models_of(with_gap).empty());
+}
+
+TEST_CASE("the models of result.json have every form, in full precision", "[models]") {
+  const Outcome outcome = chain_outcome();
+  const auto json = OrderedJson::parse(result_json(outcome)).at("models");
+  REQUIRE(json.size() == 6);
+  for (const char* form : {"dh", "modified_dh", "hayati", "s_model", "exponentials", "urdf"}) {
+    INFO(form);
+    CHECK(json.at(form).at("joints").size() == 6);
+    CHECK(json.at(form).contains("tool"));
+  }
+  CHECK(json.at("dh").contains("base"));
+  CHECK_FALSE(json.at("exponentials").contains("base"));
+  const auto& row = outcome.identification.dh[2];
+  const auto& joint = json.at("dh").at("joints").at(2);
+  CHECK(joint.at("joint") == 3);
+  CHECK(joint.at("a_mm").get<double>() == row.a_mm.value);
+  CHECK(joint.at("theta_deg").get<double>() == degrees(row.theta_rad.value));
+  CHECK(joint.at("a_sigma_mm").get<double>() == row.a_mm.sigma);
+  CHECK(joint.at("by_convention") == OrderedJson{"beta_deg", "positive"});
+  CHECK_FALSE(joint.contains("beta_sigma_deg"));
+}
+
+TEST_CASE("a complete chain leaves robot.urdf, dh.tex and models.csv; another takes them away",
+          "[models]") {
+  const TemporaryFolder folder;
+  Outcome outcome = chain_outcome();
+  const auto there = [&](const char* name) { return std::filesystem::exists(folder / name); };
+  write_result(folder.path(), outcome);
+  for (const char* name : {"robot.urdf", "dh.tex", "models.csv", "result.json"}) CHECK(there(name));
+  outcome.identification.estimator = identify::Estimator::circle;
+  write_result(folder.path(), outcome);
+  for (const char* name : {"robot.urdf", "dh.tex", "models.csv"}) CHECK_FALSE(there(name));
+  CHECK_FALSE(OrderedJson::parse(result_json(outcome)).contains("models"));
 }

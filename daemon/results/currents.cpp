@@ -1,5 +1,5 @@
-#include "daemon/results/currents_csv.hpp"
-
+#include "daemon/results/json_parts.hpp"
+#include "daemon/results/result_formats.hpp"
 #include "daemon/text/numbers.hpp"
 
 namespace sweepd {
