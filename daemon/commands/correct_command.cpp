@@ -10,7 +10,7 @@
 #include "daemon/commands/command_options.hpp"
 #include "daemon/commands/help_text.hpp"
 #include "daemon/commands/outputs.hpp"
-#include "daemon/krl/krl_frame.hpp"
+#include "daemon/krl/krl_position.hpp"
 #include "daemon/text/file_names.hpp"
 #include "rsi/counted.hpp"
 #include "rsi/file_bytes.hpp"

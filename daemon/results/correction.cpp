@@ -5,7 +5,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "daemon/krl/krl_frame.hpp"
+#include "daemon/krl/krl_position.hpp"
 #include "identify/correction/combined_poses.hpp"
 #include "identify/geometry/line.hpp"
 #include "rsi/counted.hpp"

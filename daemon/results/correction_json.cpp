@@ -1,4 +1,4 @@
-#include "daemon/krl/krl_frame.hpp"
+#include "daemon/krl/krl_position.hpp"
 #include "daemon/results/correction.hpp"
 #include "daemon/results/json_parts.hpp"
 #include "daemon/results/poses_json.hpp"

@@ -3,7 +3,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "daemon/krl/krl_frame.hpp"
+#include "daemon/krl/krl_position.hpp"
 #include "daemon/results/correction.hpp"
 #include "daemon/results/report.hpp"
 #include "daemon/text/numbers.hpp"

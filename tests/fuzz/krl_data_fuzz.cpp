@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "daemon/krl/corrected_program.hpp"
-#include "daemon/krl/krl_frame.hpp"
+#include "daemon/krl/krl_position.hpp"
 #include "tests/fuzz/property.hpp"
 
 using fuzz::expect;

@@ -5,8 +5,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "daemon/krl/krl_frame.hpp"
-#include "daemon/krl/status_turn.hpp"
+#include "daemon/krl/krl_position.hpp"
 #include "tests/catch.hpp"
 #include "tests/simulation/robot.hpp"
 

@@ -1,6 +1,6 @@
 #include "daemon/krl/krl_data.hpp"
 
-#include "daemon/krl/krl_frame.hpp"
+#include "daemon/krl/krl_position.hpp"
 #include "tests/catch.hpp"
 
 using Catch::Matchers::ContainsSubstring;

@@ -1,4 +1,4 @@
-#include "daemon/krl/krl_frame.hpp"
+#include "daemon/krl/krl_position.hpp"
 
 #include <array>
 #include <cmath>
@@ -14,6 +14,7 @@ constexpr std::array<std::string_view, 6> kFrameFields = {"X", "Y", "Z", "A", "B
 /// No robot reaches as far, and no angle is as large, in mm and degrees.
 constexpr double kMostOfRobots = 1e5;
 constexpr int kFrameDecimals = 4;
+constexpr double kNoTurn_rad = 2 * kDegree;
 
 }  // namespace
 
@@ -60,6 +61,27 @@ std::string krl_frame_text(const Eigen::Isometry3d& frame) {
 
 double from_gimbal_deg(const Eigen::Matrix3d& rotation) {
   return degrees(std::atan2(std::hypot(rotation(0, 0), rotation(1, 0)), std::abs(rotation(2, 0))));
+}
+
+identify::Posture posture_of(unsigned status) {
+  return {(status & 1U) != 0, (status & 2U) != 0, (status & 4U) != 0};
+}
+
+unsigned turn_of(const std::array<double, 6>& angles_rad) {
+  unsigned turn = 0;
+  for (std::size_t j = 0; j < 6; ++j)
+    if (angles_rad[j] < 0) turn |= 1U << j;
+  return turn;
+}
+
+std::array<double, 6> turned_as(std::array<double, 6> angles_rad, unsigned turn) {
+  for (std::size_t j = 0; j < 6; ++j) {
+    double& angle = angles_rad[j];
+    const bool negative = (turn >> j & 1U) != 0;
+    if (negative == (angle < 0) || std::abs(angle) < kNoTurn_rad) continue;
+    angle += negative ? -2 * kPi : 2 * kPi;
+  }
+  return angles_rad;
 }
 
 }  // namespace sweepd
