@@ -12,8 +12,7 @@
 #include "daemon/commands/outputs.hpp"
 #include "daemon/commands/run_command.hpp"
 #include "daemon/history/history.hpp"
-#include "daemon/history/history_page.hpp"
-#include "daemon/history/history_text.hpp"
+#include "daemon/history/history_words.hpp"
 #include "daemon/settings/settings.hpp"
 
 namespace sweepd {

@@ -1,7 +1,7 @@
-#include "daemon/history/campaign_scatter.hpp"
-
 #include <algorithm>
 #include <map>
+
+#include "daemon/history/compared_campaigns.hpp"
 
 namespace sweepd {
 namespace {

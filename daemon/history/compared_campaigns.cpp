@@ -8,7 +8,6 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
 
-#include "daemon/history/campaign_scatter.hpp"
 #include "daemon/report/file_parts.hpp"
 #include "daemon/results/change_test.hpp"
 #include "identify/geometry/symmetric_eigen.hpp"

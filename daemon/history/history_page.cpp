@@ -1,4 +1,3 @@
-#include "daemon/history/history_page.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,3 @@
-#include "daemon/history/history_text.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,25 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "daemon/history/history.hpp"
 
 namespace sweepd {
+
+// A history in words: for a terminal, as CSV, as a page, and the sentences that these share.
+
+/// What `sweepd history` says to a person; what has changed comes first.
+[[nodiscard]] std::string history_text(const History& history);
+
+/// A line a campaign, every number with its 95 % bar. Schema in docs/history.md.
+[[nodiscard]] std::string history_csv(const History& history);
+
+/// What such a page begins with.
+inline constexpr std::string_view kHistoryBegin = "<!DOCTYPE html>\n<!-- sweepd history -->\n";
+
+/// A history as one file of HTML, in the style of the measurement report.
+[[nodiscard]] std::string history_page(const History& history);
 
 /// "2024-03-01".
 [[nodiscard]] std::string date_of(std::chrono::nanoseconds time);

@@ -16,7 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/history/history.hpp"
-#include "daemon/history/history_text.hpp"
+#include "daemon/history/history_words.hpp"
 #include "daemon/results/change.hpp"
 #include "daemon/results/change_test.hpp"
 #include "daemon/results/result_formats.hpp"

@@ -2,8 +2,6 @@
 
 #include <sstream>
 
-#include "daemon/history/history_page.hpp"
-#include "daemon/history/history_text.hpp"
 #include "daemon/history/history_words.hpp"
 #include "daemon/results/change.hpp"
 #include "daemon/text/units.hpp"
