@@ -1,10 +1,9 @@
-#include "daemon/devices/column_name.hpp"
-
 #include <algorithm>
 #include <array>
 #include <utility>
 
 #include "daemon/devices/device_text.hpp"
+#include "daemon/devices/device_words.hpp"
 #include "rsi/ascii.hpp"
 
 namespace sweepd {

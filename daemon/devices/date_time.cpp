@@ -1,10 +1,9 @@
-#include "daemon/devices/date_time.hpp"
-
 #include <charconv>
 #include <chrono>
 #include <string>
 #include <utility>
 
+#include "daemon/devices/device_words.hpp"
 #include "rsi/ascii.hpp"
 #include "rsi/telegram/decimal.hpp"
 

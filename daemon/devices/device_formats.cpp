@@ -4,12 +4,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "daemon/devices/motive_csv.hpp"
-#include "daemon/devices/ndi_csv.hpp"
-#include "daemon/devices/qtm_tsv.hpp"
-#include "daemon/devices/ros_csv.hpp"
-#include "daemon/devices/tracker_table.hpp"
-#include "daemon/devices/vicon_csv.hpp"
+#include "daemon/devices/maker_formats.hpp"
 
 namespace sweepd {
 

@@ -8,8 +8,8 @@
 #include <Eigen/Geometry>
 #include <spdlog/fmt/fmt.h>
 
-#include "daemon/devices/date_time.hpp"
-#include "daemon/devices/printed_number.hpp"
+#include "daemon/devices/device_text.hpp"
+#include "daemon/devices/device_words.hpp"
 #include "daemon/text/units.hpp"
 #include "identify/sweeps/sample.hpp"
 #include "rsi/ascii.hpp"

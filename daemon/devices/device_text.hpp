@@ -2,10 +2,13 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "rsi/telegram/decimal.hpp"
 
 namespace sweepd {
 
@@ -66,5 +69,11 @@ class DeviceText {
 /// What one of this unit of length is in mm, of whatever case and number ("Meters", "mm"); 0 for
 /// anything else.
 [[nodiscard]] double length_unit_mm(std::string_view name);
+
+/// A finite number as a file prints it. `decimals` are those of the value: 1.25e-3 has 5.
+[[nodiscard]] std::optional<rsi::Decimal> printed_number(std::string_view text);
+
+/// A field for a message: in quotes and cut, or "nothing".
+[[nodiscard]] std::string as_found(std::string_view text);
 
 }  // namespace sweepd

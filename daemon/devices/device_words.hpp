@@ -1,9 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
 namespace sweepd {
+
+// What words in such files mean: names of columns, units, dates.
 
 /// What the name of a column says, as a person wrote it.
 struct ColumnName {
@@ -21,5 +24,11 @@ struct ColumnName {
 
 /// What one of this unit of time is in seconds; 0 for anything else.
 [[nodiscard]] double time_unit_s(std::string_view name);
+
+/// Seconds, from a moment that all dates share, of a date with a time of day:
+/// 2024-03-14T13:22:33.5, 3/14/2024 1:22:33.5 PM, 14.03.2024 13:22:33,5. Seconds from midnight
+/// where there is no date. With slashes the month is first, unless it cannot be one. Time zones
+/// count. Nothing for anything else.
+[[nodiscard]] std::optional<double> seconds_of_date(std::string_view text);
 
 }  // namespace sweepd

@@ -1,9 +1,8 @@
-#include "daemon/devices/ndi_csv.hpp"
-
 #include <algorithm>
 #include <utility>
 
-#include "daemon/devices/printed_number.hpp"
+#include "daemon/devices/device_text.hpp"
+#include "daemon/devices/maker_formats.hpp"
 #include "daemon/devices/wide_columns.hpp"
 #include "rsi/ascii.hpp"
 

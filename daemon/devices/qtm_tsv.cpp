@@ -1,12 +1,11 @@
-#include "daemon/devices/qtm_tsv.hpp"
-
 #include <algorithm>
 #include <array>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
 
-#include "daemon/devices/printed_number.hpp"
+#include "daemon/devices/device_text.hpp"
+#include "daemon/devices/maker_formats.hpp"
 #include "daemon/devices/wide_columns.hpp"
 #include "rsi/ascii.hpp"
 

@@ -1,10 +1,9 @@
-#include "daemon/devices/ros_csv.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "daemon/devices/printed_number.hpp"
+#include "daemon/devices/device_text.hpp"
+#include "daemon/devices/maker_formats.hpp"
 #include "rsi/ascii.hpp"
 
 namespace sweepd {

@@ -1,5 +1,3 @@
-#include "daemon/devices/tracker_table.hpp"
-
 #include <algorithm>
 #include <array>
 #include <set>
@@ -7,10 +5,10 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "daemon/devices/column_name.hpp"
-#include "daemon/devices/date_time.hpp"
 #include "daemon/devices/device_rows.hpp"
-#include "daemon/devices/printed_number.hpp"
+#include "daemon/devices/device_text.hpp"
+#include "daemon/devices/device_words.hpp"
+#include "daemon/devices/maker_formats.hpp"
 #include "daemon/devices/wide_columns.hpp"
 #include "rsi/ascii.hpp"
 

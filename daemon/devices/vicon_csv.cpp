@@ -1,10 +1,9 @@
-#include "daemon/devices/vicon_csv.hpp"
-
 #include <algorithm>
 #include <array>
 #include <utility>
 
-#include "daemon/devices/printed_number.hpp"
+#include "daemon/devices/device_text.hpp"
+#include "daemon/devices/maker_formats.hpp"
 #include "daemon/devices/wide_columns.hpp"
 #include "rsi/ascii.hpp"
 

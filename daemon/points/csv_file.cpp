@@ -7,7 +7,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "daemon/devices/printed_number.hpp"
+#include "daemon/devices/device_text.hpp"
 #include "daemon/text/units.hpp"
 #include "rsi/ascii.hpp"
 #include "rsi/counted.hpp"

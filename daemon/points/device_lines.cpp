@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "daemon/devices/printed_number.hpp"
+#include "daemon/devices/device_text.hpp"
 #include "daemon/points/csv_file.hpp"
 #include "daemon/settings/toml_table.hpp"
 #include "daemon/text/units.hpp"

@@ -6,7 +6,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/devices/device_rows.hpp"
-#include "daemon/devices/printed_number.hpp"
+#include "daemon/devices/device_text.hpp"
 #include "rsi/counted.hpp"
 
 namespace sweepd {

@@ -1,6 +1,6 @@
 #include "daemon/devices/device_text.hpp"
 
-#include "daemon/devices/date_time.hpp"
+#include "daemon/devices/device_words.hpp"
 #include "tests/catch.hpp"
 
 using Catch::Matchers::ContainsSubstring;

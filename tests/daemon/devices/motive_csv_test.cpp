@@ -1,5 +1,4 @@
-#include "daemon/devices/motive_csv.hpp"
-
+#include "daemon/devices/maker_formats.hpp"
 #include "daemon/text/units.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/devices/read_text.hpp"

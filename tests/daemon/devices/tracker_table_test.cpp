@@ -1,7 +1,6 @@
-#include "daemon/devices/tracker_table.hpp"
-
-#include "daemon/devices/column_name.hpp"
 #include "daemon/devices/device_rows.hpp"
+#include "daemon/devices/device_words.hpp"
+#include "daemon/devices/maker_formats.hpp"
 #include "tests/daemon/devices/read_text.hpp"
 
 using Catch::Matchers::ContainsSubstring;

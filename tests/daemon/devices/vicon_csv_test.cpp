@@ -1,5 +1,4 @@
-#include "daemon/devices/vicon_csv.hpp"
-
+#include "daemon/devices/maker_formats.hpp"
 #include "tests/daemon/devices/read_text.hpp"
 
 using Catch::Matchers::ContainsSubstring;
