@@ -11,8 +11,8 @@
 
 #include "daemon/commands/command_options.hpp"
 #include "daemon/commands/outputs.hpp"
-#include "daemon/plan/pose_plan_text.hpp"
-#include "daemon/plan/pose_program.hpp"
+#include "daemon/plan/krl_program.hpp"
+#include "daemon/plan/plan_text.hpp"
 #include "daemon/results/result_files.hpp"
 #include "daemon/settings/toml_table.hpp"
 #include "daemon/text/progress.hpp"

@@ -1,11 +1,10 @@
-#include "daemon/plan/pose_plan_text.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/plan/outlook_numbers.hpp"
+#include "daemon/plan/plan_text.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/text_layout.hpp"
 #include "identify/dh/dh_extraction.hpp"

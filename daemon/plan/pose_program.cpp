@@ -1,9 +1,8 @@
-#include "daemon/plan/pose_program.hpp"
-
 #include <stdexcept>
 
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/plan/krl_program.hpp"
 #include "daemon/text/numbers.hpp"
 
 namespace sweepd {

@@ -2,8 +2,8 @@
 
 #include <stdexcept>
 
-#include "daemon/plan/pose_plan_text.hpp"
-#include "daemon/plan/pose_program.hpp"
+#include "daemon/plan/krl_program.hpp"
+#include "daemon/plan/plan_text.hpp"
 #include "daemon/points/point_poses.hpp"
 #include "daemon/points/points_file.hpp"
 #include "daemon/text/units.hpp"
