@@ -5,7 +5,6 @@
 #include <CLI/CLI.hpp>
 
 #include "daemon/commands/check_command.hpp"
-#include "daemon/commands/collect_command.hpp"
 #include "daemon/commands/compare_command.hpp"
 #include "daemon/commands/correct_command.hpp"
 #include "daemon/commands/export_command.hpp"
@@ -16,7 +15,6 @@
 #include "daemon/commands/note_command.hpp"
 #include "daemon/commands/plan_command.hpp"
 #include "daemon/commands/plant_commands.hpp"
-#include "daemon/commands/publish_command.hpp"
 #include "daemon/commands/replay_command.hpp"
 #include "daemon/commands/report_command.hpp"
 #include "daemon/commands/run_command.hpp"

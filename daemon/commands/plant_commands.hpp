@@ -1,14 +1,30 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
+namespace CLI {  // NOLINT(readability-identifier-naming): theirs
+class App;
+}
+
 namespace sweepd {
 
-struct CollectOptions;
 struct CompareOptions;
 struct HistoryCommandOptions;
-struct PublishOptions;
+
+struct PublishOptions {
+  std::filesystem::path config = "/etc/sweepd/sweepd.toml";
+  bool again = false;  ///< also what the broker has acknowledged already
+};
+
+CLI::App* add_publish(CLI::App& app, PublishOptions& options);
+
+struct CollectOptions {
+  std::filesystem::path config = "/etc/sweepd/collect.toml";
+};
+
+CLI::App* add_collect(CLI::App& app, CollectOptions& options);
 
 /// Commands that speak with a broker or a database. The program sweepd-plant has what they take
 /// (daemon/plant/plant_here.cpp). sweepd, which answers robots, does not: it becomes sweepd-plant

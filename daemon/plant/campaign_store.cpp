@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
-#include "daemon/plant/migrations.hpp"
 #include "daemon/record/session_folder.hpp"
 #include "daemon/report/file_parts.hpp"
 #include "daemon/settings/toml_table.hpp"

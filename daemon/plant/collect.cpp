@@ -1,5 +1,3 @@
-#include "daemon/plant/collect.hpp"
-
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -10,6 +8,7 @@
 
 #include "daemon/plant/broker_link.hpp"
 #include "daemon/plant/collector.hpp"
+#include "daemon/plant/plant_services.hpp"
 #include "daemon/plant/topics.hpp"
 #include "daemon/settings/plant_settings.hpp"
 #include "daemon/system/log.hpp"

@@ -1,7 +1,7 @@
-#include "daemon/plant/migrations.hpp"
-
 #include <array>
 #include <string>
+
+#include "daemon/plant/campaign_store.hpp"
 
 namespace sweepd {
 namespace {

@@ -5,8 +5,7 @@
 #include "daemon/commands/history_command.hpp"
 #include "daemon/commands/plant_commands.hpp"
 #include "daemon/plant/campaign_store.hpp"
-#include "daemon/plant/collect.hpp"
-#include "daemon/plant/publish.hpp"
+#include "daemon/plant/plant_services.hpp"
 #include "daemon/results/told_arm.hpp"
 
 namespace sweepd::plant {

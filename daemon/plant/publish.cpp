@@ -1,7 +1,6 @@
-#include "daemon/plant/publish.hpp"
-
 #include <chrono>
 #include <csignal>
+#include <filesystem>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -9,8 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include <sys/inotify.h>
+#include <unistd.h>
+
 #include "daemon/plant/daemon_state.hpp"
-#include "daemon/plant/folder_watch.hpp"
+#include "daemon/plant/plant_services.hpp"
 #include "daemon/plant/robot_publisher.hpp"
 #include "daemon/record/session_folder.hpp"
 #include "daemon/settings/settings.hpp"
@@ -30,6 +32,35 @@ constexpr auto kTurn = 200ms;
 constexpr auto kAskEvery = 2s;
 /// inotify does not see what comes over a network.
 constexpr auto kLookEvery = 60s;
+
+/// Says that something came into folders, by inotify. Where the system refuses to watch one, nobody
+/// is told: who uses it looks now and then all the same. One thread.
+class FolderWatch {
+ public:
+  FolderWatch() : notify_(::inotify_init1(IN_NONBLOCK | IN_CLOEXEC)) {}
+  ~FolderWatch() {
+    if (notify_ >= 0) ::close(notify_);
+  }
+  FolderWatch(const FolderWatch&) = delete;
+  FolderWatch& operator=(const FolderWatch&) = delete;
+
+  /// From now on, also; any number of times.
+  void add(const std::filesystem::path& folder) {
+    // The same folder has the same number.
+    ::inotify_add_watch(notify_, folder.c_str(),
+                        IN_CREATE | IN_MOVED_TO | IN_CLOSE_WRITE | IN_ONLYDIR);
+  }
+  /// Whether anything came since the last call. Does not wait.
+  [[nodiscard]] bool changed() {
+    bool any = false;
+    alignas(inotify_event) char events[4096];
+    while (::read(notify_, events, sizeof events) > 0) any = true;
+    return any;
+  }
+
+ private:
+  int notify_;
+};
 
 FolderLock held(const std::filesystem::path& spool) {
   std::error_code error;

@@ -9,7 +9,6 @@
 
 #include "daemon/plant/broker_link.hpp"
 #include "daemon/plant/daemon_state.hpp"
-#include "daemon/plant/ledger.hpp"
 #include "daemon/plant/outbox.hpp"
 #include "daemon/plant/topics.hpp"
 
