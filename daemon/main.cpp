@@ -11,8 +11,8 @@
 #include "daemon/commands/command_line.hpp"
 #include "daemon/commands/exit_codes.hpp"
 #include "daemon/settings/toml_table.hpp"
+#include "daemon/system/atomic_file.hpp"
 #include "daemon/system/log.hpp"
-#include "daemon/system/unfinished_file.hpp"
 #include "daemon/text/text_layout.hpp"
 #include "rsi/telegram/ethernet_config.hpp"
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "daemon/system/unfinished_file.hpp"
+#include "daemon/system/atomic_file.hpp"
 
 namespace sweepd {
 

@@ -15,7 +15,7 @@
 #include "daemon/commands/outputs.hpp"
 #include "daemon/commands/simulation_report.hpp"
 #include "daemon/plan/simulated_robot.hpp"
-#include "daemon/system/unfinished_file.hpp"
+#include "daemon/system/atomic_file.hpp"
 #include "daemon/text/progress.hpp"
 #include "rsi/capture/capture_writer.hpp"
 
