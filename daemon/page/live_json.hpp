@@ -5,7 +5,7 @@
 
 #include "daemon/page/metrics.hpp"
 #include "daemon/service/live_slices.hpp"
-#include "daemon/service/robot_state.hpp"
+#include "daemon/service/service_status.hpp"
 
 namespace sweepd {
 

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "daemon/service/robot_state.hpp"
 #include "daemon/service/service_status.hpp"
 #include "daemon/system/process_state.hpp"
 

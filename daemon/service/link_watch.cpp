@@ -1,14 +1,56 @@
 #include "daemon/service/link_watch.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include "daemon/results/link_files.hpp"
 #include "daemon/system/atomic_file.hpp"
 #include "daemon/text/file_names.hpp"
+#include "rsi/counted.hpp"
 #include "rsi/link/last_cycles.hpp"
 #include "rsi/link/link_verdict.hpp"
 
 namespace sweepd {
+namespace {
+
+using Counts = rsi::Server::Counts;
+
+struct Kind {
+  std::uint64_t Counts::*count;
+  const char* one;
+  const char* many;
+  const char* were;  ///< what they were, and what to do
+};
+
+constexpr Kind kKindsOfTrouble[] = {
+    {&Counts::refused, "reply", "replies",
+     "not sent, being no zero correction: stop the robot, this is a fault of sweepd; report it "
+     "with the Ethernet file"},
+    {&Counts::not_begun, "telegram", "telegrams",
+     "not answered: the stream had begun before sweepd listened, perhaps with another server, and "
+     "a zero from here might move the robot: switch RSI off, and on again after a second or more"},
+    {&Counts::send_failures, "reply", "replies",
+     "refused by the system: see `ip -s link` and the firewall of this machine"},
+    {&Counts::dropped, "telegram", "telegrams",
+     "dropped by the system, whose receive buffer was full: free the machine, or raise "
+     "net.core.rmem_max"},
+    {&Counts::missed, "packet", "packets",
+     "not seen by the tap, for which this machine was too busy; the link had them: free the "
+     "machine"},
+    {&Counts::cut, "telegram", "telegrams",
+     "larger than 64 KiB and came in part: shorten the SEND list"},
+    {&Counts::foreign, "datagram or connection", "datagrams or connections",
+     "not from the controller and not answered: keep others off this network; `controller` in the "
+     "settings names the one that counts"},
+    {&Counts::skipped, "byte", "bytes",
+     "left out of a TCP stream, being in no telegram: see that `listen` is the port of RSI alone, "
+     "and what the controller sends"},
+    {&Counts::overflows, "datagram", "datagrams",
+     "neither recorded nor used, since the queue was full: raise queue_bytes or free "
+     "the machine"},
+};
+
+}  // namespace
 
 rsi::LinkReport LinkWatch::report(const rsi::Link& link) const {
   auto report = link.report();
@@ -41,6 +83,32 @@ void write_link(const std::filesystem::path& folder, const LinkFiles& files) {
   write_atomically(folder / file_names::kLink, files.json);
   if (!files.last_cycles.empty())
     write_atomically(folder / file_names::kLastCycles, files.last_cycles);
+}
+
+void LinkComplaints::new_stream() {
+  for (std::size_t i = 0; i < kKinds; ++i)
+    if (kKindsOfTrouble[i].count == &Counts::not_begun) said_[i].again = {};
+}
+
+std::vector<std::string> LinkComplaints::about(const Counts& counts,
+                                               std::chrono::steady_clock::time_point now) {
+  static_assert(std::size(kKindsOfTrouble) == kKinds);
+  std::vector<std::string> complaints;
+  for (std::size_t i = 0; i < kKinds; ++i) {
+    const Kind& kind = kKindsOfTrouble[i];
+    const auto count = counts.*kind.count;
+    auto& said = said_[i];
+    if (count == said.count || now < said.again) continue;
+    complaints.push_back(rsi::counted(count - said.count, kind.one, kind.many) +
+                         (count - said.count == 1 ? " was " : " were ") + kind.were);
+    said = {count, now + std::chrono::minutes(1)};
+  }
+  return complaints;
+}
+
+std::vector<std::string> LinkComplaints::rest(const Counts& counts) {
+  for (Said& said : said_) said.again = {};
+  return about(counts, {});
 }
 
 }  // namespace sweepd

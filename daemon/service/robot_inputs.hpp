@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "daemon/results/run_json.hpp"
-#include "daemon/service/robot_state.hpp"
+#include "daemon/service/service_status.hpp"
 #include "daemon/settings/robot_setup.hpp"
 #include "daemon/settings/settings.hpp"
 #include "daemon/system/log.hpp"

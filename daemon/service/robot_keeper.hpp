@@ -9,7 +9,7 @@
 #include <string>
 #include <thread>
 
-#include "daemon/service/robot_state.hpp"
+#include "daemon/service/service_status.hpp"
 #include "daemon/settings/settings.hpp"
 #include "daemon/system/heartbeat.hpp"
 #include "daemon/system/log.hpp"

@@ -13,7 +13,6 @@
 #include "rsi/telegram/ethernet_config.hpp"
 
 namespace sweepd {
-
 namespace {
 
 /// Replies are as the Ethernet file says, or where there is none, expected.
@@ -69,6 +68,30 @@ std::unique_ptr<rsi::Server> make_server(const RobotSettings& settings) {
         "seen are answered",
         fmt::join(tags, ", "));
   return server;
+}
+
+RealTimeReport ReplyThread::start(const RealTimeSettings& wish) {
+  std::promise<RealTimeReport> ready;
+  auto report = ready.get_future();
+  thread_ = std::thread(
+      [this, wish, ready = std::move(ready)]() mutable { serve(wish, std::move(ready)); });
+  return report.get();
+}
+
+void ReplyThread::stop() {
+  if (!runs()) return;
+  server_.stop();
+  thread_.join();
+}
+
+void ReplyThread::serve(const RealTimeSettings& wish, std::promise<RealTimeReport> ready) {
+  name_thread("reply");
+  RealTimeReport report;
+  if (wish.wish != RealTime::off) lock_memory(report);
+  enter_real_time(wish, report);
+  server_.warm();
+  ready.set_value(std::move(report));
+  server_.run();
 }
 
 }  // namespace sweepd

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <future>
 #include <memory>
+#include <thread>
 
 #include "daemon/settings/settings.hpp"
+#include "daemon/system/realtime.hpp"
 #include "rsi/server/server.hpp"
 
 namespace sweepd {
@@ -12,5 +15,26 @@ namespace sweepd {
 /// Throws rsi::EthernetConfigError, ConfigError where it must not answer (see answers.hpp), or
 /// std::runtime_error.
 [[nodiscard]] std::unique_ptr<rsi::Server> make_server(const RobotSettings& settings);
+
+/// The thread that answers a robot's controller, and nothing else.
+class ReplyThread {
+ public:
+  /// `server` outlives this, or stop().
+  explicit ReplyThread(rsi::Server& server) : server_(server) {}
+  ~ReplyThread() { stop(); }
+  ReplyThread(const ReplyThread&) = delete;
+  ReplyThread& operator=(const ReplyThread&) = delete;
+
+  /// Tells what was granted of real time, as soon as the thread answers.
+  RealTimeReport start(const RealTimeSettings& wish);
+  void stop();
+  [[nodiscard]] bool runs() const { return thread_.joinable(); }
+
+ private:
+  void serve(const RealTimeSettings& wish, std::promise<RealTimeReport> ready);
+
+  rsi::Server& server_;
+  std::thread thread_;
+};
 
 }  // namespace sweepd

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "daemon/record/recording.hpp"
-#include "daemon/service/robot_state.hpp"
+#include "daemon/service/service_status.hpp"
 #include "identify/sweeps/sweep.hpp"
 
 namespace sweepd {

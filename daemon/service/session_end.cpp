@@ -1,13 +1,36 @@
 #include "daemon/service/session_end.hpp"
 
 #include <algorithm>
+#include <chrono>
+#include <cstdint>
 #include <exception>
+#include <fstream>
+#include <utility>
 
+#include <nlohmann/json.hpp>
+
+#include "daemon/record/recording_files.hpp"
 #include "daemon/results/result_files.hpp"
+#include "daemon/results/run_json.hpp"
 #include "daemon/system/atomic_file.hpp"
 #include "daemon/text/file_names.hpp"
+#include "daemon/text/utc.hpp"
+#include "rsi/capture/capture_reader.hpp"
 
 namespace sweepd {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// How many telegrams a result was made of that is there already; 0: none is.
+std::uint64_t telegrams_of_result(const fs::path& folder) {
+  std::ifstream stream(folder / file_names::kResult, std::ios::binary);
+  const auto result = nlohmann::json::parse(stream, nullptr, false);
+  const auto telegrams = nlohmann::json::json_pointer("/source/telegrams");
+  return result.is_object() ? result.value(telegrams, std::uint64_t{0}) : 0;
+}
+
+}  // namespace
 
 std::size_t SessionEnd::samples() const {
   std::size_t samples = 0;
@@ -50,6 +73,78 @@ void SessionEnd::write() {
   attempt([&] { write_result(folder, *outcome, written); });
   if (failure) std::rethrow_exception(failure);
   write_atomically(folder / file_names::kRun, run(folder));
+}
+
+SessionReplay::SessionReplay(fs::path folder, FolderLock lock, const RobotSetup& setup)
+    : folder_(std::move(folder)), lock_(std::move(lock)), device_(setup) {
+  traces_ = traces_of(folder_);
+  const auto search = rsi::find_conversation(traces_);
+  if (search.chosen) conversation_ = *search.chosen;
+  std::reverse(traces_.begin(), traces_.end());
+  session_ = std::make_unique<Session>(setup, "trace", static_cast<StreamSink&>(*this));
+}
+
+bool SessionReplay::step() {
+  constexpr int kDatagrams = 20'000;
+  for (int i = 0; i < kDatagrams; ++i) {
+    if (!trace_) {
+      if (traces_.empty()) return false;
+      trace_.emplace(traces_.back());
+      traces_.pop_back();
+    }
+    const auto datagram = trace_->next();
+    if (!datagram) {
+      for (auto& note : trace_->notes()) damage_.push_back(std::move(note));
+      trace_.reset();
+      continue;
+    }
+    newest_ = std::max(newest_, datagram->time);
+    if (device_.is_device(*datagram)) {
+      device_.device(*datagram);
+    } else if (conversation_.direction(*datagram) == rsi::Direction::from_controller) {
+      device_.telegram(*datagram);
+      session_->telegram(*datagram);
+    }
+  }
+  return true;
+}
+
+SessionEnd SessionReplay::end(Log log) {
+  session_->finish();
+  const auto started = folder_.filename().string();
+  log.about(started, {});
+  const auto snapshot = device_.with_device(session_->snapshot());
+  const bool better = telegrams_of_result(folder_) <= snapshot.counts.link.telegrams;
+  SessionEnd end{folder_.parent_path(),
+                 started,
+                 nullptr,
+                 folder_,
+                 snapshot,
+                 std::nullopt,
+                 [ended = utc_name(newest_), better, damage = damage_](const fs::path& folder) {
+                   return run_json_of_cut_session(folder, ended, better, damage);
+                 },
+                 std::move(log)};
+  for (const std::string& what : damage_) end.log.warning("{}", what);
+  end.lock = std::move(lock_);
+  if (!better) {
+    end.log.note("the result in {} stays: it knew more than is in the recording", folder_.string());
+    for (auto& name : result_file_names()) end.written.insert(std::move(name));
+  }
+  return end;
+}
+
+void end_without_trace(const fs::path& folder) {
+  fs::file_time_type newest = fs::file_time_type::min();
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const auto name = entry.path().filename().string();
+    if (name == file_names::kRun || name == file_names::kResult || part_of(name, "samples", ".csv"))
+      newest = std::max(newest, entry.last_write_time());
+  }
+  const auto ended = std::chrono::file_clock::to_sys(newest).time_since_epoch();
+  write_atomically(folder / file_names::kRun,
+                   run_json_of_cut_session(folder, utc_name(ended), false,
+                                           {"there is no trace to make a last result of"}));
 }
 
 }  // namespace sweepd

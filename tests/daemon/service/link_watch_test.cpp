@@ -1,12 +1,11 @@
-#include "daemon/service/link_complaints.hpp"
-
+#include "daemon/service/link_watch.hpp"
 #include "tests/catch.hpp"
 
 using Catch::Matchers::ContainsSubstring;
 using namespace std::chrono_literals;
 
 TEST_CASE("trouble on the link is said at once, and then once a minute with all that came since",
-          "[link_complaints][issue11][point_16]") {
+          "[link_watch][issue11][point_16]") {
   sweepd::LinkComplaints complaints;
   rsi::Server::Counts counts;
   auto now = std::chrono::steady_clock::time_point(1h);
@@ -27,7 +26,7 @@ TEST_CASE("trouble on the link is said at once, and then once a minute with all 
   CHECK(complaints.about(counts, now += 5min).empty());
 }
 
-TEST_CASE("what waits for its minute is said at the end", "[link_complaints]") {
+TEST_CASE("what waits for its minute is said at the end", "[link_watch]") {
   sweepd::LinkComplaints complaints;
   rsi::Server::Counts counts;
   const auto now = std::chrono::steady_clock::time_point(1h);
@@ -41,7 +40,7 @@ TEST_CASE("what waits for its minute is said at the end", "[link_complaints]") {
   CHECK(complaints.rest(counts).empty());
 }
 
-TEST_CASE("bytes of a TCP stream that are no telegram are said", "[link_complaints]") {
+TEST_CASE("bytes of a TCP stream that are no telegram are said", "[link_watch]") {
   sweepd::LinkComplaints complaints;
   rsi::Server::Counts counts;
   counts.skipped = 15;
@@ -50,7 +49,7 @@ TEST_CASE("bytes of a TCP stream that are no telegram are said", "[link_complain
   CHECK(said[0].starts_with("15 bytes were left out of a TCP stream, being in no telegram: "));
 }
 
-TEST_CASE("each kind of trouble is said by itself, with what to do", "[link_complaints]") {
+TEST_CASE("each kind of trouble is said by itself, with what to do", "[link_watch]") {
   sweepd::LinkComplaints complaints;
   rsi::Server::Counts counts;
   counts.refused = counts.send_failures = counts.dropped = counts.cut = counts.foreign =
@@ -65,7 +64,7 @@ TEST_CASE("each kind of trouble is said by itself, with what to do", "[link_comp
 }
 
 TEST_CASE("a stream that is not answered is said at once, however soon it follows another",
-          "[link_complaints][issue11][point_1]") {
+          "[link_watch][issue11][point_1]") {
   sweepd::LinkComplaints complaints;
   rsi::Server::Counts counts;
   auto now = std::chrono::steady_clock::time_point(1h);
