@@ -10,7 +10,7 @@
 #include "daemon/page/assets.hpp"
 #include "daemon/page/live_stream.hpp"
 #include "daemon/page/metrics.hpp"
-#include "daemon/page/state_json.hpp"
+#include "daemon/page/page_json.hpp"
 #include "daemon/text/text_layout.hpp"
 #include "rsi/ascii.hpp"
 

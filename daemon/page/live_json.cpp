@@ -1,8 +1,7 @@
-#include "daemon/page/live_json.hpp"
 
 #include <nlohmann/json.hpp>
 
-#include "daemon/page/state_json.hpp"
+#include "daemon/page/page_json.hpp"
 #include "daemon/results/json_parts.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"

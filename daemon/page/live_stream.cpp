@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string_view>
 
-#include "daemon/page/live_json.hpp"
+#include "daemon/page/page_json.hpp"
 
 namespace sweepd {
 namespace {

@@ -1,7 +1,6 @@
-#include "daemon/page/state_json.hpp"
-
 #include <nlohmann/json.hpp>
 
+#include "daemon/page/page_json.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
 #include "daemon/text/utc.hpp"
