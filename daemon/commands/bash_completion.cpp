@@ -1,9 +1,9 @@
-#include "daemon/commands/bash_completion.hpp"
-
 #include <algorithm>
 #include <map>
 #include <string_view>
 #include <vector>
+
+#include "daemon/commands/help_text.hpp"
 
 namespace sweepd {
 

@@ -9,12 +9,9 @@
 #include <poll.h>
 #include <unistd.h>
 
-#include "daemon/commands/bash_completion.hpp"
 #include "daemon/commands/command_options.hpp"
-#include "daemon/commands/command_table.hpp"
 #include "daemon/commands/exit_codes.hpp"
 #include "daemon/commands/help_text.hpp"
-#include "daemon/commands/usage_problem.hpp"
 #include "rsi/ascii.hpp"
 
 namespace sweepd {

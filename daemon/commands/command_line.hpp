@@ -6,7 +6,8 @@
 
 namespace CLI {  // NOLINT(readability-identifier-naming): theirs
 class App;
-}
+class ParseError;
+}  // namespace CLI
 
 namespace sweepd {
 
@@ -34,5 +35,15 @@ class CommandLine {
   std::vector<std::string> arguments_;  // without the program's name
   int exit_code_ = 0;
 };
+
+// Its parts.
+
+/// Adds every command with its options, in the order of the help. Whichever is called leaves its
+/// exit code in `exit_code`; `arguments` are those of the program, as they stand then. Both must
+/// outlive `app`.
+void add_commands(CLI::App& app, const std::vector<std::string>& arguments, int& exit_code);
+
+/// What is wrong with the options of `command`, in this program's words in place of the parser's.
+[[nodiscard]] std::string usage_problem(const CLI::App& command, const CLI::ParseError& problem);
 
 }  // namespace sweepd

@@ -1,10 +1,9 @@
-#include "daemon/commands/command_table.hpp"
-
 #include <memory>
 
 #include <CLI/CLI.hpp>
 
 #include "daemon/commands/check_command.hpp"
+#include "daemon/commands/command_line.hpp"
 #include "daemon/commands/compare_command.hpp"
 #include "daemon/commands/correct_command.hpp"
 #include "daemon/commands/export_command.hpp"

@@ -52,4 +52,8 @@ struct CommandText {
 /// Every key of the settings in the same form, a section for each table.
 [[nodiscard]] std::string settings_text();
 
+/// A script that makes bash complete the program's commands, options, their values where these are
+/// a fixed set, and the names of files and folders.
+[[nodiscard]] std::string bash_completion(const CommandText& program);
+
 }  // namespace sweepd

@@ -10,7 +10,6 @@
 #include "daemon/commands/command_options.hpp"
 #include "daemon/commands/help_text.hpp"
 #include "daemon/commands/outputs.hpp"
-#include "daemon/commands/pose_plan_command.hpp"
 #include "daemon/plan/plan_proposal.hpp"
 #include "daemon/plan/plan_text.hpp"
 #include "daemon/results/result_files.hpp"

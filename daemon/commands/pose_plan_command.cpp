@@ -1,5 +1,3 @@
-#include "daemon/commands/pose_plan_command.hpp"
-
 #include <array>
 #include <stdexcept>
 #include <string>
@@ -11,6 +9,7 @@
 
 #include "daemon/commands/command_options.hpp"
 #include "daemon/commands/outputs.hpp"
+#include "daemon/commands/plan_command.hpp"
 #include "daemon/plan/krl_program.hpp"
 #include "daemon/plan/plan_text.hpp"
 #include "daemon/results/result_files.hpp"

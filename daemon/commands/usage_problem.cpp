@@ -1,11 +1,10 @@
-#include "daemon/commands/usage_problem.hpp"
-
 #include <regex>
 #include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
+#include "daemon/commands/command_line.hpp"
 #include "daemon/commands/help_text.hpp"
 #include "daemon/text/nearest_word.hpp"
 #include "rsi/ascii.hpp"

@@ -1,11 +1,10 @@
-#include "daemon/commands/pose_plan_command.hpp"
-
 #include <cmath>
 #include <sstream>
 
 #include <nlohmann/json.hpp>
 
 #include "daemon/commands/identify_command.hpp"
+#include "daemon/commands/plan_command.hpp"
 #include "daemon/points/csv_file.hpp"
 #include "daemon/settings/toml_table.hpp"
 #include "daemon/text/units.hpp"
