@@ -48,8 +48,4 @@ struct StoredCampaign {
                                                            const RobotPlace& place,
                                                            const std::string& session = {});
 
-/// Brings the tables to what this sweepd knows (migrations.cpp). Any number of programs at once.
-/// Throws DatabaseError, and std::runtime_error where the tables are of a newer sweepd.
-void migrate(Database& database);
-
 }  // namespace sweepd

@@ -72,4 +72,8 @@ class Database {
 /// A list of PostgreSQL, "{1,\"a b\",NULL}".
 [[nodiscard]] std::string sql_list(const std::vector<std::optional<std::string>>& items);
 
+/// Brings the tables to what this sweepd knows (migrations.cpp). Any number of programs at once.
+/// Throws DatabaseError, and std::runtime_error where the tables are of a newer sweepd.
+void migrate(Database& database);
+
 }  // namespace sweepd

@@ -1,7 +1,7 @@
 #include <array>
 #include <string>
 
-#include "daemon/plant/campaign_store.hpp"
+#include "daemon/plant/database.hpp"
 
 namespace sweepd {
 namespace {

@@ -1,4 +1,5 @@
 #include "daemon/krl/krl_position.hpp"
+
 #include "identify/geometry/angle.hpp"
 #include "tests/catch.hpp"
 #include "tests/simulation/robot.hpp"

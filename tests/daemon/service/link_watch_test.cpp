@@ -1,4 +1,5 @@
 #include "daemon/service/link_watch.hpp"
+
 #include "tests/catch.hpp"
 
 using Catch::Matchers::ContainsSubstring;
