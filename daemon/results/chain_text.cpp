@@ -14,7 +14,9 @@ namespace sweepd {
 namespace {
 
 using identify::AngleEvidence;
+using identify::Cause;
 using identify::ChainEstimate;
+using identify::Identification;
 
 std::string fit_text(const ChainEstimate& estimate) {
   const auto& summary = estimate.summary;
@@ -43,9 +45,6 @@ std::string reasons(const std::vector<AngleEvidence>& angles) {
   }
   return text;
 }
-
-using identify::Cause;
-using identify::Identification;
 
 std::string size(Cause cause, const Identification& found) {
   const identify::ChainEstimate& estimate = *found.chain;

@@ -94,8 +94,6 @@ Json replies_json(const LinkReport& report) {
           {"worst_runs_not_in_time", count_places(report.silent_runs, "telegrams")}};
 }
 
-using std::chrono::nanoseconds;
-
 /// The next of 1, 2, 5, 10, 20, 50, …; the longest duration where a number would be too large.
 nanoseconds next_limit(nanoseconds limit, int index) {
   if (limit > nanoseconds::max() / 5) return nanoseconds::max();

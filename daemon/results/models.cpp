@@ -9,6 +9,8 @@
 namespace sweepd {
 namespace {
 
+using Json = nlohmann::ordered_json;
+using identify::KinematicModel;
 using identify::Knowledge;
 using identify::Quantity;
 
@@ -23,11 +25,6 @@ constexpr std::string_view unit(Quantity quantity) {
   }
   return "";
 }
-
-using Json = nlohmann::ordered_json;
-using identify::KinematicModel;
-using identify::Knowledge;
-using identify::Quantity;
 
 void add_numbers(Json& json, const KinematicModel::Group& group) {
   Json by_convention = Json::array();
