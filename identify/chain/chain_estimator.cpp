@@ -145,11 +145,9 @@ class Estimation {
   /// Few decimals of locked joints' angles explain much: a device's noise, too. But a joint that
   /// shakes moves the target as its lever is, and a device's noise is the same wherever it stands.
   [[nodiscard]] bool noise_of_device(const FittedChain& fitted) const {
-    constexpr double kMostOfShaking = 0.5;
     const ChainNoise& noise = fitted.noise;
     return noise.position_mm > kMostQuanta * quantum_.position_mm &&
-           noise.position_mm >
-               kMostOfShaking * noise.locked_rad * reach_mm(fitted.fit.chain, nodes_.known);
+           noise.position_mm > noise.locked_rad * reach_mm(fitted.fit.chain, nodes_.known);
   }
 
   [[nodiscard]] bool by_print_alone(const FittedChain& fitted) const {

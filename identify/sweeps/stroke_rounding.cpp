@@ -20,6 +20,7 @@ namespace {
 constexpr double kWhole = 1.0 / 12;  // variance of what is spread evenly over a step
 /// Of so many steps those where an arc turns back count, and their places are not looked at.
 constexpr double kManySteps = 100;
+constexpr double kOnAStep = 4;  // samples, and more, of a coordinate that goes slowly
 
 /// Shares of all rounding's variance, of numbers within a step; all in squares of steps.
 /// By how little numbers scatter about their smooth curve, 0 to 1.
@@ -113,7 +114,11 @@ std::array<StrokeRounding::Coordinates, StrokeRounding::kOrders> StrokeRounding:
     const double fades = std::exp(-2 * kPi * kPi * noise);
     const double steps = extent(k) / step;
     const double turning = fades / (1 + steps);
-    const double within = followed(k) ? within_a_step(scatter(k) / squared, samples) : 0;
+    // Where many samples lie on each step, their curve shows the places within it, the better the
+    // more steps it passes.
+    const bool slow = kOnAStep * steps < samples;
+    const double hidden = !followed(k) ? 0 : slow ? std::min(1.0, 2 / (steps * steps)) : 1;
+    const double within = hidden * within_a_step(scatter(k) / squared, samples);
     const double same = followed(k) ? alike(uneven(k) / squared) : 0;
     for (std::size_t order = 0; order < kOrders; ++order) {
       // Of an even way of n steps, with any phase and n: (2l+1)^2 (6 / pi^2) / 2 (pi n)^2.

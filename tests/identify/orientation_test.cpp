@@ -45,25 +45,6 @@ std::vector<Sample> as_printed(const test::Campaign& campaign, const Matrix3d& t
   return samples;
 }
 
-/// Of all numbers that are identified, in standard uncertainties.
-std::vector<double> errors_in_sigmas(const simulation::Simulation& of,
-                                     const Identification& found) {
-  std::vector<double> errors;
-  const auto truth = simulation::true_table(of, found.dh, found.home_rad);
-  for (std::size_t j = 0; j < found.dh.size(); ++j) {
-    const auto add = [&](const DhNumber& number, double off) {
-      if (number.knowledge == Knowledge::identified) errors.push_back(off / number.sigma);
-    };
-    const DhEstimate& row = found.dh[j];
-    add(row.b_mm, row.b_mm.value - truth[j].b_mm);
-    add(row.a_mm, row.a_mm.value - truth[j].a_mm);
-    add(row.theta_rad, wrapped(row.theta_rad.value - truth[j].theta_rad));
-    add(row.alpha_rad, wrapped(row.alpha_rad.value - truth[j].alpha_rad));
-    add(row.beta_rad, row.beta_rad.value - truth[j].beta_rad);
-  }
-  return errors;
-}
-
 const Matrix3d kTool =
     (Eigen::AngleAxisd(0.3, Vector3d::UnitZ()) * Eigen::AngleAxisd(-0.5, Vector3d::UnitY()))
         .toRotationMatrix();
@@ -190,7 +171,7 @@ TEST_CASE("what rounding takes away and no sample shows is in the uncertainties"
     const auto found = identify::identify(arm.sweeps(), arm.campaign());
     REQUIRE(found.chain);
     CHECK(found.chain->with_orientation);
-    for (const double z : errors_in_sigmas(arm, found)) {
+    for (const double z : simulation::errors_in_sigmas(arm, found)) {
       squares += z * z;
       inside += std::abs(z) < 1.96;
       ++numbers;
@@ -215,5 +196,5 @@ TEST_CASE("a tool point within a millimetre of axis 6 makes no number more certa
   const simulation::Simulation simulation(robot, {}, world, seed);
   const auto found = identify::identify(simulation.sweeps(), simulation.campaign());
   if (found.status != Status::complete) return;
-  for (const double z : errors_in_sigmas(simulation, found)) CHECK(std::abs(z) < 6);
+  for (const double z : simulation::errors_in_sigmas(simulation, found)) CHECK(std::abs(z) < 6);
 }

@@ -244,7 +244,7 @@ TEST_CASE("a device that was moved between two sweeps is told from joints that s
   CHECK(identify::identify(loose.sweeps(), loose.campaign()).status == Status::complete);
 }
 
-TEST_CASE("a small step of the device between two joints is a doubt, and scatter is none",
+TEST_CASE("a small step of the device between two joints is told, and scatter is not",
           "[plausibility][long]") {
   const std::size_t first = GENERATE(1U, 2U, 5U);  // that the moved device saw
   const bool back = GENERATE(false, true);
@@ -260,7 +260,14 @@ TEST_CASE("a small step of the device between two joints is a doubt, and scatter
     const auto found =
         identify::identify(changed(simulation.sweeps(), bumped), simulation.campaign());
     INFO("seed " << seed << ": " << found.reason);
-    CHECK(found.status == Status::doubtful);
+    // The chain allows for it, unless a single joint's circle makes it look larger.
+    auto told = found.warnings;
+    told.insert(told.end(), found.doubts.begin(), found.doubts.end());
+    CHECK(std::any_of(told.begin(), told.end(), [](const Warning& one) {
+      return one.code == "device_moved" || one.code == "off_home";
+    }));
+    CHECK((first == 1 || found.status == Status::complete));
+    for (const double z : simulation::errors_in_sigmas(simulation, found)) CHECK(std::abs(z) < 4.5);
     for (const double home_deg : {0.002, 0.01}) {
       World scattered = tracker(true);
       scattered.home.sigma_deg = home_deg;
@@ -527,6 +534,36 @@ TEST_CASE("sweeps from two homes without angles are one doubt that asks for the 
   REQUIRE(doubts.size() == 1);
   CHECK_FALSE(doubts.front()->joint);
   CHECK_THAT(doubts.front()->message, ContainsSubstring("Give the angles of all joints"));
+}
+
+TEST_CASE("where neither angles nor plan nor table tell the senses, none is taken for certain",
+          "[plausibility]") {
+  const Simulation simulation(some_kr5(4), {}, tracker(false), 4);
+  auto campaign = simulation.campaign();
+  campaign.specified.reset();
+  const auto unknown = [](Sweep& sweep, std::vector<Sample>&) { sweep.direction = 0; };
+  const auto found = identify::identify(changed(simulation.sweeps(), unknown), campaign);
+  CHECK(found.status == Status::partial);
+  const Warning* warning = find_warning(found, "direction_ambiguous");
+  REQUIRE(warning != nullptr);
+  CHECK_THAT(warning->message, ContainsSubstring("joints 1, 2, 3, 4, 5, 6 turn"));
+  CHECK(identify::identify(simulation.sweeps(), campaign).status == Status::complete);
+}
+
+TEST_CASE("positions of no robot's size are a doubt, without a table, too", "[plausibility]") {
+  const double factor = GENERATE(1e-3, 1e3);
+  World world = tracker(true);
+  world.noise.range_mm = world.noise.across_mm = 0.001;
+  const Simulation simulation(some_kr5(4), {}, world, 4);
+  auto campaign = simulation.campaign();
+  campaign.specified.reset();
+  const auto scaled = [&](Sweep&, std::vector<Sample>& samples) {
+    for (Sample& sample : samples) sample.position_mm *= factor;
+  };
+  const auto found = identify::identify(changed(simulation.sweeps(), scaled), campaign);
+  CHECK(found.status == Status::doubtful);
+  CHECK(std::any_of(found.doubts.begin(), found.doubts.end(),
+                    [](const Warning& doubt) { return doubt.code == "unit_factor"; }));
 }
 
 TEST_CASE("angles that do not belong to the arc are a doubt", "[plausibility]") {

@@ -91,4 +91,23 @@ std::vector<identify::DhRow> true_table(const Simulation& simulation,
   return table;
 }
 
+std::vector<double> errors_in_sigmas(const Simulation& simulation,
+                                     const identify::Identification& found) {
+  using identify::wrapped;
+  std::vector<double> errors;
+  const auto truth = true_table(simulation, found.dh, found.home_rad);
+  for (std::size_t j = 0; j < found.dh.size(); ++j) {
+    const auto add = [&](const identify::DhNumber& number, double off) {
+      if (number.knowledge == identify::Knowledge::identified) errors.push_back(off / number.sigma);
+    };
+    const identify::DhEstimate& row = found.dh[j];
+    add(row.b_mm, row.b_mm.value - truth[j].b_mm);
+    add(row.a_mm, row.a_mm.value - truth[j].a_mm);
+    add(row.theta_rad, wrapped(row.theta_rad.value - truth[j].theta_rad));
+    add(row.alpha_rad, wrapped(row.alpha_rad.value - truth[j].alpha_rad));
+    add(row.beta_rad, row.beta_rad.value - truth[j].beta_rad);
+  }
+  return errors;
+}
+
 }  // namespace simulation

@@ -16,4 +16,8 @@ namespace simulation {
     const Simulation& simulation, const std::vector<identify::DhEstimate>& found,
     const std::vector<std::optional<double>>& home_rad);
 
+/// Of all numbers that are identified, in standard uncertainties.
+[[nodiscard]] std::vector<double> errors_in_sigmas(const Simulation& simulation,
+                                                   const identify::Identification& found);
+
 }  // namespace simulation

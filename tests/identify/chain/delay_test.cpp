@@ -72,6 +72,40 @@ TEST_CASE("a delay is found to 0.1 ms and within its uncertainty, and no gear is
   CHECK(std::sqrt(squares / kRuns) < 1.8);
 }
 
+TEST_CASE("a delay is taken out of the sweeps from every home, and accuses no gear", "[delay]") {
+  const auto late_s = GENERATE(0.1, 0.5);
+  CAPTURE(late_s);
+  Strokes strokes = both_ways(0.1);
+  strokes.homes = 2;
+  const Simulation simulation(some_robot(false, 3), strokes, tracker_with_angles(late_s), 3);
+  const auto found = identify::identify(simulation.sweeps(), simulation.campaign());
+  REQUIRE(found.delay);
+  CHECK(found.delay->late_s == Approx(late_s).margin(1e-4));
+  CHECK_FALSE(accuses_gears(found));
+  REQUIRE(found.chain);
+  for (const AngleEvidence& angles : found.chain->angles) {
+    CHECK(angles.trust != AngleTrust::free);
+    // All joints' play hangs on how late the angles are.
+    CHECK(std::abs(angles.backlash_rad) < 4 * angles.backlash_sigma_rad);
+  }
+}
+
+TEST_CASE("what is said of play knows how uncertain a delay is", "[delay][long]") {
+  double squares = 0;
+  int count = 0;
+  for (std::uint32_t seed = 1; seed <= 8; ++seed) {
+    const Simulation simulation(some_robot(false, seed), both_ways(0.1), tracker_with_angles(0.1),
+                                seed);
+    const auto found = identify::identify(simulation.sweeps(), simulation.campaign());
+    REQUIRE(found.chain);
+    for (const AngleEvidence& angles : found.chain->angles) {
+      squares += std::pow(angles.backlash_rad / angles.backlash_sigma_rad, 2);
+      ++count;
+    }
+  }
+  CHECK(std::sqrt(squares / count) < 1.5);
+}
+
 TEST_CASE("gears that err and outliers do not pass for a delay", "[delay]") {
   const auto seed = GENERATE(1U, 2U, 3U);
   auto world = tracker_with_angles(0.1);

@@ -115,6 +115,36 @@ TEST_CASE("Uncertainties hold where a joint goes on by whole steps of its printe
   CHECK(rms < 1.2);
 }
 
+TEST_CASE("Uncertainties hold for telegrams of an arm whose axes lie along the frame's",
+          "[effect_sizes][stroke_rounding][long]") {
+  simulation::World world;
+  world.controller = world.orientations = world.angles = true;
+  world.decimals = GENERATE(1, 2, 3);
+  world.wobble_deg = GENERATE(0.0, 0.0005);
+  CAPTURE(*world.decimals, world.wobble_deg);
+  simulation::Strokes how;
+  how.samples = 300;
+  std::vector<Simulation> campaigns;  // from the paper's home, of whole degrees
+  for (std::uint32_t seed = 1; seed <= 6; ++seed)
+    campaigns.emplace_back(simulation::built(simulation::kr5(), seed), how, world, seed);
+  CHECK(rms_z(campaigns) < 1.2);
+}
+
+TEST_CASE("A device's positions beside angles of few decimals are not taken for the controller's",
+          "[effect_sizes][long]") {
+  simulation::World world = seen_with_angles();
+  world.decimals = GENERATE(1, 2);
+  world.home.sigma_deg = 0.005;
+  simulation::Strokes how;
+  how.samples = 300;
+  how.there_and_back = true;
+  const auto campaigns = campaigns_of(4, how, world);
+  CHECK(rms_z(campaigns) < 1.3);
+  const auto found = identify::identify(campaigns.front().sweeps(), campaigns.front().campaign());
+  for (const AngleEvidence& angles : found.chain->angles)
+    CHECK(angles.trust != AngleTrust::trusted);
+}
+
 TEST_CASE("Uncertainties hold where one joint alone does not stay where it was locked",
           "[effect_sizes][uneven_joints][long]") {
   simulation::World world = seen_without_angles();

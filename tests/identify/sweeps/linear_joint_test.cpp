@@ -361,6 +361,26 @@ TEST_CASE("Of three slides the directions are identified, and no length", "[line
   }
 }
 
+TEST_CASE("A linear joint whose mm come late is no doubt", "[linear_joint]") {
+  constexpr double kLate_s = 0.3;
+  const Arm nominal = scara();
+  auto sweeps = scara_sweeps_both_ways(as_built(nominal, 2), {0, 0.02, 2});
+  for (Sweep& sweep : sweeps) {
+    auto samples = *sweep.samples;
+    std::size_t then = 0;
+    for (Sample& sample : samples) {
+      while ((*sweep.samples)[then].time_s < sample.time_s - kLate_s) ++then;
+      sample.angles_rad[*sweep.joint] = (*sweep.samples)[then].angles_rad[*sweep.joint];
+    }
+    sweep.samples = std::make_shared<const std::vector<Sample>>(std::move(samples));
+  }
+  const auto found = identify::identify(sweeps, for_arm(nominal));
+  REQUIRE(found.delay);
+  CHECK(found.delay->late_s == Approx(kLate_s).margin(0.01));
+  CHECK(found.doubts.empty());
+  CHECK(found.status == Status::complete);
+}
+
 TEST_CASE("Numbers of arms with linear joints are as uncertain as stated", "[linear_joint][long]") {
   struct Kind {
     std::string name;
