@@ -228,7 +228,10 @@ class Adviser {
       }
     }
     const double swing = highest - lowest;
-    if (swing <= std::max(kLeastCurve_rad, 2 * kAdviceSigmas * seen.center_sigma_rad)) return;
+    // At an even speed rounding, too, may go on smoothly, by a step in all.
+    if (swing <= std::max({kLeastCurve_rad, campaign_.resolution.angle_rad,
+                           2 * kAdviceSigmas * seen.center_sigma_rad}))
+      return;
     warn("transmission_error", j,
          "its angles are off by a smooth curve of " + arcsec(swing) + " from lowest to highest (" +
              brief(swing * joint.circle->radius_mm) + " mm at the target) between " +

@@ -33,7 +33,7 @@ class Estimation {
     nodes_ = chain_nodes(circles_, axes_, campaign_.resolution);
     if (nodes_.strokes.empty()) return std::nullopt;
     const double correlation = correlation_of(nodes_.strokes);
-    for (StrokeMoments& stroke : nodes_.strokes) stroke.correlation = correlation;
+    for (StrokeMoments& stroke : nodes_.strokes) stroke.correlation *= correlation;
     Chain start;
     for (const auto& axis : axes_) start.axes.push_back(axis.value_or(ChainAxis{}));
     start.up = up_in(start).value_or(Vector3d::Zero());

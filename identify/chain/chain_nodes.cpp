@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <numeric>
+#include <unordered_set>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -213,6 +215,39 @@ bool like(const StrokeContent& made, const StrokeContent& wanted) {
          made.orientation == wanted.orientation && made.linear == wanted.linear;
 }
 
+/// Of printed positions, those that a joint's strokes had. A stroke whose samples fall on the very
+/// places of those before it is rounded as they are, and tells nothing that they do not.
+class KnownPlaces {
+ public:
+  /// Which share of the stroke's places is new; from then on none of them is.
+  double share_of_new(const Sweep& sweep) {
+    constexpr double kLeast = 1e-3;
+    const auto places = places_of(sweep);
+    std::size_t news = 0;
+    for (const std::size_t place : places) news += known_.insert(place).second ? 1 : 0;
+    if (places.empty()) return 1;
+    return std::max(kLeast, static_cast<double>(news) / static_cast<double>(places.size()));
+  }
+
+ private:
+  /// A number for each place of this joint and target.
+  static std::vector<std::size_t> places_of(const Sweep& sweep) {
+    constexpr std::size_t kSpread = 0x9e3779b97f4a7c15;
+    std::vector<std::size_t> places;
+    for (const Sample& sample : *sweep.samples) {
+      if (!sample.has_position) continue;
+      std::size_t place = kMostJoints * sweep.target + *sweep.joint;
+      for (const double value : sample.position_mm)
+        place = place * kSpread + std::hash<double>()(value);
+      places.push_back(place);
+    }
+    std::sort(places.begin(), places.end());
+    places.erase(std::unique(places.begin(), places.end()), places.end());
+    return places;
+  }
+  std::unordered_set<std::size_t> known_;
+};
+
 }  // namespace
 
 ChainNodes nodes_of(std::vector<StrokeMoments> strokes,
@@ -252,6 +287,7 @@ ChainNodes chain_nodes(const CircleEstimate& circles,
     }
   auto home = circles.home_rad;
   home.resize(joints);
+  KnownPlaces known_places;
   std::vector<StrokeMoments> strokes;
   for (const ChainSweep& one : sweeps) {
     const StrokeContent content{one.joint, with_angles ? joints : 0, with_orientation,
@@ -260,6 +296,7 @@ ChainNodes chain_nodes(const CircleEstimate& circles,
     if (!stroke) continue;
     // A joint that was never seen locked is at home where its first sweep begins.
     if (with_angles && !home[one.joint]) home[one.joint] = one.sweep->first().angles_rad[one.joint];
+    if (printed.position_mm > 0) stroke->correlation /= known_places.share_of_new(*one.sweep);
     strokes.push_back(std::move(*stroke));
     if (const auto& repeats = one.sweep->repeats; repeats && like(repeats->content, content)) {
       const StrokeRounding rounding = strokes.back().rounding;

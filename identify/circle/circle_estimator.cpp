@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "identify/circle/circle_estimate.hpp"
+#include "identify/circle/joint_motion.hpp"
 #include "identify/dh/axis_senses.hpp"
 #include "identify/dh/dh_comparison.hpp"
 #include "identify/dh/placed_axes.hpp"
@@ -22,16 +23,6 @@ namespace {
 
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
-
-constexpr auto kInRadians =
-    ": its target turned 57 times as far as told: name the angles' columns a1_rad and so on";
-/// Whether a stroke is short only because its angles are read as degrees.
-bool in_radians(const Sweep& sweep) {
-  if (sweep.defect != SweepDefect::too_short) return false;
-  const auto circle = fit_circle(positions(*sweep.samples));
-  return circle && std::abs(circle->arc_rad * kDegree / sweep.range_rad - 1) < 0.05 &&
-         circle->radial_rms_mm < 0.01 * circle->radius_mm * (1 - std::cos(circle->arc_rad / 2));
-}
 
 /// One identification under way.
 class Circles {
@@ -98,8 +89,8 @@ class Circles {
              joint_name(j) +
                  ": the other joints stood elsewhere than in the other "
                  "sweeps: lock them at one common home pose");
-      else if (std::ranges::any_of(sweeps_, [&](auto& s) { return s.joint == j && in_radians(s); }))
-        warn("angles_in_radians", j, joint_name(j) + kInRadians);
+      else if (auto mistake = mistold_of(j))
+        result_.warnings.push_back(*std::move(mistake));
       else if (worst != SweepDefect::none)
         warn(code(worst), j, joint_name(j) + ": " + std::string(remedy(worst, joint.linear)));
       else
@@ -258,9 +249,10 @@ class Circles {
       for (const auto& other : senses.others)
         others.push_back(
             placed_table(turned(with(other)), result_.specified, size_by_circles_mm(result_)));
-      tell_ambiguous(senses.ambiguous, differing_numbers(best, others) +
-                                           "; record joint angles, or give the plan that was run "
-                                           "and the home pose");
+      result_.doubt = unknown(senses.ambiguous);
+      warn("direction_ambiguous", senses.ambiguous.front(),
+           result_.doubt + ": " + differing_numbers(best, others) +
+               "; record joint angles, or give the plan that was run and the home pose");
     }
     for (const std::size_t j : senses.against) result_.joints[j].against_plan = true;
     tell_against_plan();
@@ -268,24 +260,30 @@ class Circles {
     for (std::size_t j = 0; j < campaign_.joints; ++j) result_.joints[j].axis = positive[j];
   }
 
-  void tell_ambiguous(const std::vector<std::size_t>& joints, const std::string& then) {
-    result_.doubt = "nothing tells which way " + joints_named(joints) +
-                    (joints.size() > 1 ? " turn" : " turns");
-    warn("direction_ambiguous", joints.front(), result_.doubt + ": " + then);
+  [[nodiscard]] std::optional<Warning> mistold_of(std::size_t j) const {
+    for (const Sweep& sweep : sweeps_)
+      if (sweep.joint == j)
+        if (auto mistake = mistold(sweep)) return mistake;
+    return std::nullopt;
   }
 
-  /// Without a table to agree with.
+  static std::string unknown(const std::vector<std::size_t>& joints) {
+    return "nothing tells which way " + joints_named(joints) +
+           (joints.size() > 1 ? " turn" : " turns");
+  }
+
+  /// Without a table to agree with, which would be the wrong one the other way.
   void tell_unknown_senses() {
     std::vector<std::size_t> joints;
     for (std::size_t j = 0; j < result_.joints.size(); ++j)
       if (result_.joints[j].axis && result_.joints[j].sense_by == SenseBy::nothing)
         joints.push_back(j);
     if (joints.empty()) return;
-    tell_ambiguous(
-        joints,
-        "the way that each moved first is taken. The other way, b and alpha change their "
-        "signs, and theta is half a turn off; record joint angles, name the robot, or "
-        "give the plan that was run");
+    warn("direction_ambiguous", joints.front(),
+         unknown(joints) +
+             ": each is taken to turn the way that it moved first. The other way, b and alpha "
+             "change their signs, and theta is half a turn off; record joint angles, name the "
+             "robot, or give the plan that was run");
   }
 
   /// Plan and description tell two robots, whose axes turn one way and the other.

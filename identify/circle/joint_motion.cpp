@@ -110,6 +110,32 @@ std::optional<JointMotion> joint_motion(const JointResult& joint) {
   return JointMotion{median_of(std::move(speeds)), median_of(std::move(steps))};
 }
 
+std::optional<Warning> mistold(const Sweep& sweep) {
+  constexpr double kTurned_rad = 5 * kDegree;
+  if (sweep.defect != SweepDefect::too_short || !sweep.joint) return std::nullopt;
+  const std::size_t joint = *sweep.joint;
+  const auto circle = fit_circle(positions(*sweep.samples));
+  if (circle && std::abs(circle->arc_rad * kDegree / sweep.range_rad - 1) < 0.05 &&
+      circle->radial_rms_mm < 0.01 * circle->radius_mm * (1 - std::cos(circle->arc_rad / 2)))
+    return Warning{"angles_in_radians", joint,
+                   joint_name(joint) +
+                       ": its target turned 57 times as far as told: name the "
+                       "angles' columns a1_rad and so on"};
+  for (std::size_t k = 0; k < sweep.first().joints; ++k) {
+    const auto [least, most] = std::minmax_element(
+        sweep.samples->begin(), sweep.samples->end(),
+        [k](const Sample& a, const Sample& b) { return a.angles_rad[k] < b.angles_rad[k]; });
+    const double turned = most->angles_rad[k] - least->angles_rad[k];
+    if (k != joint && turned > kTurned_rad)
+      return Warning{"joints_exchanged", joint,
+                     joint_name(joint) + ": while it is said to sweep, the angle of " +
+                         joint_name(k) + " turns by " + fixed(turned / kDegree, 1) +
+                         "°: the numbers of the joints or the columns of their angles are "
+                         "exchanged, or both joints moved"};
+  }
+  return std::nullopt;
+}
+
 std::optional<Warning> hidden_motion(const CircleEstimate& found, const MotionLimit& limit) {
   if (!limit.by_noise()) return std::nullopt;
   const double clearly_mm_s = kClearlySeen * limit.slowest_mm_s;

@@ -33,6 +33,10 @@ struct JointMotion {
 /// noise does not look like motion. Nothing without such a sweep.
 [[nodiscard]] std::optional<JointMotion> joint_motion(const JointResult& joint);
 
+/// What makes a stroke short that was swept: angles that are read in another unit, or that are
+/// another joint's.
+[[nodiscard]] std::optional<Warning> mistold(const Sweep& sweep);
+
 /// Which sweeps noise may have hidden, wholly or in part, and what to do. Nothing where noise does
 /// not set the limit, or all joints were swept clearly faster and have an axis.
 [[nodiscard]] std::optional<Warning> hidden_motion(const CircleEstimate& found,

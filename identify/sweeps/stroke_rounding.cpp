@@ -121,8 +121,9 @@ std::array<StrokeRounding::Coordinates, StrokeRounding::kOrders> StrokeRounding:
     const double within = hidden * within_a_step(scatter(k) / squared, samples);
     const double same = followed(k) ? alike(uneven(k) / squared) : 0;
     for (std::size_t order = 0; order < kOrders; ++order) {
-      // Of an even way of n steps, with any phase and n: (2l+1)^2 (6 / pi^2) / 2 (pi n)^2.
-      const double even = std::pow((2.0 * static_cast<double>(order) + 1) / (kPi * steps), 2) * 0.3;
+      // Of an even way of n steps, with any phase and n: 3 (2l+1)^2 / pi^4 n^2.
+      const double legendre = 2 * static_cast<double>(order) + 1;
+      const double even = 3 * std::pow(legendre / (kPi * kPi * steps), 2);
       const double least = order == 0    ? turning
                            : followed(k) ? fades * std::min(kOfOneTooth[order], even)
                            : order == 1  ? turning * (1 - turning) / 3

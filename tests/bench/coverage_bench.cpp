@@ -53,8 +53,8 @@ Outcome run(const Case& what, const Cell& cell, std::uint32_t seed) {
   simulation::Strokes strokes = what.strokes;
   strokes.arc_deg = cell.arc_deg;
   strokes.samples = cell.samples;
-  const simulation::Simulation simulation(robot_of(cell.arm, what.targets, seed), strokes,
-                                          what.world, seed);
+  const simulation::Simulation simulation(robot_of(cell.arm, what.targets, seed, what.as_drawn),
+                                          strokes, what.world, seed);
   auto sweeps = simulation.sweeps();
   if (what.kept < 1) {
     double memory = 0;

@@ -68,7 +68,8 @@ std::vector<Case> cases() {
   std::vector<Case> all;
   const auto add = [&](std::string name, std::string about, const World& world,
                        Strokes strokes = {}, std::size_t targets = 1, Aim aim = {}) {
-    all.push_back({std::move(name), std::move(about), world, std::move(strokes), targets, aim, 1});
+    all.push_back(
+        {std::move(name), std::move(about), world, std::move(strokes), targets, aim, 1, false});
   };
   Strokes back;
   back.there_and_back = true;
@@ -92,6 +93,20 @@ std::vector<Case> cases() {
           "a controller's telegrams of " + std::to_string(decimals) + " decimals, " +
               (wobble ? "servo wobble 0.0005 deg" : "no wobble"),
           telegrams(decimals, wobble));
+  for (const int decimals : {4, 3, 2, 1}) {
+    add("aligned_" + std::to_string(decimals),
+        "the same, wobble, at home as drawn, where axes lie along the frame's",
+        telegrams(decimals, true));
+    all.back().as_drawn = true;
+  }
+  for (const int decimals : {3, 2, 1}) {
+    world = with_angles();
+    world.decimals = decimals;
+    world.home.sigma_deg = 0.002;
+    add("angles_" + std::to_string(decimals),
+        "a device beside angles of " + std::to_string(decimals) + " decimals, 0.002 deg", world,
+        back);
+  }
   for (const auto& [name, sigma] :
        {std::pair("0005", 0.0005), std::pair("002", 0.002), std::pair("005", 0.005)}) {
     const std::string what = "locked joints off by 0." + std::string(name) + " deg each stroke";
@@ -238,10 +253,12 @@ const std::vector<std::string>& all_arms() {
   return kAll;
 }
 
-simulation::Robot robot_of(const std::string& arm, std::size_t targets, std::uint32_t seed) {
+simulation::Robot robot_of(const std::string& arm, std::size_t targets, std::uint32_t seed,
+                           bool as_drawn) {
   if (arm == "paper") return simulation::kr5(targets);
   const auto robot = arm == "iiwa" ? simulation::iiwa(targets) : simulation::kr5(targets);
-  return simulation::at_random_home(simulation::built(robot, seed), seed);
+  const auto built = simulation::built(robot, seed);
+  return as_drawn ? built : simulation::at_random_home(built, seed);
 }
 
 }  // namespace coverage

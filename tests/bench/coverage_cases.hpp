@@ -27,7 +27,8 @@ struct Case {
   simulation::Strokes strokes;
   std::size_t targets = 1;
   Aim aim;
-  double kept = 1;  ///< share of the sweeps that a stream has memory for
+  double kept = 1;        ///< share of the sweeps that a stream has memory for
+  bool as_drawn = false;  ///< from the description's home, whose axes lie along the frame's
 };
 
 [[nodiscard]] const std::vector<Case>& all_cases();
@@ -35,6 +36,6 @@ struct Case {
 [[nodiscard]] const std::vector<std::string>& all_arms();
 /// As built, at a random home; the paper's KR 5 is the specified one at the paper's home.
 [[nodiscard]] simulation::Robot robot_of(const std::string& arm, std::size_t targets,
-                                         std::uint32_t seed);
+                                         std::uint32_t seed, bool as_drawn = false);
 
 }  // namespace coverage

@@ -223,7 +223,7 @@ TEST_CASE("what cannot be compared is refused with a reason", "[compare_command]
   SECTION("without some axes") {
     results.write("b", sweepd::test::partial_outcome());
     CHECK_THAT(results.refusal(), ContainsSubstring("does not know enough of the table (no "
-                                                    "axis for joint 3, 5, 6)"));
+                                                    "axis for joints 3, 5, 6)"));
   }
   SECTION("with axes open, by a sweepd that did not tell senses") {
     other = without_last_axis(other);

@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <random>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "identify/geometry/angle.hpp"
 #include "tests/catch.hpp"
@@ -219,6 +223,29 @@ TEST_CASE("strokes that are short because radians were taken for degrees are tol
   CHECK(find_warning(result, "angles_in_radians")->joint == 0u);
   REQUIRE(find_warning(result, "sweep_too_short"));
   CHECK(find_warning(result, "sweep_too_short")->joint == 1u);
+}
+
+TEST_CASE(
+    "strokes that are short because another joint's angles were given are told from short ones",
+    "[circle_estimator]") {
+  test::Campaign campaign(test::kr5_arc());
+  campaign.sweep_all_90();
+  auto sweeps = segment(campaign.samples());
+  for (Sweep& sweep : sweeps) {
+    auto samples = *sweep.samples;
+    for (Sample& sample : samples) std::swap(sample.angles_rad[1], sample.angles_rad[2]);
+    sweep.samples = std::make_shared<const std::vector<Sample>>(std::move(samples));
+    if (sweep.joint != 1U && sweep.joint != 2U) continue;
+    sweep.range_rad = 0;
+    sweep.defect = SweepDefect::too_short;
+  }
+  const auto result = identify::identify(sweeps, for_kr5());
+  CHECK(result.status == Status::partial);
+  const Warning* warning = find_warning(result, "joints_exchanged");
+  REQUIRE(warning != nullptr);
+  CHECK(warning->joint == 1U);
+  CHECK(warning->message.find("the angle of joint 3 turns by") != std::string::npos);
+  CHECK(find_warning(result, "sweep_too_short") == nullptr);
 }
 
 TEST_CASE("a target on an axis is said and gives no axis", "[circle_estimator]") {
