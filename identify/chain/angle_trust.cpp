@@ -101,6 +101,7 @@ class Curves {
           if (static_cast<std::size_t>(k) != nodes.strokes[nodes.units[u].front()].content.joint)
             variances_[u](k) += effects.offset_rad * effects.offset_rad;
     units_.assign(nodes.units.size(), ErrorCurve::Stroke(columns_.own));
+    errors_.assign(nodes.known.size(), 0.0);
   }
 
   /// Of the angle alone.
@@ -114,6 +115,7 @@ class Curves {
   double add_with_effects(const SeenNode& at, double error_rad, double quantum_rad) {
     const double correlation = nodes_.strokes[at.stroke].correlation;
     if (columns_.own == 0) {
+      errors_[at.seen.joint] += at.seen.weight;
       add(at, error_rad, 1 / ((at.sigma * at.sigma + quantum_rad * quantum_rad) * correlation));
       return 0;
     }
@@ -123,9 +125,11 @@ class Curves {
     const Vector3d along = by_turn.normalized();
     const double figure_mm = effects_.figure_mm() * effects_.figure_times_of(at.seen.joint);
     const double across = figure_mm * figure_mm * nodes_.strokes[at.stroke].weight / correlation;
+    const Eigen::Matrix3d noise =
+        at.weight.inverse() + quantum_rad * quantum_rad * by_turn * by_turn.transpose();
     const Eigen::Matrix3d covariance =
-        at.weight.inverse() + quantum_rad * quantum_rad * by_turn * by_turn.transpose() +
-        across * (Eigen::Matrix3d::Identity() - along * along.transpose());
+        noise + across * (Eigen::Matrix3d::Identity() - along * along.transpose());
+    errors_[at.seen.joint] += at.seen.weight * (covariance.inverse() * noise).trace();
     const Eigen::MatrixXd by_effects =
         own_effects<3>(columns_, at.pose.by_turn, nodes_.known, at.seen, at.place);
     of(at).add(at.seen.turns[at.seen.joint], at.seen.falling, at.seen.weight,
@@ -134,8 +138,9 @@ class Curves {
     const Vector3d projected = at.weight * by_turn / by_turn.dot(at.weight * by_turn);
     return (by_effects * projected).cwiseAbs2().dot(variances_[unit_[at.stroke]]);
   }
-  /// How many errors a sample has in add_with_effects().
-  [[nodiscard]] double errors_a_sample() const { return columns_.own == 0 ? 1 : 3; }
+  /// How many errors of the noise add_with_effects() had of a joint: up to three a sample, fewer
+  /// where a figure hides those across the motion.
+  [[nodiscard]] double errors_of(std::size_t joint) const { return errors_[joint]; }
 
   /// One a joint.
   [[nodiscard]] std::vector<ErrorCurve> sums(std::size_t joints) const {
@@ -161,6 +166,7 @@ class Curves {
   std::vector<std::size_t> unit_;  ///< of each stroke
   std::vector<Eigen::VectorXd> variances_;
   std::vector<ErrorCurve::Stroke> units_;
+  std::vector<double> errors_;  ///< one a joint
 };
 
 }  // namespace
@@ -209,7 +215,7 @@ std::vector<AngleEvidence> seen_angle_errors(const Chain& chain, const ChainNode
         rms(errors.squares() - errors.fit(ErrorCurve::kSmooth).explained, errors.samples());
     found.expected_rms_rad = rms(expected[j], errors.samples());
     const ErrorCurve& against = weighed_sums[j];
-    const double samples = weighed.errors_a_sample() * against.samples() / correlation_of(nodes, j);
+    const double samples = weighed.errors_of(j) / correlation_of(nodes, j);
     const auto smooth = against.fit(ErrorCurve::kSmooth);
     const auto wiggly = against.fit(ErrorCurve::kSmooth + ErrorCurve::kHigher);
     const double left = std::max(0.0, against.squares() - smooth.explained);

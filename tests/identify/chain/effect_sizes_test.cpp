@@ -155,6 +155,25 @@ TEST_CASE("A device's positions beside angles of few decimals are not taken for 
   CHECK(test::find_warning(found, "transmission_error") == nullptr);
 }
 
+TEST_CASE("Perfect gears show no pattern where a figure may hide what is seen across the motion",
+          "[effect_sizes][angle_trust][long]") {
+  simulation::Strokes how;
+  how.samples = 300;
+  how.there_and_back = GENERATE(false, true);
+  double sum = 0;
+  int count = 0;
+  for (const Simulation& campaign : campaigns_of(6, how, seen_with_angles())) {
+    const auto found = identify::identify(campaign.sweeps(), campaign.campaign());
+    REQUIRE(found.chain);
+    for (const AngleEvidence& angles : found.chain->angles) {
+      CHECK(angles.trust == AngleTrust::smooth);
+      sum += angles.remainder_coherence;
+      ++count;
+    }
+  }
+  CHECK(sum / count == Approx(1).margin(0.25));
+}
+
 TEST_CASE("Uncertainties hold where one joint alone does not stay where it was locked",
           "[effect_sizes][uneven_joints][long]") {
   simulation::World world = seen_without_angles();
