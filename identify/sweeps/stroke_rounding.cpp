@@ -21,6 +21,10 @@ constexpr double kWhole = 1.0 / 12;  // variance of what is spread evenly over a
 /// Of so many steps those where an arc turns back count, and their places are not looked at.
 constexpr double kManySteps = 100;
 constexpr double kOnAStep = 4;  // samples, and more, of a coordinate that goes slowly
+/// Where a coordinate stays to the last digit, it most likely does not move at all, as along an
+/// axis that lies along the frame's. This share of what may be hidden counts: errors of such arms
+/// are then within 1.05 of what they are where none counts.
+constexpr double kMayMove = 0.1;
 
 /// Shares of all rounding's variance, of numbers within a step; all in squares of steps.
 /// By how little numbers scatter about their smooth curve, 0 to 1.
@@ -128,9 +132,11 @@ std::array<StrokeRounding::Coordinates, StrokeRounding::kOrders> StrokeRounding:
                            : followed(k) ? fades * std::min(kOfOneTooth[order], even)
                            : order == 1  ? turning * (1 - turning) / 3
                                          : 0;
+      // What goes on by whole steps, nearly, is bent as its places say.
+      const double tooth = order < 2 || slow ? kOfOneTooth[order] * within : 0;
+      const double moves = order > 0 && steps == 0 ? kMayMove : 1;
       variances[order](k) =
-          kWhole * squared *
-          std::max({least, kOfOneTooth[order] * within, same * agreement[order](k)});
+          kWhole * squared * std::max({moves * least, moves * tooth, same * agreement[order](k)});
     }
   }
   return variances;
