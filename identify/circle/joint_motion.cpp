@@ -111,7 +111,7 @@ std::optional<JointMotion> joint_motion(const JointResult& joint) {
 }
 
 std::optional<Warning> mistold(const Sweep& sweep) {
-  constexpr double kTurned_rad = 5 * kDegree;
+  constexpr double kOthersTurn_rad = 5 * kDegree;
   if (sweep.defect != SweepDefect::too_short || !sweep.joint) return std::nullopt;
   const std::size_t joint = *sweep.joint;
   const auto circle = fit_circle(positions(*sweep.samples));
@@ -126,7 +126,7 @@ std::optional<Warning> mistold(const Sweep& sweep) {
         sweep.samples->begin(), sweep.samples->end(),
         [k](const Sample& a, const Sample& b) { return a.angles_rad[k] < b.angles_rad[k]; });
     const double turned = most->angles_rad[k] - least->angles_rad[k];
-    if (k != joint && turned > kTurned_rad)
+    if (k != joint && turned > kOthersTurn_rad)
       return Warning{"joints_exchanged", joint,
                      joint_name(joint) + ": while it is said to sweep, the angle of " +
                          joint_name(k) + " turns by " + fixed(turned / kDegree, 1) +

@@ -38,7 +38,7 @@ double within_a_step(double scatter, double samples) {
 }
 
 /// What numbers at places that agree are all off by, by how they scatter from one to the next.
-double alike(double uneven) {
+double same_place(double uneven) {
   // At one place within the step, two printed values in turn have the variance p (1 - p), and tell
   // by p where that is. Noise of more than half a step averages out.
   constexpr double kTwoValues = 0.25;
@@ -96,7 +96,7 @@ double StrokeRounding::told_shift(double step_rad) const {
   if (!(step_rad > 0) || !told) return 0;
   const double squared = step_rad * step_rad;
   return squared * kWhole *
-         std::max(told->agreement * alike(told->uneven / squared),
+         std::max(told->agreement * same_place(told->uneven / squared),
                   within_a_step(told->scatter / squared, samples));
 }
 
@@ -123,7 +123,7 @@ std::array<StrokeRounding::Coordinates, StrokeRounding::kOrders> StrokeRounding:
     const bool slow = kOnAStep * steps < samples;
     const double hidden = !followed(k) ? 0 : slow ? std::min(1.0, 2 / (steps * steps)) : 1;
     const double within = hidden * within_a_step(scatter(k) / squared, samples);
-    const double same = followed(k) ? alike(uneven(k) / squared) : 0;
+    const double same = followed(k) ? same_place(uneven(k) / squared) : 0;
     for (std::size_t order = 0; order < kOrders; ++order) {
       // Of an even way of n steps, with any phase and n: 3 (2l+1)^2 / pi^4 n^2.
       const double legendre = 2 * static_cast<double>(order) + 1;
