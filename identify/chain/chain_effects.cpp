@@ -304,11 +304,14 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
       own(static_cast<Index>(stroke.content.joint)) =
           stroke.rounding.told_shift(effects.print_turn_rad);
       const auto shifts = stroke.rounding.shifts(effects.print_mm, effects.print_rad);
-      for (Index order = 0; order < 2; ++order)
-        own.segment<3>(turns + 3 * order) += shifts[order].head<3>().matrix();
+      own.segment<3>(turns) += shifts[0].head<3>().matrix();
+      own.segment<3>(turns + 3) += shifts[1].head<3>().matrix();
       if (columns.bent > 0) own.tail<3>() += shifts[2].head<3>().matrix();
-      for (Index order = 0; 3 * order < columns.turned; ++order)
-        own.segment<3>(turns + 6 + 3 * order) += shifts[order].tail<3>().matrix();
+      if (columns.turned > 0) {
+        own.segment<3>(turns + 6) += shifts[0].tail<3>().matrix();
+        own.segment<3>(turns + 9) += shifts[1].tail<3>().matrix();
+        own.segment<3>(turns + 12) += shifts[2].tail<3>().matrix();
+      }
     }
     variances.own.push_back(std::move(own));
   }

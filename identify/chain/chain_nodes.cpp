@@ -224,7 +224,7 @@ class KnownPlaces {
     constexpr double kLeast = 1e-3;
     const auto places = places_of(sweep);
     std::size_t news = 0;
-    for (const std::size_t place : places) news += known_.insert(place).second ? 1 : 0;
+    for (const std::size_t place : places) news += known_.insert(place).second ? 1U : 0U;
     if (places.empty()) return 1;
     return std::max(kLeast, static_cast<double>(news) / static_cast<double>(places.size()));
   }

@@ -60,13 +60,13 @@ std::optional<Vector3d> home_point(const std::vector<Sweep>& sweeps, std::size_t
 double near_rad(const Resolution& resolution) {
   return std::max(kEnd_rad, 2 * resolution.angle_rad);
 }
-/// or of the target, 0 where the stroke tells nothing.
+/// or of the target. Negative, which nothing is within, where the stroke tells neither.
 double near_mm(const Sweep& sweep, const Resolution& resolution) {
   const auto points = positions(*sweep.samples);
   if (const auto line = fit_line(points); line && straightness(*line, {}) == Straightness::straight)
     return kEnd_rad * kLinear_mm;
   const auto usual = fit_usual_circle(points);
-  if (!usual) return 0;
+  if (!usual) return -1;
   // The ends of a stroke are cut off as far as noise hides them, and are noisy themselves.
   const CircleFit& circle = usual->circle;
   const double noise = std::max(circle.plane_rms_mm, circle.radial_rms_mm);
