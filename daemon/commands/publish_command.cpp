@@ -1,9 +1,8 @@
-#include "daemon/commands/plant_commands.hpp"
-
 #include <CLI/CLI.hpp>
 
 #include "daemon/commands/exit_codes.hpp"
 #include "daemon/commands/help_text.hpp"
+#include "daemon/commands/plant_commands.hpp"
 
 namespace sweepd {
 
@@ -20,19 +19,6 @@ CLI::App* add_publish(CLI::App& app, PublishOptions& options) {
       ->type_name("FILE");
   command->add_flag("--again", options.again,
                     "Publish all results that are on the disk, also those that were published");
-  command->footer(exit_status({kOk, kError, kWrongUsage, kWrongFile}));
-  return command;
-}
-
-CLI::App* add_collect(CLI::App& app, CollectOptions& options) {
-  auto* command = app.add_subcommand(
-      "collect",
-      "Write what all publishers of a plant tell an MQTT broker into PostgreSQL\n"
-      "It makes and changes its tables by itself. A result is acknowledged to the broker only once "
-      "the database has it. It stays in the foreground until SIGTERM or SIGINT.");
-  command->add_option("--config", options.config, "Read broker and database from this file")
-      ->capture_default_str()
-      ->type_name("FILE");
   command->footer(exit_status({kOk, kError, kWrongUsage, kWrongFile}));
   return command;
 }
