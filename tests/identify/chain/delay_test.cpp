@@ -94,8 +94,10 @@ TEST_CASE("what is said of play knows how uncertain a delay is", "[delay][long]"
   double squares = 0;
   int count = 0;
   for (std::uint32_t seed = 1; seed <= 8; ++seed) {
-    const Simulation simulation(some_robot(false, seed), both_ways(0.1), tracker_with_angles(0.1),
-                                seed);
+    Strokes strokes = both_ways(0.1);
+    strokes.samples = 1500;
+    strokes.speed_deg_s = 60;
+    const Simulation simulation(some_robot(false, seed), strokes, tracker_with_angles(0.1), seed);
     const auto found = identify::identify(simulation.sweeps(), simulation.campaign());
     REQUIRE(found.chain);
     for (const AngleEvidence& angles : found.chain->angles) {
