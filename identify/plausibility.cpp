@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <iterator>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -43,7 +42,7 @@ constexpr double kRadiusSigmas = 5;
 constexpr double kAboutRadians = 0.05;
 /// A stroke no farther off the circle of all strokes, in distances from its own, is on both.
 constexpr double kFitsCommon = 2;
-constexpr std::size_t kSeveralApart = 3;
+constexpr std::ptrdiff_t kSeveralApart = 3;
 /// Closer to the axis, in distances of the points from the circle, angles about it are noise.
 constexpr double kLeastRadius = 20;
 /// Below it residuals are those of computing.
@@ -66,7 +65,7 @@ class Judge {
     judge_external_places();
     judge_copies(resolution);
     for (const JointResult& joint : found_.joints) scatter_.push_back(circle_scatter(joint));
-    std::vector<Warning> apart;
+    std::vector<Apart> apart;
     for (std::size_t j = 0; j < found_.joints.size(); ++j) {
       if (!scatter_[j]) continue;
       if (auto disagree = strokes_disagree(j))
@@ -170,24 +169,28 @@ class Judge {
       }
   }
 
+  struct Apart {  ///< the strokes of a joint, on several circles
+    Warning told;
+    bool coaxial = false;
+  };
   /// Where several joints' strokes disagree and no angles tell where the others stood, it is one
   /// thing that differs: home.
-  void tell_apart(std::vector<Warning> apart) {
-    const bool told =
-        std::any_of(found_.joints.begin(), found_.joints.end(), [](const auto& joint) {
-          return !joint.sweeps.empty() && joint.sweeps.front().first().joints > 0;
-        });
-    if (axes_apart_ >= kSeveralApart && !told)
+  void tell_apart(std::vector<Apart> apart) {
+    const auto axes = std::ranges::count(apart, false, &Apart::coaxial);
+    const bool told = std::ranges::any_of(found_.joints, [](const JointResult& joint) {
+      return !joint.sweeps.empty() && joint.sweeps.front().first().joints > 0;
+    });
+    if (axes >= kSeveralApart && !told)
       doubt("strokes_disagree", std::nullopt,
-            "of " + std::to_string(axes_apart_) +
+            "of " + std::to_string(axes) +
                 " joints the sweeps do not turn about one axis each: they began from different "
-                "homes, or robot, device or target were moved between them. Give the angles of all "
-                "joints with the points, or the sweeps from one home alone");
+                "homes, or something was moved between them. Give the angles of all joints with "
+                "the points, or the sweeps from one home alone");
     else
-      std::move(apart.begin(), apart.end(), std::back_inserter(found_.doubts));
+      for (Apart& one : apart) found_.doubts.push_back(std::move(one.told));
   }
 
-  std::optional<Warning> strokes_disagree(std::size_t j) {
+  [[nodiscard]] std::optional<Apart> strokes_disagree(std::size_t j) const {
     const JointResult& joint = found_.joints[j];
     struct Seen {
       CircleFit circle;
@@ -226,16 +229,14 @@ class Judge {
       const Vector3d between = circle->center_mm - first->circle.center_mm;
       const bool coaxial = apart_rad < kApart_rad + sure_rad &&
                            circle->normal.cross(between).norm() < kApart_mm + sure_mm;
-      if (!coaxial) ++axes_apart_;
-      return Warning{
-          "strokes_disagree", j,
-          joint_name(j) +
-              (coaxial ? ": its sweeps turn about one axis on circles that are "
-                       : ": its sweeps do not turn about one axis: their circles' centres are ") +
-              fixed(apart_mm, 1) + " mm apart" +
-              (coaxial ? " along it: the target is another one. Name the targets in a column target"
-                       : ", their normals " + fixed(apart_rad / kDegree, 1) +
-                             "°: something else moved between them, or one is another joint's")};
+      std::string told = joint_name(j) + ": its sweeps ";
+      told += coaxial ? "turn about one axis on circles that are "
+                      : "do not turn about one axis: their circles' centres are ";
+      told += fixed(apart_mm, 1) + " mm apart";
+      told += coaxial ? " along it: the target is another one. Name the targets in a column target"
+                      : ", their normals " + fixed(apart_rad / kDegree, 1) +
+                            "°: something else moved between them, or one is another joint's";
+      return Apart{{"strokes_disagree", j, std::move(told)}, coaxial};
     }
     return std::nullopt;
   }
@@ -334,7 +335,6 @@ class Judge {
 
   Identification& found_;
   std::vector<std::optional<CircleScatter>> scatter_;  // one a joint
-  std::size_t axes_apart_ = 0;                         // joints whose sweeps turn about several
 };
 
 }  // namespace

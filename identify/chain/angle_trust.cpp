@@ -127,14 +127,14 @@ class Curves {
     const double across = figure_mm * figure_mm * nodes_.strokes[at.stroke].weight / correlation;
     const Eigen::Matrix3d noise =
         at.weight.inverse() + quantum_rad * quantum_rad * by_turn * by_turn.transpose();
-    const Eigen::Matrix3d covariance =
-        noise + across * (Eigen::Matrix3d::Identity() - along * along.transpose());
-    errors_[at.seen.joint] += at.seen.weight * (covariance.inverse() * noise).trace();
+    const Eigen::Matrix3d weight =
+        (noise + across * (Eigen::Matrix3d::Identity() - along * along.transpose())).inverse();
+    errors_[at.seen.joint] += at.seen.weight * (weight * noise).trace();
     const Eigen::MatrixXd by_effects =
         own_effects<3>(columns_, at.pose.by_turn, nodes_.known, at.seen, at.place);
     of(at).add(at.seen.turns[at.seen.joint], at.seen.falling, at.seen.weight,
                {by_effects, by_turn.transpose(), -told.transpose(), at.scatter.within,
-                covariance.inverse() / correlation});
+                weight / correlation});
     const Vector3d projected = at.weight * by_turn / by_turn.dot(at.weight * by_turn);
     return (by_effects * projected).cwiseAbs2().dot(variances_[unit_[at.stroke]]);
   }

@@ -8,9 +8,8 @@
 
 #include "identify/chain/angle_track.hpp"
 #include "identify/chain/delay_fit.hpp"
-#include "identify/geometry/circle_fit.hpp"
-#include "identify/geometry/line_fit.hpp"
 #include "identify/geometry/median.hpp"
+#include "identify/sweeps/reference_motion.hpp"
 
 namespace identify {
 namespace {
@@ -24,19 +23,12 @@ constexpr std::size_t kAtEnd = 50;
 /// the joint's angle tells.
 std::optional<ChainAxis> own_axis(const Sweep& sweep, std::size_t joint, bool linear) {
   const auto points = positions(*sweep.samples);
-  ChainAxis axis;
-  axis.linear = linear;
-  if (linear) {
-    const auto line = fit_line(points);
-    if (!line) return std::nullopt;
-    axis.direction = line->direction;
-    axis.point_mm = line->point_mm;
-  } else {
-    const auto usual = fit_usual_circle(points);
-    if (!usual) return std::nullopt;
-    axis.direction = usual->circle.normal;
-    axis.point_mm = usual->circle.center_mm;
-  }
+  ReferenceMotion motion;
+  motion.linear = linear;
+  if (points.cols() == 0 || !set_reference(motion, points, points.col(0))) return std::nullopt;
+  const CircleFit& circle = motion.circle;
+  ChainAxis axis{linear ? circle.normal.cross(motion.arm) : circle.normal, circle.center_mm,
+                 linear};
   AngleAbout about(axis);
   double along = 0;
   const Sample* before = nullptr;

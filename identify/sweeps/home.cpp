@@ -56,38 +56,51 @@ std::optional<Vector3d> home_point(const std::vector<Sweep>& sweeps, std::size_t
   return median(points);  // one joint that did not come home must not shift it
 }
 
-/// Within that an end of a stroke is at a place: of its joint's angle,
-double near_rad(const Resolution& resolution) {
-  return std::max(kEnd_rad, 2 * resolution.angle_rad);
-}
-/// or of the target. Negative, which nothing is within, where the stroke tells neither.
-double near_mm(const Sweep& sweep, const Resolution& resolution) {
-  const auto points = positions(*sweep.samples);
-  if (const auto line = fit_line(points); line && straightness(*line, {}) == Straightness::straight)
-    return kEnd_rad * kLinear_mm;
-  const auto usual = fit_usual_circle(points);
-  if (!usual) return -1;
-  // The ends of a stroke are cut off as far as noise hides them, and are noisy themselves.
-  const CircleFit& circle = usual->circle;
-  const double noise = std::max(circle.plane_rms_mm, circle.radial_rms_mm);
-  return std::max({kEnd_rad * circle.radius_mm, 2 * resolution.position_mm, kEndSizes * noise});
-}
+/// A stroke of a joint by its ends. Within `near` one is at a place: of its joint's angle (rad) or,
+/// without angles, of the target (mm). Negative, which nothing is within, where neither is told.
+struct Stroke {
+  Sweep* sweep;
+  double near;
+  std::vector<const Sample*> away_from_home = {};
 
-/// Whether a sweep comes by where a stroke of the same joint ends, with the other joints where they
-/// stood then. Both have lost their ramps.
-bool passes(const Sweep& sweep, const Sample& end, const Sweep& stroke,
-            const Resolution& resolution) {
-  const bool angles = has_angles(sweep) && has_angles(stroke);
-  const double near = 2 * (angles ? near_rad(resolution) : near_mm(stroke, resolution));
-  return std::any_of(sweep.samples->begin(), sweep.samples->end(), [&](const Sample& sample) {
-    if (!angles) return (sample.position_mm - end.position_mm).norm() <= near;
-    for (std::size_t k = 0; k < end.joints; ++k)
-      if (std::abs(sample.angles_rad[k] - end.angles_rad[k]) >
-          (k == *stroke.joint ? near : std::max(kSameHome_rad, 2 * resolution.angle_rad)))
-        return false;
-    return true;
-  });
-}
+  Stroke(Sweep& of, const Resolution& resolution) : sweep(&of), near(near_of(of, resolution)) {}
+
+  /// Whether another sweep of the joint comes by where this one ends, with the other joints where
+  /// they stood then. Both have lost their ramps.
+  [[nodiscard]] bool ends_on(const Sweep& other, const Resolution& resolution) const {
+    if (other.joint != sweep->joint || other.target != sweep->target ||
+        has_angles(other) != has_angles(*sweep))
+      return false;
+    const double locked = std::max(kSameHome_rad, 2 * resolution.angle_rad);
+    const auto comes_by = [&](const Sample& end, const Sample& sample) {
+      if (!has_angles(*sweep)) return (sample.position_mm - end.position_mm).norm() <= 2 * near;
+      for (std::size_t k = 0; k < end.joints; ++k)
+        if (std::abs(sample.angles_rad[k] - end.angles_rad[k]) >
+            (k == *sweep->joint ? 2 * near : locked))
+          return false;
+      return true;
+    };
+    return std::all_of(away_from_home.begin(), away_from_home.end(), [&](const Sample* end) {
+      return std::any_of(other.samples->begin(), other.samples->end(),
+                         [&](const Sample& sample) { return comes_by(*end, sample); });
+    });
+  }
+
+ private:
+  static double near_of(const Sweep& sweep, const Resolution& resolution) {
+    if (has_angles(sweep)) return std::max(kEnd_rad, 2 * resolution.angle_rad);
+    const auto points = positions(*sweep.samples);
+    if (const auto line = fit_line(points);
+        line && straightness(*line, {}) == Straightness::straight)
+      return kEnd_rad * kLinear_mm;
+    const auto usual = fit_usual_circle(points);
+    if (!usual) return -1;
+    // The ends of a stroke are cut off as far as noise hides them, and are noisy themselves.
+    const CircleFit& circle = usual->circle;
+    const double noise = std::max(circle.plane_rms_mm, circle.radial_rms_mm);
+    return std::max({kEnd_rad * circle.radius_mm, 2 * resolution.position_mm, kEndSizes * noise});
+  }
+};
 
 }  // namespace
 
@@ -150,34 +163,30 @@ void mark_positioning(std::vector<Sweep>& sweeps, const std::vector<std::optiona
   std::map<std::size_t, std::optional<Vector3d>> rests;
   for (const Sweep& sweep : sweeps)
     if (!rests.contains(sweep.target)) rests[sweep.target] = home_point(sweeps, sweep.target);
-  const auto touches = [&](const Sweep& sweep, const Sample& end) {
-    if (has_angles(sweep) && home[*sweep.joint])
-      return std::abs(end.angles_rad[*sweep.joint] - *home[*sweep.joint]) <= near_rad(resolution);
-    const auto& rest = rests[sweep.target];
-    if (has_angles(sweep) || !rest) return false;
-    return (end.position_mm - *rest).norm() <= near_mm(sweep, resolution);
+  const auto touches = [&](const Stroke& stroke, const Sample& end) {
+    const std::size_t joint = *stroke.sweep->joint;
+    if (has_angles(*stroke.sweep))
+      return home[joint] && std::abs(end.angles_rad[joint] - *home[joint]) <= stroke.near;
+    const auto& rest = rests[stroke.sweep->target];
+    return rest && (end.position_mm - *rest).norm() <= stroke.near;
   };
   std::vector<const Sweep*> proper;
-  std::vector<std::pair<Sweep*, std::vector<const Sample*>>> at_home;  // and the ends that are not
+  std::vector<Stroke> touching;
   for (Sweep& sweep : sweeps) {
     sweep.positioning = false;
     if (!sweep.joint || sweep.defect != SweepDefect::none) continue;
-    std::vector<const Sample*> away;
+    Stroke stroke(sweep, resolution);
     for (const Sample* end : {&sweep.first(), &sweep.last()})
-      if (!touches(sweep, *end)) away.push_back(end);
-    if (away.size() == 2)
+      if (!touches(stroke, *end)) stroke.away_from_home.push_back(end);
+    if (stroke.away_from_home.size() == 2)
       proper.push_back(&sweep);
     else
-      at_home.emplace_back(&sweep, std::move(away));
+      touching.push_back(std::move(stroke));
   }
-  for (auto& [sweep, away] : at_home)
-    sweep->positioning = std::any_of(
-        proper.begin(), proper.end(), [&, &one = *sweep, &ends = away](const Sweep* other) {
-          return other->joint == one.joint && other->target == one.target &&
-                 std::all_of(ends.begin(), ends.end(), [&](const Sample* end) {
-                   return passes(*other, *end, one, resolution);
-                 });
-        });
+  for (const Stroke& stroke : touching)
+    stroke.sweep->positioning = std::any_of(proper.begin(), proper.end(), [&](const Sweep* other) {
+      return stroke.ends_on(*other, resolution);
+    });
 }
 
 }  // namespace identify

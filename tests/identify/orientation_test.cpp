@@ -145,6 +145,8 @@ TEST_CASE("what rounding takes away and no sample shows is in the uncertainties"
     double wobble_deg, arc_deg;
     int samples;
     double ramp;
+    bool drawn = false;  ///< from the home as drawn, where axes lie along the frame's
+    bool back = false;   ///< over the same places, to the last digit
   };
   const auto how = GENERATE(
       // From sample to sample one step more, nearly.
@@ -152,8 +154,12 @@ TEST_CASE("what rounding takes away and no sample shows is in the uncertainties"
       // All speeds; some of A, B and C hardly change.
       Printed{1, 0, 90, 900, 0.1},
       // Locked joints that wobble about the edge between two steps.
-      Printed{2, 0.0005, 90, 900, 0});
-  CAPTURE(how.decimals, how.wobble_deg, how.arc_deg);
+      Printed{2, 0.0005, 90, 900, 0},
+      // Coordinates along axes that pass few steps.
+      Printed{1, 0, 90, 300, 0, true}, Printed{1, 0.0005, 90, 300, 0, true},
+      Printed{2, 0, 90, 300, 0, true}, Printed{2, 0.0005, 90, 300, 0, true, true},
+      Printed{3, 0, 90, 300, 0, true}, Printed{3, 0, 90, 300, 0, true, true});
+  CAPTURE(how.decimals, how.wobble_deg, how.arc_deg, how.drawn, how.back);
   simulation::World world;
   world.controller = world.orientations = world.angles = true;
   world.decimals = how.decimals;
@@ -162,12 +168,13 @@ TEST_CASE("what rounding takes away and no sample shows is in the uncertainties"
   strokes.arc_deg = how.arc_deg;
   strokes.samples = how.samples;
   strokes.ramp = how.ramp;
+  strokes.there_and_back = how.back;
   double squares = 0;
   int numbers = 0, inside = 0;
   for (std::uint32_t seed = 1; seed <= 4; ++seed) {
-    const simulation::Simulation arm(
-        simulation::at_random_home(simulation::built(simulation::kr5(), seed), seed), strokes,
-        world, seed);
+    const auto robot = simulation::built(simulation::kr5(), seed);
+    const simulation::Simulation arm(how.drawn ? robot : simulation::at_random_home(robot, seed),
+                                     strokes, world, seed);
     const auto found = identify::identify(arm.sweeps(), arm.campaign());
     REQUIRE(found.chain);
     CHECK(found.chain->with_orientation);

@@ -115,30 +115,6 @@ TEST_CASE("Uncertainties hold where a joint goes on by whole steps of its printe
   CHECK(rms < 1.2);
 }
 
-TEST_CASE("Uncertainties hold for telegrams of an arm whose axes lie along the frame's",
-          "[effect_sizes][stroke_rounding][long]") {
-  struct Printed {
-    int decimals;
-    double wobble_deg;
-    bool back;  ///< over the same places, to the last digit
-  };
-  const auto printed =
-      GENERATE(Printed{1, 0, false}, Printed{1, 0.0005, false}, Printed{2, 0, false},
-               Printed{2, 0.0005, true}, Printed{3, 0, false}, Printed{3, 0, true});
-  CAPTURE(printed.decimals, printed.wobble_deg, printed.back);
-  simulation::World world;
-  world.controller = world.orientations = world.angles = true;
-  world.decimals = printed.decimals;
-  world.wobble_deg = printed.wobble_deg;
-  simulation::Strokes how;
-  how.samples = 300;
-  how.there_and_back = printed.back;
-  std::vector<Simulation> campaigns;  // from the paper's home, of whole degrees
-  for (std::uint32_t seed = 1; seed <= 6; ++seed)
-    campaigns.emplace_back(simulation::built(simulation::kr5(), seed), how, world, seed);
-  CHECK(rms_z(campaigns) < 1.2);
-}
-
 TEST_CASE("A device's positions beside angles of few decimals are not taken for the controller's",
           "[effect_sizes][long]") {
   simulation::World world = seen_with_angles();
