@@ -118,6 +118,8 @@ std::optional<AngleTrack> angle_track(const Sweep& sweep, std::size_t joint, con
   }
   if (radii.size() < kFewestSeen) return std::nullopt;
   const double height = median_of(heights), radius = median_of(radii);
+  track.linear = axis.linear;
+  track.reach_mm = axis.linear ? kLinear_mm : radius;
   std::vector<double> distances;
   for (std::size_t i = 0; i < radii.size(); ++i)
     distances.push_back(std::hypot(heights[i] - height, radii[i] - radius));

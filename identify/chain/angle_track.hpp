@@ -18,9 +18,11 @@ struct AngleTrack {
   /// Counts joints and their targets: each target has a place of its own about the axis.
   std::size_t group = 0;
   int direction = 0;
+  bool linear = false;
   std::vector<double> time_s, told_rad;  ///< of all samples
   std::vector<std::size_t> begins;       ///< of pieces without a gap: places in the two
   std::vector<double> at_s, seen_rad;    ///< of those that are no outliers
+  double reach_mm = 0;                   ///< the circle's radius; of a linear joint kLinear_mm
   double middle_rad = 0, half_rad = 0;   ///< of the range that the group was seen in
   double off_home_rad = 0;               ///< of the joint locked farthest off home
   /// Standard deviation of told()'s speeds, as angles are printed in steps, or uneven.

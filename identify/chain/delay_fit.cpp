@@ -21,8 +21,8 @@ constexpr double kMostLate_s = 2;
 /// A stroke whose speed varies by less than so many standard deviations of its noise runs at one;
 /// and by less than this share of it.
 constexpr double kSteady = 2, kSteadyShare = 1e-4;
-/// What a built robot's gears have, to begin with, and at least.
-constexpr double kUsualBacklash_rad = 60 * kArcsec;
+/// What a built robot's gears have, to begin with, and at least; and what linear joints have.
+constexpr double kUsualBacklash_rad = 60 * kArcsec, kUsualPlay_mm = 0.1;
 constexpr double kLeastBacklash_rad = 0.1 * kArcsec;
 /// Angles that are further off the seen ones are not these joints'.
 constexpr double kForeign_rad = 5 * kDegree;
@@ -38,15 +38,23 @@ class DelayFit {
         groups_(tracks.back().group + 1),
         two_clocks_(two_clocks),
         weight_(groups_),
-        both_ways_(groups_, false) {
+        both_ways_(groups_, false),
+        linear_(groups_),
+        reach_mm_(groups_),
+        backlash_rad_(groups_) {
     double begin = tracks.front().at_s.front(), end = begin;
     std::vector<std::array<bool, 2>> ways(groups_, {false, false});
     for (const AngleTrack& track : tracks) {
       begin = std::min(begin, track.at_s.front());
       end = std::max(end, track.at_s.back());
       ways[track.group][track.direction > 0] = true;
+      reach_mm_[track.group] = track.reach_mm;
+      linear_[track.group] = track.linear;
     }
-    for (std::size_t g = 0; g < groups_; ++g) both_ways_[g] = ways[g][0] && ways[g][1];
+    for (std::size_t g = 0; g < groups_; ++g) {
+      both_ways_[g] = ways[g][0] && ways[g][1];
+      backlash_rad_[g] = linear_[g] ? kUsualPlay_mm / kLinear_mm : kUsualBacklash_rad;
+    }
     delay_.at_s = (begin + end) / 2;
     span_s_ = std::max(end - begin, 1.0);
   }
@@ -105,7 +113,7 @@ class DelayFit {
     for (std::size_t g = 0; g < groups_; ++g) {
       const Index own = kOfGroup * static_cast<Index>(g);
       for (Index m = 0; m < kOrders; ++m) normal(own + m, own + m) += 1e-4;
-      normal(own + kOrders, own + kOrders) += 1 / (backlash_rad_ * backlash_rad_);
+      normal(own + kOrders, own + kOrders) += 1 / (backlash_rad_[g] * backlash_rad_[g]);
     }
     normal(shared, shared) += 1 / (kMostLate_s * kMostLate_s);
     const Eigen::LDLT<MatrixXd> factors(normal);
@@ -166,8 +174,8 @@ class DelayFit {
         Eigen::Matrix<double, kOfGroup + 2, kOfGroup + 2>::Zero();
     Row right = Row::Zero();
   };
-  /// Of a stroke with errors of its own, as its locked joints stood elsewhere: by chance, of
-  /// variance `apart_`, and by what was told. About an axis that is turned and shifted a little, an
+  /// Of a stroke with errors of its own, as its locked joints stood elsewhere: by chance, and by
+  /// what was told. About an axis that is turned and shifted a little, an
   /// angle is seen off by a constant and a first harmonic. The covariance of all is inverted by
   /// Woodbury's formula.
   [[nodiscard]] Products products(const AngleTrack& track, const Residuals& seen) const {
@@ -187,7 +195,8 @@ class DelayFit {
       own += weight * harmonic * harmonic.transpose();
       errors += weight * seen.error[i] * harmonic;
     }
-    const double apart = apart_ + track.off_home_rad * track.off_home_rad;
+    const double apart =
+        apart_mm2_ / (track.reach_mm * track.reach_mm) + track.off_home_rad * track.off_home_rad;
     if (!(apart > 0)) return sums;
     own.diagonal().array() += 1 / apart;
     const Eigen::LLT<Eigen::Matrix3d> solver(own);
@@ -243,9 +252,9 @@ class DelayFit {
         }
         count += size;
         const double spread = std::sin(tracks_[k].half_rad) / tracks_[k].half_rad;
-        means +=
-            mean * mean / (1 + spread * spread) - tracks_[k].off_home_rad * tracks_[k].off_home_rad;
-        of_strokes.push_back(size);
+        const double off = tracks_[k].off_home_rad, reach = tracks_[k].reach_mm;
+        means += (mean * mean / (1 + spread * spread) - off * off) * reach * reach;
+        of_strokes.push_back(size / (reach * reach));
       }
       if (count == 0) continue;
       const double variance = squares / count + kLeast_rad * kLeast_rad;
@@ -257,7 +266,7 @@ class DelayFit {
       strokes += static_cast<double>(of_strokes.size());
       taken += both_ways_[g] ? 2 : 1;  // offset and backlash
     }
-    apart_ = strokes > taken ? std::max(0.0, means - by_chance) / (strokes - taken) : 0;
+    apart_mm2_ = strokes > taken ? std::max(0.0, means - by_chance) / (strokes - taken) : 0;
   }
 
   /// The variances as a line over the squared speeds, by least squares that are weighed by it.
@@ -284,29 +293,40 @@ class DelayFit {
     return weight;
   }
 
-  /// Of all joints, by what was found of each and how uncertain that is.
+  /// Of all joints, by what was found of each and how uncertain that is: of those that turn as an
+  /// angle; of a linear one by how far the target is off between there and back, whichever joint
+  /// sweeps, as locked joints that stand elsewhere make it.
   void size_backlash(const VectorXd& found, const MatrixXd& covariance) {
-    double squares = 0, count = 0;
+    // A few joints tell little of how large backlash is; it counts as if one more had the usual.
+    double of_turns = kUsualBacklash_rad * kUsualBacklash_rad, turns = 1;
+    double of_all_mm2 = kUsualPlay_mm * kUsualPlay_mm, all = 1;
     for (std::size_t g = 0; g < groups_; ++g) {
       if (!both_ways_[g]) continue;
       const Index at = kOfGroup * static_cast<Index>(g) + kOrders;
-      squares += found(at) * found(at) + covariance(at, at);
-      ++count;
+      const double square = found(at) * found(at) + covariance(at, at);
+      of_all_mm2 += square * reach_mm_[g] * reach_mm_[g];
+      ++all;
+      if (linear_[g]) continue;
+      of_turns += square;
+      ++turns;
     }
-    // A few joints tell little of how large backlash is; it counts as if one more had the usual.
-    squares += kUsualBacklash_rad * kUsualBacklash_rad;
-    backlash_rad_ = std::max(kLeastBacklash_rad, std::sqrt(squares / (count + 1)));
+    for (std::size_t g = 0; g < groups_; ++g)
+      backlash_rad_[g] =
+          std::max(kLeastBacklash_rad, linear_[g] ? std::sqrt(of_all_mm2 / all) / kLinear_mm
+                                                  : std::sqrt(of_turns / turns));
   }
 
   const std::vector<AngleTrack>& tracks_;
   std::size_t groups_;
   bool two_clocks_;
   std::vector<Weight> weight_;  ///< one a group
-  std::vector<bool> both_ways_;
-  /// Variance of each of the three, beyond what was told.
-  double apart_ = 0;
-  bool foreign_ = false;  ///< some joint's angles do not follow its positions
-  double backlash_rad_ = kUsualBacklash_rad;
+  std::vector<bool> both_ways_, linear_;
+  std::vector<double> reach_mm_;
+  /// Variance of each of the three at the target, beyond what was told. Locked joints that stand
+  /// elsewhere move target and axis by as much whichever joint sweeps.
+  double apart_mm2_ = 0;
+  bool foreign_ = false;              ///< some joint's angles do not follow its positions
+  std::vector<double> backlash_rad_;  ///< what each group's is like
   double span_s_ = 1;
   Delay delay_;
 };

@@ -31,6 +31,14 @@ ChainEffects less_of(ChainEffects effects, double times) {
   return effects;
 }
 
+/// Off home, a linear joint moves the target by about as much as one that turns does at its reach.
+std::vector<double> usual_home_times(const Chain& chain, double reach_mm) {
+  std::vector<double> times;
+  for (const ChainAxis& axis : chain.axes)
+    times.push_back(axis.linear ? std::max(1.0, reach_mm / kLinear_mm) : 1);
+  return times;
+}
+
 }  // namespace
 
 void EffectSearch::find_all(FittedChain& best) {
@@ -49,6 +57,7 @@ void EffectSearch::find_all(FittedChain& best) {
   shape.home_rad = shape.drift_mm = nodes_.units.size() > 1 ? 1 : 0;  // from stroke to stroke
   shape.steady_mm = nodes_.timed ? 1 : 0;
   shape.offset_rad = several_homes ? 1 : 0;
+  shape.home_times = usual_home_times(best.fit.chain, reach_mm(best.fit.chain, nodes_.known));
   const FittedChain first = best;
   size_twice(best, shape);
   if (nodes_.stays() && shows_any(best, effects_)) {
@@ -180,8 +189,9 @@ void EffectSearch::size_twice(FittedChain& best, ChainEffects shape) {
 void EffectSearch::size(FittedChain& best, const ChainEffects& shape) {
   Chain& chain = best.fit.chain;
   LinearisedChain linearised(chain, nodes_, best.noise, shape, false);
-  effects_ = effect_sizes(linearised, shape, smallest_mm(best), reach_mm(chain, nodes_.known));
-  find_uneven_joints(linearised, chain.axes.size(), effects_);
+  const double reach = reach_mm(chain, nodes_.known);
+  effects_ = effect_sizes(linearised, shape, smallest_mm(best), reach);
+  find_uneven_joints(linearised, usual_home_times(chain, reach), effects_);
   // A joint whose sag may be anything could not be told from its angle, and one of none has no sag.
   if (!(effects_.sag_rad > 0)) chain.sags.clear();
   if (!(effects_.steady_mm > 0)) chain.drift_mm.setZero();

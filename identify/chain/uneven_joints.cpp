@@ -28,16 +28,17 @@ struct Even {
 
 /// `times`: the one of `sizes` that is tried.
 Uneven judged(LinearisedChain& chain, const ChainEffects& sizes, double& times, double now) {
+  const double usual = times;
   std::array<double, kSteps + 1> deviances{};
   double least = now;
   for (std::size_t step = 0; step <= kSteps; ++step) {
-    times = std::pow(kFactor, step);
+    times = usual * std::pow(kFactor, step);
     const double here = step == 0 ? now : chain.deviance(sizes);
     deviances[step] = std::isfinite(here) ? here : std::numeric_limits<double>::max();
     least = std::min(least, deviances[step]);
     if (step == 1 && !(least < now)) break;
   }
-  times = 1;
+  times = usual;
   if (!(least < now - kShown)) return {};
   double weights = 0, squares = 0;
   for (std::size_t step = 0; step <= kSteps; ++step) {
@@ -45,13 +46,15 @@ Uneven judged(LinearisedChain& chain, const ChainEffects& sizes, double& times, 
     weights += weight;
     squares += weight * std::pow(kFactor, 2 * step);
   }
-  return {std::sqrt(squares / weights), now - least};
+  return {usual * std::sqrt(squares / weights), now - least};
 }
 
 }  // namespace
 
-void find_uneven_joints(LinearisedChain& chain, std::size_t joints, ChainEffects& sizes) {
-  sizes.home_times.assign(joints, 1);
+void find_uneven_joints(LinearisedChain& chain, const std::vector<double>& usual_home_times,
+                        ChainEffects& sizes) {
+  const std::size_t joints = usual_home_times.size();
+  sizes.home_times = usual_home_times;
   sizes.figure_times.assign(joints, 1);
   sizes.home_gains.assign(joints, 0);
   sizes.figure_gains.assign(joints, 0);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <cstddef>
+#include <vector>
 
 #include "identify/chain/chain_estimate.hpp"
 #include "identify/chain/linearised_chain.hpp"
@@ -14,6 +14,8 @@ namespace identify {
 /// likelihood; then the mean square over all sizes, weighed by their likelihood.
 ///
 /// Sets `home_times`, `figure_times` and their gains of the sizes, whose common sizes stay.
-void find_uneven_joints(LinearisedChain& chain, std::size_t joints, ChainEffects& sizes);
+/// `usual_home_times`: those of even joints, one a joint.
+void find_uneven_joints(LinearisedChain& chain, const std::vector<double>& usual_home_times,
+                        ChainEffects& sizes);
 
 }  // namespace identify

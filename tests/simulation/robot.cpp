@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "identify/geometry/angle.hpp"
+#include "tests/identify/linear_robots.hpp"
 #include "tests/identify/simulated_campaign.hpp"
 #include "tests/simulation/stream.hpp"
 
@@ -57,6 +58,13 @@ Robot iiwa(std::size_t targets) {
   return at_home(std::move(robot), bent);
 }
 
+Robot kr5_on_rail() {
+  Robot robot;
+  robot.arm = robot.specified = identify::test::on_linear_unit();
+  robot.targets_mm = {robot.arm.tool_mm};
+  return robot;
+}
+
 Robot built(Robot robot, std::uint32_t seed) {
   auto random = stream(seed, Source::built);
   std::normal_distribution<> normal;
@@ -76,8 +84,13 @@ Robot built(Robot robot, std::uint32_t seed) {
 
 Robot at_home(Robot robot, const std::vector<double>& home_rad) {
   for (identify::Arm* arm : {&robot.specified, &robot.arm}) {
-    for (std::size_t j = 0; j < arm->joints(); ++j)
-      arm->rows[j].theta_rad += arm->positive[j] * (home_rad[j] - arm->home_rad[j]);
+    for (std::size_t j = 0; j < arm->joints(); ++j) {
+      const double moved = arm->positive[j] * (home_rad[j] - arm->home_rad[j]);
+      if (arm->is_linear(j))
+        arm->rows[j].b_mm += identify::kLinear_mm * moved;
+      else
+        arm->rows[j].theta_rad += moved;
+    }
     arm->home_rad = home_rad;
   }
   return robot;
@@ -115,8 +128,8 @@ identify::Chain chain_of(const Robot& robot) {
   identify::Chain chain;
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
   for (std::size_t j = 0; j < robot.arm.rows.size(); ++j) {
-    chain.axes.push_back(
-        {robot.arm.positive[j] * Vector3d(frame.linear().col(2)), frame.translation()});
+    chain.axes.push_back({robot.arm.positive[j] * Vector3d(frame.linear().col(2)),
+                          frame.translation(), robot.arm.is_linear(j)});
     frame = frame * identify::transform(robot.arm.rows[j]);
   }
   for (const Vector3d& target : robot.targets_mm) chain.targets_mm.push_back(frame * target);

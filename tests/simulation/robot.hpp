@@ -32,6 +32,8 @@ struct Robot {
 /// Seven axes, each meeting the next at a right angle, of the sizes of an LBR iiwa 14, slightly
 /// bent.
 [[nodiscard]] Robot iiwa(std::size_t targets = 1);
+/// A KR 5 arc that stands on a linear unit, its first joint.
+[[nodiscard]] Robot kr5_on_rail();
 
 /// As arms are built: every length off by 0.5 mm, every angle by 0.05 degrees, sigma; and with
 /// weights that no drawing shows: half more or less, 80 mm off in each direction.

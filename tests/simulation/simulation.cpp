@@ -21,6 +21,10 @@ using identify::kArcsec;
 using identify::kDegree;
 using identify::kPi;
 
+/// A linear unit comes home to hundredths of a millimetre where joints that turn do so to
+/// thousandths of a degree; and a degree is a millimetre here.
+constexpr double kLinearTimes = 10;
+
 /// A, B, C of R = Rz(A) Ry(B) Rx(C).
 std::array<double, 3> abc_of(const Eigen::Matrix3d& r) {
   return {std::atan2(r(1, 0), r(0, 0)), std::atan2(-r(2, 0), std::hypot(r(0, 0), r(1, 0))),
@@ -83,7 +87,10 @@ identify::Arm Simulation::arm_at(const std::vector<double>& angles) const {
   const identify::Turns turns = turns_at(angles, angles.size(), 1);
   identify::Arm arm = robot_.arm;
   for (std::size_t k = 0; k < angles.size(); ++k)
-    arm.rows[k].theta_rad += arm.positive[k] * turns[k];
+    if (arm.is_linear(k))
+      arm.rows[k].b_mm += identify::kLinear_mm * arm.positive[k] * turns[k];
+    else
+      arm.rows[k].theta_rad += arm.positive[k] * turns[k];
   arm.home_rad = angles;
   return arm;
 }
@@ -116,7 +123,8 @@ std::vector<identify::Sweep> Simulation::sweeps() const {
       if (none)
         errors[k] = 0;
       else if (anew)
-        errors[k] = world_.home.sigma_deg * kDegree * normal(home_errors);
+        errors[k] = (robot_.arm.is_linear(k) ? kLinearTimes : 1) * world_.home.sigma_deg * kDegree *
+                    normal(home_errors);
       locked[k] += stray[k];
       (world_.home.seen || world_.controller ? locked[k] : play[k]) += errors[k];
     }

@@ -40,7 +40,8 @@ std::vector<Stroke> strokes_of(const Strokes& how, std::size_t joints, std::size
                                 : how.ranges_deg[(home * joints + joint) % how.ranges_deg.size()];
     stroke.from_rad = (back ? to : from) * kDegree;
     stroke.to_rad = (back ? from : to) * kDegree;
-    stroke.seconds = std::abs(to - from) / how.speed_deg_s;
+    const double times = how.times_as_fast.empty() ? 1 : how.times_as_fast[joint];
+    stroke.seconds = std::abs(to - from) / (times * how.speed_deg_s);
     time += stroke.seconds + how.rest_s;
     strokes.push_back(std::move(stroke));
   };

@@ -30,6 +30,7 @@ struct Strokes {
   int homes = 1;                 ///< each further one 15 to 30 degrees off in every joint
   bool targets_at_once = false;  ///< all in one stroke, as with markers; else one after the other
   double speed_deg_s = 20;       ///< on average
+  std::vector<double> times_as_fast;  ///< one a joint; empty: all at that speed
   /// The share of a stroke's time in which it gets to speed, and again in which it stops. Zero: at
   /// speed before the first sample and after the last.
   double ramp = 0;

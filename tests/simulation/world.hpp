@@ -31,7 +31,8 @@ struct Drift {
 
 /// How locked joints stand elsewhere than at home.
 struct HomeError {
-  double sigma_deg = 0;  ///< each locked joint, anew for each stroke
+  double sigma_deg = 0;  ///< each locked joint, anew for each stroke; of linear ones ten times as
+                         ///< many mm
   bool stays = false;    ///< until another joint sweeps
   bool seen = false;     ///< by the encoders; else it is play behind them
   /// Each joint after its own strokes, until it is swept again; the encoders see it.

@@ -72,6 +72,28 @@ TEST_CASE("a delay is found to 0.1 ms and within its uncertainty, and no gear is
   CHECK(std::sqrt(squares / kRuns) < 1.8);
 }
 
+TEST_CASE("a linear unit whose sweeps begin elsewhere each time makes no delay and no backlash",
+          "[delay][effect_sizes][long]") {
+  double squares = 0;
+  constexpr std::uint32_t kRuns = 8;
+  for (std::uint32_t seed = 1; seed <= kRuns; ++seed) {
+    CAPTURE(seed);
+    World world = tracker_with_angles(0);
+    world.home.sigma_deg = 0.005;
+    Strokes strokes = both_ways(0);
+    strokes.ranges_deg.assign(7, {-45, 45});
+    strokes.ranges_deg[0] = {-150, 150};  // mm
+    strokes.times_as_fast = {5, 1, 1, 1, 1, 1, 1};
+    const Simulation simulation(simulation::built(simulation::kr5_on_rail(), seed), strokes, world,
+                                seed);
+    const auto found = identify::identify(simulation.sweeps(), simulation.campaign());
+    REQUIRE(found.delay);
+    squares += std::pow(found.delay->late_s / found.delay->sigma_s, 2);
+    CHECK_FALSE(accuses_gears(found));
+  }
+  CHECK(std::sqrt(squares / kRuns) < 1.8);
+}
+
 TEST_CASE("a delay is taken out of the sweeps from every home, and accuses no gear", "[delay]") {
   const auto late_s = GENERATE(0.1, 0.5);
   CAPTURE(late_s);
