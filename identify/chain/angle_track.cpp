@@ -40,6 +40,17 @@ std::size_t wide_of(const AngleTrack& track) {
   return std::max<std::size_t>(5, track.time_s.size() / 30);
 }
 
+/// The step that times seem to be rounded to: an even clock's intervals then differ by one.
+double step_of(const std::vector<double>& intervals, double usual) {
+  double least = usual, most = usual;
+  for (const double interval : intervals) {
+    if (std::abs(interval - usual) > usual / 2) continue;  // something is missing
+    least = std::min(least, interval);
+    most = std::max(most, interval);
+  }
+  return most - least;
+}
+
 /// Of the times: where pieces without a gap begin, and by what speeds are off.
 void judge_times(AngleTrack& track, double step_rad) {
   std::vector<double> intervals;
@@ -56,8 +67,9 @@ void judge_times(AngleTrack& track, double step_rad) {
   for (std::size_t i = 0; i < track.time_s.size(); ++i)
     uneven(static_cast<Eigen::Index>(i)) = track.told_rad[i] - speed * track.time_s[i];
   // Where numbers go on by nearly whole steps they are even, but for a step now and then: the
-  // variance of that is at most a quarter of its square.
-  const double variance = std::max(step_rad * step_rad / 4, 2 * unevenness(uneven));
+  // variance of that is at most a quarter of its square. Times do so, too.
+  const double step = std::max(step_rad, std::abs(speed) * step_of(intervals, usual));
+  const double variance = std::max(step * step / 4, 2 * unevenness(uneven));
   track.speed_noise_rad_s = std::sqrt(variance) / (2 * static_cast<double>(wide_of(track)) * usual);
 }
 

@@ -145,10 +145,11 @@ std::vector<identify::Sweep> Simulation::sweeps() const {
       const Eigen::Isometry3d moved = chain_.displacement(turns);
 
       identify::Sample sample;
-      sample.time_s = stroke.start_s + time;
+      sample.time_s = printed(stroke.start_s + time, world_.time_decimals);
       sample.has_position = true;
       if (world_.angles) {
-        const double late = world_.delay.late_s + 1e-6 * world_.delay.rate_ppm * sample.time_s;
+        const double late =
+            world_.delay.late_s + 1e-6 * world_.delay.rate_ppm * (stroke.start_s + time);
         angles[j] += stroke.turn_at(time - late, how_.ramp) - stroke.turn_at(time, how_.ramp);
         sample.joints = static_cast<std::uint8_t>(joints);
         for (std::size_t k = 0; k < joints; ++k)

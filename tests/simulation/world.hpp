@@ -75,7 +75,8 @@ struct World {
   bool angles = false;          ///< are known, the controller's
   bool placed = false;          ///< the device stands some metres away, and its frame is its own
   std::optional<int> decimals;  ///< of what a controller prints, mm and degrees; nothing: all
-  double wobble_deg = 0;        ///< of every joint's servo, a sample, sigma; the encoders see it
+  std::optional<int> time_decimals;  ///< of the stamps, s; nothing: all
+  double wobble_deg = 0;  ///< of every joint's servo, a sample, sigma; the encoders see it
   Noise noise;
   Drift drift;
   HomeError home;

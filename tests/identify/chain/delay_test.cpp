@@ -94,6 +94,23 @@ TEST_CASE("a linear unit whose sweeps begin elsewhere each time makes no delay a
   CHECK(std::sqrt(squares / kRuns) < 1.8);
 }
 
+TEST_CASE("stamps that are printed with few decimals make no delay of even sweeps one way",
+          "[delay]") {
+  for (std::uint32_t seed = 1; seed <= 12; ++seed) {
+    CAPTURE(seed);
+    World world = tracker_with_angles(0);
+    world.decimals = world.time_decimals = 4;
+    world.noise.range_mm = world.noise.across_mm = 0.005;
+    Strokes strokes;
+    for (int joint = 0; joint < 6; ++joint)
+      strokes.ranges_deg.push_back({-20.0 - joint, 25.0 + 2 * joint + 0.7 * seed});
+    const Simulation simulation(some_robot(false, seed), strokes, world, seed);
+    const auto found = identify::identify(simulation.sweeps(), simulation.campaign());
+    CHECK_FALSE(found.delay);
+    CHECK_FALSE(accuses_gears(found));
+  }
+}
+
 TEST_CASE("a delay is taken out of the sweeps from every home, and accuses no gear", "[delay]") {
   const auto late_s = GENERATE(0.1, 0.5);
   CAPTURE(late_s);
