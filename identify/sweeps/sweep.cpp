@@ -212,6 +212,10 @@ namespace {
 
 constexpr double kSway_rad = 2 * kDegree;
 constexpr double kFewestInStroke = 4;
+/// What goes back by more than so many usual steps from one sample to the next was not seen to. An
+/// arc of more than a half circle looks as if it went on from there.
+constexpr double kUnseenSteps = 5;
+constexpr double kUnseen_rad = kPi / 4;
 
 /// Of each number, and of up to two before and behind it: a stray one is passed over.
 std::vector<double> running_medians(const std::vector<double>& numbers) {
@@ -235,12 +239,21 @@ std::vector<std::size_t> turning_points(const std::vector<Sample>& samples) {
   const double noise = circle->radial_rms_mm / circle->radius_mm;
   const double sway = std::max(kSway_rad, 6 * noise);
   const auto turns = running_medians(turns_about(*circle, points));
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < turns.size(); ++i) steps.push_back(std::abs(turns[i] - turns[i - 1]));
+  const double unseen = std::max(sway, kUnseenSteps * median_of(steps));
   std::vector<std::size_t> found;
   // The farthest point of the stroke under way; the stroke has ended once the motion came back from
-  // it by more than a sway.
+  // it by more than a sway. Where it came back unseen, the next one begins there, either way.
   std::size_t farthest = 0, nearest = 0;
   int way = 0;
   for (std::size_t i = 1; i < turns.size(); ++i) {
+    const double step = way * (turns[i] - turns[i - 1]);
+    if (step < -unseen || step > std::max(unseen, kUnseen_rad)) {
+      found.push_back(i);
+      farthest = nearest = i;
+      way = 0;
+    }
     if (way >= 0 && turns[i] > turns[farthest]) farthest = i;
     if (way <= 0 && turns[i] < turns[nearest]) nearest = i;
     if (way == 0) {

@@ -297,6 +297,21 @@ TEST_CASE("Each turn of the motion is found, where it is and no other", "[positi
   CHECK(turning_points(along({-90, 90, -90}, 0.02)).size() == 1);
 }
 
+TEST_CASE("Strokes whose way back was not recorded are apart", "[position_segmentation]") {
+  for (const double most_deg : {30.0, 90.0, 170.0, 270.0}) {
+    CAPTURE(most_deg);
+    const auto once = along({0, most_deg}, 0.02);
+    std::vector<Sample> samples;
+    for (int stroke = 0; stroke < 3; ++stroke)
+      samples.insert(samples.end(), once.begin(), once.end());
+    CHECK(turning_points(samples) == std::vector<std::size_t>{100, 200});
+  }
+  // A line of sight that was interrupted for a while: one stroke.
+  auto samples = along({0, 90}, 0.02);
+  samples.erase(samples.begin() + 40, samples.begin() + 70);
+  CHECK(turning_points(samples).empty());
+}
+
 TEST_CASE("A point far off is no turn", "[position_segmentation]") {
   auto samples = along({-50, 40, -50}, 0.02);
   const auto turns = turning_points(samples);
