@@ -81,7 +81,12 @@ class Fitting {
     summary.condition = here_.information.condition();
     summary.undetermined = here_.information.undetermined();
     summary.last_step = here_.to_go;
-    return {std::move(here_.chain), here_.information.covariance(), {}, summary};
+    Eigen::MatrixXd covariance = here_.information.covariance();
+    if (summary.undetermined > 0) {
+      const Eigen::MatrixXd open = here_.information.open();
+      covariance += open * open.transpose();
+    }
+    return {std::move(here_.chain), std::move(covariance), {}, summary};
   }
 
  private:

@@ -10,6 +10,7 @@
 #include "identify/sweeps/sample.hpp"
 #include "identify/sweeps/stroke_curve.hpp"
 #include "identify/sweeps/stroke_samples.hpp"
+#include "identify/sweeps/stroke_sections.hpp"
 
 namespace identify {
 namespace {
@@ -19,65 +20,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
-
-/// Longer strokes are cut: twelve nodes hold what a model says over so much.
-constexpr double kSection_rad = kPi / 4;
-
-constexpr Index kMostNodes = 12;
-
-/// Of so many samples. More nodes than this and some get weights near zero, and means far from all
-/// samples: equally spaced ones determine polynomials of twice their number's root (Rakhmanov 2007,
-/// Annals of Mathematics 165).
-Index node_count(double samples) {
-  return static_cast<Index>(
-      std::clamp(2 * std::sqrt(samples), 2.0, static_cast<double>(kMostNodes)));
-}
-
-/// The sections of the turn, each with its Chebyshev nodes.
-class Sections {
- public:
-  Sections(const StrokeMoments& stroke, std::size_t samples) : from_(stroke.from_rad) {
-    const double range = stroke.to_rad - stroke.from_rad;
-    // Along a line all that a model says is linear in the turn.
-    // A section may be a little longer, so that noise does not decide whether a sweep of 90 degrees
-    // has two or three.
-    constexpr double kSlack = 0.05;
-    if (!stroke.linear)
-      count_ = static_cast<Index>(std::max(1.0, std::ceil(range / kSection_rad - kSlack)));
-    length_ = range / static_cast<double>(count_);
-    const Index nodes = node_count(static_cast<double>(samples) / static_cast<double>(count_));
-    places_.resize(nodes);
-    for (Index k = 0; k < nodes; ++k)
-      places_(k) = std::cos(static_cast<double>(2 * k + 1) * kPi / static_cast<double>(2 * nodes));
-    lagrange_.resize(nodes, nodes);
-    lagrange_.row(0).setConstant(2 / static_cast<double>(nodes));
-    set_chebyshev(lagrange_, places_);
-    lagrange_.row(0) /= 2;
-  }
-  [[nodiscard]] Index count() const { return count_; }
-  [[nodiscard]] Index nodes() const { return places_.size(); }
-  [[nodiscard]] double turn(Index section, Index node) const {
-    return from_ + length_ * (static_cast<double>(section) + (places_(node) + 1) / 2);
-  }
-  [[nodiscard]] Index at(double turn_rad) const {
-    const double place = length_ > 0 ? (turn_rad - from_) / length_ : 0;
-    return std::clamp<Index>(static_cast<Index>(place), 0, count_ - 1);
-  }
-  /// Of these turns, from minus one to one in their section.
-  [[nodiscard]] ArrayXd places(Index section, const Eigen::Ref<const ArrayXd>& turns) const {
-    if (!(length_ > 0)) return ArrayXd::Constant(turns.size(), places_(0));
-    return (turns - turn(section, 0)) * (2 / length_) + places_(0);
-  }
-  /// One column a node: its polynomial, in Chebyshev polynomials.
-  [[nodiscard]] const SampleRows& lagrange() const { return lagrange_; }
-
- private:
-  double from_;
-  Index count_ = 1;
-  double length_ = 0;
-  ArrayXd places_;
-  SampleRows lagrange_;
-};
 
 /// z, one column a sample.
 SampleRows whole(const StrokeMoments& stroke, const StrokeSamples& seen) {
@@ -98,43 +40,47 @@ SampleRows whole(const StrokeMoments& stroke, const StrokeSamples& seen) {
 
 /// Sets the nodes' sums, of all products or of z alone: with Chebyshev polynomials in place of the
 /// nodes' own, which are sums of these, block by block.
-void add_moments(StrokeMoments& stroke, const StrokeSamples& seen, const Sections& sections) {
+void add_moments(StrokeMoments& stroke, const StrokeSamples& seen, const StrokeSections& sections) {
   constexpr Index kBlock = 64;
   const SampleRows z = whole(stroke, seen);
   const Index size = z.rows();
   SampleRows products(stroke.squares ? size * (size + 1) / 2 : size, kBlock);
-  SampleRows polynomials(sections.nodes(), kBlock);
-  std::vector<MatrixXd> sums(static_cast<std::size_t>(sections.count()),
-                             MatrixXd::Zero(products.rows(), sections.nodes()));
+  std::vector<MatrixXd> sums;
+  Index orders = 0;
+  for (const StrokeSections::Section& section : sections.sections()) {
+    sums.push_back(MatrixXd::Zero(products.rows(), section.places.size()));
+    orders = std::max(orders, section.places.size());
+  }
+  SampleRows polynomials(orders, kBlock);
   for (Index begin = 0, count = 0; begin < z.cols(); begin += count) {
-    const Index section = sections.at(seen.turns(begin));
+    const std::size_t section = sections.at(seen.turns(begin));
     count = 1;
     while (count < kBlock && begin + count < z.cols() &&
            sections.at(seen.turns(begin + count)) == section)
       ++count;
-    polynomials.row(0).head(count) = seen.weights.segment(begin, count);
-    set_chebyshev(polynomials.leftCols(count),
-                  sections.places(section, seen.turns.segment(begin, count)));
+    auto here = polynomials.topLeftCorner(sums[section].cols(), count);
+    if (here.rows() == 0) continue;
+    here.row(0) = seen.weights.segment(begin, count);
+    set_chebyshev(here, sections.places(section, seen.turns.segment(begin, count)));
     const auto block = z.middleCols(begin, count);
     if (!stroke.squares) products.leftCols(count) = block;
     for (Index r = 0, product = 0; stroke.squares && r < size; ++r)
       for (Index c = 0; c <= r; ++c)
         products.row(product++).head(count) = block.row(r) * block.row(c);
-    sums[static_cast<std::size_t>(section)].noalias() +=
-        products.leftCols(count).matrix() * polynomials.leftCols(count).matrix().transpose();
+    sums[section].noalias() += products.leftCols(count).matrix() * here.matrix().transpose();
   }
   stroke.nodes.clear();
-  for (Index section = 0; section < sections.count(); ++section) {
-    const MatrixXd at_nodes =
-        sums[static_cast<std::size_t>(section)] * sections.lagrange().matrix();
-    for (Index k = 0; k < sections.nodes(); ++k) {
+  for (std::size_t s = 0; s < sums.size(); ++s) {
+    const StrokeSections::Section& section = sections.sections()[s];
+    const MatrixXd at_nodes = sums[s] * section.lagrange;
+    for (Index k = 0; k < section.places.size(); ++k) {
       MatrixXd whole = at_nodes.col(k);
       if (stroke.squares) {
         whole.resize(size, size);
         for (Index r = 0, product = 0; r < size; ++r)
           for (Index c = 0; c <= r; ++c) whole(r, c) = whole(c, r) = at_nodes(product++, k);
       }
-      stroke.nodes.push_back({sections.turn(section, k), std::move(whole)});
+      stroke.nodes.push_back({sections.turn(s, section.places(k)), std::move(whole)});
     }
   }
 }
@@ -204,7 +150,10 @@ std::optional<StrokeMoments> moments_of(const Sweep& sweep, const StrokeContent&
   set_errors(stroke, seen);
   set_weights(stroke, seen);
   count_weights(stroke, seen);
-  add_moments(stroke, seen, Sections(stroke, count));
+  const StrokeSections even(stroke, seen.turns.size());
+  add_moments(stroke, seen, even);
+  if (!even.suit(stroke))
+    add_moments(stroke, seen, StrokeSections(stroke, seen.turns, seen.weights));
   return stroke;
 }
 
@@ -227,7 +176,9 @@ std::optional<StrokeMoments> moments_like(const StrokeMoments& like, const Sweep
   stroke.from_rad = like.from_rad;
   stroke.to_rad = like.to_rad;
   count_weights(stroke, seen);
-  add_moments(stroke, seen, Sections(like, like.samples));
+  add_moments(stroke, seen, StrokeSections::of(like));
+  for (std::size_t k = 0; k < like.nodes.size(); ++k)
+    stroke.nodes[k].turn_rad = like.nodes[k].turn_rad;  // to the last bit
   if (!same_spread(like, stroke) || !same_place(like, stroke)) return std::nullopt;
   return stroke;
 }

@@ -8,6 +8,7 @@
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/median.hpp"
 #include "identify/geometry/sines.hpp"
+#include "identify/sweeps/stroke_sections.hpp"
 
 namespace identify {
 namespace {
@@ -46,8 +47,8 @@ const ArrayXd& best_told(const StrokeMoments& stroke, const StrokeSamples& seen)
 }
 
 /// Orders of the stroke's own curve.
-Index curve_orders(Index samples) {
-  return std::clamp<Index>(samples / 8, 1, 8);
+Index curve_orders(Index samples, Index places) {
+  return std::clamp<Index>(std::min(samples / 8, places / 2), 1, 8);
 }
 
 /// Of the weighted errors: see StrokeMoments::Blocks.
@@ -215,7 +216,8 @@ void set_errors(const StrokeMoments& stroke, StrokeSamples& seen) {
 void set_weights(StrokeMoments& stroke, StrokeSamples& seen) {
   const Index count = seen.turns.size();
   const Index directions = stroke.told ? 3 : 2;
-  StrokeCurve curve(seen.turns, stroke.from_rad, stroke.to_rad, curve_orders(count));
+  const Index places = places_of(seen.turns, stroke.from_rad, stroke.to_rad);
+  StrokeCurve curve(seen.turns, stroke.from_rad, stroke.to_rad, curve_orders(count, places));
   // The wobble of locked joints, which their angles tell, is in these errors, and not everywhere
   // along the stroke as large.
   const double wide = stroke.content.joints > 0 ? 2 : 1;

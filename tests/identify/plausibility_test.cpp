@@ -657,3 +657,38 @@ TEST_CASE("What one joint alone tells is partial, wherever its way back ended", 
       CHECK(found.joints[0].axis);
     }
 }
+
+TEST_CASE("Sweeps that stop and go count as what their stops tell",
+          "[plausibility][stroke_moments]") {
+  const auto [stops, samples] = GENERATE(table<int, int>({{3, 30}, {4, 40}, {5, 100}, {7, 210}}));
+  const bool back = GENERATE(false, true);
+  CAPTURE(stops, samples, back);
+  Strokes strokes;
+  strokes.stops = stops;
+  strokes.samples = samples;
+  strokes.there_and_back = back;
+  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+    const Simulation simulation(some_kr5(seed), strokes, tracker(true), seed);
+    const auto found = identify::identify(simulation.sweeps(), simulation.campaign());
+    INFO("seed " << seed << ": " << found.reason);
+    CHECK(found.status == Status::complete);
+    for (const double z : simulation::errors_in_sigmas(simulation, found)) CHECK(std::abs(z) < 4.5);
+    CHECK_FALSE(find_warning(found, "transmission_error"));
+    CHECK_FALSE(find_warning(found, "backlash"));
+  }
+}
+
+TEST_CASE("Two places of an arc tell no axis, and nothing is made up",
+          "[plausibility][chain_fit]") {
+  Strokes strokes;
+  const auto ends_alone = [](Sweep&, std::vector<Sample>& samples) {
+    samples.erase(samples.begin() + 5, samples.end() - 5);
+  };
+  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+    const Simulation simulation(some_kr5(seed), strokes, tracker(false), seed);
+    const auto found =
+        identify::identify(changed(simulation.sweeps(), ends_alone), simulation.campaign());
+    CHECK(found.status != Status::complete);
+    for (const double z : simulation::errors_in_sigmas(simulation, found)) CHECK(std::abs(z) < 4.5);
+  }
+}

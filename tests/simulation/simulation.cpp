@@ -132,7 +132,9 @@ std::vector<identify::Sweep> Simulation::sweeps() const {
     std::vector<std::vector<identify::Sample>> seen(stroke.targets.size());
     device.begin();
     for (int i = 0; i < how_.samples; ++i) {
-      const double time = stroke.seconds * i / (how_.samples - 1);
+      const int places = how_.stops > 0 ? how_.stops : how_.samples;
+      const int place = i * places / how_.samples;
+      const double time = stroke.seconds * place / (places - 1);
       std::vector<double> angles = locked;
       angles[j] = homes_[stroke.home][j] + stroke.turn_at(time, how_.ramp);
       if (how_.along && how_.along->swept == j)
@@ -145,7 +147,8 @@ std::vector<identify::Sweep> Simulation::sweeps() const {
       const Eigen::Isometry3d moved = chain_.displacement(turns);
 
       identify::Sample sample;
-      sample.time_s = printed(stroke.start_s + time, world_.time_decimals);
+      const double taken_s = stroke.start_s + stroke.seconds * i / (how_.samples - 1);
+      sample.time_s = printed(taken_s, world_.time_decimals);
       sample.has_position = true;
       if (world_.angles) {
         const double late =

@@ -25,6 +25,7 @@ struct Strokes {
   /// that.
   std::vector<std::array<double, 2>> ranges_deg;
   int samples = 300;  ///< a stroke
+  int stops = 0;      ///< of a stroke, at which all samples are taken; 0: they are along the way
   bool there_and_back = false;
   int repeats = 1;
   int homes = 1;                 ///< each further one 15 to 30 degrees off in every joint

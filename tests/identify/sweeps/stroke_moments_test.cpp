@@ -135,6 +135,40 @@ Eigen::VectorXd modelled(const StrokeMoments& stroke) {
 
 }  // namespace
 
+TEST_CASE("Wherever a stroke's samples lie, each node has some", "[stroke_moments]") {
+  // At a few stops, and with a gap in the middle.
+  const bool stops = GENERATE(true, false);
+  CAPTURE(stops);
+  Random random(57);
+  const Chain chain = random_chain(3, 1, random);
+  const auto sweeps = as_sweeps(sweeps_of(chain, measured(90 * kDegree, 400), random), 3, false);
+  auto samples = *sweeps[1].samples;
+  if (stops)
+    for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = samples[i / 100 * 133];
+  else
+    samples.erase(samples.begin() + 80, samples.begin() + 320);
+  Sweep sweep = sweeps[1];
+  sweep.samples = std::make_shared<const std::vector<Sample>>(samples);
+  const auto stroke = moments_of(sweep, {1, 0, false});
+  REQUIRE(stroke);
+  std::vector<double> turns;
+  for (const Sample& sample : samples)
+    turns.push_back(stroke->zero_rad + stroke->sense * stroke->angle_about(sample.position_mm));
+  double weight = 0, weighted = 0, expected = 0;
+  for (const StrokeMoments::Node& node : stroke->nodes) {
+    CAPTURE(node.turn_rad);
+    CHECK(node.sums(0, 0) > 0.5);
+    double nearest = 10;
+    for (const double turn : turns) nearest = std::min(nearest, std::abs(turn - node.turn_rad));
+    CHECK(nearest < 0.5 * kDegree);
+    weight += node.sums(0, 0);
+    weighted += node.sums(0, 0) * std::cos(2 * node.turn_rad);
+  }
+  for (const double turn : turns) expected += std::cos(2 * turn);
+  CHECK(weight == Approx(static_cast<double>(samples.size())));
+  CHECK(weighted == Approx(expected).epsilon(1e-6));
+}
+
 TEST_CASE("Noise does not decide how many sections a sweep of 90 degrees has", "[stroke_moments]") {
   Random random(54);
   const Chain chain = random_chain(3, 1, random);
