@@ -7,6 +7,7 @@ set -eu
 sweepd=$1 source=$2 output=$3 changelog=$4
 shift 4
 
+rm -f "$output"/sweepd*  # pages of commands that there are no more
 version=$("$sweepd" --version)
 SOURCE_DATE_EPOCH=$(date -d "$(sed -n 's/^ -- .*>  //p' "$changelog" | head -n 1)" +%s)
 export SOURCE_DATE_EPOCH

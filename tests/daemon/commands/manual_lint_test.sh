@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Every command has a manual page, and the pages are sound for groff and for mandoc, whichever is there.
+# Every command has a manual page and nothing else has one. The pages are sound for groff and for
+# mandoc, whichever is there.
 #
 #   manual_lint_test.sh SWEEPD FOLDER_OF_PAGES
 set -euo pipefail
@@ -16,6 +17,9 @@ for command in $("$sweepd" --help | sed -n '/^Commands:/,/^$/s/^  \([a-z]*\) .*/
   pages+=("$folder/sweepd-$command.1")
 done
 ((${#pages[@]} >= 9)) || fail "only ${#pages[@]} pages"
+for page in "$folder"/sweepd*.[15]; do
+  [[ " ${pages[*]} " == *" $page "* ]] || fail "$page is of no command"
+done
 
 for page in "${pages[@]}"; do
   [[ -f $page ]] || fail "there is no $page"

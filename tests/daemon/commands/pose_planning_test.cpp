@@ -62,7 +62,7 @@ std::string filled_in(const std::string& table, std::uint32_t seed) {
 }  // namespace
 
 TEST_CASE("Forty planned poses, measured, give the uncertainties that were promised",
-          "[pose_plan_command][long]") {
+          "[pose_planning][long]") {
   const TemporaryFolder folder;
   const auto options = planned_poses(40, folder / "poses");
   std::ostringstream out;
@@ -99,7 +99,7 @@ TEST_CASE("Forty planned poses, measured, give the uncertainties that were promi
 }
 
 TEST_CASE("A table of poses that nobody has filled in is refused with what to do",
-          "[pose_plan_command]") {
+          "[pose_planning]") {
   const TemporaryFolder folder;
   auto options = planned_poses(12, folder / "poses");
   options.poses.candidates = 100;
@@ -113,7 +113,7 @@ TEST_CASE("A table of poses that nobody has filled in is refused with what to do
 }
 
 TEST_CASE("Poses with wrong options, or what KRL cannot say, leave no file",
-          "[pose_plan_command][long]") {
+          "[pose_planning][long]") {
   const TemporaryFolder folder;
   auto options = planned_poses(12, folder / "poses");
   options.poses.candidates = 100;
