@@ -357,7 +357,7 @@ def wrong_codes(text, source):
     for line in text.splitlines():
         if row := re.match(r"\| (`[a-z_]+`(?:, `[a-z_]+`)*) \|", line):
             told.update(re.findall(r"`([a-z_]+)`", row[1]))
-    real = set(re.findall(r'(?:\b(?:warn|doubt)\(|Warning\{|(?:warnings|doubts)\.push_back\(\s*\{)\s*"([a-z]+(?:_[a-z]+)*)"', source))
+    real = set(re.findall(r'(?:\b(?:warn|doubt)\(|Warning\{|(?:warnings|doubts|advice)\.push_back\(\s*\{)\s*"([a-z]+(?:_[a-z]+)*)"', source))
     for code in sorted(real - told):
         yield f"the code {code} is not described"
     for code in sorted(told):
@@ -400,7 +400,7 @@ def problems(root, program):
     yield from told("docs/architecture.md", wrong_rows(root, read("docs/architecture.md")))
     yield from told("docs/architecture.md", wrong_rooms(
         read("docs/architecture.md"), read("docs/architecture.svg"), rooms_of(root)))
-    engine = "".join(path.read_text() for folder in ("identify", "daemon/results")
+    engine = "".join(path.read_text() for folder in ("identify", "daemon/plan", "daemon/results")
                      for path in sorted((root / folder).rglob("*.cpp")))
     yield from told("docs/troubleshooting.md", wrong_codes(read("docs/troubleshooting.md"), engine))
     scripts = "".join(path.read_text() for path in sorted((root / "scripts").iterdir()))
