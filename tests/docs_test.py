@@ -141,7 +141,7 @@ class Program:
         self.sweepd = sweepd
         self.options = {}
         listed = self.help().split("Commands:")[1]
-        for name in re.findall(r"^  ([a-z]+) ", listed, re.M):
+        for name in re.findall(r"^  ([a-z][a-z-]*) ", listed, re.M):
             self.options[name] = set(re.findall(r"--[a-z][a-z-]*", self.help(name)))
 
     def run(self, *arguments):

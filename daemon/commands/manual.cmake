@@ -2,9 +2,10 @@
 find_program(HELP2MAN help2man REQUIRED)
 set(manual ${PROJECT_BINARY_DIR}/manual)
 file(MAKE_DIRECTORY ${manual})
-# A page for each command.
+# A page for each command. A name with a hyphen has an underscore in that of its file.
 file(GLOB commands RELATIVE ${CMAKE_CURRENT_SOURCE_DIR}/commands CONFIGURE_DEPENDS commands/*_command.cpp)
 list(TRANSFORM commands REPLACE "_command\\.cpp$" "")
+list(TRANSFORM commands REPLACE "_" "-")
 list(TRANSFORM commands REPLACE "(.+)" "${manual}/sweepd-\\1.1.gz" OUTPUT_VARIABLE pages)
 list(PREPEND pages ${manual}/sweepd.1.gz)
 # They are dated as the newest entry of the changelog.

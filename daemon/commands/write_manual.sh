@@ -19,7 +19,7 @@ export SOURCE_DATE_EPOCH
 page() {
   help2man --no-info --section="$2" --manual="$3" --source="$version" --version-string="$1 ${version#* }" \
     --help-option="$4" --include="$source/$5" ${6:+--name="$6"} "$sweepd" >"$output/$1.$2.new"
-  sed -e '/^\.B sweepd$/{N;s/\n\\fI\\,\([a-z]*\) \\\/\\fR/ \1\n/}' \
+  sed -e '/^\.B sweepd$/{N;s/\n\\fI\\,\([a-z\\-]*\) \\\/\\fR/ \1\n/}' \
     -e 's/^\.SS "Exit status:"/.SH "EXIT STATUS"/' -e 's/^\(\.SS ".*\):"$/\1"/' -e 's/^\.IP$/.PP/' \
     -e '/^\.TP$/{n;s/^\(\\fB.*\) \([A-Z].*\)$/\1 \\fI\2\\fR/;s/^[a-z]*$/\\fB&\\fR/
       s/^\([a-z_]*\) = \(.*\)$/\\fB\1\\fR = \\fI\2\\fR/}' "$output/$1.$2.new" |

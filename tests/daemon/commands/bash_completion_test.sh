@@ -37,7 +37,7 @@ expect() {
 }
 
 # The commands and options that --help tells are those that are offered.
-commands=$("$sweepd" --help | sed -n '/^Commands:/,/^$/s/^  \([a-z]*\) .*/\1/p')
+commands=$("$sweepd" --help | sed -n '/^Commands:/,/^$/s/^  \([a-z][a-z-]*\) .*/\1/p')
 [[ $commands == *simulate* ]]
 expect "$(printf '%s\n' $commands --help --version | sort | paste -sd '|')" ''
 for command in $commands; do

@@ -13,7 +13,7 @@ fail() {
 }
 
 pages=("$folder/sweepd.1" "$folder/sweepd.toml.5")
-for command in $("$sweepd" --help | sed -n '/^Commands:/,/^$/s/^  \([a-z]*\) .*/\1/p'); do
+for command in $("$sweepd" --help | sed -n '/^Commands:/,/^$/s/^  \([a-z][a-z-]*\) .*/\1/p'); do
   pages+=("$folder/sweepd-$command.1")
 done
 ((${#pages[@]} >= 9)) || fail "only ${#pages[@]} pages"
