@@ -39,6 +39,7 @@ class ChainAdviser {
                "the same home for all sweeps, and do not touch the device; uncertainties allow for "
                "it");
     judge_drift();
+    judge_strays();
     judge_orientation();
     if (found_.poses && found_.poses->with_sweeps)
       judge_poses(found_.poses->fit.noise.position_mm, chain_.noise.position_mm);
@@ -103,6 +104,15 @@ class ChainAdviser {
            "during the sweeps the target " + std::string(untold ? "seems to have " : "") +
                "wandered by " + brief(chain_.wander_mm) + " mm (1 sigma). " + std::string(remedy));
     }
+  }
+
+  void judge_strays() {
+    for (const auto& stray : chain_.strays)
+      warn("sweep_disturbed", stray.joint,
+           "its sweep " + std::to_string(stray.number + 1) + " of " + std::to_string(stray.of) +
+               " does not go with the others, by about " + brief(stray.mm) +
+               " mm: something moved while it ran, and it hardly counts. Look for a joint that "
+               "gives way, or for what touched target or device, and sweep the joint again");
   }
 
   /// Every joint, so that nothing tells what moves during a sweep from what the arm does.

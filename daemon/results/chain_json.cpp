@@ -56,6 +56,14 @@ Json move(const identify::ChainEstimate::MoveSeen& seen) {
   return json;
 }
 
+Json strays(const std::vector<identify::ChainEstimate::StraySweep>& seen) {
+  Json json = Json::array();
+  for (const auto& one : seen)
+    json.push_back(
+        {{"joint", one.joint + 1}, {"sweep", one.number + 1}, {"mm", json_length(one.mm)}});
+  return json;
+}
+
 /// Of a linear joint its ways: mm.
 Json ways(Json json, const AngleEvidence& seen) {
   json["error_rms_mm"] = json_angle(seen.error_rms_rad);
@@ -123,6 +131,7 @@ Json chain_json(const identify::ChainEstimate& estimate) {
           {"effects", effects(estimate)},
           {"steady_drift", estimate.steady_drift ? steady_drift(*estimate.steady_drift) : Json()},
           {"move", estimate.move ? move(*estimate.move) : Json()},
+          {"disturbed_sweeps", strays(estimate.strays)},
           {"with_orientation", estimate.with_orientation},
           {"noise", noise(estimate)},
           {"angles", std::move(evidence)}};

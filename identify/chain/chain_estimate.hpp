@@ -81,6 +81,10 @@ struct ChainEffects {
   [[nodiscard]] double figure_times_of(std::size_t joint) const {
     return figure_times.empty() ? 1 : figure_times[joint];
   }
+  /// Of what single strokes have for themselves beside that, as something moved while they ran: of
+  /// each coordinate's shift, of how it grows and of how it bends. One a unit, most of them 0; none
+  /// where there is none.
+  std::vector<double> stray_mm;
   bool sag_told = false;  ///< that is known beforehand; else sweeps from several homes show it
 
   /// How far each joint may stand from where its printed angle says, one a joint: `zero_rad` of the
@@ -176,6 +180,15 @@ struct SweepEvidence {
     std::optional<std::size_t> alone;  ///< the only joint that swept on one side of it
   };
   std::optional<MoveSeen> move;  ///< where the data show one
+  /// A sweep that does not go with the others, since something moved while it ran: it hardly
+  /// counts.
+  struct StraySweep {
+    std::size_t joint = 0;
+    std::size_t number = 0;  ///< of the joint's sweeps, in the order of time, from 0
+    std::size_t of = 0;      ///< so many of them
+    double mm = 0;           ///< what it has for itself at the target, about: a standard deviation
+  };
+  std::vector<StraySweep> strays;
   std::size_t samples = 0;
   std::size_t outliers = 0;            ///< of them: given less than half their weight
   std::size_t summed = 0;              ///< strokes of which only sums were known

@@ -270,6 +270,7 @@ class Estimation {
     estimate.steady_drift =
         steady_drift_of(best.fit, effects_, campaign_.timed ? nodes_.seconds() : 0);
     estimate.move = move_of(best.fit, nodes_);
+    estimate.strays = strays_of(effects_, nodes_);
     set_fitted_axes(estimate, best.fit, nodes_.known, nodes_.targets);
   }
 

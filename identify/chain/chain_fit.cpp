@@ -184,6 +184,21 @@ std::optional<ChainEstimate::SteadyDrift> steady_drift_of(const ChainFit& fit,
   return drift;
 }
 
+std::vector<ChainEstimate::StraySweep> strays_of(const ChainEffects& effects,
+                                                 const ChainNodes& nodes) {
+  std::vector<ChainEstimate::StraySweep> strays;
+  if (effects.stray_mm.empty()) return strays;
+  std::vector<std::size_t> sweeps(nodes.known.size(), 0);
+  for (const std::size_t unit : nodes.in_time()) {
+    const std::size_t joint = nodes.strokes[nodes.units[unit].front()].content.joint;
+    if (effects.stray_mm[unit] > 0)
+      strays.push_back({joint, sweeps[joint], 0, effects.stray_mm[unit]});
+    ++sweeps[joint];
+  }
+  for (ChainEstimate::StraySweep& stray : strays) stray.of = sweeps[stray.joint];
+  return strays;
+}
+
 std::optional<ChainEstimate::MoveSeen> move_of(const ChainFit& fit, const ChainNodes& nodes) {
   const Chain& chain = fit.chain;
   if (chain.move.size() == 0) return std::nullopt;

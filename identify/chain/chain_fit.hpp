@@ -28,6 +28,10 @@ struct ChainFit {
                                                                         const ChainEffects& effects,
                                                                         double seconds);
 
+/// The sweeps that the effects say are strays.
+[[nodiscard]] std::vector<ChainEstimate::StraySweep> strays_of(const ChainEffects& effects,
+                                                               const ChainNodes& nodes);
+
 /// What was moved, as a fit has found it: where the target is moved farthest at home.
 [[nodiscard]] std::optional<ChainEstimate::MoveSeen> move_of(const ChainFit& fit,
                                                              const ChainNodes& nodes);
@@ -45,7 +49,7 @@ inline constexpr int kMostIterations = 50;
 ///
 /// `with_orientation`: the tool's orientation is data, and its three angles are parameters.
 /// Deterministic; one thread. Never throws for what the data hold: directions in parameter space
-/// without information stay where they start, and are counted.
+/// without information stay where they start, are counted, and all that is open in the covariance.
 [[nodiscard]] ChainFit fit_chain(const Chain& start, ChainNodes& nodes, const ChainNoise& noise,
                                  const ChainEffects& effects, bool with_orientation,
                                  int most_iterations = kMostIterations);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -20,6 +21,8 @@ namespace {
 constexpr double kSways = 20;
 /// And of one that was moved.
 constexpr double kMoves = 12;
+/// And of one stroke that is unlike the others.
+constexpr double kStrays = 20;
 /// A larger move is a mistake, and none of the effects.
 constexpr double kMostMove_mm = 0.5;
 
@@ -67,6 +70,7 @@ void EffectSearch::find_all(FittedChain& best) {
     other.home_stays = true;
     if (take_if_likelier(best, first, other, 0)) shape = other;
   }
+  if (shows_any(best, effects_)) find_strays(best, first, shape);
   if (nodes_.timed) {
     FittedChain from = best;
     from.fit.chain.sags = first.fit.chain.sags;  // they may have been taken for a walk
@@ -128,6 +132,81 @@ std::optional<double> EffectSearch::likeliest_move_mm(const FittedChain& fitted,
   return moved_mm;
 }
 
+void EffectSearch::find_strays(FittedChain& best, const FittedChain& first, ChainEffects& shape) {
+  constexpr int kMostStrays = 3;
+  constexpr double kAlike = 6;  // that much likelier is not the one for sure
+  for (int found = 0; found < kMostStrays; ++found) {
+    double least = deviance_of(best) - kStrays;
+    ChainEffects likeliest = shape;
+    const auto tried = [&](const Stray& one, const ChainEffects& beside) {
+      ChainEffects other = beside;
+      other.stray_mm.resize(nodes_.units.size());
+      other.stray_mm[one.unit] = one.mm;
+      return other;
+    };
+    std::vector<std::pair<double, Stray>> all;
+    for (const Stray& one : likeliest_strays(best, first, shape)) {
+      const ChainEffects other = tried(one, shape);
+      all.push_back({deviance_if(first, other), one});
+      if (!(all.back().first < least)) continue;
+      least = all.back().first;
+      likeliest = other;
+    }
+    if (likeliest.stray_mm == shape.stray_mm) return;
+    for (const auto& [deviance, one] : all)
+      if (deviance < least + kAlike) likeliest = tried(one, likeliest);
+    if (!take_if_likelier(best, first, likeliest, 0)) return;
+    shape = likeliest;
+  }
+}
+
+// By the strokes' own likelihoods. Where the fit knows of effects, nothing shows unless a stroke is
+// unlike the others; but it may have taken up what is told best without them.
+std::vector<EffectSearch::Stray> EffectSearch::likeliest_strays(const FittedChain& best,
+                                                                const FittedChain& first,
+                                                                const ChainEffects& shape) {
+  constexpr double kAny = 3;
+  constexpr std::size_t kMost = 4;
+  const auto gains = gains_of_strays(best, shape);
+  if (std::none_of(gains.begin(), gains.end(), [](const Stray& one) { return one.gain > kAny; }))
+    return {};
+  auto found = gains_of_strays(first, shape);
+  std::sort(found.begin(), found.end(),
+            [](const Stray& a, const Stray& b) { return a.gain > b.gain; });
+  found.resize(std::min(found.size(), kMost));
+  std::erase_if(found, [&](const Stray& one) { return !(one.gain > found.front().gain / 4); });
+  return found;
+}
+
+std::vector<EffectSearch::Stray> EffectSearch::gains_of_strays(const FittedChain& fitted,
+                                                               const ChainEffects& shape) {
+  constexpr double kLargest_mm = 30;
+  ChainEffects known = effects_, alone = shape;
+  known.home_stays = alone.home_stays = false;  // what strokes share is each one's, too
+  LinearisedChain with(fitted.fit.chain, nodes_, fitted.noise, alone, false);
+  const double smallest = 4 * smallest_mm(fitted);
+  const auto all_of = [](const std::vector<double>& ones) {
+    return std::accumulate(ones.begin(), ones.end(), 0.0);
+  };
+  const double here = all_of(with.own_deviances(known));
+  std::vector<Stray> strays(nodes_.units.size());
+  for (const double less : {0.0, 1.0 / 16, 1.0 / 4, 1.0}) {
+    ChainEffects effects = less_of(known, less);
+    const std::vector<double> without = with.own_deviances(effects);
+    const double others = here - all_of(without);
+    for (double stray_mm = smallest; stray_mm < kLargest_mm; stray_mm *= 4) {
+      effects.stray_mm.assign(strays.size(), stray_mm);
+      const std::vector<double> own = with.own_deviances(effects);
+      for (std::size_t u = 0; u < strays.size(); ++u) {
+        const double gain = others + without[u] - own[u];
+        const bool found = !known.stray_mm.empty() && known.stray_mm[u] > 0;
+        if (!found && gain > strays[u].gain) strays[u] = {u, stray_mm, gain};
+      }
+    }
+  }
+  return strays;
+}
+
 bool EffectSearch::shows_any(const FittedChain& fitted, const ChainEffects& effects) {
   constexpr double kShown = 4;
   LinearisedChain linearised(fitted.fit.chain, nodes_, fitted.noise, effects, false);
@@ -156,19 +235,30 @@ bool EffectSearch::may_sway(const FittedChain& best, const ChainEffects& shape) 
   return false;
 }
 
+double EffectSearch::deviance_of(const FittedChain& fitted) {
+  return LinearisedChain(fitted.fit.chain, nodes_, fitted.noise, effects_, false)
+      .deviance(effects_);
+}
+
+double EffectSearch::deviance_if(FittedChain from, const ChainEffects& shape) {
+  const auto nodes = nodes_.observations;
+  const ChainEffects effects = effects_;
+  size_twice(from, shape);
+  const double deviance = deviance_of(from);
+  nodes_.observations = nodes;
+  effects_ = effects;
+  return deviance;
+}
+
 bool EffectSearch::take_if_likelier(FittedChain& best, FittedChain from, const ChainEffects& shape,
                                     double by) {
-  const auto deviance = [&](const FittedChain& fitted) {
-    return LinearisedChain(fitted.fit.chain, nodes_, fitted.noise, effects_, false)
-        .deviance(effects_);
-  };
-  const double here = deviance(best);
+  const double here = deviance_of(best);
   const auto nodes = nodes_.observations;
   const ChainEffects effects = effects_;
   size_twice(from, shape);
   const auto move = move_of(from.fit, nodes_);
   const bool mistaken = move && move->mm.norm() > kMostMove_mm;
-  if (deviance(from) < here - by && !mistaken) {
+  if (deviance_of(from) < here - by && !mistaken) {
     best = std::move(from);
     return true;
   }

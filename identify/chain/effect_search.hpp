@@ -35,6 +35,23 @@ class EffectSearch {
   /// beside less of these effects or none: the nodes know the moment, then.
   std::optional<double> likeliest_move_mm(const FittedChain& fitted, const ChainEffects& effects,
                                           ChainEffects shape, double by);
+  /// Looks for strokes that are unlike the others, since something moved while they ran: beside
+  /// them the others may have less of all effects.
+  void find_strays(FittedChain& best, const FittedChain& first, ChainEffects& shape);
+  /// What one stroke may have for itself, and by how much less the deviance is then.
+  struct Stray {
+    std::size_t unit = 0;
+    double mm = 0;
+    double gain = 0;
+  };
+  /// A few, the likeliest first.
+  std::vector<Stray> likeliest_strays(const FittedChain& best, const FittedChain& first,
+                                      const ChainEffects& shape);
+  /// One a unit.
+  std::vector<Stray> gains_of_strays(const FittedChain& fitted, const ChainEffects& shape);
+  [[nodiscard]] double deviance_of(const FittedChain& fitted);
+  /// With the effects of this shape, sized from there. Nothing is changed.
+  [[nodiscard]] double deviance_if(FittedChain from, const ChainEffects& shape);
   /// What a stroke's place is uncertain by, by noise alone.
   [[nodiscard]] double smallest_mm(const FittedChain& fitted) const;
   /// Whether the other shape's effects, sized from this fit, have taken the place of those that

@@ -89,6 +89,14 @@ double LinearisedChain::deviance(const ChainEffects& effects) {
   return deviance(left_by(effects), effects);
 }
 
+std::vector<double> LinearisedChain::own_deviances(const ChainEffects& effects) const {
+  const EffectVariances variances = variances_of(effects, nodes_, columns_);
+  std::vector<double> found;
+  for (std::size_t u = 0; u < variances.own.size(); ++u)
+    found.push_back(eliminated_->own_deviance(u, variances.own[u]));
+  return found;
+}
+
 std::vector<ChainEstimate::Part> LinearisedChain::parts() {
   const EffectVariances all = variances_of(shape_, nodes_, columns_);
   const auto normal_at = [&](const EffectVariances& variances) -> MatrixXd {
@@ -109,6 +117,7 @@ std::vector<ChainEstimate::Part> LinearisedChain::parts() {
   home.home_stays = shape_.home_stays;
   home.home_times = shape_.home_times;
   drift.drift_mm = shape_.drift_mm;
+  drift.stray_mm = shape_.stray_mm;
   figure.figures_mm = shape_.figures_mm;
   figure.figure_times = shape_.figure_times;
   offset.offset_rad = shape_.offset_rad;

@@ -658,6 +658,37 @@ TEST_CASE("What one joint alone tells is partial, wherever its way back ended", 
     }
 }
 
+TEST_CASE("A sweep that something disturbed is told, and moves no axis",
+          "[plausibility][effect_search]") {
+  Strokes strokes;
+  strokes.there_and_back = true;
+  for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+    const Simulation simulation(some_kr5(seed), strokes, tracker(seed % 2 == 0), seed);
+    const std::size_t joint = seed % 6;
+    bool once = true;
+    const auto disturbed = [&](Sweep& sweep, std::vector<Sample>& samples) {
+      if (*sweep.joint != joint || !std::exchange(once, false)) return;
+      const double count = static_cast<double>(samples.size());
+      for (std::size_t i = 0; i < samples.size(); ++i)
+        samples[i].position_mm += static_cast<double>(i) / count * Eigen::Vector3d(0.2, -0.1, 0.15);
+    };
+    const auto found =
+        identify::identify(changed(simulation.sweeps(), disturbed), simulation.campaign());
+    INFO("seed " << seed << ": " << found.reason);
+    const Warning* told = find_warning(found, "sweep_disturbed");
+    REQUIRE(told);
+    CHECK(told->joint == joint);
+    for (const double z : simulation::errors_in_sigmas(simulation, found)) CHECK(std::abs(z) < 4.5);
+    for (const double home_deg : {0.002, 0.01}) {
+      World scattered = tracker(true);
+      scattered.home.sigma_deg = home_deg;
+      const Simulation loose(some_kr5(seed), strokes, scattered, seed);
+      const auto other = identify::identify(loose.sweeps(), loose.campaign());
+      CHECK_FALSE(find_warning(other, "sweep_disturbed"));
+    }
+  }
+}
+
 TEST_CASE("Sweeps that stop and go count as what their stops tell",
           "[plausibility][stroke_moments]") {
   const auto [stops, samples] = GENERATE(table<int, int>({{3, 30}, {4, 40}, {5, 100}, {7, 210}}));

@@ -1,0 +1,165 @@
+#include "identify/chain/effect_elimination.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace identify {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Adds to `sum`, whose columns are (first ones, all parameters, y), products whose columns are
+/// (the same first ones, these parameters, y).
+void add(MatrixXd& sum, Index first, Index parameters, const MatrixXd& products,
+         const std::vector<Index>& which) {
+  const Index size = first + parameters + 1;
+  if (sum.size() == 0) sum = MatrixXd::Zero(size, size);
+  std::vector<Index> place;
+  for (Index k = 0; k < first; ++k) place.push_back(k);
+  for (const Index parameter : which) place.push_back(first + parameter);
+  place.push_back(size - 1);
+  for (Index c = 0; c < products.cols(); ++c)
+    for (Index r = 0; r < products.rows(); ++r)
+      sum(place[static_cast<std::size_t>(r)], place[static_cast<std::size_t>(c)]) += products(r, c);
+}
+
+}  // namespace
+
+// Cholesky's elimination, in units of the effects' own standard deviations, so that a variance may
+// be zero: what has none is left out. A matrix is small here, and Eigen's blocks cost more than
+// they save.
+MatrixXd without_effects(const MatrixXd& products, const VectorXd& variances,
+                         double& log_determinant) {
+  const Index rest = products.rows() - variances.size();
+  MatrixXd left = products.bottomRightCorner(rest, rest);
+  const auto effects = static_cast<Index>((variances.array() != 0).count());
+  if (effects == 0) return left;
+  constexpr Index kAtOnce = 4;
+  const Index columns = (effects + kAtOnce - 1) / kAtOnce * kAtOnce;
+  MatrixXd factor = MatrixXd::Zero(effects + rest, columns);  // rows: effects, then the rest
+  double largest = 0;
+  for (Index k = 0, c = 0; k < variances.size(); ++k) {
+    if (variances(k) == 0) continue;
+    const double sigma = std::sqrt(variances(k));
+    for (Index l = 0, r = 0; l < variances.size(); ++l)
+      if (variances(l) != 0) factor(r++, c) = sigma * std::sqrt(variances(l)) * products(l, k);
+    factor.col(c).tail(rest) = sigma * products.col(k).tail(rest);
+    factor(c, c) += 1;
+    largest = std::max(largest, factor(c, c));
+    ++c;
+  }
+  // The unit matrix and squares have no pivot below one. Where a stroke has gaps, nodes may have
+  // negative weights: of effects so large that this shows, its sums tell nothing.
+  constexpr double kRounding = 1e-14;
+  const double least = 0.99 - kRounding * largest;
+  for (Index c = 0; c < effects; ++c) {
+    const double pivot = factor(c, c);
+    if (!(pivot > least)) log_determinant = std::numeric_limits<double>::infinity();
+    if (!(pivot > 0)) return left;
+    log_determinant += std::log(pivot);
+    factor.col(c).tail(effects + rest - c) /= std::sqrt(pivot);
+    for (Index d = c + 1; d < effects; ++d) {
+      const Index below = effects + rest - d;
+      factor.col(d).tail(below) -= factor(d, c) * factor.col(c).tail(below);
+    }
+  }
+  // Several effects at once: each column of what is left is then read and written less often.
+  for (Index c = 0; c < rest; ++c)
+    for (Index k = 0; k < columns; k += kAtOnce)
+      left.col(c).tail(rest - c) -= factor.middleCols<kAtOnce>(k).bottomRows(rest - c).lazyProduct(
+          factor.row(effects + c).segment<kAtOnce>(k).transpose());
+  left.triangularView<Eigen::StrictlyUpper>() = left.transpose();
+  return left;
+}
+
+EffectElimination::EffectElimination(std::vector<StrokeProducts> strokes,
+                                     std::vector<std::size_t> group_of,
+                                     std::vector<std::size_t> home_of, Index parameters)
+    : strokes_(std::move(strokes)),
+      group_of_(std::move(group_of)),
+      home_of_(std::move(home_of)),
+      parameters_(parameters) {}
+
+namespace {
+
+/// Takes each one's effects out and adds what is left to what it belongs to.
+void take_out(const std::vector<MatrixXd>& ones, const std::vector<VectorXd>& variances,
+              const std::vector<std::size_t>& whose, std::vector<MatrixXd>& sums,
+              double& log_determinant) {
+  for (MatrixXd& sum : sums) sum.setZero();
+  for (std::size_t k = 0; k < ones.size(); ++k) {
+    if (ones[k].size() == 0) continue;  // no stroke is of it
+    MatrixXd& sum = sums[whose[k]];
+    const MatrixXd left = without_effects(ones[k], variances[k], log_determinant);
+    if (sum.size() == 0)
+      sum = left;
+    else
+      sum += left;
+  }
+}
+
+}  // namespace
+
+/// Brings the level of these own variances to the front of those that are known.
+void EffectElimination::use_own(const EffectVariances& variances) {
+  if (!own_.empty() && own_.front().variances == variances.own) return;
+  stand_.variances.clear();
+  const auto known = std::find_if(own_.begin(), own_.end(), [&](const Level& level) {
+    return level.variances == variances.own;
+  });
+  if (known != own_.end()) {
+    own_.splice(own_.begin(), own_, known);
+    return;
+  }
+  while (!own_.empty() && (own_.size() + 1) * group_of_.size() > kKept) own_.pop_back();
+  Level& level = own_.emplace_front();
+  level.variances = variances.own;
+  level.left.resize(group_of_.size());
+  for (std::size_t s = 0; s < strokes_.size(); ++s) {
+    const std::size_t stand = strokes_[s].stand, group = group_of_[stand];
+    add(level.left[stand],
+        variances.stand[stand].size() + variances.shared[group].size() +
+            variances.home[home_of_[group]].size(),
+        parameters_, without_effects(strokes_[s].products, variances.own[s], level.log_determinant),
+        strokes_[s].parameters);
+  }
+}
+
+double EffectElimination::own_deviance(std::size_t stroke, const VectorXd& own) const {
+  double log_determinant = 0;
+  const MatrixXd left = without_effects(strokes_[stroke].products, own, log_determinant);
+  return log_determinant + left(left.rows() - 1, left.cols() - 1);
+}
+
+Eliminated EffectElimination::operator()(const EffectVariances& variances) {
+  use_own(variances);
+  if (stand_.variances != variances.stand) {
+    shared_.variances.clear();
+    stand_.variances = variances.stand;
+    stand_.log_determinant = own_.front().log_determinant;
+    stand_.left.resize(home_of_.size());
+    take_out(own_.front().left, variances.stand, group_of_, stand_.left, stand_.log_determinant);
+  }
+  if (shared_.variances != variances.shared) {
+    shared_.variances = variances.shared;
+    shared_.log_determinant = stand_.log_determinant;
+    shared_.left.resize(variances.home.size());
+    take_out(stand_.left, variances.shared, home_of_, shared_.left, shared_.log_determinant);
+  }
+  Eliminated all;
+  all.log_determinant = shared_.log_determinant;
+  MatrixXd whole = MatrixXd::Zero(parameters_ + 1, parameters_ + 1);
+  for (std::size_t h = 0; h < shared_.left.size(); ++h)
+    if (shared_.left[h].size() > 0)
+      whole += without_effects(shared_.left[h], variances.home[h], all.log_determinant);
+  all.normal = whole.topLeftCorner(parameters_, parameters_);
+  all.gradient = whole.topRightCorner(parameters_, 1);
+  all.squares = whole(parameters_, parameters_);
+  return all;
+}
+
+}  // namespace identify
