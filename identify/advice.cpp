@@ -162,14 +162,43 @@ class Adviser {
       const DhEstimate& row = found_.dh[i];
       if (!begins || row.relation != Relation::parallel) continue;
       const double off = std::hypot(std::remainder(row.alpha_rad.value, kPi), row.beta_rad.value);
-      warn(
-          "height_unknown", i,
-          "its axis and the next are parallel, and nothing tells where along them the arm stands: "
-          "its a, and theta and a of the next row, are those at the height of the device's origin; "
-          "they change by up to " +
-              brief(1000 * std::tan(off)) + " mm for each metre along the axes, which are " +
-              uncertain(off) + " off parallel");
+      warn("height_unknown", i,
+           "its axis and the next are parallel, and nothing tells where along them the arm "
+           "stands: " +
+               taken_at(i) + "they change by up to " + brief(1000 * std::tan(off)) +
+               " mm for each metre along the axes, which are " + uncertain(off) + " off parallel");
     }
+  }
+
+  /// At which height numbers from a row on are stated, and which ones are by convention for it.
+  [[nodiscard]] std::string taken_at(std::size_t first) const {
+    const auto& measured =
+        found_.estimator == Estimator::circle ? found_.circle_dh : found_.chain->dh;
+    std::string names;
+    bool by_b = false;
+    for (std::size_t i = first; i < found_.dh.size() && (i == first || found_.joints[i].axis);
+         ++i) {
+      std::string of_row;
+      for (const DhNumberName& of : kDhNumbers) {
+        const bool is_b = of.number == &DhEstimate::b_mm;
+        if ((found_.dh[i].*of.number).knowledge != Knowledge::by_convention ||
+            (measured[i].*of.number).knowledge != Knowledge::identified ||
+            (i == 0 && (is_b || of.number == &DhEstimate::theta_rad)))
+          continue;
+        of_row += (of_row.empty() ? "" : ", ") + std::string(of.name);
+        by_b = by_b || is_b;
+      }
+      if (!of_row.empty())
+        names += (names.empty() ? "" : "; ") + of_row + " of row " + std::to_string(i + 1);
+    }
+    const std::string others = "its a, and theta and a of the next row, are those ";
+    if (by_b)
+      return "by convention where " + names + " is " +
+             (campaign_.specified ? "as specified" : "zero") + "; " + others + "at that height; ";
+    if (!names.empty())
+      return "by convention level with the point stated of its axis; " + names +
+             " are not determined, and set as they are at that height; ";
+    return others + "at the height of the device's origin; ";
   }
 
   void judge_speed(std::size_t j) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "identify/chain/chain_table.hpp"
+#include "identify/dh/base_height.hpp"
 #include "identify/geometry/angle.hpp"
 #include "identify/identification.hpp"
 #include "identify/specified_fit.hpp"
@@ -36,26 +37,32 @@ double size_mm(const std::vector<Axis>& axes) {
 
 /// How far a table is from the specified one. Turning an axis round may change nothing but thetas:
 /// then these decide, though the pose may have been another.
-double misfit(const std::vector<DhEstimate>& dh, const std::vector<DhRow>& specified, double size) {
+/// `known` has the same rows, with what is known of them.
+double misfit(const std::vector<DhEstimate>& dh, const std::vector<DhEstimate>& known,
+              const std::vector<DhRow>& specified, double size) {
   constexpr double kThetaWeight = 1e-3;
   double sum = 0;
   const auto add = [&](const DhNumber& number, double difference, double weight) {
     if (number.knowledge == Knowledge::identified) sum += weight * std::abs(difference);
   };
   for (std::size_t j = 0; j < dh.size(); ++j) {
-    add(dh[j].b_mm, dh[j].b_mm.value - specified[j].b_mm, 1 / size);
-    add(dh[j].a_mm, dh[j].a_mm.value - specified[j].a_mm, 1 / size);
-    add(dh[j].alpha_rad, wrapped(dh[j].alpha_rad.value - specified[j].alpha_rad), 1);
-    add(dh[j].theta_rad, wrapped(dh[j].theta_rad.value - specified[j].theta_rad), kThetaWeight);
+    add(known[j].b_mm, dh[j].b_mm.value - specified[j].b_mm, 1 / size);
+    add(known[j].a_mm, dh[j].a_mm.value - specified[j].a_mm, 1 / size);
+    add(known[j].alpha_rad, wrapped(dh[j].alpha_rad.value - specified[j].alpha_rad), 1);
+    add(known[j].theta_rad, wrapped(dh[j].theta_rad.value - specified[j].theta_rad), kThetaWeight);
   }
   return sum;
 }
 
 /// In a device's frame, where the base stands is nobody's number.
-std::vector<DhEstimate> table_of(const Axes& axes, const Identification& found, double size,
+std::vector<DhEstimate> table_of(Axes axes, const Identification& found, double size,
                                  const Campaign& campaign) {
+  const bool device = campaign.device_frame && !axes.empty();
+  if (device) axes = seen_from_base(std::move(axes), size, found.specified);
   auto table = extract_dh(axes, size, found.specified);
-  if (campaign.device_frame && !table.empty()) leave_first_to_frame(table, found.specified);
+  if (!device) return table;
+  leave_first_to_frame(table, found.specified);
+  leave_to_height(table, axes, size, found.specified);
   return table;
 }
 
@@ -63,13 +70,15 @@ std::vector<DhEstimate> table_of(const Axes& axes, const Identification& found, 
 Axes agreeing(const Axes& axes, const Identification& found, double size,
               const Campaign& campaign) {
   constexpr double kEqual = 1e-9;
+  const auto known = table_of(axes, found, size, campaign);
   Axes best;
   double least = 0;
   for (std::size_t flips = 0; flips < std::size_t{1} << axes.size(); ++flips) {
     Axes tried = axes;
     for (std::size_t j = 0; j < axes.size(); ++j)
       if ((flips >> j & 1) != 0) tried[j] = tried[j]->reversed();
-    const double sum = misfit(table_of(tried, found, size, campaign), found.specified, size);
+    const double sum =
+        misfit(extract_dh(tried, size, found.specified), known, found.specified, size);
     if (!best.empty() && sum >= least - kEqual) continue;
     least = sum;
     best = std::move(tried);

@@ -11,6 +11,7 @@
 #include "identify/chain/chain_table.hpp"
 #include "identify/chain/delay.hpp"
 #include "identify/circle/circle_estimator.hpp"
+#include "identify/dh/base_height.hpp"
 #include "identify/dh/placed_axes.hpp"
 #include "identify/geometry/angle.hpp"
 #include "identify/plausibility.hpp"
@@ -79,19 +80,39 @@ Identification by_circles(CircleEstimate circles) {
   return found;
 }
 
+/// Of the circles' table, what depends on where the base stands.
+void leave_to_device(Identification& found, const Campaign& campaign) {
+  std::vector<std::optional<Axis>> z;
+  for (const JointResult& joint : found.joints) {
+    const bool turned = campaign.specified && campaign.specified->positive[z.size()] < 0;
+    z.push_back(joint.axis && turned ? joint.axis->reversed() : joint.axis);
+  }
+  const double size_mm = size_by_circles_mm(found);
+  z = seen_from_base(std::move(z), size_mm, found.specified);
+  found.dh = placed_table(z, found.specified, size_mm);
+  leave_first_to_frame(found.dh, found.specified);
+  leave_to_height(found.dh, z, size_mm, found.specified);
+}
+
 /// Sets what follows from `found.chain`, which has converged.
 void take_chain(Identification& found, const Campaign& campaign, Estimator estimator) {
   const std::size_t joints = found.joints.size();
-  const TableAxes axes = table_axes(*found.chain, campaign);
+  TableAxes axes = table_axes(*found.chain, campaign);
   found.estimator = estimator;
-  found.dh = found.chain->dh = table_of(axes, joints, found.specified);
+  found.chain->dh = table_of(axes, joints, found.specified);
+  if (campaign.device_frame) axes = at_base(axes, joints, found.specified);
+  found.dh = table_of(axes, joints, found.specified);
   found.row_to_tool = row_to_tool(axes, joints, found.specified);
+  found.tool = tool_pose(*found.chain, axes, found.dh, found.specified);
   if (campaign.device_frame) {
     found.robot_pose = robot_pose(axes, found.specified);
     leave_first_to_frame(found.dh, found.specified);
   }
+  // What hangs on the height keeps its variance: results of one arm are compared at one height.
   set_budget(found, axes);
-  found.tool = tool_pose(*found.chain, axes, found.chain->dh, found.specified);
+  if (campaign.device_frame)
+    leave_to_height(found.dh, {axes.z.begin(), axes.z.begin() + static_cast<Index>(joints)},
+                    axes.size_mm, found.specified);
   for (std::size_t j = 0; j < joints; ++j) found.joints[j].axis = found.chain->axes[j];
   const std::string missing = axes_missing(found);
   if (found.status != Status::failed || missing.empty())
@@ -101,7 +122,7 @@ void take_chain(Identification& found, const Campaign& campaign, Estimator estim
 
 Identification estimate(std::vector<Sweep> sweeps, const Campaign& campaign) {
   Identification found = by_circles(estimate_circles(std::move(sweeps), campaign));
-  if (campaign.device_frame && !found.dh.empty()) leave_first_to_frame(found.dh, found.specified);
+  if (campaign.device_frame && !found.dh.empty()) leave_to_device(found, campaign);
   const auto axes = starting_axes(found);
   if (campaign.timed) found.delay = find_delay(found, axes, campaign);
   // One joint of several has no row yet, and nothing to tell what errs in its strokes from what

@@ -34,7 +34,8 @@ struct Identification : CircleEstimate {
   Estimator estimator = Estimator::circle;  ///< where `dh` and the joints' axes come from
   std::vector<DhEstimate> dh;               ///< one row a joint
   /// Of the numbers of `dh`, where they are the chain's: five rows a row (b, theta, a, alpha, beta,
-  /// mm and rad), zero for what is not identified. Empty: not known.
+  /// mm and rad), zero for what is not identified, but that of what hangs on the base's height (see
+  /// base_height.hpp) as at the height where it is taken. Empty: not known.
   Eigen::MatrixXd dh_covariance;
   /// What each cause has of their variances.
   struct Share {

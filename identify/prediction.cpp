@@ -94,8 +94,8 @@ void predict_from(ChainNodes& nodes, const std::vector<ChainObservation>& sample
   place_linear_axes(expected, campaign, rehearsed.specified);
   const TableAxes axes = table_axes(expected, campaign);
   prediction.axes = expected.axes;
-  prediction.dh = table_of(axes, joints, rehearsed.specified);
-  if (campaign.device_frame) leave_first_to_frame(prediction.dh, rehearsed.specified);
+  prediction.dh = campaign.device_frame ? device_table_of(axes, joints, rehearsed.specified)
+                                        : table_of(axes, joints, rehearsed.specified);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "identify/dh/base_height.hpp"
 #include "identify/geometry/warning.hpp"
 
 namespace identify {
@@ -227,8 +228,10 @@ class Explanation {
       Axes tried = z;
       for (std::size_t k = 0; k < z.size(); ++k)
         if (tried[k] && (flips >> k & 1) != 0) tried[k] = tried[k]->reversed();
-      if (worst_of(extract_dh(tried, size, specified), specified, home_rad).excess <= 1)
-        return true;
+      if (campaign_.device_frame) tried = seen_from_base(std::move(tried), size, specified);
+      auto table = extract_dh(tried, size, specified);
+      if (campaign_.device_frame) leave_to_height(table, tried, size, specified);
+      if (worst_of(table, specified, home_rad).excess <= 1) return true;
     }
     return false;
   }

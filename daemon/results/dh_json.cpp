@@ -40,15 +40,18 @@ struct NumberPlace {
   double unit = 1;  ///< of the file, in mm or rad
 };
 
-std::vector<NumberPlace> identified_numbers(const Identification& found) {
+/// With those that are by convention for the base's height alone: they have a variance.
+std::vector<NumberPlace> measured_numbers(const Identification& found) {
   std::vector<NumberPlace> places;
   for (std::size_t i = 0; i < found.dh.size(); ++i) {
     for (std::size_t k = 0; k < kDhNumbers.size(); ++k) {
       const auto& of = kDhNumbers[k];
-      if ((found.dh[i].*of.number).knowledge != Knowledge::identified) continue;
-      places.push_back({static_cast<Eigen::Index>(kDhNumbers.size() * i + k),
-                        fmt::format("{}{}_{}", of.name, i + 1, of.unit()),
-                        of.length ? 1 : degrees(1)});
+      const auto row = static_cast<Eigen::Index>(kDhNumbers.size() * i + k);
+      if ((found.dh[i].*of.number).knowledge != Knowledge::identified &&
+          !(found.dh_covariance.size() > 0 && found.dh_covariance(row, row) > 0))
+        continue;
+      places.push_back(
+          {row, fmt::format("{}{}_{}", of.name, i + 1, of.unit()), of.length ? 1 : degrees(1)});
     }
   }
   return places;
@@ -88,7 +91,7 @@ Json dh_json(const std::vector<DhEstimate>& rows) {
 }
 
 Json covariance_json(const Identification& found) {
-  const auto places = identified_numbers(found);
+  const auto places = measured_numbers(found);
   Json names = Json::array(), rows = Json::array();
   for (const NumberPlace& r : places) {
     names.push_back(r.name);
@@ -102,7 +105,7 @@ Json covariance_json(const Identification& found) {
 
 Json budget_json(const Identification& found) {
   Json rows = Json::array();
-  for (const NumberPlace& place : identified_numbers(found)) {
+  for (const NumberPlace& place : measured_numbers(found)) {
     const double variance = found.dh_covariance(place.row, place.row);
     Json row = {{"number", place.name}};
     for (const auto& share : found.dh_budget)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/dh/base_height.hpp"
 #include "identify/dh/placed_axes.hpp"
 #include "identify/geometry/line.hpp"
 
@@ -111,6 +112,19 @@ TableAxes table_axes(const ChainEstimate& chain, const Campaign& campaign) {
   return axes;
 }
 
+TableAxes at_base(TableAxes axes, std::size_t joints, const std::vector<DhRow>& specified) {
+  const std::vector<std::optional<Axis>> of_joints(
+      axes.z.begin(), axes.z.begin() + static_cast<std::ptrdiff_t>(joints));
+  const auto seen = seen_from_base(of_joints, axes.size_mm, specified);
+  for (std::size_t j = joints; j-- > 0;)
+    if (of_joints[j]) axes.origin_mm = of_joints[j]->point_mm - seen[j]->point_mm;
+  // Behind a gap each stretch of axes has an origin of its own; the tool goes with the last joint.
+  for (std::size_t j = joints; j < axes.z.size(); ++j)
+    if (of_joints.back()) axes.z[j]->point_mm -= of_joints.back()->point_mm - seen.back()->point_mm;
+  std::copy(seen.begin(), seen.end(), axes.z.begin());
+  return axes;
+}
+
 std::vector<DhEstimate> table_of(const TableAxes& axes, std::size_t joints,
                                  const std::vector<DhRow>& specified) {
   const std::vector<std::optional<Axis>> of_joints(
@@ -129,6 +143,16 @@ void leave_first_to_frame(std::vector<DhEstimate>& table, const std::vector<DhRo
   table.front().theta_rad = {first.theta_rad, 0, Knowledge::by_convention};
 }
 
+std::vector<DhEstimate> device_table_of(const TableAxes& axes, std::size_t joints,
+                                        const std::vector<DhRow>& specified) {
+  const TableAxes seen = at_base(axes, joints, specified);
+  auto table = table_of(seen, joints, specified);
+  leave_first_to_frame(table, specified);
+  leave_to_height(table, {seen.z.begin(), seen.z.begin() + static_cast<std::ptrdiff_t>(joints)},
+                  seen.size_mm, specified);
+  return table;
+}
+
 std::optional<DhEstimate> row_to_tool(const TableAxes& axes, std::size_t joints,
                                       const std::vector<DhRow>& specified) {
   if (axes.z.size() == joints) return std::nullopt;
@@ -142,6 +166,7 @@ std::optional<RobotPose> robot_pose(const TableAxes& axes, const std::vector<DhR
   std::vector<std::optional<Axis>> first_two = {axes.z[0], axes.z[1]};
   RobotPose found;
   found.pose = base_of(axes, first_two, specified);
+  found.pose.pretranslate(axes.origin_mm);
   constexpr double kDirectionStep = 1e-6;
   constexpr double kPointStep_mm = 1e-3;
   Eigen::Matrix<double, 6, 12> jacobian;
@@ -183,7 +208,7 @@ std::optional<Isometry3d> tool_pose(const ChainEstimate& chain, const TableAxes&
   for (const DhRow& row : rows) last = last * transform(row);
   Isometry3d tool = Isometry3d::Identity();
   tool.linear() = chain.chain.tool;
-  tool.translation() = chain.chain.targets_mm.front();
+  tool.translation() = chain.chain.targets_mm.front() - axes.origin_mm;
   return last.inverse() * tool;
 }
 

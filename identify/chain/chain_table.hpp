@@ -25,13 +25,23 @@ struct TableAxes {
   Eigen::MatrixXd by_estimate;  ///< how these change with what the estimate's covariance is of
   Eigen::MatrixXd by_target;    ///< as in ChainEstimate
   double size_mm = 0;           ///< of the arm: the largest distance between axes, targets
+  /// Of the frame in which `z` is, in the measurement frame; directions are alike.
+  Eigen::Vector3d origin_mm = Eigen::Vector3d::Zero();
 };
 [[nodiscard]] TableAxes table_axes(const ChainEstimate& chain, const Campaign& campaign);
+
+/// The same as `seen_from_base` has them (see base_height.hpp), for points in a device's frame.
+[[nodiscard]] TableAxes at_base(TableAxes axes, std::size_t joints,
+                                const std::vector<DhRow>& specified);
 
 /// The DH table, one row a joint; the last is zero by convention. `specified` has one row a joint
 /// or none.
 [[nodiscard]] std::vector<DhEstimate> table_of(const TableAxes& axes, std::size_t joints,
                                                const std::vector<DhRow>& specified);
+
+/// The same of points in a device's frame: what depends on where the base stands is by convention.
+[[nodiscard]] std::vector<DhEstimate> device_table_of(const TableAxes& axes, std::size_t joints,
+                                                      const std::vector<DhRow>& specified);
 
 /// Where the measurement frame is a device's: b and theta of row 1 tell where it stands, not how
 /// the arm is made, and are by convention as specified (zero without a specified table).

@@ -80,8 +80,7 @@ PoseOutlook PoseForecast::outlook(const std::vector<PoseRow>& poses,
   std::vector<DhRow> specified = campaign_.specified->rows;
   place_linear_axes(expected, campaign_, specified);
   found.axes = expected.axes;
-  found.dh = table_of(table_axes(expected, campaign_), campaign_.joints, specified);
-  leave_first_to_frame(found.dh, specified);
+  found.dh = device_table_of(table_axes(expected, campaign_), campaign_.joints, specified);
   return found;
 }
 

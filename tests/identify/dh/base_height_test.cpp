@@ -1,0 +1,135 @@
+#include "identify/dh/base_height.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+
+#include "identify/given_axes.hpp"
+#include "identify/identification.hpp"
+#include "tests/bench/accuracy_campaign.hpp"
+#include "tests/catch.hpp"
+#include "tests/identify/simulated_campaign.hpp"
+
+using namespace identify;
+using Catch::Matchers::ContainsSubstring;
+using identify::test::find_warning;
+
+namespace {
+
+/// Its first two axes are specified as parallel and are a little askew. With three joints the third
+/// is square to them.
+simulation::Robot arm_of(std::size_t joints) {
+  simulation::Robot robot;
+  robot.specified.rows = {{0, 1.2, -400, 0}, {0, 0, 0, 0}};
+  if (joints == 3)
+    robot.specified.rows = {{0, 1.2, -400, 0}, {-400, -1.1, 400, -kPi / 2}, {0, 0, 0, 0}};
+  robot.specified.home_rad.assign(joints, 0);
+  robot.specified.positive.assign(joints, 1);
+  robot.arm = robot.specified;
+  robot.arm.rows[0].a_mm += 0.4;
+  robot.arm.rows[0].alpha_rad = 0.02 * kDegree;
+  robot.arm.rows[0].beta_rad = -0.16 * kDegree;
+  if (joints == 3) robot.arm.rows[1].b_mm += 0.3;
+  robot.targets_mm = {{150, 60, 100}};
+  return robot;
+}
+
+/// Swept by 90 degrees, before a device that stands somewhere, or in the robot's own frame.
+Identification swept(std::size_t joints, bool placed, std::uint32_t seed) {
+  simulation::Strokes strokes;
+  strokes.samples = 200;
+  auto world = accuracy::tracker(0.02);
+  world.placed = placed;
+  const simulation::Simulation simulation(arm_of(joints), strokes, world, seed);
+  return identify::identify(simulation.sweeps(), simulation.campaign());
+}
+
+/// As a device has them that stands somewhere within metres.
+std::vector<Axis> axes_before_a_device(const simulation::Robot& robot, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<> any(-3000, 3000);
+  const Eigen::AngleAxisd turn(any(random) / 1000,
+                               Eigen::Vector3d(any(random), any(random), any(random)).normalized());
+  const Eigen::Vector3d by(any(random), any(random), any(random));
+  std::vector<Axis> axes;
+  for (const ChainAxis& axis : chain_of(robot).axes) {
+    axes.emplace_back();
+    axes.back().direction = turn * axis.direction;
+    axes.back().point_mm = turn * axis.point_mm + by;
+  }
+  return axes;
+}
+
+}  // namespace
+
+TEST_CASE("b behind parallel first axes is nobody's number in a device's frame", "[height]") {
+  for (std::uint32_t seed = 1; seed <= 5; ++seed) {
+    INFO("seed " << seed);
+    const auto found = swept(3, true, seed);
+    CHECK(found.status == Status::complete);
+    CHECK(found.doubts.empty());
+    REQUIRE(found.dh.size() == 3);
+    CHECK(found.dh[0].relation == Relation::parallel);
+    CHECK(found.dh[1].b_mm.knowledge == Knowledge::by_convention);
+    CHECK(found.dh[1].b_mm.value == Approx(-400).margin(1e-6));
+    // At that height the others are the arm's.
+    CHECK(found.dh[0].a_mm.knowledge == Knowledge::identified);
+    CHECK(std::abs(found.dh[0].a_mm.value - -399.6) < 4.5 * found.dh[0].a_mm.sigma);
+    CHECK(std::abs(wrapped(found.dh[1].theta_rad.value - -1.1)) <
+          4.5 * found.dh[1].theta_rad.sigma);
+    const Warning* const warning = find_warning(found, "height_unknown");
+    REQUIRE(warning != nullptr);
+    CHECK_THAT(warning->message, ContainsSubstring("b of row 2"));
+  }
+}
+
+TEST_CASE("the length of a planar arm whose axes are askew is not identified without its height",
+          "[height]") {
+  for (std::uint32_t seed = 1; seed <= 5; ++seed) {
+    INFO("seed " << seed);
+    const auto found = swept(2, true, seed);
+    CHECK(found.doubts.empty());
+    REQUIRE(found.dh.size() == 2);
+    CHECK(found.dh[0].a_mm.knowledge == Knowledge::by_convention);
+    CHECK(found.dh[0].alpha_rad.knowledge == Knowledge::identified);
+    // Level with the target, which is near the arm.
+    CHECK(std::abs(found.dh[0].a_mm.value - -399.6) < 1);
+    const Warning* const warning = find_warning(found, "height_unknown");
+    REQUIRE(warning != nullptr);
+    CHECK_THAT(warning->message, ContainsSubstring("a of row 1 are not determined"));
+  }
+}
+
+TEST_CASE("in the robot's frame the height is told, and all is identified", "[height]") {
+  const auto found = swept(3, false, 1);
+  CHECK(found.status == Status::complete);
+  REQUIRE(found.dh.size() == 3);
+  CHECK(found.dh[0].a_mm.knowledge == Knowledge::identified);
+  CHECK(found.dh[1].b_mm.knowledge == Knowledge::identified);
+  CHECK(found.dh[1].b_mm.value == Approx(-399.7).margin(1));
+  CHECK_FALSE(find_warning(found, "height_unknown"));
+}
+
+TEST_CASE("axes that are given in a device's frame leave the height open as well", "[height]") {
+  Campaign campaign;
+  campaign.device_frame = true;
+  for (std::uint32_t seed = 1; seed <= 5; ++seed) {
+    INFO("seed " << seed);
+    const auto robot = arm_of(3);
+    campaign.joints = 3;
+    campaign.specified = robot.specified;
+    const auto found = identify_given_axes(axes_before_a_device(robot, seed), campaign);
+    CHECK(found.doubts.empty());
+    CHECK(found.dh[1].b_mm.knowledge == Knowledge::by_convention);
+    CHECK(found.dh[1].b_mm.value == Approx(-400).margin(1e-6));
+  }
+}
+
+TEST_CASE("axes that hang on no height are seen from the base as they were", "[height]") {
+  const auto given =
+      axes_before_a_device(accuracy::robot_of({identify::test::kr5_arc(), {}, {{200, 0, 215}}}), 1);
+  const std::vector<std::optional<Axis>> z(given.begin(), given.end());
+  const auto seen = seen_from_base(z, 1000, {});
+  for (std::size_t j = 0; j < z.size(); ++j) CHECK(seen[j]->point_mm == z[j]->point_mm);
+}
