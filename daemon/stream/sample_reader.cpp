@@ -84,28 +84,51 @@ identify::Sample SampleReader::read(const rsi::Telegram& telegram) {
   return sample;
 }
 
+SampleReader::ExternalReading SampleReader::usual_external_reading() const {
+  const auto count = static_cast<std::ptrdiff_t>(std::min(external_read_, kExternalReadings));
+  ExternalReading usual{};
+  for (std::size_t k = 0; k < external_.size(); ++k) {
+    std::array<double, kExternalReadings> values{};
+    std::transform(external_readings_.begin(), external_readings_.begin() + count, values.begin(),
+                   [k](const ExternalReading& one) { return one[k]; });
+    std::nth_element(values.begin(), values.begin() + count / 2, values.begin() + count);
+    usual[k] = values[static_cast<std::size_t>(count / 2)];
+  }
+  return usual;
+}
+
 void SampleReader::follow_external_axes(const rsi::Telegram& telegram) {
-  // In mm, or degrees where the axis turns. One that is locked shows two steps of what a controller
-  // prints at most, 0.1 by default.
-  constexpr double kMoved = 0.25;
-  /// On the way from one place to another there are many; those where the axes rested stay known.
-  constexpr std::size_t kMostPlaces = 32;
   if (external_.empty()) return;
-  std::array<double, kExternalAxes> now{};
+  ExternalReading reading{};
   for (std::size_t k = 0; k < external_.size(); ++k) {
     const rsi::Signal* const signal = external_[k].in(telegram);
     if (signal == nullptr) return;  // all six are sent, or none
     const auto value = rsi::number(signal->text);
     if (!value) return;
-    now[k] = *value;
+    reading[k] = *value;
   }
+  external_readings_[external_read_++ % kExternalReadings] = reading;
+  find_external_place(usual_external_reading());
+}
+
+/// The readings of one telegram may be off, and readings shake: neither moves the axes.
+void SampleReader::find_external_place(const ExternalReading& now) {
+  // In mm, or degrees where the axis turns. One that is locked shows two steps of what a controller
+  // prints at most, 0.1 by default.
+  constexpr double kMoved = 0.25;
+  /// On the way from one place to another there are many; those where the axes rested stay known.
+  constexpr std::size_t kMostPlaces = 32;
+  /// Of so many samples a place is the mean: one that creeps is not followed.
+  constexpr std::size_t kSettling = 100;
   const auto here = std::find_if(
       external_places_.begin(), external_places_.end(), [&](const ExternalPlace& known) {
         return std::equal(now.begin(), now.end(), known.at.begin(),
                           [](double a, double b) { return std::abs(a - b) <= kMoved; });
       });
   if (here != external_places_.end()) {
-    ++here->samples;
+    if (++here->samples <= kSettling)
+      for (std::size_t k = 0; k < now.size(); ++k)
+        here->at[k] += (now[k] - here->at[k]) / static_cast<double>(here->samples);
     std::iter_swap(here, external_places_.begin());
     return;
   }

@@ -58,9 +58,16 @@ class SampleReader {
   bool with_currents_;
   std::vector<rsi::SignalPlace> external_;  ///< the controller's external axes
   static constexpr std::size_t kExternalAxes = 6;
+  using ExternalReading = std::array<double, kExternalAxes>;
+  /// The last readings, 40 ms at 4 ms: where the axes stand is the median of each.
+  static constexpr std::size_t kExternalReadings = 11;
+  std::array<ExternalReading, kExternalReadings> external_readings_{};
+  std::size_t external_read_ = 0;  ///< so many in all
+  [[nodiscard]] ExternalReading usual_external_reading() const;
+  void find_external_place(const ExternalReading& now);
   /// Where they all stood, for so many samples.
   struct ExternalPlace {
-    std::array<double, kExternalAxes> at{};
+    ExternalReading at{};
     std::uint16_t number = 0;
     std::size_t samples = 0;
   };

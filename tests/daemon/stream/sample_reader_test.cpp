@@ -1,5 +1,7 @@
 #include "daemon/stream/sample_reader.hpp"
 
+#include <random>
+
 #include "daemon/text/units.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/telegrams.hpp"
@@ -52,9 +54,13 @@ TEST_CASE("position, orientation and angles are taken from where RSI puts them",
 
 TEST_CASE("a sample tells whether an external axis stands elsewhere, not that it trembles",
           "[sample_reader]") {
-  const auto place = [](SampleReader& reader, const std::string& e1) {
+  const auto once = [](SampleReader& reader, const std::string& e1) {
     return reader.read(Parsed("<EIPos E1=\"" + e1 + R"(" E2="5.0" E3="0" E4="0" E5="0" E6="0"/>)"))
         .external_place;
+  };
+  const auto place = [&](SampleReader& reader, const std::string& e1) {
+    for (int telegrams = 1; telegrams < 12; ++telegrams) once(reader, e1);
+    return once(reader, e1);
   };
   SampleReader reader(SignalNames{}, 6);
   const auto before = place(reader, "100.0");
@@ -65,9 +71,22 @@ TEST_CASE("a sample tells whether an external axis stands elsewhere, not that it
   CHECK(place(reader, "101.1") == after);
   CHECK(reader.read(Parsed(kPosition)).external_place == after);  // not told
   SECTION("back where it stood it is known again, however far it went") {
-    for (int mm = 102; mm < 600; ++mm) CHECK(place(reader, std::to_string(mm)) != before);
-    for (int mm = 600; mm > 101; --mm) place(reader, std::to_string(mm));
+    for (int mm = 102; mm < 600; ++mm) CHECK(once(reader, std::to_string(mm)) != before);
+    for (int mm = 600; mm > 101; --mm) once(reader, std::to_string(mm));
     CHECK(place(reader, "100.1") == before);
+  }
+  SECTION("it has not moved for the sake of a telegram that is off") {
+    for (const char* off : {"100.0", "0.0", "1e9"}) {
+      CHECK(once(reader, off) == after);
+      for (int telegrams = 0; telegrams < 12; ++telegrams) CHECK(once(reader, "101.0") == after);
+    }
+  }
+  SECTION("it is seen to have moved within 24 ms, and to go on moving") {
+    for (int telegrams = 0; telegrams < 5; ++telegrams) once(reader, "103.0");
+    const auto there = once(reader, "103.0");
+    CHECK(there != after);
+    for (int mm = 0; mm < 9; ++mm) once(reader, std::to_string(104 + mm));
+    CHECK(once(reader, "113.0") != there);
   }
   SECTION("one that is a joint of the arm is none") {
     SignalNames names;
@@ -75,6 +94,30 @@ TEST_CASE("a sample tells whether an external axis stands elsewhere, not that it
     SampleReader seven(names, 7);
     CHECK(place(seven, "1.0") == place(seven, "50.0"));
   }
+}
+
+TEST_CASE("external axes that shake about a place have not moved", "[sample_reader]") {
+  const double sigma = GENERATE(0.05, 0.1);
+  std::mt19937 random(1);
+  std::normal_distribution<> shake(0, sigma);
+  const auto reading = [&](double e1) {
+    std::string text = "<EIPos";
+    for (int axis = 1; axis <= 6; ++axis)
+      text += " E" + std::to_string(axis) + "=\"" +
+              std::to_string((axis == 1 ? e1 : 0) + shake(random)) + "\"";
+    return text + "/>";
+  };
+  SampleReader reader(SignalNames{}, 6);
+  for (int telegrams = 0; telegrams < 50; ++telegrams)
+    static_cast<void>(reader.read(Parsed(reading(1000))));
+  const auto before = reader.read(Parsed(reading(1000))).external_place;
+  int elsewhere = 0;
+  for (int telegrams = 0; telegrams < 5000; ++telegrams)
+    if (reader.read(Parsed(reading(1000))).external_place != before) ++elsewhere;
+  CHECK(elsewhere == 0);
+  for (int telegrams = 0; telegrams < 12; ++telegrams)
+    static_cast<void>(reader.read(Parsed(reading(1001))));
+  CHECK(reader.read(Parsed(reading(1001))).external_place != before);
 }
 
 TEST_CASE("commanded values are never taken for measured ones", "[sample_reader]") {
