@@ -154,11 +154,13 @@ std::vector<DhEstimate> device_table_of(const TableAxes& axes, std::size_t joint
 }
 
 std::optional<DhEstimate> row_to_tool(const TableAxes& axes, std::size_t joints,
-                                      const std::vector<DhRow>& specified) {
+                                      const std::vector<DhRow>& specified, bool device_frame) {
   if (axes.z.size() == joints) return std::nullopt;
   std::vector<DhRow> expected = specified;
   if (!expected.empty()) expected.resize(axes.z.size());
-  return extract_dh(axes.z, axes.size_mm, expected, axes.covariance)[joints - 1];
+  auto table = extract_dh(axes.z, axes.size_mm, expected, axes.covariance);
+  if (device_frame) leave_to_height(table, axes.z, axes.size_mm, expected);
+  return table[joints - 1];
 }
 
 std::optional<RobotPose> robot_pose(const TableAxes& axes, const std::vector<DhRow>& specified) {

@@ -48,9 +48,11 @@ struct TableAxes {
 void leave_first_to_frame(std::vector<DhEstimate>& table, const std::vector<DhRow>& specified);
 
 /// What the last row is where it leads to the Z axis of the tool's frame; nothing where the tool's
-/// orientation was not measured.
+/// orientation was not measured. In a device's frame, what hangs on the base's height is by
+/// convention, `axes` being those of `at_base`.
 [[nodiscard]] std::optional<DhEstimate> row_to_tool(const TableAxes& axes, std::size_t joints,
-                                                    const std::vector<DhRow>& specified);
+                                                    const std::vector<DhRow>& specified,
+                                                    bool device_frame);
 
 /// Where the robot's base stands in the measurement frame.
 struct RobotPose {

@@ -19,6 +19,8 @@ constexpr double kNothing = 1e-6;
 constexpr double kStep_mm = 10;
 /// A b that goes along with the height does so mm by mm.
 constexpr double kAlong = 0.5;
+/// Where that b is as wanted, but for rounding, it gives the height.
+constexpr double kThere_mm = 1e-3;
 
 /// Axes without a gap between them, from the first one to before the end.
 struct Stretch {
@@ -34,6 +36,10 @@ std::vector<Stretch> stretches_of(const Axes& z) {
     stretches.back().end = i + 1;
   }
   return stretches;
+}
+
+double wanted_mm(const std::vector<DhRow>& specified, std::size_t row) {
+  return specified.empty() ? 0 : specified[row].b_mm;
 }
 
 Vector3d along(const Axes& z, const Stretch& of) {
@@ -103,8 +109,9 @@ Axes seen_from_base(Axes z, double size_mm, const std::vector<DhRow>& specified)
       const Slopes slopes(z, of, size_mm, specified);
       const auto row = slopes.gives_height(table);
       if (!row) break;
-      const double wanted_mm = specified.empty() ? 0 : specified[*row].b_mm;
-      z = lowered(z, of, (wanted_mm - table[*row].b_mm.value) / slopes.at(*row, kDhNumbers[0]));
+      z = lowered(
+          z, of,
+          (wanted_mm(specified, *row) - table[*row].b_mm.value) / slopes.at(*row, kDhNumbers[0]));
     }
   }
   return z;
@@ -115,13 +122,14 @@ void leave_to_height(std::vector<DhEstimate>& table, const Axes& z, double size_
   const auto set = [](DhNumber& number) { number = {number.value, 0, Knowledge::by_convention}; };
   for (const Stretch& of : stretches_of(z)) {
     const Slopes slopes(z, of, size_mm, specified);
-    if (const auto row = slopes.gives_height(table)) {
+    const auto row = slopes.gives_height(table);
+    if (row && std::abs(table[*row].b_mm.value - wanted_mm(specified, *row)) < kThere_mm) {
       set(table[*row].b_mm);
       continue;
     }
-    for (std::size_t row = of.first; row < of.end; ++row)
+    for (std::size_t i = of.first; i < of.end; ++i)
       for (const DhNumberName& of_row : kDhNumbers)
-        if (slopes.hangs(table, row, of_row)) set(table[row].*of_row.number);
+        if (slopes.hangs(table, i, of_row)) set(table[i].*of_row.number);
   }
 }
 
