@@ -1,0 +1,90 @@
+#include "identify/sweeps/planned_turns.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "identify/geometry/angle.hpp"
+
+namespace identify {
+namespace {
+
+// Chi squared of a stroke that no plan has, and of a planned one that was not seen.
+constexpr double kStray = 25;
+constexpr double kUnseen = 5;
+
+std::size_t whole_strokes(const Turn& turn) {
+  return static_cast<std::size_t>(
+      std::count_if(turn.strokes.begin(), turn.strokes.end(),
+                    [](const Turn::Stroke& stroke) { return !stroke.gap_rad; }));
+}
+
+/// In what is allowed for. A stroke that was not seen whole may have been any longer.
+double difference(double angle, double wanted, bool whole, double unsure) {
+  if (!whole && angle * wanted > 0 && std::abs(angle) < std::abs(wanted)) return 0;
+  return (angle - wanted) / (kDegree + (0.02 + unsure) * std::abs(wanted));
+}
+
+}  // namespace
+
+PlannedTurns::PlannedTurns(const Campaign& campaign)
+    : strokes_(campaign.joints), first_(campaign.joints, 0) {
+  for (const DeclaredJoint& turn : campaign.order) {
+    if (turn.joint >= campaign.joints) continue;
+    if (std::find(order_.begin(), order_.end(), turn.joint) == order_.end()) {
+      order_.push_back(turn.joint);
+      first_[turn.joint] = turn.first_direction;
+    }
+    strokes_[turn.joint].insert(strokes_[turn.joint].end(), turn.strokes_rad.begin(),
+                                turn.strokes_rad.end());
+  }
+  given_ = !order_.empty();
+  if (given_) return;
+  order_.resize(campaign.joints);
+  std::iota(order_.begin(), order_.end(), std::size_t{0});
+}
+
+double PlannedTurns::misfit(const Turn& turn, std::size_t joint, int sense) const {
+  const auto& planned = strokes_[joint];
+  const auto& seen = turn.strokes;
+  const bool begins_otherwise = first_[joint] * sense * seen.front().angle_rad < 0;
+  if (planned.empty()) return begins_otherwise ? kStray : 0;
+  // The cheapest way to lay the strokes that were seen beside the planned ones, which may have
+  // been run several times: the edit distance. What the stream saw in pieces may be one stroke.
+  const std::size_t repeats =
+      std::max<std::size_t>(1, (whole_strokes(turn) + planned.size() / 2) / planned.size());
+  std::vector<std::vector<double>> cost(seen.size() + 1,
+                                        std::vector<double>(1 + repeats * planned.size()));
+  for (std::size_t k = 1; k < cost[0].size(); ++k) cost[0][k] = cost[0][k - 1] + kUnseen;
+  for (std::size_t i = 1; i <= seen.size(); ++i) {
+    cost[i][0] = cost[i - 1][0] + kStray;
+    for (std::size_t k = 1; k < cost[i].size(); ++k) {
+      const double wanted = planned[(k - 1) % planned.size()];
+      cost[i][k] = std::min(cost[i - 1][k] + kStray, cost[i][k - 1] + kUnseen);
+      double angle = 0;
+      for (std::size_t first = i; first-- > 0;) {
+        angle += seen[first].angle_rad;
+        const bool whole = seen[first].begin_seen && seen[i - 1].end_seen;
+        const double off = difference(sense * angle, wanted, whole, turn.unsure);
+        cost[i][k] = std::min(cost[i][k], cost[first][k - 1] + off * off);
+        if (!seen[first].gap_rad) break;
+        angle += *seen[first].gap_rad;
+      }
+    }
+  }
+  constexpr double kHint = 1e-3;  // where nothing else tells, the first stroke is seen
+  return cost.back().back() + (begins_otherwise ? kHint : 0);
+}
+
+bool PlannedTurns::explains(const Turn& turn, std::size_t joint, int sense) const {
+  const auto unseen =
+      kUnseen * static_cast<double>(strokes_[joint].size() -
+                                    std::min(strokes_[joint].size(), whole_strokes(turn)));
+  return misfit(turn, joint, sense) < kStray + unseen;
+}
+
+bool PlannedTurns::tells_sense(std::size_t joint) const {
+  return !strokes_[joint].empty() || first_[joint] != 0;
+}
+
+}  // namespace identify

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "identify/sweeps/campaign.hpp"
+#include "identify/sweeps/sweep.hpp"
+
+namespace identify {
+
+/// What a campaign declares, joint by joint, and how well turns that were seen agree with it.
+class PlannedTurns {
+ public:
+  explicit PlannedTurns(const Campaign& campaign);
+
+  [[nodiscard]] bool given() const { return given_; }
+  /// Joints, counted from 0, in the order in which they come first; without a plan all of the arm.
+  [[nodiscard]] const std::vector<std::size_t>& order() const { return order_; }
+  /// Chi squared of a turn as one of `joint`. `sense`: +1 where the joint's angle rises about the
+  /// turn's axis, -1 where it falls.
+  [[nodiscard]] double misfit(const Turn& turn, std::size_t joint, int sense) const;
+  /// Whether a turn may be what the plan has for `joint`: no stroke is foreign to it.
+  [[nodiscard]] bool explains(const Turn& turn, std::size_t joint, int sense) const;
+  [[nodiscard]] bool tells_sense(std::size_t joint) const;
+
+ private:
+  bool given_ = false;
+  std::vector<std::size_t> order_;
+  std::vector<std::vector<double>> strokes_;
+  std::vector<int> first_;
+};
+
+}  // namespace identify
