@@ -20,6 +20,7 @@ constexpr double kParallel = 0.1;  // sine
 /// Orders whose chi squared differs by less are equal as far as one can tell.
 constexpr double kEqualOrders = 30;
 constexpr std::size_t kMostSteps = 20'000;
+constexpr std::size_t kMostStepsOfMore = 100'000;  // where axes are left out
 constexpr std::size_t kMostOrders = 500;
 
 double squared(double value) {
@@ -51,9 +52,11 @@ double offset(const Axis& first, const Axis& second) {
 class OrderSearch {
  public:
   /// `joints`: whose the axes are, where that is known.
-  OrderSearch(const std::vector<Axis>& axes, const std::vector<std::size_t>& joints, const Arm& arm,
+  OrderSearch(const std::vector<Axis>& axes, std::size_t to_place,
+              const std::vector<std::size_t>& joints, const Arm& arm,
               const std::optional<std::vector<double>>& home)
       : given_(axes),
+        to_place_(to_place),
         joints_(joints),
         expected_(axes_at(arm, home.value_or(arm.home_rad))),
         posed_(home.has_value()),
@@ -63,7 +66,7 @@ class OrderSearch {
       direction_.push_back(squared(axis.direction_sigma_rad()));
       point_.push_back(squared(axis.point_sigma_mm()));
     }
-    const auto count = static_cast<double>(axes.size());
+    const auto count = static_cast<double>(to_place);
     const double terms = posed_ ? count * (count - 1) * (1 + (count - 2) / 6) : 3 * (count - 1);
     bound_ = 4 * terms + 20;
   }
@@ -88,16 +91,19 @@ class OrderSearch {
 
   void place(std::size_t joint, double misfit) {
     if (found_.undecided || misfit > std::min(bound_, best_ + kEqualOrders)) return;
-    if (placed_.size() == given_.size()) {
+    if (placed_.size() == to_place_) {
       keep(misfit);
       return;
     }
-    if (++steps_ > kMostSteps || found_.fitting.size() > kMostOrders) {
+    if (++steps_ > (given_.size() > to_place_ ? kMostStepsOfMore : kMostSteps) ||
+        found_.fitting.size() > kMostOrders) {
       found_.undecided = true;
       return;
     }
     for (std::size_t g = 0; g < given_.size(); ++g) {
       if (taken_[g] || (!joints_.empty() && joints_[g] != joint)) continue;
+      // Who turns about an axis moves along none.
+      if (joints_.empty() && given_[g].linear != expected_[joint].linear) continue;
       taken_[g] = true;
       for (const int sense : {1, -1}) {
         placed_.push_back({joint, g, sense, sense > 0 ? given_[g] : given_[g].reversed()});
@@ -107,13 +113,13 @@ class OrderSearch {
       taken_[g] = false;
     }
     const std::size_t left = expected_.size() - joint;
-    if (left > given_.size() - placed_.size()) place(joint + 1, misfit);
+    if (left > to_place_ - placed_.size()) place(joint + 1, misfit);
   }
 
   void keep(double misfit) {
     best_ = std::min(best_, misfit);
-    JointOrder order{std::vector<std::size_t>(given_.size()), std::vector<int>(given_.size()),
-                     misfit};
+    JointOrder order{std::vector<std::size_t>(given_.size(), kNoJoint),
+                     std::vector<int>(given_.size(), 1), misfit};
     for (const Placed& placed : placed_) {
       order.joints[placed.given] = placed.joint;
       order.senses[placed.given] = placed.sense;
@@ -203,6 +209,7 @@ class OrderSearch {
   }
 
   const std::vector<Axis>& given_;
+  std::size_t to_place_;
   const std::vector<std::size_t>& joints_;
   std::vector<Axis> expected_;
   bool posed_;
@@ -219,17 +226,17 @@ class OrderSearch {
 
 }  // namespace
 
-JointOrders orders_that_fit(const std::vector<Axis>& axes, const Arm& arm,
+JointOrders orders_that_fit(const std::vector<Axis>& axes, std::size_t count, const Arm& arm,
                             const std::optional<std::vector<double>>& home_rad) {
-  if (axes.empty() || axes.size() > arm.joints()) return {};
+  if (count == 0 || count > axes.size() || count > arm.joints()) return {};
   const std::vector<std::size_t> any;
-  return OrderSearch(axes, any, arm, home_rad).run();
+  return OrderSearch(axes, count, any, arm, home_rad).run();
 }
 
 JointOrders senses_that_fit(const std::vector<Axis>& axes, const std::vector<std::size_t>& joints,
                             const Arm& arm, const std::optional<std::vector<double>>& home_rad) {
   if (axes.empty() || axes.size() > arm.joints()) return {};
-  return OrderSearch(axes, joints, arm, home_rad).run();
+  return OrderSearch(axes, axes.size(), joints, arm, home_rad).run();
 }
 
 }  // namespace identify

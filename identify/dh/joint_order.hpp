@@ -9,9 +9,12 @@
 
 namespace identify {
 
+/// Of an axis that is none of the arm's.
+constexpr std::size_t kNoJoint = static_cast<std::size_t>(-1);
+
 /// Whose axis is whose: one entry an axis, in their order.
 struct JointOrder {
-  std::vector<std::size_t> joints;  ///< counted from 0
+  std::vector<std::size_t> joints;  ///< counted from 0; kNoJoint: the axis is left out
   std::vector<int> senses;          ///< +1 where positive rotation is about the axis, -1 against it
   double misfit = 0;                ///< chi squared, by how arms are built and axes are known
 };
@@ -31,8 +34,10 @@ struct JointOrders {
 /// With `home_rad`, the angles at which the joints stood (within a degree or two), every two lines
 /// and the handedness of every three count. Without, only what does not depend on the pose: a and
 /// alpha of neighbours, and b.
-/// Of linear joints only the direction counts. At most as many `axes` as the arm has joints.
-[[nodiscard]] JointOrders orders_that_fit(const std::vector<Axis>& axes, const Arm& arm,
+/// Of linear joints only the direction counts. `count` of the axes are joints', the others are left
+/// out. No order fits where `count` is 0, or more than there are axes or joints.
+[[nodiscard]] JointOrders orders_that_fit(const std::vector<Axis>& axes, std::size_t count,
+                                          const Arm& arm,
                                           const std::optional<std::vector<double>>& home_rad);
 
 /// The same for axes whose joints are known, `joints` (rising), under all senses of rotation.

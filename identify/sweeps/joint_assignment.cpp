@@ -23,6 +23,18 @@ std::string names(const Order& joints) {
   return text;
 }
 
+Order without_none(Order joints) {
+  std::erase(joints, kNoJoint);
+  return joints;
+}
+
+/// How many joints turn, and do not slide.
+std::size_t turning(const Arm& arm) {
+  std::size_t count = 0;
+  for (std::size_t j = 0; j < arm.joints(); ++j) count += arm.is_linear(j) ? 0U : 1U;
+  return count;
+}
+
 /// Those of `joints` that `others` has too.
 Order common(Order joints, const Order& others) {
   std::erase_if(joints, [&](std::size_t joint) {
@@ -43,8 +55,7 @@ class Assigner {
     std::optional<Order> before;
     for (const auto& [target, places] : targets) {
       turns_ = turns_in(strokes_, places, plan_.order().size());
-      if (turns_.size() != plan_.order().size()) mismatch();
-      if (turns_.size() > plan_.order().size()) turns_.resize(plan_.order().size());
+      if (turns_.size() < plan_.order().size()) mismatch();
       if (turns_.empty()) continue;
       decide();
       if (before && common(chosen_.joints, *before) != common(*before, chosen_.joints))
@@ -73,15 +84,26 @@ class Assigner {
   }
 
   void mismatch() {
-    warn("order_mismatch", std::to_string(turns_.size()) +
-                               (turns_.size() < 2 * plan_.order().size() ? "" : " or more") +
-                               " axes were swept one after the other, but the declared order has " +
-                               std::to_string(plan_.order().size()) +
-                               ": give the sweep plan that was run, or send joint angles (AIPos)");
+    const std::string seen = std::to_string(turns_.size()) +
+                             (turns_.size() < 2 * plan_.order().size() ? "" : " or more") +
+                             " axes were swept one after the other, but the ";
+    const std::string declared = std::to_string(plan_.order().size());
+    warn("order_mismatch",
+         seen + (plan_.given() ? "plan has " + declared +
+                                     " joints: check that it is the one that was run, and that "
+                                     "each joint moved alone"
+                               : "arm has " + declared +
+                                     " joints: give the sweep plan that was run, or send joint "
+                                     "angles (AIPos)"));
   }
 
   void decide() {
     std::vector<JointOrder> fitting = fits();
+    if (fitting.empty() && turns_.size() > plan_.order().size()) {
+      mismatch();
+      keep(plan_.joints_of(turns_));
+      if (undecided_) fitting = fits();
+    }
     if (fitting.empty()) {
       assume();
       return;
@@ -90,7 +112,8 @@ class Assigner {
     const auto by_plan = [&](const JointOrder& order) {
       double sum = 0;
       for (std::size_t t = 0; plan_.given() && t < turns_.size(); ++t)
-        sum += plan_.misfit(turns_[t], order.joints[t], order.senses[t]);
+        if (order.joints[t] != kNoJoint)
+          sum += plan_.misfit(turns_[t], order.joints[t], order.senses[t]);
       return sum;
     };
     const auto best = std::min_element(
@@ -100,26 +123,33 @@ class Assigner {
     senses_found_ = std::none_of(fitting.begin(), fitting.end(), [&](const JointOrder& order) {
       return order.joints == best->joints && order.senses != best->senses;
     });
+    const auto is_declared = [&](const JointOrder& order) {
+      return without_none(order.joints) == declared();
+    };
     std::optional<JointOrder> rival;
     for (const JointOrder& order : fitting)
       if (order.joints != best->joints && by_plan(order) < by_plan(*best) + kByChance &&
-          (!rival || order.joints == declared()))
+          (!rival || (is_declared(order) && !is_declared(*rival))))
         rival = order;
     if (rival) {
-      if (rival->joints == declared()) std::swap(*rival, chosen_);
+      if (is_declared(*rival) && !is_declared(chosen_)) std::swap(*rival, chosen_);
       senses_found_ = false;
-      doubt("the joints may have swept in the order " + names(chosen_.joints) + " or " +
-                names(rival->joints) + ", both agree with the robot description; the first is " +
-                "taken",
+      const auto one = without_none(chosen_.joints), other = without_none(rival->joints);
+      doubt(one == other
+                ? "more than one stretch on a circle may be the sweep of one joint, as the "
+                  "robot description tells"
+                : "the joints may have swept in the order " + names(one) + " or " + names(other) +
+                      ", both agree with the robot description; the first is taken",
             "order_ambiguous");
-    } else if (chosen_.joints != declared()) {
+    } else if (!is_declared(chosen_)) {
       warn(plan_.given() ? "order_differs" : "order_found",
-           "the joints swept in the order " + names(chosen_.joints) +
+           "the joints swept in the order " + names(without_none(chosen_.joints)) +
                ", as the robot description tells" +
                (plan_.given() ? ", and not in that of the plan: check that the plan is the one "
                                 "that was run"
                               : ""));
     }
+    keep(chosen_.joints);
     check_plan();
   }
 
@@ -137,8 +167,15 @@ class Assigner {
     if (has_home) poses.emplace_back(declared_home);
     if (!has_home || declared_home != arm.home_rad) poses.emplace_back(arm.home_rad);
     poses.emplace_back(std::nullopt);
+    // The plan may lack a joint that swept, and the arm one that did not.
+    const std::size_t most = std::min(axes.size(), turning(arm));
+    const std::size_t least = std::min(most, plan_.given() ? plan_.order().size() : most);
     for (const Home& pose : poses) {
-      JointOrders orders = orders_that_fit(axes, arm, pose);
+      JointOrders orders;
+      for (std::size_t count = most; count >= least && orders.fitting.empty(); --count) {
+        orders = orders_that_fit(axes, count, arm, pose);
+        if (orders.undecided || count == 0) break;
+      }
       undecided_ = orders.undecided;
       if (undecided_) return {};
       if (orders.fitting.empty()) continue;
@@ -155,8 +192,29 @@ class Assigner {
 
   /// The declared order, as far as it goes.
   [[nodiscard]] Order declared() const {
-    return {plan_.order().begin(),
-            plan_.order().begin() + static_cast<std::ptrdiff_t>(turns_.size())};
+    const std::size_t count = std::min(turns_.size(), plan_.order().size());
+    return {plan_.order().begin(), plan_.order().begin() + static_cast<std::ptrdiff_t>(count)};
+  }
+
+  /// Leaves out the turns that are no joint's.
+  void keep(const Order& joints) {
+    std::vector<Turn> kept;
+    JointOrder chosen;
+    for (std::size_t t = 0; t < turns_.size(); ++t) {
+      if (joints[t] == kNoJoint) continue;
+      kept.push_back(std::move(turns_[t]));
+      if (chosen_.joints.size() != turns_.size()) continue;
+      chosen.joints.push_back(chosen_.joints[t]);
+      chosen.senses.push_back(chosen_.senses[t]);
+    }
+    const std::size_t left = turns_.size() - kept.size();
+    turns_ = std::move(kept);
+    chosen_ = std::move(chosen);
+    if (left > 0)
+      warn("moves_left_out", std::to_string(left) +
+                                 (left == 1 ? " move on a circle was" : " moves on circles were") +
+                                 " left out as no joint's sweeps: several joints may have moved at "
+                                 "once");
   }
 
   void assume() {

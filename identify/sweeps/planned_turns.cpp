@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "identify/dh/joint_order.hpp"
 #include "identify/geometry/angle.hpp"
 
 namespace identify {
@@ -85,6 +86,31 @@ bool PlannedTurns::explains(const Turn& turn, std::size_t joint, int sense) cons
 
 bool PlannedTurns::tells_sense(std::size_t joint) const {
   return !strokes_[joint].empty() || first_[joint] != 0;
+}
+
+double PlannedTurns::misfit(const Turn& turn, std::size_t joint) const {
+  return std::min(misfit(turn, joint, 1), misfit(turn, joint, -1));
+}
+
+std::vector<std::size_t> PlannedTurns::joints_of(const std::vector<Turn>& turns) const {
+  constexpr double kNever = 1e300;
+  // Of so many turns and so many joints.
+  std::vector<std::vector<double>> cost(turns.size() + 1,
+                                        std::vector<double>(order_.size() + 1, kNever));
+  cost[0][0] = 0;
+  for (std::size_t t = 1; t < cost.size(); ++t) {
+    cost[t][0] = 0;
+    for (std::size_t p = 1; p <= std::min(t, order_.size()); ++p)
+      cost[t][p] =
+          std::min(cost[t - 1][p], cost[t - 1][p - 1] + misfit(turns[t - 1], order_[p - 1]));
+  }
+  std::vector<std::size_t> joints(turns.size(), kNoJoint);
+  std::size_t t = turns.size();
+  for (std::size_t p = order_.size(); p > 0; --p) {
+    while (cost[t - 1][p] <= cost[t][p]) --t;
+    joints[--t] = order_[p - 1];
+  }
+  return joints;
 }
 
 }  // namespace identify

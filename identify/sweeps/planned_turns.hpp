@@ -22,8 +22,13 @@ class PlannedTurns {
   /// Whether a turn may be what the plan has for `joint`: no stroke is foreign to it.
   [[nodiscard]] bool explains(const Turn& turn, std::size_t joint, int sense) const;
   [[nodiscard]] bool tells_sense(std::size_t joint) const;
+  /// Which of the turns agree best with the plan's joints, in its order: a joint for each, or
+  /// kNoJoint where there are more turns than joints. At least as many turns as joints.
+  [[nodiscard]] std::vector<std::size_t> joints_of(const std::vector<Turn>& turns) const;
 
  private:
+  [[nodiscard]] double misfit(const Turn& turn, std::size_t joint) const;
+
   bool given_ = false;
   std::vector<std::size_t> order_;
   std::vector<std::vector<double>> strokes_;
