@@ -55,6 +55,7 @@ class Assigner {
     std::optional<Order> before;
     for (const auto& [target, places] : targets) {
       turns_ = turns_in(strokes_, places, plan_.order().size());
+      part();
       if (turns_.size() < plan_.order().size()) mismatch();
       if (turns_.empty()) continue;
       decide();
@@ -78,9 +79,21 @@ class Assigner {
   void doubt(const std::string& why, const std::string& code) {
     if (!found_.doubt.empty()) return;
     found_.doubt = why;
-    warn(code, why +
-                   ": send joint angles (AIPos), give the sweep plan that was run and the robot "
-                   "description, or name the joint of each point");
+    std::string missing = plan_.given() ? "" : "the sweep plan that was run";
+    if (!campaign_.specified)
+      missing += std::string(missing.empty() ? "" : " and ") + "the robot description";
+    warn(code, why + ": send joint angles (AIPos), " +
+                   (missing.empty() ? "" : "give " + missing + ", ") +
+                   "or name the joint of each point");
+  }
+
+  /// Parts turns of joints that have one axis at home and swept one after the other, where the plan
+  /// tells, and the description does not contradict it.
+  void part() {
+    const auto seen = turns_;
+    while (turns_.size() < plan_.order().size())
+      if (!plan_.part(turns_)) break;
+    if (turns_.size() > seen.size() && campaign_.specified && fits().empty()) turns_ = seen;
   }
 
   void mismatch() {
@@ -101,6 +114,7 @@ class Assigner {
     std::vector<JointOrder> fitting = fits();
     if (fitting.empty() && turns_.size() > plan_.order().size()) {
       mismatch();
+      tell_left_out(turns_.size() - plan_.order().size());
       keep(plan_.joints_of(turns_));
       if (undecided_) fitting = fits();
     }
@@ -120,6 +134,7 @@ class Assigner {
         fitting.begin(), fitting.end(),
         [&](const JointOrder& a, const JointOrder& b) { return by_plan(a) < by_plan(b); });
     chosen_ = *best;
+    tell_left_out(turns_.size() - without_none(best->joints).size());
     senses_found_ = std::none_of(fitting.begin(), fitting.end(), [&](const JointOrder& order) {
       return order.joints == best->joints && order.senses != best->senses;
     });
@@ -133,14 +148,7 @@ class Assigner {
         rival = order;
     if (rival) {
       if (is_declared(*rival) && !is_declared(chosen_)) std::swap(*rival, chosen_);
-      senses_found_ = false;
-      const auto one = without_none(chosen_.joints), other = without_none(rival->joints);
-      doubt(one == other
-                ? "more than one stretch on a circle may be the sweep of one joint, as the "
-                  "robot description tells"
-                : "the joints may have swept in the order " + names(one) + " or " + names(other) +
-                      ", both agree with the robot description; the first is taken",
-            "order_ambiguous");
+      tell(*rival);
     } else if (!is_declared(chosen_)) {
       warn(plan_.given() ? "order_differs" : "order_found",
            "the joints swept in the order " + names(without_none(chosen_.joints)) +
@@ -151,6 +159,48 @@ class Assigner {
     }
     keep(chosen_.joints);
     check_plan();
+  }
+
+  /// That another order than the chosen one agrees with the description, too.
+  void tell(const JointOrder& rival) {
+    const Order one = without_none(chosen_.joints), other = without_none(rival.joints);
+    const std::string both = "the joints may have swept in the order " + names(one) + " or " +
+                             names(other) + ", both agree with the robot description; ";
+    const bool senses_found = std::exchange(senses_found_, false);
+    if (one == other)
+      return doubt("more than one move on a circle may be the sweep of one joint",
+                   "order_ambiguous");
+    if (plan_.given() && one == declared() && turns_.size() >= plan_.order().size() && as_planned())
+      return warn("order_by_plan", both + "the plan's is taken, which explains all sweeps");
+    // Where they do not tell the same joints, one may be in the turn of the other, or both.
+    bool left = false, same_senses = true;
+    for (std::size_t t = 0; t < turns_.size(); ++t) {
+      const std::size_t a = chosen_.joints[t], b = rival.joints[t];
+      if (a == kNoJoint || b == kNoJoint) continue;
+      if (a == b) {
+        same_senses = same_senses && chosen_.senses[t] == rival.senses[t];
+      } else if (common({a}, other).empty() && common({b}, one).empty()) {
+        doubt("one sweep may be of joint " + names({a}) + ", of joint " + names({b}) +
+                  " or of both, and is left out; where both have one axis at home, let another "
+                  "joint sweep between them",
+              "order_ambiguous");
+        chosen_.joints[t] = kNoJoint;
+        left = true;
+      }
+    }
+    if (left)
+      senses_found_ = senses_found && same_senses;
+    else
+      doubt(both + "the first is taken", "order_ambiguous");
+  }
+
+  /// Whether the plan explains all turns in the chosen order.
+  [[nodiscard]] bool as_planned() const {
+    for (std::size_t t = 0; t < turns_.size(); ++t)
+      if (chosen_.joints[t] != kNoJoint &&
+          !plan_.explains(turns_[t], chosen_.joints[t], chosen_.senses[t]))
+        return false;
+    return true;
   }
 
   /// Orders that agree with the description at the first pose where any does.
@@ -207,14 +257,16 @@ class Assigner {
       chosen.joints.push_back(chosen_.joints[t]);
       chosen.senses.push_back(chosen_.senses[t]);
     }
-    const std::size_t left = turns_.size() - kept.size();
     turns_ = std::move(kept);
     chosen_ = std::move(chosen);
-    if (left > 0)
-      warn("moves_left_out", std::to_string(left) +
-                                 (left == 1 ? " move on a circle was" : " moves on circles were") +
-                                 " left out as no joint's sweeps: several joints may have moved at "
-                                 "once");
+  }
+
+  void tell_left_out(std::size_t count) {
+    if (count == 0) return;
+    warn("moves_left_out", std::to_string(count) +
+                               (count == 1 ? " move on a circle was" : " moves on circles were") +
+                               " left out as no joint's sweeps: several joints may have moved at "
+                               "once");
   }
 
   void assume() {

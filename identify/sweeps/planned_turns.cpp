@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "identify/dh/joint_order.hpp"
 #include "identify/geometry/angle.hpp"
@@ -13,11 +14,21 @@ namespace {
 // Chi squared of a stroke that no plan has, and of a planned one that was not seen.
 constexpr double kStray = 25;
 constexpr double kUnseen = 5;
+constexpr double kNever = 1e300;
 
 std::size_t whole_strokes(const Turn& turn) {
   return static_cast<std::size_t>(
       std::count_if(turn.strokes.begin(), turn.strokes.end(),
                     [](const Turn::Stroke& stroke) { return !stroke.gap_rad; }));
+}
+
+std::pair<Turn, Turn> halves(const Turn& turn, std::size_t cut) {
+  Turn head = turn, tail = turn;
+  const auto at = static_cast<std::ptrdiff_t>(cut);
+  head.strokes.erase(head.strokes.begin() + at, head.strokes.end());
+  tail.strokes.erase(tail.strokes.begin(), tail.strokes.begin() + at);
+  tail.strokes.front().gap_rad.reset();
+  return {head, tail};
 }
 
 /// In what is allowed for. A stroke that was not seen whole may have been any longer.
@@ -92,8 +103,34 @@ double PlannedTurns::misfit(const Turn& turn, std::size_t joint) const {
   return std::min(misfit(turn, joint, 1), misfit(turn, joint, -1));
 }
 
+bool PlannedTurns::part(std::vector<Turn>& turns) const {
+  if (!given_) return false;
+  const auto explained = [&](const Turn& turn, std::size_t joint) {
+    return explains(turn, joint, 1) || explains(turn, joint, -1);
+  };
+  double least = kNever;
+  std::size_t place = 0;
+  std::pair<Turn, Turn> best;
+  for (std::size_t t = 0; t < turns.size(); ++t)
+    for (std::size_t cut = 1; cut < turns[t].strokes.size(); ++cut) {
+      const auto [head, tail] = halves(turns[t], cut);
+      for (std::size_t p = 0; p + 1 < order_.size(); ++p) {
+        if (strokes_[order_[p]].empty() || strokes_[order_[p + 1]].empty()) continue;
+        const double cost = misfit(head, order_[p]) + misfit(tail, order_[p + 1]);
+        if (cost >= least || !explained(head, order_[p]) || !explained(tail, order_[p + 1]))
+          continue;
+        least = cost;
+        place = t;
+        best = {head, tail};
+      }
+    }
+  if (least == kNever) return false;
+  turns[place] = best.first;
+  turns.insert(turns.begin() + static_cast<std::ptrdiff_t>(place) + 1, best.second);
+  return true;
+}
+
 std::vector<std::size_t> PlannedTurns::joints_of(const std::vector<Turn>& turns) const {
-  constexpr double kNever = 1e300;
   // Of so many turns and so many joints.
   std::vector<std::vector<double>> cost(turns.size() + 1,
                                         std::vector<double>(order_.size() + 1, kNever));

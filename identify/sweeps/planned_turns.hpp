@@ -25,6 +25,9 @@ class PlannedTurns {
   /// Which of the turns agree best with the plan's joints, in its order: a joint for each, or
   /// kNoJoint where there are more turns than joints. At least as many turns as joints.
   [[nodiscard]] std::vector<std::size_t> joints_of(const std::vector<Turn>& turns) const;
+  /// Parts one of the turns in two, of joints that the plan has one after the other and whose
+  /// strokes these are. Two joints may have one axis. False: none is like that.
+  [[nodiscard]] bool part(std::vector<Turn>& turns) const;
 
  private:
   [[nodiscard]] double misfit(const Turn& turn, std::size_t joint) const;

@@ -281,6 +281,51 @@ TEST_CASE("joints whose axes are one line at home stay apart, and which is which
   CHECK(found.doubt.find("1, 2, 3, 4, 5, 6 or 1, 2, 3, 6, 5, 4") != std::string::npos);
 }
 
+TEST_CASE("joints of one axis at home that sweep one after the other are parted as the plan says",
+          "[joint_assignment]") {
+  const auto arm = identify::test::kr5_arc();
+  auto home = arm.home_rad;
+  home[4] = 0;  // axes 4 and 6
+  auto ranges = kNarrow;
+  ranges[4] = {20, -20};
+  const bool alike = GENERATE(false, true);
+  CAPTURE(alike);
+  if (alike) ranges[3] = ranges[5] = {-40, 40};
+  const Seen campaign = seen(arm, ranges, home);
+  identify::Campaign known;
+  known.specified = arm;
+  declare(known, campaign, home);
+  std::swap(known.order[4], known.order[5]);
+  const Order order{0, 1, 2, 3, 5, 4};
+  auto strokes = in_order(campaign, order);
+  SECTION("with the description") {
+    const auto found = assign_joints(strokes, known);
+    CHECK(is_right(strokes, campaign, order, true));
+    CHECK(found.doubt.empty());
+    CHECK(found.senses_known);
+    CHECK(warns(found, "order_by_plan") == alike);
+    CHECK(found.warnings.size() == (alike ? 1 : 0));
+  }
+  SECTION("without it, as assumed") {
+    known.specified.reset();
+    const auto found = assign_joints(strokes, known);
+    CHECK(is_right(strokes, campaign, order, false));
+    CHECK_FALSE(warns(found, "order_mismatch"));
+  }
+  SECTION("and without the plan they are no joint's sweeps") {
+    known.order.clear();
+    const auto found = assign_joints(strokes, known);
+    CHECK(warns(found, "order_ambiguous"));
+    CHECK(found.doubt.find("is left out") != std::string::npos);
+    std::size_t place = 0;
+    for (const std::size_t joint : order)
+      for (std::size_t k = 0; k < campaign.strokes[joint].size(); ++k) {
+        const auto& told = strokes[place++].joint;
+        CHECK((joint == 3 || joint == 5 ? !told : told == joint));
+      }
+  }
+}
+
 TEST_CASE("a plan or a description that is another's is said to be",
           "[joint_assignment][issue11][point_22]") {
   const auto arm = identify::test::kr5_arc();
