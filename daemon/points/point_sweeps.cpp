@@ -6,11 +6,13 @@
 #include <optional>
 #include <utility>
 
+#include <Eigen/Geometry>
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/points/csv_file.hpp"
 #include "daemon/text/units.hpp"
 #include "identify/geometry/circle_fit.hpp"
+#include "identify/geometry/median.hpp"
 #include "identify/sweeps/position_segmentation.hpp"
 #include "identify/sweeps/sample.hpp"
 #include "identify/sweeps/segmentation.hpp"
@@ -27,6 +29,10 @@ using identify::SweepDefect;
 constexpr std::size_t kFewestPoints = 4;
 /// As in a stream: a locked joint may move by so much.
 const double kStill_rad = radians(0.03);
+
+/// No sweep is so small; in sizes of the noise, rests are smaller.
+constexpr double kSmallest_mm = 10;
+constexpr double kMovedSizes = 100;
 
 /// Squared departure from a declared stroke that no stroke of its has.
 constexpr double kNoMatch = 100;
@@ -118,6 +124,34 @@ std::optional<Sweep> sweep_of(PointGroup group, std::size_t joint,
   return sweep;
 }
 
+/// Throws CsvError where times or positions are in another unit than their column says, as far as a
+/// stream without angles tells.
+void check_units(const PointsFile& file, const std::vector<double>& frames_s,
+                 const std::vector<Sweep>& sweeps, const WorstLimit& limit) {
+  std::vector<double> steps_s;
+  for (std::size_t k = 1; k < frames_s.size(); ++k)
+    steps_s.push_back(frames_s[k] - frames_s[k - 1]);
+  if (!steps_s.empty() && identify::median_of(steps_s) > identify::kLongestGap_s)
+    throw CsvError(fmt::format(
+        "{}: expected times at most {} s apart, as sweeps are found by the motion, found {:.4g} s: "
+        "give seconds in t_s, if these are milliseconds; leave the column out, if each file or "
+        "column joint tells whose the points are",
+        file.path.string(), identify::kLongestGap_s, identify::median_of(steps_s)));
+  Eigen::AlignedBox3d box;
+  for (const Point& point : file.points)
+    if (point.sample.has_position) box.extend(point.sample.position_mm);
+  const bool any = std::any_of(sweeps.begin(), sweeps.end(), [](const Sweep& sweep) {
+    return sweep.defect == SweepDefect::none;
+  });
+  if (any || box.isEmpty() || !limit) return;
+  const double moved_mm = box.diagonal().norm();
+  if (moved_mm < kSmallest_mm && moved_mm > kMovedSizes * limit->noise_mm)
+    throw CsvError(
+        fmt::format("{}: expected positions that move by {} mm or more, found {:.4g} mm in all: "
+                    "name the columns x_m, y_m, z_m, if these are metres",
+                    file.path.string(), kSmallest_mm, moved_mm));
+}
+
 /// Without angles the targets of one body are taken together: what was seen at one time is a frame.
 std::vector<Sweep> sweeps_of_body(const PointsFile& file, const identify::Resolution& resolution,
                                   WorstLimit& limit) {
@@ -129,19 +163,22 @@ std::vector<Sweep> sweeps_of_body(const PointsFile& file, const identify::Resolu
   identify::PositionSegmenter segmenter;
   segmenter.set_step(resolution.position_mm);
   std::vector<Sweep> sweeps;
+  std::vector<double> frames_s;
   const auto take = [&](std::vector<Sweep> ended) {
     std::move(ended.begin(), ended.end(), std::back_inserter(sweeps));
   };
   for (std::size_t begin = 0; begin < points.size();) {
     std::vector<identify::PositionSegmenter::Seen> frame;
     const double time = points[begin]->sample.time_s;
+    frames_s.push_back(time);
     for (; begin < points.size() && points[begin]->sample.time_s == time; ++begin)
       frame.push_back({points[begin]->target, points[begin]->sample});
     take(segmenter.push(frame));
   }
   take(segmenter.finish());
-  if (const auto own = segmenter.limit(); own && (!limit || limit->noise_mm < own->noise_mm))
-    limit = own;
+  const auto own = segmenter.limit();
+  check_units(file, frames_s, sweeps, own);
+  if (own && (!limit || limit->noise_mm < own->noise_mm)) limit = own;
   return sweeps;
 }
 

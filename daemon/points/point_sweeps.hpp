@@ -19,7 +19,8 @@ namespace sweepd {
 using WorstLimit = std::optional<identify::MotionLimit>;
 
 /// Points with times, segmented as a live stream is: every stroke of each target. Without angles
-/// all targets are of one body, and `limit` learns what noise hides.
+/// all targets are of one body, and `limit` learns what noise hides. Throws CsvError where such a
+/// stream shows that times are no seconds, or positions no millimetres.
 [[nodiscard]] std::vector<identify::Sweep> streamed_sweeps(const PointsFile& file,
                                                            std::size_t joints,
                                                            const identify::Resolution& resolution,

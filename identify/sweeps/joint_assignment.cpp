@@ -28,6 +28,12 @@ Order without_none(Order joints) {
   return joints;
 }
 
+std::vector<Axis> axes_of(const std::vector<Turn>& turns) {
+  std::vector<Axis> axes;
+  for (const Turn& turn : turns) axes.push_back(turn.axis);
+  return axes;
+}
+
 /// How many joints turn, and do not slide.
 std::size_t turning(const Arm& arm) {
   std::size_t count = 0;
@@ -88,26 +94,26 @@ class Assigner {
   }
 
   /// Parts turns of joints that have one axis at home and swept one after the other, where the plan
-  /// tells, and the description does not contradict it.
+  /// tells, and the description has such joints. Without one all of the plan has to be seen.
   void part() {
     const auto seen = turns_;
     while (turns_.size() < plan_.order().size())
-      if (!plan_.part(turns_)) break;
-    if (turns_.size() > seen.size() && campaign_.specified && fits().empty()) turns_ = seen;
+      if (!plan_.part(turns_, !campaign_.specified)) break;
+    if (turns_.size() > seen.size() && campaign_.specified && fits_at_home().empty()) turns_ = seen;
   }
 
   void mismatch() {
-    const std::string seen = std::to_string(turns_.size()) +
-                             (turns_.size() < 2 * plan_.order().size() ? "" : " or more") +
-                             " axes were swept one after the other, but the ";
-    const std::string declared = std::to_string(plan_.order().size());
-    warn("order_mismatch",
-         seen + (plan_.given() ? "plan has " + declared +
-                                     " joints: check that it is the one that was run, and that "
-                                     "each joint moved alone"
-                               : "arm has " + declared +
-                                     " joints: give the sweep plan that was run, or send joint "
-                                     "angles (AIPos)"));
+    const std::string more = turns_.size() < 2 * plan_.order().size() ? "" : " or more";
+    const std::string declared = std::to_string(plan_.order().size()) + " joints: ";
+    const std::string remedy = plan_.given()
+                                   ? "plan has " + declared +
+                                         "check that it is the one that was run, and that "
+                                         "each joint moved alone"
+                                   : "arm has " + declared +
+                                         "give the sweep plan that was run, or send joint "
+                                         "angles (AIPos)";
+    warn("order_mismatch", std::to_string(turns_.size()) + more +
+                               " axes were swept one after the other, but the " + remedy);
   }
 
   void decide() {
@@ -123,13 +129,7 @@ class Assigner {
       return;
     }
     // Geometry first; the plan chooses among what that leaves.
-    const auto by_plan = [&](const JointOrder& order) {
-      double sum = 0;
-      for (std::size_t t = 0; plan_.given() && t < turns_.size(); ++t)
-        if (order.joints[t] != kNoJoint)
-          sum += plan_.misfit(turns_[t], order.joints[t], order.senses[t]);
-      return sum;
-    };
+    const auto by_plan = [&](const JointOrder& order) { return plan_.misfit(turns_, order); };
     const auto best = std::min_element(
         fitting.begin(), fitting.end(),
         [&](const JointOrder& a, const JointOrder& b) { return by_plan(a) < by_plan(b); });
@@ -139,7 +139,8 @@ class Assigner {
       return order.joints == best->joints && order.senses != best->senses;
     });
     const auto is_declared = [&](const JointOrder& order) {
-      return without_none(order.joints) == declared();
+      const Order joints = without_none(order.joints);
+      return joints == (plan_.given() ? common(plan_.order(), joints) : declared());
     };
     std::optional<JointOrder> rival;
     for (const JointOrder& order : fitting)
@@ -170,7 +171,8 @@ class Assigner {
     if (one == other)
       return doubt("more than one move on a circle may be the sweep of one joint",
                    "order_ambiguous");
-    if (plan_.given() && one == declared() && turns_.size() >= plan_.order().size() && as_planned())
+    if (plan_.given() && one == declared() && turns_.size() >= plan_.order().size() &&
+        plan_.explains(turns_, chosen_))
       return warn("order_by_plan", both + "the plan's is taken, which explains all sweeps");
     // Where they do not tell the same joints, one may be in the turn of the other, or both.
     bool left = false, same_senses = true;
@@ -194,13 +196,14 @@ class Assigner {
       doubt(both + "the first is taken", "order_ambiguous");
   }
 
-  /// Whether the plan explains all turns in the chosen order.
-  [[nodiscard]] bool as_planned() const {
-    for (std::size_t t = 0; t < turns_.size(); ++t)
-      if (chosen_.joints[t] != kNoJoint &&
-          !plan_.explains(turns_[t], chosen_.joints[t], chosen_.senses[t]))
-        return false;
-    return true;
+  /// As the campaign declares it, or else the description.
+  std::vector<JointOrder> fits_at_home() const {
+    const Arm& arm = *campaign_.specified;
+    const auto& home = campaign_.declared_home_rad;
+    const auto axes = axes_of(turns_);
+    return orders_that_fit(axes, axes.size(), arm,
+                           home.size() == arm.joints() ? home : arm.home_rad)
+        .fitting;
   }
 
   /// Orders that agree with the description at the first pose where any does.
@@ -208,8 +211,7 @@ class Assigner {
     undecided_ = false;
     if (!campaign_.specified) return {};
     const Arm& arm = *campaign_.specified;
-    std::vector<Axis> axes;
-    for (const Turn& turn : turns_) axes.push_back(turn.axis);
+    const auto axes = axes_of(turns_);
     const auto& declared_home = campaign_.declared_home_rad;
     const bool has_home = declared_home.size() == arm.joints();
     using Home = std::optional<std::vector<double>>;

@@ -5,7 +5,6 @@
 #include <numeric>
 #include <utility>
 
-#include "identify/dh/joint_order.hpp"
 #include "identify/geometry/angle.hpp"
 
 namespace identify {
@@ -28,6 +27,7 @@ std::pair<Turn, Turn> halves(const Turn& turn, std::size_t cut) {
   head.strokes.erase(head.strokes.begin() + at, head.strokes.end());
   tail.strokes.erase(tail.strokes.begin(), tail.strokes.begin() + at);
   tail.strokes.front().gap_rad.reset();
+  tail.strokes.front().goes_on = false;
   return {head, tail};
 }
 
@@ -62,7 +62,8 @@ double PlannedTurns::misfit(const Turn& turn, std::size_t joint, int sense) cons
   const bool begins_otherwise = first_[joint] * sense * seen.front().angle_rad < 0;
   if (planned.empty()) return begins_otherwise ? kStray : 0;
   // The cheapest way to lay the strokes that were seen beside the planned ones, which may have
-  // been run several times: the edit distance. What the stream saw in pieces may be one stroke.
+  // been run several times: the edit distance. What the stream saw in pieces may be one stroke,
+  // and so may what paused.
   const std::size_t repeats =
       std::max<std::size_t>(1, (whole_strokes(turn) + planned.size() / 2) / planned.size());
   std::vector<std::vector<double>> cost(seen.size() + 1,
@@ -79,8 +80,8 @@ double PlannedTurns::misfit(const Turn& turn, std::size_t joint, int sense) cons
         const bool whole = seen[first].begin_seen && seen[i - 1].end_seen;
         const double off = difference(sense * angle, wanted, whole, turn.unsure);
         cost[i][k] = std::min(cost[i][k], cost[first][k - 1] + off * off);
-        if (!seen[first].gap_rad) break;
-        angle += *seen[first].gap_rad;
+        if (!seen[first].gap_rad && !seen[first].goes_on) break;
+        angle += seen[first].gap_rad.value_or(0);
       }
     }
   }
@@ -95,6 +96,20 @@ bool PlannedTurns::explains(const Turn& turn, std::size_t joint, int sense) cons
   return misfit(turn, joint, sense) < kStray + unseen;
 }
 
+double PlannedTurns::misfit(const std::vector<Turn>& turns, const JointOrder& order) const {
+  double sum = 0;
+  for (std::size_t t = 0; given_ && t < turns.size(); ++t)
+    if (order.joints[t] != kNoJoint) sum += misfit(turns[t], order.joints[t], order.senses[t]);
+  return sum;
+}
+
+bool PlannedTurns::explains(const std::vector<Turn>& turns, const JointOrder& order) const {
+  for (std::size_t t = 0; t < turns.size(); ++t)
+    if (order.joints[t] != kNoJoint && !explains(turns[t], order.joints[t], order.senses[t]))
+      return false;
+  return true;
+}
+
 bool PlannedTurns::tells_sense(std::size_t joint) const {
   return !strokes_[joint].empty() || first_[joint] != 0;
 }
@@ -103,12 +118,13 @@ double PlannedTurns::misfit(const Turn& turn, std::size_t joint) const {
   return std::min(misfit(turn, joint, 1), misfit(turn, joint, -1));
 }
 
-bool PlannedTurns::part(std::vector<Turn>& turns) const {
+bool PlannedTurns::part(std::vector<Turn>& turns, bool whole) const {
   if (!given_) return false;
   const auto explained = [&](const Turn& turn, std::size_t joint) {
     return explains(turn, joint, 1) || explains(turn, joint, -1);
   };
-  double least = kNever;
+  double least = whole ? kUnseen : kNever;
+  bool found = false;
   std::size_t place = 0;
   std::pair<Turn, Turn> best;
   for (std::size_t t = 0; t < turns.size(); ++t)
@@ -120,11 +136,12 @@ bool PlannedTurns::part(std::vector<Turn>& turns) const {
         if (cost >= least || !explained(head, order_[p]) || !explained(tail, order_[p + 1]))
           continue;
         least = cost;
+        found = true;
         place = t;
         best = {head, tail};
       }
     }
-  if (least == kNever) return false;
+  if (!found) return false;
   turns[place] = best.first;
   turns.insert(turns.begin() + static_cast<std::ptrdiff_t>(place) + 1, best.second);
   return true;

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "identify/dh/joint_order.hpp"
 #include "identify/sweeps/campaign.hpp"
 #include "identify/sweeps/sweep.hpp"
 
@@ -21,13 +22,17 @@ class PlannedTurns {
   [[nodiscard]] double misfit(const Turn& turn, std::size_t joint, int sense) const;
   /// Whether a turn may be what the plan has for `joint`: no stroke is foreign to it.
   [[nodiscard]] bool explains(const Turn& turn, std::size_t joint, int sense) const;
+  /// The same of all turns together; those that are no joint's do not count.
+  [[nodiscard]] double misfit(const std::vector<Turn>& turns, const JointOrder& order) const;
+  [[nodiscard]] bool explains(const std::vector<Turn>& turns, const JointOrder& order) const;
   [[nodiscard]] bool tells_sense(std::size_t joint) const;
   /// Which of the turns agree best with the plan's joints, in its order: a joint for each, or
   /// kNoJoint where there are more turns than joints. At least as many turns as joints.
   [[nodiscard]] std::vector<std::size_t> joints_of(const std::vector<Turn>& turns) const;
   /// Parts one of the turns in two, of joints that the plan has one after the other and whose
-  /// strokes these are. Two joints may have one axis. False: none is like that.
-  [[nodiscard]] bool part(std::vector<Turn>& turns) const;
+  /// strokes these are. Two joints may have one axis. `whole`: all their strokes have to be there.
+  /// False: no turn is like that.
+  [[nodiscard]] bool part(std::vector<Turn>& turns, bool whole) const;
 
  private:
   [[nodiscard]] double misfit(const Turn& turn, std::size_t joint) const;

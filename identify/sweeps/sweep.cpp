@@ -52,6 +52,8 @@ namespace {
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
+/// A stroke that paused goes on from where it was, but for what is slower than motion.
+constexpr double kPaused_rad = 1 * kDegree;
 /// Enough points to tell two circles apart.
 constexpr Eigen::Index kPoints = 200;
 
@@ -194,10 +196,11 @@ std::vector<Turn> turns_in(const std::vector<Sweep>& strokes,
       Turn::Stroke stroke{group.strokes[s], 0, seen.begin_seen, seen.end_seen, {}};
       if (!angles.empty()) {
         stroke.angle_rad = (1 - turn.unsure) * (angles.back() - angles.front());
-        if (ended_rad && !seen.begin_seen && !turn.strokes.back().end_seen) {
+        if (ended_rad && stroke.angle_rad * turn.strokes.back().angle_rad > 0) {
           const double gap = std::remainder(angles.front() - *ended_rad, 2 * kPi);
-          if (stroke.angle_rad * turn.strokes.back().angle_rad > 0 && stroke.angle_rad * gap > 0)
+          if (!seen.begin_seen && !turn.strokes.back().end_seen && stroke.angle_rad * gap > 0)
             stroke.gap_rad = gap;
+          stroke.goes_on = std::abs(gap) < kPaused_rad;
         }
         ended_rad = angles.back();
       }

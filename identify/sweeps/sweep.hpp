@@ -56,6 +56,8 @@ struct Turn {
     /// Where the stroke before may have gone on in this one: by how much while the stream was
     /// blind.
     std::optional<double> gap_rad;
+    /// The stroke before rested where this one goes on the same way: both may be one that paused.
+    bool goes_on = false;
   };
   std::vector<Stroke> strokes;
   double unsure = 0;  ///< the share of the angles that noise may have made up

@@ -248,3 +248,35 @@ TEST_CASE("a plan declares directions: of the sweeps alone, or of all that happe
   CHECK(all[1].direction == -1);
   CHECK(all[2].direction == -1);
 }
+
+TEST_CASE("a stream whose times are no seconds, or positions no millimetres, is told to be",
+          "[point_sweeps]") {
+  const TemporaryFolder folder;
+  identify::test::Campaign campaign(identify::test::kr5_arc(), {.position_mm = 0.02});
+  campaign.rest(1).sweep(2, 120, 30);
+  const Layout layout{.times = true};
+  const auto seen = [&](double time, double length) {
+    auto samples = campaign.samples();
+    for (auto& sample : samples) {
+      sample.time_s *= time;
+      sample.position_mm *= length;
+    }
+    WorstLimit limit;
+    return streamed_sweeps(file_of(folder, points_header(layout) + points_lines(samples, layout)),
+                           6, kSixDecimals, limit);
+  };
+  CHECK(seen(1, 1).size() == 3);
+  CHECK_THROWS_WITH(seen(1000, 1), ContainsSubstring("points.csv: expected times at most 0.25 s") &&
+                                       ContainsSubstring("found 4 s: give seconds"));
+  CHECK_THROWS_WITH(seen(1, 1e-3), ContainsSubstring("points.csv: expected positions that move") &&
+                                       ContainsSubstring("x_m, y_m, z_m"));
+
+  // One that only rests is no mistake.
+  identify::test::Campaign still(identify::test::kr5_arc(), {.position_mm = 0.02});
+  still.rest(5);
+  WorstLimit limit;
+  CHECK(streamed_sweeps(
+            file_of(folder, points_header(layout) + points_lines(still.samples(), layout)), 6,
+            kSixDecimals, limit)
+            .empty());
+}

@@ -217,3 +217,41 @@ TEST_CASE("a joint that swept though the plan lacks it is told by the descriptio
     CHECK(warns(found, "order_differs"));
   }
 }
+
+TEST_CASE("strokes that paused are those of the plan", "[joint_assignment][extra_moves]") {
+  Run run(1);
+  run.campaign.rest(1);
+  for (const std::size_t joint : {4U, 0U, 3U, 1U, 2U, 5U}) {
+    const double home = run.home_deg(joint);
+    run.move(joint, home - 40, 40);
+    run.move(joint, home - 10);  // and rests there
+    run.move(joint, home + 40);
+    run.move(joint, home, 40);
+    run.declare(joint, {-40, 80, -40});
+  }
+  auto strokes = run.strokes();
+  const auto found = assign_joints(strokes, run.known);
+  CHECK(run.is_right(strokes));
+  CHECK(found.warnings.empty());
+}
+
+TEST_CASE("the joints that a stream has ran in the plan's order, where it began late",
+          "[joint_assignment][extra_moves]") {
+  Run run(1);
+  run.campaign.rest(1);
+  for (const std::size_t joint : {0U, 3U, 1U, 2U, 5U}) run.sweep(joint);
+  const auto before = run.known.order;
+  run.declare(4, {-40, 80, -40});
+  std::rotate(run.known.order.begin(), run.known.order.end() - 1, run.known.order.end());
+  auto strokes = run.strokes();
+  const auto found = assign_joints(strokes, run.known);
+  CHECK(found.doubt.empty());
+  CHECK(warns(found, "order_mismatch"));
+  CHECK_FALSE(warns(found, "order_differs"));
+  // As if the plan had no other joint.
+  run.known.order = before;
+  auto same = run.strokes();
+  (void)assign_joints(same, run.known);
+  REQUIRE(same.size() == strokes.size());
+  for (std::size_t k = 0; k < same.size(); ++k) CHECK(same[k].joint == strokes[k].joint);
+}
