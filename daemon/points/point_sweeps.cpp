@@ -128,23 +128,25 @@ std::optional<Sweep> sweep_of(PointGroup group, std::size_t joint,
 /// stream without angles tells.
 void check_units(const PointsFile& file, const std::vector<double>& frames_s,
                  const std::vector<Sweep>& sweeps, const WorstLimit& limit) {
+  Eigen::AlignedBox3d box;
+  for (const Point& point : file.points)
+    if (point.sample.has_position) box.extend(point.sample.position_mm);
+  const double moved_mm = box.isEmpty() ? 0 : box.diagonal().norm();
+  const bool any = std::any_of(sweeps.begin(), sweeps.end(), [](const Sweep& sweep) {
+    return sweep.defect == SweepDefect::none;
+  });
+  if (any || moved_mm == 0) return;
   std::vector<double> steps_s;
   for (std::size_t k = 1; k < frames_s.size(); ++k)
     steps_s.push_back(frames_s[k] - frames_s[k - 1]);
-  if (!steps_s.empty() && identify::median_of(steps_s) > identify::kLongestGap_s)
+  const double step_s = steps_s.empty() ? 0 : identify::median_of(steps_s);
+  if (step_s > identify::kLongestGap_s)
     throw CsvError(fmt::format(
         "{}: expected times at most {} s apart, as sweeps are found by the motion, found {:.4g} s: "
         "give seconds in t_s, if these are milliseconds; leave the column out, if each file or "
         "column joint tells whose the points are",
-        file.path.string(), identify::kLongestGap_s, identify::median_of(steps_s)));
-  Eigen::AlignedBox3d box;
-  for (const Point& point : file.points)
-    if (point.sample.has_position) box.extend(point.sample.position_mm);
-  const bool any = std::any_of(sweeps.begin(), sweeps.end(), [](const Sweep& sweep) {
-    return sweep.defect == SweepDefect::none;
-  });
-  if (any || box.isEmpty() || !limit) return;
-  const double moved_mm = box.diagonal().norm();
+        file.path.string(), identify::kLongestGap_s, step_s));
+  if (!limit) return;
   if (moved_mm < kSmallest_mm && moved_mm > kMovedSizes * limit->noise_mm)
     throw CsvError(
         fmt::format("{}: expected positions that move by {} mm or more, found {:.4g} mm in all: "

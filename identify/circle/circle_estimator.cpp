@@ -94,7 +94,9 @@ class Circles {
       else if (worst != SweepDefect::none)
         warn(code(worst), j, joint_name(j) + ": " + std::string(remedy(worst, joint.linear)));
       else
-        warn("joint_never_moved", j, joint_name(j) + " was never swept alone");
+        warn("joint_never_moved", j,
+             directions_assigned_ ? "no sweep was told to be of " + joint_name(j)
+                                  : joint_name(j) + " was never swept alone");
       return;
     }
     if (joint.off_home_rad)
