@@ -173,7 +173,7 @@ class Assigner {
                    "order_ambiguous");
     if (plan_.given() && one == declared() && turns_.size() >= plan_.order().size() &&
         plan_.explains(turns_, chosen_))
-      return warn("order_by_plan", both + "the plan's is taken, which explains all sweeps");
+      return doubt(both + "the plan's is taken, which explains all sweeps", "order_ambiguous");
     // Where they do not tell the same joints, one may be in the turn of the other, or both.
     bool left = false, same_senses = true;
     for (std::size_t t = 0; t < turns_.size(); ++t) {

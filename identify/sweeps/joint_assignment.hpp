@@ -23,10 +23,10 @@ struct JointAssignment {
 
 /// Tells the joints of strokes that have none. Arcs about one axis belong to one joint. Which joint
 /// that is, the axes' geometry says against the specified table, at the declared home, at that of
-/// the table or at any, under every order; where several orders agree, the plan's strokes do, or
-/// else its order where it explains all strokes. Where neither confirms an order, the declared one
-/// is assumed, or joint 1 to n, and a doubt remains. Where there are more arcs than joints, those
-/// count that agree with table and plan. Where the plan tells, one axis is two joints'.
+/// the table or at any, under every order; where several orders agree, the plan's strokes do. Where
+/// neither confirms an order, the plan's is taken, or joint 1 to n, and a doubt remains. Of more
+/// arcs than joints those count that agree with table and plan. Where the plan tells, one axis is
+/// two joints'.
 ///
 /// Each target by itself. Sets `joint` and `direction`; strokes with a defect, arcs beyond the
 /// number of joints, and those of either of two joints, stay without a joint.
