@@ -152,8 +152,10 @@ std::optional<StrokeMoments> moments_of(const Sweep& sweep, const StrokeContent&
   count_weights(stroke, seen);
   const StrokeSections even(stroke, seen.turns.size());
   add_moments(stroke, seen, even);
-  if (!even.suit(stroke))
-    add_moments(stroke, seen, StrokeSections(stroke, seen.turns, seen.weights));
+  if (even.suit(stroke)) return stroke;
+  Index nodes = StrokeSections::kMostNodes;
+  do add_moments(stroke, seen, StrokeSections(stroke, seen.turns, seen.weights, nodes));
+  while (!StrokeSections::positive(stroke) && (nodes /= 2) > 0);
   return stroke;
 }
 

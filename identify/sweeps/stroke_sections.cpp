@@ -18,14 +18,13 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kSection_rad = kPi / 4;
-constexpr Index kMostNodes = 12;
 
 /// Of so many samples. More nodes than this and some get weights near zero, and means far from all
 /// samples: equally spaced ones determine polynomials of twice their number's root (Rakhmanov 2007,
 /// Annals of Mathematics 165).
 Index node_count(double samples) {
   return static_cast<Index>(
-      std::clamp(2 * std::sqrt(samples), 2.0, static_cast<double>(kMostNodes)));
+      std::clamp(2 * std::sqrt(samples), 2.0, static_cast<double>(StrokeSections::kMostNodes)));
 }
 
 StrokeSections::Section section_of(ArrayXd places) {
@@ -36,32 +35,27 @@ StrokeSections::Section section_of(ArrayXd places) {
   return {std::move(places), std::move(lagrange)};
 }
 
-/// Of weights at places: eigenvalues of the Jacobi matrix of their orthogonal polynomials, which
-/// come by Stieltjes' procedure (Gautschi 2004, Orthogonal Polynomials, sec. 2.2.3). Not more than
-/// there are places that lie apart.
+/// Of weights at places: eigenvalues of the Jacobi matrix of their orthogonal polynomials. These
+/// come one from the other, and are made orthogonal to all before twice: by Stieltjes' three terms
+/// alone they would not stay so (Gautschi 2004, Orthogonal Polynomials, sec. 2.2.3.2). Not more
+/// than there are places that lie apart.
 ArrayXd gauss_nodes(const ArrayXd& places, const ArrayXd& weights, Index most) {
   constexpr double kApart = 0.02;
-  VectorXd diagonal(most), beside(most);
-  ArrayXd before = ArrayXd::Zero(places.size()), now = ArrayXd::Ones(places.size());
-  double square = weights.sum(), falls = 0;
+  MatrixXd polynomials(places.size(), most);  // times the weights' roots, of length one
+  VectorXd next = weights.sqrt().matrix();
   Index nodes = 0;
   while (nodes < most) {
-    const double middle = (weights * places * now.square()).sum() / square;
-    diagonal(nodes) = middle;
-    const ArrayXd next = (places - middle) * now - falls * before;
-    before = now;
-    now = next;
-    const double left = (weights * now.square()).sum();
-    falls = left / square;
-    square = left;
-    beside(nodes) = std::sqrt(falls);
+    for (int twice = 0; twice < 2; ++twice)
+      next -= polynomials.leftCols(nodes) * (polynomials.leftCols(nodes).transpose() * next);
+    const double length = next.norm();
+    if (nodes > 0 && !(length > kApart)) break;
+    polynomials.col(nodes) = next / length;
+    next = places.matrix().cwiseProduct(polynomials.col(nodes));
     ++nodes;
-    if (!(falls > kApart * kApart)) break;
   }
-  Eigen::SelfAdjointEigenSolver<MatrixXd> jacobi;
-  jacobi.computeFromTridiagonal(diagonal.head(nodes), beside.head(nodes - 1),
-                                Eigen::EigenvaluesOnly);
-  return jacobi.eigenvalues();
+  const auto all = polynomials.leftCols(nodes);
+  const MatrixXd jacobi = all.transpose() * places.matrix().asDiagonal() * all;
+  return Eigen::SelfAdjointEigenSolver<MatrixXd>(jacobi, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
 }  // namespace
@@ -100,7 +94,7 @@ StrokeSections::StrokeSections(const StrokeMoments& stroke, Index samples)
 }
 
 StrokeSections::StrokeSections(const StrokeMoments& stroke, const ArrayXd& turns,
-                               const ArrayXd& weights)
+                               const ArrayXd& weights, Index most)
     : StrokeSections(stroke) {
   // In parts of a section what the samples weigh, and where they are on average.
   constexpr Index kParts = 200;
@@ -119,7 +113,7 @@ StrokeSections::StrokeSections(const StrokeMoments& stroke, const ArrayXd& turns
     const ArrayXd middles = (of_parts > 0).select(sums / of_parts.max(1e-300), 0);
     const Index filled = (of_parts > 0).count();
     sections_[s] =
-        section_of(gauss_nodes(middles, of_parts, std::min(filled, node_count(samples))));
+        section_of(gauss_nodes(middles, of_parts, std::min({filled, node_count(samples), most})));
   }
 }
 
@@ -147,6 +141,11 @@ std::size_t StrokeSections::at(double turn_rad) const {
 ArrayXd StrokeSections::places(std::size_t section, const Eigen::Ref<const ArrayXd>& turns) const {
   if (!(length_ > 0)) return ArrayXd::Zero(turns.size());
   return (turns - turn(section, 0)) * (2 / length_);
+}
+
+bool StrokeSections::positive(const StrokeMoments& stroke) {
+  return std::all_of(stroke.nodes.begin(), stroke.nodes.end(),
+                     [](const StrokeMoments::Node& node) { return node.sums(0, 0) > 0; });
 }
 
 bool StrokeSections::suit(const StrokeMoments& stroke) const {

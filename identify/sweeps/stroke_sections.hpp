@@ -17,6 +17,8 @@ namespace identify {
 /// a circle; so longer strokes are cut.
 class StrokeSections {
  public:
+  static constexpr Eigen::Index kMostNodes = 12;
+
   /// One section's nodes, and the polynomials of the others' zeros that are one there.
   struct Section {
     Eigen::ArrayXd places;  ///< from minus one to one in it
@@ -28,9 +30,10 @@ class StrokeSections {
   /// Chebyshev's, for samples that are spread evenly along the turn.
   StrokeSections(const StrokeMoments& stroke, Eigen::Index samples);
   /// Where the samples are: Gauss' nodes of their weights along the turn, at which sums of positive
-  /// weights are positive (Golub & Welsch, Mathematics of Computation 23, 1969).
+  /// weights are positive (Golub & Welsch, Mathematics of Computation 23, 1969). At most so many a
+  /// section.
   StrokeSections(const StrokeMoments& stroke, const Eigen::ArrayXd& turns,
-                 const Eigen::ArrayXd& weights);
+                 const Eigen::ArrayXd& weights, Eigen::Index most = kMostNodes);
   /// Those that a stroke's moments have.
   static StrokeSections of(const StrokeMoments& stroke);
 
@@ -44,6 +47,8 @@ class StrokeSections {
                                       const Eigen::Ref<const Eigen::ArrayXd>& turns) const;
   /// Whether a stroke with moments at these nodes has samples around each of them.
   [[nodiscard]] bool suit(const StrokeMoments& stroke) const;
+  /// Whether no node of a stroke's moments has its mean beside all samples.
+  [[nodiscard]] static bool positive(const StrokeMoments& stroke);
 
  private:
   explicit StrokeSections(const StrokeMoments& stroke);
