@@ -164,8 +164,8 @@ class Adviser {
       const double off = std::hypot(std::remainder(row.alpha_rad.value, kPi), row.beta_rad.value);
       warn("height_unknown", i,
            "its axis and the next are parallel, and nothing tells where along them the arm "
-           "stands: " +
-               taken_at(i) + "they change by up to " + brief(1000 * std::tan(off)) +
+           "stands. " +
+               taken_at(i) + ". They change by up to " + brief(1000 * std::tan(off)) +
                " mm for each metre along the axes, which are " + uncertain(off) + " off parallel");
     }
   }
@@ -191,14 +191,15 @@ class Adviser {
       if (!of_row.empty())
         names += (names.empty() ? "" : "; ") + of_row + " of row " + std::to_string(i + 1);
     }
-    const std::string others = "its a, and theta and a of the next row, are those ";
+    const std::string others = "Its a, and theta and a of the next row, are those at ";
     if (by_b)
-      return "by convention where " + names + " is " +
-             (campaign_.specified ? "as specified" : "zero") + "; " + others + "at that height; ";
+      return "By convention it is where " + names + " is " +
+             (campaign_.specified ? "as specified" : "zero") + ". " + others + "that height";
     if (!names.empty())
-      return "by convention level with the point stated of its axis; " + names +
-             " are not determined, and set as they are at that height; ";
-    return others + "at the height of the device's origin; ";
+      return "By convention it is level with the point stated of its axis. These numbers are not "
+             "determined, and set as they are at that height: " +
+             names;
+    return others + "the height of the device's origin";
   }
 
   void judge_speed(std::size_t j) {

@@ -108,23 +108,30 @@ void SampleReader::follow_external_axes(const rsi::Telegram& telegram) {
     reading[k] = *value;
   }
   external_readings_[external_read_++ % kExternalReadings] = reading;
-  find_external_place(usual_external_reading());
+  // Where all of the last readings are at one place, so is what is usual of them.
+  const bool there = !external_places_.empty() && at_place(reading, external_places_.front().at);
+  external_there_ = there ? external_there_ + 1 : 0;
+  if (external_there_ >= kExternalReadings && external_places_.front().samples >= kSettling)
+    ++external_places_.front().samples;
+  else
+    find_external_place(usual_external_reading());
+}
+
+bool SampleReader::at_place(const ExternalReading& now, const ExternalReading& place) {
+  // In mm, or degrees where the axis turns. One that is locked shows two steps of what a controller
+  // prints at most, 0.1 by default.
+  constexpr double kMoved = 0.25;
+  return std::equal(now.begin(), now.end(), place.begin(),
+                    [](double a, double b) { return std::abs(a - b) <= kMoved; });
 }
 
 /// The readings of one telegram may be off, and readings shake: neither moves the axes.
 void SampleReader::find_external_place(const ExternalReading& now) {
-  // In mm, or degrees where the axis turns. One that is locked shows two steps of what a controller
-  // prints at most, 0.1 by default.
-  constexpr double kMoved = 0.25;
   /// On the way from one place to another there are many; those where the axes rested stay known.
   constexpr std::size_t kMostPlaces = 32;
-  /// Of so many samples a place is the mean: one that creeps is not followed.
-  constexpr std::size_t kSettling = 100;
-  const auto here = std::find_if(
-      external_places_.begin(), external_places_.end(), [&](const ExternalPlace& known) {
-        return std::equal(now.begin(), now.end(), known.at.begin(),
-                          [](double a, double b) { return std::abs(a - b) <= kMoved; });
-      });
+  const auto here =
+      std::find_if(external_places_.begin(), external_places_.end(),
+                   [&](const ExternalPlace& known) { return at_place(now, known.at); });
   if (here != external_places_.end()) {
     if (++here->samples <= kSettling)
       for (std::size_t k = 0; k < now.size(); ++k)

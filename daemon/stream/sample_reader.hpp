@@ -62,7 +62,11 @@ class SampleReader {
   /// The last readings, 40 ms at 4 ms: where the axes stand is the median of each.
   static constexpr std::size_t kExternalReadings = 11;
   std::array<ExternalReading, kExternalReadings> external_readings_{};
-  std::size_t external_read_ = 0;  ///< so many in all
+  std::size_t external_read_ = 0;   ///< so many in all
+  std::size_t external_there_ = 0;  ///< so many of the last at the place where the axes are
+  /// Of so many samples a place is the mean: one that creeps is not followed.
+  static constexpr std::size_t kSettling = 100;
+  [[nodiscard]] static bool at_place(const ExternalReading& now, const ExternalReading& place);
   [[nodiscard]] ExternalReading usual_external_reading() const;
   void find_external_place(const ExternalReading& now);
   /// Where they all stood, for so many samples.

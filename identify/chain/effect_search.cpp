@@ -161,7 +161,8 @@ void EffectSearch::find_strays(FittedChain& best, const FittedChain& first, Chai
 }
 
 // By the strokes' own likelihoods. Where the fit knows of effects, nothing shows unless a stroke is
-// unlike the others; but it may have taken up what is told best without them.
+// unlike the others; but it may have taken up what is told best without them. Of the few that are
+// left the likelihood of all is asked, as far as that takes no fit.
 std::vector<EffectSearch::Stray> EffectSearch::likeliest_strays(const FittedChain& best,
                                                                 const FittedChain& first,
                                                                 const ChainEffects& shape) {
@@ -175,6 +176,18 @@ std::vector<EffectSearch::Stray> EffectSearch::likeliest_strays(const FittedChai
             [](const Stray& a, const Stray& b) { return a.gain > b.gain; });
   found.resize(std::min(found.size(), kMost));
   std::erase_if(found, [&](const Stray& one) { return !(one.gain > found.front().gain / 4); });
+  LinearisedChain with(first.fit.chain, nodes_, first.noise, shape, false);
+  const double here = with.deviance(effects_);
+  std::erase_if(found, [&](const Stray& one) {
+    double least = here;
+    for (const double less : {0.0, 1.0 / 4, 1.0}) {
+      ChainEffects effects = less_of(effects_, less);
+      effects.stray_mm.resize(nodes_.units.size());
+      effects.stray_mm[one.unit] = one.mm;
+      least = std::min(least, with.deviance(effects));
+    }
+    return !(least < here - kStrays);
+  });
   return found;
 }
 

@@ -97,7 +97,8 @@ TEST_CASE("the length of a planar arm whose axes are askew is not identified wit
     CHECK(std::abs(found.dh[0].a_mm.value - -399.6) < 1);
     const Warning* const warning = find_warning(found, "height_unknown");
     REQUIRE(warning != nullptr);
-    CHECK_THAT(warning->message, ContainsSubstring("a of row 1 are not determined"));
+    CHECK_THAT(warning->message,
+               ContainsSubstring("not determined, and set as they are at that height: a of row 1"));
   }
 }
 
