@@ -22,7 +22,7 @@ constexpr double kSways = 20;
 /// And of one that was moved.
 constexpr double kMoves = 12;
 /// And of one stroke that is unlike the others.
-constexpr double kStrays = 20;
+constexpr double kDisturbed = 20;
 /// A larger move is a mistake, and none of the effects.
 constexpr double kMostMove_mm = 0.5;
 
@@ -136,7 +136,7 @@ void EffectSearch::find_strays(FittedChain& best, const FittedChain& first, Chai
   constexpr int kMostStrays = 3;
   constexpr double kAlike = 6;  // that much likelier is not the one for sure
   for (int found = 0; found < kMostStrays; ++found) {
-    double least = deviance_of(best) - kStrays;
+    double least = deviance_of(best) - kDisturbed;
     ChainEffects likeliest = shape;
     const auto tried = [&](const Stray& one, const ChainEffects& beside) {
       ChainEffects other = beside;
@@ -186,7 +186,7 @@ std::vector<EffectSearch::Stray> EffectSearch::likeliest_strays(const FittedChai
       effects.stray_mm[one.unit] = one.mm;
       least = std::min(least, with.deviance(effects));
     }
-    return !(least < here - kStrays);
+    return !(least < here - kDisturbed);
   });
   return found;
 }

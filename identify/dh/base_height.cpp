@@ -15,12 +15,12 @@ using Axes = std::vector<std::optional<Axis>>;
 /// The base stands within so much of the height at which it is taken.
 constexpr double kMostOff_mm = 1000;
 /// What so much changes by less than this (mm, rad) does not hang on it.
-constexpr double kNothing = 1e-6;
-constexpr double kStep_mm = 10;
+constexpr double kNoChange = 1e-6;
+constexpr double kHeightStep_mm = 10;
 /// A b that goes along with the height does so mm by mm.
-constexpr double kAlong = 0.5;
+constexpr double kWithHeight = 0.5;
 /// Where that b is as wanted, but for rounding, it gives the height.
-constexpr double kThere_mm = 1e-3;
+constexpr double kAtHeight_mm = 1e-3;
 
 /// Axes without a gap between them, from the first one to before the end.
 struct Stretch {
@@ -42,13 +42,13 @@ double wanted_mm(const std::vector<DhRow>& specified, std::size_t row) {
   return specified.empty() ? 0 : specified[row].b_mm;
 }
 
-Vector3d along(const Axes& z, const Stretch& of) {
+Vector3d upwards(const Axes& z, const Stretch& of) {
   return z[of.first]->line().direction;
 }
 
 /// With the origin so much higher.
 Axes lowered(Axes z, const Stretch& of, double by_mm) {
-  const Vector3d by = by_mm * along(z, of);
+  const Vector3d by = by_mm * upwards(z, of);
   for (std::size_t i = of.first; i < of.end; ++i) z[i]->point_mm -= by;
   return z;
 }
@@ -58,12 +58,12 @@ class Slopes {
  public:
   Slopes(const Axes& z, const Stretch& of, double size_mm, const std::vector<DhRow>& specified)
       : of_(of),
-        above_(placed_table(lowered(z, of, kStep_mm), specified, size_mm)),
-        below_(placed_table(lowered(z, of, -kStep_mm), specified, size_mm)) {}
+        above_(placed_table(lowered(z, of, kHeightStep_mm), specified, size_mm)),
+        below_(placed_table(lowered(z, of, -kHeightStep_mm), specified, size_mm)) {}
 
   [[nodiscard]] double at(std::size_t row, const DhNumberName& of) const {
     const double change = (above_[row].*of.number).value - (below_[row].*of.number).value;
-    return (of.length ? change : wrapped(change)) / (2 * kStep_mm);
+    return (of.length ? change : wrapped(change)) / (2 * kHeightStep_mm);
   }
 
   /// Where the base stands, and how the first X lies, is not the arm's.
@@ -73,7 +73,7 @@ class Slopes {
       return false;
     const DhNumber& number = table[row].*of.number;
     return number.knowledge == Knowledge::identified &&
-           std::abs(at(row, of)) * kMostOff_mm > std::max(number.sigma, kNothing);
+           std::abs(at(row, of)) * kMostOff_mm > std::max(number.sigma, kNoChange);
   }
 
   [[nodiscard]] bool any_hangs(const std::vector<DhEstimate>& table) const {
@@ -88,7 +88,7 @@ class Slopes {
       const std::vector<DhEstimate>& table) const {
     for (std::size_t row = of_.first + 1; row < of_.end; ++row)
       if (table[row].b_mm.knowledge == Knowledge::identified &&
-          std::abs(at(row, kDhNumbers[0])) > kAlong)
+          std::abs(at(row, kDhNumbers[0])) > kWithHeight)
         return row;
     return std::nullopt;
   }
@@ -103,7 +103,7 @@ class Slopes {
 Axes seen_from_base(Axes z, double size_mm, const std::vector<DhRow>& specified) {
   for (const Stretch& of : stretches_of(z)) {
     if (!Slopes(z, of, size_mm, specified).any_hangs(placed_table(z, specified, size_mm))) continue;
-    z = lowered(z, of, along(z, of).dot(z[of.first]->point_mm));
+    z = lowered(z, of, upwards(z, of).dot(z[of.first]->point_mm));
     for (int round = 0; round < 2; ++round) {  // the second takes away what the tilt leaves
       const auto table = placed_table(z, specified, size_mm);
       const Slopes slopes(z, of, size_mm, specified);
@@ -123,7 +123,7 @@ void leave_to_height(std::vector<DhEstimate>& table, const Axes& z, double size_
   for (const Stretch& of : stretches_of(z)) {
     const Slopes slopes(z, of, size_mm, specified);
     const auto row = slopes.gives_height(table);
-    if (row && std::abs(table[*row].b_mm.value - wanted_mm(specified, *row)) < kThere_mm) {
+    if (row && std::abs(table[*row].b_mm.value - wanted_mm(specified, *row)) < kAtHeight_mm) {
       set(table[*row].b_mm);
       continue;
     }
