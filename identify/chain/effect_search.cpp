@@ -207,7 +207,8 @@ std::vector<EffectSearch::Stray> EffectSearch::gains_of_strays(const FittedChain
     ChainEffects effects = less_of(known, less);
     const std::vector<double> without = with.own_deviances(effects);
     const double others = here - all_of(without);
-    for (double stray_mm = smallest; stray_mm < kLargest_mm; stray_mm *= 4) {
+    double stray_mm = smallest;
+    while (stray_mm < kLargest_mm) {
       effects.stray_mm.assign(strays.size(), stray_mm);
       const std::vector<double> own = with.own_deviances(effects);
       for (std::size_t u = 0; u < strays.size(); ++u) {
@@ -215,6 +216,7 @@ std::vector<EffectSearch::Stray> EffectSearch::gains_of_strays(const FittedChain
         const bool found = !known.stray_mm.empty() && known.stray_mm[u] > 0;
         if (!found && gain > strays[u].gain) strays[u] = {u, stray_mm, gain};
       }
+      stray_mm *= 4;
     }
   }
   return strays;

@@ -30,6 +30,7 @@ Order without_none(Order joints) {
 
 std::vector<Axis> axes_of(const std::vector<Turn>& turns) {
   std::vector<Axis> axes;
+  axes.reserve(turns.size());
   for (const Turn& turn : turns) axes.push_back(turn.axis);
   return axes;
 }

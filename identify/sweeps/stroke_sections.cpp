@@ -65,7 +65,7 @@ Index places_of(const ArrayXd& turns, double from, double to) {
   std::array<bool, kParts> seen{};
   for (const double turn : turns) {
     const double place = to > from ? (turn - from) / (to - from) : 0;
-    seen[static_cast<std::size_t>(std::clamp(place, 0.0, 1.0) * (kParts - 1) + 0.5)] = true;
+    seen[static_cast<std::size_t>(std::lround(std::clamp(place, 0.0, 1.0) * (kParts - 1)))] = true;
   }
   return std::count(seen.begin(), seen.end(), true);
 }
@@ -104,7 +104,7 @@ StrokeSections::StrokeSections(const StrokeMoments& stroke, const ArrayXd& turns
     for (Index i = 0; i < turns.size(); ++i) {
       if (at(turns(i)) != s || !(weights(i) > 0)) continue;
       const double place = std::clamp(places(s, turns.segment(i, 1))(0), -1.0, 1.0);
-      const auto part = static_cast<Index>((place + 1) / 2 * (kParts - 1) + 0.5);
+      const auto part = static_cast<Index>(std::lround((place + 1) / 2 * (kParts - 1)));
       of_parts(part) += weights(i);
       sums(part) += weights(i) * place;
       ++samples;
