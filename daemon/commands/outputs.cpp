@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <fstream>
+#include <ostream>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -11,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "daemon/results/result_files.hpp"
 #include "daemon/system/atomic_file.hpp"
 #include "daemon/system/line_file.hpp"
 #include "daemon/text/file_names.hpp"
@@ -130,6 +132,19 @@ void write_output(const fs::path& path, std::string_view content) {
     if (!file.error().empty()) throw std::runtime_error(file.error());
   }
   output.commit();
+}
+
+void write_edited(const Outputs& outputs, const std::optional<std::filesystem::path>& folder,
+                  const std::vector<std::pair<std::filesystem::path, std::string>>& files,
+                  std::ostream& out) {
+  for (const auto& [file, content] : files) outputs.check_same(file, content);
+  if (folder) make_folder(*folder);
+  for (const auto& [file, content] : files) write_output(file, content);
+  const char* before = "\nwritten     ";
+  for (const auto& [file, content] : files) {
+    out << before << file.string() << '\n';
+    before = "            ";
+  }
 }
 
 }  // namespace sweepd

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <iosfwd>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "daemon/system/atomic_file.hpp"
@@ -60,5 +62,12 @@ class OutputFile {
 
 /// The whole of a file at once. Throws std::runtime_error.
 void write_output(const std::filesystem::path& path, std::string_view content);
+
+/// Files that people edit, with their contents: all of them, or none where Outputs::check_same()
+/// refuses one. Says on `out` which they are. `folder`: is made first, where there is none. Throws
+/// as Outputs, and std::runtime_error.
+void write_edited(const Outputs& outputs, const std::optional<std::filesystem::path>& folder,
+                  const std::vector<std::pair<std::filesystem::path, std::string>>& files,
+                  std::ostream& out);
 
 }  // namespace sweepd

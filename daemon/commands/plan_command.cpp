@@ -12,7 +12,6 @@
 #include "daemon/commands/outputs.hpp"
 #include "daemon/plan/plan_proposal.hpp"
 #include "daemon/plan/plan_text.hpp"
-#include "daemon/results/result_files.hpp"
 #include "daemon/settings/toml_table.hpp"
 #include "daemon/text/progress.hpp"
 #include "rsi/counted.hpp"
@@ -129,15 +128,8 @@ int plan(const PlanOptions& options, std::ostream& out, std::ostream& errors) {
     files.emplace_back(base.string() + ".src", program->src);
     files.emplace_back(base.string() + ".dat", program->dat);
   }
-  const Outputs outputs({options.robot, options.plan}, options.force);
-  for (const auto& [file, content] : files) outputs.check_same(file, content);
-  if (program) make_folder(*options.output);
-  for (const auto& [file, content] : files) write_output(file, content);
-  const char* before = "\nwritten     ";
-  for (const auto& [file, content] : files) {
-    out << before << file.string() << '\n';
-    before = "            ";
-  }
+  write_edited(Outputs({options.robot, options.plan}, options.force),
+               program ? options.output : std::nullopt, files, out);
   return 0;
 }
 

@@ -12,7 +12,6 @@
 #include "daemon/commands/plan_command.hpp"
 #include "daemon/plan/krl_program.hpp"
 #include "daemon/plan/plan_text.hpp"
-#include "daemon/results/result_files.hpp"
 #include "daemon/settings/toml_table.hpp"
 #include "daemon/text/progress.hpp"
 
@@ -139,15 +138,7 @@ int plan_static_poses(const PlanOptions& options, std::ostream& out) {
     }
   }
   out << pose_plan_text(robot, plan);
-  const Outputs outputs({options.robot}, options.force);
-  for (const auto& [file, content] : files) outputs.check_same(file, content);
-  if (options.output) make_folder(*options.output);
-  for (const auto& [file, content] : files) write_output(file, content);
-  const char* before = "\nwritten     ";
-  for (const auto& [file, content] : files) {
-    out << before << file.string() << '\n';
-    before = "            ";
-  }
+  write_edited(Outputs({options.robot}, options.force), options.output, files, out);
   return 0;
 }
 

@@ -143,7 +143,7 @@ void check_units(const PointsFile& file, const std::vector<double>& frames_s,
   if (step_s > identify::kLongestGap_s)
     throw CsvError(fmt::format(
         "{}: expected times at most {} s apart, as sweeps are found by the motion, found {:.4g} s: "
-        "give seconds in t_s, if these are milliseconds; leave the column out, if each file or "
+        "give seconds in t_s if these are milliseconds, or leave the column out if each file or "
         "column joint tells whose the points are",
         file.path.string(), identify::kLongestGap_s, step_s));
   if (!limit) return;

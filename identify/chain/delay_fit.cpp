@@ -39,8 +39,7 @@ class DelayFit {
         two_clocks_(two_clocks),
         weight_(groups_),
         both_ways_(groups_, false),
-        linear_(groups_),
-        reach_mm_(groups_),
+        track_of_(groups_),
         backlash_rad_(groups_) {
     double begin = tracks.front().at_s.front(), end = begin;
     std::vector<std::array<bool, 2>> ways(groups_, {false, false});
@@ -48,12 +47,11 @@ class DelayFit {
       begin = std::min(begin, track.at_s.front());
       end = std::max(end, track.at_s.back());
       ways[track.group][track.direction > 0] = true;
-      reach_mm_[track.group] = track.reach_mm;
-      linear_[track.group] = track.linear;
+      track_of_[track.group] = &track;
     }
     for (std::size_t g = 0; g < groups_; ++g) {
       both_ways_[g] = ways[g][0] && ways[g][1];
-      backlash_rad_[g] = linear_[g] ? kUsualPlay_mm / kLinear_mm : kUsualBacklash_rad;
+      backlash_rad_[g] = track_of_[g]->linear ? kUsualPlay_mm / kLinear_mm : kUsualBacklash_rad;
     }
     delay_.at_s = (begin + end) / 2;
     span_s_ = std::max(end - begin, 1.0);
@@ -175,9 +173,8 @@ class DelayFit {
     Row right = Row::Zero();
   };
   /// Of a stroke with errors of its own, as its locked joints stood elsewhere: by chance, and by
-  /// what was told. About an axis that is turned and shifted a little, an
-  /// angle is seen off by a constant and a first harmonic. The covariance of all is inverted by
-  /// Woodbury's formula.
+  /// what was told. About an axis that is turned and shifted a little, an angle is seen off by a
+  /// constant and a first harmonic. The covariance of all is inverted by Woodbury's formula.
   [[nodiscard]] Products products(const AngleTrack& track, const Residuals& seen) const {
     Products sums;
     Eigen::Matrix<double, kOfGroup + 2, 3> weighted =
@@ -304,24 +301,24 @@ class DelayFit {
       if (!both_ways_[g]) continue;
       const Index at = kOfGroup * static_cast<Index>(g) + kOrders;
       const double square = found(at) * found(at) + covariance(at, at);
-      of_all_mm2 += square * reach_mm_[g] * reach_mm_[g];
+      of_all_mm2 += square * track_of_[g]->reach_mm * track_of_[g]->reach_mm;
       ++all;
-      if (linear_[g]) continue;
+      if (track_of_[g]->linear) continue;
       of_turns += square;
       ++turns;
     }
     for (std::size_t g = 0; g < groups_; ++g)
-      backlash_rad_[g] =
-          std::max(kLeastBacklash_rad, linear_[g] ? std::sqrt(of_all_mm2 / all) / kLinear_mm
-                                                  : std::sqrt(of_turns / turns));
+      backlash_rad_[g] = std::max(kLeastBacklash_rad, track_of_[g]->linear
+                                                          ? std::sqrt(of_all_mm2 / all) / kLinear_mm
+                                                          : std::sqrt(of_turns / turns));
   }
 
   const std::vector<AngleTrack>& tracks_;
   std::size_t groups_;
   bool two_clocks_;
   std::vector<Weight> weight_;  ///< one a group
-  std::vector<bool> both_ways_, linear_;
-  std::vector<double> reach_mm_;
+  std::vector<bool> both_ways_;
+  std::vector<const AngleTrack*> track_of_;  ///< one of each group
   /// Variance of each of the three at the target, beyond what was told. Locked joints that stand
   /// elsewhere move target and axis by as much whichever joint sweeps.
   double apart_mm2_ = 0;

@@ -52,8 +52,8 @@ MatrixXd without_effects(const MatrixXd& products, const VectorXd& variances,
     largest = std::max(largest, factor(c, c));
     ++c;
   }
-  // The unit matrix and squares have no pivot below one. Where a stroke has gaps, nodes may have
-  // negative weights: of effects so large that this shows, its sums tell nothing.
+  // The unit matrix and squares have no pivot below one. A node's sums are no squares, since its
+  // polynomial has both signs: of effects so large that this shows, they tell nothing.
   constexpr double kRounding = 1e-14;
   const double least = 0.99 - kRounding * largest;
   for (Index c = 0; c < effects; ++c) {

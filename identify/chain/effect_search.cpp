@@ -135,28 +135,28 @@ std::optional<double> EffectSearch::likeliest_move_mm(const FittedChain& fitted,
 void EffectSearch::find_strays(FittedChain& best, const FittedChain& first, ChainEffects& shape) {
   constexpr int kMostStrays = 3;
   constexpr double kAlike = 6;  // that much likelier is not the one for sure
-  for (int found = 0; found < kMostStrays; ++found) {
-    double least = deviance_of(best) - kDisturbed;
-    ChainEffects likeliest = shape;
-    const auto tried = [&](const Stray& one, const ChainEffects& beside) {
-      ChainEffects other = beside;
-      other.stray_mm.resize(nodes_.units.size());
-      other.stray_mm[one.unit] = one.mm;
-      return other;
-    };
-    std::vector<std::pair<double, Stray>> all;
+  const auto add = [&](const Stray& one, ChainEffects& to) {
+    to.stray_mm.resize(nodes_.units.size());
+    to.stray_mm[one.unit] = one.mm;
+  };
+  for (int round = 0; round < kMostStrays; ++round) {
+    const double here = deviance_of(best);
+    std::vector<std::pair<Stray, Tried>> all;
+    double least = std::numeric_limits<double>::infinity();
     for (const Stray& one : likeliest_strays(best, first, shape)) {
-      const ChainEffects other = tried(one, shape);
-      all.push_back({deviance_if(first, other), one});
-      if (!(all.back().first < least)) continue;
-      least = all.back().first;
-      likeliest = other;
+      ChainEffects other = shape;
+      add(one, other);
+      all.emplace_back(one, tried(first, other));
+      least = std::min(least, all.back().second.deviance);
     }
-    if (likeliest.stray_mm == shape.stray_mm) return;
-    for (const auto& [deviance, one] : all)
-      if (deviance < least + kAlike) likeliest = tried(one, likeliest);
-    if (!take_if_likelier(best, first, likeliest, 0)) return;
-    shape = likeliest;
+    if (!(least < here - kDisturbed)) return;
+    std::erase_if(all, [&](const auto& one) { return one.second.deviance >= least + kAlike; });
+    ChainEffects together = shape;
+    for (const auto& [one, alone] : all) add(one, together);
+    Tried found = all.size() == 1 ? std::move(all.front().second) : tried(first, together);
+    if (!(found.deviance < here)) return;
+    take(best, std::move(found));
+    shape = together;
   }
 }
 
@@ -175,7 +175,8 @@ std::vector<EffectSearch::Stray> EffectSearch::likeliest_strays(const FittedChai
   std::sort(found.begin(), found.end(),
             [](const Stray& a, const Stray& b) { return a.gain > b.gain; });
   found.resize(std::min(found.size(), kMost));
-  std::erase_if(found, [&](const Stray& one) { return !(one.gain > found.front().gain / 4); });
+  const double least_gain = found.front().gain / 4;
+  std::erase_if(found, [&](const Stray& one) { return !(one.gain > least_gain); });
   LinearisedChain with(first.fit.chain, nodes_, first.noise, shape, false);
   const double here = with.deviance(effects_);
   std::erase_if(found, [&](const Stray& one) {
@@ -255,31 +256,30 @@ double EffectSearch::deviance_of(const FittedChain& fitted) {
       .deviance(effects_);
 }
 
-double EffectSearch::deviance_if(FittedChain from, const ChainEffects& shape) {
-  const auto nodes = nodes_.observations;
+EffectSearch::Tried EffectSearch::tried(FittedChain from, const ChainEffects& shape) {
+  const auto observations = nodes_.observations;
   const ChainEffects effects = effects_;
   size_twice(from, shape);
-  const double deviance = deviance_of(from);
-  nodes_.observations = nodes;
-  effects_ = effects;
-  return deviance;
+  const auto move = move_of(from.fit, nodes_);
+  const bool mistaken = move && move->mm.norm() > kMostMove_mm;
+  const double deviance = mistaken ? std::numeric_limits<double>::infinity() : deviance_of(from);
+  return {std::move(from), std::exchange(effects_, effects),
+          std::exchange(nodes_.observations, observations), deviance};
+}
+
+void EffectSearch::take(FittedChain& best, Tried other) {
+  best = std::move(other.fitted);
+  effects_ = std::move(other.effects);
+  nodes_.observations = std::move(other.observations);
 }
 
 bool EffectSearch::take_if_likelier(FittedChain& best, FittedChain from, const ChainEffects& shape,
                                     double by) {
   const double here = deviance_of(best);
-  const auto nodes = nodes_.observations;
-  const ChainEffects effects = effects_;
-  size_twice(from, shape);
-  const auto move = move_of(from.fit, nodes_);
-  const bool mistaken = move && move->mm.norm() > kMostMove_mm;
-  if (deviance_of(from) < here - by && !mistaken) {
-    best = std::move(from);
-    return true;
-  }
-  nodes_.observations = nodes;
-  effects_ = effects;
-  return false;
+  Tried other = tried(std::move(from), shape);
+  if (!(other.deviance < here - by)) return false;
+  take(best, std::move(other));
+  return true;
 }
 
 void EffectSearch::size_twice(FittedChain& best, ChainEffects shape) {

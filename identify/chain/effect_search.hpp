@@ -49,13 +49,20 @@ class EffectSearch {
                                       const ChainEffects& shape);
   /// One a unit.
   std::vector<Stray> gains_of_strays(const FittedChain& fitted, const ChainEffects& shape);
-  [[nodiscard]] double deviance_of(const FittedChain& fitted);
-  /// With the effects of this shape, sized from there. Nothing is changed.
-  [[nodiscard]] double deviance_if(FittedChain from, const ChainEffects& shape);
   /// What a stroke's place is uncertain by, by noise alone.
   [[nodiscard]] double smallest_mm(const FittedChain& fitted) const;
-  /// Whether the other shape's effects, sized from this fit, have taken the place of those that
-  /// there were: where the deviance is less by so much.
+  [[nodiscard]] double deviance_of(const FittedChain& fitted);
+  /// What another shape's effects come to, sized from a fit.
+  struct Tried {
+    FittedChain fitted;
+    ChainEffects effects;
+    std::vector<ChainObservation> observations;
+    double deviance = 0;  ///< infinite where a move is too large to be one
+  };
+  [[nodiscard]] Tried tried(FittedChain from, const ChainEffects& shape);
+  /// It takes the place of what there was.
+  void take(FittedChain& best, Tried other);
+  /// The same where the deviance is less by so much. Whether it is.
   bool take_if_likelier(FittedChain& best, FittedChain from, const ChainEffects& shape, double by);
   void size_twice(FittedChain& best, ChainEffects shape);
 

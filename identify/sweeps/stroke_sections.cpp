@@ -98,17 +98,22 @@ StrokeSections::StrokeSections(const StrokeMoments& stroke, const ArrayXd& turns
     : StrokeSections(stroke) {
   // In parts of a section what the samples weigh, and where they are on average.
   constexpr Index kParts = 200;
-  for (std::size_t s = 0; s < sections_.size(); ++s) {
-    ArrayXd of_parts = ArrayXd::Zero(kParts), sums = ArrayXd::Zero(kParts);
+  struct Weighed {
+    ArrayXd weights = ArrayXd::Zero(kParts), sums = ArrayXd::Zero(kParts);
     double samples = 0;
-    for (Index i = 0; i < turns.size(); ++i) {
-      if (at(turns(i)) != s || !(weights(i) > 0)) continue;
-      const double place = std::clamp(places(s, turns.segment(i, 1))(0), -1.0, 1.0);
-      const auto part = static_cast<Index>(std::lround((place + 1) / 2 * (kParts - 1)));
-      of_parts(part) += weights(i);
-      sums(part) += weights(i) * place;
-      ++samples;
-    }
+  };
+  std::vector<Weighed> weighed(sections_.size());
+  for (Index i = 0; i < turns.size(); ++i) {
+    if (!(weights(i) > 0)) continue;
+    const std::size_t s = at(turns(i));
+    const double place = std::clamp(place_in(s, turns(i)), -1.0, 1.0);
+    const auto part = static_cast<Index>(std::lround((place + 1) / 2 * (kParts - 1)));
+    weighed[s].weights(part) += weights(i);
+    weighed[s].sums(part) += weights(i) * place;
+    ++weighed[s].samples;
+  }
+  for (std::size_t s = 0; s < sections_.size(); ++s) {
+    const auto& [of_parts, sums, samples] = weighed[s];
     if (samples == 0) continue;
     const ArrayXd middles = (of_parts > 0).select(sums / of_parts.max(1e-300), 0);
     const Index filled = (of_parts > 0).count();
@@ -122,8 +127,7 @@ StrokeSections StrokeSections::of(const StrokeMoments& stroke) {
   std::vector<std::vector<double>> places(made.sections_.size());
   for (const StrokeMoments::Node& node : stroke.nodes) {
     const std::size_t section = made.at(node.turn_rad);
-    places[section].push_back(
-        made.places(section, Eigen::Map<const ArrayXd>(&node.turn_rad, 1))(0));
+    places[section].push_back(made.place_in(section, node.turn_rad));
   }
   for (std::size_t s = 0; s < places.size(); ++s)
     if (!places[s].empty())
@@ -136,6 +140,10 @@ std::size_t StrokeSections::at(double turn_rad) const {
   const double place = length_ > 0 ? (turn_rad - from_) / length_ : 0;
   return static_cast<std::size_t>(
       std::clamp(std::floor(place), 0.0, static_cast<double>(sections_.size() - 1)));
+}
+
+double StrokeSections::place_in(std::size_t section, double turn_rad) const {
+  return length_ > 0 ? (turn_rad - turn(section, 0)) * (2 / length_) : 0;
 }
 
 ArrayXd StrokeSections::places(std::size_t section, const Eigen::Ref<const ArrayXd>& turns) const {

@@ -52,6 +52,7 @@ class StrokeSections {
 
  private:
   explicit StrokeSections(const StrokeMoments& stroke);
+  [[nodiscard]] double place_in(std::size_t section, double turn_rad) const;
 
   double from_;
   double length_ = 0;

@@ -257,13 +257,27 @@ TEST_CASE("repeated turns, lone strokes and joints left out do not make a wrong 
   }
 }
 
+namespace {
+
+/// A KR 5 whose axes 4 and 6 are one line at home, and what its joints sweep there.
+struct StraightWrist {
+  identify::Arm arm = identify::test::kr5_arc();
+  std::vector<double> home_rad = arm.home_rad;
+  std::array<SweptRange, 6> ranges = kNarrow;
+};
+
+StraightWrist straight_wrist() {
+  StraightWrist wrist;
+  wrist.home_rad[4] = 0;
+  wrist.ranges[4] = {20, -20};
+  return wrist;
+}
+
+}  // namespace
+
 TEST_CASE("joints whose axes are one line at home stay apart, and which is which is in doubt",
           "[joint_assignment][issue11][point_22]") {
-  const auto arm = identify::test::kr5_arc();
-  auto home = arm.home_rad;
-  home[4] = 0;  // axes 4 and 6
-  auto ranges = kNarrow;
-  ranges[4] = {20, -20};
+  const auto [arm, home, ranges] = straight_wrist();
   const Seen campaign = seen(arm, ranges, home);
   identify::Campaign known;
   known.specified = arm;
@@ -283,11 +297,7 @@ TEST_CASE("joints whose axes are one line at home stay apart, and which is which
 
 TEST_CASE("joints of one axis at home that sweep one after the other are parted as the plan says",
           "[joint_assignment]") {
-  const auto arm = identify::test::kr5_arc();
-  auto home = arm.home_rad;
-  home[4] = 0;  // axes 4 and 6
-  auto ranges = kNarrow;
-  ranges[4] = {20, -20};
+  auto [arm, home, ranges] = straight_wrist();
   const bool alike = GENERATE(false, true);
   CAPTURE(alike);
   if (alike) ranges[3] = ranges[5] = {-40, 40};
