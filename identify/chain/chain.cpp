@@ -69,6 +69,26 @@ Chain moved(const Chain& chain, const Eigen::VectorXd& change) {
   return other;
 }
 
+Eigen::VectorXd change_between(const Chain& from, const Chain& to) {
+  const ChainParameters parameters{from.axes.size(), from.targets_mm.size()};
+  Eigen::VectorXd change = Eigen::VectorXd::Zero(parameters.count(true));
+  for (std::size_t j = 0; j < from.axes.size(); ++j) {
+    const ChainAxis &one = from.axes[j], &other = to.axes[j];
+    const auto basis = across(one.direction);
+    change.segment<2>(parameters.axis(j)) = basis.transpose() * (other.direction - one.direction);
+    if (one.linear) continue;
+    const Vector3d apart = other.point_mm - one.point_mm;
+    const double along = apart.dot(one.direction) / other.direction.dot(one.direction);
+    change.segment<2>(parameters.axis(j) + 2) =
+        basis.transpose() * (apart - along * other.direction);  // where it passes this one's point
+  }
+  for (std::size_t t = 0; t < from.targets_mm.size(); ++t)
+    change.segment<3>(parameters.target(t)) = to.targets_mm[t] - from.targets_mm[t];
+  const Eigen::AngleAxisd turn(Eigen::Matrix3d(to.tool * from.tool.transpose()));
+  change.segment<3>(parameters.tool()) = turn.angle() * turn.axis();
+  return change;
+}
+
 namespace {
 
 struct SineOfTurn {

@@ -103,6 +103,10 @@ struct ChainParameters {
 /// The chain after the change; `change` has `count(false)` or `count(true)` elements.
 [[nodiscard]] Chain moved(const Chain& chain, const Eigen::VectorXd& change);
 
+/// By what `moved` makes the other of one chain, nearly: `count(true)` elements. Both have the same
+/// joints and targets.
+[[nodiscard]] Eigen::VectorXd change_between(const Chain& from, const Chain& to);
+
 /// A chain at one pose, and how position and orientation of a target change there. Rows 0-2:
 /// position (mm); rows 3-5: rotation (rad) in the measurement frame.
 class ChainPose {

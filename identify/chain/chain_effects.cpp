@@ -73,7 +73,7 @@ EffectColumns::EffectColumns(const ChainEffects& shape, const ChainNodes& nodes)
     : targets(nodes.targets) {
   const auto turns = static_cast<Index>(nodes.known.size());
   if (shape.home_rad > 0 || shape.drift_mm > 0 || shape.print_mm > 0 || shape.print_rad > 0 ||
-      shape.print_turn_rad > 0)
+      shape.print_turn_rad > 0 || shape.any_stray())
     own = turns + 6;
   if (shape.print_rad > 0) own += turned = 9;
   drift_bends = shape.drift_mm > 0 && sweeps_again(nodes);

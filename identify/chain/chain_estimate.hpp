@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -85,6 +86,9 @@ struct ChainEffects {
   /// each coordinate's shift, of how it grows and of how it bends. One a unit, most of them 0; none
   /// where there is none.
   std::vector<double> stray_mm;
+  [[nodiscard]] bool any_stray() const {
+    return std::any_of(stray_mm.begin(), stray_mm.end(), [](double mm) { return mm > 0; });
+  }
   bool sag_told = false;  ///< that is known beforehand; else sweeps from several homes show it
 
   /// How far each joint may stand from where its printed angle says, one a joint: `zero_rad` of the

@@ -242,6 +242,21 @@ class Estimation {
     return consistent;
   }
 
+  /// Something moved, if what is as likely as the fit is so.
+  static void add_doubt(ChainFit& fit) {
+    if (fit.doubt.size() == 0) return;
+    const Eigen::Index all = fit.covariance.rows(), first = fit.doubt.rows();
+    Eigen::MatrixXd doubt = Eigen::MatrixXd::Zero(all, all);
+    doubt.topLeftCorner(first, first) = fit.doubt;
+    fit.covariance += doubt;
+    const auto drift = std::find_if(fit.parts.begin(), fit.parts.end(),
+                                    [](const auto& part) { return part.cause == Cause::drift; });
+    if (drift == fit.parts.end())
+      fit.parts.push_back({Cause::drift, std::move(doubt)});
+    else
+      drift->covariance += doubt;
+  }
+
   void finish(FittedChain& best, ChainEstimate& estimate) {
     estimate.noise = best.noise;
     estimate.summary = best.fit.summary;
@@ -267,6 +282,7 @@ class Estimation {
     LinearisedChain linearised(best.fit.chain, nodes_, best.noise, effects_,
                                estimate.with_orientation);
     best.fit.parts = linearised.parts();
+    add_doubt(best.fit);
     estimate.steady_drift =
         steady_drift_of(best.fit, effects_, campaign_.timed ? nodes_.seconds() : 0);
     estimate.move = move_of(best.fit, nodes_);

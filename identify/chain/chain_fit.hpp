@@ -20,6 +20,9 @@ struct ChainFit {
   Eigen::MatrixXd covariance;
   std::vector<ChainEstimate::Part> parts;  ///< of it; nobody has asked yet where it is empty
   Summary summary;
+  /// What other explanations, as likely, would change of the chain: of its first
+  /// parameters, up to `zero_rad`, a covariance beside that above. Empty where there are none.
+  Eigen::MatrixXd doubt{};
 };
 
 /// The steady drift that a fit has found, in so many seconds: where it is beyond chance, and beyond

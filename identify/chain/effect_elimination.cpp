@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace identify {
@@ -104,7 +105,8 @@ void take_out(const std::vector<MatrixXd>& ones, const std::vector<VectorXd>& va
 
 }  // namespace
 
-/// Brings the level of these own variances to the front of those that are known.
+/// Brings the level of these own variances to the front of those that are known. What it has of a
+/// stand whose variances are those of the level before is the same.
 void EffectElimination::use_own(const EffectVariances& variances) {
   if (!own_.empty() && own_.front().variances == variances.own) return;
   stand_.variances.clear();
@@ -115,24 +117,32 @@ void EffectElimination::use_own(const EffectVariances& variances) {
     own_.splice(own_.begin(), own_, known);
     return;
   }
-  while (!own_.empty() && (own_.size() + 1) * group_of_.size() > kKept) own_.pop_back();
+  while (own_.size() > 1 && (own_.size() + 1) * group_of_.size() > kKept) own_.pop_back();
+  const Level* before = own_.empty() ? nullptr : &own_.front();
   Level& level = own_.emplace_front();
   level.variances = variances.own;
   level.left.resize(group_of_.size());
+  level.log_determinants.resize(group_of_.size());
+  std::vector<bool> same(group_of_.size(), before != nullptr);
+  for (std::size_t s = 0; before && s < strokes_.size(); ++s)
+    if (before->variances[s] != variances.own[s]) same[strokes_[s].stand] = false;
+  for (std::size_t stand = 0; stand < same.size(); ++stand) {
+    if (!same[stand]) continue;
+    level.left[stand] = before->left[stand];
+    level.log_determinants[stand] = before->log_determinants[stand];
+  }
   for (std::size_t s = 0; s < strokes_.size(); ++s) {
     const std::size_t stand = strokes_[s].stand, group = group_of_[stand];
+    if (same[stand]) continue;
     add(level.left[stand],
         variances.stand[stand].size() + variances.shared[group].size() +
             variances.home[home_of_[group]].size(),
-        parameters_, without_effects(strokes_[s].products, variances.own[s], level.log_determinant),
+        parameters_,
+        without_effects(strokes_[s].products, variances.own[s], level.log_determinants[stand]),
         strokes_[s].parameters);
   }
-}
-
-double EffectElimination::own_deviance(std::size_t stroke, const VectorXd& own) const {
-  double log_determinant = 0;
-  const MatrixXd left = without_effects(strokes_[stroke].products, own, log_determinant);
-  return log_determinant + left(left.rows() - 1, left.cols() - 1);
+  level.log_determinant =
+      std::accumulate(level.log_determinants.begin(), level.log_determinants.end(), 0.0);
 }
 
 Eliminated EffectElimination::operator()(const EffectVariances& variances) {

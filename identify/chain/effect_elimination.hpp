@@ -49,15 +49,13 @@ class EffectElimination {
   EffectElimination(std::vector<StrokeProducts> strokes, std::vector<std::size_t> group_of,
                     std::vector<std::size_t> home_of, Eigen::Index parameters);
   [[nodiscard]] Eliminated operator()(const EffectVariances& variances);
-  /// Minus twice the logarithm of one stroke's own likelihood where all that it shares with others
-  /// is known to be as y has it: but for a constant.
-  [[nodiscard]] double own_deviance(std::size_t stroke, const Eigen::VectorXd& own) const;
 
  private:
   /// What is left once the effects of one level, with these variances, are out.
   struct Level {
     std::vector<Eigen::VectorXd> variances;
     std::vector<Eigen::MatrixXd> left;
+    std::vector<double> log_determinants;  ///< of own variances: one a stand
     double log_determinant = 0;
   };
 

@@ -23,15 +23,25 @@ constexpr double kSways = 20;
 constexpr double kMoves = 12;
 /// And of one stroke that is unlike the others.
 constexpr double kDisturbed = 20;
-/// A larger move is a mistake, and none of the effects.
-constexpr double kMostMove_mm = 0.5;
 
-ChainEffects less_of(ChainEffects effects, double times) {
-  effects.home_rad *= times;
-  effects.drift_mm *= times;
-  effects.steady_mm *= times;
-  for (double& figure_mm : effects.figures_mm) figure_mm *= times;
-  return effects;
+/// As `change_between`, without the tool, and with `zero_rad`.
+Eigen::VectorXd change_with_zeros(const Chain& from, const Chain& to) {
+  const auto zeros = static_cast<Eigen::Index>(from.zero_rad.size());
+  const Eigen::Index count = ChainParameters{from.axes.size(), from.targets_mm.size()}.count(false);
+  Eigen::VectorXd change(count + zeros);
+  change.head(count) = change_between(from, to).head(count);
+  for (Eigen::Index j = 0; j < zeros; ++j) {
+    const auto joint = static_cast<std::size_t>(j);
+    change(count + j) = to.zero_rad[joint] - from.zero_rad[joint];
+  }
+  return change;
+}
+
+const Incident* likeliest(const std::vector<Incident>& all) {
+  const auto one = std::min_element(
+      all.begin(), all.end(),
+      [](const Incident& a, const Incident& b) { return a.deviance < b.deviance; });
+  return one == all.end() ? nullptr : &*one;
 }
 
 /// Off home, a linear joint moves the target by about as much as one that turns does at its reach.
@@ -70,7 +80,8 @@ void EffectSearch::find_all(FittedChain& best) {
     other.home_stays = true;
     if (take_if_likelier(best, first, other, 0)) shape = other;
   }
-  if (shows_any(best, effects_)) find_strays(best, first, shape);
+  if (!shows_any(best, effects_)) return;
+  std::vector<Incident> others = find_strays(best, first, shape);
   if (nodes_.timed) {
     FittedChain from = best;
     from.fit.chain.sags = first.fit.chain.sags;  // they may have been taken for a walk
@@ -78,149 +89,54 @@ void EffectSearch::find_all(FittedChain& best) {
     ChainEffects waves = shape;
     waves.drift_parts = kDriftParts;
     if (may_sway(from, waves)) take_if_likelier(best, from, waves, kSways);
-    if (!shows_any(from, effects)) return;
-    from.fit.chain.move.setZero(from.fit.chain.move_numbers());
-    if (const auto moved_mm = likeliest_move_mm(from, effects, shape, kMoves)) {
-      shape.moved_mm = *moved_mm;
-      take_if_likelier(best, from, shape, kMoves);
+    if (shows_any(from, effects)) {
+      const std::vector<Incident> moves = find_move(best, from, effects, shape);
+      others.insert(others.end(), moves.begin(), moves.end());
     }
   }
+  allow_for(others, best);
 }
 
-std::optional<double> EffectSearch::likeliest_move_mm(const FittedChain& fitted,
-                                                      const ChainEffects& effects,
-                                                      ChainEffects shape, double by) {
-  const std::vector<std::size_t> units = nodes_.in_time();
-  const double smallest = smallest_mm(fitted);
-  shape.moved_mm = 1;
-  double least = std::numeric_limits<double>::infinity(), without = least, moved_mm = 0;
-  struct Moment {
-    std::size_t unit = 0;  // in time's order
-    double part = 0;
-  } best;
-  const auto look = [&](std::size_t unit, double part) {
-    nodes_.set_move(units[unit], part);
-    LinearisedChain with(fitted.fit.chain, nodes_, fitted.noise, shape, false);
-    for (const double less : {0.0, 1.0 / 4, 1.0}) {
-      ChainEffects here = less_of(effects, less);
-      const auto left = with.left_by(here);
-      if (less == 1) without = with.deviance(left, here);
-      for (here.moved_mm = smallest; here.moved_mm < kMostMove_mm; here.moved_mm *= 4) {
-        const double deviance = with.deviance(left, here);
-        if (!(deviance < least)) continue;
-        least = deviance;
-        moved_mm = here.moved_mm;
-        best = {unit, part};
-      }
-    }
-  };
-  // First in large steps, then on both sides of the best.
-  constexpr std::size_t kLooks = 40;
-  std::size_t stride = std::max<std::size_t>(1, units.size() / kLooks);
-  for (std::size_t unit = 1; unit < units.size(); unit += stride) look(unit, 0);
-  while (stride > 1) {
-    stride = (stride + 1) / 2;
-    const std::size_t middle = best.unit;
-    if (middle > stride) look(middle - stride, 0);
-    if (middle + stride < units.size()) look(middle + stride, 0);
-  }
-  if (!(least < without - by)) return std::nullopt;
-  const std::size_t after = best.unit;
-  for (const std::size_t unit : {after - 1, after})
-    for (const double part : {0.25, 0.5, 0.75}) look(unit, part);
-  nodes_.set_move(units[best.unit], best.part);
-  return moved_mm;
-}
-
-void EffectSearch::find_strays(FittedChain& best, const FittedChain& first, ChainEffects& shape) {
+std::vector<Incident> EffectSearch::find_strays(FittedChain& best, const FittedChain& first,
+                                                ChainEffects& shape) {
   constexpr int kMostStrays = 3;
   constexpr double kAlike = 6;  // that much likelier is not the one for sure
-  const auto add = [&](const Stray& one, ChainEffects& to) {
-    to.stray_mm.resize(nodes_.units.size());
-    to.stray_mm[one.unit] = one.mm;
-  };
-  for (int round = 0; round < kMostStrays; ++round) {
+  for (int round = 0;; ++round) {
     const double here = deviance_of(best);
-    std::vector<std::pair<Stray, Tried>> all;
-    double least = std::numeric_limits<double>::infinity();
-    for (const Stray& one : likeliest_strays(best, first, shape)) {
-      ChainEffects other = shape;
-      add(one, other);
-      all.emplace_back(one, tried(first, other));
-      least = std::min(least, all.back().second.deviance);
-    }
-    if (!(least < here - kDisturbed)) return;
-    std::erase_if(all, [&](const auto& one) { return one.second.deviance >= least + kAlike; });
-    ChainEffects together = shape;
-    for (const auto& [one, alone] : all) add(one, together);
-    Tried found = all.size() == 1 ? std::move(all.front().second) : tried(first, together);
-    if (!(found.deviance < here)) return;
-    take(best, std::move(found));
-    shape = together;
+    std::vector<Incident> all = IncidentSearch(nodes_, first, effects_, shape).strays(here);
+    const double least = likeliest(all) ? likeliest(all)->deviance : here;
+    if (round == kMostStrays || !(least < here - kDisturbed)) return all;
+    ChainEffects other = shape;
+    other.stray_mm.resize(nodes_.units.size());
+    for (const Incident& one : all)
+      if (one.deviance < least + kAlike) other.stray_mm[one.unit] = one.mm;
+    if (!take_if_likelier(best, first, other, 0)) return all;
+    shape = other;
   }
 }
 
-// By the strokes' own likelihoods. Where the fit knows of effects, nothing shows unless a stroke is
-// unlike the others; but it may have taken up what is told best without them. Of the few that are
-// left the likelihood of all is asked, as far as that takes no fit.
-std::vector<EffectSearch::Stray> EffectSearch::likeliest_strays(const FittedChain& best,
-                                                                const FittedChain& first,
-                                                                const ChainEffects& shape) {
-  constexpr double kAny = 3;
-  constexpr std::size_t kMost = 4;
-  const auto gains = gains_of_strays(best, shape);
-  if (std::none_of(gains.begin(), gains.end(), [](const Stray& one) { return one.gain > kAny; }))
-    return {};
-  auto found = gains_of_strays(first, shape);
-  std::sort(found.begin(), found.end(),
-            [](const Stray& a, const Stray& b) { return a.gain > b.gain; });
-  found.resize(std::min(found.size(), kMost));
-  const double least_gain = found.front().gain / 4;
-  std::erase_if(found, [&](const Stray& one) { return !(one.gain > least_gain); });
-  LinearisedChain with(first.fit.chain, nodes_, first.noise, shape, false);
-  const double here = with.deviance(effects_);
-  std::erase_if(found, [&](const Stray& one) {
-    double least = here;
-    for (const double less : {0.0, 1.0 / 4, 1.0}) {
-      ChainEffects effects = less_of(effects_, less);
-      effects.stray_mm.resize(nodes_.units.size());
-      effects.stray_mm[one.unit] = one.mm;
-      least = std::min(least, with.deviance(effects));
-    }
-    return !(least < here - kDisturbed);
-  });
-  return found;
+std::vector<Incident> EffectSearch::find_move(FittedChain& best, const FittedChain& from,
+                                              const ChainEffects& effects, ChainEffects& shape) {
+  IncidentSearch search(nodes_, from, effects, shape);
+  const double without = deviance_of(from, effects);
+  std::vector<Incident> all = search.moves(without);
+  const Incident* one = likeliest(all);
+  if (!one || !(one->deviance < without - kMoves)) return all;
+  shape.moved_mm = search.at_its_moment(*one).mm;
+  FittedChain start = from;
+  start.fit.chain.move.setZero(start.fit.chain.move_numbers());
+  take_if_likelier(best, std::move(start), shape, kMoves);
+  return all;
 }
 
-std::vector<EffectSearch::Stray> EffectSearch::gains_of_strays(const FittedChain& fitted,
-                                                               const ChainEffects& shape) {
-  constexpr double kLargest_mm = 30;
-  ChainEffects known = effects_, alone = shape;
-  known.home_stays = alone.home_stays = false;  // what strokes share is each one's, too
-  LinearisedChain with(fitted.fit.chain, nodes_, fitted.noise, alone, false);
-  const double smallest = 4 * smallest_mm(fitted);
-  const auto all_of = [](const std::vector<double>& ones) {
-    return std::accumulate(ones.begin(), ones.end(), 0.0);
-  };
-  const double here = all_of(with.own_deviances(known));
-  std::vector<Stray> strays(nodes_.units.size());
-  for (const double less : {0.0, 1.0 / 16, 1.0 / 4, 1.0}) {
-    ChainEffects effects = less_of(known, less);
-    const std::vector<double> without = with.own_deviances(effects);
-    const double others = here - all_of(without);
-    double stray_mm = smallest;
-    while (stray_mm < kLargest_mm) {
-      effects.stray_mm.assign(strays.size(), stray_mm);
-      const std::vector<double> own = with.own_deviances(effects);
-      for (std::size_t u = 0; u < strays.size(); ++u) {
-        const double gain = others + without[u] - own[u];
-        const bool found = !known.stray_mm.empty() && known.stray_mm[u] > 0;
-        if (!found && gain > strays[u].gain) strays[u] = {u, stray_mm, gain};
-      }
-      stray_mm *= 4;
-    }
+void EffectSearch::allow_for(const std::vector<Incident>& others, FittedChain& best) {
+  const double here = deviance_of(best);
+  for (const Incident& one : others) {
+    const double weight = std::min(1.0, std::exp((here - one.deviance) / 2));
+    const Eigen::VectorXd by = change_with_zeros(best.fit.chain, one.chain);
+    if (best.fit.doubt.size() == 0) best.fit.doubt.setZero(by.size(), by.size());
+    best.fit.doubt += weight * by * by.transpose();
   }
-  return strays;
 }
 
 bool EffectSearch::shows_any(const FittedChain& fitted, const ChainEffects& effects) {
@@ -251,9 +167,8 @@ bool EffectSearch::may_sway(const FittedChain& best, const ChainEffects& shape) 
   return false;
 }
 
-double EffectSearch::deviance_of(const FittedChain& fitted) {
-  return LinearisedChain(fitted.fit.chain, nodes_, fitted.noise, effects_, false)
-      .deviance(effects_);
+double EffectSearch::deviance_of(const FittedChain& fitted, const ChainEffects& effects) {
+  return LinearisedChain(fitted.fit.chain, nodes_, fitted.noise, effects, false).deviance(effects);
 }
 
 EffectSearch::Tried EffectSearch::tried(FittedChain from, const ChainEffects& shape) {
@@ -295,22 +210,13 @@ void EffectSearch::size(FittedChain& best, const ChainEffects& shape) {
   Chain& chain = best.fit.chain;
   LinearisedChain linearised(chain, nodes_, best.noise, shape, false);
   const double reach = reach_mm(chain, nodes_.known);
-  effects_ = effect_sizes(linearised, shape, smallest_mm(best), reach);
+  effects_ = effect_sizes(linearised, shape, smallest_mm(best, nodes_), reach);
   find_uneven_joints(linearised, usual_home_times(chain, reach), effects_);
   // A joint whose sag may be anything could not be told from its angle, and one of none has no sag.
   if (!(effects_.sag_rad > 0)) chain.sags.clear();
   if (!(effects_.steady_mm > 0)) chain.drift_mm.setZero();
   if (!(effects_.moved_mm > 0)) chain.move.resize(0);
   best.fit = fit_chain(chain, nodes_, best.noise, effects_, false);
-}
-
-double EffectSearch::smallest_mm(const FittedChain& fitted) const {
-  double weight = 0, strokes = 0;
-  for (const StrokeMoments& stroke : nodes_.strokes) {
-    weight += stroke.weight / stroke.correlation;
-    strokes += static_cast<double>(stroke.strokes);
-  }
-  return fitted.noise.position_mm / std::sqrt(weight / strokes);
 }
 
 double reach_mm(const Chain& chain, const std::vector<bool>& known) {

@@ -1,17 +1,10 @@
 #pragma once
 
-#include <optional>
 #include <vector>
 
-#include "identify/chain/chain_fit.hpp"
+#include "identify/chain/incident_search.hpp"
 
 namespace identify {
-
-/// A way to explain the samples, and how well it does.
-struct FittedChain {
-  ChainFit fit;
-  ChainNoise noise;
-};
 
 /// Finds what is left beyond the samples' noise, and the fits that know of it.
 class EffectSearch {
@@ -31,27 +24,19 @@ class EffectSearch {
   bool shows_any(const FittedChain& fitted, const ChainEffects& effects);
   /// Whether the data tell that a device that wanders does so in slow waves, or warms up.
   bool may_sway(const FittedChain& best, const ChainEffects& shape);
-  /// How large a move is likeliest, where one at some moment makes the deviance less by so much,
-  /// beside less of these effects or none: the nodes know the moment, then.
-  std::optional<double> likeliest_move_mm(const FittedChain& fitted, const ChainEffects& effects,
-                                          ChainEffects shape, double by);
-  /// Looks for strokes that are unlike the others, since something moved while they ran: beside
-  /// them the others may have less of all effects.
-  void find_strays(FittedChain& best, const FittedChain& first, ChainEffects& shape);
-  /// What one stroke may have for itself, and by how much less the deviance is then.
-  struct Stray {
-    std::size_t unit = 0;
-    double mm = 0;
-    double gain = 0;
-  };
-  /// A few, the likeliest first.
-  std::vector<Stray> likeliest_strays(const FittedChain& best, const FittedChain& first,
-                                      const ChainEffects& shape);
-  /// One a unit.
-  std::vector<Stray> gains_of_strays(const FittedChain& fitted, const ChainEffects& shape);
-  /// What a stroke's place is uncertain by, by noise alone.
-  [[nodiscard]] double smallest_mm(const FittedChain& fitted) const;
-  [[nodiscard]] double deviance_of(const FittedChain& fitted);
+  /// Takes the strokes that are unlike the others for such, and returns what other strokes' strays
+  /// would explain. Beside them the others may have less of all effects.
+  std::vector<Incident> find_strays(FittedChain& best, const FittedChain& first,
+                                    ChainEffects& shape);
+  /// The same of moves.
+  std::vector<Incident> find_move(FittedChain& best, const FittedChain& from,
+                                  const ChainEffects& effects, ChainEffects& shape);
+  /// Sets the fit's doubt: what incidents that are as likely would change in it.
+  void allow_for(const std::vector<Incident>& others, FittedChain& best);
+  [[nodiscard]] double deviance_of(const FittedChain& fitted) {
+    return deviance_of(fitted, effects_);
+  }
+  [[nodiscard]] double deviance_of(const FittedChain& fitted, const ChainEffects& effects);
   /// What another shape's effects come to, sized from a fit.
   struct Tried {
     FittedChain fitted;

@@ -89,14 +89,6 @@ double LinearisedChain::deviance(const ChainEffects& effects) {
   return deviance(left_by(effects), effects);
 }
 
-std::vector<double> LinearisedChain::own_deviances(const ChainEffects& effects) const {
-  const EffectVariances variances = variances_of(effects, nodes_, columns_);
-  std::vector<double> found;
-  for (std::size_t u = 0; u < variances.own.size(); ++u)
-    found.push_back(eliminated_->own_deviance(u, variances.own[u]));
-  return found;
-}
-
 std::vector<ChainEstimate::Part> LinearisedChain::parts() {
   const EffectVariances all = variances_of(shape_, nodes_, columns_);
   const auto normal_at = [&](const EffectVariances& variances) -> MatrixXd {

@@ -27,8 +27,6 @@ class LinearisedChain {
   };
   [[nodiscard]] Left left_by(const ChainEffects& effects);
   [[nodiscard]] double deviance(const Left& left, const ChainEffects& effects) const;
-  /// Of each unit's own likelihood alone, at the chain as it is.
-  [[nodiscard]] std::vector<double> own_deviances(const ChainEffects& effects) const;
   /// The shares of the shape's effects and of the noise in the covariance of the fit's parameters:
   /// K V K^T for each cause's V, with K the generalised least-squares estimate's gain.
   [[nodiscard]] std::vector<ChainEstimate::Part> parts();

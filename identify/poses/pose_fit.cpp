@@ -26,25 +26,6 @@ constexpr double kNoiseSettled = 2e-3;
 /// A micrometre at two metres.
 constexpr double kNoGears_rad = 5e-7;
 
-/// From one chain to another, as small changes of the first's parameters.
-VectorXd change_between(const Chain& from, const Chain& to) {
-  const ChainParameters parameters{from.axes.size(), from.targets_mm.size()};
-  VectorXd change = VectorXd::Zero(parameters.count(true));
-  for (std::size_t j = 0; j < from.axes.size(); ++j) {
-    const auto basis = across(from.axes[j].direction);
-    change.segment<2>(parameters.axis(j)) =
-        basis.transpose() * (to.axes[j].direction - from.axes[j].direction);
-    if (!from.axes[j].linear)
-      change.segment<2>(parameters.axis(j) + 2) =
-          basis.transpose() * (to.axes[j].point_mm - from.axes[j].point_mm);
-  }
-  for (std::size_t t = 0; t < from.targets_mm.size(); ++t)
-    change.segment<3>(parameters.target(t)) = to.targets_mm[t] - from.targets_mm[t];
-  const Eigen::AngleAxisd turn(Eigen::Matrix3d(to.tool * from.tool.transpose()));
-  change.segment<3>(parameters.tool()) = turn.angle() * turn.axis();
-  return change;
-}
-
 /// 1 up to kWholeWeight, 0 from kNoWeight on, and smooth between.
 double weight_at(double sigmas) {
   if (sigmas <= kWholeWeight) return 1;
