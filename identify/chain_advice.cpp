@@ -40,6 +40,7 @@ class ChainAdviser {
                "it");
     judge_drift();
     judge_strays();
+    judge_others();
     judge_orientation();
     if (found_.poses && found_.poses->with_sweeps)
       judge_poses(found_.poses->fit.noise.position_mm, chain_.noise.position_mm);
@@ -113,6 +114,29 @@ class ChainAdviser {
                " does not go with the others, by about " + brief(stray.mm) +
                " mm: something moved while it ran, and it hardly counts. Look for a joint that "
                "gives way, or for what touched target or device, and sweep the joint again");
+  }
+
+  /// Of each kind the likeliest.
+  void judge_others() {
+    bool moved = false, disturbed = false;
+    for (const auto& other : chain_.others) {
+      if (std::exchange(other.moved ? moved : disturbed, true)) continue;
+      const std::string sweep =
+          "its sweep " + std::to_string(other.number + 1) + " of " + std::to_string(other.of);
+      warn("other_explanation", other.joint,
+           other.moved
+               ? "before " + sweep +
+                     " the device, the robot's base or the target may have been "
+                     "moved by about " +
+                     brief(other.mm) +
+                     " mm. Joints that do not come back home "
+                     "explain what was seen about as well, and the uncertainties allow for both. "
+                     "Sweep the first joints once more at the end, which tells the two apart"
+               : sweep + " may be off by about " + brief(other.mm) +
+                     " mm, since something moved "
+                     "while it ran. What the result takes to be so explains what was seen about as "
+                     "well, and the uncertainties allow for both. Sweep the joint again");
+    }
   }
 
   /// Every joint, so that nothing tells what moves during a sweep from what the arm does.

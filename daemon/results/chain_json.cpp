@@ -64,6 +64,16 @@ Json strays(const std::vector<identify::ChainEstimate::StraySweep>& seen) {
   return json;
 }
 
+Json others(const std::vector<identify::ChainEstimate::OtherExplanation>& seen) {
+  Json json = Json::array();
+  for (const auto& one : seen)
+    json.push_back({{"what", one.moved ? "moved_before" : "disturbed"},
+                    {"joint", one.joint + 1},
+                    {"sweep", one.number + 1},
+                    {"mm", json_length(one.mm)}});
+  return json;
+}
+
 /// Of a linear joint its ways: mm.
 Json ways(Json json, const AngleEvidence& seen) {
   json["error_rms_mm"] = json_angle(seen.error_rms_rad);
@@ -132,6 +142,7 @@ Json chain_json(const identify::ChainEstimate& estimate) {
           {"steady_drift", estimate.steady_drift ? steady_drift(*estimate.steady_drift) : Json()},
           {"move", estimate.move ? move(*estimate.move) : Json()},
           {"disturbed_sweeps", strays(estimate.strays)},
+          {"other_explanations", others(estimate.others)},
           {"with_orientation", estimate.with_orientation},
           {"noise", noise(estimate)},
           {"angles", std::move(evidence)}};

@@ -184,15 +184,24 @@ struct SweepEvidence {
     std::optional<std::size_t> alone;  ///< the only joint that swept on one side of it
   };
   std::optional<MoveSeen> move;  ///< where the data show one
-  /// A sweep that does not go with the others, since something moved while it ran: it hardly
-  /// counts.
-  struct StraySweep {
+  struct SweepAt {
     std::size_t joint = 0;
     std::size_t number = 0;  ///< of the joint's sweeps, in the order of time, from 0
     std::size_t of = 0;      ///< so many of them
-    double mm = 0;           ///< what it has for itself at the target, about: a standard deviation
+  };
+  /// A sweep that does not go with the others, since something moved while it ran: it hardly
+  /// counts.
+  struct StraySweep : SweepAt {
+    double mm = 0;  ///< what it has for itself at the target, about: a standard deviation
   };
   std::vector<StraySweep> strays;
+  /// What may have happened just as well as what the estimate allows for, and would change it. The
+  /// uncertainties have that in them.
+  struct OtherExplanation : SweepAt {
+    bool moved = false;  ///< something, before this sweep, for good; else the sweep is a stray
+    double mm = 0;       ///< a standard deviation
+  };
+  std::vector<OtherExplanation> others;  ///< the likeliest first
   std::size_t samples = 0;
   std::size_t outliers = 0;            ///< of them: given less than half their weight
   std::size_t summed = 0;              ///< strokes of which only sums were known

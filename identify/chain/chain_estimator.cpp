@@ -53,7 +53,7 @@ class Estimation {
       if (by_print_alone(best)) believe_angles(best, estimate.angles);
     }
     if (!by_print_alone(best)) {
-      search().find_all(best);
+      others_ = search().find_all(best);
       judge_gears(best, estimate.angles);
     }
     if (nodes_.with_orientation) estimate.with_orientation = add_orientation(best);
@@ -242,17 +242,15 @@ class Estimation {
     return consistent;
   }
 
-  /// Something moved, if what is as likely as the fit is so.
-  static void add_doubt(ChainFit& fit) {
-    if (fit.doubt.size() == 0) return;
-    const Eigen::Index all = fit.covariance.rows(), first = fit.doubt.rows();
-    Eigen::MatrixXd doubt = Eigen::MatrixXd::Zero(all, all);
-    doubt.topLeftCorner(first, first) = fit.doubt;
+  /// Something moved, if what explains as much is so.
+  void add_doubt(ChainFit& fit) const {
+    if (others_.empty()) return;
+    const Eigen::MatrixXd doubt = doubt_of(others_, fit.covariance.rows());
     fit.covariance += doubt;
     const auto drift = std::find_if(fit.parts.begin(), fit.parts.end(),
                                     [](const auto& part) { return part.cause == Cause::drift; });
     if (drift == fit.parts.end())
-      fit.parts.push_back({Cause::drift, std::move(doubt)});
+      fit.parts.push_back({Cause::drift, doubt});
     else
       drift->covariance += doubt;
   }
@@ -282,6 +280,7 @@ class Estimation {
     LinearisedChain linearised(best.fit.chain, nodes_, best.noise, effects_,
                                estimate.with_orientation);
     best.fit.parts = linearised.parts();
+    estimate.others = explanations(others_, best.fit, nodes_);
     add_doubt(best.fit);
     estimate.steady_drift =
         steady_drift_of(best.fit, effects_, campaign_.timed ? nodes_.seconds() : 0);
@@ -296,8 +295,9 @@ class Estimation {
   std::vector<std::optional<ChainAxis>> axes_;  ///< to start from
   ChainNodes nodes_;
   ChainEffects effects_;
-  ChainNoise quantum_;  ///< what printed numbers alone would scatter
-  ChainNoise floor_;    ///< what estimates of the noise do not go below
+  std::vector<Incident> others_;  ///< that explain about as much
+  ChainNoise quantum_;            ///< what printed numbers alone would scatter
+  ChainNoise floor_;              ///< what estimates of the noise do not go below
   bool by_device_ = false;
 };
 

@@ -20,9 +20,6 @@ struct ChainFit {
   Eigen::MatrixXd covariance;
   std::vector<ChainEstimate::Part> parts;  ///< of it; nobody has asked yet where it is empty
   Summary summary;
-  /// What other explanations, as likely, would change of the chain: of its first
-  /// parameters, up to `zero_rad`, a covariance beside that above. Empty where there are none.
-  Eigen::MatrixXd doubt{};
 };
 
 /// The steady drift that a fit has found, in so many seconds: where it is beyond chance, and beyond
@@ -30,6 +27,9 @@ struct ChainFit {
 [[nodiscard]] std::optional<ChainEstimate::SteadyDrift> steady_drift_of(const ChainFit& fit,
                                                                         const ChainEffects& effects,
                                                                         double seconds);
+
+/// Which of its joint's sweeps a unit is.
+[[nodiscard]] ChainEstimate::SweepAt sweep_at(std::size_t unit, const ChainNodes& nodes);
 
 /// The sweeps that the effects say are strays.
 [[nodiscard]] std::vector<ChainEstimate::StraySweep> strays_of(const ChainEffects& effects,

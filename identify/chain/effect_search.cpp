@@ -19,23 +19,8 @@ namespace {
 /// By so much less the deviance has to be of a device that sways than of one that walks at random:
 /// of walks, too, some seem to sway.
 constexpr double kSways = 20;
-/// And of one that was moved.
-constexpr double kMoves = 12;
-/// And of one stroke that is unlike the others.
-constexpr double kDisturbed = 20;
-
-/// As `change_between`, without the tool, and with `zero_rad`.
-Eigen::VectorXd change_with_zeros(const Chain& from, const Chain& to) {
-  const auto zeros = static_cast<Eigen::Index>(from.zero_rad.size());
-  const Eigen::Index count = ChainParameters{from.axes.size(), from.targets_mm.size()}.count(false);
-  Eigen::VectorXd change(count + zeros);
-  change.head(count) = change_between(from, to).head(count);
-  for (Eigen::Index j = 0; j < zeros; ++j) {
-    const auto joint = static_cast<std::size_t>(j);
-    change(count + j) = to.zero_rad[joint] - from.zero_rad[joint];
-  }
-  return change;
-}
+/// And of what happened once. With less, it is one explanation among others.
+constexpr double kHappened = 20;
 
 const Incident* likeliest(const std::vector<Incident>& all) {
   const auto one = std::min_element(
@@ -54,7 +39,7 @@ std::vector<double> usual_home_times(const Chain& chain, double reach_mm) {
 
 }  // namespace
 
-void EffectSearch::find_all(FittedChain& best) {
+std::vector<Incident> EffectSearch::find_all(FittedChain& best) {
   const std::size_t joints = best.fit.chain.axes.size();
   const bool several_homes = nodes_.homes.size() > 1;
   best.fit.chain.sags = sags_of(best.fit.chain, nodes_.known, sag_rad_);
@@ -80,8 +65,8 @@ void EffectSearch::find_all(FittedChain& best) {
     other.home_stays = true;
     if (take_if_likelier(best, first, other, 0)) shape = other;
   }
-  if (!shows_any(best, effects_)) return;
-  std::vector<Incident> others = find_strays(best, first, shape);
+  std::vector<Incident> others;
+  if (shows_any(best, effects_)) others = find_strays(best, first, shape);
   if (nodes_.timed) {
     FittedChain from = best;
     from.fit.chain.sags = first.fit.chain.sags;  // they may have been taken for a walk
@@ -89,54 +74,44 @@ void EffectSearch::find_all(FittedChain& best) {
     ChainEffects waves = shape;
     waves.drift_parts = kDriftParts;
     if (may_sway(from, waves)) take_if_likelier(best, from, waves, kSways);
-    if (shows_any(from, effects)) {
-      const std::vector<Incident> moves = find_move(best, from, effects, shape);
-      others.insert(others.end(), moves.begin(), moves.end());
-    }
+    if (const Incident* one = likeliest(others); one && one->kind == Incident::Kind::move)
+      find_move(best, {first, effects, shape}, *one);
   }
-  allow_for(others, best);
+  compare_with(others, best.fit, deviance_of(best));
+  return others;
 }
 
 std::vector<Incident> EffectSearch::find_strays(FittedChain& best, const FittedChain& first,
                                                 ChainEffects& shape) {
   constexpr int kMostStrays = 3;
   constexpr double kAlike = 6;  // that much likelier is not the one for sure
+  std::vector<Incident> others;
   for (int round = 0;; ++round) {
     const double here = deviance_of(best);
-    std::vector<Incident> all = IncidentSearch(nodes_, first, effects_, shape).strays(here);
-    const double least = likeliest(all) ? likeliest(all)->deviance : here;
-    if (round == kMostStrays || !(least < here - kDisturbed)) return all;
+    IncidentSearch search(nodes_, first, effects_, shape);
+    std::vector<Incident> all = search.strays(here);
+    if (nodes_.timed)
+      for (Incident& move : search.moves(here)) all.push_back(std::move(move));
+    const Incident* one = likeliest(all);
+    if (round == kMostStrays || !one || one->kind == Incident::Kind::move ||
+        !(one->deviance < here - kHappened))
+      return all;
     ChainEffects other = shape;
     other.stray_mm.resize(nodes_.units.size());
-    for (const Incident& one : all)
-      if (one.deviance < least + kAlike) other.stray_mm[one.unit] = one.mm;
+    for (const Incident& stray : all)
+      if (stray.kind == one->kind && stray.deviance < one->deviance + kAlike)
+        other.stray_mm[stray.unit] = stray.mm;
     if (!take_if_likelier(best, first, other, 0)) return all;
     shape = other;
   }
 }
 
-std::vector<Incident> EffectSearch::find_move(FittedChain& best, const FittedChain& from,
-                                              const ChainEffects& effects, ChainEffects& shape) {
-  IncidentSearch search(nodes_, from, effects, shape);
-  const double without = deviance_of(from, effects);
-  std::vector<Incident> all = search.moves(without);
-  const Incident* one = likeliest(all);
-  if (!one || !(one->deviance < without - kMoves)) return all;
-  shape.moved_mm = search.at_its_moment(*one).mm;
-  FittedChain start = from;
-  start.fit.chain.move.setZero(start.fit.chain.move_numbers());
-  take_if_likelier(best, std::move(start), shape, kMoves);
-  return all;
-}
-
-void EffectSearch::allow_for(const std::vector<Incident>& others, FittedChain& best) {
-  const double here = deviance_of(best);
-  for (const Incident& one : others) {
-    const double weight = std::min(1.0, std::exp((here - one.deviance) / 2));
-    const Eigen::VectorXd by = change_with_zeros(best.fit.chain, one.chain);
-    if (best.fit.doubt.size() == 0) best.fit.doubt.setZero(by.size(), by.size());
-    best.fit.doubt += weight * by * by.transpose();
-  }
+void EffectSearch::find_move(FittedChain& best, IncidentsFrom from, const Incident& move) {
+  if (!(move.deviance < deviance_of(best) - kHappened)) return;
+  IncidentSearch search(nodes_, from.first, from.effects, from.shape);
+  from.shape.moved_mm = search.at_its_moment(move).mm;
+  from.first.fit.chain.move.setZero(from.first.fit.chain.move_numbers());
+  take_if_likelier(best, std::move(from.first), from.shape, kHappened);
 }
 
 bool EffectSearch::shows_any(const FittedChain& fitted, const ChainEffects& effects) {

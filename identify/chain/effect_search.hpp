@@ -14,8 +14,8 @@ class EffectSearch {
   EffectSearch(ChainNodes& nodes, ChainEffects& effects, const std::vector<double>& sag_rad)
       : nodes_(nodes), effects_(effects), sag_rad_(sag_rad) {}
 
-  /// All effects, in the shape that is likeliest.
-  void find_all(FittedChain& best);
+  /// All effects, in the shape that is likeliest. Returns what explains the samples about as well.
+  [[nodiscard]] std::vector<Incident> find_all(FittedChain& best);
   /// The sizes of the effects that the shape has.
   void size(FittedChain& best, const ChainEffects& shape);
 
@@ -24,15 +24,18 @@ class EffectSearch {
   bool shows_any(const FittedChain& fitted, const ChainEffects& effects);
   /// Whether the data tell that a device that wanders does so in slow waves, or warms up.
   bool may_sway(const FittedChain& best, const ChainEffects& shape);
-  /// Takes the strokes that are unlike the others for such, and returns what other strokes' strays
-  /// would explain. Beside them the others may have less of all effects.
+  /// Takes strokes that are unlike the others for such, as long as nothing that was moved explains
+  /// more. Returns all that explains about as much as what there is then.
   std::vector<Incident> find_strays(FittedChain& best, const FittedChain& first,
                                     ChainEffects& shape);
-  /// The same of moves.
-  std::vector<Incident> find_move(FittedChain& best, const FittedChain& from,
-                                  const ChainEffects& effects, ChainEffects& shape);
-  /// Sets the fit's doubt: what incidents that are as likely would change in it.
-  void allow_for(const std::vector<Incident>& others, FittedChain& best);
+  /// Where a search for incidents begins.
+  struct IncidentsFrom {
+    FittedChain first;
+    ChainEffects effects;
+    ChainEffects shape;
+  };
+  /// Takes the move where it explains more.
+  void find_move(FittedChain& best, IncidentsFrom from, const Incident& move);
   [[nodiscard]] double deviance_of(const FittedChain& fitted) {
     return deviance_of(fitted, effects_);
   }

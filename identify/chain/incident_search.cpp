@@ -7,6 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include <Eigen/Eigenvalues>
+
 namespace identify {
 namespace {
 
@@ -34,12 +36,16 @@ IncidentSearch::IncidentSearch(ChainNodes& nodes, const FittedChain& from, Chain
   shape_.stray_mm.resize(nodes.units.size());
 }
 
+IncidentSearch::Sizes IncidentSearch::sizes_of(Incident::Kind kind) const {
+  if (kind == Incident::Kind::move) return {smallest_mm_, kMostMove_mm, 4};
+  return {4 * smallest_mm_, kMostStray_mm, 8};
+}
+
 // Beside all of the others, an incident has to be seen.
 Incident IncidentSearch::sized(Incident incident, LinearisedChain& with) const {
-  constexpr double kLargestStray_mm = 30, kSeen = 4;
+  constexpr double kSeen = 4;
   const bool moves = incident.kind == Incident::Kind::move;
-  const double largest = moves ? kMostMove_mm : kLargestStray_mm, factor = moves ? 4 : 8;
-  const double smallest = least_mm(incident.kind);
+  const Sizes sizes = sizes_of(incident.kind);
   incident.deviance = std::numeric_limits<double>::infinity();
   for (const double less : kLess) {
     ChainEffects effects = less_of(effects_, less);
@@ -47,7 +53,7 @@ Incident IncidentSearch::sized(Incident incident, LinearisedChain& with) const {
     double least = std::min(without, incident.deviance);
     double& size = moves ? effects.moved_mm : effects.stray_mm[incident.unit];
     std::optional<LinearisedChain::Left> left;  // whichever move there is
-    for (size = smallest; size < largest; size *= factor) {
+    for (size = sizes.least_mm; size < sizes.most_mm; size *= sizes.factor) {
       if (!left || !moves) left = with.left_by(effects);
       const double deviance = with.deviance(*left, effects);
       if (!(deviance < least)) continue;
@@ -73,7 +79,10 @@ std::vector<Incident> IncidentSearch::fitted(std::vector<Incident> all, double h
   double least = here;
   for (const Incident& one : all) least = std::min(least, one.deviance);
   std::erase_if(all, [&](const Incident& one) {
-    return !(one.deviance < least + kNear) || !(one.mm > least_mm(one.kind));
+    const Sizes sizes = sizes_of(one.kind);
+    const bool mistaken =
+        one.kind == Incident::Kind::stray && one.mm * sizes.factor > sizes.most_mm;
+    return !(one.deviance < least + kNear) || !(one.mm > sizes.least_mm) || mistaken;
   });
   const auto observations = nodes_.observations;
   for (Incident& one : all) {
@@ -82,9 +91,10 @@ std::vector<Incident> IncidentSearch::fitted(std::vector<Incident> all, double h
     Chain start = one.chain;
     if (!(one.effects.sag_rad > 0)) start.sags.clear();
     if (!(one.effects.steady_mm > 0)) start.drift_mm.setZero();
-    Chain chain = fit_chain(start, nodes_, from_.noise, one.effects, false).chain;
-    if (chain.sags.empty()) chain.sags = one.chain.sags;
-    one.chain = std::move(chain);
+    ChainFit fit = fit_chain(start, nodes_, from_.noise, one.effects, false);
+    if (fit.chain.sags.empty()) fit.chain.sags = one.chain.sags;
+    one.chain = std::move(fit.chain);
+    one.covariance = std::move(fit.covariance);
     LinearisedChain with = linearised(one);
     one = sized(std::move(one), with);
   }
@@ -97,37 +107,40 @@ std::vector<Incident> IncidentSearch::strays(double here) {
   LinearisedChain with(from_.fit.chain, nodes_, from_.noise, shape_, false);
   for (std::size_t unit = 0; unit < nodes_.units.size(); ++unit)
     if (!(shape_.stray_mm[unit] > 0))
-      found.push_back(sized({Incident::Kind::stray, unit, 0, 0, {}, from_.fit.chain, 0}, with));
+      found.push_back(
+          sized({.kind = Incident::Kind::stray, .unit = unit, .chain = from_.fit.chain}, with));
   return fitted(std::move(found), here);
 }
 
 Incident IncidentSearch::move(std::size_t unit, double part) {
-  Incident incident{Incident::Kind::move, unit, part, 0, {}, from_.fit.chain, 0};
+  Incident incident{
+      .kind = Incident::Kind::move, .unit = unit, .part = part, .chain = from_.fit.chain};
   incident.chain.move.setZero(incident.chain.move_numbers());
   LinearisedChain with = linearised(incident);
   return sized(std::move(incident), with);
 }
 
 std::vector<Incident> IncidentSearch::moves(double here) {
-  constexpr std::size_t kLooks = 40;
+  constexpr std::size_t kLooks = 80;
   const std::vector<std::size_t> units = nodes_.in_time();
+  const std::size_t moments = 2 * units.size();  // a unit's begin and its middle
   std::vector<Incident> found;
-  std::size_t best = 0;  // in time's order
+  std::size_t best = 0;
   double least = std::numeric_limits<double>::infinity();
-  const auto look = [&](std::size_t at) {
-    found.push_back(move(units[at], 0));
+  const auto look = [&](std::size_t moment) {
+    found.push_back(move(units[moment / 2], moment % 2 == 0 ? 0 : 0.5));
     if (!(found.back().deviance < least)) return;
     least = found.back().deviance;
-    best = at;
+    best = moment;
   };
   // First in large steps, then on both sides of the best.
-  std::size_t stride = std::max<std::size_t>(1, units.size() / kLooks);
-  for (std::size_t at = 1; at < units.size(); at += stride) look(at);
+  std::size_t stride = std::max<std::size_t>(1, moments / kLooks);
+  for (std::size_t moment = 1; moment < moments; moment += stride) look(moment);
   while (stride > 1) {
     stride = (stride + 1) / 2;
     const std::size_t middle = best;
     if (middle > stride) look(middle - stride);
-    if (middle + stride < units.size()) look(middle + stride);
+    if (middle + stride < moments) look(middle + stride);
   }
   return fitted(std::move(found), here);
 }
@@ -136,13 +149,74 @@ Incident IncidentSearch::at_its_moment(const Incident& found) {
   Incident best = move(found.unit, found.part);
   const std::vector<std::size_t> units = nodes_.in_time();
   const auto at = std::find(units.begin(), units.end(), found.unit);
-  for (const std::size_t unit : {*std::prev(at), *at})
+  for (const std::size_t unit : {at == units.begin() ? *at : *std::prev(at), *at})
     for (const double part : {0.25, 0.5, 0.75}) {
       Incident other = move(unit, part);
       if (other.deviance < best.deviance) best = std::move(other);
     }
   nodes_.set_move(best.unit, best.part);
   return best;
+}
+
+namespace {
+
+/// What one covariance has beyond the other.
+Eigen::MatrixXd beyond(const Eigen::MatrixXd& one, const Eigen::MatrixXd& other) {
+  const Eigen::VectorXd sigma = one.diagonal().cwiseMax(0).cwiseSqrt();
+  const Eigen::VectorXd scale =
+      sigma.unaryExpr([](double x) { return x > 0 ? 1 / x : 0; });  // mm and rad alike
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> parts(scale.asDiagonal() * (one - other) *
+                                                             scale.asDiagonal());
+  const Eigen::MatrixXd more = sigma.asDiagonal() * parts.eigenvectors();
+  return more * parts.eigenvalues().cwiseMax(0).asDiagonal() * more.transpose();
+}
+
+}  // namespace
+
+void compare_with(std::vector<Incident>& others, const ChainFit& taken, double deviance) {
+  constexpr double kUnlikely = 0.01;
+  for (Incident& one : others) one.weight = std::min(1.0, std::exp((deviance - one.deviance) / 2));
+  std::erase_if(others, [&](const Incident& one) { return !(one.weight > kUnlikely); });
+  const Chain& chain = taken.chain;
+  const auto zeros = static_cast<Eigen::Index>(chain.zero_rad.size());
+  const Eigen::Index count =
+      ChainParameters{chain.axes.size(), chain.targets_mm.size()}.count(false);
+  for (Incident& one : others) {
+    one.change.resize(count + zeros);
+    one.change.head(count) = change_between(chain, one.chain).head(count);
+    for (std::size_t j = 0; j < chain.zero_rad.size(); ++j)
+      one.change(count + static_cast<Eigen::Index>(j)) = one.chain.zero_rad[j] - chain.zero_rad[j];
+    one.wider = beyond(one.covariance.topLeftCorner(count + zeros, count + zeros),
+                       taken.covariance.topLeftCorner(count + zeros, count + zeros));
+  }
+}
+
+Eigen::MatrixXd doubt_of(const std::vector<Incident>& others, Eigen::Index count) {
+  Eigen::MatrixXd doubt = Eigen::MatrixXd::Zero(count, count);
+  for (const Incident& one : others) {
+    const Eigen::Index first = one.change.size();
+    doubt.topLeftCorner(first, first) +=
+        one.weight * (one.change * one.change.transpose() + one.wider);
+  }
+  return doubt;
+}
+
+std::vector<ChainEstimate::OtherExplanation> explanations(std::vector<Incident> others,
+                                                          const ChainFit& fit,
+                                                          const ChainNodes& nodes) {
+  constexpr double kLikely = 0.1, kApart = 2;  // standard uncertainties
+  std::erase_if(others, [&](const Incident& one) {
+    const Eigen::ArrayXd variances =
+        fit.covariance.diagonal().head(one.change.size()).array().max(0.0);
+    return one.weight < kLikely ||
+           !(one.change.array().square() > kApart * kApart * variances).any();
+  });
+  std::sort(others.begin(), others.end(),
+            [](const Incident& a, const Incident& b) { return a.deviance < b.deviance; });
+  std::vector<ChainEstimate::OtherExplanation> found;
+  for (const Incident& one : others)
+    found.push_back({sweep_at(one.unit, nodes), one.kind == Incident::Kind::move, one.mm});
+  return found;
 }
 
 double smallest_mm(const FittedChain& fitted, const ChainNodes& nodes) {

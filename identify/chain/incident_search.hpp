@@ -14,21 +14,38 @@ struct FittedChain {
   ChainNoise noise;
 };
 
-/// A larger move is a mistake, and none of the effects.
+/// Larger ones are mistakes, and none of the effects.
 inline constexpr double kMostMove_mm = 0.5;
+inline constexpr double kMostStray_mm = 5;
 
 /// What may have happened once while sweeps ran: something was moved and stayed there, or one
 /// stroke is unlike the others, since something gave way while it ran.
 struct Incident {
   enum class Kind { move, stray };
   Kind kind = Kind::stray;
-  std::size_t unit = 0;  ///< the stray one; or that before which, or during which, was the move
-  double part = 0;       ///< of a move: of that unit's time, so much was over
-  double mm = 0;         ///< its size, as `moved_mm` or `stray_mm`
-  ChainEffects effects;  ///< it, and what is beside it of the others
-  Chain chain;           ///< that explains the samples so
+  std::size_t unit = 0;    ///< the stray one; or that before which, or during which, was the move
+  double part = 0;         ///< of a move: of that unit's time, so much was over
+  double mm = 0;           ///< its size, as `moved_mm` or `stray_mm`
+  ChainEffects effects{};  ///< it, and what is beside it of the others
+  Eigen::MatrixXd covariance{};  ///< of the fit to it
+  Chain chain;                   ///< that explains the samples so
   double deviance = 0;
+  /// How likely it is beside the fit that was taken, where that is likelier; else one.
+  /// And by how much its chain is another one, and less certain, as a covariance: of the first
+  /// parameters, up to `zero_rad`.
+  double weight = 0;
+  Eigen::VectorXd change{};
+  Eigen::MatrixXd wider{};
 };
+
+/// Sets how incidents compare with what was taken, of this deviance, and leaves those out that it
+/// makes unlikely.
+void compare_with(std::vector<Incident>& others, const ChainFit& taken, double deviance);
+/// What they would change, as a covariance beside the fit's, of as many parameters.
+[[nodiscard]] Eigen::MatrixXd doubt_of(const std::vector<Incident>& others, Eigen::Index count);
+/// Those that would change more than the fit's own uncertainties allow for.
+[[nodiscard]] std::vector<ChainEstimate::OtherExplanation> explanations(
+    std::vector<Incident> others, const ChainFit& fit, const ChainNodes& nodes);
 
 /// What the likelihood says of incidents beside less of the other effects: large enough, each of
 /// these explains an incident, too.
@@ -42,17 +59,20 @@ class IncidentSearch {
   /// Units that are no strays yet as ones, each of its likeliest size: those that explain about as
   /// much as what has the deviance `here` does, or more; and of them, not much less than the best.
   [[nodiscard]] std::vector<Incident> strays(double here);
-  /// The same of moves at the moments between units; where there are many units, at some, and at
-  /// all beside the likeliest.
+  /// The same of moves between the units and in the middle of each; where there are many units, at
+  /// some of these moments, and at all beside the likeliest.
   [[nodiscard]] std::vector<Incident> moves(double here);
   /// The likeliest of a move's moment and some within the units before and after it.
   [[nodiscard]] Incident at_its_moment(const Incident& move);
 
  private:
-  /// Of this size it cannot be told from noise.
-  [[nodiscard]] double least_mm(Incident::Kind kind) const {
-    return kind == Incident::Kind::move ? smallest_mm_ : 4 * smallest_mm_;
-  }
+  /// Steps of what is tried. The least cannot be told from noise.
+  struct Sizes {
+    double least_mm = 0;
+    double most_mm = 0;
+    double factor = 1;
+  };
+  [[nodiscard]] Sizes sizes_of(Incident::Kind kind) const;
   [[nodiscard]] Incident sized(Incident incident, LinearisedChain& with) const;
   [[nodiscard]] Incident move(std::size_t unit, double part);
   [[nodiscard]] LinearisedChain linearised(const Incident& incident);

@@ -342,7 +342,7 @@ TEST_CASE("short strokes in much noise do not disagree", "[plausibility]") {
 TEST_CASE("a device that was moved a little is told, and allowed for", "[home_judgement][long]") {
   const auto seed = GENERATE(1U, 2U, 3U);
   const Simulation simulation(some_kr5(seed), {}, tracker(seed != 2), seed);
-  const Eigen::Vector3d by_mm(0.03, -0.02, 0.04);
+  const Eigen::Vector3d by_mm(0.06, -0.04, 0.08);
   const auto bumped = [&](Sweep& sweep, std::vector<Sample>& samples) {
     if (*sweep.joint < 3) return;
     for (Sample& sample : samples) sample.position_mm += by_mm;

@@ -58,6 +58,21 @@ Robot iiwa(std::size_t targets) {
   return at_home(std::move(robot), bent);
 }
 
+Robot palletizer() {
+  Robot robot;
+  identify::Arm& arm = robot.arm;
+  arm.rows = {{800, 0, 300, -90 * kDegree},
+              {0, -80 * kDegree, 1100, 0},
+              {0, 60 * kDegree, 1200, 90 * kDegree},
+              {0, 0, 0, 0}};
+  arm.home_rad = {0, -80 * kDegree, 60 * kDegree, 0};
+  arm.positive.assign(4, 1);
+  arm.tool_mm = {300, 0, 200};
+  robot.specified = arm;
+  robot.targets_mm = {arm.tool_mm};
+  return robot;
+}
+
 Robot kr5_on_rail() {
   Robot robot;
   robot.arm = robot.specified = identify::test::on_linear_unit();

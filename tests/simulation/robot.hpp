@@ -32,6 +32,9 @@ struct Robot {
 /// Seven axes, each meeting the next at a right angle, of the sizes of an LBR iiwa 14, slightly
 /// bent.
 [[nodiscard]] Robot iiwa(std::size_t targets = 1);
+/// Four axes: an upright one, two that are level and parallel, and an upright flange. It has no
+/// weights.
+[[nodiscard]] Robot palletizer();
 /// A KR 5 arc that stands on a linear unit, its first joint.
 [[nodiscard]] Robot kr5_on_rail();
 

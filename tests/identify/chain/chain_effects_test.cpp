@@ -109,6 +109,7 @@ TEST_CASE("Effects eliminated after others are what they are at once", "[chain_e
     if (run % 3 == 0) variances.shared = other.variances.shared;
     if (run % 5 == 0) variances.own = other.variances.own;
     if (run % 7 == 0) variances.stand = other.variances.stand;
+    if (run % 4 == 0) variances.own[1] = other.variances.own[1];  // of one stroke alone
     const auto found = eliminate(variances);
     const auto fresh =
         EffectElimination(of.strokes, of.group_of, of.home_of, Example::kParameters)(variances);

@@ -99,6 +99,7 @@ TEST_CASE("A chain that is moved there and back is the same to second order", "[
   const Eigen::VectorXd left = test::difference(chain, moved(there, -change));
   CHECK(left.cwiseAbs().maxCoeff() < 100 * kSize * kSize);
   CHECK((test::difference(chain, there) - change).cwiseAbs().maxCoeff() < 100 * kSize * kSize);
+  CHECK((change_between(chain, there) - change).cwiseAbs().maxCoeff() < 100 * kSize * kSize);
   for (const ChainAxis& axis : there.axes) CHECK(std::abs(axis.direction.norm() - 1) < 1e-15);
 }
 
