@@ -94,6 +94,7 @@ void keep_memory() {
   // NOLINTEND(concurrency-mt-unsafe)
 }
 
+/// On the session's second thread. Of a device's recording only the angles are touched there.
 class Rows : public StreamSink {
  public:
   Rows(std::optional<LineFile>& file, DeviceRecording& device) : file_(file), device_(device) {}
@@ -119,13 +120,12 @@ int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) 
   const RobotSetup setup = setup_for(options, search.chosen);
   std::optional<OutputFile> samples_file;
   std::optional<LineFile> samples;
-  std::future<std::vector<FileHash>> hashes;  // made beside the reading
+  FileHashes hashes(options.output ? inputs_of(options) : std::vector<std::filesystem::path>{});
   if (options.output) {
     make_folder(*options.output);
     // One that is there belongs to the result beside it, which stays until the new one is made.
     if (!std::filesystem::exists(*options.output / file_names::kRun))
       write_run_file(options, search, {});
-    hashes = std::async(std::launch::async, hashes_of, inputs_of(options));
     samples.emplace(samples_file.emplace(*options.output / "samples.csv").beside());
   }
   DeviceRecording device(setup);
@@ -133,6 +133,7 @@ int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) 
   std::optional<Session> session;
   const auto begin = [&](std::string_view telegram) {
     session.emplace(setup, "trace", rows, telegram);
+    session->use_two_threads([&hashes] { return hashes.go_on(); });
     if (!session->missing_signals().empty())
       errors << "sweepd: " << session->missing_signals() << '\n';
     if (samples) samples->append(session->csv_header());
@@ -150,15 +151,18 @@ int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) 
   if (samples) samples->flush();
   const bool all_written = !samples || samples->error().empty();
   if (!all_written) errors << "sweepd: " << samples->error() << '\n';
-  samples.reset();
   std::future<void> committed;  // the disk takes as long as the engine
   if (samples_file && all_written)
-    committed = std::async(std::launch::async, [&] { samples_file->commit(); });
+    committed = std::async(std::launch::async, [&] {
+      samples.reset();
+      samples_file->commit();
+    });
   Outcome outcome = outcome_of(device.with_device(session->snapshot()));
   if (committed.valid()) committed.get();
   if (!search.chosen) outcome.identification.reason = "no RSI telegrams in the capture";
   if (options.output) {
-    write_run_file(options, search, hashes.get());
+    session->wait_for_beside();
+    write_run_file(options, search, hashes.made());
     write_result(*options.output, outcome);
   }
   if (!options.quiet) out << report(outcome);

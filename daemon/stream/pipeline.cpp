@@ -36,6 +36,11 @@ Pipeline::Pipeline(std::size_t joints, const SignalNames& signals, StreamSink& s
   std::iota(order_.begin(), order_.end(), std::uint8_t{0});
 }
 
+void Pipeline::use_two_threads(SampleRelay::Beside beside) {
+  relay_ = std::make_unique<SampleRelay>([this](const SeenSample& next) { work_on(next); },
+                                         std::move(beside));
+}
+
 bool Pipeline::telegram(const rsi::Datagram& datagram) {
   auto defect = telegram_.parse(datagram.payload);
   if (datagram.cut && defect == rsi::Defect::none) defect = rsi::Defect::truncated;
@@ -49,11 +54,11 @@ bool Pipeline::telegram(const rsi::Datagram& datagram) {
   if (restarted) finish();
 
   Waiting& waiting = places_[order_[waiting_]];
-  waiting.sample = reader_.read(telegram_);
-  waiting.currents = reader_.currents();
-  waiting.sample.time_s =
+  waiting.seen.sample = reader_.read(telegram_);
+  waiting.seen.currents = reader_.currents();
+  waiting.seen.sample.time_s =
       clock_.seconds(telegram_.ipoc(), datagram.time, link_.statistics().step(), restarted);
-  start_row(waiting.row, waiting.sample.time_s, telegram_.ipoc());
+  start_row(waiting.row, waiting.seen.sample.time_s, telegram_.ipoc());
   reader_.append_csv(waiting.row);
   hold();
   release(kHeldBack);
@@ -62,6 +67,7 @@ bool Pipeline::telegram(const rsi::Datagram& datagram) {
 
 void Pipeline::finish() {
   release(0);
+  if (relay_) relay_->drain();
   report(segmenter_.finish());
 }
 
@@ -72,7 +78,8 @@ SourceCounts Pipeline::counts() const {
 /// The first of the free places is taken.
 void Pipeline::hold() {
   const auto is_later = [&](std::size_t before) {
-    return places_[order_[before]].sample.time_s > places_[order_[before + 1]].sample.time_s;
+    return places_[order_[before]].seen.sample.time_s >
+           places_[order_[before + 1]].seen.sample.time_s;
   };
   for (std::size_t at = waiting_++; at > 0 && is_later(at - 1); --at)
     std::swap(order_[at - 1], order_[at]);
@@ -80,14 +87,23 @@ void Pipeline::hold() {
 
 void Pipeline::release(std::size_t keep) {
   while (waiting_ > keep) {
-    const Waiting& next = places_[order_.front()];
-    if (next.currents) sink_.currents(next.sample, *next.currents);
-    sink_.sample(next.sample, next.row);
-    segmenter_.set_resolution(reader_.resolution());
-    report(segmenter_.push(next.sample));
+    SeenSample& next = places_[order_.front()].seen;
+    next.row = places_[order_.front()].row;
+    next.resolution = reader_.resolution();
+    if (relay_)
+      relay_->pass(next);
+    else
+      work_on(next);
     std::rotate(order_.begin(), order_.begin() + 1,
                 order_.begin() + static_cast<std::ptrdiff_t>(waiting_--));
   }
+}
+
+void Pipeline::work_on(const SeenSample& next) {
+  if (next.currents) sink_.currents(next.sample, *next.currents);
+  sink_.sample(next.sample, next.row);
+  segmenter_.set_resolution(next.resolution);
+  report(segmenter_.push(next.sample));
 }
 
 void Pipeline::report(const std::vector<identify::Sweep>& sweeps) const {

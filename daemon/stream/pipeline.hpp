@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,6 +12,7 @@
 
 #include "daemon/stream/sample_clock.hpp"
 #include "daemon/stream/sample_reader.hpp"
+#include "daemon/stream/sample_relay.hpp"
 #include "identify/sweeps/segmentation.hpp"
 #include "identify/sweeps/sweep.hpp"
 #include "rsi/datagram.hpp"
@@ -20,7 +22,7 @@
 namespace sweepd {
 
 /// Hears what is found in a stream, in its order: what is not overridden is not listened to. On the
-/// thread that brings the telegrams.
+/// thread that brings the telegrams, or the one beside it: never on both at a time.
 class StreamSink {
  public:
   virtual ~StreamSink() = default;
@@ -45,12 +47,18 @@ struct SourceCounts {
 /// From datagrams of the controller to sweeps: the one path of live and replayed data.
 ///
 /// Each telegram is parsed, counted, put in order and given a time; its sample goes to the sink and
-/// to the segmentation, whose strokes go to the sink. One thread. No files, no log.
+/// to the segmentation, whose strokes go to the sink. One thread, unless it is asked for two. No
+/// files, no log.
 class Pipeline {
  public:
   /// The first `joints` axis angles count. `with_currents`: rows have motor currents.
   Pipeline(std::size_t joints, const SignalNames& signals, StreamSink& sink,
            bool with_currents = false);
+
+  /// Before the first telegram: from now on sink and segmentation have a thread of their own, which
+  /// does what is `beside` where it has to wait, also after finish(). What that thread throws is
+  /// thrown by telegram() or finish().
+  void use_two_threads(SampleRelay::Beside beside = {});
 
   /// A datagram that came from the controller, whatever it holds. False, and counted, if it is no
   /// usable telegram.
@@ -60,11 +68,13 @@ class Pipeline {
 
   /// The stream has ended: what was held back goes through.
   void finish();
+  /// Of two threads: until what is beside is done. Throws what the other one threw.
+  void wait_for_beside() { relay_->wait_for_beside(); }
 
   [[nodiscard]] SourceCounts counts() const;
   [[nodiscard]] const rsi::Link& link() const { return link_; }
   [[nodiscard]] const identify::Resolution& resolution() const { return reader_.resolution(); }
-  /// What noise hides where telegrams carry no angles.
+  /// What noise hides where telegrams carry no angles. With two threads, once it is finished.
   [[nodiscard]] std::optional<identify::MotionLimit> motion_limit() const {
     return segmenter_.limit();
   }
@@ -72,14 +82,14 @@ class Pipeline {
 
  private:
   struct Waiting {
-    identify::Sample sample;
+    SeenSample seen;
     std::string row;
-    std::optional<Currents> currents;
   };
   static constexpr std::size_t kHeldBack = 4;
 
   void hold();
   void release(std::size_t keep);
+  void work_on(const SeenSample& next);
   void report(const std::vector<identify::Sweep>& sweeps) const;
 
   StreamSink& sink_;
@@ -95,6 +105,7 @@ class Pipeline {
   /// free.
   std::array<std::uint8_t, kHeldBack + 1> order_{};
   std::size_t waiting_ = 0;
+  std::unique_ptr<SampleRelay> relay_;  // the last one, so that its thread ends first
 };
 
 }  // namespace sweepd

@@ -45,8 +45,8 @@ struct Snapshot {
 [[nodiscard]] std::string missing_signals(const SignalNames& names, std::size_t joints,
                                           std::string_view telegram);
 
-/// One stream of a controller, from its first telegram to its end. No files. One thread. What it
-/// finds it passes on to its sink.
+/// One stream of a controller, from its first telegram to its end. No files. One thread, unless it
+/// is asked for two. What it finds it passes on to its sink.
 class Session : private StreamSink {
  public:
   /// `source_kind` is for the result. A recorded live stream is "trace" too: its result is that of
@@ -56,6 +56,11 @@ class Session : private StreamSink {
   Session(const RobotSetup& setup, std::string source_kind, StreamSink& sink,
           std::string_view first = {});
 
+  /// See Pipeline: only telegrams, replies and link() come before finish() then.
+  void use_two_threads(SampleRelay::Beside beside = {}) {
+    pipeline_.use_two_threads(std::move(beside));
+  }
+  void wait_for_beside() { pipeline_.wait_for_beside(); }
   /// What came from the controller, whatever it holds.
   void telegram(const rsi::Datagram& datagram) { pipeline_.telegram(datagram); }
   void reply(const rsi::Datagram& datagram) { pipeline_.reply(datagram); }

@@ -1,8 +1,8 @@
 #include "daemon/system/file_hash.hpp"
 
 #include <fstream>
-#include <memory>
 #include <string_view>
+#include <utility>
 
 #include <gcrypt.h>
 
@@ -50,29 +50,49 @@ std::string sha256_of(std::string_view bytes) {
   return digits_of(hash);
 }
 
-std::optional<FileHash> hash_of(const std::filesystem::path& file) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) return std::nullopt;
-  std::ifstream stream(file, std::ios::binary);
-  const Hash hash = sha256();
-  if (!stream || !hash) return std::nullopt;
-  FileHash found{file, 0, {}};
-  const auto block = std::make_unique<char[]>(kBlock);
-  while (stream.read(block.get(), kBlock), stream.gcount() > 0) {
-    const auto size = static_cast<std::size_t>(stream.gcount());
-    gcry_md_write(hash.get(), block.get(), size);
-    found.bytes += size;
+struct FileHashes::Begun {
+  FileHash found;
+  std::ifstream stream;
+  Hash hash = sha256();
+  std::unique_ptr<char[]> block = std::make_unique<char[]>(kBlock);
+};
+
+FileHashes::FileHashes(std::vector<std::filesystem::path> files) : files_(std::move(files)) {}
+
+FileHashes::~FileHashes() = default;
+
+bool FileHashes::go_on() {
+  if (!begun_) {
+    if (next_ == files_.size()) return false;
+    const auto& file = files_[next_++];
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file, error)) return true;
+    begun_ = std::make_unique<Begun>(
+        Begun{.found = {file, 0, {}}, .stream = std::ifstream(file, std::ios::binary)});
+    if (!begun_->stream || !begun_->hash) begun_.reset();
+    return true;
   }
-  if (stream.bad()) return std::nullopt;
-  found.sha256 = digits_of(hash);
-  return found;
+  begun_->stream.read(begun_->block.get(), kBlock);
+  const auto size = static_cast<std::size_t>(begun_->stream.gcount());
+  gcry_md_write(begun_->hash.get(), begun_->block.get(), size);
+  begun_->found.bytes += size;
+  if (size > 0) return true;
+  begun_->found.sha256 = digits_of(begun_->hash);
+  if (!begun_->stream.bad()) made_.push_back(std::move(begun_->found));
+  begun_.reset();
+  return true;
+}
+
+std::optional<FileHash> hash_of(const std::filesystem::path& file) {
+  auto hashes = hashes_of({file});
+  return hashes.empty() ? std::nullopt : std::optional(std::move(hashes.front()));
 }
 
 std::vector<FileHash> hashes_of(const std::vector<std::filesystem::path>& files) {
-  std::vector<FileHash> hashes;
-  for (const auto& file : files)
-    if (auto hash = hash_of(file)) hashes.push_back(std::move(*hash));
-  return hashes;
+  FileHashes hashes(files);
+  while (hashes.go_on()) {
+  }
+  return hashes.made();
 }
 
 }  // namespace sweepd

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,6 +15,29 @@ struct FileHash {
   std::filesystem::path file;
   std::uint64_t bytes = 0;
   std::string sha256;  ///< 64 digits
+};
+
+/// Makes the hashes of files a little at a time, for a thread that has other work. One thread at a
+/// time.
+class FileHashes {
+ public:
+  explicit FileHashes(std::vector<std::filesystem::path> files);
+  ~FileHashes();
+  FileHashes(const FileHashes&) = delete;
+  FileHashes& operator=(const FileHashes&) = delete;
+
+  /// A quarter of a megabyte more, some 0.15 ms. False when all are made.
+  bool go_on();
+  /// Those that there are, in the order of the files.
+  [[nodiscard]] const std::vector<FileHash>& made() const { return made_; }
+
+ private:
+  struct Begun;
+
+  std::vector<std::filesystem::path> files_;
+  std::size_t next_ = 0;
+  std::unique_ptr<Begun> begun_;
+  std::vector<FileHash> made_;
 };
 
 /// Nothing of what is no regular file, or cannot be read. Reads the whole file: a second for some

@@ -1,6 +1,7 @@
 #include "daemon/stream/pipeline.hpp"
 
 #include <chrono>
+#include <memory>
 
 #include "daemon/text/units.hpp"
 #include "tests/catch.hpp"
@@ -373,4 +374,26 @@ TEST_CASE("what is no whole telegram counts in the link, and cuts no stroke", "[
   CHECK(counts.link.restarts == 0);
   CHECK(counts.malformed_in_all() == 2);
   CHECK(watched.sweeps.size() == 1);
+}
+
+TEST_CASE("on two threads a pipeline finds what it finds on one", "[pipeline]") {
+  const auto run = [](bool two_threads) {
+    auto watched = std::make_unique<Watched>();
+    if (two_threads) watched->pipeline.use_two_threads();
+    watched->stroke(1000, 0, 30);
+    watched->stroke(5, 30, 0);  // the controller begins anew
+    watched->add("no telegram");
+    watched->pipeline.finish();
+    return watched;
+  };
+  const auto one = run(false), two = run(true);
+  CHECK(one->rows == two->rows);
+  REQUIRE(one->sweeps.size() == 2);
+  REQUIRE(two->sweeps.size() == 2);
+  for (std::size_t s = 0; s < 2; ++s) {
+    CHECK(one->sweeps[s].range_rad == two->sweeps[s].range_rad);
+    CHECK(one->sweeps[s].samples->size() == two->sweeps[s].samples->size());
+  }
+  CHECK(two->pipeline.counts().malformed_in_all() == 1);
+  CHECK(two->pipeline.counts().link.restarts == 1);
 }
