@@ -154,6 +154,7 @@ Defect Telegram::parse(std::string_view datagram) {
     names_ = shape_names_;
     if (ipoc_) return Defect::none;
   }
+  shape_.signals_changed();
   digits = find_ipoc(datagram);
   ipoc_ = ipoc_number(digits);
   names_ = next_names();

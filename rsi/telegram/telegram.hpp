@@ -13,7 +13,7 @@
 namespace rsi {
 
 /// One value of a telegram: an attribute (<AIPos A1="0.0"/> is AIPos, A1, 0.0) or, with an empty
-/// attribute name, the text of an element (<DiL>0</DiL> is DiL, "", 0). Views into the datagram.
+/// attribute name, the text of an element (<DiL>0</DiL> is DiL, "", 0). Views.
 struct Signal {
   std::string_view element;
   std::string_view attribute;
@@ -36,9 +36,9 @@ inline constexpr std::size_t kDefects = 5;
 /// one element, and names that begin with a digit (<GPIO 01="1"/>), which no XML parser accepts.
 ///
 /// Reuse one object: it keeps its memory and stops allocating after the first telegrams. Signals
-/// are views into the datagram last parsed. A telegram that is like the one before but for its
-/// values is compared with it, and costs less than another one. Not thread-safe. Never throws for
-/// what a datagram holds.
+/// are views into the datagram last parsed, and their names into this object. A telegram that is
+/// like the one before but for its values is compared with it, and costs less than another one. Not
+/// thread-safe. Never throws for what a datagram holds.
 class Telegram {
  public:
   /// Takes the place of what was parsed before. With a defect, `signals` holds what could be read.

@@ -49,6 +49,7 @@ bool plain_text(std::string_view value) {
 void TelegramShape::learn(std::string_view datagram, const std::vector<Signal>& signals,
                           std::string_view ipoc) {
   learned_ = datagram;
+  signals_changed();
   slots_.clear();
   rest_ = 0;
   const auto place = [&](std::string_view part) {
@@ -65,14 +66,14 @@ void TelegramShape::learn(std::string_view datagram, const std::vector<Signal>& 
     if (!with_ipoc && place(ipoc) < place(signal.text)) add_ipoc();
     Slot slot{.kind = signal.attribute.empty() ? Slot::Kind::text : Slot::Kind::attribute};
     if (place(signal.element) >= rest_) {
-      slot.element = place(signal.element) - rest_;
+      slot.element = place(signal.element);
       slot.element_size = signal.element.size();
     } else if (before == nullptr || before->element.data() != signal.element.data()) {
       known = false;
     }
     if (!signal.attribute.empty()) {
       known = known && place(signal.attribute) >= rest_;
-      slot.attribute = place(signal.attribute) - rest_;
+      slot.attribute = place(signal.attribute);
       slot.attribute_size = signal.attribute.size();
     }
     known = known && add(slot, signal.text, place(signal.text));
@@ -102,10 +103,22 @@ bool TelegramShape::add(Slot slot, std::string_view value, std::size_t at) {
   return true;
 }
 
+void TelegramShape::name(std::vector<Signal>& signals) {
+  named_by_ = learned_.data();
+  const std::string_view learned(learned_);
+  std::string_view element;
+  signals.clear();
+  for (const Slot& slot : slots_) {
+    if (slot.kind == Slot::Kind::ipoc) continue;
+    if (slot.element != Slot::kAsBefore) element = learned.substr(slot.element, slot.element_size);
+    signals.push_back({element, learned.substr(slot.attribute, slot.attribute_size), {}});
+  }
+}
+
 bool TelegramShape::read(std::string_view datagram, std::vector<Signal>& signals,
                          std::string_view& ipoc) {
   if (slots_.empty()) return false;
-  signals.resize(slots_.size() - 1);  // one is the IPOC
+  if (named_by_ != learned_.data()) name(signals);
   Signal* signal = signals.data();
   const char* at = datagram.data();
   const char* const end = at + datagram.size();
@@ -115,9 +128,7 @@ bool TelegramShape::read(std::string_view datagram, std::vector<Signal>& signals
     at += size;
     return true;
   };
-  std::string_view element;
   for (Slot& slot : slots_) {
-    const char* const gap = at;
     if (!takes(slot.gap, slot.gap_size)) return false;
     std::size_t& size = slot.value_size;
     if (!ends_after(size, at, end)) {
@@ -132,8 +143,7 @@ bool TelegramShape::read(std::string_view datagram, std::vector<Signal>& signals
       ipoc = value;
       continue;
     }
-    if (slot.element != Slot::kAsBefore) element = {gap + slot.element, slot.element_size};
-    *signal++ = {element, {gap + slot.attribute, slot.attribute_size}, value};
+    (signal++)->text = value;
   }
   const std::size_t rest = learned_.size() - rest_;
   return static_cast<std::size_t>(end - at) == rest && takes(rest_, rest);

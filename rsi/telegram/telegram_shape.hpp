@@ -22,12 +22,15 @@ class TelegramShape {
   /// digits of its IPOC: views into it. A telegram that could be read in another way has no shape.
   void learn(std::string_view datagram, const std::vector<Signal>& signals, std::string_view ipoc);
 
-  /// False if the datagram has another shape. Else `signals` and `ipoc` are those of the datagram.
+  /// False if the datagram has another shape. Else `signals` and `ipoc` are those of the datagram;
+  /// the names are views into this object. `signals` is always the same object.
   [[nodiscard]] bool read(std::string_view datagram, std::vector<Signal>& signals,
                           std::string_view& ipoc);
+  /// Who else changes `signals` says so: their names are set anew.
+  void signals_changed() { named_by_ = nullptr; }
 
  private:
-  /// A value, and the gap between the value before and it. Names are places in that gap.
+  /// A value, and the gap between the value before and it.
   struct Slot {
     enum class Kind : unsigned char { attribute, text, ipoc };
     static constexpr std::size_t kAsBefore = static_cast<std::size_t>(-1);
@@ -35,7 +38,7 @@ class TelegramShape {
     Kind kind = Kind::attribute;
     std::size_t gap = 0;  ///< where it begins in `learned_`
     std::size_t gap_size = 0;
-    std::size_t element = kAsBefore;
+    std::size_t element = kAsBefore;  ///< places in `learned_`
     std::size_t element_size = 0;
     std::size_t attribute = 0;
     std::size_t attribute_size = 0;
@@ -43,10 +46,13 @@ class TelegramShape {
   };
 
   bool add(Slot slot, std::string_view value, std::size_t at);
+  void name(std::vector<Signal>& signals);
 
   std::string learned_;
   std::vector<Slot> slots_;  ///< none: no shape
   std::size_t rest_ = 0;     ///< where in `learned_` the last value ends
+  /// Whose bytes the names of the signals are: of no copy of this.
+  const char* named_by_ = nullptr;
 };
 
 }  // namespace rsi

@@ -1,5 +1,6 @@
 #include "rsi/telegram/telegram.hpp"
 
+#include <memory>
 #include <random>
 #include <string>
 
@@ -7,6 +8,7 @@
 #include "tests/catch.hpp"
 
 using rsi::Defect;
+using rsi::Signal;
 using rsi::Telegram;
 
 namespace {
@@ -191,4 +193,30 @@ TEST_CASE("a place follows its signal when the telegram changes", "[telegram]") 
   CHECK(is(text, R"(<Rob><T>70</T><R Y="3" X="1"/><IPOC>5</IPOC></Rob>)") == "70");
   CHECK(is(y, R"(<Rob><R X="1"/><IPOC>6</IPOC></Rob>)") == "none");
   CHECK(is(y, R"(<Rob><R X="1" Y="2"/><IPOC>7</IPOC></Rob>)") == "2");
+}
+
+TEST_CASE("names stay right when telegrams of another kind came between, and in a copy",
+          "[telegram]") {
+  const auto read = [](Telegram& telegram, std::string text) {
+    const bool whole = telegram.parse(text) == Defect::none;
+    std::string names;
+    for (const Signal& signal : telegram.signals())
+      names.append(signal.element).append(1, '.').append(signal.attribute).append(1, ' ');
+    return whole ? names : "defect: " + names;
+  };
+  const auto one = [](int x) {
+    return "<Rob><RIst X=\"" + std::to_string(x) + "\" Y=\"2\"/><IPOC>7</IPOC></Rob>";
+  };
+  constexpr auto kNames = "RIst.X RIst.Y ";
+  auto telegram = std::make_unique<Telegram>();
+  for (int x = 0; x < 3; ++x) CHECK(read(*telegram, one(x)) == kNames);
+  CHECK(read(*telegram, R"(<Rob><Wrong Q="1" R="2"/>)") == "defect: Wrong.Q Wrong.R ");
+  CHECK(read(*telegram, one(11)) == kNames);
+  CHECK(read(*telegram, R"(<Rob><DiL>3</DiL><IPOC>8</IPOC></Rob>)") == "DiL. ");
+  CHECK(read(*telegram, R"(<Rob><DiL>4</DiL><IPOC>9</IPOC></Rob>)") == "DiL. ");
+  for (int x = 0; x < 3; ++x) CHECK(read(*telegram, one(x)) == kNames);
+  Telegram copy = *telegram;
+  CHECK(read(*telegram, one(100)) == kNames);
+  telegram.reset();
+  for (int x = 0; x < 3; ++x) CHECK(read(copy, one(x)) == kNames);
 }
