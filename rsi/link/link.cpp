@@ -53,13 +53,19 @@ std::optional<Arrival> Link::telegram(const Datagram& datagram, const Telegram& 
     ++report_.unanswerable;
   }
   if (size_ == kMost) settle(kBatch, false);
-  Kept& cycle = cycles_[size_++];  // made in its place: it is large
-  cycle = {};
+  // Made in its place, number by number: all at once takes three times as long.
+  Kept& cycle = cycles_[size_++];
   cycle.received = datagram.time;
+  cycle.replied.reset();
   cycle.ipoc = ipoc;
   cycle.delay = delay;
   cycle.arrival = arrival;
+  cycle.rise = 0;
   cycle.malformed = malformed;
+  cycle.send_failed = false;
+  cycle.since = {};
+  cycle.begins_late_run = false;
+  cycle.late_run = 0;
   if (!ipoc) return std::nullopt;
   if (!cycle.counts()) return arrival;
   if (newest_) {

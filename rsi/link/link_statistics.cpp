@@ -91,11 +91,6 @@ LinkCounts LinkStatistics::counts() const {
   return counts;
 }
 
-std::optional<std::uint64_t> LinkStatistics::step() const {
-  if (steps_[usual_step_] == 0) return std::nullopt;
-  return usual_step_;
-}
-
 std::chrono::nanoseconds LinkStatistics::unit() const {
   auto per_count = per_count_;
   return ipoc_unit({per_count.data(),

@@ -66,7 +66,9 @@ class LinkStatistics {
   [[nodiscard]] bool same_machine() const { return same_machine_; }
 
   /// IPOC's rise from one cycle to the next; nothing before two telegrams came in order.
-  [[nodiscard]] std::optional<std::uint64_t> step() const;
+  [[nodiscard]] std::optional<std::uint64_t> step() const {
+    return steps_[usual_step_] > 0 ? std::optional(usual_step_) : std::nullopt;
+  }
 
   /// What one count of the IPOC lasts by the last 1024 telegrams, see ipoc_unit().
   [[nodiscard]] std::chrono::nanoseconds unit() const;
