@@ -42,11 +42,17 @@ std::size_t SampleReader::take(const rsi::Telegram& telegram, std::span<Source> 
     const rsi::Signal* const signal = source.place.in(telegram);
     if (signal == nullptr) continue;
     rsi::Decimal number;
-    if (!rsi::read(signal->text, number) || std::abs(number.value) > kLargestMeasured) {
+    std::string_view text = signal->text;
+    bool usable = rsi::read_short(text, number);  // these have no blanks
+    if (!usable) {
+      usable = rsi::read(text, number);
+      text = rsi::trimmed(text);
+    }
+    if (!usable || std::abs(number.value) > kLargestMeasured) {
       ++unusable_;
       continue;
     }
-    source.text = rsi::trimmed(signal->text);
+    source.text = text;
     decimals = std::max(decimals, number.decimals);
     value = number.value;
     ++found;
