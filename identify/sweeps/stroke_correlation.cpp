@@ -11,10 +11,8 @@ namespace {
 
 using Eigen::Index;
 
-/// The mean squares of sums over 1, 2, 4, … successive errors, divided by their number, of a
-/// process of unit variance whose correlation falls by the factor `falls` a sample, when
-/// polynomials of the lowest `orders` were fitted to so many samples and taken out.
-Eigen::VectorXd block_variances(double falls, Index levels, Index orders, Index samples) {
+/// Polynomials of the lowest `orders` at so many samples, orthonormal.
+Eigen::MatrixXd orthonormal_curves(Index orders, Index samples) {
   Eigen::MatrixXd curves(samples, orders);
   for (Index i = 0; i < samples; ++i) {
     const double x = 2 * static_cast<double>(i) / static_cast<double>(samples - 1) - 1;
@@ -25,7 +23,14 @@ Eigen::VectorXd block_variances(double falls, Index levels, Index orders, Index 
     }
   }
   const Eigen::MatrixXd inner = curves.transpose() * curves;
-  curves = inner.llt().matrixL().solve(curves.transpose()).transpose();  // orthonormal
+  return inner.llt().matrixL().solve(curves.transpose()).transpose();
+}
+
+/// The mean squares of sums over 1, 2, 4, … successive errors, divided by their number, of a
+/// process of unit variance whose correlation falls by the factor `falls` a sample, when these
+/// curves were fitted to the samples and taken out.
+Eigen::VectorXd block_variances(double falls, Index levels, const Eigen::MatrixXd& curves) {
+  const Index samples = curves.rows(), orders = curves.cols();
   // Times the covariance: sums over what went before and what comes, each falling.
   Eigen::MatrixXd carried = -curves;
   Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(orders);
@@ -33,7 +38,7 @@ Eigen::VectorXd block_variances(double falls, Index levels, Index orders, Index 
   sum.setZero();
   for (Index i = samples - 1; i >= 0; --i) carried.row(i) += sum = falls * sum + curves.row(i);
   const Eigen::MatrixXd between = curves.transpose() * carried;
-  Eigen::VectorXd found(levels);
+  Eigen::VectorXd found(levels), part(orders), crossed(orders);
   for (Index level = 0; level < levels; ++level) {
     const Index block = Index{1} << level;
     const auto size = static_cast<double>(block);
@@ -44,8 +49,8 @@ Eigen::VectorXd block_variances(double falls, Index levels, Index orders, Index 
     double taken = 0;
     const Index blocks = samples / block;
     for (Index b = 0; b < blocks; ++b) {
-      const Eigen::VectorXd part = curves.middleRows(b * block, block).colwise().sum();
-      const Eigen::VectorXd crossed = carried.middleRows(b * block, block).colwise().sum();
+      part = curves.middleRows(b * block, block).colwise().sum();
+      crossed = carried.middleRows(b * block, block).colwise().sum();
       taken += 2 * part.dot(crossed) - part.dot(between * part);
     }
     found(level) = std::max(1e-6, whole - taken / static_cast<double>(blocks * block));
@@ -77,9 +82,10 @@ double correlation_of(const std::vector<StrokeMoments>& all) {
   seen /= weight;
   if (!(seen(0) > 0)) return 1;
   seen /= seen(0);
+  const Eigen::MatrixXd curves =
+      orthonormal_curves(static_cast<Index>(orders), static_cast<Index>(samples));
   const auto model = [&](double falls) {
-    return block_variances(falls, static_cast<Index>(levels), static_cast<Index>(orders),
-                           static_cast<Index>(samples));
+    return block_variances(falls, static_cast<Index>(levels), curves);
   };
   const Eigen::VectorXd white = model(0);
   // A mean of f squares scatters by its sqrt(2 / f); there are f / 2^b of them.
