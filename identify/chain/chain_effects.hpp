@@ -38,6 +38,7 @@ struct EffectColumns {
   [[nodiscard]] Eigen::Index shared() const {
     return figure * static_cast<Eigen::Index>(targets) + wander + told;
   }
+  [[nodiscard]] Eigen::Index all() const { return own + stand + shared() + home; }
 };
 
 /// How the target moves with a unit's own effects, one a row, at a node: `by_turn` are the columns

@@ -118,11 +118,9 @@ StrokeProducts ChainProblem<Size>::unit(const Chain& chain, std::size_t u, Chain
   for (const std::size_t s : nodes_.units[u])
     nodes += static_cast<Eigen::Index>(nodes_.strokes[s].nodes.size());
   const auto parameters = static_cast<Eigen::Index>(result.parameters.size());
-  const Eigen::MatrixXd of_effects = effects(chain, u, pose);
-  const Eigen::Index first = of_effects.rows();
+  const Eigen::Index first = columns_.all();
   const Eigen::Index last = first + parameters;
   rows_.setZero(last + 1, Size * nodes);
-  rows_.topRows(first) = of_effects;
   weighted_.resize(last + 1, Size * nodes);
   Eigen::Index column = 0;
   for (const std::size_t s : nodes_.units[u]) {
@@ -130,13 +128,15 @@ StrokeProducts ChainProblem<Size>::unit(const Chain& chain, std::size_t u, Chain
     for (std::size_t n = 0; n < stroke.nodes.size(); ++n, column += Size) {
       const std::size_t i = nodes_.first[s] + n;
       const ChainObservation& seen = nodes_.observations[i];
+      auto block = rows_.template middleCols<Size>(column);
+      pose.set(seen.target, turns_of(chain, seen, noise_), true);
+      if (first > 0) set_effects(u, stroke, n, seen, pose, block.topRows(first));
       settle(chain, i, pose);
       Turns turns = seen.turns;
       if (free(seen)) turns[seen.joint] = swept_[i];
       const auto levers = sag_levers(chain, turns);
       Eigen::Matrix3Xd moves;
       if (shape_.moved_mm > 0) moves = chain.by_move(seen.target, pose.position_mm, pose.rotation);
-      auto block = rows_.template middleCols<Size>(column);
       for (Eigen::Index a = 0; a < parameters; ++a) {
         const Eigen::Index at = result.parameters[static_cast<std::size_t>(a)];
         auto row = block.row(first + a);
@@ -167,64 +167,47 @@ StrokeProducts ChainProblem<Size>::unit(const Chain& chain, std::size_t u, Chain
 }
 
 template <int Size>
-Eigen::MatrixXd ChainProblem<Size>::effects(const Chain& chain, std::size_t u,
-                                            ChainPose& pose) const {
-  Eigen::Index nodes = 0;
-  for (const std::size_t s : nodes_.units[u])
-    nodes += static_cast<Eigen::Index>(nodes_.strokes[s].nodes.size());
+void ChainProblem<Size>::set_effects(std::size_t u, const StrokeMoments& stroke, std::size_t n,
+                                     const ChainObservation& seen, const ChainPose& pose,
+                                     EffectRows rows) const {
   const Eigen::Index shared = columns_.own + columns_.stand;
   const Eigen::Index at_home = shared + columns_.shared();
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(at_home + columns_.home, Size * nodes);
-  if (rows.rows() == 0) return rows;
   const Range& range = ranges_[nodes_.group[u]];
-  const Turns& home_turns = nodes_.homes[nodes_.home_of[nodes_.group[u]]];
-  Eigen::Index column = 0;
-  for (const std::size_t s : nodes_.units[u]) {
-    const StrokeMoments& stroke = nodes_.strokes[s];
-    for (std::size_t n = 0; n < stroke.nodes.size(); ++n, column += Size) {
-      const ChainObservation& seen = nodes_.observations[nodes_.first[s] + n];
-      pose.set(seen.target, turns_of(chain, seen, noise_), false);
-      auto block = rows.template middleCols<Size>(column);
-      if (columns_.own > 0)
-        block.topRows(columns_.own) = own_effects<Size>(columns_, pose.by_turn, nodes_.known, seen,
-                                                        stroke.place_of(stroke.nodes[n].turn_rad));
-      // A stand's turns of the joints are a unit's, in common.
-      block.middleRows(columns_.own, columns_.stand) = block.topRows(columns_.stand);
-      for (std::size_t k = 0; columns_.home > 0 && k < chain.axes.size(); ++k)
-        if (k != seen.joint && nodes_.known[k])
-          block.row(at_home + static_cast<Eigen::Index>(k)) =
-              pose.by_turn[k].template head<Size>().transpose();
-      const auto here = polynomials(range.place(seen.turns[seen.joint]));
-      if (columns_.figure > 0) {
-        // Radial and axial, nothing where the joint stands at its home's turn.
-        const auto home = polynomials(range.place(home_turns[seen.joint]));
-        const Eigen::Vector3d from = seen.position_mm - stroke.circle.center_mm;
-        const Eigen::Vector3d& axial = stroke.circle.normal;
-        const Eigen::Vector3d radial =
-            stroke.linear ? stroke.arm
-                          : Eigen::Vector3d((from - axial.dot(from) * axial).normalized());
-        const Eigen::Index at = shared + columns_.figure * static_cast<Eigen::Index>(seen.target);
-        for (Eigen::Index m = 0; m < kFigureOrders; ++m) {
-          const double value = here(m + 1) - home(m + 1);
-          block.row(at + m).template head<3>() = value * radial.transpose();
-          block.row(at + kFigureOrders + m).template head<3>() = value * axial.transpose();
-        }
-      }
-      if (columns_.wander > 0)
-        block.template block<3, 3>(at_home - columns_.told - 3, 0).setIdentity();
-      if (columns_.told > 0 && !free(seen))
-        block.middleRows(at_home - columns_.told, columns_.told) =
-            here.template head<kFigureOrders>() *
-            pose.by_turn[seen.joint].template head<Size>().transpose();
+  if (columns_.own > 0)
+    rows.topRows(columns_.own) = own_effects<Size>(columns_, pose.by_turn, nodes_.known, seen,
+                                                   stroke.place_of(stroke.nodes[n].turn_rad));
+  // A stand's turns of the joints are a unit's, in common.
+  rows.middleRows(columns_.own, columns_.stand) = rows.topRows(columns_.stand);
+  for (std::size_t k = 0; columns_.home > 0 && k < nodes_.known.size(); ++k)
+    if (k != seen.joint && nodes_.known[k])
+      rows.row(at_home + static_cast<Eigen::Index>(k)) =
+          pose.by_turn[k].template head<Size>().transpose();
+  const auto here = polynomials(range.place(seen.turns[seen.joint]));
+  if (columns_.figure > 0) {
+    // Radial and axial, nothing where the joint stands at its home's turn.
+    const Turns& home_turns = nodes_.homes[nodes_.home_of[nodes_.group[u]]];
+    const auto home = polynomials(range.place(home_turns[seen.joint]));
+    const Eigen::Vector3d from = seen.position_mm - stroke.circle.center_mm;
+    const Eigen::Vector3d& axial = stroke.circle.normal;
+    const Eigen::Vector3d radial =
+        stroke.linear ? stroke.arm : Eigen::Vector3d((from - axial.dot(from) * axial).normalized());
+    const Eigen::Index at = shared + columns_.figure * static_cast<Eigen::Index>(seen.target);
+    for (Eigen::Index m = 0; m < kFigureOrders; ++m) {
+      const double value = here(m + 1) - home(m + 1);
+      rows.row(at + m).template head<3>() = value * radial.transpose();
+      rows.row(at + kFigureOrders + m).template head<3>() = value * axial.transpose();
     }
   }
-  return rows;
+  if (columns_.wander > 0) rows.template block<3, 3>(at_home - columns_.told - 3, 0).setIdentity();
+  if (columns_.told > 0 && !free(seen))
+    rows.middleRows(at_home - columns_.told, columns_.told) =
+        here.template head<kFigureOrders>() *
+        pose.by_turn[seen.joint].template head<Size>().transpose();
 }
 
 template <int Size>
 void ChainProblem<Size>::settle(const Chain& chain, std::size_t i, ChainPose& pose) {
   const ChainObservation& seen = nodes_.observations[i];
-  pose.set(seen.target, turns_of(chain, seen, noise_), true);
   residual_.set(chain, seen, pose, weights_[i], free(seen));
   if (!free(seen)) return;
   swept_[i] = seen.turns[seen.joint] + residual_.toward;

@@ -59,9 +59,11 @@ class ChainProblem {
   };
 
   StrokeProducts unit(const Chain& chain, std::size_t u, ChainPose& pose);
-  /// The columns of a unit's effects, transposed: one column a row of the model.
-  Eigen::MatrixXd effects(const Chain& chain, std::size_t u, ChainPose& pose) const;
-  /// The residual at a node, a free angle where it fits best.
+  using EffectRows = Eigen::Ref<Eigen::Matrix<double, Eigen::Dynamic, Size>>;
+  /// The columns of a unit's effects at a node of its stroke, transposed. They are zero before.
+  void set_effects(std::size_t u, const StrokeMoments& stroke, std::size_t n,
+                   const ChainObservation& seen, const ChainPose& pose, EffectRows rows) const;
+  /// The residual at a node, a free angle where it fits best. `pose` is that of the node.
   void settle(const Chain& chain, std::size_t i, ChainPose& pose);
   [[nodiscard]] static bool of_another_target(const Chain& chain, Eigen::Index parameter,
                                               std::size_t target);
