@@ -25,11 +25,14 @@ constexpr double kLeastPosition_mm = 1e-7;
 
 class Estimation {
  public:
-  Estimation(const CircleEstimate& circles, const Campaign& campaign)
-      : circles_(circles), campaign_(campaign), joints_(circles.joints.size()) {}
+  Estimation(const CircleEstimate& circles, std::vector<std::optional<ChainAxis>> axes,
+             const Campaign& campaign)
+      : circles_(circles),
+        campaign_(campaign),
+        joints_(circles.joints.size()),
+        axes_(axes.empty() ? starting_axes(circles) : std::move(axes)) {}
 
   std::optional<ChainEstimate> run() {
-    axes_ = starting_axes(circles_);
     nodes_ = chain_nodes(circles_, axes_, campaign_.resolution);
     if (nodes_.strokes.empty()) return std::nullopt;
     const double correlation = correlation_of(nodes_.strokes);
@@ -304,8 +307,9 @@ class Estimation {
 }  // namespace
 
 std::optional<ChainEstimate> estimate_chain(const CircleEstimate& circles,
+                                            std::vector<std::optional<ChainAxis>> axes,
                                             const Campaign& campaign) {
-  return Estimation(circles, campaign).run();
+  return Estimation(circles, std::move(axes), campaign).run();
 }
 
 }  // namespace identify

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "identify/chain/chain_estimate.hpp"
 #include "identify/circle/circle_estimate.hpp"
@@ -28,7 +29,9 @@ namespace identify {
 ///
 /// Locked joints' angles, where known, are used with their scatter. Samples off by more than some
 /// standard deviations lose their weight. Nothing if there is no axis to start from. Deterministic.
-[[nodiscard]] std::optional<ChainEstimate> estimate_chain(const CircleEstimate& circles,
-                                                          const Campaign& campaign);
+/// `axes` are the starting_axes() of the circles; empty: they are made.
+[[nodiscard]] std::optional<ChainEstimate> estimate_chain(
+    const CircleEstimate& circles, std::vector<std::optional<ChainAxis>> axes,
+    const Campaign& campaign);
 
 }  // namespace identify
