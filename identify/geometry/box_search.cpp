@@ -226,14 +226,18 @@ class BoundedSearch {
     // promise a box that halves the gap are all points asked, and the core learns from their
     // answer.
     Matrix3d spans = Matrix3d::Identity();
-    const auto log_volume = [&] {
-      return spans.diagonal().cwiseMax(std::numeric_limits<double>::min()).array().log().sum();
+    Vector3d logs;  // of the widths
+    const auto add_logs = [&] {
+      for (int i = 0; i < 3; ++i)
+        logs(i) = std::log(std::max(spans(i, i), std::numeric_limits<double>::min()));
+      return logs(0) + (logs(1) + logs(2));
     };
     for (int i = 0; i < rank_; ++i) {
       const Ends ends = core_.ends(axes.col(i));
       spans.col(i) = axes.transpose() * (ends.front - ends.back);
     }
-    if (log_volume() < log_volume_ - std::max(tolerance_, result_.gap) / 2) {
+    double log_volume = add_logs();
+    if (log_volume < log_volume_ - std::max(tolerance_, result_.gap) / 2) {
       for (int i = 0; i < rank_; ++i) {
         const Ends ends = all_.ends(axes.col(i));
         const Vector3d span = axes.transpose() * (ends.front - ends.back);
@@ -242,12 +246,13 @@ class BoundedSearch {
           add_to_core(ends);
         }
       }
-      if (log_volume() < log_volume_) {
-        log_volume_ = log_volume();
+      log_volume = add_logs();
+      if (log_volume < log_volume_) {
+        log_volume_ = log_volume;
         result_.axes = axes;
       }
     }
-    bound(cell, cross, scale, spans, log_volume());
+    bound(cell, cross, scale, spans, logs, log_volume);
   }
 
   // Seen from the middle c of the cell, its rotations have the Rodrigues vectors
@@ -258,7 +263,7 @@ class BoundedSearch {
   // with i, j, l cyclic. The terms linear in q are summed over the widths before they are bounded:
   // near a smooth minimum they cancel, and the bound is good to second order.
   void bound(Cell& cell, const Matrix3d& cross, double scale, const Matrix3d& spans,
-             double log_volume) const {
+             const Vector3d& logs, double log_volume) const {
     const double least_divisor = 1 - scale * cell.centre.cwiseAbs().dot(cell.half);
     const Matrix3d steps = scale * (Matrix3d::Identity() - cross) * cell.half.asDiagonal();
     const Vector3d reach = steps.cwiseAbs().rowwise().sum() / least_divisor;  // of |q|
@@ -280,7 +285,7 @@ class BoundedSearch {
       const double change = slopes.cwiseAbs().sum() / least_divisor + rest;
       // log(1 + t) >= t + change + log(1 - change) for |t| <= change < 1
       const double curved = change < 1 ? -std::log1p(-change) - change : kInfinity;
-      const double to_least_width = std::log(width) - log_least_width_;
+      const double to_least_width = logs(i) - log_least_width_;
       if (change + curved < to_least_width) {
         linear += slopes;
         bound -= rest + curved;
