@@ -14,6 +14,8 @@ namespace {
 
 /// More than wait for the work at most.
 constexpr int kMany = 20'000;
+/// More than one block, and not so many that they have to wait.
+constexpr int kSome = 3000;
 
 /// Whose row is gone at once.
 void pass(SampleRelay& relay, int number, bool with_currents = false) {
@@ -79,11 +81,11 @@ TEST_CASE("a relay whose reader has given up ends without what waits", "[sample_
       if (worked_on++ == 0) begun.set_value();
       goes_on.wait();
     });
-    for (int n = 0; n < 1000; ++n) pass(relay, n);
+    for (int n = 0; n < kSome; ++n) pass(relay, n);
     begun.get_future().wait();
     go_on.set_value();
   }
-  CHECK(worked_on < 1000);
+  CHECK(worked_on < kSome);
 }
 
 TEST_CASE("other work is done where no sample waits, to its end", "[sample_relay]") {
