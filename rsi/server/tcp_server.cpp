@@ -1,5 +1,7 @@
 #include "rsi/server/tcp_server.hpp"
 
+#include <algorithm>
+#include <cerrno>
 #include <cstring>
 #include <stdexcept>
 #include <utility>
@@ -10,6 +12,7 @@
 
 #include "rsi/server/port_owner.hpp"
 #include "rsi/server/socket_options.hpp"
+#include "rsi/server/udp_control.hpp"
 #include "rsi/telegram/ipoc.hpp"
 
 namespace rsi {
@@ -67,9 +70,11 @@ TcpServer::TcpServer(Options options) : Server(std::move(options)) {
   error_code error;
   acceptor_.open(tcp::v4(), error);
   // Lets the port be had again while old connections to it die out; Linux still refuses it to a
-  // second program that listens. Connections inherit the receive buffer.
+  // second program that listens. Connections inherit the receive buffer and the wish for stamps.
   if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
   set_receive_buffer(enlarge_receive_buffer(acceptor_));
+  error_code ignored;  // where it is missing, times are taken later
+  acceptor_.set_option(SocketOption<SOL_SOCKET, SO_TIMESTAMPNS>(1), ignored);
   if (!error) acceptor_.bind(to_asio<tcp>(listen_at), error);
   if (!error) acceptor_.listen(kBacklog, error);
   if (!error) acceptor_.non_blocking(true, error);
@@ -80,7 +85,7 @@ TcpServer::TcpServer(Options options) : Server(std::move(options)) {
 void TcpServer::warm() noexcept {
   Server::warm();
   constexpr std::string_view kTelegram = "<Rob Type=\"KUKA\"><IPOC>1</IPOC></Rob>";
-  for (auto& [socket, peer, local, broken, spoke, framer] : connections_) {
+  for (auto& [socket, peer, local, broken, spoke, last_read, framer] : connections_) {
     const auto room = framer.room();
     std::memset(room.data(), 0, room.size());
     std::memcpy(room.data(), kTelegram.data(), kTelegram.size());
@@ -102,6 +107,7 @@ void TcpServer::run() noexcept {
   accept();
   while (!stopping()) {
     looking_ = clock();
+    looked_ = now();
     const bool silent = context_.run_one_for(longest_look()) == 0;
     beat();
     if (silent && !pausing_) heard_all_until(looking_);
@@ -160,14 +166,29 @@ void TcpServer::wait(Connection& connection) noexcept {
 
 std::optional<std::size_t> TcpServer::read(Connection& connection) noexcept {
   const auto room = connection.framer.room();
-  error_code error;
-  const auto received =
-      connection.socket.read_some(boost::asio::buffer(room.data(), room.size()), error);
-  connection.framer.received(received);
-  const bool nothing =
-      error == boost::asio::error::would_block || error == boost::asio::error::interrupted;
-  if (error && (connection.broken || !nothing)) return std::nullopt;
-  return received;
+  UdpControl control{};
+  iovec place{room.data(), room.size()};
+  msghdr message{};
+  message.msg_iov = &place;
+  message.msg_iovlen = 1;
+  message.msg_control = control.bytes.data();
+  message.msg_controllen = control.bytes.size();
+  // Asio hands out no stamps.
+  const auto received = recvmsg(connection.socket.native_handle(), &message, MSG_DONTWAIT);
+  if (received <= 0) {
+    const bool nothing = received < 0 && (errno == EAGAIN || errno == EINTR);
+    if (connection.broken || !nothing) return std::nullopt;
+    return 0;
+  }
+  const auto bytes = static_cast<std::size_t>(received);
+  connection.framer.received(bytes);
+  TcpRead& came = connection.last_read;
+  came = {.after = std::max(came.last, looked_), .taken = now(), .bytes = {room.data(), bytes}};
+  in_pktinfo no_datagram{};
+  std::uint32_t none_dropped = 0;
+  read_control(message, came.last, no_datagram, none_dropped);
+  if (came.last.count() == 0) came.last = came.taken;
+  return bytes;
 }
 
 void TcpServer::receive() noexcept {
@@ -200,13 +221,13 @@ void TcpServer::receive_next() noexcept {
 }
 
 void TcpServer::serve_received(std::string_view first) noexcept {
-  const Timestamp time = now();
   std::size_t count = 0;
   do {
     for (count = 0; count < datagrams_.size(); ++count) {
       const auto telegram = first.empty() ? served_->framer.next() : std::exchange(first, {});
       if (telegram.empty()) break;
-      datagrams_[count] = {time, served_->peer, served_->local, telegram, false};
+      datagrams_[count] = {served_->last_read.came(telegram), served_->peer, served_->local,
+                           telegram, false};
       spoke_ = looking_;
       served_->spoke = true;
     }
@@ -219,6 +240,7 @@ void TcpServer::close(Connection& connection) noexcept {
   error_code ignored;
   connection.socket.close(ignored);
   connection.framer.reset();
+  connection.last_read = {};
   connection.broken = connection.spoke = false;
   count_skipped();
 }

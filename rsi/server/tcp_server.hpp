@@ -9,6 +9,7 @@
 #include "rsi/asio.hpp"
 
 #include "rsi/server/server.hpp"
+#include "rsi/server/tcp_read.hpp"
 #include "rsi/telegram/tcp_framer.hpp"
 
 namespace rsi {
@@ -25,9 +26,9 @@ namespace rsi {
 /// and at once is closed, since what follows could not be told apart.
 ///
 /// A telegram is handed over as a datagram from the controller's end of the connection to local(),
-/// with the time at which it was read: recordings hold UDP packets between these two, without
-/// lengths and without what is between telegrams. What waits is read at once, and the drain rule of
-/// Server holds for it.
+/// with the time at which the kernel got its last byte (SO_TIMESTAMPNS; see tcp_read.hpp):
+/// recordings hold UDP packets between these two, without lengths and without what is between
+/// telegrams. What waits is read at once, and the drain rule of Server holds for it.
 class TcpServer : public Server {
  public:
   /// Listens; no other program can then have the port. Throws std::runtime_error with what to do.
@@ -46,6 +47,7 @@ class TcpServer : public Server {
     Endpoint local{};
     bool broken = false;  // a reply did not leave: what has come is taken, then it is closed
     bool spoke = false;
+    TcpRead last_read{};
     TcpFramer framer{};
   };
 
@@ -55,7 +57,7 @@ class TcpServer : public Server {
   /// Takes what comes there, until it is closed.
   void wait(Connection& connection) noexcept;
   /// How many bytes came; nothing if the connection is to be closed.
-  [[nodiscard]] static std::optional<std::size_t> read(Connection& connection) noexcept;
+  [[nodiscard]] std::optional<std::size_t> read(Connection& connection) noexcept;
   void receive() noexcept;
   void receive_next() noexcept;
   /// All that has come whole; `first` was taken from the framer before.
@@ -81,6 +83,7 @@ class TcpServer : public Server {
   Connection* next_ = &connections_[1];      // waits
   Connection* accepted_ = &connections_[2];  // is to come
   Callers::Time looking_;
+  Timestamp looked_{};  // the same by the system's clock
   Callers::Time next_since_;
   Callers::Time spoke_;  // the one that is served
   std::array<Datagram, kMostAtOnce> datagrams_;

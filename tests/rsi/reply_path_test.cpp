@@ -108,9 +108,8 @@ bool only_these(std::vector<int> calls) {
 
 const std::vector<int> kOverUdp{SYS_recvmmsg, SYS_sendto};
 /// With a new connection, and the end of the old one.
-const std::vector<int> kOverTcp{SYS_epoll_wait, SYS_epoll_ctl, SYS_recvfrom,
-                                SYS_recvmsg,    SYS_sendmsg,   SYS_setsockopt,
-                                SYS_accept,     SYS_ioctl,     SYS_close};
+const std::vector<int> kOverTcp{SYS_epoll_wait, SYS_epoll_ctl,  SYS_recvmsg, SYS_sendmsg,
+                                SYS_accept,     SYS_setsockopt, SYS_ioctl,   SYS_close};
 
 std::string telegram(std::uint64_t ipoc) {
   return "<Rob Type=\"KUKA\"><RIst X=\"1.0\"/><IPOC>" + std::to_string(ipoc) + "</IPOC></Rob>\n";

@@ -5,6 +5,9 @@
 #include <thread>
 #include <vector>
 
+#include <linux/sockios.h>
+#include <sys/ioctl.h>
+
 #include "rsi/asio.hpp"
 
 #include "rsi/server/udp_server.hpp"
@@ -115,6 +118,30 @@ TEST_CASE("what waits when the server starts is all handed over, more than fits 
   CHECK(telegrams == kTelegrams);
   CHECK(server.counts().answered + server.counts().superseded == kTelegrams);
   CHECK(server.counts().answered < kTelegrams / 2);
+}
+
+TEST_CASE("a telegram that waited came when the kernel got it, and not when it was read",
+          "[tcp_server]") {
+  const TcpServer first(
+      on_loopback());  // after the first wish for stamps the kernel needs a moment
+  bool stamped = false;
+  for (int attempt = 0; attempt < 100 && !stamped; ++attempt) {
+    TcpServer server(on_loopback());
+    TcpController controller(server);
+    controller.send(telegram(4));
+    for (int waits = 1; waits > 0; std::this_thread::yield())
+      REQUIRE(ioctl(controller.socket.native_handle(), SIOCOUTQ, &waits) == 0);
+    const auto started = rsi::now();
+    std::thread thread([&] { server.run(); });
+    CHECK(controller.receive(reply(4).size()) == reply(4));
+    server.stop();
+    thread.join();
+    Datagram datagram;
+    REQUIRE(server.datagrams().pop(datagram));
+    CHECK(datagram.payload == telegram(4));
+    stamped = datagram.time <= started;
+  }
+  CHECK(stamped);
 }
 
 TEST_CASE("a reply has a length before it if the telegram had one, in the same form",
