@@ -108,12 +108,19 @@ void TcpServer::run() noexcept {
   while (!stopping()) {
     looking_ = clock();
     looked_ = now();
-    const bool silent = context_.run_one_for(longest_look()) == 0;
+    context_.run_one_for(longest_look());
     beat();
-    if (silent && !pausing_) heard_all_until(looking_);
+    if (took_all() && !pausing_) heard_all_until(looking_);
     if (next_->socket.is_open() && looking_ - next_since_ >= kLongestWait && spoke_ >= next_since_)
       close(*next_);
   }
+}
+
+// NOLINTNEXTLINE(bugprone-exception-escape): as run()
+bool TcpServer::took_all() noexcept {
+  for (std::size_t taken = 0; taken < kMostAtOnce; ++taken)
+    if (context_.poll_one() == 0) return true;
+  return false;
 }
 
 void TcpServer::accept() noexcept {

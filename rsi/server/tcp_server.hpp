@@ -51,6 +51,9 @@ class TcpServer : public Server {
     TcpFramer framer{};
   };
 
+  /// Takes what else has come. False if that is too much for now: a flood of connections.
+  // NOLINTNEXTLINE(bugprone-exception-escape): see its definition
+  [[nodiscard]] bool took_all() noexcept;
   void accept() noexcept;
   /// The one that was accepted.
   void admit() noexcept;

@@ -318,6 +318,26 @@ TEST_CASE("over TCP, too, a stream whose beginning was not heard is not answered
   CHECK(running.server.counts().not_begun == 3);
 }
 
+TEST_CASE("who connects again and again does not hide that the controller was silent",
+          "[tcp_server]") {
+  auto options = on_loopback();
+  options.only_from_the_beginning = true;
+  options.controller = 0x7f000002;
+  HandClock::time = 1h;
+  options.clock = HandClock::now;
+  TcpRunning running(std::move(options));
+  for (auto time = 1h + 0ms; time < 1h + 2s; time += 10ms) {
+    HandClock::time = time;
+    CHECK(TcpController(running.server).closed_by_server());
+  }
+  TcpController controller(running.server, 0x7f000002);
+  controller.send(telegram(4));
+  CHECK(running.next().payload == telegram(4));
+  running.stop();
+  CHECK(running.server.counts().not_begun == 0);
+  CHECK(running.server.counts().answered == 1);
+}
+
 TEST_CASE("over TCP a controller that only sends gets no reply", "[tcp_server]") {
   auto options = on_loopback();
   options.reply.reset();
