@@ -8,8 +8,9 @@
 
 namespace rsi {
 
+using namespace std::chrono_literals;
+
 std::chrono::nanoseconds ipoc_unit(std::span<std::chrono::nanoseconds> per_count) noexcept {
-  using namespace std::chrono_literals;
   constexpr std::chrono::nanoseconds kMillisecond = 1ms;
   constexpr std::chrono::nanoseconds kTolerance = 250us;
   if (per_count.empty()) return kMillisecond;
@@ -27,6 +28,17 @@ namespace {
 /// number.
 bool older(std::uint64_t ipoc, std::uint64_t other) {
   return other - ipoc - 1 < std::uint64_t{1} << 63;
+}
+
+/// Whether the IPOC rose by more than its unit permits in this time. Its pace may be a quarter off.
+bool is_ahead(std::uint64_t rise, std::chrono::nanoseconds unit, std::chrono::nanoseconds since) {
+  return static_cast<std::int64_t>(rise) * unit / 4 * 3 > since;
+}
+
+/// Longer ones say no more, and their sums do not overflow.
+std::chrono::nanoseconds clamped(std::chrono::nanoseconds time) {
+  constexpr std::chrono::nanoseconds kLongest = 1h;
+  return std::clamp(time, -kLongest, kLongest);
 }
 
 /// A hash of all bytes. Four words at a time: std::hash waits for each one before the next, which
@@ -72,6 +84,7 @@ Arrival LinkStatistics::add(const Datagram& datagram, std::uint64_t ipoc,
   if (run_.distinct == 0) {
     run_ = {.oldest = ipoc, .newest = ipoc};
     milestones_.fill({ipoc, datagram.time});
+    lag_ = 0ns;
   } else if (arrival == Arrival::in_order) {
     learn_pace(ipoc - run_.newest, {ipoc, datagram.time});
   }
@@ -93,8 +106,12 @@ LinkCounts LinkStatistics::counts() const {
 
 std::chrono::nanoseconds LinkStatistics::unit() const {
   auto per_count = per_count_;
-  return ipoc_unit({per_count.data(),
-                    static_cast<std::size_t>(std::min<std::uint64_t>(paces_, per_count.size()))});
+  const auto unit =
+      ipoc_unit({per_count.data(),
+                 static_cast<std::size_t>(std::min<std::uint64_t>(paces_, per_count.size()))});
+  const auto step = static_cast<std::int64_t>(this->step().value_or(0));
+  const auto span = static_cast<std::int64_t>(milestones_.size()) * step * unit;
+  return has_times_ && step > 0 && 2 * tick_ > span ? 1ms : unit;
 }
 
 std::optional<std::chrono::nanoseconds> LinkStatistics::cycle() const {
@@ -114,8 +131,16 @@ Arrival LinkStatistics::judge(const Seen& came, const Endpoint& source) const {
   if (!older(run_.newest, came.ipoc))
     return source == source_ ? judge_fallen(came) : Arrival::restart;
   const std::uint64_t rise = came.ipoc - run_.newest;
-  return rise > kLongestGap || (source != source_ && rise != step()) ? Arrival::restart
-                                                                     : Arrival::in_order;
+  const bool other = source != source_ && rise != step();
+  return rise > kLongestGap || other || ran_ahead(came) ? Arrival::restart : Arrival::in_order;
+}
+
+bool LinkStatistics::ran_ahead(const Seen& came) const {
+  constexpr auto kUneven = 200ms;
+  if (!has_times_ || paces_ < kTells || run_.distinct < kTells) return false;
+  const auto since = clamped(came.time - newest().time);
+  // A clock that was set back tells nothing.
+  return since >= 0ns && is_ahead(came.ipoc - run_.newest, unit_, since + lag_ + kUneven);
 }
 
 Arrival LinkStatistics::judge_fallen(const Seen& came) const {
@@ -153,11 +178,16 @@ void LinkStatistics::complete(const Seen& came) {
 }
 
 void LinkStatistics::learn_pace(std::uint64_t rise, const Milestone& now) {
+  const auto since_newest = clamped(now.time - newest().time);
+  if (since_newest > 0ns) tick_ = std::min(tick_, since_newest);
+  lag_ = std::max(0ns, clamped(lag_ + since_newest - static_cast<std::int64_t>(rise) * unit_));
   Milestone& before = milestones_[next_milestone_++ % milestones_.size()];
   const auto since = now.time - before.time;
   has_times_ = has_times_ || since != std::chrono::nanoseconds(0);
-  if (since >= std::chrono::nanoseconds(0))
+  if (since >= std::chrono::nanoseconds(0)) {
     per_count_[paces_++ % kPaces] = since / static_cast<std::int64_t>(now.ipoc - before.ipoc);
+    if (paces_ == kTells || paces_ % kRecent == 0) unit_ = unit();
+  }
   before = now;
   if (rise > kLargestStep) return;
   const std::uint64_t lead = steps_[usual_step_];

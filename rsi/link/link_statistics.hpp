@@ -52,7 +52,8 @@ struct LinkCounts {
 /// An IPOC that falls back is that of a copy, of a latecomer or of an RSI that began anew. A copy
 /// has the content of what was seen, and comes within a second of it. A latecomer fills a gap among
 /// the last 256 telegrams. All else is a restart, but what is `cut` restarts no stream of whole
-/// telegrams.
+/// telegrams. So is an IPOC that runs ahead by more than can have been sent in the time that passed
+/// since the most punctual telegrams: what was not sent was not lost.
 class LinkStatistics {
  public:
   /// `delay`: the telegram's <Delay D=>, where it has one. What a datagram holds that is `cut` is
@@ -71,6 +72,7 @@ class LinkStatistics {
   }
 
   /// What one count of the IPOC lasts by the last 1024 telegrams, see ipoc_unit().
+  /// 1 ms too where stamps are coarser than eight cycles.
   [[nodiscard]] std::chrono::nanoseconds unit() const;
   /// From one telegram to the next: that unit times the step. Nothing without a step, nor where
   /// telegrams have no times and their IPOC only counts them.
@@ -99,7 +101,12 @@ class LinkStatistics {
   [[nodiscard]] std::uint64_t lost_in(const Run& run) const;
   [[nodiscard]] Arrival judge(const Seen& came, const Endpoint& source) const;
   [[nodiscard]] Arrival judge_fallen(const Seen& came) const;
+  [[nodiscard]] bool ran_ahead(const Seen& came) const;
   [[nodiscard]] const Seen* seen(std::uint64_t ipoc) const;
+  /// The last one in order.
+  [[nodiscard]] const Milestone& newest() const {
+    return milestones_[(next_milestone_ + milestones_.size() - 1) % milestones_.size()];
+  }
   void complete(const Seen& came);
   void learn_pace(std::uint64_t rise, const Milestone& now);
   void count_late(std::uint64_t ipoc, std::uint64_t delay);
@@ -116,6 +123,8 @@ class LinkStatistics {
   /// A rise by more than a minute is no loss but a restart.
   static constexpr std::uint64_t kLongestGap = 60'000;
   static constexpr std::size_t kLargestStep = 255;
+  /// So many times between telegrams tell what the IPOC counts.
+  static constexpr std::uint64_t kTells = 64;
 
   LinkCounts counts_;
   Run run_;
@@ -134,6 +143,9 @@ class LinkStatistics {
   bool has_times_ = false;                                    // not all the same
   std::array<std::chrono::nanoseconds, kPaces> per_count_{};  // time for each count that IPOC rose
   std::uint64_t paces_ = 0;
+  std::chrono::nanoseconds unit_ = std::chrono::milliseconds(1);  // as it was known last
+  std::chrono::nanoseconds lag_{};  // of the newest in order, behind the most punctual ones
+  std::chrono::nanoseconds tick_ = std::chrono::hours(1);  // the least from one to the next
 };
 
 }  // namespace rsi

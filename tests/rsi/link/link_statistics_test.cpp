@@ -92,6 +92,55 @@ TEST_CASE("an IPOC that jumps, or a new port, is a restart and not a loss", "[li
   CHECK(link.counts().lost == 0);
 }
 
+TEST_CASE("an IPOC that jumps ahead of the clock is a restart and not a loss",
+          "[link_statistics]") {
+  const std::uint64_t step = GENERATE(1u, 4u, 10u);
+  const std::uint64_t jump = GENERATE(3'000u, 50'000u);
+  CAPTURE(step, jump);
+  RestingLink link;
+  for (std::uint64_t k = 0; k < 600; ++k)
+    link.add(5'000 + step * k + (k < 300 ? 0 : jump), "", k * 4ms);
+  CHECK(link.counts().restarts == 1);
+  CHECK(link.counts().lost == 0);
+}
+
+TEST_CASE("what was lost is counted as lost if the clock has time for it", "[link_statistics]") {
+  constexpr std::uint64_t kLost = 150;
+  const std::uint64_t step = GENERATE(1u, 4u, 10u, 15u);
+  const std::uint64_t first = GENERATE(5'000u, ~std::uint64_t{5'000});  // it passes 2^64, too
+  CAPTURE(first, step);
+  RestingLink link;
+  const auto stream = [&](const auto& time) {
+    for (std::uint64_t k = 0; k < 2000; ++k)
+      if (k < 700 || k >= 700 + kLost) link.add(first + step * k, "", time(k, k * 4ms));
+  };
+  SECTION("as the telegrams are sent") {
+    stream([](auto, rsi::Timestamp sent) { return sent; });
+  }
+  SECTION("behind a pause of who stamps them: they come late, and all at once") {
+    stream([](auto k, rsi::Timestamp sent) { return k < 500 ? sent : std::max(sent, 4s + 0ns); });
+  }
+  SECTION("with a clock that was set back before") {
+    stream([](auto k, rsi::Timestamp sent) { return 1h + sent - (k < 690 ? 0s : 10s); });
+  }
+  SECTION("with a clock that was set back in the gap") {
+    stream([](auto k, rsi::Timestamp sent) { return 1h + sent - (k < 700 ? 0s : 10s); });
+  }
+  CHECK(link.counts().lost == kLost);
+  CHECK(link.counts().restarts == 0);
+}
+
+TEST_CASE("coarse stamps make no restart of a gap, and no other unit", "[link_statistics]") {
+  const rsi::Timestamp tick = GENERATE(16ms, 100ms, 1000ms);
+  CAPTURE(tick.count());
+  RestingLink link;
+  for (std::uint64_t k = 0; k < 2000; ++k)
+    if (k < 700 || k >= 850) link.add(1000 + 4 * k, "", rsi::Timestamp(k * 4ms) / tick * tick);
+  CHECK(link.counts().lost == 150);
+  CHECK(link.counts().restarts == 0);
+  CHECK(link.unit() == 1ms);
+}
+
 TEST_CASE("an IPOC that passes 2^64 is neither a restart nor a loss, whatever its step",
           "[link_statistics]") {
   for (const std::uint64_t step : {1u, 4u, 12u, 15u}) {
