@@ -119,7 +119,7 @@ int export_csv(const ExportOptions& given, std::ostream& out, std::ostream& erro
       options, *search.chosen,
       [&](const rsi::Telegram& telegram, const rsi::Datagram& datagram) {
         const auto arrival = link.add(datagram, telegram.ipoc(), {});
-        const double time = clock.seconds(telegram.ipoc(), datagram.time, link.step(),
+        const double time = clock.seconds(telegram.ipoc(), datagram.time, link.counts_ms(),
                                           arrival == rsi::Arrival::restart);
         std::string row = fixed(time, 3) + "," + std::to_string(telegram.ipoc());
         for (Column& column : columns) {

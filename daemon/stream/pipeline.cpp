@@ -57,7 +57,7 @@ bool Pipeline::telegram(const rsi::Datagram& datagram) {
   waiting.seen.sample = reader_.read(telegram_);
   waiting.seen.currents = reader_.currents();
   waiting.seen.sample.time_s =
-      clock_.seconds(telegram_.ipoc(), datagram.time, link_.statistics().step(), restarted);
+      clock_.seconds(telegram_.ipoc(), datagram.time, link_.statistics().counts_ms(), restarted);
   start_row(waiting.row, waiting.seen.sample.time_s, telegram_.ipoc());
   reader_.append_csv(waiting.row);
   hold();

@@ -14,22 +14,23 @@ double seconds_between(rsi::Timestamp from, rsi::Timestamp to) {
 
 }  // namespace
 
-double SampleClock::seconds(std::uint64_t ipoc, rsi::Timestamp received,
-                            std::optional<std::uint64_t> step, bool restarted) {
-  if (!started_ || restarted) {
-    if (started_)
-      run_start_s_ = std::max(latest_s_ + kPause_s, seconds_between(first_received_, received));
-    else
-      first_received_ = received;
-    started_ = true;
-    run_ipoc_ = ipoc;
-    run_received_ = received;
+double SampleClock::seconds(std::uint64_t ipoc, rsi::Timestamp received, bool counts_ms,
+                            bool restarted) {
+  if (!started_) {
+    first_received_ = received;
+    since_ = newest_ = {0, ipoc, received};
+  } else if (restarted) {
+    since_ = {std::max(newest_.seconds + kPause_s, seconds_between(first_received_, received)),
+              ipoc, received};
+  } else if (counts_ms != counts_ms_) {
+    since_ = newest_;
   }
-  const auto counts = static_cast<std::int64_t>(ipoc - run_ipoc_);  // latecomers: negative
-  const double since =
-      step == 1 ? seconds_between(run_received_, received) : static_cast<double>(counts) / 1000;
-  const double time = run_start_s_ + since;
-  latest_s_ = std::max(latest_s_, time);
+  started_ = true;
+  counts_ms_ = counts_ms;
+  const auto counts = static_cast<std::int64_t>(ipoc - since_.ipoc);  // latecomers: negative
+  const double time = since_.seconds + (counts_ms ? static_cast<double>(counts) / 1000
+                                                  : seconds_between(since_.received, received));
+  if (restarted || time >= newest_.seconds) newest_ = {time, ipoc, received};
   return time;
 }
 

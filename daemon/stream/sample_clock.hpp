@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 
 #include "rsi/datagram.hpp"
 
@@ -10,23 +9,29 @@ namespace sweepd {
 /// Gives samples their time in seconds since the first one.
 ///
 /// A controller's IPOC counts milliseconds: a clock without the network's jitter. Some simulators
-/// raise it by one a telegram; then the time of reception is all there is. After a restart the time
-/// goes on by the time of reception, at least half a second later. Times depend on the datagrams
-/// alone, so that a replay gives those of the live run.
+/// raise it otherwise; then the time of reception is all there is. Which of the two it is may only
+/// be known after a while: then time goes on from the newest sample, without a jump. After a
+/// restart the time goes on by the time of reception, at least half a second later. Times depend on
+/// the datagrams alone, so that a replay gives those of the live run.
 class SampleClock {
  public:
-  /// `step`: the IPOC's step as learned so far; `restarted`: this telegram is the first of a new
-  /// run.
-  [[nodiscard]] double seconds(std::uint64_t ipoc, rsi::Timestamp received,
-                               std::optional<std::uint64_t> step, bool restarted);
+  /// `counts_ms`: what LinkStatistics::counts_ms() says so far; `restarted`: this telegram is the
+  /// first of a new run.
+  [[nodiscard]] double seconds(std::uint64_t ipoc, rsi::Timestamp received, bool counts_ms,
+                               bool restarted);
 
  private:
+  struct Moment {
+    double seconds = 0;
+    std::uint64_t ipoc = 0;
+    rsi::Timestamp received{};
+  };
+
   bool started_ = false;
+  bool counts_ms_ = true;
   rsi::Timestamp first_received_{};
-  double run_start_s_ = 0;
-  std::uint64_t run_ipoc_ = 0;
-  rsi::Timestamp run_received_{};
-  double latest_s_ = 0;
+  Moment since_;   // times are counted from here
+  Moment newest_;  // sample
 };
 
 }  // namespace sweepd

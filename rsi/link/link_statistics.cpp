@@ -114,6 +114,15 @@ std::chrono::nanoseconds LinkStatistics::unit() const {
   return has_times_ && step > 0 && 2 * tick_ > span ? 1ms : unit;
 }
 
+bool LinkStatistics::counts_ms() const {
+  constexpr auto kUneven = 20ms;
+  if (step() == 1 && (!has_times_ || paces_ < kTells)) return false;
+  if (paces_ >= kTells) return unit_ == 1ms;
+  const Milestone& before = milestones_[next_milestone_ % milestones_.size()];
+  const auto since = clamped(newest().time - before.time);
+  return !has_times_ || since < 0ns || !is_ahead(newest().ipoc - before.ipoc, 1ms, since + kUneven);
+}
+
 std::optional<std::chrono::nanoseconds> LinkStatistics::cycle() const {
   const auto step = this->step();
   if (!step || (*step == 1 && !has_times_)) return std::nullopt;

@@ -74,6 +74,9 @@ class LinkStatistics {
   /// What one count of the IPOC lasts by the last 1024 telegrams, see ipoc_unit().
   /// 1 ms too where stamps are coarser than eight cycles.
   [[nodiscard]] std::chrono::nanoseconds unit() const;
+  /// Whether the IPOC is a clock that counts milliseconds, by unit() so far. Until 64 telegrams
+  /// have told it is, unless it rises by one a telegram or runs ahead of the time of reception.
+  [[nodiscard]] bool counts_ms() const;
   /// From one telegram to the next: that unit times the step. Nothing without a step, nor where
   /// telegrams have no times and their IPOC only counts them.
   [[nodiscard]] std::optional<std::chrono::nanoseconds> cycle() const;

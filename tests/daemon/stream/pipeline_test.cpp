@@ -397,3 +397,27 @@ TEST_CASE("on two threads a pipeline finds what it finds on one", "[pipeline]") 
   CHECK(two->pipeline.counts().malformed_in_all() == 1);
   CHECK(two->pipeline.counts().link.restarts == 1);
 }
+
+TEST_CASE("samples of an IPOC that does not count milliseconds have the time of reception",
+          "[pipeline]") {
+  struct Kind {
+    std::uint64_t step;
+    double late_s;  // at most: what the first ones got before it was known
+  };
+  const auto kind = GENERATE(Kind{1, 0}, Kind{2, 0.128}, Kind{10, 0.036}, Kind{400, 0},
+                             Kind{4000, 0}, Kind{4, 0});
+  CAPTURE(kind.step);
+  Watched watched;
+  for (std::uint64_t k = 0; k < 1000; ++k)
+    watched.add(telegram(50'000 + kind.step * k, joint_1_at(20)), k * 4ms);
+  watched.pipeline.finish();
+  REQUIRE(watched.samples.size() == 1000);
+  double before_s = -1;
+  for (std::size_t k = 0; k < 1000; ++k) {
+    CAPTURE(k);
+    const double time_s = watched.samples[k].time_s;
+    REQUIRE(time_s > before_s);
+    REQUIRE(std::abs(time_s - 0.004 * static_cast<double>(k)) < kind.late_s + 1e-9);
+    before_s = time_s;
+  }
+}

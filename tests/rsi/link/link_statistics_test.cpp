@@ -331,6 +331,35 @@ TEST_CASE("loss, duplication and exchange at random are counted exactly", "[link
   CHECK(link.counts().reordered == swapped);
 }
 
+TEST_CASE("whether the IPOC counts milliseconds is told by the clock", "[link_statistics]") {
+  struct Kind {
+    std::uint64_t step;
+    std::chrono::nanoseconds cycle;
+    bool counts_ms;
+    std::uint64_t known_by;
+  };
+  const auto kind = GENERATE(Kind{4, 4ms, true, 1}, Kind{12, 12ms, true, 1}, Kind{1, 4ms, false, 2},
+                             Kind{2, 4ms, false, 65}, Kind{10, 4ms, false, 7},
+                             Kind{400, 4ms, false, 2}, Kind{4000, 4ms, false, 2});
+  CAPTURE(kind.step, kind.cycle.count());
+  RestingLink link;
+  for (std::uint64_t k = 0; k < 3000; ++k) {
+    link.add(1000 + kind.step * k, "", static_cast<std::int64_t>(k) * kind.cycle);
+    CAPTURE(k);
+    if (k + 1 >= kind.known_by) REQUIRE(link.counts_ms() == kind.counts_ms);
+  }
+  CHECK((link.unit() == 1ms) == kind.counts_ms);
+}
+
+TEST_CASE("a first telegram that is 15 ms late makes an IPOC of milliseconds no other",
+          "[link_statistics]") {
+  RestingLink link;
+  for (std::uint64_t k = 0; k < 300; ++k) {
+    link.add(1000 + 4 * k, "", k == 0 ? 15ms : std::max<std::chrono::milliseconds>(k * 4ms, 15ms));
+    REQUIRE(link.counts_ms());
+  }
+}
+
 namespace {
 
 std::chrono::nanoseconds unit(std::vector<std::chrono::nanoseconds> per_count) {
