@@ -5,6 +5,20 @@
 #include "rsi/telegram/ipoc.hpp"
 
 namespace rsi {
+namespace {
+
+/// A cycle in nanoseconds is less.
+constexpr std::uint64_t kLargestStep = 100'000'000;
+/// So many steps at once: some telegrams were lost.
+constexpr std::uint64_t kMostSteps = 4;
+
+/// Two rises of one step, which a clock may shorten or lengthen.
+bool are_alike(std::uint64_t rise, std::uint64_t other) noexcept {
+  const auto [less, more] = std::minmax(rise, other);
+  return more <= kLargestStep && less >= more - more / 4;
+}
+
+}  // namespace
 
 void Callers::deaf_until(Time time) noexcept {
   unknown_until_ = time;
@@ -33,10 +47,16 @@ void Callers::telegram(std::uint32_t address, std::uint64_t ipoc, Time now) noex
   Caller& caller = place_of(address);
   if (caller.spoke && was_overtaken(caller.ipoc, ipoc)) return;
   const auto rise = ipoc - caller.ipoc;
-  const bool in_step = caller.spoke && rise < kNoLatecomer;
+  const auto last_rise = ipoc - caller.odd_ipoc;
+  const bool large = caller.odd && are_alike(last_rise, caller.odd_ipoc - caller.ipoc);
+  if (large) caller.step = last_rise;
+  const bool in_step =
+      caller.spoke && (large || rise < std::max(kNoLatecomer, kMostSteps * caller.step));
   // One that is out of step may be damaged, two have begun anew.
   caller.odd = caller.spoke && !in_step && !caller.odd;
+  caller.odd_ipoc = ipoc;
   if (caller.odd) return;
+  if (!in_step) caller.step = 0;
   caller.spoke = true;
   caller.ipoc = ipoc;
   if (!in_step || now - caller.first > kSilence) {

@@ -25,7 +25,8 @@ class Callers {
   using Time = std::chrono::steady_clock::time_point;
   /// Between two telegrams of one stream there is less.
   static constexpr std::chrono::seconds kSilence{1};
-  /// So many IPOCs that rise, each by less than a second's, are a stream.
+  /// So many IPOCs that rise, each by less than a second's, are a stream. Where an IPOC rises by
+  /// more a telegram, as one that does not count milliseconds may, two such rises tell its step.
   static constexpr unsigned kSteps = 3;
 
   /// The port is there, or datagrams were lost unseen: nobody is known to have been silent before.
@@ -53,8 +54,10 @@ class Callers {
     std::uint32_t address = 0;  // 0: a free place
     Time heard;
     bool began = false;
-    bool spoke = false;      // a telegram
-    bool odd = false;        // the last one was out of step
+    bool spoke = false;  // a telegram
+    bool odd = false;    // the last one was out of step,
+    std::uint64_t odd_ipoc = 0;
+    std::uint64_t step = 0;  // where that is large
     unsigned steps = 0;      // in step, since `first`
     std::uint64_t ipoc = 0;  // the newest
     Time first;

@@ -94,3 +94,34 @@ TEST_CASE("another's silence tells nothing, and one that was pushed out counts a
   for (std::uint32_t many = 1; many <= 8; ++many) port.hear(kOther + many);
   CHECK_FALSE(port.hear(kCaller));
 }
+
+TEST_CASE("a controller is known whatever its IPOC rises by, and nobody takes its place",
+          "[callers]") {
+  const std::uint64_t step = GENERATE(1u, 4u, 999u, 1000u, 4000u, 4'000'000u);
+  CAPTURE(step);
+  Callers callers;
+  auto now = kBound;
+  std::uint64_t ipoc = ~std::uint64_t{0} - 10 * step;  // it passes 2^64
+  for (std::uint64_t k = 0; k < 300; ++k, now += 4ms) {
+    callers.heard_all_until(now);
+    callers.hear(kCaller, now);
+    // A clock of microseconds is not even; some are lost.
+    if (k % 50 < 48) callers.telegram(kCaller, ipoc + (step > 1000 ? k % 3 : 0), now);
+    ipoc += step;
+    if (k < 5) continue;
+    CHECK(callers.rank(kCaller) == Callers::kSteps);
+    CHECK_FALSE(callers.may_be_controller(kOther));
+  }
+}
+
+TEST_CASE("IPOCs that rise at random are no stream", "[callers]") {
+  Callers callers;
+  auto now = kBound;
+  std::uint64_t ipoc = 1;
+  for (int k = 0; k < 100; ++k, now += 4ms) {
+    callers.heard_all_until(now);
+    callers.hear(kCaller, now);
+    callers.telegram(kCaller, ipoc *= 0x9e37'79b9'7f4a'7c15, now);
+    CHECK(callers.rank(kCaller) < Callers::kSteps);
+  }
+}
