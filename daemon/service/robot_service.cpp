@@ -213,8 +213,9 @@ void RobotService::take_from_other(const rsi::Datagram& datagram, rsi::Handling 
                                    std::uint32_t peer) {
   waiting_.add(datagram, handling, peer);
   if (!handling.streams) return;
-  session_log_.note("{} streams: it is the controller, and what came before was none",
-                    rsi::address_text(peer));
+  session_log_.note("{} streams: it is the controller now; before it was {}, with {}",
+                    rsi::address_text(peer), rsi::address_text(controller_),
+                    rsi::counted(session_->link().statistics().counts().telegrams, "telegram"));
   end_session();
   waiting_.leave_only(peer);
   take_waiting();

@@ -328,10 +328,12 @@ TEST_CASE("no recording is deleted before its session has a result",
 
 TEST_CASE("a stray with an IPOC neither keeps out the controller nor shares its recording",
           "[live][robot_service][issue11][point_8]") {
+  const SaidLines said;
   const TemporaryFolder folder;
   const auto output = folder / "out";
   auto robot = settings(output);
   robot.silence = 20s;
+  spdlog::set_level(spdlog::level::info);
   RobotService service(robot);
   service.start();
   auto stray = at(service.local());
@@ -343,6 +345,10 @@ TEST_CASE("a stray with an IPOC neither keeps out the controller nor shares its 
   const auto report = stream(service.local(), 100);
   CHECK(report.controller.telegrams + report.skipped == 100);
   service.stop();
+  spdlog::set_level(spdlog::level::off);
+  CHECK_THAT(said.text(),
+             ContainsSubstring("127.0.0.1 streams: it is the controller now; before it "
+                               "was 127.0.0.2, with 1 telegram\n"));
   auto folders = sessions(output);
   folders.erase(of_stray);
   REQUIRE(folders.size() == 1);
