@@ -189,6 +189,11 @@ void Identifier::write(std::unique_ptr<SessionEnd> end) {
   }
 }
 
+void Identifier::write_to(std::filesystem::path robot_folder) {
+  const std::lock_guard lock(mutex_);
+  robot_folder_ = std::move(robot_folder);
+}
+
 void Identifier::try_again(Steady::time_point now) {
   {
     const std::lock_guard lock(mutex_);
@@ -203,6 +208,8 @@ void Identifier::write_again() {
   {
     const std::lock_guard lock(mutex_);
     ends.swap(unwritten_);
+    for (auto& end : ends)
+      if (robot_folder_ && end->folder.empty()) end->robot_folder = *robot_folder_;
   }
   const auto failures = ends.size();
   for (auto& end : ends) write(std::move(end));

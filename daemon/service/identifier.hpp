@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -57,6 +58,8 @@ class Identifier {
   void last(SessionEnd end);
   /// How the link does while the session goes on.
   void link(std::shared_ptr<const Recording> recording, LinkFiles link, Log log);
+  /// Sessions that no folder could be made for are tried in this one from now on. Any thread.
+  void write_to(std::filesystem::path robot_folder);
   /// To be called now and then: what could not be written is tried again when its time has come.
   void try_again(Steady::time_point now);
 
@@ -93,6 +96,7 @@ class Identifier {
   std::mutex mutex_;                                   // of the following
   std::deque<std::unique_ptr<SessionEnd>> waiting_;    // for the identification; a job each
   std::deque<std::unique_ptr<SessionEnd>> unwritten_;  // older than those
+  std::optional<std::filesystem::path> robot_folder_;  // given since the start
   Steady::time_point retry_at_{};
   Steady::duration retry_after_{};
   bool retrying_ = false;  // or about to

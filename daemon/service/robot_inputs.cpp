@@ -1,5 +1,6 @@
 #include "daemon/service/robot_inputs.hpp"
 
+#include <stdexcept>
 #include <system_error>
 #include <utility>
 
@@ -58,6 +59,15 @@ RunFacts RobotInputs::run_facts() const {
   return facts;
 }
 
+void RobotInputs::make_folder() const {
+  std::error_code error;
+  std::filesystem::create_directories(folder(), error);
+  if (error)
+    throw std::runtime_error("cannot make the folder " + folder().string() + " (" +
+                             error.message() +
+                             "): give one that may be written with `output` or --output");
+}
+
 RobotInputs RobotInputs::read(const RobotSettings& settings) {
   return {settings, load_setup(settings), hashes_of(files_of(settings)),
           hashes_of(settings.ethernet_config ? Files{*settings.ethernet_config} : Files{}),
@@ -69,6 +79,7 @@ ReloadedInputs::ReloadedInputs(const RobotSettings& given)
 
 void ReloadedInputs::reload(const RobotSettings& settings, const Log& log) {
   auto inputs = RobotInputs::read(settings);
+  inputs.make_folder();
   const auto waits = change(started_with_, settings).of(TakesEffect::after_restart);
   const auto changed = change(given_, settings);
   given_ = settings;

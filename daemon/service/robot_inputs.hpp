@@ -33,6 +33,9 @@ struct RobotInputs {
   /// What a session's run.json is told of them.
   [[nodiscard]] RunFacts run_facts() const;
 
+  /// Makes folder(). Throws std::runtime_error.
+  void make_folder() const;
+
   /// Reads the files. Throws ConfigError.
   [[nodiscard]] static RobotInputs read(const RobotSettings& settings);
 };
@@ -42,8 +45,9 @@ class ReloadedInputs {
  public:
   explicit ReloadedInputs(const RobotSettings& given);
 
-  /// Reads the files again, and says what changes with the next session and what needs a restart.
-  /// Throws ConfigError, and changes nothing then. One thread at a time.
+  /// Reads the files again, makes the output folder, and says what changes with the next session
+  /// and what needs a restart. Throws ConfigError or std::runtime_error, and changes nothing then.
+  /// One thread at a time.
   void reload(const RobotSettings& settings, const Log& log);
   /// Nothing if there are none. Another thread's.
   [[nodiscard]] std::optional<RobotInputs> take();

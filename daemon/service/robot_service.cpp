@@ -60,12 +60,7 @@ RobotService::RobotService(const RobotSettings& settings, std::shared_ptr<RobotT
       live_(status_->live) {
   status_->facts.publish(inputs_.facts());
   status_->state.publish(inputs_.first_state(*server_));
-  std::error_code error;
-  std::filesystem::create_directories(inputs_.folder(), error);
-  if (error)
-    throw std::runtime_error("cannot make the folder " + inputs_.folder().string() + " (" +
-                             error.message() +
-                             "): give one that may be written with `output` or --output");
+  inputs_.make_folder();
 }
 
 RobotService::~RobotService() {
@@ -91,6 +86,7 @@ void RobotService::start() {
 void RobotService::reload(const RobotSettings& settings) {
   reloaded_.reload(settings, log_);
   recorder_.reconfigure(settings.recording);
+  identifier_.write_to(settings.output / settings.name);
 }
 
 void RobotService::take_over() {

@@ -45,8 +45,8 @@ class RobotService : private StreamSink {
   /// Throws std::runtime_error where `realtime = "require"` cannot be had.
   void start();
   /// Takes over what can be changed: from the next session on, the limits of recording at once.
-  /// Says what else has changed and needs a restart. Throws ConfigError, and changes nothing then.
-  /// One thread at a time; stop() may come meanwhile.
+  /// Says what else has changed and needs a restart. Throws ConfigError or std::runtime_error, and
+  /// changes nothing then. One thread at a time; stop() may come meanwhile.
   void reload(const RobotSettings& settings);
   /// Writes how the link does into the session's folder, and says it. Any thread; soon afterwards.
   void report_link() noexcept { link_wanted_ = true; }

@@ -106,6 +106,22 @@ TEST_CASE("a session for which the disk had no folder gets one with its result",
   CHECK(fs::exists(bench.folder / "20250101T000000Z/result.json"));
 }
 
+TEST_CASE("a session that has no folder is tried in the one that was given since", "[identifier]") {
+  IdentifierBench bench;
+  const auto recording = std::make_shared<Recording>();
+  recording->finish();
+  auto end = bench.end("20250101T000000Z", recording);
+  end.robot_folder = bench.folder.write("file", "") / "robot";
+  bench.identifier.last(std::move(end));
+  REQUIRE(bench.identifier.drain(std::chrono::steady_clock::now() + 20s));
+  CHECK(bench.identifier.results().pending == 1);
+
+  bench.identifier.write_to(bench.folder / "corrected");
+  bench.identifier.try_again(std::chrono::steady_clock::time_point::max());
+  REQUIRE(eventually([&] { return bench.identifier.results().pending == 0; }));
+  CHECK(fs::exists(bench.folder / "corrected/20250101T000000Z/result.json"));
+}
+
 TEST_CASE("of sessions that wait for a disk that hangs the oldest are given up",
           "[identifier][issue11][point_12]") {
   constexpr std::size_t kSessions = Identifier::kMostWaiting + 10;

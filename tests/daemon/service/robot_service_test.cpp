@@ -566,6 +566,21 @@ TEST_CASE("what makes serving impossible is said before anything is served", "[r
   }
 }
 
+TEST_CASE("an output folder that cannot be made is refused by a reload, as at the start",
+          "[robot_service][live]") {
+  const TemporaryFolder folder;
+  auto robot = settings(folder / "out");
+  RobotService service(robot);
+  service.start();
+  robot.output = folder.write("file", "") / "out";
+  CHECK_THROWS_WITH(service.reload(robot),
+                    ContainsSubstring("cannot make the folder") &&
+                        ContainsSubstring((folder / "file/out/kr5-arc").string()));
+  static_cast<void>(stream(service.local(), 50));
+  CHECK(service.stop());
+  CHECK(fs::exists(*sessions(folder / "out").begin() / "trace.pcap"));
+}
+
 TEST_CASE("a service that does not record says so in its result, and leaves no trace",
           "[robot_service][live]") {
   const TemporaryFolder folder;
