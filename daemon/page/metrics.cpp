@@ -200,7 +200,7 @@ void write_recording(MetricsWriter& to, const std::vector<RobotMetrics>& robots)
   for (const auto& [state, result] : robots)
     to.value({{"robot", state->name}}, state->recording.files);
   to.counter("sweepd_recording_folders_deleted_total",
-             "Folders that were deleted or moved while they were written.");
+             "Folders that were deleted or moved, or had a file cut, while they were written.");
   for (const auto& [state, result] : robots)
     to.value({{"robot", state->name}}, state->recording.folders_deleted);
   to.counter("sweepd_recorded_datagrams_total", "Datagrams of both directions that are recorded.");

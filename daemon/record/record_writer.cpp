@@ -55,7 +55,7 @@ bool RecordWriter::write(Records& records, const RecordingSettings& settings) {
   if (paused_ && now < retry_at_) return false;
   const auto bytes = records.bytes();
   try {
-    look_for_folder();
+    look_for_folder("; recording goes on in a new folder");
     make_folder();
     check_room(settings, now);
     if (session_->files->write(records, {settings.rotate_bytes, settings.rotate}, now)) tidy_soon();
@@ -95,9 +95,10 @@ void RecordWriter::try_again() {
 }
 
 void RecordWriter::close() {
+  report();
+  look_for_folder({});
   sync();
   if (session_->files) sync_folder(session_->files->folder());
-  report();
   session_->recording->finish();
   session_.reset();
 }
@@ -117,14 +118,15 @@ void RecordWriter::make_folder() {
   session_->files.emplace(folder, start.trace, start.csv_header);
   session_->recording->made(folder);
   if (start.on_folder) start.on_folder(folder);
+  if (paused_) tell_pause();
 }
 
-void RecordWriter::look_for_folder() {
+void RecordWriter::look_for_folder(const std::string& what_then) {
   if (!session_->files || session_->files->in_place()) return;
   const RecordingFiles& files = *session_->files;
   say_(Importance::error, "somebody deleted or moved " + files.folder().string() +
-                              " or a file in it while it was written: " + text(files.recorded()) +
-                              " went with it; recording goes on in a new folder");
+                              " or a file in it, or cut such a file, while it was written: " +
+                              text(files.recorded()) + " went with it" + what_then);
   session_->recording->deleted(files.recorded());
   session_->records_before += files.recorded();
   session_->files_before += files.files();
@@ -171,8 +173,14 @@ void RecordWriter::pause(const std::string& why, bool for_room) {
   retry_at_ = now + retry_after_;
   if (!news) return;
   session_->recording->paused();
+  tell_pause();
   paused_ = true;
   say_(Importance::error, "recording pauses, replies go on: " + why);
+}
+
+void RecordWriter::tell_pause() {
+  if (session_->files && session_->start.on_pause)
+    session_->start.on_pause(session_->files->folder());
 }
 
 void RecordWriter::sync() {

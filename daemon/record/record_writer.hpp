@@ -45,6 +45,8 @@ struct SessionStart {
   std::optional<TurnThreads::Group> disk = {};
   /// In the recorder's thread, once the folder is made.
   std::function<void(const std::filesystem::path& folder)> on_folder = {};
+  /// In that thread, once recording pauses, for each such folder: the disk may take nothing then.
+  std::function<void(const std::filesystem::path& folder)> on_pause = {};
 };
 
 /// The disk side of the recorder: the files of one session after the other, when recording pauses
@@ -93,13 +95,14 @@ class RecordWriter {
   };
 
   void make_folder();
-  void look_for_folder();
+  void look_for_folder(const std::string& what_then);
   [[nodiscard]] bool has_room(const std::filesystem::path& folder,
                               const RecordingSettings& settings, Steady::time_point now);
   /// Between sessions, too, a disk that was full has room again, and is said to.
   void look_at_idle_disk(const RecordingSettings& settings, Steady::time_point now);
   void check_room(const RecordingSettings& settings, Steady::time_point now);
   void pause(const std::string& why, bool for_room);
+  void tell_pause();
   void sync();
   void delete_old(const RecordingSettings& settings);
   void report() const;

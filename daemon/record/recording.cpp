@@ -23,7 +23,8 @@ std::string Recording::Counts::gaps() const {
   };
   add(disk != RecordCount{}, text(disk) + " as the disk had no room or refused");
   add(memory_full != RecordCount{}, text(memory_full) + " as the disk was too slow");
-  add(deleted != RecordCount{}, text(deleted) + " with a folder that somebody deleted or moved");
+  add(deleted != RecordCount{},
+      text(deleted) + " with a folder or file that somebody deleted, moved or cut");
   add(files_deleted > 0,
       rsi::counted(files_deleted, "file") + " deleted as keep_bytes and keep_days say");
   if (pauses == 0 && missing.empty()) return {};

@@ -44,8 +44,8 @@ class Recording {
     std::uint64_t files = 0;
     std::uint64_t bytes = 0;
     std::uint64_t pauses = 0;  ///< times that the disk had no room or refused
-    /// Times that somebody deleted or moved the folder while it was written, and what of `recorded`
-    /// went with it.
+    /// Times that somebody deleted, moved or cut the folder or a file in it while it was written,
+    /// and what of `recorded` went with it.
     std::uint64_t folders_deleted = 0;
     RecordCount deleted;
     /// Files of this session that went while it was written, as keep_bytes and keep_days say.

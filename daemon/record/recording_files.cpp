@@ -61,7 +61,8 @@ bool RecordFile::in_place() const noexcept {
   struct stat named {};
   return fstat(file_, &open_one) != 0 ||
          (lstat(path_.c_str(), &named) == 0 && named.st_ino == open_one.st_ino &&
-          named.st_dev == open_one.st_dev);
+          named.st_dev == open_one.st_dev &&
+          static_cast<std::uint64_t>(open_one.st_size) >= bytes_);
 }
 
 void RecordFile::sync() {

@@ -36,7 +36,7 @@ class RecordFile {
   /// Returns once everything is on the disk.
   void sync();
 
-  /// Whether it is still found under its name.
+  /// Whether it is still found under its name, with all that was written.
   [[nodiscard]] bool in_place() const noexcept;
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
   [[nodiscard]] std::uint64_t records() const { return records_; }
@@ -91,7 +91,7 @@ class RecordingFiles {
   /// Takes what is written out of `records`. True if it went to a new file, and not the first.
   bool write(Records& records, const Rotation& rotation, Steady::time_point now);
   void sync();
-  /// Whether the files that are open are still found under their names.
+  /// Whether the files that are open are RecordFile::in_place().
   [[nodiscard]] bool in_place() const;
 
   // In all files so far.

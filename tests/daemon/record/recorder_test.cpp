@@ -15,6 +15,7 @@
 #include "tests/eventually.hpp"
 
 using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::EndsWith;
 using sweepd::DiskRoom;
 using sweepd::Importance;
 using sweepd::RecordCount;
@@ -567,6 +568,46 @@ TEST_CASE("a folder that is deleted while it is written is said, counted, and ma
   CHECK_THAT(bench.log.all(),
              ContainsSubstring("somebody deleted or moved " + bench.session().string()) &&
                  ContainsSubstring("10 datagrams and 10 samples went with it"));
+}
+
+TEST_CASE("a file that is cut while it is written is said and counted, also at the end",
+          "[recorder]") {
+  RecorderBench bench;
+  const auto recording = bench.begin();
+  bench.send(10);
+  REQUIRE(eventually([&] { return recording->counts().recorded.samples == 10; }));
+  fs::resize_file(bench.session() / "trace.pcap", 0);
+  bench.send(5);
+  REQUIRE(eventually([&] { return recording->counts().recorded.samples == 15; }));
+  const auto second = recording->folder();
+  CHECK(numbers(second / "trace.pcap") == std::vector<int>{10, 11, 12, 13, 14});
+  CHECK(recording->counts().deleted == RecordCount{10, 10});
+  fs::resize_file(second / "samples.csv", 0);
+  bench.recorder->end();
+  recording->wait();
+  CHECK(recording->counts().deleted == RecordCount{15, 15});
+  CHECK(recording->counts().recorded == RecordCount{15, 15});
+  CHECK(recording->counts().folders_deleted == 2);
+  REQUIRE(bench.log.lines().size() == 2);
+  CHECK_THAT(bench.log.lines()[0], ContainsSubstring("cut such a file, while it was written: 10 "
+                                                     "datagrams and 10 samples went with it; "));
+  CHECK_THAT(bench.log.lines()[1], EndsWith("5 datagrams and 5 samples went with it"));
+}
+
+TEST_CASE("of each folder is told that its recording pauses", "[recorder]") {
+  RecorderBench bench([](auto& settings) { settings.keep_free_bytes = 1; });
+  bench.free = 0;
+  for (const char* name : {"20250101T000000Z", "20250101T000001Z"}) {
+    std::vector<fs::path> told;
+    const auto recording = bench.recorder->begin(
+        {bench.folder / "robot", name, true, "t_s,ipoc", {}, {}, [&](const fs::path& folder) {
+           told.push_back(folder);
+         }});
+    bench.send(10);
+    bench.recorder->end();
+    recording->wait();
+    CHECK(told == std::vector{bench.session(name)});
+  }
 }
 
 TEST_CASE("old recordings go at the start of a session and when files change, said in one line",

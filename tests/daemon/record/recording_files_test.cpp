@@ -52,6 +52,16 @@ TEST_CASE("a record that a full disk cut off is taken back, and written once the
   CHECK(file.bytes() == 22);
 }
 
+TEST_CASE("a record file that somebody cuts is no longer in place", "[recording_files]") {
+  const TemporaryFolder folder;
+  RecordFile file(folder / "samples.csv", "t_s\n", line_size);
+  std::string records = "0.000\n0.004\n";
+  file.append(records);
+  CHECK(file.in_place());
+  std::filesystem::resize_file(folder / "samples.csv", 15);
+  CHECK_FALSE(file.in_place());
+}
+
 TEST_CASE("a record file that cannot be made says why, and leaves nothing", "[recording_files]") {
   const TemporaryFolder folder;
   CHECK_THROWS_WITH(RecordFile(folder / "none/samples.csv", "t_s\n", line_size),

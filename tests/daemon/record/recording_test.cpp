@@ -18,6 +18,6 @@ TEST_CASE("a recording tells of its pauses and of what is not in it", "[recordin
   counts.files_deleted = 2;
   counts.deleted = {5, 4};
   CHECK(counts.gaps() ==
-        "the recording of this session lacks 5 datagrams and 4 samples with a folder that somebody "
-        "deleted or moved, 2 files deleted as keep_bytes and keep_days say");
+        "the recording of this session lacks 5 datagrams and 4 samples with a folder or file that "
+        "somebody deleted, moved or cut, 2 files deleted as keep_bytes and keep_days say");
 }
