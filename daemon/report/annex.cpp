@@ -149,11 +149,14 @@ void add_command(Markup parent, const Json& run) {
 void add_origin(Markup parent, const ReportFolder& folder) {
   parent.put("h3", "Where it comes from");
   const Json& run = folder.run;
+  const Json& recovered = part_of(run, "recovered");
+  const Json& made_of = recovered.is_object() ? recovered : run;
   if (run.is_object())
-    parent.put("p", "sweepd " + text_of(run, "sweepd") + ", command " + text_of(run, "command") +
+    parent.put("p", "sweepd " + text_of(made_of, "sweepd") + ", command " +
+                        text_of(run, "command") +
                         ". Estimator: " + text_of(folder.result, "estimator") + ".");
   if (run.is_object()) add_command(parent, run);
-  const Json inputs = run.is_object() ? list_of(run, "inputs") : Json::array();
+  const Json inputs = run.is_object() ? list_of(made_of, "inputs") : Json::array();
   if (inputs.empty()) return;
   auto table = parent.add("table", {{"class", "inputs"}});
   table.put("caption", "Files that the run has read.");

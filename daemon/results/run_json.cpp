@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/text/file_names.hpp"
+#include "rsi/file_bytes.hpp"
 
 namespace sweepd {
 namespace {
@@ -43,6 +44,14 @@ Json json(const std::vector<FileHash>& inputs) {
   return list;
 }
 
+constexpr const char* kRecordingPaused = "recording_paused";
+
+/// Of `folder`, as far as it can be read.
+Json run_in(const std::filesystem::path& folder) {
+  std::ifstream stream(folder / file_names::kRun, std::ios::binary);
+  return Json::parse(stream, nullptr, false);
+}
+
 Json begun(std::string_view command) {
   return {{"schema", "sweepd.run/1"}, {"sweepd", SWEEPD_VERSION}, {"command", command}};
 }
@@ -76,6 +85,7 @@ std::string run_json(const RunFacts& facts) {
                                   {"skipped_bytes", facts.link.skipped},
                                   {"overflows", facts.link.overflows}};
   if (facts.recording) run["recording"] = json(*facts.recording);
+  if (facts.ended.empty()) run[kRecordingPaused] = false;
   return text(run);
 }
 
@@ -89,15 +99,39 @@ std::string run_json(std::string_view command, const Json& given,
   return text(run);
 }
 
-std::string run_json_of_cut_session(const std::filesystem::path& folder, const std::string& ended,
-                                    bool from_recording, const std::vector<std::string>& damage) {
-  std::ifstream stream(folder / file_names::kRun, std::ios::binary);
-  Json run = Json::parse(stream, nullptr, false);
+std::string run_json_of_cut_session(const std::filesystem::path& folder, const CutSession& cut) {
+  Json run = run_in(folder);
   if (!run.is_object()) run = begun("run");
-  run["ended"] = ended;
-  if (from_recording) run["from_recording"] = true;
-  if (!damage.empty()) run["damage"] = damage;
+  run["ended"] = cut.ended;
+  run.erase("since_start_of_sweepd");
+  if (const auto watched = run.find("watched"); watched != run.end() && watched->is_object()) {
+    watched->erase("missed");
+    watched->erase("copies");
+  }
+  if (run.value(kRecordingPaused, Json()) == false) run.erase(kRecordingPaused);
+  if (cut.made_of) {
+    run["from_recording"] = true;
+    run["recovered"] = {{"sweepd", SWEEPD_VERSION}, {"inputs", json(*cut.made_of)}};
+  }
+  if (!cut.damage.empty()) run["damage"] = cut.damage;
   return text(run);
+}
+
+void mark_recording_paused(const std::filesystem::path& folder) {
+  constexpr std::string_view kNo = R"("recording_paused": false)";
+  constexpr std::string_view kYes = R"("recording_paused": true )";
+  static_assert(kNo.size() == kYes.size());
+  const auto path = folder / file_names::kRun;
+  const auto at = rsi::readable_bytes(path).value_or("").find(kNo);
+  if (at == std::string::npos) return;
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(static_cast<std::streamoff>(at));
+  file << kYes;
+}
+
+bool recording_paused(const std::filesystem::path& folder) {
+  const Json run = run_in(folder);
+  return run.is_object() && run.value(kRecordingPaused, Json()) == true;
 }
 
 }  // namespace sweepd

@@ -37,11 +37,23 @@ struct RunFacts {
                                    const std::vector<std::string>& arguments,
                                    const std::vector<FileHash>& inputs);
 
-/// What run.json of `folder` becomes once the files of a session that was cut are final: as it is,
-/// with "ended" and, where the result was made from the recording, "from_recording", and what is
-/// wrong with the recording as "damage". Made anew where it cannot be read.
+/// Of a session that was cut.
+struct CutSession {
+  std::string ended;
+  /// Where the result was made from the recording: of which files, too. Nothing: it stays.
+  std::optional<std::vector<FileHash>> made_of;
+  std::vector<std::string> damage;  ///< what is wrong with the recording, sentences
+};
+
+/// What run.json of `folder` becomes once all files of that session are final: as it is, but for
+/// counts that were those of its beginning. Made anew where it cannot be read.
 [[nodiscard]] std::string run_json_of_cut_session(const std::filesystem::path& folder,
-                                                  const std::string& ended, bool from_recording,
-                                                  const std::vector<std::string>& damage);
+                                                  const CutSession& cut);
+
+/// Says in run.json of a session under way that its recording paused. In place: a full disk takes
+/// nothing else. Where that cannot be, nothing happens.
+void mark_recording_paused(const std::filesystem::path& folder);
+/// Whether it says so.
+[[nodiscard]] bool recording_paused(const std::filesystem::path& folder);
 
 }  // namespace sweepd

@@ -66,10 +66,12 @@ auto logged(Log log, Work work) {
 
 }  // namespace
 
-void Identifier::finish_earlier(std::filesystem::path robot_folder, RobotSetup setup, Log log) {
+void Identifier::finish_earlier(std::filesystem::path robot_folder, RobotSetup setup,
+                                std::vector<FileHash> inputs, Log log) {
   auto earlier = std::make_shared<Earlier>();
   earlier->robot_folder = std::move(robot_folder);
   earlier->setup = std::move(setup);
+  earlier->inputs = std::move(inputs);
   earlier->log = std::move(log);
   interim_jobs_.submit(
       [this, earlier] {
@@ -170,12 +172,14 @@ void Identifier::write(std::unique_ptr<SessionEnd> end) {
   try {
     const std::lock_guard lock(result_mutex_);
     end->write();
-    say(end->log, end->recording ? "" : "from an earlier recording: ", end->outcome->identification,
-        end->has_usable_sweeps() ? end->folder / file_names::kReport : end->folder);
+    if (!end->old_result_stays)
+      say(end->log,
+          end->recording ? "" : "from an earlier recording: ", end->outcome->identification,
+          end->has_usable_sweeps() ? end->folder / file_names::kReport : end->folder);
     --pending_;
   } catch (const std::exception& error) {
     if (!std::exchange(end->failed_before, true)) {
-      say(end->log, "", end->outcome->identification, {});
+      if (!end->old_result_stays) say(end->log, "", end->outcome->identification, {});
       end->log.error("{}; it is tried again until it is written", error.what());
     }
     const std::lock_guard lock(mutex_);
@@ -226,7 +230,7 @@ void Identifier::go_on_with_earlier() {
       earlier.folders = unfinished_sessions(earlier.robot_folder);
       std::reverse(earlier.folders.begin(), earlier.folders.end());
     } else if (!earlier.replay) {
-      const auto folder = std::move(earlier.folders.back());
+      const auto& folder = earlier.folder = std::move(earlier.folders.back());
       earlier.folders.pop_back();
       FolderLock lock(folder);
       if (lock.held() && traces_of(folder).empty()) {
@@ -238,12 +242,12 @@ void Identifier::go_on_with_earlier() {
         earlier.log.note("{} has no last result: it is made from the recording", folder.string());
       }
     } else if (!earlier.replay->step()) {
-      auto end = std::exchange(earlier.replay, nullptr)->end(earlier.log);
+      auto end = std::exchange(earlier.replay, nullptr)->end(earlier.inputs, earlier.log);
       auto identified = identify(end.snapshot, Share::low);
       {
         const std::lock_guard lock(result_mutex_);
-        const bool is_news = !end.written.contains(file_names::kResult);
-        if (is_news && !status_->result.newest()->newest) publish(identified, false, end.log);
+        if (!end.old_result_stays && !status_->result.newest()->newest)
+          publish(identified, false, end.log);
       }
       end.outcome = std::move(identified.outcome);
       ++pending_;
@@ -251,7 +255,10 @@ void Identifier::go_on_with_earlier() {
     }
   } catch (const std::exception& error) {
     earlier.replay.reset();
-    earlier.log.warning("no result is made of an earlier recording: {}", error.what());
+    earlier.log.warning(
+        "no result is made of the recording in {}: {}; the next start tries it again, unless the "
+        "folder is moved elsewhere",
+        (earlier.folder.empty() ? earlier.robot_folder : earlier.folder).string(), error.what());
   }
   if (earlier.replay || !earlier.folders.empty()) {
     interim_jobs_.submit([this] { go_on_with_earlier(); }, false);

@@ -18,6 +18,7 @@
 #include "daemon/service/session_end.hpp"
 #include "daemon/settings/robot_setup.hpp"
 #include "daemon/stream/session.hpp"
+#include "daemon/system/file_hash.hpp"
 #include "daemon/system/log.hpp"
 
 namespace sweepd {
@@ -49,7 +50,8 @@ class Identifier {
 
   /// Identifies the sessions whose last result an earlier sweepd did not write, one after the
   /// other, between interim results and with their share.
-  void finish_earlier(std::filesystem::path robot_folder, RobotSetup setup, Log log);
+  void finish_earlier(std::filesystem::path robot_folder, RobotSetup setup,
+                      std::vector<FileHash> inputs, Log log);
   /// A result while the session goes on. Gives way to the next one where it has not begun, and to
   /// the last one in any case.
   void interim(std::shared_ptr<const Recording> recording, Snapshot snapshot, Log log);
@@ -104,9 +106,11 @@ class Identifier {
   struct Earlier {
     std::filesystem::path robot_folder;
     RobotSetup setup;
+    std::vector<FileHash> inputs;  // that the setup was read from
     Log log;
     bool listed = false;
     std::vector<std::filesystem::path> folders;  // the next one is at the end
+    std::filesystem::path folder;                // under way
     std::unique_ptr<SessionReplay> replay;
   };
   std::unique_ptr<Earlier> earlier_;  // of the thread of interim results

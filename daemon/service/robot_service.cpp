@@ -74,7 +74,7 @@ void RobotService::start() {
     log_.note("listening for a device on {}", text(inputs_.settings.device.listen));
   }
   acquisition_ = threads_->acquisition.begin(0, [this] { return TurnThreads::Next{turn()}; });
-  identifier_.finish_earlier(inputs_.folder(), inputs_.setup, log_);
+  identifier_.finish_earlier(inputs_.folder(), inputs_.setup, inputs_.hashes, log_);
   if (const auto& tap = inputs_.settings.tap)
     log_.note("watching {} {} on {}, and sending nothing", rsi::text(server_->transport()),
               rsi::text(local()), tap->interface);
@@ -247,6 +247,7 @@ void RobotService::begin_session(const rsi::Datagram& first) {
       log.error("{}", error.what());
     }
   };
+  start.on_pause = mark_recording_paused;
   recording_ = recorder_.begin(std::move(start));
   tally_.begin_session({started_, rsi::now(), first.source.address}, recording_);
   live_.begin_session(started_);

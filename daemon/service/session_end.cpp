@@ -26,8 +26,10 @@ namespace fs = std::filesystem;
 std::uint64_t telegrams_of_result(const fs::path& folder) {
   std::ifstream stream(folder / file_names::kResult, std::ios::binary);
   const auto result = nlohmann::json::parse(stream, nullptr, false);
-  const auto telegrams = nlohmann::json::json_pointer("/source/telegrams");
-  return result.is_object() ? result.value(telegrams, std::uint64_t{0}) : 0;
+  const nlohmann::json::json_pointer place("/source/telegrams");
+  if (!result.is_object() || !result.contains(place)) return 0;
+  const auto& telegrams = result[place];
+  return telegrams.is_number_unsigned() ? telegrams.get<std::uint64_t>() : 0;
 }
 
 }  // namespace
@@ -109,25 +111,31 @@ bool SessionReplay::step() {
   return true;
 }
 
-SessionEnd SessionReplay::end(Log log) {
+SessionEnd SessionReplay::end(std::vector<FileHash> inputs, Log log) {
   session_->finish();
   const auto started = folder_.filename().string();
   log.about(started, {});
   const auto snapshot = device_.with_device(session_->snapshot());
   const bool better = telegrams_of_result(folder_) <= snapshot.counts.link.telegrams;
+  if (recording_paused(folder_))
+    damage_.emplace_back(
+        "the recording paused, as the disk had no room or refused: what came then may be missing");
+  CutSession cut{utc_name(newest_), std::nullopt, damage_};
+  if (better) cut.made_of = std::move(inputs);
   SessionEnd end{folder_.parent_path(),
                  started,
                  nullptr,
                  folder_,
                  snapshot,
                  std::nullopt,
-                 [ended = utc_name(newest_), better, damage = damage_](const fs::path& folder) {
-                   return run_json_of_cut_session(folder, ended, better, damage);
+                 [cut = std::move(cut)](const fs::path& folder) {
+                   return run_json_of_cut_session(folder, cut);
                  },
                  std::move(log)};
   for (const std::string& what : damage_) end.log.warning("{}", what);
   end.lock = std::move(lock_);
   if (!better) {
+    end.old_result_stays = true;
     end.log.note("the result in {} stays: it knew more than is in the recording", folder_.string());
     for (auto& name : result_file_names()) end.written.insert(std::move(name));
   }
@@ -142,9 +150,10 @@ void end_without_trace(const fs::path& folder) {
       newest = std::max(newest, entry.last_write_time());
   }
   const auto ended = std::chrono::file_clock::to_sys(newest).time_since_epoch();
-  write_atomically(folder / file_names::kRun,
-                   run_json_of_cut_session(folder, utc_name(ended), false,
-                                           {"there is no trace to make a last result of"}));
+  write_atomically(
+      folder / file_names::kRun,
+      run_json_of_cut_session(
+          folder, {utc_name(ended), std::nullopt, {"there is no trace to make a last result of"}}));
 }
 
 }  // namespace sweepd

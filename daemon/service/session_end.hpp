@@ -16,6 +16,7 @@
 #include "daemon/service/link_watch.hpp"
 #include "daemon/settings/robot_setup.hpp"
 #include "daemon/stream/session.hpp"
+#include "daemon/system/file_hash.hpp"
 #include "daemon/system/log.hpp"
 #include "rsi/capture/capture_reader.hpp"
 #include "rsi/capture/conversation.hpp"
@@ -38,7 +39,8 @@ struct SessionEnd {
   std::optional<Outcome> outcome = {};  ///< once it is identified
   std::set<std::string> written = {};
   bool link_written = false;
-  bool failed_before = false;  ///< to be written
+  bool old_result_stays = false;  ///< that one knew more
+  bool failed_before = false;     ///< to be written
 
   /// Samples that are in memory for it.
   [[nodiscard]] std::size_t samples() const;
@@ -58,7 +60,8 @@ class SessionReplay : private StreamSink {
   /// Reads on for some tenth of a second. False once all is read.
   bool step();
   /// Then: the end of the session, to be identified.
-  [[nodiscard]] SessionEnd end(Log log);
+  /// `inputs`: the files that the setup was read from.
+  [[nodiscard]] SessionEnd end(std::vector<FileHash> inputs, Log log);
 
  private:
   void sample(const identify::Sample& sample, std::string_view) override { device_.sample(sample); }

@@ -238,6 +238,48 @@ TEST_CASE("a session whose last result was never written gets it at the next sta
   CHECK_FALSE(json_in(other / "run.json").contains("ended"));
 }
 
+TEST_CASE("a recovered session tells what made its result, and that its recording paused",
+          "[robot_service][live]") {
+  const TemporaryFolder folder;
+  const auto session = recorded_session(folder / "out");
+  const auto now = json_in(session / "run.json")["inputs"];
+  auto run = json_in(session / "run.json");
+  run.erase("ended");
+  run["inputs"][0]["sha256"] = "another";
+  run["recording_paused"] = true;
+  std::ofstream(session / "run.json") << run.dump();
+  // Nobody knows what this was made of.
+  std::ofstream(session / "result.json") << R"({"source": {"telegrams": "many"}})";
+  const auto more = session.parent_path() / "20370101T000000Z";
+  fs::copy(session, more);
+  std::ofstream(more / "result.json") << R"({"source": {"telegrams": 99999}})";
+  const auto unreadable = session.parent_path() / "20380101T000000Z";
+  fs::copy(session, unreadable);
+  fs::resize_file(unreadable / "trace.pcap", 3);
+
+  const SaidLines said;
+  {
+    RobotService service(settings(folder / "out"));
+    spdlog::set_level(spdlog::level::info);
+    service.start();
+    REQUIRE(eventually([&] { return json_in(session / "run.json").contains("ended"); }));
+    service.stop();
+    spdlog::set_level(spdlog::level::off);
+  }
+  run = json_in(session / "run.json");
+  CHECK(run["inputs"][0]["sha256"] == "another");
+  CHECK(run["recovered"]["inputs"][0] == now[0]);
+  CHECK_FALSE(run.contains("since_start_of_sweepd"));
+  CHECK_THAT(run["damage"][0].get<std::string>(), ContainsSubstring("the recording paused"));
+  CHECK(json_in(session / "result.json")["source"]["telegrams"].is_number());
+  CHECK(json_in(more / "run.json").contains("ended"));
+  CHECK_THAT(said.text(), ContainsSubstring("the result in " + more.string() + " stays"));
+  CHECK_THAT(said.text(), !ContainsSubstring("see " + more.string()));
+  CHECK_THAT(said.text(),
+             ContainsSubstring("no result is made of the recording in " + unreadable.string()) &&
+                 ContainsSubstring("the next start tries it again"));
+}
+
 TEST_CASE("a session that was cut and has no trace is ended at the next start, and stays",
           "[robot_service][live]") {
   const TemporaryFolder folder;
