@@ -77,6 +77,46 @@ std::vector<CampaignRecord> of_one_kind(std::vector<CampaignRecord> records,
   return chosen;
 }
 
+bool are_same_result(const ToldArm& a, const ToldArm& b) {
+  if (a.joints() != b.joints() || a.arm.covariance.rows() != b.arm.covariance.rows()) return false;
+  const auto same_row = [](const identify::DhRow& one, const identify::DhRow& other) {
+    return one.b_mm == other.b_mm && one.theta_rad == other.theta_rad && one.a_mm == other.a_mm &&
+           one.alpha_rad == other.alpha_rad && one.beta_rad == other.beta_rad;
+  };
+  return std::ranges::equal(values(a.arm.dh), values(b.arm.dh), same_row) &&
+         a.arm.covariance == b.arm.covariance;
+}
+
+/// In the order of time. A copy is no campaign of its own: of several the first stays, or the one
+/// that is asked for as the reference, with the state that any is marked as.
+std::vector<CampaignRecord> each_result_once(std::vector<CampaignRecord> records,
+                                             const HistoryOptions& options, History& history) {
+  const auto by_time = [](const CampaignRecord& a, const CampaignRecord& b) {
+    return a.time < b.time;
+  };
+  std::stable_sort(records.begin(), records.end(), by_time);
+  if (options.reference)
+    std::stable_partition(records.begin(), records.end(), [&](const CampaignRecord& record) {
+      return is_at(record, *options.reference);
+    });
+  std::vector<CampaignRecord> kept;
+  for (CampaignRecord& record : records) {
+    const auto same = std::find_if(kept.begin(), kept.end(), [&](const CampaignRecord& other) {
+      return are_same_result(*record.arm, *other.arm);
+    });
+    if (same == kept.end()) {
+      kept.push_back(std::move(record));
+      continue;
+    }
+    if (const auto state = record.same_state(); !state.empty() && same->same_state().empty())
+      same->notes.push_back({same->time, {}, state});
+    record.why_not = record.name + " and " + same->name + " are the same result: it counts once";
+    history.left_out.push_back(std::move(record));
+  }
+  std::stable_sort(kept.begin(), kept.end(), by_time);
+  return kept;
+}
+
 /// Where it is; the first that is marked, else the first that is complete.
 std::size_t reference_in(const std::vector<CampaignRecord>& records, const HistoryOptions& options,
                          const std::vector<std::string>& states) {
@@ -207,10 +247,8 @@ History history_of(FoundCampaigns found, const HistoryOptions& options) {
   History history;
   history.level = options.level;
   history.messages = std::move(found.messages);
-  auto records = of_one_kind(std::move(found.records), options, history);
-  std::stable_sort(
-      records.begin(), records.end(),
-      [](const CampaignRecord& a, const CampaignRecord& b) { return a.time < b.time; });
+  auto records =
+      each_result_once(of_one_kind(std::move(found.records), options, history), options, history);
   std::vector<std::string> states;
   for (const CampaignRecord& record : records) {
     const bool same = options.same_state && record.time >= options.same_state->first &&

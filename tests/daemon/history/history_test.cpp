@@ -80,6 +80,30 @@ TEST_CASE("a crash is dated and named, with the note of it", "[history][long]") 
   CHECK(page == history_page(history));
 }
 
+TEST_CASE("copies of a result are one campaign, and named", "[history]") {
+  FoundCampaigns found{campaigns(2, 0), {}, {}};
+  for (int i = 2; i < 7; ++i) {  // they "repeat" perfectly
+    found.records.push_back(found.records.front());
+    found.records.back().name = "copy" + std::to_string(i);
+    found.records.back().time = month(i);
+    found.records.back().notes.push_back({month(i), "", std::string("new"), false});
+  }
+  sweepd::HistoryOptions options;
+  const History history = history_of(found, options);
+  REQUIRE(history.campaigns.size() == 2);
+  CHECK(history.campaigns[0].record.name == "campaign0");
+  CHECK(history.campaigns[0].state == "new");
+  CHECK_FALSE(history.campaigns[1].changed);
+  CHECK(history.basis == sweepd::Basis::nothing);
+  CHECK_THAT(history_text(history),
+             ContainsSubstring("copy2 and campaign0 are the same result: it counts once"));
+
+  options.reference = "copy3";
+  const History of_copy = history_of(found, options);
+  CHECK(of_copy.campaigns.size() == 2);
+  CHECK(of_copy.campaigns[of_copy.reference].record.name == "copy3");
+}
+
 TEST_CASE("the table has a line a campaign, and a bar for each number", "[history][long]") {
   FoundCampaigns found{campaigns(8, 8), {}, {}};
   found.records[3].name = "a,\"b";
