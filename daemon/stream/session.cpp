@@ -7,6 +7,7 @@
 #include <spdlog/fmt/ranges.h>
 
 #include "identify/sweeps/sweep.hpp"
+#include "rsi/telegram/decimal.hpp"
 #include "rsi/telegram/telegram.hpp"
 
 namespace sweepd {
@@ -23,11 +24,20 @@ std::string missing_signals(const SignalNames& names, std::size_t joints,
                             std::string_view telegram) {
   rsi::Telegram parsed;
   if (parsed.parse(telegram) != rsi::Defect::none) return {};
-  std::vector<std::string> missing;
+  std::vector<std::string> missing, unreadable;
+  std::string_view example;
   const auto look = [&](std::span<const std::string> wanted, std::span<const std::string> usual) {
     std::vector<std::string> absent;
-    for (const auto& name : wanted)
-      if (place_of(name).in(parsed) == nullptr) absent.push_back(name);
+    for (const auto& name : wanted) {
+      const rsi::Signal* const signal = place_of(name).in(parsed);
+      rsi::Decimal number;
+      if (signal == nullptr) {
+        absent.push_back(name);
+      } else if (!rsi::read(signal->text, number)) {
+        if (unreadable.empty()) example = signal->text;
+        unreadable.push_back(name);
+      }
+    }
     if (absent.size() < wanted.size() ||
         !std::ranges::equal(wanted, usual.first(std::min(wanted.size(), usual.size()))))
       missing.insert(missing.end(), absent.begin(), absent.end());
@@ -36,10 +46,19 @@ std::string missing_signals(const SignalNames& names, std::size_t joints,
   look(names.position, usual.position);
   look(names.orientation, usual.orientation);
   look(std::span(names.angles).first(std::min(joints, names.angles.size())), usual.angles);
-  if (missing.empty()) return {};
-  return fmt::format(
-      "the telegrams have no {}: correct `signals` in the settings, or SEND in the Ethernet file",
-      fmt::join(missing, ", "));
+  std::string text;
+  if (!unreadable.empty())
+    text = fmt::format("the first telegram's {} cannot be read as numbers, as \"{}\": {}",
+                       fmt::join(unreadable, ", "), example,
+                       example.find(',') != std::string_view::npos
+                           ? "numbers have a decimal point, no comma: correct what sends them"
+                           : "see what sends them");
+  if (missing.empty()) return text;
+  return text + (text.empty() ? "" : "; ") +
+         fmt::format(
+             "the telegrams have no {}: correct `signals` in the settings, or SEND in the Ethernet "
+             "file",
+             fmt::join(missing, ", "));
 }
 
 Session::Session(const RobotSetup& setup, std::string source_kind, StreamSink& sink,

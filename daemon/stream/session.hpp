@@ -39,9 +39,9 @@ struct Snapshot {
   std::shared_ptr<const DeviceTake> device = {};
 };
 
-/// What to do about signals that the settings name and a telegram has not, in a sentence; empty if
-/// there are none. Some of a kind of which it has others, or all of a kind where they are not the
-/// usual names, which other controllers leave out.
+/// What to do about signals that the settings name and a telegram has not or not as numbers, in a
+/// sentence; empty if there are none. Missing are some of a kind of which it has others, or all of
+/// a kind where they are not the usual names, which other controllers leave out.
 [[nodiscard]] std::string missing_signals(const SignalNames& names, std::size_t joints,
                                           std::string_view telegram);
 

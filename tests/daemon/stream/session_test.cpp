@@ -61,6 +61,19 @@ TEST_CASE("signals that the settings name and telegrams do not have are told", "
   CHECK(sweepd::missing_signals(names, 6, "<Rob>").empty());
 }
 
+TEST_CASE("signals that are no numbers are told, with what stood there", "[session]") {
+  const auto told = [](std::string text) {
+    return sweepd::missing_signals({}, 2, "<Rob Type=\"KUKA\">" + text + "<IPOC>1</IPOC></Rob>");
+  };
+  CHECK(told(R"(<RIst X="1,5" Y="2,5" Z="3"/><AIPos A1="1" A2="0,25"/>)") ==
+        "the first telegram's RIst.X, RIst.Y, AIPos.A2 cannot be read as numbers, as \"1,5\": "
+        "numbers have a decimal point, no comma: correct what sends them");
+  CHECK(told(R"(<RIst X="" Y="2" Z="3"/><AIPos A1="1" />)") ==
+        "the first telegram's RIst.X cannot be read as numbers, as \"\": see what sends them; the "
+        "telegrams have no AIPos.A2: correct `signals` in the settings, or SEND in the Ethernet "
+        "file");
+}
+
 TEST_CASE("a session recognises sweeps, and identifies from them", "[session]") {
   Heard heard;
   Session session(setup(), "trace", heard);
