@@ -11,6 +11,7 @@
 #include "daemon/commands/help_text.hpp"
 #include "daemon/commands/outputs.hpp"
 #include "daemon/stream/sample_clock.hpp"
+#include "daemon/stream/traces.hpp"
 #include "daemon/system/line_file.hpp"
 #include "daemon/text/numbers.hpp"
 #include "rsi/capture/capture_reader.hpp"
@@ -93,7 +94,7 @@ int export_csv(const ExportOptions& given, std::ostream& out, std::ostream& erro
   ExportOptions options = given;
   const bool to_file = options.csv != "-";
   if (to_file) Outputs(given.traces, given.force).check(options.csv, kBegins);
-  options.traces = rsi::in_order_of_time(given.traces);
+  options.traces = traces_in_order(given.traces);
   const auto search = rsi::find_conversation(options.traces, options.filter);
   if (!search.note.empty()) errors << "sweepd: " << search.note << '\n';
   if (!search.chosen) return kFailed;

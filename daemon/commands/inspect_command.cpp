@@ -17,7 +17,7 @@ int inspect(const InspectOptions& options, std::ostream& out, std::ostream& erro
   const bool json_only = options.json == "-";
   if (options.json && !json_only)
     Outputs(options.traces, options.force).check(*options.json, kLinkJsonBegins);
-  const auto traces = rsi::in_order_of_time(options.traces);
+  const auto traces = traces_in_order(options.traces);
   const auto search = rsi::find_conversation(traces, options.filter);
   if (!search.note.empty()) errors << "sweepd: " << search.note << '\n';
   if (!search.chosen) return kFailed;

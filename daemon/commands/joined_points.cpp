@@ -59,7 +59,7 @@ Outcome joined_with_trace(const std::vector<PointsFile>& files,
 
   AngleRecorder angles(take->angles);
   Session session(setup, "points", angles);
-  const auto ordered = rsi::in_order_of_time(traces);
+  const auto ordered = traces_in_order(traces);
   const auto search = rsi::find_conversation(ordered);
   if (!search.note.empty()) std::cerr << "sweepd: " << search.note << '\n';
   if (search.chosen)

@@ -114,7 +114,7 @@ int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) 
   keep_memory();
   ReplayOptions options = given;
   if (options.output) check_output(options);
-  options.traces = rsi::in_order_of_time(given.traces);
+  options.traces = traces_in_order(given.traces);
   const auto search = rsi::find_conversation(options.traces, options.filter);
   if (!search.note.empty()) errors << "sweepd: " << search.note << '\n';
   const RobotSetup setup = setup_for(options, search.chosen);

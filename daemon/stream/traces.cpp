@@ -1,9 +1,23 @@
 #include "daemon/stream/traces.hpp"
 
+#include <system_error>
+
 #include "daemon/text/progress.hpp"
 #include "rsi/capture/capture_reader.hpp"
 
 namespace sweepd {
+
+std::vector<std::filesystem::path> traces_in_order(
+    const std::vector<std::filesystem::path>& traces) {
+  for (const auto& path : traces) {
+    std::error_code error;
+    const auto status = std::filesystem::status(path, error);
+    if (std::filesystem::is_fifo(status) || std::filesystem::is_socket(status))
+      throw rsi::CaptureError(path.string() +
+                              " is a pipe, which can be read once only: save it to a file first");
+  }
+  return rsi::in_order_of_time(traces);
+}
 
 void read_traces(const std::vector<std::filesystem::path>& traces, const std::string& command,
                  bool quiet, std::ostream& errors,

@@ -10,6 +10,11 @@
 
 namespace sweepd {
 
+/// Captures in the order in which they were recorded. Throws rsi::CaptureError, also of a pipe:
+/// they are read more than once.
+[[nodiscard]] std::vector<std::filesystem::path> traces_in_order(
+    const std::vector<std::filesystem::path>& traces);
+
 /// Reads captures one after the other, with progress for `command` on a terminal unless `quiet`;
 /// what is wrong with a capture is said on `errors`. Throws rsi::CaptureError, and what
 /// `on_datagram` throws.
