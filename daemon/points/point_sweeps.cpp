@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -124,21 +125,40 @@ std::optional<Sweep> sweep_of(PointGroup group, std::size_t joint,
   return sweep;
 }
 
-/// Throws CsvError where times or positions are in another unit than their column says, as far as a
-/// stream without angles tells.
-void check_units(const PointsFile& file, const std::vector<double>& frames_s,
-                 const std::vector<Sweep>& sweeps, const WorstLimit& limit) {
+double moved_mm(const PointsFile& file) {
   Eigen::AlignedBox3d box;
   for (const Point& point : file.points)
     if (point.sample.has_position) box.extend(point.sample.position_mm);
-  const double moved_mm = box.isEmpty() ? 0 : box.diagonal().norm();
-  const bool any = std::any_of(sweeps.begin(), sweeps.end(), [](const Sweep& sweep) {
-    return sweep.defect == SweepDefect::none;
-  });
-  if (any || moved_mm == 0) return;
+  return box.isEmpty() ? 0 : box.diagonal().norm();
+}
+
+/// Of what moved.
+bool none_is_usable(const PointsFile& file, const std::vector<Sweep>& sweeps) {
+  return moved_mm(file) > 0 && std::none_of(sweeps.begin(), sweeps.end(), [](const Sweep& sweep) {
+           return sweep.defect == SweepDefect::none;
+         });
+}
+
+// Of a file without a usable sweep. Each throws CsvError where the cause is a column in another
+// unit than its name says, or one that says nothing.
+
+void check_times(const PointsFile& file) {
+  std::vector<double> times_s;
+  std::set<std::size_t> targets;
+  for (const Point& point : file.points) {
+    times_s.push_back(point.sample.time_s);
+    targets.insert(point.target);
+  }
+  std::sort(times_s.begin(), times_s.end());
+  times_s.erase(std::unique(times_s.begin(), times_s.end()), times_s.end());
+  if (times_s.size() == 1 && file.points.size() > targets.size())
+    throw CsvError(
+        fmt::format("{}: expected times that rise, as sweeps are found by the motion, found {} s "
+                    "for all {} points: give the times, or leave the column out if each file or "
+                    "column joint tells whose the points are",
+                    file.path.string(), times_s.front(), file.points.size()));
   std::vector<double> steps_s;
-  for (std::size_t k = 1; k < frames_s.size(); ++k)
-    steps_s.push_back(frames_s[k] - frames_s[k - 1]);
+  for (std::size_t k = 1; k < times_s.size(); ++k) steps_s.push_back(times_s[k] - times_s[k - 1]);
   const double step_s = steps_s.empty() ? 0 : identify::median_of(steps_s);
   if (step_s > identify::kLongestGap_s)
     throw CsvError(fmt::format(
@@ -146,12 +166,28 @@ void check_units(const PointsFile& file, const std::vector<double>& frames_s,
         "give seconds in t_s if these are milliseconds, or leave the column out if each file or "
         "column joint tells whose the points are",
         file.path.string(), identify::kLongestGap_s, step_s));
-  if (!limit) return;
-  if (moved_mm < kSmallest_mm && moved_mm > kMovedSizes * limit->noise_mm)
+}
+
+void check_positions(const PointsFile& file, double noise_mm) {
+  const double moved = moved_mm(file);
+  if (moved < kSmallest_mm && moved > kMovedSizes * noise_mm)
     throw CsvError(
         fmt::format("{}: expected positions that move by {} mm or more, found {:.4g} mm in all: "
                     "name the columns x_m, y_m, z_m, if these are metres",
-                    file.path.string(), kSmallest_mm, moved_mm));
+                    file.path.string(), kSmallest_mm, moved));
+}
+
+void check_angles(const PointsFile& file) {
+  constexpr double kMost_rad = 20;  // three turns: axes without an end make more, but not to sweep
+  double most_rad = 0;
+  for (const Point& point : file.points)
+    for (std::size_t j = 0; j < point.sample.joints; ++j)
+      most_rad = std::max(most_rad, std::abs(point.sample.angles_rad[j]));
+  if (most_rad > kMost_rad)
+    throw CsvError(
+        fmt::format("{}: expected joint angles of up to {} rad, found {:.4g} rad: name the columns "
+                    "a1_deg, a2_deg and so on, if these are degrees",
+                    file.path.string(), kMost_rad, most_rad));
 }
 
 /// Without angles the targets of one body are taken together: what was seen at one time is a frame.
@@ -165,21 +201,22 @@ std::vector<Sweep> sweeps_of_body(const PointsFile& file, const identify::Resolu
   identify::PositionSegmenter segmenter;
   segmenter.set_step(resolution.position_mm);
   std::vector<Sweep> sweeps;
-  std::vector<double> frames_s;
   const auto take = [&](std::vector<Sweep> ended) {
     std::move(ended.begin(), ended.end(), std::back_inserter(sweeps));
   };
   for (std::size_t begin = 0; begin < points.size();) {
     std::vector<identify::PositionSegmenter::Seen> frame;
     const double time = points[begin]->sample.time_s;
-    frames_s.push_back(time);
     for (; begin < points.size() && points[begin]->sample.time_s == time; ++begin)
       frame.push_back({points[begin]->target, points[begin]->sample});
     take(segmenter.push(frame));
   }
   take(segmenter.finish());
   const auto own = segmenter.limit();
-  check_units(file, frames_s, sweeps, own);
+  if (none_is_usable(file, sweeps)) {
+    check_times(file);
+    if (own) check_positions(file, own->noise_mm);
+  }
   if (own && (!limit || limit->noise_mm < own->noise_mm)) limit = own;
   return sweeps;
 }
@@ -206,6 +243,10 @@ std::vector<Sweep> streamed_sweeps(const PointsFile& file, std::size_t joints,
   std::stable_sort(sweeps.begin(), sweeps.end(), [](const Sweep& a, const Sweep& b) {
     return a.first().time_s < b.first().time_s;
   });
+  if (none_is_usable(file, sweeps)) {
+    check_times(file);
+    check_angles(file);
+  }
   return sweeps;
 }
 
@@ -217,6 +258,7 @@ std::vector<Sweep> listed_sweeps(const PointsFile& file, const identify::Resolut
       if (auto sweep = sweep_of(std::move(stroke), joint, resolution))
         sweeps.push_back(std::move(*sweep));
     }
+  if (none_is_usable(file, sweeps)) check_angles(file);
   return sweeps;
 }
 
@@ -228,6 +270,7 @@ std::vector<Sweep> sweeps_of_joint(const PointsFile& file, std::size_t joint, st
       for (PointGroup& stroke : one_way(std::move(group)))
         if (auto sweep = sweep_of(std::move(stroke), joint, resolution))
           sweeps.push_back(std::move(*sweep));
+    if (none_is_usable(file, sweeps)) check_angles(file);
     return sweeps;
   }
   sweeps = streamed_sweeps(file, joints, resolution, limit);

@@ -19,14 +19,15 @@ namespace sweepd {
 using WorstLimit = std::optional<identify::MotionLimit>;
 
 /// Points with times, segmented as a live stream is: every stroke of each target. Without angles
-/// all targets are of one body, and `limit` learns what noise hides. Throws CsvError where such a
-/// stream shows that times are no seconds, or positions no millimetres.
+/// all targets are of one body, and `limit` learns what noise hides. Throws CsvError where there is
+/// no usable sweep, since times are no seconds, positions no millimetres or angles no radians.
 [[nodiscard]] std::vector<identify::Sweep> streamed_sweeps(const PointsFile& file,
                                                            std::size_t joints,
                                                            const identify::Resolution& resolution,
                                                            WorstLimit& limit);
 
-/// Points that name their joint: consecutive ones of the same joint and sweep are a sweep.
+/// Points that name their joint: consecutive ones of the same joint and sweep are a sweep. Throws
+/// CsvError where none is usable, since angles are no radians.
 [[nodiscard]] std::vector<identify::Sweep> listed_sweeps(const PointsFile& file,
                                                          const identify::Resolution& resolution);
 
