@@ -184,29 +184,6 @@ std::optional<ChainEstimate::SteadyDrift> steady_drift_of(const ChainFit& fit,
   return drift;
 }
 
-ChainEstimate::SweepAt sweep_at(std::size_t unit, const ChainNodes& nodes) {
-  const auto joint_of = [&](std::size_t u) {
-    return nodes.strokes[nodes.units[u].front()].content.joint;
-  };
-  ChainEstimate::SweepAt at{joint_of(unit), 0, 0};
-  for (const std::size_t other : nodes.in_time()) {
-    if (joint_of(other) != at.joint) continue;
-    if (other == unit) at.number = at.of;
-    ++at.of;
-  }
-  return at;
-}
-
-std::vector<ChainEstimate::StraySweep> strays_of(const ChainEffects& effects,
-                                                 const ChainNodes& nodes) {
-  std::vector<ChainEstimate::StraySweep> strays;
-  if (effects.stray_mm.empty()) return strays;
-  for (const std::size_t unit : nodes.in_time())
-    if (effects.stray_mm[unit] > 0)
-      strays.push_back({sweep_at(unit, nodes), effects.stray_mm[unit]});
-  return strays;
-}
-
 std::optional<ChainEstimate::MoveSeen> move_of(const ChainFit& fit, const ChainNodes& nodes) {
   const Chain& chain = fit.chain;
   if (chain.move.size() == 0) return std::nullopt;

@@ -28,13 +28,6 @@ struct ChainFit {
                                                                         const ChainEffects& effects,
                                                                         double seconds);
 
-/// Which of its joint's sweeps a unit is.
-[[nodiscard]] ChainEstimate::SweepAt sweep_at(std::size_t unit, const ChainNodes& nodes);
-
-/// The sweeps that the effects say are strays.
-[[nodiscard]] std::vector<ChainEstimate::StraySweep> strays_of(const ChainEffects& effects,
-                                                               const ChainNodes& nodes);
-
 /// What was moved, as a fit has found it: where the target is moved farthest at home.
 [[nodiscard]] std::optional<ChainEstimate::MoveSeen> move_of(const ChainFit& fit,
                                                              const ChainNodes& nodes);

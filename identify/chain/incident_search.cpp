@@ -160,6 +160,20 @@ Incident IncidentSearch::at_its_moment(const Incident& found) {
 
 namespace {
 
+/// Which of its joint's sweeps a unit is.
+ChainEstimate::SweepAt sweep_at(std::size_t unit, const ChainNodes& nodes) {
+  const auto joint_of = [&](std::size_t u) {
+    return nodes.strokes[nodes.units[u].front()].content.joint;
+  };
+  ChainEstimate::SweepAt at{joint_of(unit), 0, 0};
+  for (const std::size_t other : nodes.in_time()) {
+    if (joint_of(other) != at.joint) continue;
+    if (other == unit) at.number = at.of;
+    ++at.of;
+  }
+  return at;
+}
+
 /// What one covariance has beyond the other.
 Eigen::MatrixXd beyond(const Eigen::MatrixXd& one, const Eigen::MatrixXd& other) {
   const Eigen::VectorXd sigma = one.diagonal().cwiseMax(0).cwiseSqrt();
@@ -217,6 +231,16 @@ std::vector<ChainEstimate::OtherExplanation> explanations(std::vector<Incident> 
   for (const Incident& one : others)
     found.push_back({sweep_at(one.unit, nodes), one.kind == Incident::Kind::move, one.mm});
   return found;
+}
+
+std::vector<ChainEstimate::StraySweep> strays_of(const ChainEffects& effects,
+                                                 const ChainNodes& nodes) {
+  std::vector<ChainEstimate::StraySweep> strays;
+  if (effects.stray_mm.empty()) return strays;
+  for (const std::size_t unit : nodes.in_time())
+    if (effects.stray_mm[unit] > 0)
+      strays.push_back({sweep_at(unit, nodes), effects.stray_mm[unit]});
+  return strays;
 }
 
 double smallest_mm(const FittedChain& fitted, const ChainNodes& nodes) {

@@ -85,6 +85,10 @@ class IncidentSearch {
   double smallest_mm_;
 };
 
+/// The sweeps that the effects say are strays.
+[[nodiscard]] std::vector<ChainEstimate::StraySweep> strays_of(const ChainEffects& effects,
+                                                               const ChainNodes& nodes);
+
 /// What a stroke's place is uncertain by, by noise alone.
 [[nodiscard]] double smallest_mm(const FittedChain& fitted, const ChainNodes& nodes);
 
