@@ -30,6 +30,9 @@ bool older(std::uint64_t ipoc, std::uint64_t other) {
   return other - ipoc - 1 < std::uint64_t{1} << 63;
 }
 
+/// No controller sends sooner after its last telegram.
+constexpr std::chrono::nanoseconds kFastest = 500us;
+
 /// Whether the IPOC rose by more than its unit permits in this time. Its pace may be a quarter off.
 bool is_ahead(std::uint64_t rise, std::chrono::nanoseconds unit, std::chrono::nanoseconds since) {
   return static_cast<std::int64_t>(rise) * unit / 4 * 3 > since;
@@ -117,10 +120,17 @@ std::chrono::nanoseconds LinkStatistics::unit() const {
 bool LinkStatistics::counts_ms() const {
   constexpr auto kUneven = 20ms;
   if (step() == 1 && (!has_times_ || paces_ < kTells)) return false;
-  if (paces_ >= kTells) return unit_ == 1ms;
+  if (paces_ >= kTells) return unit_ == 1ms || hurries();
   const Milestone& before = milestones_[next_milestone_ % milestones_.size()];
   const auto since = clamped(newest().time - before.time);
-  return !has_times_ || since < 0ns || !is_ahead(newest().ipoc - before.ipoc, 1ms, since + kUneven);
+  const auto telegrams =
+      static_cast<std::int64_t>(std::min<std::uint64_t>(run_.distinct, milestones_.size() + 1)) - 1;
+  return !has_times_ || since < telegrams * kFastest ||
+         !is_ahead(newest().ipoc - before.ipoc, 1ms, since + kUneven);
+}
+
+bool LinkStatistics::hurries() const {
+  return step() && static_cast<std::int64_t>(*step()) * unit_ < kFastest;
 }
 
 std::optional<std::chrono::nanoseconds> LinkStatistics::cycle() const {
@@ -146,7 +156,7 @@ Arrival LinkStatistics::judge(const Seen& came, const Endpoint& source) const {
 
 bool LinkStatistics::ran_ahead(const Seen& came) const {
   constexpr auto kUneven = 200ms;
-  if (!has_times_ || paces_ < kTells || run_.distinct < kTells) return false;
+  if (!has_times_ || paces_ < kTells || run_.distinct < kTells || hurries()) return false;
   const auto since = clamped(came.time - newest().time);
   // A clock that was set back tells nothing.
   return since >= 0ns && is_ahead(came.ipoc - run_.newest, unit_, since + lag_ + kUneven);

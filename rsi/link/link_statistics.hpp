@@ -76,6 +76,7 @@ class LinkStatistics {
   [[nodiscard]] std::chrono::nanoseconds unit() const;
   /// Whether the IPOC is a clock that counts milliseconds, by unit() so far. Until 64 telegrams
   /// have told it is, unless it rises by one a telegram or runs ahead of the time of reception.
+  /// Where telegrams come faster than any controller sends them, times tell nothing, and it is.
   [[nodiscard]] bool counts_ms() const;
   /// From one telegram to the next: that unit times the step. Nothing without a step, nor where
   /// telegrams have no times and their IPOC only counts them.
@@ -105,6 +106,9 @@ class LinkStatistics {
   [[nodiscard]] Arrival judge(const Seen& came, const Endpoint& source) const;
   [[nodiscard]] Arrival judge_fallen(const Seen& came) const;
   [[nodiscard]] bool ran_ahead(const Seen& came) const;
+  /// Whether telegrams come faster than any controller sends them, as where someone tries what a
+  /// link bears.
+  [[nodiscard]] bool hurries() const;
   [[nodiscard]] const Seen* seen(std::uint64_t ipoc) const;
   /// The last one in order.
   [[nodiscard]] const Milestone& newest() const {

@@ -351,6 +351,22 @@ TEST_CASE("whether the IPOC counts milliseconds is told by the clock", "[link_st
   CHECK((link.unit() == 1ms) == kind.counts_ms);
 }
 
+TEST_CASE("telegrams faster than any controller's tell nothing of the IPOC, and gaps are losses",
+          "[link_statistics]") {
+  RestingLink link;
+  std::uint64_t lost = 0;
+  for (std::uint64_t k = 0; k < 3000; ++k) {
+    if (k >= 1000 && k < 1200) {  // more than 200 ms at the pace of its IPOC
+      ++lost;
+      continue;
+    }
+    link.add(1000 + 4 * k, "", static_cast<std::int64_t>(k) * 20us);
+    REQUIRE(link.counts_ms());
+  }
+  CHECK(link.counts().restarts == 0);
+  CHECK(link.counts().lost == lost);
+}
+
 TEST_CASE("a first telegram that is 15 ms late makes an IPOC of milliseconds no other",
           "[link_statistics]") {
   RestingLink link;
