@@ -40,8 +40,8 @@ bool is_ahead(std::uint64_t rise, std::chrono::nanoseconds unit, std::chrono::na
 
 /// Longer ones say no more, and their sums do not overflow.
 std::chrono::nanoseconds clamped(std::chrono::nanoseconds time) {
-  constexpr std::chrono::nanoseconds kLongest = 1h;
-  return std::clamp(time, -kLongest, kLongest);
+  constexpr std::chrono::nanoseconds kLong = 1h;
+  return std::clamp(time, -kLong, kLong);
 }
 
 /// A hash of all bytes. Four words at a time: std::hash waits for each one before the next, which

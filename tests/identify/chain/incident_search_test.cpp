@@ -19,7 +19,7 @@ using simulation::Simulation;
 namespace {
 
 /// By a device of 0.02 mm some metres away.
-simulation::World tracker() {
+simulation::World by_device() {
   simulation::World world;
   world.angles = world.placed = true;
   world.decimals = 4;
@@ -46,7 +46,7 @@ TEST_CASE("What joints that stay off home explain as well as a moved device is u
   how.samples = 200;
   how.there_and_back = GENERATE(true, false);
   CAPTURE(mm, how.there_and_back);
-  simulation::World world = tracker();
+  simulation::World world = by_device();
   world.drift.moved_mm = mm;
   int told = 0;
   for (std::uint32_t seed = 1; seed <= 8; ++seed) {
@@ -70,7 +70,7 @@ TEST_CASE("A disturbed sweep is found where homes that are off explain it, too",
   const double mm = GENERATE(1.0, 3.0);
   int told = 0;
   for (std::uint32_t seed = 1; seed <= 8; ++seed) {
-    const Simulation campaign(some_palletizer(seed), how, tracker(), seed);
+    const Simulation campaign(some_palletizer(seed), how, by_device(), seed);
     const std::size_t joint = seed % 4;
     bool once = true;
     const auto sweeps =
@@ -90,7 +90,7 @@ TEST_CASE("A disturbed sweep is found where homes that are off explain it, too",
 }
 
 TEST_CASE("Joints that stay off home are no device that was moved", "[incident_search][long]") {
-  simulation::World world = tracker();
+  simulation::World world = by_device();
   world.home.sigma_deg = 0.005;
   world.home.stays = true;
   simulation::Strokes how;
