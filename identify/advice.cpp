@@ -116,7 +116,9 @@ class Adviser {
       return true;
     }
     const bool lone = circle.arc_rad < kPoorArc_rad && !believed(j);
-    if (joint.axis && sigma <= kPoorDirection_rad && !lone) return false;
+    // Where other explanations make axes uncertain, longer arcs would not help.
+    const bool doubted = found_.chain && !found_.chain->others.empty();
+    if (joint.axis && (sigma <= kPoorDirection_rad || doubted) && !lone) return false;
     std::string remedy = "sweep it further, or with a tool point further off the axis";
     if (joint.axis) {
       double arc = std::max(2 * circle.arc_rad, kPoorArc_rad);

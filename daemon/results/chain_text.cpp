@@ -56,8 +56,11 @@ std::string size(Cause cause, const Identification& found) {
       return length(estimate.noise.position_mm);
     case Cause::home:
       return angle(effects.home_rad);
-    case Cause::drift:
-      return length(std::hypot(effects.drift_mm, effects.steady_mm, effects.moved_mm));
+    case Cause::drift: {
+      double mm = std::hypot(effects.drift_mm, effects.steady_mm, effects.moved_mm);
+      for (const auto& other : estimate.others) mm = std::max(mm, other.mm);
+      return length(mm);
+    }
     case Cause::figure:
       return length(effects.figure_mm());
     case Cause::offset:

@@ -43,7 +43,7 @@ std::string_view words(Cause cause) noexcept {
     case Cause::home:
       return "locked joints off home";
     case Cause::drift:
-      return "drift of the measuring device";
+      return "what drifted or was moved";
     case Cause::figure:
       return "arcs that are not quite circles";
     case Cause::offset:
