@@ -123,19 +123,19 @@ class ChainAdviser {
       if (std::exchange(other.moved ? moved : disturbed, true)) continue;
       const std::string sweep =
           "its sweep " + std::to_string(other.number + 1) + " of " + std::to_string(other.of);
-      warn("other_explanation", other.joint,
-           other.moved
-               ? "before " + sweep +
-                     " the device, the robot's base or the target may have been "
-                     "moved by about " +
-                     brief(other.mm) +
-                     " mm. Joints that do not come back home "
-                     "explain what was seen about as well, and the uncertainties allow for both. "
-                     "Sweep the first joints once more at the end, which tells the two apart"
-               : sweep + " may be off by about " + brief(other.mm) +
-                     " mm, since something moved "
-                     "while it ran. What the result takes to be so explains what was seen about as "
-                     "well, and the uncertainties allow for both. Sweep the joint again");
+      const std::string about = " by about " + brief(other.mm) + " mm";
+      const std::string otherwise =
+          ". What the result assumes in its place, as that joints do not come back home, explains "
+          "what was seen about as well. The uncertainties allow for both. ";
+      if (other.moved)
+        warn("other_explanation", other.joint,
+             "before or during " + sweep +
+                 " the device, the robot's base or the target may have been moved" + about +
+                 otherwise + "Sweep the first joints once more at the end: that tells them apart");
+      else
+        warn("other_explanation", other.joint,
+             sweep + " may be off" + about + ", since something gave way while it ran" + otherwise +
+                 "Sweep the joint again");
     }
   }
 

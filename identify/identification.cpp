@@ -132,7 +132,8 @@ Identification estimate(std::vector<Sweep> sweeps, const Campaign& campaign) {
   if (campaign.joints > 1 && known < 2) return found;
   if (found.delay && is_significant(*found.delay)) {
     const CircleEstimate& circles = found;
-    found.chain = estimate_chain(in_step(circles, axes, *found.delay), {}, campaign);
+    const CircleEstimate punctual = in_step(circles, axes, *found.delay);
+    found.chain = estimate_chain(punctual, starting_axes(punctual), campaign);
     for (std::size_t j = 0; found.chain && j < found.joints.size(); ++j)
       if (double& sigma_rad = found.chain->angles[j].backlash_sigma_rad; sigma_rad > 0)
         sigma_rad = std::hypot(sigma_rad, play_by_delay_rad(found.joints[j], *found.delay,

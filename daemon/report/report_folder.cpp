@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <map>
 #include <stdexcept>
@@ -58,38 +57,6 @@ void add(PointSums& sums, const Eigen::Vector3d& position) {
   sums.products += from * from.transpose();
 }
 
-/// Rows of one stroke follow each other: in the columns of sweepd's own files they begin and end
-/// alike.
-class SameStroke {
- public:
-  SameStroke(const Columns& at, std::string_view head)
-      : commas_(commas_in(head)), usual_(at.joint == 0 && at.sweep == 1 && at.target == commas_) {}
-
-  /// Whether joint, sweep and target are those of the line last kept.
-  [[nodiscard]] bool as_before(std::string_view line) const {
-    return !begin_.empty() && line.starts_with(begin_) && line.ends_with(end_) &&
-           commas_in(line) == commas_;
-  }
-  void keep(std::string_view line) {
-    begin_ = {};
-    if (!usual_ || commas_in(line) != commas_) return;
-    begin_ = line.substr(0, line.find(',', line.find(',') + 1) + 1);
-    end_ = line.substr(line.rfind(','));
-  }
-
- private:
-  /// Modulo 256, which takes 16 bytes at a time.
-  static std::uint8_t commas_in(std::string_view line) {
-    std::uint8_t commas = 0;
-    for (const char c : line) commas = static_cast<std::uint8_t>(commas + (c == ',' ? 1 : 0));
-    return commas;
-  }
-
-  std::uint8_t commas_;
-  bool usual_;
-  std::string_view begin_, end_;
-};
-
 /// From the chain where it has one, else from the circle.
 double either(double chain, double circle) {
   return chain == chain ? chain : circle;
@@ -109,14 +76,12 @@ double MeanSquare::root() const {
 
 void read_strokes(std::string_view text, ReportFolder& folder) {
   Cells cells;
-  const auto head = take_line(text);
-  cells.split(head);
+  cells.split(take_line(text));
   const Columns at(cells);
   // A first look: which stroke each row is of, and how many rows each stroke has.
   std::map<std::tuple<std::size_t, std::size_t, std::size_t>, std::size_t> places;
   std::vector<std::size_t> rows;
   std::vector<std::size_t> strokes;
-  SameStroke same(at, head);
   const auto stroke_of = [&]() -> std::size_t {
     const auto index = [&](std::size_t column) {
       const double value = value_in(cells[column]);
@@ -131,14 +96,8 @@ void read_strokes(std::string_view text, ReportFolder& folder) {
     return place->second;
   };
   for (auto rest = text; !rest.empty();) {
-    const auto line = take_line(rest);
-    if (!same.as_before(line)) {
-      cells.split(line);
-      strokes.push_back(stroke_of());
-      same.keep(line);
-    } else {
-      strokes.push_back(strokes.back());
-    }
+    cells.split(take_line(rest));
+    strokes.push_back(stroke_of());
     ++rows[strokes.back()];
   }
   std::vector<std::size_t> seen(rows.size(), 0);

@@ -67,7 +67,7 @@ Json strays(const std::vector<identify::ChainEstimate::StraySweep>& seen) {
 Json others(const std::vector<identify::ChainEstimate::OtherExplanation>& seen) {
   Json json = Json::array();
   for (const auto& one : seen)
-    json.push_back({{"what", one.moved ? "moved_before" : "disturbed"},
+    json.push_back({{"what", one.moved ? "moved" : "disturbed"},
                     {"joint", one.joint + 1},
                     {"sweep", one.number + 1},
                     {"mm", json_length(one.mm)}});

@@ -198,7 +198,7 @@ struct SweepEvidence {
   /// What may have happened just as well as what the estimate allows for, and would change it. The
   /// uncertainties have that in them.
   struct OtherExplanation : SweepAt {
-    bool moved = false;  ///< something, before this sweep, for good; else the sweep is a stray
+    bool moved = false;  ///< something, before or during it, for good; else the sweep is a stray
     double mm = 0;       ///< a standard deviation
   };
   std::vector<OtherExplanation> others;  ///< the likeliest first

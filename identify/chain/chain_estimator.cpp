@@ -30,7 +30,7 @@ class Estimation {
       : circles_(circles),
         campaign_(campaign),
         joints_(circles.joints.size()),
-        axes_(axes.empty() ? starting_axes(circles) : std::move(axes)) {}
+        axes_(std::move(axes)) {}
 
   std::optional<ChainEstimate> run() {
     nodes_ = chain_nodes(circles_, axes_, campaign_.resolution);

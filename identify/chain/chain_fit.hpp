@@ -22,6 +22,12 @@ struct ChainFit {
   Summary summary;
 };
 
+/// A way to explain the samples, and how well it does.
+struct FittedChain {
+  ChainFit fit;
+  ChainNoise noise;
+};
+
 /// The steady drift that a fit has found, in so many seconds: where it is beyond chance, and beyond
 /// what a device that walks at random comes to.
 [[nodiscard]] std::optional<ChainEstimate::SteadyDrift> steady_drift_of(const ChainFit& fit,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include <Eigen/Eigenvalues>
@@ -228,8 +229,10 @@ std::vector<ChainEstimate::OtherExplanation> explanations(std::vector<Incident> 
   std::sort(others.begin(), others.end(),
             [](const Incident& a, const Incident& b) { return a.deviance < b.deviance; });
   std::vector<ChainEstimate::OtherExplanation> found;
+  std::set<std::pair<Incident::Kind, std::size_t>> told;  // of moves at a unit the likeliest
   for (const Incident& one : others)
-    found.push_back({sweep_at(one.unit, nodes), one.kind == Incident::Kind::move, one.mm});
+    if (told.insert({one.kind, one.unit}).second)
+      found.push_back({sweep_at(one.unit, nodes), one.kind == Incident::Kind::move, one.mm});
   return found;
 }
 

@@ -8,12 +8,6 @@
 
 namespace identify {
 
-/// A way to explain the samples, and how well it does.
-struct FittedChain {
-  ChainFit fit;
-  ChainNoise noise;
-};
-
 /// Larger ones are mistakes, and none of the effects.
 inline constexpr double kMostMove_mm = 0.5;
 inline constexpr double kMostStray_mm = 5;
