@@ -260,8 +260,11 @@ class Adviser {
       }
     }
     const double swing = highest - lowest;
+    const Resolution& steps = campaign_.resolution;
+    const auto moved = steps.time_s > 0 ? joint_motion(joint) : std::nullopt;
+    const double of_stamps = moved ? steps.time_s * moved->speed_mm_s / joint.circle->radius_mm : 0;
     // At an even speed rounding, too, may go on smoothly, by a step in all.
-    if (swing <= std::max({kLeastCurve_rad, campaign_.resolution.angle_rad,
+    if (swing <= std::max({kLeastCurve_rad, steps.angle_rad, of_stamps,
                            2 * kAdviceSigmas * seen.center_sigma_rad}))
       return;
     warn("transmission_error", j,

@@ -137,7 +137,8 @@ Identification estimate(std::vector<Sweep> sweeps, const Campaign& campaign) {
     for (std::size_t j = 0; found.chain && j < found.joints.size(); ++j)
       if (double& sigma_rad = found.chain->angles[j].backlash_sigma_rad; sigma_rad > 0)
         sigma_rad = std::hypot(sigma_rad, play_by_delay_rad(found.joints[j], *found.delay,
-                                                            found.chain->noise.position_mm));
+                                                            found.chain->noise.position_mm,
+                                                            campaign.resolution.time_s));
   }
   if (!found.chain) found.chain = estimate_chain(found, axes, campaign);
   if (!found.chain) return found;
@@ -152,6 +153,17 @@ Identification estimate(std::vector<Sweep> sweeps, const Campaign& campaign) {
       found.chain->angles[j].center_sigma_rad =
           joint.axis->point_sigma_mm() / joint.circle->radius_mm;
   return found;
+}
+
+/// Where targets stood, had the device not drifted as beside them the sweeps of one take show.
+std::vector<Pose> without_drift(std::vector<Pose> poses, const std::vector<Sweep>& sweeps,
+                                const ChainEstimate::SteadyDrift& drift) {
+  if (!(drift.seconds > 0)) return poses;
+  double begin_s = sweeps.front().first().time_s;
+  for (const Sweep& sweep : sweeps) begin_s = std::min(begin_s, sweep.first().time_s);
+  for (Pose& pose : poses)
+    pose.sample.position_mm -= ((pose.sample.time_s - begin_s) / drift.seconds - 0.5) * drift.mm;
+  return poses;
 }
 
 /// With the poses in place of the chain's estimate, or beside it.
@@ -203,7 +215,9 @@ Identification with_poses(const std::vector<Sweep>& sweeps, const std::vector<Po
     Campaign elastic = campaign;
     elastic.sag_rad = sag_rad;
     Identification found = estimate(sweeps, elastic);
-    take_poses(found, poses, campaign);
+    const bool drifts = campaign.two_clocks && found.chain && found.chain->steady_drift;
+    take_poses(found, drifts ? without_drift(poses, sweeps, *found.chain->steady_drift) : poses,
+               campaign);
     return found;
   };
   const auto uses_sweeps = [](const Identification& found) {

@@ -40,6 +40,7 @@ std::optional<Outcome> joined_outcome(const Snapshot& snapshot, std::string& pro
   auto take = identify::joined(device.angles, device.points, campaign);
   problem = take.problem;
   if (!problem.empty()) return std::nullopt;
+  campaign.resolution.time_s = take.stamp_step_s;
   JoinedClocks joined{take.clock,    take.sweeps.size(), take.poses.size(),
                       take.restless, take.left_out_s,    take.fastest_mm_s};
   Outcome outcome{snapshot.robot, snapshot.source_kind, snapshot.counts,

@@ -152,6 +152,23 @@ std::optional<AngleTrack> angle_track(const Sweep& sweep, std::size_t joint, con
   return track;
 }
 
+double stamps_off_s(const std::vector<Sample>& samples, double step_s) {
+  if (!(step_s > 0)) return 0;
+  std::vector<double> intervals;
+  const Sample* before = nullptr;
+  for (const Sample& sample : samples) {
+    if (!sample.has_position) continue;
+    if (before != nullptr) intervals.push_back(sample.time_s - before->time_s);
+    before = &sample;
+  }
+  if (intervals.empty()) return step_s / std::sqrt(12.0);
+  const double usual = median_of(intervals);
+  const auto others = std::count_if(intervals.begin(), intervals.end(), [&](double interval) {
+    return std::abs(std::remainder(interval, usual)) > step_s / 2;
+  });
+  return step_s / std::sqrt(12.0) / (1 + static_cast<double>(others));
+}
+
 std::vector<AngleTrack> angle_tracks(const CircleEstimate& circles,
                                      const std::vector<std::optional<ChainAxis>>& axes,
                                      const Campaign& campaign) {
@@ -168,6 +185,7 @@ std::vector<AngleTrack> angle_tracks(const CircleEstimate& circles,
                                campaign.two_clocks ? sweep.samples->size() : kMostTracked);
       if (!track) continue;
       track->off_home_rad = off_home_rad(sweep, circles.home_rad);
+      track->stamps_s = stamps_off_s(*sweep.samples, campaign.resolution.time_s);
       groups[sweep.target * circles.joints.size() + j].push_back(std::move(*track));
     }
   }

@@ -25,6 +25,7 @@ struct AngleTrack {
   double reach_mm = 0;                   ///< the circle's radius; of a linear joint kLinear_mm
   double middle_rad = 0, half_rad = 0;   ///< of the range that the group was seen in
   double off_home_rad = 0;               ///< of the joint locked farthest off home
+  double stamps_s = 0;                   ///< stamps_off_s() of its samples
   /// Standard deviation of told()'s speeds, as angles are printed in steps, or uneven.
   double speed_noise_rad_s = 0;
 
@@ -63,6 +64,10 @@ class AngleAbout {
   Eigen::Vector3d x_, y_;
   double last_ = 0;
 };
+
+/// What a stroke's stamps that are rounded to this step are off by on average: a standard
+/// deviation. An even clock's go on by whole steps, all off alike, until one interval differs.
+[[nodiscard]] double stamps_off_s(const std::vector<Sample>& samples, double step_s);
 
 /// Of each stroke; more tell nothing new of something so smooth.
 inline constexpr std::size_t kMostTracked = 400;

@@ -1,6 +1,7 @@
 #include "identify/chain/delay.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <memory>
@@ -47,8 +48,10 @@ std::optional<ChainAxis> own_axis(const Sweep& sweep, std::size_t joint, bool li
 
 }  // namespace
 
-double play_by_delay_rad(const JointResult& joint, const Delay& delay, double noise_mm) {
+double play_by_delay_rad(const JointResult& joint, const Delay& delay, double noise_mm,
+                         double stamp_step_s) {
   double speed = 0, untold = 0, sigma_s = delay.sigma_s;
+  std::array<double, 2> strokes{}, stamps_s2{};  // by the way
   for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
     const Sweep& sweep = joint.sweeps[s];
     const double seconds = sweep.last().time_s - sweep.first().time_s;
@@ -59,9 +62,16 @@ double play_by_delay_rad(const JointResult& joint, const Delay& delay, double no
       sigma_s = std::max(
           sigma_s,
           std::hypot(delay.sigma_s, delay.rate_sigma * (sweep.first().time_s - delay.at_s)));
+    const std::size_t way = sweep.direction > 0 ? 1 : 0;
+    ++strokes[way];
+    stamps_s2[way] += std::pow(stamps_off_s(*sweep.samples, stamp_step_s), 2);
   }
+  double by_stamps_s2 = 0;
+  for (std::size_t way = 0; way < 2; ++way)
+    if (strokes[way] > 0) by_stamps_s2 += stamps_s2[way] / (strokes[way] * strokes[way]);
   const double reach_mm = joint.circle ? joint.circle->radius_mm : kLinear_mm;
-  return std::hypot(2 * speed * sigma_s, untold * noise_mm / reach_mm);
+  return std::hypot(2 * speed * sigma_s, speed * std::sqrt(by_stamps_s2),
+                    untold * noise_mm / reach_mm);
 }
 
 std::optional<Delay> find_delay(const CircleEstimate& circles,

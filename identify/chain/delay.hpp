@@ -39,10 +39,11 @@ inline constexpr double kSignificantDelay = 4;
 [[nodiscard]] bool is_significant(const Delay& delay) noexcept;
 
 /// By how much a joint's angles may still differ between its two directions where a delay was
-/// taken out of them: as far as the delay is uncertain, and by the noise of one sample,
-/// `noise_mm`, at strokes' ends, where angles were not told in time. A standard uncertainty.
+/// taken out of them: as far as the delay is uncertain, as stamps are rounded to `stamp_step_s`,
+/// and by the noise of one sample, `noise_mm`, at strokes' ends, where angles were not told in
+/// time. A standard uncertainty.
 [[nodiscard]] double play_by_delay_rad(const JointResult& joint, const Delay& delay,
-                                       double noise_mm);
+                                       double noise_mm, double stamp_step_s);
 
 /// The sweeps with the swept joint's angles as they were when the positions were taken. At a
 /// sweep's ends, where that was not told, angles go on along the circle. Sweeps from elsewhere than

@@ -57,32 +57,25 @@ class DelayFit {
     span_s_ = std::max(end - begin, 1.0);
   }
 
-  std::optional<Delay> run() {
-    if (!settle(false) || foreign_) return std::nullopt;
-    const Delay alone = delay_;
-    if (!settle(true)) return alone;
-    if (two_clocks_ || std::abs(delay_.rate) > kSignificantDelay * delay_.rate_sigma) return delay_;
-    return alone;
+  /// Steps until they are small against what is uncertain, some at least, as the weights settle,
+  /// too. Nothing where they do not become small: the angles do not tell it then. One that grows
+  /// may settle where one that does not has no single figure.
+  std::optional<Delay> settled(bool with_rate) {
+    constexpr int kLeastRounds = 4, kMostRounds = 12;
+    constexpr double kSmall = 0.1;
+    for (int round = 1; round <= kMostRounds; ++round) {
+      const Delay before = delay_;
+      if (!step(with_rate)) return std::nullopt;
+      const bool small = std::abs(delay_.late_s - before.late_s) <= kSmall * delay_.sigma_s &&
+                         std::abs(delay_.rate - before.rate) <= kSmall * delay_.rate_sigma;
+      if (small && round >= kLeastRounds) return foreign_ ? std::nullopt : std::optional(delay_);
+    }
+    return std::nullopt;
   }
 
  private:
   static constexpr Index kOrders = 4;             // of a joint's smooth error
   static constexpr Index kOfGroup = kOrders + 1;  // and its backlash
-
-  /// Steps until they are small against what is uncertain, some at least, as the weights settle,
-  /// too. False where they do not become small: the angles do not tell it then.
-  bool settle(bool with_rate) {
-    constexpr int kLeastRounds = 4, kMostRounds = 12;
-    constexpr double kSmall = 0.1;
-    for (int round = 1; round <= kMostRounds; ++round) {
-      const Delay before = delay_;
-      if (!step(with_rate)) return false;
-      const bool small = std::abs(delay_.late_s - before.late_s) <= kSmall * delay_.sigma_s &&
-                         std::abs(delay_.rate - before.rate) <= kSmall * delay_.rate_sigma;
-      if (small && round >= kLeastRounds) return true;
-    }
-    return false;
-  }
 
   /// Solves the equations at the present delay, and moves it. `with_rate`: it may grow.
   bool step(bool with_rate) {
@@ -174,29 +167,29 @@ class DelayFit {
   };
   /// Of a stroke with errors of its own, as its locked joints stood elsewhere: by chance, and by
   /// what was told. About an axis that is turned and shifted a little, an angle is seen off by a
-  /// constant and a first harmonic. The covariance of all is inverted by Woodbury's formula.
+  /// constant and a first harmonic. And with stamps that are off alike, as they are rounded. The
+  /// covariance of all is inverted by Woodbury's formula.
   [[nodiscard]] Products products(const AngleTrack& track, const Residuals& seen) const {
     Products sums;
-    Eigen::Matrix<double, kOfGroup + 2, 3> weighted =
-        Eigen::Matrix<double, kOfGroup + 2, 3>::Zero();
-    Eigen::Matrix3d own = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d errors = Eigen::Vector3d::Zero();
+    const double apart = std::sqrt(apart_mm2_ / (track.reach_mm * track.reach_mm) +
+                                   track.off_home_rad * track.off_home_rad);
+    Eigen::Matrix<double, kOfGroup + 2, 4> weighted =
+        Eigen::Matrix<double, kOfGroup + 2, 4>::Zero();
+    Eigen::Matrix4d own = Eigen::Matrix4d::Identity();
+    Eigen::Vector4d errors = Eigen::Vector4d::Zero();
     for (std::size_t i = 0; i < seen.error.size(); ++i) {
       const double weight = weight_[track.group].at(seen.speed[i]);
       const Row row = row_of(track, seen, i);
       const double turn = track.half_rad * seen.place[i];
-      const Eigen::Vector3d harmonic(1, std::sin(turn), std::cos(turn));
+      const Eigen::Vector4d of_stroke(apart, apart * std::sin(turn), apart * std::cos(turn),
+                                      track.stamps_s * seen.speed[i]);
       sums.normal += weight * row * row.transpose();
       sums.right += weight * seen.error[i] * row;
-      weighted += weight * row * harmonic.transpose();
-      own += weight * harmonic * harmonic.transpose();
-      errors += weight * seen.error[i] * harmonic;
+      weighted += weight * row * of_stroke.transpose();
+      own += weight * of_stroke * of_stroke.transpose();
+      errors += weight * seen.error[i] * of_stroke;
     }
-    const double apart =
-        apart_mm2_ / (track.reach_mm * track.reach_mm) + track.off_home_rad * track.off_home_rad;
-    if (!(apart > 0)) return sums;
-    own.diagonal().array() += 1 / apart;
-    const Eigen::LLT<Eigen::Matrix3d> solver(own);
+    const Eigen::LLT<Eigen::Matrix4d> solver(own);
     sums.normal -= weighted * solver.solve(weighted.transpose());
     sums.right -= weighted * solver.solve(errors);
     return sums;
@@ -239,6 +232,9 @@ class DelayFit {
           left.push_back(left_of(tracks_[k], all[k], i, found));
         const auto size = static_cast<double>(left.size());
         const double mean = std::accumulate(left.begin(), left.end(), 0.0) / size;
+        const double by_stamps = tracks_[k].stamps_s *
+                                 std::accumulate(all[k].speed.begin(), all[k].speed.end(), 0.0) /
+                                 size;
         for (std::size_t i = 0; i < left.size(); ++i) {
           const double off = left[i] - mean;
           squares += off * off;
@@ -250,7 +246,8 @@ class DelayFit {
         count += size;
         const double spread = std::sin(tracks_[k].half_rad) / tracks_[k].half_rad;
         const double off = tracks_[k].off_home_rad, reach = tracks_[k].reach_mm;
-        means += (mean * mean / (1 + spread * spread) - off * off) * reach * reach;
+        means += ((mean * mean - by_stamps * by_stamps) / (1 + spread * spread) - off * off) *
+                 reach * reach;
         of_strokes.push_back(size / (reach * reach));
       }
       if (count == 0) continue;
@@ -263,7 +260,9 @@ class DelayFit {
       strokes += static_cast<double>(of_strokes.size());
       taken += both_ways_[g] ? 2 : 1;  // offset and backlash
     }
-    apart_mm2_ = strokes > taken ? std::max(0.0, means - by_chance) / (strokes - taken) : 0;
+    const double now = strokes > taken ? std::max(0.0, means - by_chance) / (strokes - taken) : 0;
+    // Half way, as what strokes are given they leave less of: else it goes to and fro.
+    apart_mm2_ = apart_mm2_ > 0 ? (apart_mm2_ + now) / 2 : now;
   }
 
   /// The variances as a line over the squared speeds, by least squares that are weighed by it.
@@ -331,7 +330,11 @@ class DelayFit {
 }  // namespace
 
 std::optional<Delay> fitted_delay(const std::vector<AngleTrack>& tracks, bool two_clocks) {
-  return DelayFit(tracks, two_clocks).run();
+  const std::optional<Delay> alone = DelayFit(tracks, two_clocks).settled(false);
+  const std::optional<Delay> growing = DelayFit(tracks, two_clocks).settled(true);
+  if (growing && (two_clocks || std::abs(growing->rate) > kSignificantDelay * growing->rate_sigma))
+    return growing;
+  return alone;
 }
 
 }  // namespace identify

@@ -181,6 +181,26 @@ bool is_seen(const std::vector<TargetTrack>& tracks, const ClockMatch& clock, co
   });
 }
 
+/// Stamps that are frames of one length, each as printed, are not rounded.
+double stamp_step_s(const std::vector<TargetTrack>& tracks) {
+  constexpr double kNear = 0.01;
+  for (const double step : {0.01, 0.001, 0.0001}) {  // less is no matter
+    bool whole = true, frames = true;
+    for (const auto& [times, positions] : tracks) {
+      std::vector<double> intervals;
+      for (std::size_t i = 1; i < times.size(); ++i) intervals.push_back(times[i] - times[i - 1]);
+      if (intervals.empty()) continue;
+      const double usual = median_of(intervals);
+      for (const double time : times) {
+        whole = whole && std::abs(std::remainder(time, step)) < kNear * step;
+        frames = frames && std::abs(std::remainder(time - times.front(), usual)) < step / 2;
+      }
+    }
+    if (whole) return frames ? 0 : step;
+  }
+  return 0;
+}
+
 std::string ambiguity(const std::vector<ClockMatch>& matches, const Campaign& campaign) {
   const std::string apart =
       fixed(matches[0].ahead_s, 3) + " and " + fixed(matches[1].ahead_s, 3) + " s";
@@ -202,6 +222,7 @@ JoinedTake joined(const AngleTape& tape, const std::vector<Measured>& points,
   take.problem = search.problem;
   if (search.matches.empty()) return take;
   const auto tracks = tracks_of(points);
+  take.stamp_step_s = stamp_step_s(tracks);
   const auto senses = senses_in(tape, angles.rests, campaign.resolution.angle_rad);
   take.clock = search.matches.front();
   if (search.matches.size() > 1) {

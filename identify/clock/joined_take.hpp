@@ -24,6 +24,7 @@ struct JoinedTake {
   std::size_t restless = 0;   ///< rests by the angles in which the device saw motion
   double left_out_s = 0;      ///< motion of several joints at once
   double fastest_mm_s = 0;    ///< of the sweeps
+  double stamp_step_s = 0;    ///< the device's stamps are rounded to it; 0: they are not
   std::string problem;        ///< why the two could not be joined; empty: they were
 };
 

@@ -26,10 +26,11 @@ constexpr double kExplained = 0.2;
 constexpr std::size_t kTried = 60;
 constexpr double kManyOutliers = 0.2;
 /// A target has moved where a shift explains so much (chi-square, 3 degrees of freedom, at the
-/// worst of all places in the order), and is no smaller than what is left of a pose.
+/// worst of all places in the order).
 constexpr double kMoved = 60;
-/// Poses leave so much more beside sweeps than alone, and no less, where they are of another place.
+/// Poses leave so much more beside sweeps than alone where they are of another place.
 constexpr double kApartFromSweeps = 5;
+/// Less is no other place: devices drift and joints play by as much.
 constexpr double kLeastApart_mm = 0.05;
 /// An arm that warms up moves by less.
 constexpr double kMostWarming_mm = 0.5;
@@ -184,6 +185,24 @@ class SeenOnTool {
   std::vector<Vector3d> seen_;
 };
 
+/// Of targets that were moved on the tool: beyond chance, and by no less than what is left of a
+/// pose.
+std::vector<Shift> shifts_in(const PoseEstimate& found, const std::vector<Pose>& poses) {
+  std::vector<Shift> shifts;
+  for (std::size_t t = 0; t < found.fit.model.chain.targets_mm.size(); ++t) {
+    const Shift shift = SeenOnTool(found, poses, t).largest();
+    if (shift.square >= kMoved && shift.size_mm >= found.left.rms_mm) shifts.push_back(shift);
+  }
+  return shifts;
+}
+
+Warning told(const Shift& shift, const std::vector<Pose>& poses, const std::string& therefore) {
+  return {"target_moved",
+          {},
+          "from " + poses[shift.from].name + " on the target is " + brief(shift.size_mm) +
+              " mm away from where it was on the tool: " + therefore};
+}
+
 }  // namespace
 
 std::vector<Pose> without_copies(std::vector<Pose> poses, std::vector<Warning>& warnings) {
@@ -226,16 +245,11 @@ std::vector<Warning> doubts_of(const PoseEstimate& found, const std::vector<Pose
     doubts.push_back(std::move(*contradicted));
     return doubts;
   }
-  for (std::size_t t = 0; t < found.fit.model.chain.targets_mm.size(); ++t) {
-    const Shift shift = SeenOnTool(found, poses, t).largest();
-    if (shift.square < kMoved || shift.size_mm < found.left.rms_mm) continue;
-    doubts.push_back({"target_moved",
-                      {},
-                      "from " + poses[shift.from].name + " on the target is " +
-                          brief(shift.size_mm) +
-                          " mm away from where it was on the tool: give the poses from there on a "
-                          "target name of their own, or measure again"});
-  }
+  for (const Shift& shift : shifts_in(found, poses))
+    if (shift.size_mm >= kLeastApart_mm)
+      doubts.push_back(told(shift, poses,
+                            "give the poses from there on a target name of their own, or measure "
+                            "again"));
   const double left_mm = middle_left_mm(found.fit);
   if (doubts.empty() && left_mm > std::max(kLeastApart_mm, kApartFromSweeps * found.left_alone_mm))
     doubts.push_back({"device_moved",
@@ -295,6 +309,12 @@ std::vector<Warning> advice_on(const PoseEstimate& found, const std::vector<Pose
                           " mm apart at the target (rms): the arm warmed up, or the device moved. "
                           "The uncertainties don't hold that; warm the arm up and measure again, "
                           "or take the poses as of an arm between the two"});
+  // A device that drifts and a joint that plays do so, too.
+  for (const Shift& shift : shifts_in(found, poses))
+    if (shift.size_mm < kLeastApart_mm && !found.drift.seen)
+      advice.push_back(told(shift, poses,
+                            "it was moved, the device drifted, or a joint plays. The uncertainties "
+                            "don't hold that. See that the target is tight, and measure again"));
   const ChainEstimate& chain = found.chain;
   for (std::size_t j = 0; j < chain.axes.size(); ++j) {
     // Where the fit went astray, nobody knows where axes are.

@@ -36,6 +36,7 @@ struct Sample {
 struct Resolution {
   double position_mm = 0;
   double angle_rad = 0;
+  double time_s = 0;  ///< of the stamps of a device with a clock of its own
 };
 
 /// Columns: the positions of those samples that have one, in their order.

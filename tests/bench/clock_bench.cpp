@@ -1,4 +1,7 @@
-// Device and controller with a clock each: how well offset, drift and geometry are found.
+// Device and controller with a clock each: how well offset, drift and geometry are found, and
+// whether perfect gears are accused. Arguments: takes, rounds of sweeps, jitter and step of the
+// stamps in microseconds.
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -24,6 +27,7 @@ struct Seen {
   double rate_sigma_ppm = 0;
   double geometry_mm = 0;
   std::size_t poses = 0;
+  bool accused = false;
   std::string trouble;
 };
 
@@ -72,8 +76,12 @@ Seen run(const Robot& robot, const Program& program, const FreeDevice& device, s
   Seen seen;
   seen.trouble = take.problem;
   if (!take.problem.empty()) return seen;
+  campaign.resolution.time_s = take.stamp_step_s;
   const auto found = identify::identify(take.sweeps, campaign, take.poses);
   seen.poses = take.poses.size();
+  seen.accused = std::any_of(found.warnings.begin(), found.warnings.end(), [](const auto& warning) {
+    return warning.code == "backlash" || warning.code == "transmission_error";
+  });
   const auto clock = identify::refined(take.clock, found.delay);
   const double middle = program.seconds() / 2;
   seen.off_ms = 1e3 * (clock.ahead_s + clock.rate * (middle - clock.at_s) - device.ahead_s);
@@ -90,8 +98,10 @@ Seen run(const Robot& robot, const Program& program, const FreeDevice& device, s
 int main(int argc, char** argv) {
   const int seeds = argc > 1 ? std::atoi(argv[1]) : 40;
   const int rounds = argc > 2 ? std::atoi(argv[2]) : 2;
+  const int jitter_us = argc > 3 ? std::atoi(argv[3]) : 5000;
+  const int step_us = argc > 4 ? std::atoi(argv[4]) : 0;
   double off2 = 0, z2 = 0, rate2 = 0, geometry2 = 0, plain2 = 0;
-  int within = 0, within_tenth = 0, rate_within = 0, done = 0;
+  int within = 0, within_tenth = 0, rate_within = 0, accused = 0, done = 0;
   for (int s = 1; s <= seeds; ++s) {
     const auto seed = static_cast<std::uint32_t>(s);
     std::mt19937 random(seed);
@@ -101,7 +111,8 @@ int main(int argc, char** argv) {
     FreeDevice device;
     device.ahead_s = s % 4 == 0 ? 3600 * (uniform(random) - 0.5) : 0.5 * uniform(random);
     device.rate_ppm = 100 * (uniform(random) - 0.5);
-    device.jitter_s = 0.005;
+    device.jitter_s = 1e-6 * jitter_us;
+    device.stamp_step_s = 1e-6 * step_us;
     device.loss = 0.02;
     device.gaps = {{20, 20.4}, {41, 43}};
     FreeDevice plain = device;
@@ -118,6 +129,7 @@ int main(int argc, char** argv) {
         seen.geometry_mm, without.geometry_mm, took, seen.trouble.c_str());
     if (seen.geometry_mm <= 0) continue;
     ++done;
+    accused += seen.accused;
     off2 += seen.off_ms * seen.off_ms;
     z2 += std::pow(seen.off_ms / seen.sigma_ms, 2);
     rate2 += std::pow(seen.rate_ppm / seen.rate_sigma_ppm, 2);
@@ -129,8 +141,8 @@ int main(int argc, char** argv) {
   }
   std::printf(
       "%d of %d: offset rms %.4f ms, z %.2f, within 2 sigma %d, within 0.1 ms %d; rate z %.2f, "
-      "within 2 sigma %d; geometry %.4f against %.4f mm: %.3f\n",
+      "within 2 sigma %d; geometry %.4f against %.4f mm: %.3f; gears accused %d\n",
       done, seeds, std::sqrt(off2 / done), std::sqrt(z2 / done), within, within_tenth,
       std::sqrt(rate2 / done), rate_within, std::sqrt(geometry2 / done), std::sqrt(plain2 / done),
-      std::sqrt(geometry2 / plain2));
+      std::sqrt(geometry2 / plain2), accused);
 }

@@ -1,6 +1,7 @@
 #include "tests/simulation/free_device.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "identify/geometry/angle.hpp"
@@ -35,7 +36,7 @@ TwoViews two_views(const Robot& robot, const Program& program, const FreeDevice&
     views.tape.add(sample);
   }
 
-  Device device(how.noise, {}, program.seconds(), seed);
+  Device device(how.noise, how.drift, program.seconds(), seed);
   auto random = stream(seed, Source::clock);
   std::uniform_real_distribution<> uniform(0, 1);
   const double begin_s = uniform(random) / how.rate_hz;
@@ -55,6 +56,8 @@ TwoViews two_views(const Robot& robot, const Program& program, const FreeDevice&
       point.sample.time_s = at + how.ahead_s + off +
                             1e-6 * how.rate_ppm * (at - program.seconds() / 2) +
                             (how.step_s != 0 && at > how.step_at_s ? how.step_s : 0);
+      if (how.stamp_step_s > 0)
+        point.sample.time_s = std::round(point.sample.time_s / how.stamp_step_s) * how.stamp_step_s;
       const bool in_gap = std::any_of(how.gaps.begin(), how.gaps.end(), [&](const auto& gap) {
         return at >= gap.begin_s && at <= gap.end_s;
       });

@@ -22,14 +22,16 @@ namespace simulation {
 /// loses.
 struct FreeDevice {
   double rate_hz = 100;
-  double ahead_s = 0;   ///< of the controller's clock, in the middle of the program
-  double rate_ppm = 0;  ///< what its clock gains
-  double jitter_s = 0;  ///< of its stamps: up to so much, either way
-  double loss = 0;      ///< this share of its samples
+  double ahead_s = 0;       ///< of the controller's clock, in the middle of the program
+  double rate_ppm = 0;      ///< what its clock gains
+  double jitter_s = 0;      ///< of its stamps: up to so much, either way
+  double stamp_step_s = 0;  ///< its stamps are rounded to this; 0: they are not
+  double loss = 0;          ///< this share of its samples
   std::vector<identify::Span> gaps = {};  ///< it sees nothing, by the controller's clock
   double step_s = 0;                      ///< its clock is set so much ahead,
   double step_at_s = 0;                   ///< at this time of the controller
   Noise noise = tracker_noise();
+  Drift drift = {};  ///< of where it stands
 };
 
 /// A program as its controller tells it, and as the device sees the robot's targets do it.

@@ -40,7 +40,7 @@ bool inside(const Simulation& campaign, const Identification& found) {
 }  // namespace
 
 TEST_CASE("What joints that stay off home explain as well as a moved device is uncertain",
-          "[incident_search]") {
+          "[incident_search][long]") {
   const double mm = GENERATE(0.1, 0.4);
   simulation::Strokes how;
   how.samples = 200;

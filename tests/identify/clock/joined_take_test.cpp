@@ -80,10 +80,11 @@ struct Joined {
 
 Joined join(const Robot& robot, const TwoViews& views) {
   Joined all;
-  const auto campaign = known(robot);
+  auto campaign = known(robot);
   all.take = identify::joined(views.tape, views.points, campaign);
   INFO(all.take.problem);
   REQUIRE(all.take.problem.empty());
+  campaign.resolution.time_s = all.take.stamp_step_s;
   all.found = identify::identify(all.take.sweeps, campaign, all.take.poses);
   all.clock = identify::refined(all.take.clock, all.found.delay);
   return all;
@@ -257,5 +258,42 @@ TEST_CASE("A take that ends before all joints have moved is told to lack axes",
     if (!take.problem.empty()) continue;  // too little to match the clocks by
     const auto found = identify::identify(take.sweeps, campaign, take.poses);
     if (share < 0.8) CHECK(found.status != identify::Status::complete);
+  }
+}
+
+TEST_CASE("Clocks that drift apart, and stamps that are rounded, are no backlash of gears",
+          "[joined_take][long]") {
+  for (const double stamp_step_s : {0.0, 0.001})
+    for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+      CAPTURE(stamp_step_s, seed);
+      const Robot robot = built(kr5(), seed);
+      const Program program = sweeps_of_all(robot, 1, seed, 0.7);
+      FreeDevice device;
+      device.ahead_s = 17.3 * seed;
+      device.rate_ppm = seed % 2 == 0 ? 300 : 20;
+      device.stamp_step_s = stamp_step_s;
+      const auto joined = join(robot, two_views(robot, program, device, seed));
+      for (const auto& warning : joined.found.warnings) CHECK(warning.code != "backlash");
+      const double middle_s = program.seconds() / 2;
+      const double late_s = joined.clock.ahead_s +
+                            joined.clock.rate * (middle_s - joined.clock.at_s) - device.ahead_s;
+      CHECK(joined.clock.sigma_s < 2e-4);
+      CHECK(std::abs(late_s) < 4 * joined.clock.sigma_s);
+      CHECK(std::abs(joined.clock.rate - 1e-6 * device.rate_ppm) < 4 * joined.clock.rate_sigma);
+    }
+}
+
+TEST_CASE("A device that drifts evenly while rests are measured, too, moved no target",
+          "[joined_take][long]") {
+  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+    CAPTURE(seed);
+    const Robot robot = built(kr5(), seed);
+    FreeDevice device;
+    device.drift.linear_mm = 0.1;
+    const auto found =
+        join(robot, two_views(robot, sweeps_of_all(robot, 1, seed, 0.7), device, seed)).found;
+    CHECK(found.status == identify::Status::complete);
+    CHECK(found.chain->steady_drift);
+    for (const auto& warning : found.warnings) CHECK(warning.code != "poses_drift");
   }
 }

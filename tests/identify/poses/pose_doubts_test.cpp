@@ -89,6 +89,23 @@ TEST_CASE("A target that was put back elsewhere is noticed, and where", "[pose_d
   CHECK_THAT(found.doubts.front().message, Catch::Matchers::ContainsSubstring("pose 2"));
 }
 
+TEST_CASE("A target that is off by as little as a device drifts is no doubt, and is told",
+          "[pose_doubts]") {
+  auto world = tracker();
+  world.noise.range_mm = world.noise.across_mm = 0.004;
+  const auto built = arm_with(world, 4);
+  auto poses = built.poses(60);
+  auto robot = built.robot();
+  robot.targets_mm[0] += Eigen::Vector3d(0.02, -0.02, 0.02);
+  const auto after = simulation::Simulation(robot, strokes(50), world, 4).poses(60);
+  std::copy(after.begin() + 25, after.end(), poses.begin() + 25);
+  const auto found = identify::identify({}, built.campaign(), poses);
+  CHECK(found.doubts.empty());
+  CHECK(std::any_of(found.warnings.begin(), found.warnings.end(), [](const auto& warning) {
+    return warning.code == "target_moved" || warning.code == "poses_drift";
+  }));
+}
+
 TEST_CASE("A device that was moved between sweeps and poses is noticed", "[pose_doubts][long]") {
   const double moved_mm = GENERATE(0.0, 0.6, 50.0);
   CAPTURE(moved_mm);
