@@ -238,6 +238,15 @@ Identification with_poses(const std::vector<Sweep>& sweeps, const std::vector<Po
   return found;
 }
 
+/// Where the specified table had to tell which way about its axis a joint's angle rises, its
+/// strokes went the other way, too.
+void follow_axis(JointResult& joint) {
+  if (!joint.axis || joint.sense_by == SenseBy::angles || !(joint.circle || joint.line)) return;
+  const auto& taken = joint.circle ? joint.circle->normal : joint.line->direction;
+  if (joint.axis->direction.dot(taken) > 0) return;
+  for (Sweep& sweep : joint.sweeps) sweep.direction = -sweep.direction;
+}
+
 }  // namespace
 
 Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign,
@@ -248,6 +257,7 @@ Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign,
       poses.empty() ? estimate(std::move(sweeps), campaign) : with_poses(sweeps, poses, campaign);
   found.warnings.insert(found.warnings.end(), copies.begin(), copies.end());
   name_undetermined(found);
+  for (JointResult& joint : found.joints) follow_axis(joint);
   if (found.status == Status::complete && !found.doubt.empty()) {
     found.status = Status::partial;
     found.reason = found.doubt;

@@ -13,6 +13,7 @@
 #include "daemon/devices/device_formats.hpp"
 #include "daemon/points/axes_file.hpp"
 #include "daemon/points/csv_file.hpp"
+#include "daemon/points/declared_directions.hpp"
 #include "daemon/points/point_poses.hpp"
 #include "daemon/points/point_sweeps.hpp"
 #include "daemon/points/points_file.hpp"

@@ -35,9 +35,6 @@ const double kStill_rad = radians(0.03);
 constexpr double kSmallest_mm = 10;
 constexpr double kMovedSizes = 100;
 
-/// Squared departure from a declared stroke that no stroke of its has.
-constexpr double kNoMatch = 100;
-
 /// Points of one target that belong together.
 struct PointGroup {
   std::size_t joint = 0;  // from 1; 0: unknown
@@ -283,68 +280,6 @@ std::vector<Sweep> sweeps_of_joint(const PointsFile& file, std::size_t joint, st
         "{} alone: give one file a joint, in the order of the joints",
         file.path.string(), joint + 1, joint + 1, *sweeps.front().joint + 1));
   return sweeps;
-}
-
-namespace {
-
-/// How far strokes, turned by these angles one after the other, are from the declared ones, which
-/// may have been repeated: the mean square, in what planned arcs may be off by.
-double misfit(const std::vector<double>& seen_rad, double sense,
-              const std::vector<double>& declared_rad) {
-  if (declared_rad.empty()) return kNoMatch;
-  double sum = 0;
-  for (std::size_t i = 0; i < seen_rad.size(); ++i) {
-    const double declared = declared_rad[i % declared_rad.size()];
-    const double off = (sense * seen_rad[i] - declared) / (radians(1) + 0.05 * std::abs(declared));
-    sum += std::min(off * off, kNoMatch);
-  }
-  return sum / static_cast<double>(seen_rad.size());
-}
-
-/// Whether the joint's angle rises about the normal from which `seen_rad` are counted (+1), falls
-/// (-1), or nothing in the plan tells (0).
-int declared_sense(const std::vector<double>& seen_rad, const std::vector<double>& sweeps_rad,
-                   const std::vector<double>& strokes_rad) {
-  const auto as = [&](double sense) {
-    return std::min(misfit(seen_rad, sense, sweeps_rad), misfit(seen_rad, sense, strokes_rad));
-  };
-  const double rises = as(1), falls = as(-1);
-  if (std::min(rises, falls) > kNoMatch / 4 || std::abs(rises - falls) < 1) return 0;
-  return rises < falls ? 1 : -1;
-}
-
-}  // namespace
-
-void declare_directions(std::vector<Sweep>& sweeps, const SweepPlan& plan,
-                        const std::vector<identify::DeclaredJoint>& order) {
-  std::map<std::pair<std::size_t, std::size_t>, std::vector<Sweep*>> turns;  // by joint and target
-  for (Sweep& sweep : sweeps)
-    if (sweep.joint && sweep.direction == 0 && sweep.defect == SweepDefect::none)
-      turns[{*sweep.joint, sweep.target}].push_back(&sweep);
-  for (const auto& [which, strokes] : turns) {
-    const std::size_t joint = which.first;
-    std::vector<double> planned, declared;
-    for (const PlannedSweep& sweep : plan.sweeps) {
-      if (sweep.joint != joint + 1) continue;
-      for (const PlannedMove& move : moves_of(plan, sweep))
-        if (move.measures) planned.push_back(radians(move.to_deg - move.from_deg));
-    }
-    for (const auto& turn : order)
-      if (turn.joint == joint)
-        declared.insert(declared.end(), turn.strokes_rad.begin(), turn.strokes_rad.end());
-    std::vector<double> seen;
-    std::optional<Eigen::Vector3d> normal;
-    for (const Sweep* stroke : strokes) {
-      const auto circle = identify::fit_circle(identify::positions(*stroke->samples));
-      if (!circle) continue;
-      if (!normal) normal = circle->normal;
-      seen.push_back(circle->normal.dot(*normal) > 0 ? circle->arc_rad : -circle->arc_rad);
-    }
-    if (seen.size() != strokes.size()) continue;
-    const int sense = declared_sense(seen, planned, declared);
-    for (std::size_t i = 0; i < strokes.size(); ++i)
-      strokes[i]->direction = seen[i] > 0 ? sense : -sense;
-  }
 }
 
 }  // namespace sweepd

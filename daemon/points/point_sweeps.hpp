@@ -39,11 +39,4 @@ using WorstLimit = std::optional<identify::MotionLimit>;
                                                            const identify::Resolution& resolution,
                                                            WorstLimit& limit);
 
-/// Sets the direction of sweeps whose joint is known and whose direction is not (no angles), from
-/// the plan that was run: the arcs of a joint's strokes, there and back as they were seen, are
-/// compared with the plan's sweeps and with all its strokes, ways from and to home included, either
-/// of which may have been repeated. Where neither sense agrees, or both do, it stays unknown.
-void declare_directions(std::vector<identify::Sweep>& sweeps, const SweepPlan& plan,
-                        const std::vector<identify::DeclaredJoint>& order);
-
 }  // namespace sweepd

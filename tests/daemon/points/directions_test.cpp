@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "daemon/points/declared_directions.hpp"
 #include "daemon/points/point_sweeps.hpp"
 #include "daemon/settings/robot_description.hpp"
 #include "daemon/text/units.hpp"
