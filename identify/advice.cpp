@@ -9,6 +9,7 @@
 #include "identify/chain/delay.hpp"
 #include "identify/chain_advice.hpp"
 #include "identify/circle/joint_motion.hpp"
+#include "identify/dh/dh_comparison.hpp"
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/median.hpp"
 #include "identify/geometry/warning.hpp"
@@ -31,6 +32,9 @@ constexpr double kFast_mm_s = 500;
 constexpr double kPoorResolution_mm = 0.0011;
 constexpr double kPoorResolution_rad = 0.0011 * kDegree;
 constexpr double kAdviceSigmas = 4;
+/// No robot is built so far off its specified base.
+constexpr double kBuilt_mm = 8;
+constexpr double kBuilt_rad = 5 * kDegree;
 constexpr double kLeastCurve_rad = 5 * kArcsec;
 constexpr double kLeastCoherence = 8;
 
@@ -77,6 +81,7 @@ class Adviser {
       if (found_.chain) judge_angles(j);
     }
     judge_height();
+    judge_base();
     judge_resolution();
     if (campaign_.motion_limit)
       if (auto hidden = hidden_motion(found_, *campaign_.motion_limit))
@@ -272,6 +277,23 @@ class Adviser {
              brief(swing * joint.circle->radius_mm) + " mm at the target) between " +
              degrees(*home + from) + " and " + degrees(*home + to) +
              ": they were not used; the curve is part of the result");
+  }
+
+  /// b and theta of row 1 tell where the frame of the positions is: in another one than the robot's
+  /// own they say nothing of the arm.
+  void judge_base() {
+    const auto differences = compare_with_specified(found_.dh, found_.specified, found_.home_rad);
+    if (campaign_.device_frame || !found_.doubts.empty() || differences.empty() ||
+        found_.dh.front().linear)
+      return;
+    const double b_mm = differences.front().b_mm.value_or(0);
+    const double theta_rad = differences.front().theta_rad.value_or(0);
+    if (std::abs(b_mm) < kBuilt_mm && std::abs(theta_rad) < kBuilt_rad) return;
+    warn("base_elsewhere", 0,
+         "b of row 1 is " + fixed(b_mm, 1) + " mm and theta " + degrees(theta_rad) +
+             " off the specified one: the positions are told in another frame than the robot's "
+             "own, and these two numbers say where that is, not how the arm is. Take $NULLFRAME "
+             "for BASE, or give a device's points without --frame robot");
   }
 
   void judge_resolution() {

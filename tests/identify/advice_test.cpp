@@ -60,6 +60,18 @@ TEST_CASE("a clean campaign of 90 degrees gets no advice", "[advice][long]") {
   CHECK(found.warnings.empty());
 }
 
+TEST_CASE("positions in another frame than the robot's own are told by row 1", "[advice][long]") {
+  const auto robot = kr5_swept();
+  auto campaign = campaign_of(robot, kController);
+  REQUIRE(campaign.specified);
+  campaign.specified->rows.front().b_mm += 9;
+  const auto found = identify::identify(sweeps_of(robot, kController, 1), campaign);
+  CHECK_THAT(message(found, "base_elsewhere", 0), ContainsSubstring("b of row 1 is -9.0 mm"));
+  campaign.device_frame = true;
+  const auto seen = identify::identify(sweeps_of(robot, kController, 1), campaign);
+  CHECK(find_warning(seen, "base_elsewhere") == nullptr);
+}
+
 TEST_CASE("the paper's campaign, moved as a controller moves, gets none either", "[advice][long]") {
   test::Campaign moved(kr5_arc(), {.wobble_deg = 0.0005});
   moved.sweep_all_90();
