@@ -117,6 +117,8 @@ int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) 
   options.traces = traces_in_order(given.traces);
   const auto search = rsi::find_conversation(options.traces, options.filter);
   if (!search.note.empty()) errors << "sweepd: " << search.note << '\n';
+  // There is RSI, but not the one that was asked for: what is in the folder stays.
+  if (!search.chosen && !search.found.empty()) return kFailed;
   const RobotSetup setup = setup_for(options, search.chosen);
   std::optional<OutputFile> samples_file;
   std::optional<LineFile> samples;

@@ -242,6 +242,22 @@ TEST_CASE("a capture without RSI leaves a failed result with the reason, one sen
   CHECK_THAT(result.report, ContainsSubstring("failed: no RSI telegrams in the capture"));
 }
 
+TEST_CASE("where the RSI that was asked for is not there, what is in the folder stays",
+          "[replay_command]") {
+  const TemporaryFolder folder;
+  std::uint64_t ipoc = 4000;
+  Capture(folder / "x.pcap").add_stroke(ipoc, 0, 60);
+  auto wanted = trace_options(folder / "x.pcap", folder / "out");
+  CHECK(replayed(wanted).code == 0);
+  const auto before = content(folder / "out/result.json");
+  wanted.filter.port = 1;
+  const auto result = replayed(wanted);
+  CHECK(result.code == 1);
+  CHECK_THAT(result.errors, Catch::Matchers::StartsWith("sweepd: no RSI conversation on port 1, "));
+  CHECK(result.report.empty());
+  CHECK(content(folder / "out/result.json") == before);
+}
+
 TEST_CASE("a capture without RSI is no matter of the settings, however many robots they have",
           "[replay_command]") {
   const TemporaryFolder folder;
