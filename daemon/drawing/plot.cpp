@@ -31,6 +31,33 @@ std::string power_text(double value) {
   return fixed(number, number < 1 ? static_cast<int>(std::ceil(-value)) : 0);
 }
 
+struct Tick {
+  double at;
+  std::string text;
+};
+
+/// Powers of ten or, where an axis would have fewer than two, round numbers.
+std::vector<Tick> logarithmic_ticks(const Range& range, std::size_t about) {
+  std::vector<Tick> all;
+  for (double power = std::ceil(range.low); power <= range.high; ++power)
+    all.push_back({power, power_text(power)});
+  if (all.size() > 1) return all;
+  const Range numbers{std::pow(10, range.low), std::pow(10, range.high)};
+  all.clear();
+  for (const double value : ticks(numbers, about))
+    all.push_back({std::log10(value), tick_text(value, step_of(numbers, about))});
+  return all;
+}
+
+std::vector<Tick> ticks_of(const Plot::Axis& axis) {
+  if (axis.ticks == 0) return {};
+  if (axis.logarithmic) return logarithmic_ticks(axis.range, axis.ticks);
+  std::vector<Tick> all;
+  for (const double value : ticks(axis.range, axis.ticks))
+    all.push_back({value, tick_text(value, step_of(axis.range, axis.ticks))});
+  return all;
+}
+
 }  // namespace
 
 Range Range::nothing() {
@@ -65,31 +92,17 @@ std::string tick_text(double value, double step) {
 
 Plot::Plot(Picture& picture, const Frame& frame, const Axis& x, const Axis& y)
     : frame_(frame), x_(x.range), y_(y.range), inside_(picture.inside(frame)) {
-  const auto step = [](const Axis& axis) {
-    return axis.logarithmic ? 1 : step_of(axis.range, axis.ticks);
-  };
-  const auto places = [&](const Axis& axis) {
-    if (axis.ticks == 0) return std::vector<double>();
-    if (!axis.logarithmic) return ticks(axis.range, axis.ticks);
-    std::vector<double> powers;
-    const double first = std::ceil(axis.range.low);
-    for (int k = 0; first + k <= axis.range.high; ++k) powers.push_back(first + k);
-    return powers;
-  };
-  const auto text = [&](const Axis& axis, double value) {
-    return axis.logarithmic ? power_text(value) : tick_text(value, step(axis));
-  };
-  for (const double value : places(x)) {
+  for (const auto& [value, text] : ticks_of(x)) {
     const double at = spot(value, 0).x();
     inside_.line({at, frame.top}, {at, frame.bottom()}, "grid");
     picture.line({at, frame.bottom()}, {at, frame.bottom() + kTick}, "axis");
-    picture.words({at, frame.bottom() + kTick + 9}, text(x, value), Anchor::middle, "small");
+    picture.words({at, frame.bottom() + kTick + 9}, text, Anchor::middle, "small");
   }
-  for (const double value : places(y)) {
+  for (const auto& [value, text] : ticks_of(y)) {
     const double at = spot(0, value).y();
     inside_.line({frame.left, at}, {frame.right(), at}, "grid");
     picture.line({frame.left - kTick, at}, {frame.left, at}, "axis");
-    picture.words({frame.left - kTick - 2, at + 3}, text(y, value), Anchor::end, "small");
+    picture.words({frame.left - kTick - 2, at + 3}, text, Anchor::end, "small");
   }
   picture.bar(frame, "hollow axis");
   if (!x.title.empty())

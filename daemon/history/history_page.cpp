@@ -31,6 +31,8 @@ Range time_range(const History& history) {
   Range range = Range::nothing();
   for (const ComparedCampaign& campaign : history.campaigns)
     range.include(years(campaign.record.time));
+  constexpr double kDay = 86400 / kYear_s;  // what is closer is of one day
+  if (range.size() < kDay) return {range.low - kDay / 2, range.high + kDay / 2};
   return range.widened(0.02);
 }
 

@@ -41,6 +41,15 @@ TEST_CASE("ticks have as many decimals as tell them apart", "[plot]") {
   CHECK(tick_text(-1e-12, 0.5) == "0.0");
 }
 
+TEST_CASE("a logarithmic axis has figures also where it holds no power of ten", "[plot]") {
+  pugi::xml_document document;
+  Picture picture(Markup(document).add("div"), 200, 100, "a plot");
+  const double low = std::log10(169.0), high = std::log10(600.0);
+  const Plot plot(picture, {40, 10, 160, 70}, {{-1, 1}, "x", false, 0},
+                  {.range = {low, high}, .title = "T²", .logarithmic = true});
+  CHECK_THAT(html_text(document), ContainsSubstring(">200<") && ContainsSubstring(">600<"));
+}
+
 TEST_CASE("a plot puts its corners where the frame has them", "[plot]") {
   pugi::xml_document document;
   Picture picture(Markup(document).add("div"), 200, 100, "a plot");
