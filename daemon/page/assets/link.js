@@ -115,6 +115,7 @@ export function make_link() {
       say(cells.missed, missed === null ? "it does not tell" : String(missed));
       cells.missed.className = missed > 0 ? "number bad" : "number";
       say(cells.lost, String(state.telegrams.lost));
+      cells.lost.className = state.telegrams.lost > 0 ? "number bad" : "number";
     },
     cycles(cycles) {
       cycles.at_s.forEach((at_s, i) => {
