@@ -17,7 +17,8 @@ std::string needs_value(const CLI::App& command, const std::string& name) {
   for (const auto& option : command_text(command).options)
     for (const auto& own : option.names)
       if (own == name) value = option.value + (option.range.empty() ? "" : ", " + option.range);
-  return name + " needs a value: give " + value;
+  const bool several = value.find(',') < value.find(", ");
+  return name + (several ? " needs all of its values" : " needs a value") + ": give " + value;
 }
 
 /// Where the rest is told.

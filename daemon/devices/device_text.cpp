@@ -79,6 +79,11 @@ std::string as_utf8(const std::filesystem::path& path, std::string bytes) {
   const std::string_view all = bytes;
   if (all.starts_with("\xff\xfe")) return from_utf16(path, all.substr(2), false);
   if (all.starts_with("\xfe\xff")) return from_utf16(path, all.substr(2), true);
+  constexpr std::size_t kHead = 4096;
+  if (all.substr(0, kHead).find('\0') != std::string_view::npos)
+    throw CsvError(path.string() +
+                   ": expected text, found binary data: give what the device's program exports as "
+                   "text, and captures of telegrams to `sweepd replay`");
   if (all.starts_with("\xef\xbb\xbf")) bytes.erase(0, 3);
   return bytes;
 }

@@ -114,7 +114,7 @@ class Program {
     }
     if (points == 0)
       throw KrlError(
-          "it gives no point of type E6POS, POS, E6AXIS or AXIS a value: there is nothing to "
+          "gives no point of type E6POS, POS, E6AXIS or AXIS a value: there is nothing to "
           "correct");
     if (count > kMostFindings) findings += fmt::format("\nand {} more", count - kMostFindings);
     if (count > 0) throw KrlError(findings);

@@ -70,7 +70,7 @@ class KrlReader {
 
   std::vector<KrlAggregate> read() {
     if (text_.find('\0') != std::string_view::npos)
-      throw KrlError("it is no KRL text, or in UTF-16: save it as the controller writes it");
+      throw KrlError("is no KRL text, or in UTF-16: save it as the controller writes it");
     bool open = false;
     for (std::size_t at = 0; at < text_.size();) {
       const auto end = std::min(text_.find('\n', at), text_.size());

@@ -69,7 +69,7 @@ std::string table(const Change& change, const ChangeDecimals& decimals) {
     const ArmNumber& number = change.arms.numbers[k];
     const auto at = static_cast<Eigen::Index>(k);
     const auto cell = [&](double value, std::size_t width) {
-      return sweepd::number(in_unit(number, value), decimals.of(number), width);
+      return ' ' + sweepd::number(in_unit(number, value), decimals.of(number), width - 1);
     };
     const auto& found = change.test.numbers[k];
     out += left(name_of(number), kName) + left(unit_of(number), kUnit) +

@@ -92,8 +92,9 @@ void read_row(const TomlTable& joint, identify::Arm& arm) {
                       joint.number("theta_deg", -kTurn_deg, kTurn_deg) * kDegree,
                       joint.number("a_mm", -kLongest_mm, kLongest_mm),
                       joint.number("alpha_deg", -kTurn_deg, kTurn_deg) * kDegree});
-  const std::int64_t positive = joint.whole_number("positive", -1, 1);
-  if (positive == 0) joint.fail("positive", "expected 1 or -1, found the number 0: choose one");
+  const std::int64_t positive = joint.whole_number("positive", INT64_MIN, INT64_MAX);
+  if (positive != 1 && positive != -1)
+    joint.fail("positive", "expected 1 or -1, found " + joint.found("positive") + ": choose one");
   arm.positive.push_back(static_cast<int>(positive));
 }
 

@@ -75,6 +75,8 @@ TEST_CASE("wrong usage is told in this program's words", "[command_line]") {
              StartsWith("--robot is given twice: give it once"));
   CHECK_THAT(problem({"inspect", "x", "--port"}),
              StartsWith("--port needs a value: give PORT, 1 to 65535"));
+  CHECK_THAT(problem({"plan", "--robot", "r", "--poses", "20", "--device", "1,2"}),
+             StartsWith("--device needs all of its values: give X,Y,Z"));
   CHECK_THAT(problem({"plan", "--robot", "r", "--plan", "p", "--krl", "krc3"}),
              StartsWith("--krl takes krc2, krc4, iiqka: found krc3"));
   CHECK_THAT(problem({"plan", "--robot", "r", "--plan", "p", "--cycle-ms", "0"}),

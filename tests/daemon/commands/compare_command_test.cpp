@@ -277,4 +277,13 @@ TEST_CASE("doubtful results and other robots are compared, and named", "[compare
   CHECK(results.exit_code() == 0);
   CHECK_THAT(results.text, ContainsSubstring("B is doubtful: two strokes contradict each other.") &&
                                ContainsSubstring("A is of the robot kr5-arc, B of other."));
+  doubtful["reason"] = "all lengths are 1000 times larger than specified: are they in metres?";
+  for (auto& row : doubtful["dh"])
+    for (const char* const key : {"b_mm", "a_mm"})
+      if (row[key].is_number()) row[key] = -1000 * row[key].get<double>();
+  results.write("b", doubtful);
+  CHECK(results.exit_code() == 3);
+  CHECK_THAT(results.text, ContainsSubstring("metres?\n"));
+  // Columns do not run into each other.
+  CHECK_THAT(results.text, ContainsSubstring("-179999.993000 -180179.992993"));
 }

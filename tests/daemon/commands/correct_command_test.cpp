@@ -157,6 +157,8 @@ TEST_CASE("Options that do not go together, and programs that are none, are refu
                     ContainsSubstring("missing.dat: cannot be read: No such file or directory: "));
   options.program = result.folder.write("P.dat", "DECL E6POS XP1={X 1");
   CHECK_THROWS_WITH(correct(options, result.out), ContainsSubstring("P.dat line 1: the braces"));
+  options.program = result.folder.write("P.dat", "DEFDAT P\nENDDAT\n");
+  CHECK_THROWS_WITH(correct(options, result.out), ContainsSubstring("P.dat gives no point of "));
   CHECK_FALSE(fs::exists(*options.write));
   CHECK_FALSE(fs::exists(result.path / "correction.json"));
   options.level = CorrectionLevel::frames;

@@ -254,4 +254,8 @@ TEST_CASE("a wrong figure of a robot is found in its line", "[robot_description]
   CHECK_THAT(robot_error(head + "[[joint]]\nb_mm = 0\ntheta_deg = 0\na_mm = 0\nalpha_deg = 0\n"
                                 "positive = 0\n"),
              Catch::Matchers::ContainsSubstring("joint.positive: expected 1 or -1"));
+  CHECK_THAT(
+      robot_error(head + "[[joint]]\nb_mm = 0\ntheta_deg = 0\na_mm = 0\nalpha_deg = 0\n"
+                         "positive = 2\n"),
+      Catch::Matchers::ContainsSubstring("joint.positive: expected 1 or -1, found the number 2"));
 }
