@@ -65,6 +65,7 @@ void add_dh_csv(Markup parent, const std::string& csv) {
 }
 
 std::string cell(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
   if (value.is_number_float()) return fixed(value.get<double>(), 6);
   return value.is_number() ? value.dump() : std::string();
 }

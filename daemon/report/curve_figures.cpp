@@ -35,10 +35,6 @@ const Json& joint_of(const ReportFolder& folder, std::size_t index) {
   return index < joints.size() ? joints.at(index) : kNone;
 }
 
-bool is_linear(const ReportFolder& folder, std::size_t joint) {
-  return text_of(joint_of(folder, joint), "type") == "linear";
-}
-
 /// The angle about the joint's circle, degrees, where the file has no angles; unwrapped.
 void fill_in_angles(const ReportFolder& folder, Stroke& stroke) {
   if (stroke.points.empty() || std::isfinite(stroke.points.front().angle)) return;
@@ -221,7 +217,7 @@ void add_residual_figures(Markup parent, const ReportFolder& folder) {
       if (stroke.joint == j) fill_in_angles(folder, strokes.emplace_back(stroke));
     const std::string name = "Joint " + std::to_string(j + 1);
     Picture picture(figure, kFigureWidth + 16, kRow, "residuals of joint " + std::to_string(j + 1));
-    const bool linear = is_linear(folder, j);
+    const bool linear = is_linear(joint_of(folder, j));
     const char* const x_title = linear ? "place, mm" : "angle, deg";
     const PointSums& sums = folder.sums[j];
     const Curve axial = curve_of(strokes, 1000 * sums.axial_mm.root(),

@@ -39,6 +39,10 @@ bool flag_of(const Json& json, const std::string& key) {
   return found.is_boolean() && found.get<bool>();
 }
 
+bool is_linear(const Json& joint) {
+  return text_of(joint, "type") == "linear";
+}
+
 Eigen::Vector3d vector_of(const Json& json) {
   Eigen::Vector3d vector = Eigen::Vector3d::Constant(kNothing);
   if (!json.is_array() || json.size() != 3) return vector;

@@ -32,6 +32,8 @@ inline constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 [[nodiscard]] std::string text_of(const nlohmann::ordered_json& json, const std::string& key);
 /// Whether there is a true.
 [[nodiscard]] bool flag_of(const nlohmann::ordered_json& json, const std::string& key);
+/// Whether a joint of result.json moves along a line.
+[[nodiscard]] bool is_linear(const nlohmann::ordered_json& joint);
 /// Three numbers; not numbers.
 [[nodiscard]] Eigen::Vector3d vector_of(const nlohmann::ordered_json& json);
 

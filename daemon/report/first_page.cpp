@@ -74,12 +74,17 @@ std::string link_text(const Json& link) {
 
 std::string home_text(const Json& result) {
   std::string text;
+  std::string unit;
   const Json home = list_of(result, "home_deg");
-  for (std::size_t j = 0; j < home.size(); ++j)
-    if (home[j].is_number())
-      text +=
-          fmt::format("{}A{} {}", text.empty() ? "" : ", ", j + 1, fixed(home[j].get<double>(), 3));
-  return text.empty() ? "not known" : text + " deg";
+  const Json joints = list_of(result, "joints");
+  for (std::size_t j = 0; j < home.size(); ++j) {
+    if (!home[j].is_number()) continue;
+    const char* const own = j < joints.size() && is_linear(joints[j]) ? " mm" : " deg";
+    if (!text.empty()) text += (unit == own ? "" : unit) + ", ";
+    text += fmt::format("A{} {}", j + 1, fixed(home[j].get<double>(), 3));
+    unit = own;
+  }
+  return text.empty() ? "not known" : text + unit;
 }
 
 void add_messages(Markup parent, const char* title, const Json& messages) {
@@ -92,6 +97,8 @@ void add_messages(Markup parent, const char* title, const Json& messages) {
 }
 
 std::string describes_text(const Json& result) {
+  if (text_of(result, "estimator") == "axes")
+    return "The numbers describe the arm as the given axes have it.";
   if (text_of(result, "describes") == "arm")
     return "The numbers describe the arm as a device measured it.";
   return "The numbers describe the controller's model: it computes the positions that it sends "
@@ -109,9 +116,9 @@ std::string departures_text(const std::vector<DhLine>& lines) {
         found.numbers);
   std::string text = fmt::format(
       "{} of {} numbers {} from the specification by more than the expanded uncertainty. By chance "
-      "it would be about {}.",
+      "it would be {}.",
       found.beyond, found.numbers, found.beyond == 1 ? "differs" : "differ",
-      (found.numbers + 10) / 20);
+      found.numbers < 10 ? "none" : fmt::format("about {}", (found.numbers + 10) / 20));
   if (const auto& largest = found.largest)
     text += fmt::format(" The clearest is {} of joint {}: {} {}.", largest->symbol, largest->joint,
                         told(*largest->difference, *largest), largest->unit);

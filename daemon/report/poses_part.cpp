@@ -42,7 +42,7 @@ void draw_levels(Markup figure, const std::vector<Level>& levels) {
   for (const Level& level : levels) most = std::max(most, level.max_mm);
   Picture picture(figure, kWidth, kRow * static_cast<double>(levels.size()) + 8,
                   "What each level of correction leaves of the poses");
-  const double scale = (kWidth - kNames - 90) / most;
+  const double scale = (kWidth - kNames - 180) / most;
   double y = 4;
   for (const Level& level : levels) {
     const double middle = y + kRow / 2;
@@ -50,7 +50,8 @@ void draw_levels(Markup figure, const std::vector<Level>& levels) {
     picture.bar({kNames, y + 4, std::max(0.5, scale * level.mean_mm), kRow - 8}, joint_fill(0));
     picture.line({kNames + scale * level.mean_mm, middle}, {kNames + scale * level.max_mm, middle},
                  "axis");
-    picture.words({kNames + scale * level.max_mm + 6, middle + 4}, fixed(level.mean_mm, 3) + " mm",
+    picture.words({kNames + scale * level.max_mm + 6, middle + 4},
+                  fmt::format("mean {:.3f}, largest {:.3f} mm", level.mean_mm, level.max_mm),
                   Anchor::start, "small");
     y += kRow;
   }

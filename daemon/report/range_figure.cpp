@@ -70,20 +70,32 @@ void draw_range(Picture& picture, const ReportFolder& folder, const Frame& frame
   }
 }
 
-std::string range_of(const ReportFolder& folder) {
+/// Of the joints that turn, or of the linear ones; empty where none has swept.
+std::string range_of(const ReportFolder& folder, bool linear) {
   double least = 0;
   double most = 0;
+  const Json joints = list_of(folder.result, "joints");
   for (const Stroke& stroke : folder.strokes) {
-    if (stroke.points.empty()) continue;
+    if (stroke.points.empty() || stroke.joint >= joints.size() ||
+        is_linear(joints[stroke.joint]) != linear)
+      continue;
     const double range = std::abs(stroke.points.back().angle - stroke.points.front().angle);
     if (!(range > 0)) continue;
     least = least == 0 ? range : std::min(least, range);
     most = std::max(most, range);
   }
-  if (most == 0) return folder.name;
+  if (most == 0) return {};
   const std::string highest = fixed(most, 0);
   const std::string lowest = fixed(least, 0);
-  return folder.name + ": sweeps of " + (lowest == highest ? "" : lowest + " to ") + highest + "°";
+  return (lowest == highest ? "" : lowest + " to ") + highest + (linear ? " mm" : "°");
+}
+
+std::string title_of(const ReportFolder& folder) {
+  if (folder.strokes.empty()) return folder.name + ": no sweeps";
+  const std::string turns = range_of(folder, false);
+  const std::string ways = range_of(folder, true);
+  if (turns.empty() && ways.empty()) return folder.name;
+  return folder.name + ": sweeps of " + turns + (turns.empty() || ways.empty() ? "" : ", ") + ways;
 }
 
 std::string cell(double value, int decimals) {
@@ -142,7 +154,7 @@ void add_range_figure(Markup parent, std::span<const ReportFolder> folders) {
     const double width = folders.size() == 1 ? 2 * kPanelWidth + kGap : kPanelWidth;
     const Frame frame{1 + static_cast<double>(i % in_row) * (kPanelWidth + kGap),
                       static_cast<double>(i / in_row) * (kHeight + 30) + 18, width, kHeight};
-    picture.words({frame.left, frame.top - 5}, range_of(folders[i]), Anchor::start, "strong");
+    picture.words({frame.left, frame.top - 5}, title_of(folders[i]), Anchor::start, "strong");
     draw_range(picture, folders[i], frame);
   }
   add_boxes_table(figure, folders);

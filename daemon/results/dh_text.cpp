@@ -87,7 +87,9 @@ class Table {
         identify::joints_named(linear) +
             ": b changes, theta stays. Such an axis has a direction and no place: by convention a "
             "of its row and b of the next are " +
-            (compared() ? "as specified" : "zero") + ", or it lies on a next axis parallel to it.");
+            (compared() ? "as specified" : "zero") +
+            ", or it lies on a next axis parallel to it. Where nothing of the arm tells, it passes "
+            "by where the target is at home.");
   }
 
   struct Line {
