@@ -193,6 +193,7 @@ Outcome identified_points(const IdentifyOptions& options, RobotSetup setup, std:
   known.timed = std::all_of(points.files.begin(), points.files.end(), [&](const PointsFile& file) {
     return file.with_times || of_poses(file, options);
   });
+  points.counts.timed = known.timed;
   Snapshot snapshot;
   snapshot.robot = setup.name;
   snapshot.source_kind = "points";

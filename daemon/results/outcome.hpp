@@ -21,6 +21,7 @@ struct PointCounts {
   std::size_t files = 0;
   std::size_t poses = 0;             ///< static ones, of the points
   std::vector<std::string> targets;  ///< their names in order of appearance
+  bool timed = true;                 ///< else the samples' times are only an order
 };
 
 /// A device's clock beside the controller's, and what was made of both.
@@ -50,6 +51,11 @@ struct Outcome {
   std::optional<JoinedClocks> joined = {};  ///< where a device's points met a controller's angles
   double angle_step_rad = 0;  ///< one unit of the last decimal that angles were told with; 0: none
 };
+
+/// Whether anybody knows when the sweeps ran.
+[[nodiscard]] inline bool is_timed(const Outcome& outcome) {
+  return !outcome.points || outcome.points->timed;
+}
 
 /// Runs the engine. The same snapshot gives the same outcome.
 [[nodiscard]] Outcome outcome_of(const Snapshot& snapshot);

@@ -132,7 +132,8 @@ std::string sweeps_csv(const Outcome& outcome) {
     for (const auto& sweep : joint.sweeps)
       angles = std::max<std::size_t>(angles, sweep.first().joints);
 
-  std::string csv = "joint,sweep,t_s,x_mm,y_mm,z_mm";
+  const bool timed = is_timed(outcome);
+  std::string csv = timed ? "joint,sweep,t_s,x_mm,y_mm,z_mm" : "joint,sweep,x_mm,y_mm,z_mm";
   for (std::size_t k = 0; k < angles; ++k) csv += ",a" + std::to_string(k + 1) + "_deg";
   csv +=
       ",plane_residual_mm,radial_residual_mm,chain_axial_residual_mm,chain_radial_residual_mm"
@@ -148,7 +149,7 @@ std::string sweeps_csv(const Outcome& outcome) {
     for (std::size_t s = 0; s < joints[j].sweeps.size(); ++s) {
       if (!in_use(outcome.identification, joints[j], s)) continue;
       const std::string end = "," + std::to_string(joints[j].sweeps[s].target + 1) + "\n";
-      const std::string start = std::to_string(j + 1) + "," + std::to_string(s + 1) + ",";
+      const std::string start = std::to_string(j + 1) + "," + std::to_string(s + 1);
       const auto add = [&](double value) {
         csv += ',';
         append_fixed(csv, value, kLengthDecimals);
@@ -156,7 +157,7 @@ std::string sweeps_csv(const Outcome& outcome) {
       for (const auto& sample : *joints[j].sweeps[s].samples) {
         if (!sample.has_position) continue;
         csv += start;
-        append_fixed(csv, sample.time_s, 3);
+        if (timed) append_fixed(csv += ',', sample.time_s, 3);
         for (const double value : sample.position_mm) {
           csv += ',';
           append_measured(csv, value, kLengthDecimals);

@@ -112,13 +112,13 @@ Json box(const identify::BoundingBox& box) {
           {"gap", rounded(box.gap, 15)}};
 }
 
-Json joint(std::size_t index, const JointResult& result) {
+Json joint(std::size_t index, const JointResult& result, bool timed) {
   Json sweeps = Json::array();
   for (std::size_t s = 0; s < result.sweeps.size(); ++s) {
     const auto& sweep = result.sweeps[s];
     Json json = {{"samples", sweep.samples->size()},
-                 {"start_s", rounded(sweep.first().time_s, 6)},
-                 {"end_s", rounded(sweep.last().time_s, 6)},
+                 {"start_s", timed ? Json(rounded(sweep.first().time_s, 6)) : Json()},
+                 {"end_s", timed ? Json(rounded(sweep.last().time_s, 6)) : Json()},
                  {result.linear ? "range_mm" : "range_deg", json_angle(sweep.range_rad)},
                  {"direction", sweep.direction}};
     if (sweep.positioning) json["positioning"] = true;
@@ -238,7 +238,7 @@ std::string result_json(const Outcome& outcome) {
   json["estimator"] = identify::text(found.estimator);
   json["joints"] = Json::array();
   for (std::size_t j = 0; j < found.joints.size(); ++j)
-    json["joints"].push_back(joint(j, found.joints[j]));
+    json["joints"].push_back(joint(j, found.joints[j], is_timed(outcome)));
   json["dh"] = dh_json(found.dh);
   for (std::size_t j = 0; j < json["dh"].size() && j < outcome.positive.size(); ++j)
     json["dh"][j]["positive"] = outcome.positive[j];

@@ -30,13 +30,14 @@ def main(sweeps, picture):
                                 figsize=(11, 1.8 * len(joints)), layout="constrained")
     for line, (joint, rows) in zip(axes, sorted(joints.items())):
         for axis, (column, label, factor) in zip(line, COLUMNS):
-            seen = [(float(row["t_s"]), factor * float(row[column])) for row in rows if row[column]]
+            seen = [(float(row.get("t_s", k)), factor * float(row[column]))
+                    for k, row in enumerate(rows) if row[column]]
             if seen:
                 axis.plot(*zip(*seen), ".", markersize=1)
             axis.set_ylabel(f"joint {joint}\n{label}", fontsize=7)
             axis.tick_params(labelsize=7)
     for axis in axes[-1]:
-        axis.set_xlabel("time, s", fontsize=7)
+        axis.set_xlabel("time, s" if "t_s" in rows[0] else "samples in order", fontsize=7)
     figure.savefig(picture, dpi=150)
     print(f"{picture}: {sum(map(len, joints.values()))} samples of {len(joints)} joints")
 

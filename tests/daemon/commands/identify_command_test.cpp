@@ -91,6 +91,34 @@ std::vector<fs::path> files_per_joint(const TemporaryFolder& folder, const Measu
 
 }  // namespace
 
+TEST_CASE("points without times get none in the result files", "[identify_command]") {
+  const TemporaryFolder folder;
+  const Layout layout{.more = "joint,"};
+  std::string lines = points_header(layout);
+  for (const auto& sweep : measured_kr5(kTracker).sweeps)
+    lines += points_lines(sweep.samples, layout, std::to_string(sweep.joint) + ",");
+  const auto wanted = points_options({folder.write("points.csv", lines)}, folder / "out");
+  const Json result = identified(wanted);
+  for (const auto& joint : result["joints"])
+    for (const auto& sweep : joint["sweeps"]) {
+      CHECK(sweep["start_s"].is_null());
+      CHECK(sweep["end_s"].is_null());
+    }
+  CHECK_FALSE(result.contains("not_finite"));
+  const std::string sweeps = content(folder / "out/sweeps.csv");
+  CHECK_THAT(sweeps, Catch::Matchers::StartsWith("joint,sweep,x_mm,"));
+  // They are read again as what they are.
+  auto again = points_options({folder / "out/sweeps.csv"}, folder / "again");
+  CHECK(identified(again)["dh"] == result["dh"]);
+}
+
+TEST_CASE("a file that is no text is told so, and not printed", "[identify_command]") {
+  const TemporaryFolder folder;
+  const auto file = folder.write("trace.pcap", std::string("\xd4\xc3\xb2\xa1\x02\0\x04\0", 8));
+  check_csv_error(points_options({file}, folder / "out"),
+                  "trace.pcap: expected text, found binary data");
+}
+
 TEST_CASE("a stream of points gives the specified table", "[identify_command][long]") {
   const TemporaryFolder folder;
   Layout layout{.times = true, .angles = true};

@@ -187,7 +187,23 @@ TEST_CASE("whatever a run was, its report says so", "[html_report]") {
   SECTION("linear joints") {
     const auto html = report_html(scara_outcome());
     check_whole(html);
-    CHECK_THAT(words_of(html), ContainsSubstring("place, mm"));
+    const auto words = words_of(html);
+    CHECK_THAT(words, ContainsSubstring("place, mm"));
+    CHECK_THAT(words, ContainsSubstring("A2 60.000 deg, A3 100.000 mm, A4 -30.000 deg"));
+    CHECK_THAT(words, ContainsSubstring("sweeps of 90°, 160 mm"));
+    CHECK_THAT(words, ContainsSubstring("linear"));  // the type, in the other forms of the arm
+  }
+  SECTION("points without times") {
+    Outcome outcome = complete_outcome();
+    CHECK_THAT(words_of(report_html(outcome)), ContainsSubstring("Sweeps on a time line"));
+    outcome.points = PointCounts{.points = 6000, .files = 1, .timed = false};
+    CHECK_THAT(words_of(report_html(outcome)), !ContainsSubstring("Sweeps on a time line"));
+  }
+  SECTION("given axes") {
+    Outcome outcome = complete_outcome();
+    outcome.identification.estimator = identify::Estimator::axes;
+    const auto words = words_of(report_html(outcome));
+    CHECK_THAT(words, ContainsSubstring("describe the arm as the given axes have it"));
   }
   SECTION("the frame of a device, and no sweeps kept") {
     check_whole(report_html(chain_outcome()));
@@ -242,6 +258,17 @@ TEST_CASE("two folders stand beside each other, with table 4 under them", "[html
   CHECK_THAT(words, ContainsSubstring("ninety: sweeps of"));
   CHECK_THAT(words, ContainsSubstring("thirty: sweeps of"));
   CHECK_THAT(words, ContainsSubstring("volume, m³"));
+}
+
+TEST_CASE("beside sweeps, a folder without any says so", "[html_report]") {
+  const TemporaryFolder folder;
+  for (const char* const name : {"sweeps", "poses"}) {
+    std::filesystem::create_directory(folder / name);
+    write_result(folder / name, complete_outcome());
+  }
+  std::array both{read_report_folder(folder / "sweeps"), read_report_folder(folder / "poses")};
+  both[1].strokes.clear();
+  CHECK_THAT(words_of(html_report(both)), ContainsSubstring("poses: no sweeps"));
 }
 
 TEST_CASE("a result that others wrote, with less in it, still makes a report", "[html_report]") {
