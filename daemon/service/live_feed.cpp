@@ -82,7 +82,7 @@ void LiveFeed::tick(const rsi::Link& link, bool expects_replies, double at_s) {
 }
 
 void LiveFeed::take_cycles(const rsi::Link& link, bool expects_replies) {
-  const auto all = link.last();
+  const auto all = link.last(telegrams_ + 1);  // with the one before them
   auto first = all.end() - static_cast<std::ptrdiff_t>(std::min(telegrams_, all.size()));
   auto end = all.end();
   const auto unit = link.statistics().unit();

@@ -105,8 +105,8 @@ void Link::reply(const Datagram& datagram) {
     found->replied = datagram.time;
 }
 
-std::vector<Cycle> Link::last() const {
-  const std::size_t count = std::min(size_, kLast);
+std::vector<Cycle> Link::last(std::size_t most) const {
+  const std::size_t count = std::min({size_, kLast, most});
   const auto end = cycles_.begin() + static_cast<std::ptrdiff_t>(size_);
   return {end - static_cast<std::ptrdiff_t>(count), end};
 }

@@ -62,8 +62,8 @@ class Link {
   [[nodiscard]] const LinkStatistics& statistics() const { return statistics_; }
 
   static constexpr std::size_t kLast = 256;
-  /// The newest that came, kLast at most, the oldest first. Until the next datagram.
-  [[nodiscard]] std::vector<Cycle> last() const;
+  /// The newest that came, `most` and kLast at most, the oldest first.
+  [[nodiscard]] std::vector<Cycle> last(std::size_t most = kLast) const;
 
  private:
   using Nanoseconds = std::chrono::nanoseconds;

@@ -1,5 +1,7 @@
 #include "rsi/link/link_statistics.hpp"
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <random>
 #include <string>
@@ -397,4 +399,19 @@ TEST_CASE("any other IPOC has the median for its unit, however wild the rest is"
   CHECK(unit({4ms, 4001us, 3ms, 9s, 4002us}) == 4001us);
   CHECK(unit({2us}) == 2us);
   CHECK(unit({std::chrono::nanoseconds::max()}) == 1h);
+}
+
+TEST_CASE("the median alone decides on the unit, be it found or known to be near by counting",
+          "[link_statistics]") {
+  std::mt19937 random(11);
+  const std::array some{0us, 749us, 750us, 1000us, 1250us, 1251us, 4000us};
+  for (int k = 0; k < 5000; ++k) {
+    std::vector<std::chrono::nanoseconds> times(1 + random() % 9);
+    for (auto& time : times) time = some[random() % some.size()];
+    auto sorted = times;
+    std::sort(sorted.begin(), sorted.end());
+    const auto median = sorted[sorted.size() / 2];
+    const bool milliseconds = median == 0us || (median >= 750us && median <= 1250us);
+    REQUIRE(unit(times) == (milliseconds ? 1ms : median));
+  }
 }

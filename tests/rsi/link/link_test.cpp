@@ -450,6 +450,18 @@ TEST_CASE("time stamps of any value are taken", "[link]") {
   CHECK(report.duration > 0ns);
 }
 
+TEST_CASE("of the last cycles as many are told as are asked for, the newest ones", "[link]") {
+  MonitoredLink link;
+  link.stream.cycles(0, 3000, 70us);
+  const auto all = link.monitor.last();
+  CHECK(all.size() == rsi::Link::kLast);
+  CHECK(link.monitor.last(1000).size() == rsi::Link::kLast);
+  const auto three = link.monitor.last(3);
+  REQUIRE(three.size() == 3);
+  for (std::size_t i = 0; i < 3; ++i) CHECK(three[i].ipoc == all[all.size() - 3 + i].ipoc);
+  CHECK(link.monitor.last(0).empty());
+}
+
 TEST_CASE("Delay is what the controller says of its late packets", "[link]") {
   const auto told = [](const std::string& element) {
     rsi::Link link;
