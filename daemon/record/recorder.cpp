@@ -13,6 +13,8 @@ using namespace std::chrono_literals;
 
 /// Bytes that are handed over together.
 constexpr std::size_t kChunk = 64 << 10;
+/// Chunks whose memory waits to be used again: what comes between three turns at a cycle of 4 ms.
+constexpr std::size_t kSpares = 4;
 /// Of memory for a session's begin and end, with its names.
 constexpr std::size_t kSessionBytes = 1024;
 constexpr auto kIdle = 60s;
@@ -54,9 +56,8 @@ bool Recorder::datagram(const rsi::Datagram& datagram) {
   if (!with_trace_) return true;
   rsi::Datagram fitting = datagram;
   fitting.payload = datagram.payload.substr(0, rsi::max_udp_payload);
-  record_.clear();
-  rsi::append_capture_record(fitting, record_);
-  return keep({1, 0}, record_.size(), [this](Records& records) { records.trace += record_; });
+  return keep({1, 0}, rsi::capture_record_size(fitting),
+              [&fitting](Records& records) { rsi::append_capture_record(fitting, records.trace); });
 }
 
 bool Recorder::line(std::string_view line) {
@@ -76,10 +77,10 @@ bool Recorder::keep(const RecordCount& what, std::size_t bytes, const Append& ap
     const std::lock_guard lock(mutex_);
     fits = queued_ && held_.bytes + bytes <= settings_.memory_bytes;
     if (fits) {
-      auto* records = queue_.empty() ? nullptr : std::get_if<Records>(&queue_.back());
-      if (records == nullptr || records->bytes() + bytes > kChunk)
-        records = &std::get<Records>(queue_.emplace_back(Records{}));
-      append(*records);
+      auto* chunk = queue_.empty() ? nullptr : std::get_if<Chunk>(&queue_.back());
+      if (chunk == nullptr || chunk->records.bytes() + bytes > kChunk) chunk = &next_chunk();
+      append(chunk->records);
+      chunk->count += what;
       const bool was_half_full = held_.bytes > settings_.memory_bytes / 2;
       held_.bytes += bytes;
       held_.records += what;
@@ -96,6 +97,17 @@ bool Recorder::keep(const RecordCount& what, std::size_t bytes, const Append& ap
   const auto reason = writer_.lose(*recording_, what);
   if (reason == Missing::memory_full && !losing_) say_loss(true);
   return false;
+}
+
+/// New memory costs more than all else here: the system sets it to zero, page by page.
+Recorder::Chunk& Recorder::next_chunk() {
+  auto& chunk = std::get<Chunk>(queue_.emplace_back(Chunk{}));
+  if (!spares_.empty()) {
+    chunk.records = std::move(spares_.back());
+    spares_.pop_back();
+  }
+  chunk.records.trace.reserve(kChunk);
+  return chunk;
 }
 
 void Recorder::say_loss(bool losing) {
@@ -198,13 +210,12 @@ std::optional<TurnThreads::Group> Recorder::work(const RecordingSettings& settin
         backlog_.pop_front();
         return made_on;
       }
-    } else if (auto* const records = std::get_if<Records>(&part)) {
-      written = write(*records, settings);
+    } else if (auto* const chunk = std::get_if<Chunk>(&part)) {
+      written = write(*chunk, settings);
       if (written) continue;
       if (!ends()) break;
-      const auto lost = records->count();
-      if (!given_up_) writer_.lose(*current_, lost);  // else it was counted then
-      release({records->bytes(), lost});
+      if (!given_up_) writer_.lose(*current_, chunk->count);  // else it was counted then
+      release({chunk->records.bytes(), chunk->count});
     } else {
       if (written) writer_.resume();
       close();
@@ -215,13 +226,17 @@ std::optional<TurnThreads::Group> Recorder::work(const RecordingSettings& settin
   return std::nullopt;
 }
 
-bool Recorder::write(Records& records, const RecordingSettings& settings) {
+bool Recorder::write(Chunk& chunk, const RecordingSettings& settings) {
   if (given_up_) return false;
-  const auto bytes = records.bytes();
-  const auto count = records.count();
+  auto& [records, count] = chunk;
+  const Held before{records.bytes(), count};
   const bool all = writer_.write(records, settings);
-  release({bytes - records.bytes(), count - records.count()});
-  return all;
+  count = records.count();
+  release({before.bytes - records.bytes(), before.records - count});
+  if (!all) return false;
+  const std::lock_guard lock(mutex_);
+  if (spares_.size() < kSpares) spares_.push_back(std::move(records));
+  return true;
 }
 
 void Recorder::release(const Held& held) {
@@ -235,6 +250,7 @@ void Recorder::close() {
   current_.reset();
   const std::lock_guard lock(mutex_);
   unfinished_.pop_front();
+  spares_.clear();
 }
 
 }  // namespace sweepd

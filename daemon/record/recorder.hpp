@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "daemon/record/record_writer.hpp"
 #include "daemon/record/recording.hpp"
@@ -73,7 +74,11 @@ class Recorder {
     SessionStart start;
   };
   struct End {};
-  using Part = std::variant<Begin, Records, End>;
+  struct Chunk {
+    Records records;
+    RecordCount count;  // of them
+  };
+  using Part = std::variant<Begin, Chunk, End>;
 
   /// Memory in use.
   struct Held {
@@ -83,12 +88,14 @@ class Recorder {
 
   template <typename Append>
   bool keep(const RecordCount& what, std::size_t bytes, const Append& append);
+  /// At the end of the queue. Under the mutex.
+  Chunk& next_chunk();
   void say_loss(bool losing);
 
   TurnThreads::Next turn();
   /// The disk on which it goes on, if it is another one.
   std::optional<TurnThreads::Group> work(const RecordingSettings& settings);
-  bool write(Records& records, const RecordingSettings& settings);
+  bool write(Chunk& chunk, const RecordingSettings& settings);
   void release(const Held& held);
   void close();
 
@@ -102,7 +109,8 @@ class Recorder {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Part> queue_;
-  Held held_;  // in the queue and in the backlog
+  std::vector<Records> spares_;  // empty, with their memory
+  Held held_;                    // in the queue and in the backlog
   RecordingSettings settings_;
   std::deque<std::shared_ptr<Recording>> unfinished_;
   bool reconfigured_ = false;
@@ -112,7 +120,6 @@ class Recorder {
   // Of the thread that hands over.
   std::filesystem::path robot_folder_;
   std::shared_ptr<Recording> recording_;
-  std::string record_;  // keeps its memory
   bool with_trace_ = false;
   bool queued_ = false;  // the session found room
   bool losing_ = false;

@@ -6,6 +6,8 @@
 #include <sstream>
 #include <thread>
 
+#include <sys/resource.h>
+
 #include "rsi/capture/capture_reader.hpp"
 #include "rsi/capture/packet.hpp"
 #include "tests/catch.hpp"
@@ -216,6 +218,28 @@ TEST_CASE("what was handed over is in the files soon, while the session goes on"
   CHECK(eventually([&] { return recording->counts().recorded == RecordCount{10, 10}; }));
   CHECK(numbers(bench.session() / "trace.pcap") == up_to(10));
   CHECK(rows(bench.session() / "samples.csv") == up_to(10));
+}
+
+TEST_CASE("while the disk keeps up, memory for the recording is used again", "[recorder]") {
+  const auto new_pages = [] {
+    rusage use{};
+    getrusage(RUSAGE_THREAD, &use);
+    return use.ru_minflt;
+  };
+  RecorderBench bench;
+  const auto recording = bench.begin();
+  const auto record = [&](int rounds) {
+    for (int round = 0; round < rounds; ++round) {
+      bench.send(200);
+      REQUIRE(eventually([&] {
+        return recording->counts().recorded.datagrams == static_cast<std::uint64_t>(bench.sent);
+      }));
+    }
+  };
+  record(10);
+  const auto before = new_pages();
+  record(50);  // 5.7 MB, which are 1,400 pages
+  CHECK(new_pages() - before < 200);
 }
 
 TEST_CASE("sessions follow each other, in the order in which they came", "[recorder]") {
