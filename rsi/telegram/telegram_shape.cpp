@@ -97,7 +97,7 @@ bool TelegramShape::add(Slot slot, std::string_view value, std::size_t at) {
   if (slot.kind == Slot::Kind::attribute ? !quoted : !between_tags) return false;
   slot.gap = rest_;
   slot.gap_size = at - rest_;
-  slot.value_size = value.size();
+  slot.unsigned_size = value.size() - (value.starts_with('-') ? 1 : 0);
   slots_.push_back(slot);
   rest_ = end;
   return true;
@@ -130,11 +130,12 @@ bool TelegramShape::read(std::string_view datagram, std::vector<Signal>& signals
   };
   for (Slot& slot : slots_) {
     if (!takes(slot.gap, slot.gap_size)) return false;
-    std::size_t& size = slot.value_size;
+    // A sign that comes and goes is looked at: nobody could predict it.
+    const std::size_t sign = at != end && *at == '-' ? 1 : 0;
+    std::size_t size = slot.unsigned_size + sign;
     if (!ends_after(size, at, end)) {
-      // Mostly a sign has come or gone.
-      size = size > 0 && ends_after(size - 1, at, end) ? size - 1 : size + 1;
-      if (!ends_after(size, at, end)) size = static_cast<std::size_t>(end_of_value(at, end) - at);
+      size = static_cast<std::size_t>(end_of_value(at, end) - at);
+      slot.unsigned_size = size - sign;
     }
     const std::string_view value(at, size);
     at += size;

@@ -42,7 +42,8 @@ class TelegramShape {
     std::size_t element_size = 0;
     std::size_t attribute = 0;
     std::size_t attribute_size = 0;
-    std::size_t value_size = 0;  ///< in the telegram last read: nearly always the next one's, too
+    /// Of the value without '-' in the telegram last read: nearly always the next one's, too.
+    std::size_t unsigned_size = 0;
   };
 
   bool add(Slot slot, std::string_view value, std::size_t at);
