@@ -8,6 +8,7 @@
 
 #include "daemon/record/retention.hpp"
 #include "daemon/record/session_folder.hpp"
+#include "daemon/system/atomic_file.hpp"
 #include "daemon/text/numbers.hpp"
 #include "rsi/counted.hpp"
 

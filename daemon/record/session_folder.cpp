@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "daemon/record/recording_files.hpp"
+#include "daemon/system/atomic_file.hpp"
 #include "daemon/text/file_names.hpp"
 #include "rsi/ascii.hpp"
 
@@ -66,13 +67,6 @@ fs::path make_session_folder(const fs::path& robot_folder, const std::string& st
                              error.message() + "): check its permissions and the free space");
   sync_folder(robot_folder);
   return folder;
-}
-
-void sync_folder(const fs::path& folder) noexcept {
-  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return;
-  fsync(descriptor);
-  close(descriptor);
 }
 
 FolderLock::FolderLock(const fs::path& folder)

@@ -20,9 +20,6 @@ using SessionName = std::pair<std::string, unsigned>;
 [[nodiscard]] std::filesystem::path make_session_folder(const std::filesystem::path& robot_folder,
                                                         const std::string& start);
 
-/// Which files it has is on the disk when this returns, as far as the disk allows.
-void sync_folder(const std::filesystem::path& folder) noexcept;
-
 /// Holds a session's folder as one that is being written, against other processes and threads that
 /// do the same. A crash lets it go.
 class FolderLock {

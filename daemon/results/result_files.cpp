@@ -75,7 +75,7 @@ const auto kFiles = std::to_array<ResultFile>({
 void write_or_remove(const std::filesystem::path& file, const Content& content) {
   std::error_code ignored;
   if (content)
-    write_atomically(file, *content);
+    replace_file(file, *content);
   else
     std::filesystem::remove(file, ignored);  // an earlier result may have left it
 }
@@ -109,6 +109,7 @@ void write_result(const std::filesystem::path& folder, const Outcome& outcome,
       if (!failure) failure = std::current_exception();
     }
   }
+  sync_folder(folder);
   if (failure) std::rethrow_exception(failure);
 }
 

@@ -109,7 +109,7 @@ std::string cannot_write(const std::filesystem::path& path, int error) {
          "): " + remedy;
 }
 
-void write_atomically(const std::filesystem::path& path, std::string_view content) {
+void replace_file(const std::filesystem::path& path, std::string_view content) {
   const auto beside = std::filesystem::path(path).concat(".tmp");
   const UnfinishedFile unfinished(beside);
   {
@@ -124,9 +124,16 @@ void write_atomically(const std::filesystem::path& path, std::string_view conten
     if (fsync(file.descriptor) != 0) fail(path, beside);
   }
   if (rename(beside.c_str(), path.c_str()) != 0) fail(path, beside);
-  const File folder{open(path.has_parent_path() ? path.parent_path().c_str() : ".",
-                         O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
-  if (folder.descriptor >= 0) fsync(folder.descriptor);
+}
+
+void sync_folder(const std::filesystem::path& folder) noexcept {
+  const File file{open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
+  if (file.descriptor >= 0) fsync(file.descriptor);
+}
+
+void write_atomically(const std::filesystem::path& path, std::string_view content) {
+  replace_file(path, content);
+  sync_folder(path.parent_path());
 }
 
 }  // namespace sweepd

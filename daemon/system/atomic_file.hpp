@@ -13,6 +13,12 @@ namespace sweepd {
 /// std::runtime_error with the path and the reason.
 void write_atomically(const std::filesystem::path& path, std::string_view content);
 
+/// The same, but that after a power cut the old file may be back, until sync_folder(): who writes
+/// many files of one folder waits for the disk once less for each of them.
+void replace_file(const std::filesystem::path& path, std::string_view content);
+/// Which files it has is on the disk when this returns, as far as the disk allows.
+void sync_folder(const std::filesystem::path& folder) noexcept;
+
 /// Why `path` cannot be written, by the number of the error, and what to do.
 [[nodiscard]] std::string cannot_write(const std::filesystem::path& path, int error);
 

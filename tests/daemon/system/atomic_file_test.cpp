@@ -12,6 +12,8 @@
 
 namespace fs = std::filesystem;
 using Catch::Matchers::ContainsSubstring;
+using sweepd::replace_file;
+using sweepd::sync_folder;
 using sweepd::UnfinishedFile;
 using sweepd::write_atomically;
 using sweepd::test::content;
@@ -71,6 +73,18 @@ TEST_CASE("a file is there with all its bytes, and nothing beside it", "[atomic_
   write_atomically(folder / "result.json", "");
   CHECK(content(folder / "result.json").empty());
   CHECK(names_in(folder.path()) == std::vector<std::string>{"result.json"});
+}
+
+TEST_CASE("files of one folder are synced each, and their folder once", "[atomic_file]") {
+  const TemporaryFolder folder;
+  replace_file(folder / "dh.csv", "a");
+  replace_file(folder / "dh.csv", "b");
+  replace_file(folder / "report.txt", "c");
+  sync_folder(folder.path());
+  sync_folder(folder / "nowhere");
+  CHECK(content(folder / "dh.csv") == "b");
+  CHECK(content(folder / "report.txt") == "c");
+  CHECK(names_in(folder.path()).size() == 2);
 }
 
 TEST_CASE("a reader that has the old file open goes on reading the old one", "[atomic_file]") {
