@@ -35,9 +35,9 @@ void check_points(const std::filesystem::path& path, const Names& columns) {
     expect(point.joint <= kJoints, "a joint is one of the arm");
     expect(point.target < reader.targets().size(), "a target has a name");
   }
-  const auto [position_mm, angle_rad] = reader.resolution();
-  expect(std::isfinite(position_mm) && position_mm >= 0, "the resolution is a length");
-  expect(std::isfinite(angle_rad) && angle_rad >= 0, "the resolution is an angle");
+  const identify::Resolution steps = reader.resolution();
+  expect(std::isfinite(steps.position_mm) && steps.position_mm >= 0, "the resolution is a length");
+  expect(std::isfinite(steps.angle_rad) && steps.angle_rad >= 0, "the resolution is an angle");
 }
 
 void check_axes(const std::filesystem::path& path, const Names& columns) {
