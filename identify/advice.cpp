@@ -14,6 +14,7 @@
 #include "identify/geometry/median.hpp"
 #include "identify/geometry/warning.hpp"
 #include "identify/linear_advice.hpp"
+#include "identify/specified_fit.hpp"
 
 namespace identify {
 namespace {
@@ -32,9 +33,6 @@ constexpr double kFast_mm_s = 500;
 constexpr double kPoorResolution_mm = 0.0011;
 constexpr double kPoorResolution_rad = 0.0011 * kDegree;
 constexpr double kAdviceSigmas = 4;
-/// No robot is built so far off its specified base.
-constexpr double kBuilt_mm = 8;
-constexpr double kBuilt_rad = 5 * kDegree;
 constexpr double kLeastCurve_rad = 5 * kArcsec;
 constexpr double kLeastCoherence = 8;
 
@@ -288,7 +286,7 @@ class Adviser {
       return;
     const double b_mm = differences.front().b_mm.value_or(0);
     const double theta_rad = differences.front().theta_rad.value_or(0);
-    if (std::abs(b_mm) < kBuilt_mm && std::abs(theta_rad) < kBuilt_rad) return;
+    if (std::abs(b_mm) < kMostOff_mm && std::abs(theta_rad) < kMostOff_rad) return;
     warn("base_elsewhere", 0,
          "b of row 1 is " + fixed(b_mm, 1) + " mm and theta " + degrees(theta_rad) +
              " off the specified one: the positions are told in another frame than the robot's "

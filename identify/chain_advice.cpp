@@ -120,23 +120,24 @@ class ChainAdviser {
   void judge_others() {
     bool moved = false, disturbed = false;
     for (const auto& other : chain_.others) {
-      if (std::exchange(other.moved ? moved : disturbed, true)) continue;
-      const std::string sweep =
-          "its sweep " + std::to_string(other.number + 1) + " of " + std::to_string(other.of);
-      const std::string about = " by about " + brief(other.mm) + " mm";
-      const std::string otherwise =
-          ". What the result assumes in its place, as that joints do not come back home, explains "
-          "what was seen about as well. The uncertainties allow for both. ";
-      if (other.moved)
-        warn("other_explanation", other.joint,
-             "before or during " + sweep +
-                 " the device, the robot's base or the target may have been moved" + about +
-                 otherwise + "Sweep the first joints once more at the end: that tells them apart");
-      else
-        warn("other_explanation", other.joint,
-             sweep + " may be off" + about + ", since something gave way while it ran" + otherwise +
-                 "Sweep the joint again");
+      if (!std::exchange(other.moved ? moved : disturbed, true))
+        warn("other_explanation", other.joint, words_of(other));
     }
+  }
+
+  static std::string words_of(const ChainEstimate::OtherExplanation& other) {
+    const std::string sweep =
+        "its sweep " + std::to_string(other.number + 1) + " of " + std::to_string(other.of);
+    const std::string about = " by about " + brief(other.mm) + " mm";
+    const std::string otherwise =
+        ". What the result assumes in its place, as that joints do not come back home, explains "
+        "what was seen about as well. The uncertainties allow for both. ";
+    if (other.moved)
+      return "before or during " + sweep +
+             " the device, the robot's base or the target may have been moved" + about + otherwise +
+             "Sweep the first joints once more at the end: that tells them apart";
+    return sweep + " may be off" + about + ", since something gave way while it ran" + otherwise +
+           "Sweep the joint again";
   }
 
   /// Every joint, so that nothing tells what moves during a sweep from what the arm does.

@@ -39,8 +39,8 @@ struct Tick {
 /// Powers of ten or, where an axis would have fewer than two, round numbers.
 std::vector<Tick> logarithmic_ticks(const Range& range, std::size_t about) {
   std::vector<Tick> all;
-  for (double power = std::ceil(range.low); power <= range.high; ++power)
-    all.push_back({power, power_text(power)});
+  const double first = std::ceil(range.low);
+  for (int k = 0; first + k <= range.high; ++k) all.push_back({first + k, power_text(first + k)});
   if (all.size() > 1) return all;
   const Range numbers{std::pow(10, range.low), std::pow(10, range.high)};
   all.clear();

@@ -141,7 +141,7 @@ double share_of(const Json& row, Cause cause) {
 
 /// "theta3_deg" as "θ₃" is written elsewhere: θ 3.
 std::string number_name(const std::string& key) {
-  const std::string name = key.substr(0, key.find('_'));
+  std::string name = key.substr(0, key.find('_'));
   const std::string word = name.substr(0, name.find_first_of("0123456789"));
   for (const auto& of : identify::kDhNumbers)
     if (of.name == word) return std::string(of.symbol) + name.substr(word.size());

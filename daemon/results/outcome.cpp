@@ -149,9 +149,9 @@ std::string explanation(const Outcome& outcome) {
            "data, TOOL and BASE, and whether an elastic model is active. It does not tell how the "
            "arm itself is: for that, measure it with a device.";
   if (outcome.identification.estimator == identify::Estimator::axes)
-    return "the arm as the given axes have it. Where they are from, and what they leave out, "
-           "nothing "
-           "here tells.";
+    return "the arm as the given axes have it. Nothing here tells where they are from, and what "
+           "they "
+           "leave out.";
   if (outcome.identification.poses)
     return "the arm as a device measured it: for calibration, and to compare with its model. "
            "Where joints are seen to give way to weight, the table of what joints do says so. What "

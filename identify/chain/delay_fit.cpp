@@ -330,11 +330,10 @@ class DelayFit {
 }  // namespace
 
 std::optional<Delay> fitted_delay(const std::vector<AngleTrack>& tracks, bool two_clocks) {
-  const std::optional<Delay> alone = DelayFit(tracks, two_clocks).settled(false);
   const std::optional<Delay> growing = DelayFit(tracks, two_clocks).settled(true);
   if (growing && (two_clocks || std::abs(growing->rate) > kSignificantDelay * growing->rate_sigma))
     return growing;
-  return alone;
+  return DelayFit(tracks, two_clocks).settled(false);
 }
 
 }  // namespace identify

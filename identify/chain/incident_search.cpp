@@ -54,7 +54,8 @@ Incident IncidentSearch::sized(Incident incident, LinearisedChain& with) const {
     double least = std::min(without, incident.deviance);
     double& size = moves ? effects.moved_mm : effects.stray_mm[incident.unit];
     std::optional<LinearisedChain::Left> left;  // whichever move there is
-    for (size = sizes.least_mm; size < sizes.most_mm; size *= sizes.factor) {
+    for (int k = 0; sizes.at_mm(k) < sizes.most_mm; ++k) {
+      size = sizes.at_mm(k);
       if (!left || !moves) left = with.left_by(effects);
       const double deviance = with.deviance(*left, effects);
       if (!(deviance < least)) continue;

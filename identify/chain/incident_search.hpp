@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -65,6 +66,7 @@ class IncidentSearch {
     double least_mm = 0;
     double most_mm = 0;
     double factor = 1;
+    [[nodiscard]] double at_mm(int step) const { return least_mm * std::pow(factor, step); }
   };
   [[nodiscard]] Sizes sizes_of(Incident::Kind kind) const;
   [[nodiscard]] Incident sized(Incident incident, LinearisedChain& with) const;
