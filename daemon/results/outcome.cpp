@@ -1,6 +1,7 @@
 #include "daemon/results/outcome.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -69,6 +70,13 @@ std::optional<Outcome> joined_outcome(const Snapshot& snapshot, std::string& pro
              "take, and that target and device stand firmly"});
     if (found.doubts.size() == 1) apply_doubts(found);
   }
+  if (std::abs(joined.clock.rate) > identify::kMostRate)
+    found.warnings.push_back(
+        {"frame_rate",
+         {},
+         "the device's clock gains " + fixed(1e6 * joined.clock.rate, 0) +
+             " ppm on the controller's, and no clock does: its times were made with a wrong frame "
+             "rate. They are corrected by what its motions show; correct the export"});
   outcome.joined = joined;
   return outcome;
 }

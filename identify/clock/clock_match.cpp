@@ -26,7 +26,6 @@ constexpr double kFar_s = 0.15;
 constexpr double kNear_s = 0.03;
 /// What quartz clocks differ in, sigma.
 constexpr double kUsualRate = 5e-5;
-constexpr double kMostRate = 3e-4;
 /// A middle is not known better, whatever the scatter: motions that gears and servos begin
 /// unevenly.
 constexpr double kLeastSigma_s = 1e-3;

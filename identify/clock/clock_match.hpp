@@ -8,6 +8,9 @@
 
 namespace identify {
 
+/// No clock gains more on another, in seconds a second.
+inline constexpr double kMostRate = 3e-4;
+
 /// How a device's clock goes by a controller's: what it shows beyond it. Both in seconds.
 struct ClockMatch {
   double ahead_s = 0;  ///< at `at_s`
@@ -31,7 +34,7 @@ struct ClockSearch {
 };
 
 /// Clocks match where a device and a controller saw the same motions, from rest to rest: whatever
-/// the clocks' difference, hours or epochs, and a drift of up to some 100 ppm. Only how long
+/// the clocks' difference, hours or epochs, and a drift of up to `kMostRate`. Only how long
 /// motions last and when they come is looked at, so that the arm need not be known. Deterministic.
 [[nodiscard]] ClockSearch match_clocks(const Motion& device, const Motion& controller);
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "identify/clock/clock_rates.hpp"
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/median.hpp"
 #include "identify/geometry/warning.hpp"
@@ -218,7 +219,11 @@ JoinedTake joined(const AngleTape& tape, const std::vector<Measured>& points,
                   const Campaign& campaign) {
   JoinedTake take;
   const Motion angles = motion_of(tape, campaign.resolution.angle_rad);
-  ClockSearch search = match_clocks(motion_of(points, campaign.resolution.position_mm), angles);
+  const Motion seen = motion_of(points, campaign.resolution.position_mm);
+  ClockSearch search = match_clocks(seen, angles);
+  if (search.matches.empty())
+    if (ClockSearch other = match_wrong_rate(seen, angles); !other.matches.empty())
+      search = std::move(other);
   take.problem = search.problem;
   if (search.matches.empty()) return take;
   const auto tracks = tracks_of(points);
