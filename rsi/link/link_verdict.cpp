@@ -249,6 +249,12 @@ class Judge {
 
   void good_to_know() {
     const LinkCounts& link = report_.link;
+    if (cycles_ > 0 && cycles_ < Limits::kTelling)
+      add(Grade::good, "few_telegrams",
+          rsi::counted(cycles_, "telegram is", "telegrams are") +
+              " too few to judge a link by: what comes once in " +
+              std::to_string(Limits::kTelling) +
+              " need not be among them; record a minute or more");
     if (link.restarts > 0)
       add(Grade::good, "restarts",
           "RSI began anew " + rsi::counted(link.restarts, "time") +

@@ -45,6 +45,8 @@ struct VerdictLimits {
   /// at 99.9 %. Bad where 99 % are not within a whole cycle: telegrams then come in bunches. Our
   /// choice.
   static constexpr double kJitterShare = 0.5;
+  /// Telegrams that tell what comes once in 1000. Of fewer, the verdict says how few they are.
+  static constexpr std::uint64_t kTelling = 1000;
 };
 
 [[nodiscard]] Verdict verdict(const LinkReport& report);

@@ -47,6 +47,18 @@ TEST_CASE("a flawless link is good, without a word", "[link_verdict]") {
   CHECK(rsi::verdict(LinkReport()).grade == Grade::good);
 }
 
+TEST_CASE("a link of few telegrams is not called good without a word", "[link_verdict]") {
+  const auto link_of = [](std::int64_t telegrams) {
+    rsi::Link monitor;
+    LinkStream stream(monitor);
+    stream.cycles(0, telegrams);
+    return monitor.report();
+  };
+  check_only(link_of(38), Grade::good, "few_telegrams", "38 telegrams are too few");
+  CHECK(reason(rsi::verdict(link_of(999)), "few_telegrams") != nullptr);
+  CHECK(reason(rsi::verdict(link_of(1000)), "few_telegrams") == nullptr);
+}
+
 TEST_CASE("what a tap has missed is not held against the link, and what goes beyond is",
           "[link_verdict]") {
   auto report = flawless();
