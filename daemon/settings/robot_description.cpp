@@ -142,6 +142,9 @@ void read_load(const TomlTable& table, std::string_view mass, std::string_view c
 
 RobotDescription load_robot(const std::filesystem::path& file) {
   const TomlTable top = TomlTable::load(file);
+  if (top.has("sweep"))
+    top.fail("sweep",
+             "expected a robot description, found a plan of sweeps: give it as the plan (--plan)");
   top.allow_only(
       {"name", "source", "home_deg", "tool_mm", "up", "payload_kg", "payload_center_mm", "joint"});
   const std::vector<TomlTable> joints = top.tables("joint");

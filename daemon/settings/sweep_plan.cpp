@@ -54,6 +54,10 @@ std::vector<PlannedMove> moves_of(const SweepPlan& plan, const PlannedSweep& swe
 
 SweepPlan load_plan(const std::filesystem::path& file) {
   const TomlTable top = TomlTable::load(file);
+  if (top.has("joint"))
+    top.fail(
+        "joint",
+        "expected a plan of sweeps, found a robot description: give it as the robot (--robot)");
   top.allow_only(
       {"home_deg", "positioning_speed_deg_s", "acceleration_deg_s2", "dwell_ms", "sweep"});
   SweepPlan plan;

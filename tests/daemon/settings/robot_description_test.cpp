@@ -232,6 +232,9 @@ TEST_CASE("a table is given for all joints or for none", "[robot_description]") 
 TEST_CASE("a wrong figure of a robot is found in its line", "[robot_description]") {
   const std::string head = "name = \"x\"\nhome_deg = [5]\n";
   const std::string robot = head + "[[joint]]\n" + kRow;
+  CHECK_THAT(robot_error("home_deg = [5]\n[[sweep]]\njoint = 1\n"),
+             Catch::Matchers::StartsWith(
+                 "2:1: sweep: expected a robot description, found a plan of sweeps: "));
   CHECK(robot_error(robot + "max_dge = 1\n") ==
         "9:1: joint.max_dge: unknown key: did you mean \"max_deg\"?");
   CHECK(robot_error(robot + "min_deg = 1\n") ==

@@ -93,6 +93,9 @@ TEST_CASE("a wrong figure of a plan is found in its line", "[sweep_plan]") {
     return plan_error(kHead + text);
   };
   CHECK(plan_error(kHead + kSweep) == "no error");
+  CHECK_THAT(plan_error("name = \"x\"\n[[joint]]\n"),
+             Catch::Matchers::StartsWith(
+                 "2:1: joint: expected a plan of sweeps, found a robot description: "));
   CHECK_THAT(sweep("joint = 2", "joint = 3"),
              Catch::Matchers::StartsWith(
                  "6:9: sweep.joint: expected a whole number from 1 to 2, found the "
