@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/text/numbers.hpp"
 #include "daemon/text/utc.hpp"
 #include "rsi/ascii.hpp"
 
@@ -39,6 +40,13 @@ CLI::Validator expecting(const std::string& expected, const Holds& holds) {
           "(" + expected + ")"};
 }
 
+/// Without an exponent.
+std::string plain(double value) {
+  std::string text;
+  append_measured(text, value, 9);
+  return text;
+}
+
 }  // namespace
 
 void refuse_empty_paths(CLI::App& command) {
@@ -65,7 +73,7 @@ CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
 }
 
 CLI::Validator number_between(double least, double most) {
-  return expecting<double>(fmt::format("{} to {}", least, most),
+  return expecting<double>(plain(least) + " to " + plain(most),
                            [=](double value) { return least <= value && value <= most; });
 }
 

@@ -170,6 +170,7 @@ TEST_CASE("what an option takes is told in words, whichever checks are made of i
   CHECK(option_of("plan", "--device").needs == std::vector<std::string>{"--poses"});
   CHECK(option_of("listen", "--lines").range == "1 or more");
   CHECK(option_of("history", "--of").value == "arm|model");
+  CHECK(option_of("history", "--level").range == "0.000001 to 0.5");
   CHECK(option_of("simulate", "--wobble-deg").fallback == "0.0001");
   CHECK(option_of("identify", "--frame").choices == std::vector<std::string>{"device", "robot"});
   CHECK(option_of("plan", "--write-plan").needs == std::vector<std::string>{"--propose"});
