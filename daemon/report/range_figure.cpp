@@ -5,6 +5,7 @@
 #include "daemon/drawing/view.hpp"
 #include "daemon/report/figures.hpp"
 #include "daemon/text/numbers.hpp"
+#include "daemon/text/text_layout.hpp"
 
 namespace sweepd {
 namespace {
@@ -111,12 +112,12 @@ void add_boxes_table(Markup figure, std::span<const ReportFolder> folders) {
   head.put("th", "", {{"scope", "col"}});
   for (const ReportFolder& folder : folders) head.put("th", folder.name, {{"scope", "col"}});
   auto body = table.add("tbody");
-  const auto row = [&](const char* title, const auto& text) {
+  const auto row = [&](const char* title, const auto& text, const char* kind = "number") {
     auto line = body.add("tr");
     line.put("th", title, {{"scope", "row"}});
     for (const ReportFolder& folder : folders) {
       const Json box = part_of(folder.result, "bounding_box");
-      line.put("td", box.is_object() ? text(box) : std::string("–"), {{"class", "number"}});
+      line.put("td", box.is_object() ? text(box) : std::string("–"), {{"class", kind}});
     }
   };
   static constexpr std::array<const char*, 3> kLengths{"l₁, mm", "l₂, mm", "l₃, mm"};
@@ -125,12 +126,17 @@ void add_boxes_table(Markup figure, std::span<const ReportFolder> folders) {
         [&](const Json& box) { return cell(vector_of(part_of(box, "lengths_mm"))(k), 3); });
   row("volume, m³", [](const Json& box) { return cell(number_of(box, "volume_m3"), 6); });
   for (std::size_t k = 0; k < 3; ++k)
-    row(k == 1 ? "orientation" : "", [&](const Json& box) {
-      const Json rows = part_of(box, "orientation");
-      if (!rows.is_array() || rows.size() != 3) return std::string("–");
-      const Vector3d line = vector_of(rows[k]);
-      return cell(line.x(), 3) + "   " + cell(line.y(), 3) + "   " + cell(line.z(), 3);
-    });
+    row(
+        k == 1 ? "orientation" : "",
+        [&](const Json& box) {
+          const Json rows = part_of(box, "orientation");
+          if (!rows.is_array() || rows.size() != 3) return std::string("–");
+          const Vector3d line = vector_of(rows[k]);
+          std::string text;
+          for (const double component : line) text += right(cell(component, 3), 8);
+          return text;
+        },
+        "number vector");
 }
 
 }  // namespace

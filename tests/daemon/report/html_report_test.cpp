@@ -1,6 +1,7 @@
 #include "daemon/report/html_report.hpp"
 
 #include <algorithm>
+#include <set>
 #include <sstream>
 
 #include <Eigen/Dense>
@@ -259,6 +260,16 @@ TEST_CASE("two folders stand beside each other, with table 4 under them", "[html
   CHECK_THAT(words, ContainsSubstring("ninety: sweeps of"));
   CHECK_THAT(words, ContainsSubstring("thirty: sweeps of"));
   CHECK_THAT(words, ContainsSubstring("volume, m³"));
+  // Components stand below each other, whatever their signs.
+  constexpr std::string_view kVector = "<td class=\"number vector\">";
+  std::set<std::size_t> widths;
+  int vectors = 0;
+  for (auto at = html.find(kVector); at != std::string::npos; at = html.find(kVector, at + 1)) {
+    widths.insert(html.find("</td>", at) - at);
+    ++vectors;
+  }
+  CHECK(vectors == 6);
+  CHECK(widths.size() == 1);
 }
 
 TEST_CASE("beside sweeps, a folder without any says so", "[html_report]") {
