@@ -137,6 +137,15 @@ std::vector<Case> cases() {
   world = with_angles();
   world.gears.backlash_arcsec = 30;
   add("backlash", "30 arcsec, there and back", world, back, 1, {93, 97, Gears::with_backlash});
+  world.gears.play_as_left = true;
+  add("backlash_left", "30 arcsec, locked joints as their sweeps left them, there and back", world,
+      back, 1, {93, 97, Gears::with_backlash});
+  World plain = tracker();
+  plain.gears = world.gears;
+  add("play_left", "the same one way, no angles", plain, {}, 1);
+  world.gears.joint = 2;
+  add("backlash_left_3", "the same there and back, joint 3 alone plays", world, back, 1,
+      {93, 97, Gears::with_backlash});
   for (const bool plays : {false, true}) {
     world = with_angles();
     world.home.sigma_deg = 0.005;

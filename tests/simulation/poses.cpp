@@ -35,7 +35,7 @@ std::vector<identify::Pose> Simulation::poses_where(std::size_t count, const Ang
   std::vector<identify::Pose> poses;
   for (std::size_t i = 0; i < count; ++i) {
     const std::vector<double> angles = of(i, random);
-    identify::Turns turns = turns_at(angles, joints, 1);
+    identify::Turns turns = turns_at(angles, std::vector<int>(joints, 1));
     for (std::size_t k = 0; k < joints; ++k)
       turns[k] += world_.home.sigma_deg * kDegree * normal(random);
     identify::Pose pose;

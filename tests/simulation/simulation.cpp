@@ -62,19 +62,21 @@ Simulation::Simulation(Robot robot, Strokes strokes, World world, std::uint32_t 
     const double first = phase(random);
     phases_.push_back({first, phase(random)});
   }
+  sides_.assign(robot_.arm.joints(), 1);
+  if (world_.gears.play_as_left)
+    for (int& side : sides_) side = phase(random) > 0 ? 1 : -1;
 }
 
-identify::Turns Simulation::turns_at(const std::vector<double>& angles, std::size_t moving,
-                                     int direction) const {
+identify::Turns Simulation::turns_at(const std::vector<double>& angles,
+                                     const std::vector<int>& sides) const {
   identify::Turns turns{};
   const Gears& gears = world_.gears;
   for (std::size_t k = 0; k < angles.size(); ++k) {
     turns[k] = angles[k] - robot_.arm.home_rad[k];
     if (world_.controller || k != gears.joint.value_or(k)) continue;
-    const double play = k == moving ? direction : 1;
     turns[k] += kArcsec * (gears.first_arcsec * std::sin(angles[k] + phases_[k][0]) +
                            gears.second_arcsec * std::sin(2 * angles[k] + phases_[k][1]) -
-                           0.5 * gears.backlash_arcsec * play);
+                           0.5 * gears.backlash_arcsec * sides[k]);
   }
   if (world_.sag_arcsec > 0 && !world_.controller) {
     const identify::Turns bent = sag_.at(turns);
@@ -84,7 +86,7 @@ identify::Turns Simulation::turns_at(const std::vector<double>& angles, std::siz
 }
 
 identify::Arm Simulation::arm_at(const std::vector<double>& angles) const {
-  const identify::Turns turns = turns_at(angles, angles.size(), 1);
+  const identify::Turns turns = turns_at(angles, std::vector<int>(angles.size(), 1));
   identify::Arm arm = robot_.arm;
   for (std::size_t k = 0; k < angles.size(); ++k)
     if (arm.is_linear(k))
@@ -109,6 +111,7 @@ std::vector<identify::Sweep> Simulation::sweeps() const {
   std::vector<double> stray(joints, 0.0);
   std::vector<double> errors(joints, 0.0);
   bool anew = true;
+  std::vector<int> sides = sides_;
   std::vector<identify::Sweep> sweeps;
   for (const Stroke& stroke : strokes) {
     const std::size_t j = stroke.joint;
@@ -128,6 +131,7 @@ std::vector<identify::Sweep> Simulation::sweeps() const {
       locked[k] += stray[k];
       (world_.home.seen || world_.controller ? locked[k] : play[k]) += errors[k];
     }
+    sides[j] = stroke.direction();
     anew = !world_.home.stays || stroke.last_of_joint;
     std::vector<std::vector<identify::Sample>> seen(stroke.targets.size());
     device.begin();
@@ -142,7 +146,7 @@ std::vector<identify::Sweep> Simulation::sweeps() const {
             (how_.along->from_deg + how_.along->by_deg * time / stroke.seconds) * kDegree;
       if (world_.wobble_deg > 0)
         for (double& angle : angles) angle += world_.wobble_deg * kDegree * normal(wobble);
-      identify::Turns turns = turns_at(angles, j, stroke.direction());
+      identify::Turns turns = turns_at(angles, sides);
       for (std::size_t k = 0; k < joints; ++k) turns[k] += play[k];
       const Eigen::Isometry3d moved = chain_.displacement(turns);
 
@@ -184,6 +188,10 @@ std::vector<identify::Sweep> Simulation::sweeps() const {
       sweep.range_rad = high - low;
       sweeps.push_back(sweep);
     }
+    if (world_.gears.play_as_left && stroke.to_rad != 0)
+      sides[j] = stroke.to_rad < 0 ? 1 : -1;  // home from there
+    else if (!world_.gears.play_as_left)
+      sides[j] = 1;
     if (stroke.last_of_joint && world_.home.stray_sigma_deg > 0)
       stray[j] = world_.home.stray_sigma_deg * kDegree * normal(strays);
   }

@@ -45,9 +45,10 @@ class Simulation {
   /// `of`: the angles of a pose, by its index and a source of randomness.
   template <typename Angles>
   [[nodiscard]] std::vector<identify::Pose> poses_where(std::size_t count, const Angles& of) const;
-  /// How far the arm's joints have turned from home where its encoders show `angles`.
-  [[nodiscard]] identify::Turns turns_at(const std::vector<double>& angles_rad, std::size_t moving,
-                                         int direction) const;
+  /// How far the arm's joints have turned from home where its encoders show `angles`. `sides`: in
+  /// which sense each joint moved last.
+  [[nodiscard]] identify::Turns turns_at(const std::vector<double>& angles_rad,
+                                         const std::vector<int>& sides) const;
 
   Robot robot_;
   Strokes how_;
@@ -58,6 +59,7 @@ class Simulation {
   std::vector<std::vector<double>> homes_;
   Eigen::Isometry3d base_ = Eigen::Isometry3d::Identity();
   std::vector<std::array<double, 2>> phases_;  ///< of each joint's gear
+  std::vector<int> sides_;                     ///< in which sense each joint came home at first
 };
 
 }  // namespace simulation

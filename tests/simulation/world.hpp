@@ -44,11 +44,14 @@ struct HomeError {
 struct Gears {
   double first_arcsec = 0;   ///< amplitude of sin(q + phase), every joint with a phase of its own
   double second_arcsec = 0;  ///< of sin(2 q + phase)
-  /// Play: the arm is behind its motor by half of it. Locked joints came home rising.
+  /// Play: the arm is behind its motor by half of it.
   double backlash_arcsec = 0;
   std::optional<std::size_t> joint;  ///< only this one's; nothing: all joints'
   /// Of the phases, where several campaigns are of one robot; nothing: the campaign's.
   std::optional<std::uint32_t> seed = {};
+  /// Locked joints stand in their play as their last move left them, the one that led home from
+  /// their sweep; before it, either way. Else all came home rising.
+  bool play_as_left = false;
 };
 
 /// When angles were read: `late_s` before the position of the same sample, and later by the
