@@ -1,6 +1,7 @@
 // Device and controller with a clock each: how well offset, drift and geometry are found, and
-// whether perfect gears are accused. Arguments: takes, rounds of sweeps, jitter and step of the
-// stamps in microseconds.
+// whether perfect gears are accused, or those that play are found and the table's uncertainties
+// hold. Arguments: takes, rounds of sweeps, jitter and step of the stamps in microseconds, play in
+// arcsec, the joint that alone plays (0: all).
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -8,12 +9,15 @@
 #include <cstdio>
 #include <cstdlib>
 #include <random>
+#include <string>
+#include <vector>
 
 #include "identify/clock/joined_take.hpp"
 #include "identify/geometry/angle.hpp"
 #include "identify/identification.hpp"
 #include "tests/simulation/device.hpp"
 #include "tests/simulation/free_device.hpp"
+#include "tests/simulation/truth.hpp"
 
 namespace {
 
@@ -28,6 +32,7 @@ struct Seen {
   double geometry_mm = 0;
   std::size_t poses = 0;
   bool accused = false;
+  std::vector<double> errors;  ///< of the table, in standard uncertainties
   std::string trouble;
 };
 
@@ -82,6 +87,9 @@ Seen run(const Robot& robot, const Program& program, const FreeDevice& device, s
   seen.accused = std::any_of(found.warnings.begin(), found.warnings.end(), [](const auto& warning) {
     return warning.code == "backlash" || warning.code == "transmission_error";
   });
+  World world;
+  world.placed = true;
+  seen.errors = errors_in_sigmas(Simulation(robot, {}, world, seed), found);
   const auto clock = identify::refined(take.clock, found.delay);
   const double middle = program.seconds() / 2;
   seen.off_ms = 1e3 * (clock.ahead_s + clock.rate * (middle - clock.at_s) - device.ahead_s);
@@ -100,6 +108,9 @@ int main(int argc, char** argv) {
   const int rounds = argc > 2 ? std::atoi(argv[2]) : 2;
   const int jitter_us = argc > 3 ? std::atoi(argv[3]) : 5000;
   const int step_us = argc > 4 ? std::atoi(argv[4]) : 0;
+  const int play_arcsec = argc > 5 ? std::atoi(argv[5]) : 0;
+  const int joint = argc > 6 ? std::atoi(argv[6]) : 0;
+  std::vector<double> errors;
   double off2 = 0, z2 = 0, rate2 = 0, geometry2 = 0, plain2 = 0;
   int within = 0, within_tenth = 0, rate_within = 0, accused = 0, done = 0;
   for (int s = 1; s <= seeds; ++s) {
@@ -115,6 +126,8 @@ int main(int argc, char** argv) {
     device.stamp_step_s = 1e-6 * step_us;
     device.loss = 0.02;
     device.gaps = {{20, 20.4}, {41, 43}};
+    device.gears.backlash_arcsec = play_arcsec;
+    if (joint > 0) device.gears.joint = static_cast<std::size_t>(joint - 1);
     FreeDevice plain = device;
     plain.ahead_s = plain.rate_ppm = 0;
     const auto begin = std::chrono::steady_clock::now();
@@ -129,6 +142,7 @@ int main(int argc, char** argv) {
         seen.geometry_mm, without.geometry_mm, took, seen.trouble.c_str());
     if (seen.geometry_mm <= 0) continue;
     ++done;
+    for (const double error : seen.errors) errors.push_back(std::abs(error));
     accused += seen.accused;
     off2 += seen.off_ms * seen.off_ms;
     z2 += std::pow(seen.off_ms / seen.sigma_ms, 2);
@@ -145,4 +159,10 @@ int main(int argc, char** argv) {
       done, seeds, std::sqrt(off2 / done), std::sqrt(z2 / done), within, within_tenth,
       std::sqrt(rate2 / done), rate_within, std::sqrt(geometry2 / done), std::sqrt(plain2 / done),
       std::sqrt(geometry2 / plain2), accused);
+  const auto inside =
+      std::count_if(errors.begin(), errors.end(), [](double error) { return error < 1.96; });
+  if (!errors.empty())
+    std::printf("table: %.1f %% of %zu numbers inside, at most %.1f sigma\n",
+                100.0 * static_cast<double>(inside) / static_cast<double>(errors.size()),
+                errors.size(), *std::max_element(errors.begin(), errors.end()));
 }

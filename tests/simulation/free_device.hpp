@@ -32,6 +32,9 @@ struct FreeDevice {
   double step_at_s = 0;                   ///< at this time of the controller
   Noise noise = tracker_noise();
   Drift drift = {};  ///< of where it stands
+  /// Of the arm that it sees. Each joint follows its motor through its play: it stands while the
+  /// motor crosses it. At first it is on either side.
+  Gears gears = {};
 };
 
 /// A program as its controller tells it, and as the device sees the robot's targets do it.

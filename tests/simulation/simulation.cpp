@@ -86,7 +86,8 @@ identify::Turns Simulation::turns_at(const std::vector<double>& angles,
 }
 
 identify::Arm Simulation::arm_at(const std::vector<double>& angles) const {
-  const identify::Turns turns = turns_at(angles, std::vector<int>(angles.size(), 1));
+  const identify::Turns turns =
+      turns_at(angles, std::vector<int>(angles.size(), world_.gears.play_as_left ? 0 : 1));
   identify::Arm arm = robot_.arm;
   for (std::size_t k = 0; k < angles.size(); ++k)
     if (arm.is_linear(k))

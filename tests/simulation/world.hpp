@@ -50,7 +50,8 @@ struct Gears {
   /// Of the phases, where several campaigns are of one robot; nothing: the campaign's.
   std::optional<std::uint32_t> seed = {};
   /// Locked joints stand in their play as their last move left them, the one that led home from
-  /// their sweep; before it, either way. Else all came home rising.
+  /// their sweep; before it, either way. The true table has them in the middle. Else all came home
+  /// rising, in the true table, too.
   bool play_as_left = false;
 };
 
