@@ -10,6 +10,7 @@
 #include "identify/chain/chain_noise.hpp"
 #include "identify/chain/chain_start.hpp"
 #include "identify/chain/effect_search.hpp"
+#include "identify/chain/home_turn.hpp"
 #include "identify/chain/linearised_chain.hpp"
 #include "identify/dh/upright.hpp"
 #include "identify/geometry/angle.hpp"
@@ -290,6 +291,7 @@ class Estimation {
     estimate.move = move_of(best.fit, nodes_);
     estimate.strays = strays_of(effects_, nodes_);
     set_fitted_axes(estimate, best.fit, nodes_.known, nodes_.targets);
+    add_turns_at_home(estimate, play_variances(estimate.angles));
   }
 
   const CircleEstimate& circles_;

@@ -10,6 +10,7 @@
 #include <Eigen/Cholesky>
 
 #include "identify/chain/chain_problem.hpp"
+#include "identify/chain/home_turn.hpp"
 #include "identify/geometry/information.hpp"
 
 namespace identify {
@@ -280,30 +281,9 @@ void set_fitted_axes(ChainEstimate& estimate, const ChainFit& fit, const std::ve
     axis.point_mm += along * axis.direction;
   }
   const Index zeros = parameters.count(estimate.with_orientation);
-  for (std::size_t k = 0; k < fit.chain.zero_rad.size(); ++k) {
-    const ChainAxis& turning = fit.chain.axes[k];
-    const auto column = zeros + static_cast<Index>(k);
-    const auto moves = [&](const Eigen::Vector3d& point) -> Eigen::Vector3d {
-      if (turning.linear) return kLinear_mm * turning.direction;
-      return turning.direction.cross(point - turning.point_mm);
-    };
-    const Eigen::Vector3d turns =
-        turning.linear ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : turning.direction;
-    for (std::size_t j = k + 1; j < joints; ++j) {
-      const auto row = static_cast<Index>(6 * j);
-      const ChainAxis& axis = estimate.chain.axes[j];
-      by_parameter.block<3, 1>(row, column) = turns.cross(axis.direction);
-      by_parameter.block<3, 1>(row + 3, column) = moves(axis.point_mm);
-    }
-    for (std::size_t t = 0; t < targets; ++t)
-      by_parameter.block<3, 1>(static_cast<Index>(6 * joints + 3 * t), column) =
-          moves(estimate.chain.targets_mm[t]);
-    for (std::size_t j = 0; j < std::min(k + 1, joints); ++j)
-      if (known[j] && estimate.chain.axes[j].linear)
-        by_parameter.block<3, 1>(static_cast<Index>(6 * j + 3), column) =
-            moves(estimate.chain.targets_mm.front());
-    if (estimate.with_orientation) by_parameter.block<3, 1>(tool, column) = turns;
-  }
+  for (std::size_t k = 0; k < fit.chain.zero_rad.size(); ++k)
+    by_parameter.col(zeros + static_cast<Index>(k)) =
+        by_turn_at_home(estimate.chain, k, known, targets, estimate.with_orientation);
   for (std::size_t t = 0; t < targets; ++t)
     by_parameter.block<3, 3>(static_cast<Index>(6 * joints + 3 * t), parameters.target(t)) =
         Eigen::Matrix3d::Identity();

@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "identify/chain/home_turn.hpp"
 #include "identify/poses/pose_sag.hpp"
 #include "identify/poses/pose_start.hpp"
 
@@ -89,6 +90,13 @@ ChainEstimate chain_of(const PoseFit& fit, const std::optional<FromSweeps>& swee
     const bool seen = !fit.model.still[j] && found.direction_sigma_rad() < kWorstDirection_rad;
     chain.axes.emplace_back(seen ? std::optional(found) : std::nullopt);
   }
+  // At home a joint stands on one side of its play. Where it was before its first move, nothing
+  // tells: between these sides half of the joints show twice the half, and the others nothing.
+  std::vector<double> at_home(chain.axes.size(), 0.0);
+  for (const JointEffect& effect : fit.model.effects)
+    if (effect.kind == JointEffect::Kind::play)
+      at_home[effect.joint] = fit.noise.play_rad * fit.noise.play_rad / 2;
+  add_turns_at_home(chain, at_home);
   chain.angles.resize(chain.axes.size());
   chain.noise.position_mm = fit.noise.position_mm;
   chain.noise.orientation_rad = fit.noise.orientation_rad;
