@@ -91,11 +91,13 @@ ChainEstimate chain_of(const PoseFit& fit, const std::optional<FromSweeps>& swee
     chain.axes.emplace_back(seen ? std::optional(found) : std::nullopt);
   }
   // At home a joint stands on one side of its play. Where it was before its first move, nothing
-  // tells: between these sides half of the joints show twice the half, and the others nothing.
+  // tells: between these sides half of the joints show twice the half, and the others nothing. What
+  // a joint shows itself is at least so.
   std::vector<double> at_home(chain.axes.size(), 0.0);
   for (const JointEffect& effect : fit.model.effects)
     if (effect.kind == JointEffect::Kind::play)
-      at_home[effect.joint] = fit.noise.play_rad * fit.noise.play_rad / 2;
+      at_home[effect.joint] = std::max(fit.noise.play_rad * fit.noise.play_rad / 2,
+                                       effect.size.x() * effect.size.x() / 4);
   add_turns_at_home(chain, at_home);
   chain.angles.resize(chain.axes.size());
   chain.noise.position_mm = fit.noise.position_mm;
