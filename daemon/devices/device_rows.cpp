@@ -54,7 +54,7 @@ DeviceRows::DeviceRows(const DeviceText& text, const DeviceLayout& layout, std::
       next_(layout.begin) {}
 
 bool DeviceRows::next() {
-  while (next_ < layout_.end && text_.is_passed_over(next_)) ++next_;
+  for (; next_ < layout_.end && text_.is_passed_over(next_); ++next_) pass_over(text_.line(next_));
   if (next_ >= layout_.end) return false;
   line_ = next_++;
   fields_ = fields_of(text_.line(line_), layout_.separator);
@@ -77,6 +77,14 @@ bool DeviceRows::next() {
     if (auto one = measured(target)) seen_.push_back(std::move(*one));
   ++rows_;
   return true;
+}
+
+void DeviceRows::pass_over(std::string_view line) {
+  if (line.empty()) return;
+  // Where lines tell the time, a frame in which no target was seen is one.
+  const bool is_row = line.find_first_not_of(",;\t ") == std::string_view::npos;
+  if (!is_row) ++comments_;
+  if (is_row && layout_.time.kind == TimeColumns::Kind::lines) ++rows_;
 }
 
 /// A file that was cut may end within a number, which is another number then.

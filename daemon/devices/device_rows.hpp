@@ -40,6 +40,8 @@ class DeviceRows {
   [[nodiscard]] double time_s() const { return time_s_; }
   [[nodiscard]] std::size_t joint() const { return joint_; }  ///< from 1; 0 where none is told
   [[nodiscard]] std::size_t rows() const { return rows_; }
+  /// Among the lines so far, those that begin with # or //.
+  [[nodiscard]] std::size_t comments() const { return comments_; }
   [[nodiscard]] std::size_t line() const { return line_; }  ///< from 0
 
   /// At the time of the current line.
@@ -52,6 +54,7 @@ class DeviceRows {
   [[nodiscard]] std::optional<Seen> measured(const TargetColumns& target);
   [[nodiscard]] std::optional<Eigen::Matrix3d> rotation(const RotationColumns& columns);
   [[nodiscard]] std::string target_name(const TargetColumns& target) const;
+  void pass_over(std::string_view line);
   void read_time();
   void read_joint();
   void check_end() const;
@@ -65,6 +68,7 @@ class DeviceRows {
   std::size_t line_;
   std::size_t next_;
   std::size_t rows_ = 0;
+  std::size_t comments_ = 0;
   char mark_ = 0;  // of decimals, once seen
   std::size_t mark_line_ = 0;
   std::optional<double> first_s_;

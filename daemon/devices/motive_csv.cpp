@@ -112,6 +112,9 @@ DeviceLayout motive_layout(const DeviceText& text) {
   layout.end = text.lines();
   layout.columns = heads.axis.size();
   layout.time = {TimeColumns::Kind::number, {1}, 1};
+  if (const auto frames = printed_number(metadata(pairs, "Total Exported Frames"));
+      frames && frames->value > 0 && frames->value < 1e9)
+    layout.frames = static_cast<std::size_t>(frames->value);
   if (!at(heads.axis, 1).starts_with("Time"))
     text.fail(heads.axes, "expected a column Time in seconds behind Frame, found " +
                               as_found(at(heads.axis, 1)) + ": export the file again");

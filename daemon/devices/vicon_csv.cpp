@@ -11,6 +11,7 @@ namespace sweepd {
 namespace {
 
 constexpr std::string_view kFrame = "Frame";
+constexpr std::size_t kLongestFrame = 40;  ///< with its sub frame
 constexpr std::array<std::string_view, 3> kSections{"Trajectories", "Objects", "Segments"};
 constexpr std::array<std::string_view, 10> kOthers{
     "Devices", "Events",   "Joints",       "Model Outputs", "Bones",
@@ -98,6 +99,12 @@ DeviceLayout vicon_layout(const DeviceText& text) {
   while (layout.end < text.lines() &&
          text.line(layout.end).find_first_not_of(",;\t ") != std::string_view::npos)
     ++layout.end;
+  for (std::size_t line = layout.begin; line < layout.end; ++line) {
+    const auto fields = fields_of(text.line(line).substr(0, kLongestFrame), layout.separator);
+    if (fields.size() > 2 && !fields[1].empty() && fields[1] != "0")
+      text.fail(line, "expected Sub Frame 0, found " + as_found(fields[1]) +
+                          ": the file does not tell when that was: export one position a frame");
+  }
   layout.lines_may_be_short = true;
   layout.zero_is_missing = true;
 

@@ -90,6 +90,9 @@ PointsFile device_points(const DeviceFormat& format, const DeviceText& text, std
     if (!known[k])
       result.notes.push_back("left out: " + as_found(layout.targets[k].name) +
                              " (it was never seen)");
+  if (rows.comments() > 0)
+    result.notes.push_back("left out: " + rsi::counted(rows.comments(), "line") +
+                           " among the points, for the # or // in front");
   if (layout.frames && *layout.frames > rows.rows())
     result.notes.push_back(
         fmt::format("{} of the {} frames that it tells of", rows.rows(), *layout.frames));

@@ -100,6 +100,15 @@ TEST_CASE("a marker that was never seen is left out, and said to be", "[motive_c
   CHECK_THAT(notes_of(file), ContainsSubstring("left out: \"a\" (it was never seen)"));
 }
 
+TEST_CASE("Motive tells how many frames it has exported", "[motive_csv]") {
+  const std::string rows =
+      ",,Marker,Marker,Marker\n,,a,a,a\n,,1,1,1\n,,Position,Position,Position\n"
+      "Frame,Time (Seconds),X,Y,Z\n0,0.0,1,2,3\n1,0.1,1,2,3\n";
+  CHECK_THAT(notes_of(read_text(motive_head("Meters", ",Total Exported Frames,3") + rows)),
+             ContainsSubstring("2 of the 3 frames that it tells of"));
+  CHECK(notes_of(read_text(motive_head("Meters", ",Total Exported Frames,2") + rows)).empty());
+}
+
 TEST_CASE("what is wrong in a file of Motive is told with its place", "[motive_csv]") {
   const std::string rows =
       ",,Marker,Marker,Marker\n,,a,a,a\n,,1,1,1\n,,Position,Position,Position\n";

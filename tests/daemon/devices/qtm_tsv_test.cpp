@@ -40,6 +40,14 @@ TEST_CASE("what QTM did not see is empty, null or zero", "[qtm_tsv]") {
   CHECK(file.points[3].sample.position_mm == Eigen::Vector3d(1, 0, 0));
 }
 
+TEST_CASE("a frame in which QTM saw no target takes its time, where lines tell the time",
+          "[qtm_tsv]") {
+  const auto file = read_text(kQtmHead + "1\t2\t3\t4\t5\t6\n\t\t\t\t\t\n1\t2\t3\t4\t5\t6\n");
+  REQUIRE(file.points.size() == 4);
+  CHECK(file.points[2].sample.time_s == Approx(0.010));
+  CHECK_THAT(notes_of(file), !ContainsSubstring("frames that it tells of"));
+}
+
 TEST_CASE("what is wrong in a file of QTM is told with its place", "[qtm_tsv]") {
   check_text_error("NO_OF_FRAMES\t3\nFREQUENCY\t200\n",
                    "line 2: expected MARKER_NAMES or BODY_NAMES");

@@ -59,4 +59,7 @@ TEST_CASE("what is wrong in a file of Vicon is told with its place", "[vicon_csv
       "line 3: expected each target once, found \"a\" a second time");
   check_text_error("Trajectories\n100\n,,a,,\nFrame,Sub Frame,X,Y,Z\n,,mm,mm,mm\n1,0,1,2,3,4\n",
                    "line 6: expected 5 columns, as line 4 tells, found 6");
+  check_text_error(
+      "Trajectories\n100\n,,a,,\nFrame,Sub Frame,X,Y,Z\n,,mm,mm,mm\n1,0,1,2,3\n1,1,1,2,3\n",
+      "line 7: expected Sub Frame 0, found \"1\"");
 }
