@@ -64,16 +64,25 @@ bool is_unit(std::string_view text) {
   return length_unit_mm(text) > 0 || time_unit_s(text) > 0;
 }
 
-/// Takes the unit off the end of a name in lower case: in brackets, or the last word.
-std::string take_unit(std::string& name) {
+/// Takes what stands in brackets off a name, the first of them.
+std::string take_brackets(std::string& name) {
   const auto bracket = name.find_first_of("([");
-  if (bracket != std::string::npos) {
-    const auto end = std::min(name.find_first_of(")]", bracket), name.size());
-    std::string unit(rsi::trimmed(std::string_view(name).substr(bracket + 1, end - bracket - 1)));
-    name.erase(bracket);
+  if (bracket == std::string::npos) return {};
+  const auto end = std::min(name.find_first_of(")]", bracket), name.size());
+  std::string inside(rsi::trimmed(std::string_view(name).substr(bracket + 1, end - bracket - 1)));
+  name.erase(bracket, end + 1 - bracket);
+  return inside;
+}
+
+/// Takes the unit off a name in lower case: in brackets, or the last word. What stands behind
+/// brackets is of the name: "x [mm] nominal" is no measured one.
+std::string take_unit(std::string& name) {
+  if (name.find_first_of("([") != std::string::npos) {
+    std::string unit = take_brackets(name);
+    while (name.find_first_of("([") != std::string::npos) take_brackets(name);
     return unit;
   }
-  const auto last = name.find_last_of(" _");
+  const auto last = name.find_last_of(" _/");
   if (last == std::string::npos || !is_unit(std::string_view(name).substr(last + 1))) return {};
   std::string unit = name.substr(last + 1);
   name.erase(last);
@@ -127,6 +136,10 @@ double time_unit_s(std::string_view name) {
   for (const auto& [unit, seconds] : kUnits)
     if (rsi::equal_ignoring_case(name, unit)) return seconds;
   return 0;
+}
+
+double time_unit_of_count_s(double first) {
+  return first > 1e17 ? 1e-9 : first > 1e14 ? 1e-6 : first > 1e11 ? 1e-3 : 1;
 }
 
 }  // namespace sweepd

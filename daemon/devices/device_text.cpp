@@ -166,7 +166,7 @@ double length_unit_mm(std::string_view name) {
     std::string_view name;
     double mm;
   };
-  static constexpr std::array<Unit, 19> kUnits{{{"mm", 1},
+  static constexpr std::array<Unit, 27> kUnits{{{"mm", 1},
                                                 {"millimeter", 1},
                                                 {"millimetre", 1},
                                                 {"millimeters", 1},
@@ -184,7 +184,15 @@ double length_unit_mm(std::string_view name) {
                                                 {"inches", 25.4},
                                                 {"ft", 304.8},
                                                 {"foot", 304.8},
-                                                {"feet", 304.8}}};
+                                                {"feet", 304.8},
+                                                {"um", 1e-3},
+                                                {"\xc2\xb5m", 1e-3},  // the micro sign
+                                                {"\xce\xbcm", 1e-3},  // the Greek letter
+                                                {"\xb5m", 1e-3},      // of Latin-1
+                                                {"micrometers", 1e-3},
+                                                {"micrometres", 1e-3},
+                                                {"microns", 1e-3},
+                                                {"mils", 0.0254}}};
   for (const auto& unit : kUnits)
     if (rsi::equal_ignoring_case(name, unit.name)) return unit.mm;
   return 0;

@@ -25,6 +25,9 @@ struct ColumnName {
 /// What one of this unit of time is in seconds; 0 for anything else.
 [[nodiscard]] double time_unit_s(std::string_view name);
 
+/// The same of a time that is told without a unit: seconds since 1970 have ten digits.
+[[nodiscard]] double time_unit_of_count_s(double first);
+
 /// Seconds, from a moment that all dates share, of a date with a time of day:
 /// 2024-03-14T13:22:33.5, 3/14/2024 1:22:33.5 PM, 14.03.2024 13:22:33,5. Seconds from midnight
 /// where there is no date. With slashes the month is first, unless it cannot be one. Time zones

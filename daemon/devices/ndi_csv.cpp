@@ -1,7 +1,10 @@
 #include <algorithm>
 #include <utility>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/devices/device_text.hpp"
+#include "daemon/devices/device_words.hpp"
 #include "daemon/devices/maker_formats.hpp"
 #include "daemon/devices/wide_columns.hpp"
 #include "rsi/ascii.hpp"
@@ -15,6 +18,23 @@ constexpr double kPolaris_Hz = 60;
 
 bool is_toolbox(const DeviceText& text) {
   return text.line(0).starts_with(kTools) && text.line(0).find("Port") != std::string_view::npos;
+}
+
+/// As the names of the columns tell it, or else the first number.
+double unit_of_times_s(const DeviceText& text, const Fields& header,
+                       const std::vector<std::size_t>& times) {
+  const std::string unit = column_name(header[times.front()]).unit;
+  for (const std::size_t c : times)
+    if (const auto other = column_name(header[c]).unit;
+        other != unit || (!unit.empty() && time_unit_s(unit) == 0))
+      text.fail(0, fmt::format("expected one unit of time, s or ms, in column {}, found {}: export "
+                               "the file again",
+                               c + 1, as_found(header[c])));
+  if (!unit.empty()) return time_unit_s(unit);
+  const auto first = fields_of(text.line(1), text.line(0)[kTools.size()]);
+  const auto since = times.front() < first.size() ? printed_number(first[times.front()])
+                                                  : std::optional<rsi::Decimal>();
+  return since ? time_unit_of_count_s(since->value) : 1;
 }
 
 DeviceLayout toolbox_layout(const DeviceText& text) {
@@ -66,7 +86,7 @@ DeviceLayout toolbox_layout(const DeviceText& text) {
     text.fail(0,
               "expected columns Frame of each tool, found none: the file is cut, export it again");
   layout.time = {TimeColumns::Kind::number, times.empty() ? frames : times,
-                 times.empty() ? 1 / kPolaris_Hz : 1};
+                 times.empty() ? 1 / kPolaris_Hz : unit_of_times_s(text, header, times)};
   if (times.empty()) layout.notes.emplace_back("60 frames a second assumed: the file has no times");
 
   constexpr std::size_t kEnough = 3;  // markers, to tell a tool's pose

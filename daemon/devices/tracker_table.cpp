@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -9,6 +10,7 @@
 #include "daemon/devices/device_text.hpp"
 #include "daemon/devices/device_words.hpp"
 #include "daemon/devices/maker_formats.hpp"
+#include "daemon/devices/table_units.hpp"
 #include "daemon/devices/wide_columns.hpp"
 #include "rsi/ascii.hpp"
 
@@ -25,11 +27,11 @@ struct Table {
   std::size_t columns = 0;
   WideTarget places;
   std::vector<std::size_t> times;
-  std::string unit;  ///< of positions; empty where none is told
-  std::string time_unit;
-  bool is_named = false;  ///< a row names the columns
-  bool is_own = false;    ///< by sweepd's own names
-  bool is_told = false;   ///< by units or a quaternion, that it is a measuring program's
+  std::string unit;                               ///< of positions; empty where none is told
+  std::map<std::size_t, std::string> time_units;  ///< by column, where they are told
+  bool is_named = false;                          ///< a row names the columns
+  bool is_own = false;                            ///< by sweepd's own names
+  bool is_told = false;  ///< by units or a quaternion, that it is a measuring program's
 };
 
 std::string_view without_comment_mark(std::string_view line) {
@@ -71,7 +73,7 @@ std::optional<Table> named_table(const DeviceText& text) {
       table.is_own = table.is_own || is_own_name(names[c]);
       if (name.value == "time") {
         table.times.push_back(c);
-        if (!name.unit.empty()) table.time_unit = name.unit;
+        if (!name.unit.empty()) table.time_units[c] = name.unit;
       } else if (!name.value.empty()) {
         const bool is_axis = name.value.size() == 1;
         if (is_axis && table.places.column(name.value))
@@ -95,12 +97,9 @@ std::optional<Table> named_table(const DeviceText& text) {
     table.begin = line_from(text, line + 1);
     if (text.is_passed_over(line) && table.begin < text.lines())  // the names stand in a comment
       table.separator = separator_in(text.line(table.begin));
-    const auto units = fields_of(text.line(table.begin), table.separator);
-    const auto x = *table.places.column("x");
-    auto below = x < units.size() ? units[x] : std::string_view();
-    while (!below.empty() && (below.front() == '(' || below.front() == '[')) below.remove_prefix(1);
-    while (!below.empty() && (below.back() == ')' || below.back() == ']')) below.remove_suffix(1);
-    if (length_unit_mm(below) > 0) {
+    const auto below =
+        unit_below(text, table.begin, table.separator, *table.places.all({"x", "y", "z"}));
+    if (!below.empty()) {
       table.unit = below;
       table.is_told = true;
       table.begin = line_from(text, table.begin + 1);
@@ -141,28 +140,6 @@ std::optional<Table> ordered_table(const DeviceText& text) {
 std::optional<Table> table_in(const DeviceText& text) {
   auto table = named_table(text);
   return table ? table : ordered_table(text);
-}
-
-/// From a line above the table, with the word unit.
-std::string unit_above(const DeviceText& text, std::size_t end) {
-  for (std::size_t line = 0; line < end; ++line) {
-    const std::string words = lower(text.line(line));
-    const auto at = words.find("unit");
-    if (at == std::string::npos) continue;
-    std::string found;
-    std::string word;
-    for (const char c : words.substr(at + 4) + ' ') {
-      if (rsi::is_letter(c)) {
-        word += c;
-        continue;
-      }
-      // "in" may be no unit.
-      if (length_unit_mm(word) > 0 && (found.empty() || found == "in")) found = word;
-      word.clear();
-    }
-    if (!found.empty()) return found;
-  }
-  return {};
 }
 
 bool any_word(const DeviceText& text, std::initializer_list<std::string_view> words) {
@@ -214,22 +191,19 @@ TimeColumns time_of(const DeviceText& text, const Table& table, DeviceLayout& la
   for (const std::size_t c : table.times) ways.push_back({c});
   for (const auto& columns : ways)
     if (seconds_of_date(text_at(columns))) return {TimeColumns::Kind::date, columns};
+  std::string why = as_found(text_at({table.times.front()})) + " is no date, time of day or number";
   for (const std::size_t c : table.times) {
     std::string number = text_at({c});
     std::replace(number.begin(), number.end(), ',', '.');
     const auto since = printed_number(rsi::trimmed(number));
     if (!since) continue;
-    double unit_s = time_unit_s(table.time_unit);
-    // Seconds since 1970 have ten digits.
-    if (unit_s == 0)
-      unit_s = since->value > 1e17   ? 1e-9
-               : since->value > 1e14 ? 1e-6
-               : since->value > 1e11 ? 1e-3
-                                     : 1;
-    return {TimeColumns::Kind::number, {c}, unit_s};
+    const auto unit = table.time_units.find(c);
+    const double unit_s = unit == table.time_units.end() ? time_unit_of_count_s(since->value)
+                                                         : time_unit_s(unit->second);
+    if (unit_s > 0) return {TimeColumns::Kind::number, {c}, unit_s};
+    why = as_found(unit->second) + " is no known unit of time: s, ms, us, ns are";
   }
-  layout.notes.push_back("left out: times, as " + as_found(text_at({table.times.front()})) +
-                         " is no date, time of day or number");
+  layout.notes.push_back("left out: times, as " + why);
   return {};
 }
 

@@ -23,6 +23,22 @@ TEST_CASE("ToolBox without times has sixty frames a second, and says so", "[ndi_
   CHECK_THAT(notes_of(file), ContainsSubstring("60 frames a second assumed"));
 }
 
+TEST_CASE("ToolBox' times are of the unit that their name tells, or else their size", "[ndi_csv]") {
+  const auto second_time = [](const std::string& name, const std::string& first,
+                              const std::string& second) {
+    return read_text("Tools,Port 1: a," + name + ",State,Tx,Ty,Tz\n1,Port 1: a," + first +
+                     ",OK,1,2,3\n1,Port 1: a," + second + ",OK,1,2,3\n")
+        .points.at(1)
+        .sample.time_s;
+  };
+  CHECK(second_time("Time [sec]", "5.00", "5.01") == Approx(0.01));
+  CHECK(second_time("Time [ms]", "5000", "5010") == Approx(0.01));
+  CHECK(second_time("Time", "1710422553000", "1710422553010") == Approx(0.01));
+  CHECK(second_time("Time", "1710422553.00", "1710422553.01") == Approx(0.01));
+  check_text_error("Tools,Port 1: a,Time [h],State,Tx,Ty,Tz\n1,Port 1: a,7,OK,1,2,3\n",
+                   "line 1: expected one unit of time, s or ms, in column 3, found \"Time [h]\"");
+}
+
 TEST_CASE("what is wrong in a file of NDI is told with its place", "[ndi_csv]") {
   check_text_error("Tools,Port 1: a\n", "line 1: expected columns Frame of each tool");
   check_text_error("Tools,Port 1: a,Frame,State,Q0\n",

@@ -101,6 +101,52 @@ TEST_CASE("units stand with X, below the names or above the table", "[tracker_ta
   }
 }
 
+TEST_CASE("micrometres are no metres, and the word in is no inch", "[tracker_table]") {
+  const auto first_mm = [](const std::string& above) {
+    return read_text("FARO\n" + above + "\nX,Y,Z\n1,2,3\n").points.at(0).sample.position_mm.x();
+  };
+  CHECK(first_mm("Units: \xc2\xb5m") == Approx(0.001));
+  CHECK(first_mm("Units: \xb5m") == Approx(0.001));  // Latin-1
+  CHECK(first_mm("Units: Micrometers") == Approx(0.001));
+  CHECK(first_mm("Length unit: mils") == Approx(0.0254));
+  CHECK(first_mm("Temperature unit: C; pressure in hPa") == 1);
+  CHECK(first_mm("Units in world frame") == 1);
+  CHECK(first_mm("Units: in deg") == 25.4);
+  CHECK(first_mm("Units [in]; Angles [deg]") == 25.4);
+  CHECK(first_mm("Units in") == 25.4);
+  CHECK(read_text("X [\xc2\xb5m],Y [\xc2\xb5m],Z [\xc2\xb5m]\n1,2,3\n")
+            .points.at(0)
+            .sample.position_mm.x() == Approx(0.001));
+}
+
+TEST_CASE("what stands behind a unit in brackets is of the name", "[tracker_table]") {
+  const auto file = read_text(
+      "X [mm] nominal,Y [mm] nominal,Z [mm] nominal,X [mm] actual,Y [mm] actual,Z [mm] actual\n"
+      "1,2,3,4,5,6\n");
+  CHECK(file.points.at(0).sample.position_mm == Eigen::Vector3d(4, 5, 6));
+  CHECK_THROWS_AS(read_text("Name,X [mm] dev,Y [mm] dev,Z [mm] dev\na,1,2,3\n"), CsvError);
+}
+
+TEST_CASE("each column of times has its own unit", "[tracker_table]") {
+  const auto second_time = [](const std::string& names) {
+    return read_text("Leica\n" + names + "\n5000,1,2,3,5\n5010,1,2,3,5.01\n")
+        .points.at(1)
+        .sample.time_s;
+  };
+  CHECK(second_time("Time [ms],X,Y,Z,Elapsed time [s]") == Approx(0.01));
+  CHECK(second_time("Timestamp,X,Y,Z,Timestamp [s]") == 1);  // a list: 10 s apart
+  CHECK(second_time("Time [min],X,Y,Z,Elapsed time [s]") == Approx(0.01));
+  CHECK_THAT(notes_of(read_text("Leica\nTime [min],X,Y,Z\n5,1,2,3\n5.1,1,2,3\n")),
+             ContainsSubstring("left out: times, as \"min\" is no known unit of time"));
+}
+
+TEST_CASE("points behind a # are counted", "[tracker_table]") {
+  const auto file =
+      read_text("# by hand\nName,X [mm],Y [mm],Z [mm]\na,1,2,3\n#b,1,2,3\n\nc,1,2,3\n");
+  CHECK(file.points.size() == 2);
+  CHECK_THAT(notes_of(file), ContainsSubstring("left out: 1 line among the points, for the #"));
+}
+
 TEST_CASE("numbers of times are seconds, unless a unit or their size tells", "[tracker_table]") {
   const auto second_time = [](const std::string& name, const std::string& first,
                               const std::string& second) {
@@ -133,6 +179,8 @@ TEST_CASE("what is wrong in a tracker's table is told with its place", "[tracker
                    "line 2: expected points below the names of the columns");
   check_text_error("FARO\nName,X (mm),Y (m),Z (mm)\n1,1,2,3\n",
                    "line 2: expected one unit for X, Y and Z, found \"mm\" and \"m\"");
+  check_text_error("FARO\nX,Y,Z\n(mm),(mm),(in)\n1,2,3\n",
+                   "line 3: expected one unit for X, Y and Z, found \"mm\" and \"in\"");
   check_text_error("FARO\nX,Y,Z,Measured X\n1,2,3,4\n",
                    "line 2: expected x once, found it a second time");
   check_text_error("FARO\nX (deg),Y (deg),Z (deg)\n1,2,3\n",
