@@ -60,7 +60,8 @@ namespace sweepd {
 //
 // `rostopic echo -p` names the columns, with % in front: field.header.stamp in nanoseconds,
 // field.pose.position.x ... and field.pose.orientation.w. Names of rosbag's converters, with
-// header.stamp.secs and .nsecs, are understood too. `ros2 topic echo --csv` names none: seconds,
+// header.stamp.secs and .nsecs, are understood too, and PlotJuggler's, with slashes and __time.
+// Stamps with decimals are seconds. `ros2 topic echo --csv` names none: seconds,
 // nanoseconds, frame, position, and the quaternion x, y, z, w. Times are those of the header; where
 // it has none, those of reception.
 

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "daemon/devices/device_text.hpp"
+#include "daemon/devices/device_words.hpp"
 #include "daemon/devices/maker_formats.hpp"
 #include "rsi/ascii.hpp"
 
@@ -12,7 +14,17 @@ namespace {
 constexpr double kMetre_mm = 1000;
 constexpr std::size_t kColumnsOfRos2 = 10;
 
-std::optional<std::size_t> column_ending(const Fields& header,
+/// PlotJuggler parts the names of a message's fields by slashes.
+std::vector<std::string> names_in(const DeviceText& text, char separator) {
+  const auto fields = fields_of(text.line(0), separator);
+  std::vector<std::string> names(fields.begin(), fields.end());
+  for (std::string& name : names) std::replace(name.begin(), name.end(), '/', '.');
+  return names;
+}
+
+using Names = std::vector<std::string>;
+
+std::optional<std::size_t> column_ending(const Names& header,
                                          std::initializer_list<std::string_view> ends) {
   for (const auto end : ends)
     for (std::size_t c = 0; c < header.size(); ++c)
@@ -20,8 +32,21 @@ std::optional<std::size_t> column_ending(const Fields& header,
   return std::nullopt;
 }
 
-std::optional<std::size_t> position_x(const Fields& header) {
+std::optional<std::size_t> position_x(const Names& header) {
   return column_ending(header, {"position.x", "translation.x", "point.x"});
+}
+
+/// The columns of the other axes of what column `first` is the x of; nothing where one is missing.
+std::optional<std::vector<std::size_t>> all_axes(const Names& header, std::size_t first,
+                                                 std::string_view axes) {
+  std::vector<std::size_t> columns;
+  const auto stem = header[first].substr(0, header[first].size() - 1);
+  for (const char axis : axes) {
+    const auto found = std::find(header.begin(), header.end(), stem + axis);
+    if (found == header.end()) return std::nullopt;
+    columns.push_back(static_cast<std::size_t>(found - header.begin()));
+  }
+  return columns;
 }
 
 /// One of ROS 2: whole seconds, nanoseconds, a frame that is no number, and a pose.
@@ -43,7 +68,14 @@ bool is_zero(std::string_view field) {
   return field.find_first_not_of("0.") == std::string_view::npos;
 }
 
-TimeColumns time_in(const DeviceText& text, const DeviceLayout& layout, const Fields& header) {
+/// ROS' own programs print nanoseconds, others seconds with decimals.
+double unit_of_stamp_s(std::string_view first) {
+  const auto number = first.find('.') == std::string_view::npos ? std::optional<rsi::Decimal>()
+                                                                : printed_number(first);
+  return number ? time_unit_of_count_s(number->value) : 1e-9;
+}
+
+TimeColumns time_in(const DeviceText& text, const DeviceLayout& layout, const Names& header) {
   auto first = fields_of(text.line(layout.begin), layout.separator);
   first.resize(header.size());
   const auto seconds = column_ending(header, {"stamp.secs", "stamp.sec"});
@@ -51,9 +83,10 @@ TimeColumns time_in(const DeviceText& text, const DeviceLayout& layout, const Fi
   if (seconds && parts && !is_zero(first[*seconds]))
     return {TimeColumns::Kind::nanoseconds, {*seconds, *parts}};
   const auto stamp = column_ending(header, {"header.stamp"});
-  if (stamp && !is_zero(first[*stamp])) return {TimeColumns::Kind::number, {*stamp}, 1e-9};
+  if (stamp && !is_zero(first[*stamp]))
+    return {TimeColumns::Kind::number, {*stamp}, unit_of_stamp_s(first[*stamp])};
   const auto received = column_ending(header, {"%time", "#time"});
-  if (received) return {TimeColumns::Kind::number, {*received}, 1e-9};
+  if (received) return {TimeColumns::Kind::number, {*received}, unit_of_stamp_s(first[*received])};
   const auto plain = column_ending(header, {"Time", "time"});  // of converters, in seconds
   if (plain) return {TimeColumns::Kind::number, {*plain}, 1};
   text.fail(layout.header,
@@ -63,9 +96,9 @@ TimeColumns time_in(const DeviceText& text, const DeviceLayout& layout, const Fi
 }  // namespace
 
 bool is_ros_csv(const DeviceText& text) {
-  const auto header = fields_of(text.line(0), separator_in(text.line(0)));
+  const auto header = names_in(text, separator_in(text.line(0)));
   const bool is_named = std::any_of(header.begin(), header.end(), [](std::string_view name) {
-    return name.find("header.") != std::string_view::npos || name == "%time";
+    return name.find("header.") != std::string_view::npos || name == "%time" || name == "__time";
   });
   return (is_named && position_x(header)) || is_ros2(text);
 }
@@ -85,26 +118,19 @@ DeviceLayout ros_layout(const DeviceText& text) {
     return layout;
   }
   layout.separator = separator_in(text.line(0));
-  const auto header = fields_of(text.line(0), layout.separator);
+  const auto header = names_in(text, layout.separator);
   layout.begin = 1;
   layout.columns = header.size();
   const auto x = position_x(header);
-  const auto has_axes = [&](std::size_t first, std::size_t count, std::string_view axes) {
-    const auto stem = header[first].substr(0, header[first].size() - 1);
-    for (std::size_t k = 0; k < count; ++k)
-      if (first + k >= header.size() || header[first + k] != std::string(stem) + axes[k])
-        return false;
-    return true;
-  };
-  if (!x || !has_axes(*x, 3, "xyz"))
+  const auto position = x ? all_axes(header, *x, "xyz") : std::nullopt;
+  if (!position)
     text.fail(0,
               "expected columns position.x, position.y, position.z of a pose, found not all of "
               "them: record a topic of PoseStamped with rostopic echo -p");
-  target.position = {*x, *x + 1, *x + 2};
-  if (const auto turn = column_ending(header, {"orientation.x", "rotation.x"});
-      turn && has_axes(*turn, 4, "xyzw"))
-    target.rotation = RotationColumns{RotationColumns::Kind::quaternion,
-                                      {*turn, *turn + 1, *turn + 2, *turn + 3}};
+  std::copy(position->begin(), position->end(), target.position.begin());
+  if (const auto turn = column_ending(header, {"orientation.x", "rotation.x"}))
+    if (auto columns = all_axes(header, *turn, "xyzw"))
+      target.rotation = RotationColumns{RotationColumns::Kind::quaternion, std::move(*columns)};
   layout.targets.push_back(target);
   if (const auto child = column_ending(header, {"child_frame_id"})) layout.name.push_back(*child);
   layout.time = time_in(text, layout, header);

@@ -32,6 +32,30 @@ TEST_CASE("messages of ROS that hold a pose are read by the names of their colum
   CHECK(bag.points.at(1).sample.time_s == Approx(0.002).epsilon(1e-12));
 }
 
+TEST_CASE("stamps with decimals are seconds, as PlotJuggler writes them", "[ros_csv]") {
+  const auto second_time = [](const std::string& first, const std::string& second) {
+    return read_text("%time,field.header.stamp,field.point.x,field.point.y,field.point.z\n0," +
+                     first + ",1,2,3\n0," + second + ",1,2,3\n")
+        .points.at(1)
+        .sample.time_s;
+  };
+  CHECK(second_time("1710422552.50", "1710422552.51") == Approx(0.01).epsilon(1e-4));
+  CHECK(second_time("5.50", "5.51") == Approx(0.01));
+  CHECK(second_time("5500000000", "5510000000") == Approx(0.01));  // since a simulation's start
+}
+
+TEST_CASE("PlotJuggler's columns stand in the order of their names", "[ros_csv]") {
+  const auto file = read_text(
+      "__time,/arm/pose/orientation/w,/arm/pose/orientation/x,/arm/pose/orientation/y,"
+      "/arm/pose/orientation/z,/arm/pose/position/x,/arm/pose/position/y,/arm/pose/position/z\n"
+      "1710422552.500000,0,1,0,0,1.5,2.5,3.5\n1710422552.510000,0,1,0,0,1.5,2.5,3.5\n");
+  REQUIRE(file.points.size() == 2);
+  CHECK(file.points[1].sample.time_s == Approx(0.01).epsilon(1e-4));
+  CHECK(file.points[1].sample.position_mm == Eigen::Vector3d(1500, 2500, 3500));
+  CHECK(identify::orientation(file.points[1].sample)
+            .isApprox(Eigen::Vector3d(1, -1, -1).asDiagonal().toDenseMatrix()));
+}
+
 TEST_CASE("what is wrong in a file of ROS is told with its place", "[ros_csv]") {
   check_text_error("%time,field.header.stamp,field.pose.position.x,field.pose.position.y\n",
                    "line 1: expected columns position.x, position.y, position.z of a pose");
