@@ -42,6 +42,12 @@ if [[ -n $findings ]]; then
   failed=1
 fi
 
+# %I makes a / of each - in the name: the interface br-lan would be br/lan.
+if grep -q '%I' "$unit"; then
+  echo "the unit unescapes the name of its instance"
+  failed=1
+fi
+
 # Both would see what is wrong.
 grep -v '^\(CapabilityBoundingSet\|SystemCallFilter\|ProtectSystem\)=' "$unit" >"$folder/open.service"
 if ! exposed "$folder/open.service"; then
