@@ -21,7 +21,7 @@ bool is_toolbox(const DeviceText& text) {
 }
 
 /// As the names of the columns tell it, or else the first number.
-double unit_of_times_s(const DeviceText& text, const Fields& header,
+double unit_of_times_s(const DeviceText& text, char separator, const Fields& header,
                        const std::vector<std::size_t>& times) {
   const std::string unit = column_name(header[times.front()]).unit;
   for (const std::size_t c : times)
@@ -31,7 +31,7 @@ double unit_of_times_s(const DeviceText& text, const Fields& header,
                                "the file again",
                                c + 1, as_found(header[c])));
   if (!unit.empty()) return time_unit_s(unit);
-  const auto first = fields_of(text.line(1), text.line(0)[kTools.size()]);
+  const auto first = fields_of(text.line(1), separator);
   const auto since = times.front() < first.size() ? printed_number(first[times.front()])
                                                   : std::optional<rsi::Decimal>();
   return since ? time_unit_of_count_s(since->value) : 1;
@@ -85,8 +85,9 @@ DeviceLayout toolbox_layout(const DeviceText& text) {
   if (frames.empty() && times.empty())
     text.fail(0,
               "expected columns Frame of each tool, found none: the file is cut, export it again");
-  layout.time = {TimeColumns::Kind::number, times.empty() ? frames : times,
-                 times.empty() ? 1 / kPolaris_Hz : unit_of_times_s(text, header, times)};
+  layout.time = {
+      TimeColumns::Kind::number, times.empty() ? frames : times,
+      times.empty() ? 1 / kPolaris_Hz : unit_of_times_s(text, layout.separator, header, times)};
   if (times.empty()) layout.notes.emplace_back("60 frames a second assumed: the file has no times");
 
   constexpr std::size_t kEnough = 3;  // markers, to tell a tool's pose
