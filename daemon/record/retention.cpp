@@ -14,6 +14,7 @@
 
 #include <dirent.h>
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -146,9 +147,11 @@ Clock believed_clock(const Parts& parts, Time now, std::chrono::seconds keep) {
   return {Time::min(), now};
 }
 
-void remove(int robot, const Part& part, Sweeping& sweeping) {
+void remove(int robot, const Part& part, bool is_own, Sweeping& sweeping) {
   const Folder folder(openat(robot, part.session.c_str(), kFolder | O_NOFOLLOW));
   if (!folder) return sweeping.trouble("cannot open " + part.session);
+  // Somebody else writes there, or makes its last result: another sweepd with the same output, too.
+  if (!is_own && flock(folder.descriptor(), LOCK_EX | LOCK_NB) != 0) return;
   for (const auto& name : part.files) {
     if (unlinkat(folder.descriptor(), name.c_str(), 0) == 0)
       ++sweeping.deleted.files;
@@ -177,10 +180,11 @@ void sweep(const std::filesystem::path& robot_folder, const RecordingSettings& s
     const bool beyond = settings.keep_bytes > 0 && bytes > settings.keep_bytes;
     if (!old && !beyond) continue;
     if (part.session == in_use.session && key.second >= in_use.part) continue;
+    const bool is_own = part.session == in_use.session;
     const auto before = sweeping.deleted.files;
-    remove(robot.descriptor(), part, sweeping);
-    if (part.session == in_use.session)
-      sweeping.deleted.of_session += sweeping.deleted.files - before;
+    remove(robot.descriptor(), part, is_own, sweeping);
+    if (sweeping.deleted.files == before) continue;
+    if (is_own) sweeping.deleted.of_session += sweeping.deleted.files - before;
     bytes -= part.bytes;
   }
 }

@@ -28,7 +28,8 @@ struct Deleted {
 ///
 /// Recordings are the regular files named trace.pcap, trace-0002.pcap, samples.csv,
 /// samples-0002.csv and so on, in folders named by a start time, in `robot_folder`. Nothing else
-/// is touched, and no symbolic link is followed below `robot_folder`. Never throws.
+/// is touched, nor is what others hold by a FolderLock, and no symbolic link is followed below
+/// `robot_folder`. Never throws.
 Deleted delete_old_recordings(const std::filesystem::path& robot_folder,
                               const RecordingSettings& settings,
                               std::chrono::system_clock::time_point now,

@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 
+#include "daemon/record/session_folder.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/temporary_folder.hpp"
 
@@ -114,6 +115,20 @@ TEST_CASE("files that are being written stay, earlier ones of the same session m
     recordings.add(session + name, 1000h);
   CHECK(recordings.clean(std::chrono::days(1), 1, {"20241201T000000Z", 3}).files == 4);
   CHECK(recordings.names() == NameSet{session + "trace-0003.pcap", session + "samples-0003.csv"});
+}
+
+TEST_CASE("what another sweepd writes stays, and others go in its place", "[retention]") {
+  const Recordings recordings;
+  recordings.add("20241201T000000Z/trace.pcap", 1000h);
+  recordings.add("20241202T000000Z/trace.pcap", 900h);
+  {
+    const sweepd::FolderLock theirs(recordings / "20241201T000000Z");
+    REQUIRE(theirs.held());
+    CHECK(recordings.clean(std::chrono::days(0), 1500).files == 1);
+    CHECK(recordings.names() == NameSet{"20241201T000000Z/trace.pcap"});
+    CHECK(recordings.clean(std::chrono::days(0), 1).files == 0);
+  }
+  CHECK(recordings.clean(std::chrono::days(0), 1).files == 1);
 }
 
 TEST_CASE("what is not exactly named as a recording is never touched", "[retention]") {
