@@ -32,6 +32,22 @@ std::uint64_t telegrams_of_result(const fs::path& folder) {
   return telegrams.is_number_unsigned() ? telegrams.get<std::uint64_t>() : 0;
 }
 
+/// Before which files of a recording others are missing, that were deleted or moved.
+std::vector<std::string> holes_in(const std::vector<fs::path>& traces) {
+  std::vector<std::string> holes;
+  unsigned next = 1;
+  for (const auto& trace : traces) {
+    const auto name = trace.filename().string();
+    const auto part = sweepd::part_of(name, "trace", ".pcap").value_or(next);
+    if (part != next)
+      holes.push_back("files of the recording before " + name +
+                      " are not there, perhaps deleted as keep_bytes and keep_days say: the result "
+                      "lacks what they held");
+    next = part + 1;
+  }
+  return holes;
+}
+
 }  // namespace
 
 std::size_t SessionEnd::samples() const {
@@ -80,6 +96,7 @@ void SessionEnd::write() {
 SessionReplay::SessionReplay(fs::path folder, FolderLock lock, const RobotSetup& setup)
     : folder_(std::move(folder)), lock_(std::move(lock)), device_(setup) {
   traces_ = traces_of(folder_);
+  damage_ = holes_in(traces_);
   const auto search = rsi::find_conversation(traces_);
   if (search.chosen) conversation_ = *search.chosen;
   std::reverse(traces_.begin(), traces_.end());

@@ -253,6 +253,9 @@ TEST_CASE("a recovered session tells what made its result, and that its recordin
   const auto more = session.parent_path() / "20370101T000000Z";
   fs::copy(session, more);
   std::ofstream(more / "result.json") << R"({"source": {"telegrams": 99999}})";
+  const auto late = session.parent_path() / "20390101T000000Z";
+  fs::copy(session, late);
+  fs::rename(late / "trace.pcap", late / "trace-0003.pcap");
   const auto unreadable = session.parent_path() / "20380101T000000Z";
   fs::copy(session, unreadable);
   fs::resize_file(unreadable / "trace.pcap", 3);
@@ -271,6 +274,9 @@ TEST_CASE("a recovered session tells what made its result, and that its recordin
   CHECK(run["recovered"]["inputs"][0] == now[0]);
   CHECK_FALSE(run.contains("since_start_of_sweepd"));
   CHECK_THAT(run["damage"][0].get<std::string>(), ContainsSubstring("the recording paused"));
+  CHECK(run["damage"].size() == 1);
+  CHECK_THAT(json_in(late / "run.json")["damage"][0].get<std::string>(),
+             ContainsSubstring("before trace-0003.pcap are not there"));
   CHECK(json_in(session / "result.json")["source"]["telegrams"].is_number());
   CHECK(json_in(more / "run.json").contains("ended"));
   CHECK_THAT(said.text(), ContainsSubstring("the result in " + more.string() + " stays"));
