@@ -1,5 +1,6 @@
 #include "daemon/plant/outbox.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <sstream>
 #include <stdexcept>
@@ -78,6 +79,13 @@ Ledger::~Ledger() {
 
 bool Ledger::has(const std::string& session, const std::string& sha256) const {
   return lines_.contains(session + ' ' + sha256);
+}
+
+bool Ledger::has_later(const std::string& session) const {
+  const auto name = session_name(session);
+  return std::any_of(lines_.begin(), lines_.end(), [&](const std::string& line) {
+    return session_name(line.substr(0, line.find(' '))) > name;
+  });
 }
 
 void Ledger::add(const std::string& session, const std::string& sha256) {

@@ -27,6 +27,8 @@ class Ledger {
   /// true all the same, until the end of the program.
   void add(const std::string& session, const std::string& sha256);
   [[nodiscard]] std::size_t size() const { return lines_.size(); }
+  /// Whether a session is there that began later.
+  [[nodiscard]] bool has_later(const std::string& session) const;
 
  private:
   std::filesystem::path path_;

@@ -87,8 +87,11 @@ void RobotPublisher::publish(const FinishedResult& result, Steady::time_point no
   UnderWay way{result.session, result.sha256, {}, now};
   BrokerLink::Names names{{"session", result.session}, {"sha256", result.sha256}};
   if (!result.started.empty()) names["started"] = result.started;
+  // Of a session that ended later the broker keeps the result: one that was made from an earlier
+  // recording must not take its place.
+  const bool retained = !ledger_.has_later(result.session);
   const auto add = [&](const std::string& kind, const std::string& payload) {
-    way.parts.push_back(link_.publish(topic_of(place_, kind), payload, 1, true, names));
+    way.parts.push_back(link_.publish(topic_of(place_, kind), payload, 1, retained, names));
   };
   try {
     add("result", result.bytes);

@@ -59,6 +59,18 @@ TEST_CASE("what the broker has acknowledged outlives the program", "[outbox]") {
   CHECK(Ledger(file).has("20260101T000000Z", "aa"));
 }
 
+TEST_CASE("the record tells whether a later session was published", "[outbox]") {
+  const TemporaryFolder folder;
+  Ledger ledger(folder / "published");
+  CHECK_FALSE(ledger.has_later("20260101T000000Z"));
+  ledger.add("20260101T000000Z-2", "aa");
+  ledger.add("20260101T000000Z-10", "aa");
+  CHECK(ledger.has_later("20260101T000000Z"));
+  CHECK(ledger.has_later("20260101T000000Z-9"));
+  CHECK_FALSE(ledger.has_later("20260101T000000Z-10"));
+  CHECK_FALSE(ledger.has_later("20260102T000000Z"));
+}
+
 TEST_CASE("half a line of a crash is no line, and spoils none", "[outbox]") {
   const TemporaryFolder folder;
   const auto file = folder.write("published", "20260101T000000Z aa\n20260102T000000Z b");
