@@ -166,7 +166,7 @@ BrokerLink::~BrokerLink() {
 
 void BrokerLink::keep(Steady::time_point now) {
   if (connected_) {
-    if (client_.is_connected()) return;
+    if (client_.is_connected()) return look_after_subscriptions(now);
     lost(now);
   }
   if (!trying_) {
@@ -182,11 +182,38 @@ void BrokerLink::keep(Steady::time_point now) {
   said_.clear();
   pause_ = 1s;
   log_.note("connected to the broker {}", text(options_.broker.address));
-  try {
-    for (const auto& [topic, quality] : options_.topics) client_.subscribe(topic, quality);
-  } catch (const mqtt::exception& problem) {
-    log_.error("cannot subscribe at the broker {}: {}", text(options_.broker.address),
-               reason_of(problem));
+  subscriptions_.clear();
+  for (const auto& [topic, quality] : options_.topics) subscriptions_[topic];
+  subscribe_at_ = now;
+  look_after_subscriptions(now);
+}
+
+void BrokerLink::look_after_subscriptions(Steady::time_point now) {
+  for (auto one = subscriptions_.begin(); one != subscriptions_.end();) {
+    auto& [topic, asked] = *one;
+    std::string why;
+    if (asked && asked->is_complete()) {
+      why = failure_of(*asked);
+      asked.reset();
+      if (why.empty()) {
+        one = subscriptions_.erase(one);
+        continue;
+      }
+    } else if (!asked && now >= subscribe_at_) {
+      try {
+        asked = client_.subscribe(topic, options_.topics.at(topic));
+      } catch (const mqtt::exception& problem) {
+        why = reason_of(problem);
+      }
+    }
+    if (!why.empty()) {
+      log_.error(
+          "the broker {} refuses the subscription to {} ({}): nothing of it comes; its access list "
+          "has to let `user` read that. It is tried again every {} s",
+          text(options_.broker.address), topic, why, kLongestPause.count());
+      subscribe_at_ = now + kLongestPause;
+    }
+    ++one;
   }
 }
 
@@ -199,11 +226,12 @@ void BrokerLink::lost(Steady::time_point now) {
     return;
   }
   // Two of one name take the connection from each other for ever: this one lets the other have it.
+  // A broker may also close it for a topic that its access list forbids.
   log_.error(
       "the broker {} closes the connection of {} as soon as it is open: another client has the "
-      "same "
-      "name, as two publishers for one robot have, or two collectors; end one of them, or give it "
-      "another `site` or `cell`. This one tries again in 10 minutes",
+      "same name, as two publishers for one robot have, or two collectors; or its access list does "
+      "not let `user` write under `site` and `cell`, which the broker's log tells. End one of the "
+      "two, or correct the list. This one tries again in 10 minutes",
       text(options_.broker.address), options_.client);
   again_at_ = now + kTruce;
   short_ones_ = 0;

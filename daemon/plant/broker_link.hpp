@@ -71,6 +71,8 @@ class BrokerLink {
 
  private:
   void begin(Steady::time_point now);
+  /// Asks for those that are still to come, and says which are refused.
+  void look_after_subscriptions(Steady::time_point now);
   void lost(Steady::time_point now);
   void failed(const std::string& why, Steady::time_point now);
 
@@ -79,6 +81,8 @@ class BrokerLink {
   mqtt::connect_options connect_;
   mqtt::async_client client_;
   mqtt::token_ptr trying_;
+  std::map<std::string, mqtt::token_ptr> subscriptions_;  ///< not granted yet
+  Steady::time_point subscribe_at_{};
   Steady::time_point again_at_{};
   std::chrono::seconds pause_{1};
   Steady::time_point connected_at_{};
