@@ -72,12 +72,34 @@ constexpr auto kMigrations = std::to_array<std::array<const char*, 7>>({
           payload bytea not null))"},
 });
 
+/// A table of another program that has one of the names here; empty where there is none.
+std::string table_of_others(Database& database) {
+  const auto columns = database
+                           .run(
+                               "select string_agg(attname, ',' order by attnum) from pg_attribute "
+                               "where attrelid = to_regclass('migrations') and attnum > 0 and not "
+                               "attisdropped")
+                           .at(0)
+                           .at(0);
+  if (columns == "number,applied") return {};
+  if (!columns.empty()) return "migrations";
+  for (const char* const name :
+       {"robots", "campaigns", "numbers", "changes", "link_days", "link_counters", "refused"})
+    if (!database.run("select to_regclass($1)", {name}).at(0).at(0).empty()) return name;
+  return {};
+}
+
 }  // namespace
 
 void migrate(Database& database) {
   database.at_once([&] {
     // Whoever comes second waits until the first is done.
     database.run("select pg_advisory_xact_lock(5005901)");
+    if (const auto other = table_of_others(database); !other.empty())
+      throw DatabaseError("the table " + other +
+                              " in the database is another program's: give sweepd a database of "
+                              "its own, with `database`",
+                          false);
     database.run(
         "create table if not exists migrations (number integer primary key, applied timestamptz "
         "not null default now())");

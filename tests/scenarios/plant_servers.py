@@ -7,6 +7,7 @@ import socket
 import ssl
 import struct
 import subprocess
+import threading
 import time
 
 
@@ -143,6 +144,18 @@ class Stranger:
             content += part
         return content
 
+    def retained(self, topic):
+        """What the broker keeps under this topic."""
+        self.send(0x82, struct.pack(">HB", 2, 0) + self.text(topic) + bytes([0]))
+        self.answer()
+        assert self.exactly(1)[0] == 0x31, "what comes is not retained"
+        size, shift = 0, 0
+        while True:
+            part = self.exactly(1)[0]
+            size, shift = size | (part & 127) << shift, shift + 7
+            if part < 128:
+                return self.exactly(size)
+
     def answer(self):
         size = self.exactly(2)[1]
         assert size < 128, "a longer answer than any that is expected"
@@ -153,6 +166,30 @@ class Stranger:
         self.send(0x32, self.text(topic) + struct.pack(">H", 1) + self.length(len(properties)) + properties
                   + payload)
         self.answer()
+
+
+class Refuser:
+    """A broker that lets everybody in, and nobody read."""
+
+    def __init__(self):
+        self.socket = socket.create_server(("127.0.0.1", 0))
+        self.address = f"mqtt://127.0.0.1:{self.socket.getsockname()[1]}"
+        threading.Thread(target=self.serve, daemon=True).start()
+
+    def serve(self):
+        while True:
+            client, _ = self.socket.accept()
+            with client, client.makefile("rb") as packets:
+                while head := packets.read(1):
+                    size, shift, part = 0, 0, 128
+                    while part > 127:
+                        part = packets.read(1)[0]
+                        size, shift = size | (part & 127) << shift, shift + 7
+                    content = packets.read(size)
+                    if head[0] >> 4 == 1:
+                        client.sendall(b"\x20\x03\0\0\0")
+                    elif head[0] >> 4 == 8:  # not authorized
+                        client.sendall(b"\x90\x04" + content[:2] + b"\0\x87")
 
 
 class Database(Server):

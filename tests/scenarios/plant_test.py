@@ -21,7 +21,7 @@ import time
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from plant_servers import Broker, Database, Stranger, free_port, missing, until
+from plant_servers import Broker, Database, Refuser, Stranger, free_port, missing, until
 
 ROBOT = "kr5-arc"
 PLACE = f"north%2F1/a%2Bb%23/{ROBOT}"  # of names that mean something in topics
@@ -183,6 +183,7 @@ def scenario(plant, outage, long):
     newer_tables(plant, collector)
     ends_while_waiting(plant, collector)
     other_password(plant, again)
+    refused_subscription(plant)
 
     code = subprocess.run([plant.sweepd, "compare", f"{PLACE}/20260101T120000Z", PLACE, "--database",
                            plant.database.connection], capture_output=True, text=True)
@@ -192,6 +193,12 @@ def scenario(plant, outage, long):
     assert code.returncode in (0, 3), code
     told = list(csv.DictReader((plant.folder / "history.csv").open()))
     assert [line["campaign"] for line in told] == [f"2026010{day}T120000Z" for day in range(1, 8)], told
+
+    plant.campaign_ends(0)  # as it is made of an earlier recording
+    plant.arrive()
+    kept = Stranger(plant.broker, "geheim").retained(f"sweepd/1/{PLACE}/result/summary")
+    assert b'"session": "20260107T120000Z"' in kept, kept
+    print("the broker keeps the newest result, not the one that came last")
 
     third = subprocess.run([plant.sweepd, "publish", "--config", plant.settings], capture_output=True,
                            text=True, timeout=20)
@@ -239,14 +246,18 @@ def strangers(plant, collector):
 
 
 def newer_tables(plant, collector):
-    plant.database.ask("insert into migrations (number) values (99)")
+    plant.database.ask("alter table migrations rename column number to id")
     collector.kill_and_start()
     plant.campaign_ends(5)
+    until(lambda: collector.said("the table migrations in the database is another program's"), "words for others'")
+    plant.database.ask("alter table migrations rename column id to number; "
+                       "insert into migrations (number) values (99)")
+    collector.kill_and_start()
     until(lambda: collector.said("the tables are those of a newer sweepd"), "words for newer tables")
     assert not collector.said("is lost: "), "a result is acknowledged that is not stored"
     plant.database.ask("delete from migrations where number = 99")
     plant.arrive()
-    print("tables of a newer sweepd: the result waits")
+    print("tables of another program, or of a newer sweepd: the result waits")
 
 
 def ends_while_waiting(plant, collector):
@@ -280,6 +291,16 @@ def other_password(plant, publisher):
     plant.campaign_ends(6)
     plant.arrive()
     print("a password that is refused after the broker was away: told")
+
+
+def refused_subscription(plant):
+    config = plant.folder / "refused.toml"
+    config.write_text(f'[collect]\nbroker = "{Refuser().address}"\ndatabase = "dbname=none"\nspool = "refused"\n')
+    collector = Program(plant.sweepd, plant.folder / "refused.log", "collect", "--config", config)
+    until(lambda: collector.log.exists() and collector.log.read_text().count("refuses the subscription") == 3,
+          "words for subscriptions that are refused")
+    assert collector.end() == 0, collector.log.read_text()
+    print("a collector that may not read: told")
 
 
 def full_spool(plant):
