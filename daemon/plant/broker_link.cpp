@@ -51,7 +51,17 @@ std::string read_secret(const std::filesystem::path& file) {
   return std::move(*text);
 }
 
+/// Paho would only say that there is no connection. Throws ConfigError.
+void check_readable(const std::optional<std::filesystem::path>& file, const char* key) {
+  if (file && !rsi::readable_bytes(*file))
+    throw ConfigError(file->string() + ": cannot be read: check `" + key +
+                      "`, and whether the service's user may read the file");
+}
+
 mqtt::ssl_options tls_of(const BrokerSettings& broker) {
+  check_readable(broker.ca_file, "ca_file");
+  check_readable(broker.certificate_file, "certificate_file");
+  check_readable(broker.key_file, "key_file");
   mqtt::ssl_options tls;
   if (broker.ca_file)
     tls.set_trust_store(broker.ca_file->string());
@@ -102,6 +112,8 @@ const char* advice(const std::string& why, bool tls) {
   const auto says = [&](const char* words) { return why.find(words) != why.npos; };
   if (says("uthorized") || says("password"))
     return "; `user` and the password have to be those that the broker knows";
+  if (why == "Failure") return "; `broker` may name another machine";
+  if (!tls && says("completion")) return "; where it wants TLS, `broker` begins with mqtts://";
   return tls ? "; its certificate has to be one of `ca_file`, and of this name" : "";
 }
 
