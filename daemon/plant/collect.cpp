@@ -61,7 +61,7 @@ class KeptBroker {
 
 int collect_all(const CollectOptions& options) {
   const CollectSettings settings = load_collect_settings(options.config);
-  ProcessEvents events{SIGINT, SIGTERM};
+  ProcessEvents events{SIGINT, SIGTERM, SIGHUP};
   Collector collector(settings.database.text);
   BrokerLink::Options link;
   link.broker = settings.broker;
@@ -72,7 +72,7 @@ int collect_all(const CollectOptions& options) {
   link.take = [&collector](const BrokerLink::Message& message) { collector.take(message); };
   KeptBroker broker(std::move(link));
   service_manager::ready();
-  while (!events.next_signal()) {
+  while (!is_ended(events)) {
     log_repeats();
     service_manager::status("Results stored since the start: " +
                             std::to_string(collector.stored()));

@@ -113,7 +113,7 @@ int publish_all(const PublishOptions& options) {
     throw ConfigError(options.config.string() +
                       ": publish: expected a table, found nothing: add [publish] with `broker`, "
                       "`site` and `cell`");
-  ProcessEvents events{SIGINT, SIGTERM};
+  ProcessEvents events{SIGINT, SIGTERM, SIGHUP};
   const FolderLock lock = held(settings.publish->spool);
   auto robots = publishers(settings, options);
   Log().note("publishing {} as {}/{} to {}", rsi::counted(robots.size(), "robot", "robots"),
@@ -123,7 +123,7 @@ int publish_all(const PublishOptions& options) {
   FolderWatch watch;
   auto look_at = Steady::now(), ask_at = look_at;
   service_manager::ready();
-  while (!events.next_signal()) {
+  while (!is_ended(events)) {
     const auto now = Steady::now();
     const bool look = watch.changed() || now >= look_at;
     if (look) look_at = now + kLookEvery;

@@ -135,6 +135,9 @@ def scenario(plant, outage, long):
     until(lambda: collector.said("connected to the broker"), "the collector is connected")
     publisher = Program(plant.sweepd, log, "publish", "--config", plant.settings)
     until(lambda: publisher.said("connected to the broker"), "the publisher is connected")
+    for program in (collector, publisher):
+        program.process.send_signal(signal.SIGHUP)
+    until(lambda: collector.said("SIGHUP changes nothing") and publisher.said("SIGHUP changes nothing"), "words for it")
     half = plant.output / "20250101T000000Z"
     half.mkdir()
     (half / "result.json").write_text(plant.template)
