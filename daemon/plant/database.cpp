@@ -1,5 +1,7 @@
 #include "daemon/plant/database.hpp"
 
+#include <array>
+
 #include <libpq-fe.h>
 
 namespace sweepd {
@@ -31,7 +33,18 @@ Database::~Database() = default;
 
 void Database::connect() {
   if (server_ && PQstatus(server_.get()) == CONNECTION_OK) return;
-  server_.reset(PQconnectdb(connection_.c_str()));
+  // A machine that has lost its power does not say so: without these a query waits for it for
+  // hours. What stands in the connection string goes first.
+  constexpr std::array<const char*, 7> kKeys{"connect_timeout",
+                                             "keepalives_idle",
+                                             "keepalives_interval",
+                                             "keepalives_count",
+                                             "tcp_user_timeout",
+                                             "dbname",
+                                             nullptr};
+  const std::array<const char*, 7> values{"10",   "30", "10", "3", "60000", connection_.c_str(),
+                                          nullptr};
+  server_.reset(PQconnectdbParams(kKeys.data(), values.data(), 1));
   if (PQstatus(server_.get()) == CONNECTION_OK) {
     // Notices of what is there already are of no use here.
     PQsetNoticeProcessor(

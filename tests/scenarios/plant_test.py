@@ -14,6 +14,7 @@ import os
 import pathlib
 import random
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -187,6 +188,7 @@ def scenario(plant, outage, long):
     ends_while_waiting(plant, collector)
     other_password(plant, again)
     refused_subscription(plant)
+    silent_database(plant)
 
     code = subprocess.run([plant.sweepd, "compare", f"{PLACE}/20260101T120000Z", PLACE, "--database",
                            plant.database.connection], capture_output=True, text=True)
@@ -304,6 +306,15 @@ def refused_subscription(plant):
           "words for subscriptions that are refused")
     assert collector.end() == 0, collector.log.read_text()
     print("a collector that may not read: told")
+
+
+def silent_database(plant):
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        access = f"host=127.0.0.1 port={server.getsockname()[1]} dbname=x"
+        code = subprocess.run([plant.sweepd, "compare", "a/b/c", "a/b/d", "--database", access], timeout=30,
+                              capture_output=True, text=True)
+    assert code.returncode == 1 and "timeout expired" in code.stderr, code
+    print("a database that does not answer: told")
 
 
 def full_spool(plant):
