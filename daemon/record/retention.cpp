@@ -151,7 +151,8 @@ void remove(int robot, const Part& part, bool is_own, Sweeping& sweeping) {
   const Folder folder(openat(robot, part.session.c_str(), kFolder | O_NOFOLLOW));
   if (!folder) return sweeping.trouble("cannot open " + part.session);
   // Somebody else writes there, or makes its last result: another sweepd with the same output, too.
-  if (!is_own && flock(folder.descriptor(), LOCK_EX | LOCK_NB) != 0) return;
+  // A file system without locks tells nothing of that.
+  if (!is_own && flock(folder.descriptor(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return;
   for (const auto& name : part.files) {
     if (unlinkat(folder.descriptor(), name.c_str(), 0) == 0)
       ++sweeping.deleted.files;
