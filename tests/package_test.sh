@@ -45,6 +45,7 @@ version=$(dpkg-parsechangelog -l "$source/config/debian/changelog" -S Version)
 for library in libc6 libstdc++6 libpcap0.8 libpq5; do
   [[ $(field Depends) == *"$library"* ]] || wrong "depends on $(field Depends): no $library"
 done
+[[ $(field Depends) == *procps* ]] || wrong "depends on $(field Depends): no procps, and the units reload by /bin/kill"
 while IFS= read -r line; do
   ((${#line} <= 80)) || wrong "a line of the description is too long: $line"
 done < <(field Description)

@@ -19,8 +19,8 @@ what is copied onto the controller. On many machines, results go to an MQTT
 broker and into PostgreSQL.")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-# Creates the user where there is no systemd-sysusers.
-set(CPACK_DEBIAN_PACKAGE_DEPENDS passwd)
+# passwd creates the user where there is no systemd-sysusers; procps has the kill of ExecReload.
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "passwd, procps")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS
     "chromium, mosquitto, postgresql")  # prints reports as PDF; where many machines tell their results
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA
