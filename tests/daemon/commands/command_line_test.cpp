@@ -93,7 +93,7 @@ TEST_CASE("wrong usage is told in this program's words", "[command_line]") {
   CHECK_THAT(problem({"inspect", "--quite", "x"}),
              StartsWith("--quite is no option: did you mean --quiet?"));
   CHECK_THAT(problem({"compare", "--level", "nan", "a", "b"}),
-             StartsWith("--level: expected 1e-06 to 0.5, found nan"));
+             StartsWith("--level: expected 0.000001 to 0.5, found nan"));
   CHECK_THAT(problem({"compare", "a", "b", "c"}), StartsWith("c is one argument too many: "));
 }
 

@@ -119,7 +119,7 @@ TEST_CASE("a stream that is only listened to has no replies to report, and no co
           "[link_text]") {
   rsi::Link monitor;
   LinkStream stream(monitor);
-  for (std::uint64_t k = 0; k < 500; ++k) stream.telegram(stream.at(k), stream.ipoc(k), {});
+  for (std::uint64_t k = 0; k < 1000; ++k) stream.telegram(stream.at(k), stream.ipoc(k), {});
   const auto text = text_of(monitor);
   CHECK_THAT(text, ContainsSubstring("Verdict: good\n  Nothing is wrong"));
   CHECK_THAT(text, ContainsSubstring("Replies                       none   ONLYSEND"));
