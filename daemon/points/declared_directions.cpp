@@ -102,10 +102,14 @@ void declare_directions(std::vector<Sweep>& sweeps, const SweepPlan& plan,
     const std::size_t joint = which.first;
     Declared turn{strokes, {}, {}};
     auto& [sweeps_alone, there_and_back, whole] = turn.styles;
+    std::size_t ways = 0;  // before the first sweep
     for (const PlannedSweep& sweep : plan.sweeps) {
       if (sweep.joint != joint + 1) continue;
       for (const PlannedMove& move : moves_of(plan, sweep)) {
-        if (!move.measures) continue;
+        if (!move.measures) {
+          if (sweeps_alone.empty() && move.to_deg != move.from_deg) ++ways;
+          continue;
+        }
         sweeps_alone.push_back(radians(move.to_deg - move.from_deg));
         there_and_back.push_back(sweeps_alone.back());
         there_and_back.push_back(-sweeps_alone.back());
@@ -121,6 +125,8 @@ void declare_directions(std::vector<Sweep>& sweeps, const SweepPlan& plan,
       if (!normal) normal = circle->normal;
       turn.seen_rad.push_back(circle->normal.dot(*normal) > 0 ? circle->arc_rad : -circle->arc_rad);
     }
+    // Who wrote down the way to a sweep wrote down the sweep, too.
+    if (turn.seen_rad.size() <= ways) whole.clear();
     if (turn.seen_rad.size() == strokes.size()) all.push_back(std::move(turn));
   }
   const auto likely = likely_styles(all);

@@ -70,3 +70,19 @@ TEST_CASE("a sweep that ends at home has its direction by what was written down 
   // Nothing tells which of the two it is.
   CHECK(directions({stroke(1, 30, 0), stroke(1, 0, 30)}) == std::vector{0, 0});
 }
+
+TEST_CASE("half a sweep is not taken for the way to its start", "[declared_directions]") {
+  SweepPlan plan;
+  plan.home_deg = {0};
+  plan.sweeps = {{.joint = 1, .start_deg = -45, .end_deg = 45}};
+  const std::vector<identify::DeclaredJoint> order{
+      {0, -1, {radians(-45), radians(90), radians(-45)}}};
+  std::vector<Sweep> half{stroke(0, -45, 0)};
+  declare_directions(half, plan, order);
+  CHECK(half[0].direction == 0);
+  // With the way there it tells as much as the plan has of it.
+  std::vector<Sweep> both{stroke(0, 0, -45), stroke(0, -45, 45)};
+  declare_directions(both, plan, order);
+  CHECK(both[0].direction == -1);
+  CHECK(both[1].direction == 1);
+}
