@@ -60,9 +60,6 @@ class Judge {
   explicit Judge(Identification& found) : found_(found) {}
 
   void judge_strokes(const Resolution& resolution) {
-    judge_fit();
-    judge_external_axes();
-    judge_external_places();
     judge_copies(resolution);
     for (const JointResult& joint : found_.joints) scatter_.push_back(circle_scatter(joint));
     std::vector<Apart> apart;
@@ -74,25 +71,6 @@ class Judge {
         judge_angles(j);
     }
     tell_apart(std::move(apart));
-  }
-
- private:
-  void doubt(std::string_view code, std::optional<std::size_t> joint, std::string message) {
-    found_.doubts.push_back({std::string(code), joint, std::move(message)});
-  }
-
-  /// Circles know of no errors but the samples' noise: their uncertainties are too small wherever
-  /// there are others.
-  void judge_fit() {
-    if (!found_.chain || found_.chain->summary.converged || found_.estimator != Estimator::circle ||
-        found_.status == Status::failed)
-      return;
-    const Summary& fit = found_.chain->summary;
-    doubt("not_converged", std::nullopt,
-          "the chain estimator did not come to its end (" + std::string(fit.ending) + ", after " +
-              std::to_string(fit.iterations) +
-              " iterations): the numbers are those of the circles, and may be farther off than "
-              "their uncertainties say");
   }
 
   void judge_external_axes() {
@@ -139,6 +117,24 @@ class Judge {
             moved + ", and the target did not come back to where it was" + remedy);
     else
       found_.warnings.push_back({"external_axis_moved", std::nullopt, moved + remedy});
+  }
+
+  /// Circles know of no errors but the samples' noise: beside others their sigmas are too small.
+  void judge_fit() {
+    if (!found_.chain || found_.chain->summary.converged || found_.estimator != Estimator::circle ||
+        found_.status == Status::failed)
+      return;
+    const Summary& fit = found_.chain->summary;
+    doubt("not_converged", std::nullopt,
+          "the chain estimator did not come to its end (" + std::string(fit.ending) + ", after " +
+              std::to_string(fit.iterations) +
+              " iterations): the numbers are those of the circles, and may be farther off than "
+              "their uncertainties say");
+  }
+
+ private:
+  void doubt(std::string_view code, std::optional<std::size_t> joint, std::string message) {
+    found_.doubts.push_back({std::string(code), joint, std::move(message)});
   }
 
   /// Noise never comes twice. Where there is none that is larger than the last printed decimal, the
@@ -340,11 +336,15 @@ class Judge {
 }  // namespace
 
 void judge_plausibility(Identification& found, const Campaign& campaign) {
+  Judge judge(found);  // what is told to have moved first, as it is why; what did not end last
+  judge.judge_external_axes();
+  judge.judge_external_places();
   if (auto contradiction = contradiction_of_specified(found, campaign))
     found.doubts.push_back(std::move(*contradiction));
-  Judge(found).judge_strokes(campaign.resolution);
+  judge.judge_strokes(campaign.resolution);
   judge_home(found, campaign.timed);
   judge_linear_joints(found);
+  judge.judge_fit();
 }
 
 }  // namespace identify

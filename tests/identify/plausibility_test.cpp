@@ -635,6 +635,13 @@ TEST_CASE("circles in place of a fit that did not end are a doubt", "[plausibili
   REQUIRE(found.doubts.size() == 1);
   CHECK(found.doubts.front().code == "not_converged");
   CHECK_THAT(found.doubts.front().message, ContainsSubstring("too many iterations"));
+  // What was seen to be wrong comes first, as it leads the reason.
+  found.doubts.clear();
+  found.chain->home_scatter_mm = 30;
+  judge_plausibility(found, simulation.campaign());
+  REQUIRE(found.doubts.size() == 2);
+  CHECK(found.doubts.front().code == "off_home");
+  CHECK(found.doubts.back().code == "not_converged");
 }
 
 TEST_CASE("What one joint alone tells is partial, wherever its way back ended", "[plausibility]") {
