@@ -56,6 +56,10 @@ class Estimation {
       estimate.angles = seen_angle_errors(best.fit.chain, nodes_, best.noise, quantum_, {});
       if (by_print_alone(best)) believe_angles(best, estimate.angles);
     }
+    if (effects_.print_mm == 0 && by_print_alone(best)) {  // no angles, or none believed
+      effects_.print_mm = campaign_.resolution.position_mm;
+      best = settled(best.fit.chain, best.noise, false);
+    }
     if (!by_print_alone(best)) {
       others_ = search().find_all(best);
       judge_gears(best, estimate.angles);

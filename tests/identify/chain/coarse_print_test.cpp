@@ -1,0 +1,72 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "identify/geometry/angle.hpp"
+#include "identify/identification.hpp"
+#include "tests/catch.hpp"
+#include "tests/identify/simulated_campaign.hpp"
+
+using namespace identify;
+
+namespace {
+
+/// A KR 5 that is built off its table, with a target somewhere on its tool.
+Arm some_arm(std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<> normal;
+  Arm arm = test::kr5_arc();
+  for (DhRow& row : arm.rows) {
+    row.a_mm += 0.3 * normal(random);
+    row.b_mm += 0.3 * normal(random);
+    row.theta_rad += 0.02 * kDegree * normal(random);
+    row.alpha_rad += 0.02 * kDegree * normal(random);
+  }
+  for (double& coordinate : arm.tool_mm) coordinate += 10 * normal(random);
+  return arm;
+}
+
+}  // namespace
+
+TEST_CASE("positions with one decimal and without angles make a table no more certain than it is",
+          "[coarse_print]") {
+  constexpr double kStep_mm = 0.1;
+  double squares = 0, most = 0;
+  int count = 0;
+  for (std::uint32_t seed = 1; seed <= 8; ++seed) {
+    const Arm arm = some_arm(seed);
+    test::Campaign program(arm, {.wobble_deg = 0.0005, .seed = seed});
+    auto samples = test::without_angles(program.sweep_all_90().samples());
+    for (Sample& sample : samples)
+      for (double& coordinate : sample.position_mm)
+        coordinate = kStep_mm * std::round(coordinate / kStep_mm);
+    identify::Campaign known = test::for_kr5();
+    known.specified = arm;
+    known.declared_home_rad = arm.home_rad;
+    known.resolution.position_mm = kStep_mm;
+    const auto found = identify::identify(test::segment(samples, known.resolution), known);
+    CHECK(found.status == Status::complete);
+    for (std::size_t i = 0; i + 1 < found.dh.size(); ++i) {
+      const auto add = [&](const DhNumber& number, double off) {
+        if (number.knowledge != Knowledge::identified) return;
+        const double z = off / number.sigma;
+        squares += z * z;
+        most = std::max(most, std::abs(z));
+        ++count;
+      };
+      const DhEstimate& row = found.dh[i];
+      const DhRow& truth = found.specified[i];
+      add(row.b_mm, row.b_mm.value - truth.b_mm);
+      add(row.theta_rad, wrapped(row.theta_rad.value - truth.theta_rad));
+      add(row.a_mm, row.a_mm.value - truth.a_mm);
+      add(row.alpha_rad, wrapped(row.alpha_rad.value - truth.alpha_rad));
+    }
+  }
+  CHECK(count >= 8 * 16);
+  // Of normal errors: the root mean square of so many, and the largest.
+  CHECK(std::sqrt(squares / count) < 1.3);
+  CHECK(most < 4.5);
+}
