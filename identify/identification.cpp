@@ -258,9 +258,9 @@ Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign,
   found.warnings.insert(found.warnings.end(), copies.begin(), copies.end());
   name_undetermined(found);
   for (JointResult& joint : found.joints) follow_axis(joint);
-  if (found.status == Status::complete && !found.doubt.empty()) {
+  if (found.status != Status::failed && !found.doubt.empty()) {
     found.status = Status::partial;
-    found.reason = found.doubt;
+    found.reason += (found.reason.empty() ? "" : "; ") + found.doubt;
   }
   judge_plausibility(found, campaign);
   apply_doubts(found);

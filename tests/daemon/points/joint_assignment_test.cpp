@@ -541,6 +541,11 @@ TEST_CASE("a result whose order of joints was assumed is not complete, and says 
   const auto assumed = identify::identify(in_order(campaign, {0, 2, 1, 3, 4, 5}), known);
   CHECK(assumed.status == identify::Status::partial);
   CHECK(assumed.reason.find("is assumed") != std::string::npos);
+  // Also where an axis is missing.
+  const auto fewer = identify::identify(in_order(campaign, {0, 2, 1, 3, 4}), known);
+  CHECK(fewer.status == identify::Status::partial);
+  CHECK(fewer.reason.find("no axis for joint 6") != std::string::npos);
+  CHECK(fewer.reason.find("is assumed") != std::string::npos);
   known.specified = arm;
   const auto told = identify::identify(in_order(campaign, {0, 2, 1, 3, 4, 5}), known);
   CHECK(told.status == identify::Status::complete);
