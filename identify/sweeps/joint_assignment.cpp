@@ -1,11 +1,11 @@
 #include "identify/sweeps/joint_assignment.hpp"
 
 #include <algorithm>
-#include <map>
 #include <optional>
 #include <utility>
 
 #include "identify/dh/joint_order.hpp"
+#include "identify/sweeps/body_turns.hpp"
 #include "identify/sweeps/planned_turns.hpp"
 #include "identify/sweeps/sweep.hpp"
 
@@ -56,27 +56,28 @@ class Assigner {
       : strokes_(strokes), campaign_(campaign), plan_(campaign) {}
 
   JointAssignment run() {
-    std::map<std::size_t, std::vector<std::size_t>> targets;
-    for (std::size_t s = 0; s < strokes_.size(); ++s)
-      if (!strokes_[s].joint) targets[strokes_[s].target].push_back(s);
-    std::optional<Order> before;
-    for (const auto& [target, places] : targets) {
-      turns_ = turns_in(strokes_, places, plan_.order().size());
-      part();
-      if (turns_.size() < plan_.order().size()) mismatch();
-      if (turns_.empty()) continue;
-      decide();
-      if (before && common(chosen_.joints, *before) != common(*before, chosen_.joints))
-        doubt("the targets do not tell the same order of joints: " + names(*before) + " and " +
-                  names(chosen_.joints),
-              "order_ambiguous");
-      before = chosen_.joints;
-      apply();
-    }
+    const BodyTurns body(strokes_, plan_.order().size());
+    for (const auto& turns : body.to_tell()) tell_joints(turns);
+    body.spread(strokes_);
     return std::move(found_);
   }
 
  private:
+  void tell_joints(const std::vector<Turn>& turns) {
+    turns_ = turns;
+    part();
+    if (turns_.size() < plan_.order().size()) mismatch();
+    if (turns_.empty()) return;
+    decide();
+    const Order& joints = chosen_.joints;
+    if (before_ && common(joints, *before_) != common(*before_, joints))
+      doubt("the targets do not tell the same order of joints: " + names(*before_) + " and " +
+                names(joints),
+            "order_ambiguous");
+    before_ = joints;
+    apply();
+  }
+
   void warn(const std::string& code, const std::string& message) {
     for (const Warning& known : found_.warnings)
       if (known.code == code) return;  // another target says the same
@@ -330,8 +331,9 @@ class Assigner {
   PlannedTurns plan_;
   std::vector<Turn> turns_;
   JointOrder chosen_;
-  bool senses_found_ = false;  // by the geometry alone
-  bool undecided_ = false;     // so many orders agree in part
+  std::optional<Order> before_;  // of the target before
+  bool senses_found_ = false;    // by the geometry alone
+  bool undecided_ = false;       // so many orders agree in part
   JointAssignment found_;
 };
 

@@ -532,6 +532,43 @@ TEST_CASE("each target tells the joints by itself, and all have to agree",
   CHECK(warns(assign_joints(torn, known), "order_ambiguous"));
 }
 
+TEST_CASE("targets that saw parts of a campaign tell its joints together", "[joint_assignment]") {
+  const auto arm = identify::test::kr5_arc();
+  auto other = arm;
+  other.tool_mm = {0, 150, 300};
+  const Seen first = seen(arm, kWide, arm.home_rad);
+  const Seen second = seen(other, kWide, arm.home_rad);
+  identify::Campaign known;
+  known.specified = arm;
+  // A marker that gets another name, or is out of sight: before, amid and behind joint 3's sweep.
+  for (std::size_t cut = 0; cut <= first.strokes[2].size(); ++cut) {
+    CAPTURE(cut);
+    std::vector<Sweep> strokes;
+    for (std::size_t j = 0; j < 6; ++j)
+      for (std::size_t s = 0; s < first.strokes[j].size(); ++s) {
+        const bool by_first = j < 2 || (j == 2 && s < cut) || j == 5;
+        const bool by_second = j > 2 || (j == 2 && s >= cut);
+        for (const bool of_second : {false, true}) {
+          if (!(of_second ? by_second : by_first)) continue;
+          strokes.push_back((of_second ? second : first).strokes[j][s]);
+          strokes.back().target = of_second ? 1 : 0;
+        }
+      }
+    auto assigned = strokes;
+    for (Sweep& stroke : assigned) {
+      stroke.joint.reset();
+      stroke.direction = 0;
+    }
+    const auto found = assign_joints(assigned, known);
+    CHECK(found.doubt == "");
+    CHECK(found.warnings.empty());
+    for (std::size_t s = 0; s < strokes.size(); ++s) {
+      CHECK(assigned[s].joint == strokes[s].joint);
+      CHECK(assigned[s].direction == strokes[s].direction);
+    }
+  }
+}
+
 TEST_CASE("a result whose order of joints was assumed is not complete, and says why",
           "[joint_assignment][issue11][point_22][long]") {
   const auto arm = identify::test::kr5_arc();
