@@ -95,8 +95,11 @@ class Circles {
         warn(code(worst), j, joint_name(j) + ": " + std::string(remedy(worst, joint.linear)));
       else
         warn("joint_never_moved", j,
-             directions_assigned_ ? "no sweep was told to be of " + joint_name(j)
-                                  : joint_name(j) + " was never swept alone");
+             !directions_assigned_ ? joint_name(j) + " was never swept alone"
+             : !joint.linear       ? "no sweep was told to be of " + joint_name(j)
+                                   : joint_name(j) +
+                                   " moves along a line, which is not looked for without angles: "
+                                   "send joint angles (AIPos), or name the joint of each point");
       return;
     }
     if (joint.off_home_rad)

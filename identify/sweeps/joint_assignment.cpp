@@ -106,7 +106,9 @@ class Assigner {
 
   void mismatch() {
     const std::string more = turns_.size() < 2 * plan_.order().size() ? "" : " or more";
-    const std::string declared = std::to_string(plan_.order().size()) + " joints: ";
+    const bool linear = campaign_.specified && turning(*campaign_.specified) < campaign_.joints;
+    const std::string declared =
+        std::to_string(plan_.order().size()) + (linear ? " joints that turn: " : " joints: ");
     const std::string remedy = plan_.given()
                                    ? "plan has " + declared +
                                          "check that it is the one that was run, and that "

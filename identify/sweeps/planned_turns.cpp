@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "identify/geometry/angle.hpp"
@@ -41,8 +40,11 @@ double difference(double angle, double wanted, bool whole, double unsure) {
 
 PlannedTurns::PlannedTurns(const Campaign& campaign)
     : strokes_(campaign.joints), first_(campaign.joints, 0) {
+  const auto slides = [&](std::size_t joint) {
+    return campaign.specified && campaign.specified->is_linear(joint);
+  };
   for (const DeclaredJoint& turn : campaign.order) {
-    if (turn.joint >= campaign.joints) continue;
+    if (turn.joint >= campaign.joints || slides(turn.joint)) continue;
     if (std::find(order_.begin(), order_.end(), turn.joint) == order_.end()) {
       order_.push_back(turn.joint);
       first_[turn.joint] = turn.first_direction;
@@ -52,8 +54,8 @@ PlannedTurns::PlannedTurns(const Campaign& campaign)
   }
   given_ = !order_.empty();
   if (given_) return;
-  order_.resize(campaign.joints);
-  std::iota(order_.begin(), order_.end(), std::size_t{0});
+  for (std::size_t j = 0; j < campaign.joints; ++j)
+    if (!slides(j)) order_.push_back(j);
 }
 
 double PlannedTurns::misfit(const Turn& turn, std::size_t joint, int sense) const {

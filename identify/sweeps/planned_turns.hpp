@@ -16,6 +16,7 @@ class PlannedTurns {
 
   [[nodiscard]] bool given() const { return given_; }
   /// Joints, counted from 0, in the order in which they come first; without a plan all of the arm.
+  /// Those alone that turn: a linear joint's strokes are no turns.
   [[nodiscard]] const std::vector<std::size_t>& order() const { return order_; }
   /// Chi squared of a turn as one of `joint`. `sense`: +1 where the joint's angle rises about the
   /// turn's axis, -1 where it falls.

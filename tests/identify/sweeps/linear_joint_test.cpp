@@ -294,6 +294,22 @@ TEST_CASE("Linear strokes of points without angles are used, their joint being t
   CHECK(scores.rms() < 2);
 }
 
+TEST_CASE("A stream without angles lacks a SCARA's linear joint, and says so of no other",
+          "[linear_joint]") {
+  const Arm arm = as_built(scara(), 4);
+  test::Campaign program(arm, {.position_mm = 0.02});
+  program.rest().sweep(0, -25, 65).sweep(1, 15, 105).sweep(2, 20, 180).sweep(3, -75, 15);
+  auto sweeps = segment(without_angles(program.samples()), {}, arm.joints());
+  const auto found = identify::identify(std::move(sweeps), for_arm(scara()));
+  CHECK(found.status == Status::partial);
+  CHECK(find_warning(found, "order_mismatch") == nullptr);
+  CHECK(find_warning(found, "order_found") == nullptr);
+  const Warning* const missing = find_warning(found, "joint_never_moved");
+  REQUIRE(missing != nullptr);
+  CHECK(missing->joint == 2U);
+  CHECK_THAT(missing->message, ContainsSubstring("along a line"));
+}
+
 TEST_CASE("Every model of an arm on a linear unit moves as its chain", "[linear_joint]") {
   const Arm built = as_built(on_linear_unit(), 11);
   const auto found =
