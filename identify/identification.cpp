@@ -17,6 +17,7 @@
 #include "identify/plausibility.hpp"
 #include "identify/poses/pose_doubts.hpp"
 #include "identify/poses/pose_sag.hpp"
+#include "identify/target_distances.hpp"
 
 namespace identify {
 namespace {
@@ -262,6 +263,8 @@ Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign,
     found.status = Status::partial;
     found.reason += (found.reason.empty() ? "" : "; ") + found.doubt;
   }
+  if (campaign.motion_limit)  // a stream that tells targets and not angles
+    if (auto moved = changed_distances(found)) found.doubts.push_back(*std::move(moved));
   judge_plausibility(found, campaign);
   apply_doubts(found);
   add_advice(found, campaign);
