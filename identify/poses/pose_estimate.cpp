@@ -90,15 +90,6 @@ ChainEstimate chain_of(const PoseFit& fit, const std::optional<FromSweeps>& swee
     const bool seen = !fit.model.still[j] && found.direction_sigma_rad() < kWorstDirection_rad;
     chain.axes.emplace_back(seen ? std::optional(found) : std::nullopt);
   }
-  // At home a joint stands on one side of its play. Where it was before its first move, nothing
-  // tells: between these sides half of the joints show twice the half, and the others nothing. What
-  // a joint shows itself is at least so.
-  std::vector<double> at_home(chain.axes.size(), 0.0);
-  for (const JointEffect& effect : fit.model.effects)
-    if (effect.kind == JointEffect::Kind::play)
-      at_home[effect.joint] = std::max(fit.noise.play_rad * fit.noise.play_rad / 2,
-                                       effect.size.x() * effect.size.x() / 4);
-  add_turns_at_home(chain, at_home);
   chain.angles.resize(chain.axes.size());
   chain.noise.position_mm = fit.noise.position_mm;
   chain.noise.orientation_rad = fit.noise.orientation_rad;
@@ -111,6 +102,23 @@ ChainEstimate chain_of(const PoseFit& fit, const std::optional<FromSweeps>& swee
   chain.summary.condition = fit.condition;
   chain.summary.undetermined = static_cast<std::size_t>(fit.open.cols());
   return chain;
+}
+
+/// What play leaves open of home (add_turns_at_home). On which side of it a joint stood before its
+/// first move nothing tells. Between that side and the one of later rests half of the joints show
+/// twice the half, and the others nothing; what a joint shows itself is at least so.
+std::vector<double> variances_of_sides(const PoseFit& fit, const std::vector<Pose>& poses) {
+  std::vector<double> variances(fit.model.chain.axes.size(), 0.0);
+  for (const JointEffect& effect : fit.model.effects) {
+    if (effect.kind != JointEffect::Kind::play) continue;
+    const bool unseen = std::any_of(poses.begin(), poses.end(), [&](const Pose& pose) {
+      return pose.senses[effect.joint] == 0;
+    });
+    if (unseen)
+      variances[effect.joint] = std::max(fit.noise.play_rad * fit.noise.play_rad / 2,
+                                         effect.size.x() * effect.size.x() / 4);
+  }
+  return variances;
 }
 
 /// Whether nothing excludes that the positions were computed from the angles: what is left is what
@@ -237,6 +245,7 @@ std::optional<PoseEstimate> estimate_poses(const std::vector<Pose>& poses, const
   found.observability = observability_of(found.fit);
   found.drift = drift_of(found.fit);
   found.chain = chain_of(found.fit, known);
+  add_turns_at_home(found.chain, variances_of_sides(found.fit, poses));
   return found;
 }
 

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <sstream>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -53,10 +55,12 @@ TEST_CASE("A device's file without angles is identified with those of a trace",
           "[identify_angles][long]") {
   const TemporaryFolder folder;
   trace_in(folder);
-  for (const double ahead_s : {0.25, -3.7, 1.7e9}) {
+  constexpr double kWrongFrameRate = 1e-3;
+  for (const auto& [ahead_s, rate] : {std::pair{0.25, 4e-5}, std::pair{-3.7, 4e-5},
+                                      std::pair{1.7e9, 4e-5}, std::pair{0.25, kWrongFrameRate}}) {
     DevicePlay device;
     device.ahead_s = ahead_s;
-    device.rate = 4e-5;
+    device.rate = rate;
     device.jitter_s = 0.005;
     device.loss = 0.02;
     const auto result = identified(folder, device_file(device_play(kRobot, kPlan, device)));
@@ -67,12 +71,16 @@ TEST_CASE("A device's file without angles is identified with those of a trace",
     CHECK(result.json["estimator"] == Json("poses"));
     const Json& clocks = result.json["clocks"];
     const double at_s = clocks["at_s"];
-    CHECK_THAT(clocks["ahead_s"].get<double>() - ahead_s - 4e-5 * at_s,
+    CHECK_THAT(clocks["ahead_s"].get<double>() - ahead_s - rate * at_s,
                WithinAbs(0, 4e-3 * clocks["sigma_ms"].get<double>()));
     CHECK(clocks["sigma_ms"].get<double>() < 0.2);
     CHECK_THAT(clocks["rate_ppm"].get<double>(),
-               WithinAbs(40, 4 * clocks["rate_sigma_ppm"].get<double>()));
+               WithinAbs(1e6 * rate, 4 * clocks["rate_sigma_ppm"].get<double>()));
     CHECK(clocks["rests"].get<int>() > 15);
+    const Json& warnings = result.json["warnings"];
+    CHECK(std::any_of(warnings.begin(), warnings.end(), [](const Json& warning) {
+            return warning["code"] == "frame_rate";
+          }) == (rate == kWrongFrameRate));
     for (const Json& row : result.json["difference"])
       for (const char* number : {"a_mm", "alpha_deg"})
         if (row.contains(number) && row[number].is_number())
