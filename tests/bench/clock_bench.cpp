@@ -126,8 +126,8 @@ int main(int argc, char** argv) {
     device.stamp_step_s = 1e-6 * step_us;
     device.loss = 0.02;
     device.gaps = {{20, 20.4}, {41, 43}};
-    device.gears.backlash_arcsec = play_arcsec;
-    if (joint > 0) device.gears.joint = static_cast<std::size_t>(joint - 1);
+    device.play_arcsec = play_arcsec;
+    if (joint > 0) device.plays = static_cast<std::size_t>(joint - 1);
     FreeDevice plain = device;
     plain.ahead_s = plain.rate_ppm = 0;
     const auto begin = std::chrono::steady_clock::now();

@@ -1,7 +1,6 @@
 #include "tests/simulation/free_device.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <random>
 
@@ -16,43 +15,30 @@ using identify::kDegree;
 
 namespace {
 
-/// An arm behind its gears: where its joints are when its motors are somewhere.
-class Geared {
+/// Where joints are that follow their motors through their play.
+class Playing {
  public:
-  Geared(const Gears& gears, const identify::JointAngles& begin, std::size_t joints,
-         std::uint32_t seed)
-      : gears_(gears), joints_(joints), behind_(begin) {
-    auto random = stream(gears.seed.value_or(seed), Source::gears);
-    std::uniform_real_distribution<> phase(-identify::kPi, identify::kPi);
+  Playing(const FreeDevice& how, const identify::JointAngles& begin, std::size_t joints,
+          std::uint32_t seed)
+      : half_rad_(joints, 0.0), behind_(begin) {
+    auto random = stream(seed, Source::gears);
+    std::bernoulli_distribution above;
     for (std::size_t j = 0; j < joints; ++j) {
-      phases_.push_back({phase(random), phase(random)});
-      behind_[j] += (phase(random) > 0 ? 1 : -1) * half_rad(j);
+      if (j == how.plays.value_or(j)) half_rad_[j] = how.play_arcsec / 2 * identify::kArcsec;
+      behind_[j] += above(random) ? half_rad_[j] : -half_rad_[j];
     }
   }
 
   /// The motors have gone straight from where they were to here.
-  identify::JointAngles moved_to(const identify::JointAngles& motors) {
-    identify::JointAngles angles = motors;
-    for (std::size_t j = 0; j < joints_; ++j) {
-      behind_[j] = std::clamp(behind_[j], motors[j] - half_rad(j), motors[j] + half_rad(j));
-      angles[j] = behind_[j];
-      if (j == gears_.joint.value_or(j))
-        angles[j] +=
-            identify::kArcsec * (gears_.first_arcsec * std::sin(motors[j] + phases_[j][0]) +
-                                 gears_.second_arcsec * std::sin(2 * motors[j] + phases_[j][1]));
-    }
-    return angles;
+  const identify::JointAngles& moved_to(const identify::JointAngles& motors) {
+    for (std::size_t j = 0; j < half_rad_.size(); ++j)
+      behind_[j] = std::clamp(behind_[j], motors[j] - half_rad_[j], motors[j] + half_rad_[j]);
+    return behind_;
   }
 
  private:
-  [[nodiscard]] double half_rad(std::size_t j) const {
-    return j == gears_.joint.value_or(j) ? gears_.backlash_arcsec / 2 * identify::kArcsec : 0;
-  }
-
-  Gears gears_;
-  std::size_t joints_;
-  identify::JointAngles behind_;  // its motor, through the play
-  std::vector<std::array<double, 2>> phases_;
+  std::vector<double> half_rad_;  ///< of the play, one a joint
+  identify::JointAngles behind_;
 };
 
 }  // namespace
@@ -80,7 +66,7 @@ TwoViews two_views(const Robot& robot, const Program& program, const FreeDevice&
     views.tape.add(sample);
   }
 
-  Geared arm(how.gears, program.angles_rad(0), joints, seed);
+  Playing arm(how, program.angles_rad(0), joints, seed);
   Device device(how.noise, how.drift, program.seconds(), seed);
   auto random = stream(seed, Source::clock);
   std::uniform_real_distribution<> uniform(0, 1);
@@ -90,7 +76,7 @@ TwoViews two_views(const Robot& robot, const Program& program, const FreeDevice&
     if (at > program.seconds()) break;
     const double off = how.jitter_s * (2 * uniform(random) - 1);
     const bool lost = uniform(random) < how.loss;
-    const auto angles = arm.moved_to(program.angles_rad(at));
+    const auto& angles = arm.moved_to(program.angles_rad(at));
     identify::Turns turns{};
     for (std::size_t j = 0; j < joints; ++j) turns[j] = angles[j] - robot.arm.home_rad[j];
     for (std::size_t t = 0; t < robot.targets_mm.size(); ++t) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "identify/clock/angle_tape.hpp"
@@ -32,9 +34,10 @@ struct FreeDevice {
   double step_at_s = 0;                   ///< at this time of the controller
   Noise noise = tracker_noise();
   Drift drift = {};  ///< of where it stands
-  /// Of the arm that it sees. Each joint follows its motor through its play: it stands while the
+  /// Of the arm that it sees: each joint follows its motor through its play, and stands while the
   /// motor crosses it. At first it is on either side.
-  Gears gears = {};
+  double play_arcsec = 0;
+  std::optional<std::size_t> plays = {};  ///< this joint alone; nothing: all joints
 };
 
 /// A program as its controller tells it, and as the device sees the robot's targets do it.

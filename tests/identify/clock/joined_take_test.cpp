@@ -9,6 +9,7 @@
 #include "tests/catch.hpp"
 #include "tests/simulation/device.hpp"
 #include "tests/simulation/free_device.hpp"
+#include "tests/simulation/truth.hpp"
 
 using Catch::Matchers::ContainsSubstring;
 using Catch::Matchers::WithinAbs;
@@ -295,5 +296,23 @@ TEST_CASE("A device that drifts evenly while rests are measured, too, moved no t
     CHECK(found.status == identify::Status::complete);
     CHECK(found.chain->steady_drift);
     for (const auto& warning : found.warnings) CHECK(warning.code != "poses_drift");
+  }
+}
+
+TEST_CASE("On which side of its play a joint stood before its first move is open in the table",
+          "[joined_take][long]") {
+  World world;
+  world.placed = true;
+  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+    CAPTURE(seed);
+    const Robot robot = built(kr5(), seed);
+    FreeDevice device = unkind(seed);
+    device.play_arcsec = 30;
+    const auto found =
+        join(robot, two_views(robot, sweeps_of_all(robot, 2, seed), device, seed)).found;
+    REQUIRE(found.estimator == identify::Estimator::poses);
+    // Home is in the middle of the play.
+    for (const double error : errors_in_sigmas(Simulation(robot, {}, world, seed), found))
+      CHECK(std::abs(error) < 3.5);
   }
 }
