@@ -56,11 +56,12 @@ bool Pipeline::telegram(const rsi::Datagram& datagram) {
   Waiting& waiting = places_[order_[waiting_]];
   waiting.seen.sample = reader_.read(telegram_);
   waiting.seen.currents = reader_.currents();
+  waiting.ipoc = telegram_.ipoc();
   waiting.seen.sample.time_s =
-      clock_.seconds(telegram_.ipoc(), datagram.time, link_.statistics().counts_ms(), restarted);
-  start_row(waiting.row, waiting.seen.sample.time_s, telegram_.ipoc());
-  reader_.append_csv(waiting.row);
+      clock_.seconds(waiting.ipoc, datagram.time, link_.statistics().counts_ms(), restarted);
   hold();
+  start_row(waiting.row, waiting.seen.sample.time_s, waiting.ipoc);
+  reader_.append_csv(waiting.row);
   release(kHeldBack);
   return true;
 }
@@ -77,12 +78,27 @@ SourceCounts Pipeline::counts() const {
 
 /// The first of the free places is taken.
 void Pipeline::hold() {
+  // All are of one run of RSI; their IPOC may pass over its greatest number.
   const auto is_later = [&](std::size_t before) {
-    return places_[order_[before]].seen.sample.time_s >
-           places_[order_[before + 1]].seen.sample.time_s;
+    return static_cast<std::int64_t>(places_[order_[before]].ipoc -
+                                     places_[order_[before + 1]].ipoc) > 0;
   };
-  for (std::size_t at = waiting_++; at > 0 && is_later(at - 1); --at)
-    std::swap(order_[at - 1], order_[at]);
+  std::size_t at = waiting_++;
+  for (; at > 0 && is_later(at - 1); --at) std::swap(order_[at - 1], order_[at]);
+  if (at > 0 && at + 1 < waiting_) put_in_time(at);
+}
+
+/// Where the time is that of reception, one that was overtaken may be early or late by its pace.
+void Pipeline::put_in_time(std::size_t at) {
+  const Waiting& before = places_[order_[at - 1]];
+  const Waiting& after = places_[order_[at + 1]];
+  Waiting& between = places_[order_[at]];
+  const double begin_s = before.seen.sample.time_s, end_s = after.seen.sample.time_s;
+  double& time_s = between.seen.sample.time_s;
+  if (time_s > begin_s && time_s < end_s) return;
+  const auto share = static_cast<double>(between.ipoc - before.ipoc) /
+                     static_cast<double>(after.ipoc - before.ipoc);
+  time_s = begin_s + share * (end_s - begin_s);
 }
 
 void Pipeline::release(std::size_t keep) {

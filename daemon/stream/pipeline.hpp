@@ -83,11 +83,13 @@ class Pipeline {
  private:
   struct Waiting {
     SeenSample seen;
+    std::uint64_t ipoc = 0;
     std::string row;
   };
   static constexpr std::size_t kHeldBack = 4;
 
   void hold();
+  void put_in_time(std::size_t at);
   void release(std::size_t keep);
   void work_on(const SeenSample& next);
   void report(const std::vector<identify::Sweep>& sweeps) const;
@@ -101,7 +103,7 @@ class Pipeline {
   std::array<std::uint64_t, rsi::kDefects> malformed_{};
   /// Samples wait until a few others have come: one that was overtaken still finds its place.
   std::array<Waiting, kHeldBack + 1> places_;
-  /// All places: those where samples wait, in the order of time, and behind them those that are
+  /// All places: those where samples wait, in the order of IPOC, and behind them those that are
   /// free.
   std::array<std::uint8_t, kHeldBack + 1> order_{};
   std::size_t waiting_ = 0;

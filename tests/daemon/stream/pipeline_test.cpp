@@ -421,3 +421,34 @@ TEST_CASE("samples of an IPOC that does not count milliseconds have the time of 
     before_s = time_s;
   }
 }
+
+TEST_CASE("swapped telegrams are put in order by their IPOC, whatever it counts", "[pipeline]") {
+  // Of one that counts no milliseconds, and of telegrams that come faster than it counts.
+  const auto [step, cycle] = GENERATE(std::pair<std::uint64_t, rsi::Timestamp>{1, 4ms},
+                                      std::pair<std::uint64_t, rsi::Timestamp>{4, 1ms},
+                                      std::pair<std::uint64_t, rsi::Timestamp>{4, 4ms});
+  CAPTURE(step, cycle.count());
+  constexpr std::uint64_t kMany = 1000;
+  Watched watched;
+  // The counter passes over among them. They come unevenly, and every tenth after its follower.
+  const std::uint64_t start = 0 - step * kMany / 2;
+  const auto add = [&](std::uint64_t number, std::uint64_t place) {
+    const auto uneven = place % 7 == 0 ? cycle / 2 : 0ns;
+    watched.add(telegram(start + step * number, joint_1_at(20)), place * cycle + uneven);
+  };
+  for (std::uint64_t k = 0; k < kMany; ++k) {
+    const bool first = k % 10 == 8, second = k % 10 == 9;
+    add(first ? k + 1 : second ? k - 1 : k, k);
+  }
+  watched.pipeline.finish();
+  CHECK(watched.pipeline.counts().link.reordered == kMany / 10);
+  const auto found = watched.ipocs();
+  REQUIRE(found.size() == kMany);
+  std::uint64_t misplaced = 0, backwards = 0;
+  for (std::uint64_t k = 1; k < kMany; ++k) {
+    misplaced += found[k] != start + step * k ? 1U : 0U;
+    backwards += watched.samples[k].time_s > watched.samples[k - 1].time_s ? 0U : 1U;
+  }
+  CHECK(misplaced == 0);
+  CHECK(backwards == 0);
+}
