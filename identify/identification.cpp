@@ -49,6 +49,28 @@ void set_budget(Identification& found, const TableAxes& axes) {
     found.dh_budget.push_back({part.cause, of_numbers(part.covariance).diagonal()});
 }
 
+/// A number that nothing tells from another one, by which way a joint turns, is not identified.
+void leave_to_sense(Identification& found) {
+  for (const OtherNumber& other : found.by_sense) {
+    const auto leave = [&](std::vector<DhEstimate>& table) {
+      DhNumber& number = table[other.row].*kDhNumbers[other.number].number;
+      const bool differs =
+          number.knowledge == Knowledge::identified &&
+          std::any_of(other.differences.begin(), other.differences.end(),
+                      [&](double difference) { return std::abs(difference) > number.sigma; });
+      if (differs) number = {};
+      return differs;
+    };
+    leave(found.circle_dh);
+    if (found.chain && !found.chain->dh.empty()) leave(found.chain->dh);
+    if (!leave(found.dh) || found.dh_covariance.size() == 0) continue;
+    const auto at = static_cast<Index>(kDhNumbers.size() * other.row + other.number);
+    found.dh_covariance.row(at).setZero();
+    found.dh_covariance.col(at).setZero();
+    for (Identification::Share& share : found.dh_budget) share.variances[at] = 0;
+  }
+}
+
 /// As a reason; empty: all joints have theirs.
 std::string axes_missing(const Identification& found) {
   std::vector<std::size_t> missing;
@@ -186,6 +208,7 @@ void take_poses(Identification& found, const std::vector<Pose>& poses, const Cam
     }
   }
   found.doubt.clear();  // what a sweep alone left open, angles tell
+  found.by_sense.clear();
   const std::optional<ChainEstimate> sweeps = std::move(found.chain);
   found.chain = found.poses->chain;
   if (sweeps)
@@ -258,6 +281,7 @@ Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign,
       poses.empty() ? estimate(std::move(sweeps), campaign) : with_poses(sweeps, poses, campaign);
   found.warnings.insert(found.warnings.end(), copies.begin(), copies.end());
   name_undetermined(found);
+  leave_to_sense(found);
   for (JointResult& joint : found.joints) follow_axis(joint);
   if (found.status != Status::failed && !found.doubt.empty()) {
     found.status = Status::partial;

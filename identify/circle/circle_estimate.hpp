@@ -9,6 +9,7 @@
 
 #include "identify/dh/axis_senses.hpp"
 #include "identify/dh/dh.hpp"
+#include "identify/dh/dh_comparison.hpp"
 #include "identify/dh/dh_extraction.hpp"
 #include "identify/geometry/bounding_box.hpp"
 #include "identify/geometry/circle_fit.hpp"
@@ -50,6 +51,8 @@ struct CircleEstimate {
   bool any_sweep = false;                   ///< of a joint of the arm
   bool no_positions = false;                ///< some joint's strokes are told by angles alone
   std::string doubt;  ///< why a table with all its numbers is not complete; empty: nothing
+  /// Numbers of `circle_dh` that are others if joints of which nothing tells it turn the other way.
+  std::vector<OtherNumber> by_sense;
   /// What contradicts itself or what a built robot can be; the heaviest first.
   std::vector<Warning> doubts;
   std::vector<Warning> warnings;

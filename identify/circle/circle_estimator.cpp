@@ -255,8 +255,9 @@ class Circles {
         others.push_back(
             placed_table(turned(with(other)), result_.specified, size_by_circles_mm(result_)));
       result_.doubt = unknown(senses.ambiguous);
+      result_.by_sense = other_numbers(best, others);
       warn("direction_ambiguous", senses.ambiguous.front(),
-           result_.doubt + ": " + differing_numbers(best, others) +
+           result_.doubt + ": " + differing_numbers(best, result_.by_sense) +
                "; record joint angles, or give the plan that was run and the home pose");
     }
     for (const std::size_t j : senses.against) result_.joints[j].against_plan = true;

@@ -36,34 +36,50 @@ std::vector<DhDifference> compare_with_specified(
   return differences;
 }
 
+std::vector<OtherNumber> other_numbers(const std::vector<DhEstimate>& table,
+                                       const std::vector<std::vector<DhEstimate>>& others) {
+  std::vector<OtherNumber> all;
+  for (std::size_t j = 0; j < table.size(); ++j)
+    for (std::size_t k = 0; k < kDhNumbers.size(); ++k) {
+      const DhNumberName& name = kDhNumbers[k];
+      const DhNumber& here = table[j].*name.number;
+      if (here.knowledge != Knowledge::identified) continue;
+      OtherNumber one{j, k, {}};
+      for (const auto& other : others) {
+        const DhNumber& there = other[j].*name.number;
+        if (there.knowledge != Knowledge::identified || there.value == here.value) continue;
+        const double difference = there.value - here.value;
+        one.differences.push_back(name.length ? difference : wrapped(difference));
+      }
+      if (!one.differences.empty()) all.push_back(std::move(one));
+    }
+  return all;
+}
+
 std::string differing_numbers(const std::vector<DhEstimate>& table,
-                              const std::vector<std::vector<DhEstimate>>& others) {
+                              const std::vector<OtherNumber>& others) {
+  constexpr double kShown = 0.01;
   std::string text;
-  const auto compare = [&](std::size_t j, const DhNumberName& of) {
-    constexpr double kChanged = 0.01;
-    const double unit = of.length ? 1 : kDegree;
-    const DhNumber& here = table[j].*of.number;
-    if (here.knowledge != Knowledge::identified) return;
-    std::vector<double> seen{here.value / unit};
+  for (const OtherNumber& other : others) {
+    const DhNumberName& name = kDhNumbers[other.number];
+    if (name.number == &DhEstimate::beta_rad) continue;
+    const auto shown = [&](double value) { return name.length ? value : wrapped(value) / kDegree; };
+    const double here = (table[other.row].*name.number).value;
+    std::vector<double> seen{shown(here)};
     std::string values;
-    for (const auto& other : others) {
-      const DhNumber& there = other[j].*of.number;
-      const double value = there.value / unit;
-      if (there.knowledge != Knowledge::identified ||
-          std::any_of(seen.begin(), seen.end(),
-                      [&](double before) { return std::abs(value - before) < kChanged; }))
+    for (const double difference : other.differences) {
+      const double value = shown(here + difference);
+      if (std::any_of(seen.begin(), seen.end(),
+                      [&](double before) { return std::abs(value - before) < kShown; }))
         continue;
       seen.push_back(value);
       values += (values.empty() ? "" : " or ") + fixed(value, 2);
     }
-    if (values.empty()) return;
-    text += (text.empty() ? "" : ", ") + std::string(of.name) + std::to_string(j + 1) +
+    if (values.empty()) continue;
+    text += (text.empty() ? "" : ", ") + std::string(name.name) + std::to_string(other.row + 1) +
             " would be " + values + " instead of " + fixed(seen.front(), 2) + " " +
-            std::string(of.unit());
-  };
-  for (std::size_t j = 0; j < table.size(); ++j)
-    for (const DhNumberName& of : kDhNumbers)
-      if (of.number != &DhEstimate::beta_rad) compare(j, of);
+            std::string(name.unit());
+  }
   return text.empty() ? "the table would be the same" : "the other way, " + text;
 }
 

@@ -24,9 +24,19 @@ struct DhDifference {
     const std::vector<DhEstimate>& dh, const std::vector<DhRow>& specified,
     const std::vector<std::optional<double>>& home_rad);
 
-/// Which identified numbers are others in any of these tables, in words: "b4 would be 620.00 or
-/// 310.00 instead of -620.00 mm, …".
+/// A number of a table that others have otherwise.
+struct OtherNumber {
+  std::size_t row = 0;
+  std::size_t number = 0;           ///< of kDhNumbers
+  std::vector<double> differences;  ///< of the others from the table's; mm or rad, wrapped
+};
+
+/// The numbers that are identified in the table and, otherwise, in others of the same joints.
+[[nodiscard]] std::vector<OtherNumber> other_numbers(
+    const std::vector<DhEstimate>& table, const std::vector<std::vector<DhEstimate>>& others);
+
+/// In words: "the other way, b4 would be 620.00 or 310.00 instead of -620.00 mm, …".
 [[nodiscard]] std::string differing_numbers(const std::vector<DhEstimate>& table,
-                                            const std::vector<std::vector<DhEstimate>>& others);
+                                            const std::vector<OtherNumber>& others);
 
 }  // namespace identify

@@ -132,6 +132,14 @@ std::vector<Case> cases() {
     add("one_home_" + std::to_string(size), what + "one home", gears, {}, 1, aim);
     add("two_homes_" + std::to_string(size), what + "two homes", gears, two_homes, 1, aim);
   }
+  for (const int size : {20, 60}) {
+    world = with_gears(size, size / 2.0);
+    world.noise.decimals = 1;
+    add("coarse_" + std::to_string(size),
+        "transmission error " + std::to_string(size) + " + " + std::to_string(size / 2) +
+            " arcsec, a device that prints 0.1 mm",
+        world, {}, 1, {93, 97, Gears::with_error});
+  }
   add("eccentricity", "50 arcsec once a turn", with_gears(50, 0), {}, 1,
       {93, 97, Gears::with_large});
   world = with_angles();
