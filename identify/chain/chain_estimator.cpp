@@ -12,6 +12,7 @@
 #include "identify/chain/effect_search.hpp"
 #include "identify/chain/home_turn.hpp"
 #include "identify/chain/linearised_chain.hpp"
+#include "identify/chain/locked_readings.hpp"
 #include "identify/dh/upright.hpp"
 #include "identify/geometry/angle.hpp"
 #include "identify/sweeps/stroke_correlation.hpp"
@@ -48,6 +49,8 @@ class Estimation {
       effects_.zero_rad = unseen_zeros(nodes_, campaign_.resolution.angle_rad);
 
     FittedChain best = without_angles(start);
+    if (nodes_.with_angles && discount_readings(nodes_, best.fit.chain, best.noise))
+      best = settled(best.fit.chain, best.noise, false);
     by_device_ = noise_of_device(best);
     ChainEstimate estimate;
     estimate.angles.assign(joints_, AngleEvidence{});
@@ -56,7 +59,8 @@ class Estimation {
       estimate.angles = seen_angle_errors(best.fit.chain, nodes_, best.noise, quantum_, {});
       if (by_print_alone(best)) believe_angles(best, estimate.angles);
     }
-    if (effects_.print_mm == 0 && by_print_alone(best)) {  // no angles, or none believed
+    // No angles, or none believed; more noise would have the rounding average out.
+    if (effects_.print_mm == 0 && !by_device_ && explained_by_print(best, false)) {
       effects_.print_mm = campaign_.resolution.position_mm;
       best = settled(best.fit.chain, best.noise, false);
     }
@@ -158,8 +162,13 @@ class Estimation {
            noise.position_mm > noise.locked_rad * reach_mm(fitted.fit.chain, nodes_.known);
   }
 
+  /// Positions that a controller computed are off by their rounding and nothing else. What a device
+  /// measured is off by its noise, and gears err between it and the angles, however coarse the
+  /// print is that hides them.
   [[nodiscard]] bool by_print_alone(const FittedChain& fitted) const {
-    return !by_device_ && explained_by_print(fitted, false);
+    constexpr double kRounding = 1.03, kByChance = 2;
+    const double numbers = 3 * static_cast<double>(nodes_.samples());
+    return !by_device_ && misprint(fitted, false) <= kRounding + kByChance / std::sqrt(numbers);
   }
 
   /// Believes all angles, then takes back the worst joint's that does not stand the test, and so
@@ -186,12 +195,14 @@ class Estimation {
       shape.told_rad = 1;
       search().size(believed, shape);
       test_believed_angles(believed.fit.chain, nodes_, believed.noise, quantum_, evidence);
+      const bool printed = by_print_alone(believed);
       std::optional<std::size_t> worst;
       bool any = false;
       for (std::size_t j = 0; j < joints_; ++j) {
         if (std::isinf(noise.swept_rad[j])) continue;
         any = true;
-        if (!stands_test(evidence[j]) && (!worst || evidence[j].size > evidence[*worst].size))
+        if (!(printed && stands_test(evidence[j])) &&
+            (!worst || evidence[j].size > evidence[*worst].size))
           worst = j;
       }
       if (!worst && any) {
@@ -204,7 +215,7 @@ class Estimation {
         return;
       }
       if (!any) break;
-      evidence[*worst].reason = evidence[*worst].size > kMostQuanta
+      evidence[*worst].reason = !printed || evidence[*worst].size > kMostQuanta
                                     ? "larger errors than the printed decimals explain"
                                     : "a pattern in the residuals along the motion";
       noise.swept_rad[*worst] = kFreeAngle;

@@ -9,6 +9,7 @@
 #include "identify/identification.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/simulated_campaign.hpp"
+#include "tests/simulation/truth.hpp"
 
 using namespace identify;
 
@@ -68,5 +69,37 @@ TEST_CASE("positions with one decimal and without angles make a table no more ce
   CHECK(count >= 8 * 16);
   // Of normal errors: the root mean square of so many, and the largest.
   CHECK(std::sqrt(squares / count) < 1.3);
+  CHECK(most < 4.5);
+}
+
+TEST_CASE("gears whose errors a device's few decimals hide are not believed to have none",
+          "[coarse_print]") {
+  simulation::World world;
+  world.placed = true;
+  world.noise.range_mm = world.noise.across_mm = 0.02;
+  world.noise.decimals = 1;
+  world.angles = true;
+  world.decimals = 4;
+  world.gears.first_arcsec = GENERATE(20, 60);
+  world.gears.second_arcsec = world.gears.first_arcsec / 2;
+  CAPTURE(world.gears.first_arcsec);
+  double squares = 0, most = 0;
+  std::size_t count = 0;
+  for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+    const auto robot = simulation::built(simulation::kr5(), seed);
+    const simulation::Simulation arm(simulation::at_random_home(robot, seed), {}, world, seed);
+    const auto found = identify::identify(arm.sweeps(), arm.campaign());
+    CAPTURE(seed);
+    REQUIRE(found.status == Status::complete);
+    for (const AngleEvidence& joint : found.chain->angles)
+      CHECK(joint.trust != AngleTrust::trusted);
+    for (const double z : errors_in_sigmas(arm, found)) {
+      squares += z * z;
+      most = std::max(most, std::abs(z));
+      ++count;
+    }
+  }
+  CHECK(count >= 6 * 16);
+  CHECK(std::sqrt(squares / static_cast<double>(count)) < 1.3);
   CHECK(most < 4.5);
 }
