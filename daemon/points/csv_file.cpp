@@ -29,6 +29,11 @@ char separator_of(std::string_view line) {
   return ' ';
 }
 
+std::size_t decimals_in(std::string_view field) {
+  const auto point = field.find('.');
+  return point == std::string_view::npos ? 0 : field.size() - point - 1;
+}
+
 }  // namespace
 
 CsvFile::CsvFile(const std::filesystem::path& path, std::vector<std::string> columns)
@@ -57,11 +62,36 @@ CsvFile::CsvFile(std::filesystem::path path, std::string content, std::vector<st
 
 bool CsvFile::next() {
   if (!std::exchange(waiting_, false) && !next_line()) return false;
-  if (fields_.size() == columns_.size()) return true;
+  if (fields_.size() == columns_.size()) {
+    check_end();
+    return true;
+  }
   throw CsvError(fmt::format(
       "{}: expected {}, as {}, found {}: {}", place(), rsi::counted(columns_.size(), "column"),
       declared_ ? "named with --columns" : fmt::format("in line {}", header_line_), fields_.size(),
       declared_ ? "name all of them, - for one to skip" : "correct the line"));
+}
+
+/// Many programs leave off the last end of a line. A file that was copied while it was written may
+/// lack it too, and then end within a number, which is another number.
+void CsvFile::check_end() {
+  const std::string_view field = fields_.back();
+  const std::size_t decimals = decimals_in(field);
+  const std::size_t digits = field.size() - (field.starts_with('-') ? 1 : 0);
+  // Behind a quote, a blank or an end of line a field is whole.
+  const bool is_open = !field.empty() && !columns_.back().empty() &&
+                       field.data() + field.size() == content_.data() + content_.size();
+  const bool is_as_long =
+      last_.known &&
+      (decimals == 0 && last_.decimals == 0 ? digits >= last_.digits : decimals >= last_.decimals);
+  if (is_open && !is_as_long && !(last_.known && field == last_.before))
+    fail(columns_.size() - 1,
+         fmt::format("expected {}the end of the line, found {} and the end of the file: the file "
+                     "may be cut, copy or export it again, or end its last line if it is whole",
+                     last_.decimals > 0 ? rsi::counted(last_.decimals, "decimal") + " and " : "",
+                     as_found(field)));
+  last_ = {std::string(field), std::max(last_.decimals, decimals), std::max(last_.digits, digits),
+           true};
 }
 
 bool CsvFile::next_line() {

@@ -224,3 +224,36 @@ TEST_CASE("a column whose name is too long is told by the beginning of its name"
   CHECK_THROWS_WITH(file.fail_header(1, "unknown"),
                     ContainsSubstring("column 2 (" + letters + "...): unknown"));
 }
+
+TEST_CASE(
+    "a file that may be cut within its last field is refused, one that just has no end is read",
+    "[csv_file]") {
+  const TemporaryFolder folder;
+  const auto lines = [&](const std::string& text, const Names& columns = {}) {
+    return numbers(CsvFile(folder.write("x.csv", text), columns)).size();
+  };
+  const std::string all = "x,y\n1,424.5039\n-3,-424.0234\n1,424.6206";
+  CHECK(lines(all) == 3);
+  for (const std::size_t off : {1U, 2U, 3U, 4U, 5U, 6U, 7U}) {
+    INFO(all.substr(0, all.size() - off));
+    CHECK_THROWS_WITH(lines(all.substr(0, all.size() - off)),
+                      ContainsSubstring("x.csv: line 4, column 2 (y): expected 4 decimals and the "
+                                        "end of the line, found \"4") &&
+                          EndsWith("copy or export it again, or end its last line if it is whole"));
+  }
+  CHECK(lines(all.substr(0, all.size() - 2) + "\n") == 3);  // the writer ended it
+  CHECK(lines("x,y\n1,424.5039\n1,\"424.6\"") == 2);
+  CHECK(lines("x,y\n1,424.5039\n1,424.6\r") == 2);
+  CHECK(lines("x,y\n1,424.5039\n1,") == 2);  // missing, as it says
+  // Digits as they come: none may be longer than the last.
+  CHECK(lines("x,y\n1,0.25\n2,0.125\n3,0.375") == 3);
+  CHECK_THROWS_WITH(lines("x,y\n1,0.25\n2,0.125\n3,0.3"), ContainsSubstring("3 decimals"));
+  CHECK_THROWS_WITH(lines("x,y\n1,1.5e-10\n2,2.5e-1"), ContainsSubstring("may be cut"));
+  // Whole numbers, and the same one again.
+  CHECK(lines("x,joint\n1,10\n2,11") == 2);
+  CHECK(lines("x,joint\n1,10\n2,1\n3,1") == 3);
+  CHECK_THROWS_WITH(lines("x,joint\n1,10\n2,1"), ContainsSubstring("may be cut"));
+  // Nothing tells of one line alone; nobody reads a column without a name.
+  CHECK_THROWS_WITH(lines("x,y\n1,424.5"), ContainsSubstring("may be cut"));
+  CHECK(lines("1,424.5039\n1,42", {"x", "-"}) == 2);
+}
