@@ -55,7 +55,10 @@ DeviceRows::DeviceRows(const DeviceText& text, const DeviceLayout& layout, std::
 
 bool DeviceRows::next() {
   for (; next_ < layout_.end && text_.is_passed_over(next_); ++next_) pass_over(text_.line(next_));
-  if (next_ >= layout_.end) return false;
+  if (next_ >= layout_.end) {
+    check_thousands();
+    return false;
+  }
   line_ = next_++;
   fields_ = fields_of(text_.line(line_), layout_.separator);
   while (fields_.size() > layout_.columns && fields_.back().empty()) fields_.pop_back();
@@ -111,6 +114,26 @@ void DeviceRows::check_end() const {
                            decimals(fields[last]), as_found(fields_[last])));
 }
 
+/// 1,234 is a number with three decimals, or a whole one above a thousand. Where every number with
+/// a sign may be one above a thousand, and positions below it have no sign, nothing tells which.
+void DeviceRows::check_thousands() {
+  if (!grouped_ || is_decimal_ || !is_whole_) return;
+  line_ = grouped_->line;
+  fail(
+      grouped_->column,
+      fmt::format("expected decimals or whole numbers, found {}, which may be either, as positions "
+                  "without a sign stand beside it: export the file with the same decimals in all "
+                  "numbers, and nothing between thousands",
+                  as_found(grouped_->text)));
+}
+
+void DeviceRows::note_sign(std::size_t column, std::string_view text) {
+  const bool has_sign = text.find_first_of(".,") != std::string_view::npos;
+  if (has_sign && !may_be_thousands(text)) is_decimal_ = true;
+  if (!has_sign && text != "0") is_whole_ = true;
+  if (has_sign && !grouped_) grouped_ = Grouped{line_, column, std::string(text)};
+}
+
 std::string_view DeviceRows::field(std::size_t column) const {
   return column < fields_.size() ? fields_[column] : std::string_view();
 }
@@ -125,11 +148,15 @@ std::optional<rsi::Decimal> DeviceRows::number(std::size_t column, std::string_v
   const auto at = text.find_first_of(".,");
   if (at != std::string_view::npos) {
     const char mark = text[at];
+    if (text.find_first_of(".,", at + 1) != std::string_view::npos)
+      fail(column, fmt::format("expected a number, found {}: export the file with one decimal sign "
+                               "and nothing between thousands",
+                               as_found(text)));
     if (mark_ == 0) {
       mark_ = mark;
       mark_line_ = line_;
     }
-    if (mark != mark_ || text.find(',', at + 1) != std::string_view::npos)
+    if (mark != mark_)
       fail(column, fmt::format("expected a decimal {}, as in line {}, found {}: export the file "
                                "with one decimal sign and nothing between thousands",
                                mark_ == '.' ? "point" : "comma", mark_line_ + 1, as_found(text)));
@@ -142,7 +169,9 @@ std::optional<rsi::Decimal> DeviceRows::number(std::size_t column, std::string_v
   const auto value = printed_number(text.starts_with('+') ? text.substr(1) : text);
   if (!value)
     fail(column, "expected a number, found " + as_found(field(column)) +
-                     ": correct it, or leave it empty if the value is missing");
+                     (may_be_thousands(field(column))
+                          ? ": export the file with nothing between thousands"
+                          : ": correct it, or leave it empty if the value is missing"));
   if (layout_.minus_huge_is_missing && value->value < kNotMeasured) return std::nullopt;
   if (std::abs(value->value) > kLargestMeasured)
     fail(column, "expected a measured number, found " + as_found(field(column)) + ": correct it");
@@ -159,6 +188,7 @@ std::optional<DeviceRows::Seen> DeviceRows::measured(const TargetColumns& target
     const auto value = decimal(target.position[k]);
     is_complete = is_complete && value;
     if (!value) continue;
+    if (!is_decimal_) note_sign(target.position[k], field(target.position[k]));
     seen.position_mm(static_cast<Eigen::Index>(k)) = value->value * layout_.unit_mm;
     decimals = std::max(decimals, value->decimals);
   }

@@ -58,6 +58,9 @@ class DeviceRows {
   void read_time();
   void read_joint();
   void check_end() const;
+  void check_thousands();
+  /// What a position shows of what its . or , means.
+  void note_sign(std::size_t column, std::string_view text);
   [[noreturn]] void fail(std::size_t column, const std::string& problem) const;
 
   const DeviceText& text_;
@@ -71,6 +74,15 @@ class DeviceRows {
   std::size_t comments_ = 0;
   char mark_ = 0;  // of decimals, once seen
   std::size_t mark_line_ = 0;
+  /// A number whose sign may stand between thousands.
+  struct Grouped {
+    std::size_t line = 0;
+    std::size_t column = 0;
+    std::string text;
+  };
+  std::optional<Grouped> grouped_;  // the first
+  bool is_decimal_ = false;         // a position shows that the sign is one of decimals
+  bool is_whole_ = false;           // a position has no sign
   std::optional<double> first_s_;
   std::optional<std::int64_t> first_whole_;
   double time_s_ = 0;

@@ -204,6 +204,19 @@ std::optional<rsi::Decimal> printed_number(std::string_view text) {
   return number;
 }
 
+bool may_be_thousands(std::string_view text) {
+  constexpr std::string_view kMarks = ",.' ";
+  if (text.starts_with('-') || text.starts_with('+')) text.remove_prefix(1);
+  const auto digits_from = [&](std::size_t at) {
+    return std::min(text.find_first_not_of("0123456789", at), text.size());
+  };
+  const std::size_t mark = digits_from(0);
+  if (mark == 0 || mark > 3 || mark == text.size() || text.front() == '0') return false;
+  const std::size_t end = digits_from(mark + 1);
+  const auto is_mark = [&](std::size_t at) { return kMarks.find(text[at]) != kMarks.npos; };
+  return is_mark(mark) && end - mark - 1 == 3 && (end == text.size() || is_mark(end));
+}
+
 std::string as_found(std::string_view text) {
   return text.empty() ? "nothing" : '"' + rsi::in_short(text) + '"';
 }

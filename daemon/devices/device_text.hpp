@@ -73,6 +73,9 @@ class DeviceText {
 /// A finite number as a file prints it. `decimals` are those of the value: 1.25e-3 has 5.
 [[nodiscard]] std::optional<rsi::Decimal> printed_number(std::string_view text);
 
+/// Whether a sign stands between thousands, or seems to: 1,234 and 1'234.5, and 1.234 too.
+[[nodiscard]] bool may_be_thousands(std::string_view text);
+
 /// A field for a message: in quotes and cut, or "nothing".
 [[nodiscard]] std::string as_found(std::string_view text);
 

@@ -171,7 +171,9 @@ std::optional<rsi::Decimal> CsvFile::decimal(std::size_t column) const {
   const auto number = printed_number(text);
   if (!number)
     fail(column, "expected a number, found " + as_found(text) +
-                     (text.find(',') != std::string_view::npos
+                     (may_be_thousands(text) ? ": write nothing between thousands, and a decimal "
+                                               "point"
+                      : text.find(',') != std::string_view::npos
                           ? ": write a decimal point"
                           : ": correct it, or leave it empty if the value is missing"));
   if (std::abs(number->value) > kLargestMeasured)

@@ -201,3 +201,39 @@ TEST_CASE("what is wrong in a tracker's table is told with its place", "[tracker
   check_text_error("// SA\nA Joint1 p1 1.5 2.5 3.5\nA Base p1 1.5 2.5\n",
                    "line 3: expected 6 columns, as line 2 tells, found 5");
 }
+
+TEST_CASE("what may be thousands or decimals is refused, unless a position tells which",
+          "[tracker_table]") {
+  const auto xs = [](const std::string& lines) {
+    std::vector<double> found;
+    for (const auto& point : read_text("Name;X [mm];Y [mm];Z [mm]\n" + lines).points)
+      found.push_back(point.sample.position_mm.x());
+    return found;
+  };
+  for (const std::string text : {"a;1,234;567;1,012\n", "a;0;567;0\na;1,234;1,567;1,012\n",
+                                 "a;1.234;567;1.012\n", "a;12,345;-7;1,012\na;12,346;-7;1,012\n"}) {
+    INFO(text);
+    CHECK_THROWS_WITH(xs(text), ContainsSubstring("which may be either") &&
+                                    ContainsSubstring("nothing between thousands"));
+  }
+  // All have three decimals, or one shows that they are decimals.
+  CHECK(xs("a;1,234;5,670;1,012\n") == std::vector{1.234});
+  CHECK(xs("a;1,234;0;1,012\n") == std::vector{1.234});
+  CHECK(xs("a;1,234;567;1,012\na;1,23;567;1,012\n") == std::vector{1.234, 1.23});
+  CHECK(xs("a;1,234;567;0,012\n") == std::vector{1.234});
+  CHECK(xs("a;1234,567;567;1,012\n") == std::vector{1234.567});
+}
+
+TEST_CASE("both signs in one number, and other signs between thousands, are told",
+          "[tracker_table]") {
+  const std::string header = "Name,X [mm],Y [mm],Z [mm]\n";
+  for (const std::string wrong :
+       {"\"1,234.5\"", "\"1,234,567\"", "1.234.567", "1'234.5", "1 234.5"})
+    check_text_error(header + "a," + wrong + ",2,3\n",
+                     "line 2: column 2 (X [mm]): expected a number");
+  for (const std::string wrong : {"\"1,234.5\"", "1'234.5", "1 234.5"}) {
+    INFO(wrong);
+    CHECK_THROWS_WITH(read_text(header + "a," + wrong + ",2,3\n"),
+                      ContainsSubstring("nothing between thousands"));
+  }
+}

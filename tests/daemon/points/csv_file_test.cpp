@@ -257,3 +257,15 @@ TEST_CASE(
   CHECK_THROWS_WITH(lines("x,y\n1,424.5"), ContainsSubstring("may be cut"));
   CHECK(lines("1,424.5039\n1,42", {"x", "-"}) == 2);
 }
+
+TEST_CASE("a sign between thousands is told as such", "[csv_file]") {
+  const TemporaryFolder folder;
+  for (const std::string wrong : {"1,234", "\"1,234.5\"", "1'234.5", "1 234", "-12,345,678"}) {
+    INFO(wrong);
+    CsvFile file(folder.write("x.csv", "x;y\n" + wrong + ";1\n"));
+    REQUIRE(file.next());
+    CHECK_THROWS_WITH(file.number(0),
+                      ContainsSubstring("line 2, column 1 (x): expected a number") &&
+                          EndsWith("nothing between thousands, and a decimal point"));
+  }
+}
