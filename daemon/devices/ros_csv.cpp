@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/devices/device_text.hpp"
 #include "daemon/devices/device_words.hpp"
 #include "daemon/devices/maker_formats.hpp"
@@ -68,11 +70,60 @@ bool is_zero(std::string_view field) {
   return field.find_first_not_of("0.") == std::string_view::npos;
 }
 
-/// ROS' own programs print nanoseconds, others seconds with decimals.
-double unit_of_stamp_s(std::string_view first) {
-  const auto number = first.find('.') == std::string_view::npos ? std::optional<rsi::Decimal>()
-                                                                : printed_number(first);
-  return number ? time_unit_of_count_s(number->value) : 1e-9;
+/// How much the whole stamps of a column grow from line to line; 0 where nothing tells.
+double step_of_stamps(const DeviceText& text, const DeviceLayout& layout, std::size_t column,
+                      double first) {
+  std::size_t steps = 0;
+  for (std::size_t line = layout.begin + 1; line < text.lines(); ++line)
+    if (!text.is_passed_over(line)) ++steps;
+  for (std::size_t line = text.lines(); steps > 0 && --line > layout.begin; --steps) {
+    if (text.is_passed_over(line)) continue;
+    const auto fields = fields_of(text.line(line), layout.separator);
+    const auto last = column < fields.size() ? printed_number(fields[column]) : std::nullopt;
+    if (last) return (last->value - first) / static_cast<double>(steps);
+  }
+  return 0;
+}
+
+constexpr std::array<double, 4> kUnits_s{1, 1e-3, 1e-6, 1e-9};
+
+/// Of a stream with at most 2000 lines a second, and at least two. These are three powers of ten,
+/// as the units are apart, so at most one fits.
+std::optional<double> unit_by_rate_s(double step) {
+  constexpr double kNearest_s = 0.0005;
+  constexpr double kFarthest_s = 0.5;
+  for (const double unit_s : kUnits_s)
+    if (step * unit_s >= kNearest_s && step * unit_s < kFarthest_s) return unit_s;
+  return std::nullopt;
+}
+
+/// Of stamps that lie in the years from 2001 to 2064.
+std::optional<double> unit_since_1970_s(double first) {
+  for (const double unit_s : kUnits_s)
+    if (first * unit_s >= 1e9 && first * unit_s < 3e9) return unit_s;
+  return std::nullopt;
+}
+
+/// Stamps with decimals are seconds. ROS' own programs print nanoseconds, others what they like.
+double unit_of_stamp_s(const DeviceText& text, const DeviceLayout& layout, std::size_t column,
+                       std::string_view first) {
+  constexpr double kNanosecond_s = 1e-9;
+  constexpr double kFarApart_s = 100;  // between two lines, even of poses one by one
+  const auto number = printed_number(first);
+  if (!number) return kNanosecond_s;
+  if (first.find('.') != std::string_view::npos) return time_unit_of_count_s(number->value);
+  const double step = step_of_stamps(text, layout, column, number->value);
+  const auto by_rate_s = unit_by_rate_s(step);
+  const auto since_1970_s = unit_since_1970_s(number->value);
+  if (step <= 0 || since_1970_s == kNanosecond_s) return since_1970_s.value_or(kNanosecond_s);
+  const bool is_date = since_1970_s && step * *since_1970_s < kFarApart_s;
+  if (by_rate_s && *by_rate_s < 1 && (!is_date || by_rate_s == since_1970_s)) return *by_rate_s;
+  if (!by_rate_s && !is_date) return kNanosecond_s;
+  text.fail(
+      layout.begin,
+      fmt::format("column {}: expected stamps that tell their unit, found {}, and {:.3g} more "
+                  "from line to line: give nanoseconds, or seconds with decimals",
+                  column + 1, as_found(first), step));
 }
 
 TimeColumns time_in(const DeviceText& text, const DeviceLayout& layout, const Names& header) {
@@ -84,9 +135,13 @@ TimeColumns time_in(const DeviceText& text, const DeviceLayout& layout, const Na
     return {TimeColumns::Kind::nanoseconds, {*seconds, *parts}};
   const auto stamp = column_ending(header, {"header.stamp"});
   if (stamp && !is_zero(first[*stamp]))
-    return {TimeColumns::Kind::number, {*stamp}, unit_of_stamp_s(first[*stamp])};
+    return {
+        TimeColumns::Kind::number, {*stamp}, unit_of_stamp_s(text, layout, *stamp, first[*stamp])};
   const auto received = column_ending(header, {"%time", "#time"});
-  if (received) return {TimeColumns::Kind::number, {*received}, unit_of_stamp_s(first[*received])};
+  if (received)
+    return {TimeColumns::Kind::number,
+            {*received},
+            unit_of_stamp_s(text, layout, *received, first[*received])};
   const auto plain = column_ending(header, {"Time", "time"});  // of converters, in seconds
   if (plain) return {TimeColumns::Kind::number, {*plain}, 1};
   text.fail(layout.header,

@@ -1,6 +1,9 @@
+#include <utility>
+
 #include "daemon/devices/maker_formats.hpp"
 #include "tests/daemon/devices/read_text.hpp"
 
+using Catch::Matchers::ContainsSubstring;
 using namespace sweepd;
 using namespace sweepd::test;
 
@@ -80,4 +83,29 @@ TEST_CASE("a time that no difference of 64 bits holds is refused, the least of a
     check_text_error("10,0,w,1,2,3,0,0,0,1\n" + time + ",1,w,1,2,3,0,0,0,1\n",
                      "line 2: column 1: expected whole seconds");
   }
+}
+
+TEST_CASE("whole stamps are of the unit that their size and their rate tell", "[ros_csv]") {
+  const auto times = [](long long first, long long step, int lines = 5) {
+    std::string text = "%time,field.header.stamp,field.point.x,field.point.y,field.point.z\n";
+    for (int i = 0; i < lines; ++i) text += "0," + std::to_string(first + i * step) + ",1,2,3\n";
+    return read_text(text).points.at(1).sample.time_s;
+  };
+  CHECK(times(1'710'422'552'500, 10) == Approx(0.01));          // ms since 1970
+  CHECK(times(1'710'422'552'500'000, 10'000) == Approx(0.01));  // us
+  CHECK(times(1'710'422'552'500'000'000, 10'000'000) == Approx(0.01));
+  CHECK(times(1'710'422'552'500'000'000, 2'000'000'000) == Approx(2));
+  CHECK(times(1'710'422'552'500, 10'000'000) == Approx(0.01));  // ns, 28 minutes from a start
+  CHECK(times(5'500, 10) == Approx(0.01));                      // ms, 5.5 s from a start
+  CHECK(times(5'500'000, 10'000) == Approx(0.01));
+  CHECK(times(5'500'000'000, 2'000'000'000) == Approx(2));
+  CHECK(times(1'710'422'552'500, 10, 1000) == Approx(0.01));
+  for (const auto& [first, step] : {std::pair{1'710'422'552'500LL, 2'000LL},           // ms, or us
+                                    std::pair{1'710'422'552'500'000LL, 2'000'000LL}})  // us, or ns
+    CHECK_THROWS_WITH(times(first, step),
+                      ContainsSubstring("line 2: column 2: expected stamps that tell their unit") &&
+                          ContainsSubstring("give nanoseconds, or seconds with decimals"));
+  std::string seconds = "%time,field.point.x,field.point.y,field.point.z\n";
+  for (int i = 0; i < 300; ++i) seconds += std::to_string(1'710'422'552 + i / 100) + ",1,2,3\n";
+  check_text_error(seconds, "line 2: column 1: expected stamps that tell their unit");
 }
