@@ -14,6 +14,7 @@ namespace sweepd {
 namespace {
 
 constexpr double kMetre_mm = 1000;
+// Of a stamp, a frame and a pose. A transform has a second frame, the child's, behind the first.
 constexpr std::size_t kColumnsOfRos2 = 10;
 
 /// PlotJuggler parts the names of a message's fields by slashes.
@@ -51,19 +52,22 @@ std::optional<std::vector<std::size_t>> all_axes(const Names& header, std::size_
   return columns;
 }
 
-/// One of ROS 2: whole seconds, nanoseconds, a frame that is no number, and a pose.
-bool is_ros2(const DeviceText& text) {
+/// One of ROS 2: whole seconds, nanoseconds, a frame that is no number, and a pose. How many frames
+/// there are: 2 of a transform; 0: the text is none of these.
+std::size_t frames_of_ros2(const DeviceText& text) {
   const auto fields = fields_of(text.line(0), ',');
-  if (fields.size() != kColumnsOfRos2 || !rsi::all_digits(fields[0]) ||
-      !rsi::all_digits(fields[1]) || fields[1].size() > 9 || printed_number(fields[2]))
-    return false;
+  const std::size_t frames = fields.size() == kColumnsOfRos2 + 1 ? 2 : 1;
+  if (fields.size() != kColumnsOfRos2 + frames - 1 || !rsi::all_digits(fields[0]) ||
+      !rsi::all_digits(fields[1]) || fields[1].size() > 9 || printed_number(fields[2]) ||
+      printed_number(fields[1 + frames]))
+    return 0;
   double square = 0;
-  for (std::size_t c = 3; c < kColumnsOfRos2; ++c) {
+  for (std::size_t c = 2 + frames; c < fields.size(); ++c) {
     const auto number = printed_number(fields[c]);
-    if (!number && fields[c] != "nan") return false;
-    if (c > 5 && number) square += number->value * number->value;
+    if (!number && fields[c] != "nan") return 0;
+    if (c > 4 + frames && number) square += number->value * number->value;
   }
-  return std::abs(square - 1) < 0.01 || square == 0;
+  return std::abs(square - 1) < 0.01 || square == 0 ? frames : 0;
 }
 
 bool is_zero(std::string_view field) {
@@ -155,7 +159,7 @@ bool is_ros_csv(const DeviceText& text) {
   const bool is_named = std::any_of(header.begin(), header.end(), [](std::string_view name) {
     return name.find("header.") != std::string_view::npos || name == "%time" || name == "__time";
   });
-  return (is_named && position_x(header)) || is_ros2(text);
+  return (is_named && position_x(header)) || frames_of_ros2(text) > 0;
 }
 
 DeviceLayout ros_layout(const DeviceText& text) {
@@ -163,12 +167,15 @@ DeviceLayout ros_layout(const DeviceText& text) {
   layout.unit_mm = kMetre_mm;
   layout.end = text.lines();
   TargetColumns target;
-  if (is_ros2(text)) {
+  if (const std::size_t frames = frames_of_ros2(text); frames > 0) {
+    const std::size_t x = 2 + frames;
     layout.has_names = false;
-    layout.columns = kColumnsOfRos2;
+    layout.columns = kColumnsOfRos2 + frames - 1;
     layout.time = {TimeColumns::Kind::nanoseconds, {0, 1}};
-    target.position = {3, 4, 5};
-    target.rotation = RotationColumns{RotationColumns::Kind::quaternion, {6, 7, 8, 9}};
+    target.position = {x, x + 1, x + 2};
+    target.rotation =
+        RotationColumns{RotationColumns::Kind::quaternion, {x + 3, x + 4, x + 5, x + 6}};
+    if (frames > 1) layout.name.push_back(3);
     layout.targets.push_back(target);
     return layout;
   }

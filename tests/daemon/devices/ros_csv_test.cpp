@@ -109,3 +109,20 @@ TEST_CASE("whole stamps are of the unit that their size and their rate tell", "[
   for (int i = 0; i < 300; ++i) seconds += std::to_string(1'710'422'552 + i / 100) + ",1,2,3\n";
   check_text_error(seconds, "line 2: column 1: expected stamps that tell their unit");
 }
+
+TEST_CASE("transforms of ROS 2 are read as its poses are, by the child's frame", "[ros_csv]") {
+  const std::string text =
+      "1710422552,999000000,world,tool,1,2,3,0,0,0,1\n"
+      "1710422553,1000000,world,tool,1,2,4,1,0,0,0\n"
+      "1710422553,2000000,world,ball,5,6,7,0,0,0,1\n";
+  const TemporaryFolder folder;
+  PointsReader reader({}, 6);
+  const auto file = reader.read(folder.write("take.csv", text), {});
+  REQUIRE(file.points.size() == 3);
+  CHECK_THAT(file.format, ContainsSubstring("ROS"));
+  CHECK(file.points[1].sample.time_s == Approx(0.002).epsilon(1e-6));
+  CHECK(file.points[1].sample.position_mm == Eigen::Vector3d(1000, 2000, 4000));
+  CHECK(identify::orientation(file.points[1].sample)
+            .isApprox(Eigen::Vector3d(1, -1, -1).asDiagonal().toDenseMatrix()));
+  CHECK(reader.targets() == std::vector<std::string>{"tool", "ball"});
+}
