@@ -1,6 +1,7 @@
 #include "daemon/points/device_lines.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -18,15 +19,8 @@ namespace {
 /// More names than any device has targets: what comes then is no name.
 constexpr std::size_t kMostTargets = 64;
 
-char separator_in(std::string_view line) {
-  for (const char separator : {',', ';', '\t'})
-    if (line.find(separator) != std::string_view::npos) return separator;
-  return ' ';
-}
-
-void split(std::string_view line, std::vector<std::string_view>& fields) {
+void split(std::string_view line, char separator, std::vector<std::string_view>& fields) {
   fields.clear();
-  const char separator = separator_in(line);
   if (separator == ' ') line = rsi::trimmed(line);
   while (true) {
     const auto end = line.find(separator);
@@ -64,8 +58,7 @@ DeviceLines::DeviceLines(const ColumnList& columns) try
 DeviceLines::Line DeviceLines::read(std::string_view line, Point& point) {
   while (line.ends_with('\r') || line.ends_with('\n')) line.remove_suffix(1);
   if (const auto all = rsi::trimmed(line); all.empty() || all.front() == '#') return Line::empty;
-  split(line, fields_);
-  if (fields_.size() != count_) return Line::other_fields;
+  if (!split_fields(line)) return Line::other_fields;
   identify::Sample sample;
   sample.time_s = point.sample.time_s;
   if (columns_.time) {
@@ -91,8 +84,34 @@ DeviceLines::Line DeviceLines::read(std::string_view line, Point& point) {
   return Line::point;
 }
 
+/// Into as many fields as there are columns. A comma separates only where nothing else does: it may
+/// be one of decimals.
+bool DeviceLines::split_fields(std::string_view line) {
+  const auto has_blank = [this](const Place& place) {
+    return fields_[place.column].find(' ') != std::string_view::npos;
+  };
+  for (const char separator : {';', '\t', ',', ' '}) {
+    split(line, separator, fields_);
+    if (fields_.size() != count_) continue;
+    if (separator == ',' &&
+        std::all_of(columns_.position.begin(), columns_.position.end(), has_blank))
+      continue;  // "1,5 2,5 3,5 4" in four columns
+    is_comma_decimal_ = separator != ',';
+    return true;
+  }
+  return false;
+}
+
 std::optional<double> DeviceLines::number(const Place& place, std::optional<double>* step) {
-  const auto value = printed_number(fields_[place.column]);
+  std::string_view text = fields_[place.column];
+  std::array<char, 32> with_point{};
+  const auto comma = is_comma_decimal_ ? text.find(',') : std::string_view::npos;
+  if (comma != std::string_view::npos && text.size() <= with_point.size()) {
+    std::copy(text.begin(), text.end(), with_point.begin());
+    with_point[comma] = '.';
+    text = {with_point.data(), text.size()};
+  }
+  const auto value = printed_number(text);
   if (!value || std::abs(value->value) > kLargestMeasured) return std::nullopt;
   if (step != nullptr) {
     const double last = value->decimals >= 10 ? 0 : place.unit * std::pow(10.0, -value->decimals);

@@ -13,7 +13,8 @@
 namespace sweepd {
 
 /// Reads lines of text as a device sends them while it measures: numbers with commas, semicolons,
-/// tabs or blanks between, by the columns of a file of points. Takes any bytes. One thread.
+/// tabs or blanks between, by the columns of a file of points. Where no commas stand between,
+/// numbers may have decimal commas. Takes any bytes. One thread.
 class DeviceLines {
  public:
   /// `columns`: as for `identify --columns`. Throws std::invalid_argument where they are wrong, or
@@ -38,11 +39,13 @@ class DeviceLines {
   [[nodiscard]] double step_mm() const { return step_mm_.value_or(0); }
 
  private:
+  [[nodiscard]] bool split_fields(std::string_view line);
   [[nodiscard]] std::optional<double> number(const Place& place, std::optional<double>* step);
 
   std::size_t count_ = 0;  // of columns
   PointColumns columns_;
   std::vector<std::string_view> fields_;
+  bool is_comma_decimal_ = false;  // in the current line, where a number has one
   TargetNames targets_;
   std::optional<double> step_mm_;
 };

@@ -58,3 +58,22 @@ TEST_CASE("Columns that a device cannot have are refused", "[device_lines]") {
                     StartsWith("columns, column 2 (x): expected a known column") &&
                         ContainsSubstring("write - to skip it") && !ContainsSubstring("--"));
 }
+
+TEST_CASE("Numbers may have decimal commas where no commas stand between", "[device_lines]") {
+  DeviceLines lines("t_s,x_mm,y_m,z_mm,-");
+  for (const char* line : {"1,5;10,25;0,02;-30,0;OK", "1,5\t10,25\t0,02\t-30\t",
+                           "1,5 10,25 0,02 -30 OK", "1.5; 10.25; 0.02; -30.0; OK, seen"}) {
+    Point point;
+    INFO(line);
+    REQUIRE(lines.read(line, point) == Line::point);
+    CHECK(point.sample.time_s == 1.5);
+    CHECK(point.sample.position_mm == Eigen::Vector3d(10.25, 20, -30));
+  }
+  CHECK(lines.step_mm() == Approx(0.01));
+  Point point;
+  for (const char* line : {"1,5;1.010,25;0,02;-30,0;OK", "1,5;1,010,25;0,02;-30,0;OK",
+                           "1,5;0,0000000000000000000000000000000001;0,02;-30,0;OK"}) {
+    INFO(line);
+    CHECK(lines.read(line, point) == Line::no_number);
+  }
+}
