@@ -243,7 +243,8 @@ void BrokerLink::lost(Steady::time_point now) {
       "the broker {} closes the connection of {} as soon as it is open: another client has the "
       "same name, as two publishers for one robot have, or two collectors; or its access list does "
       "not let `user` write under `site` and `cell`, which the broker's log tells. End one of the "
-      "two, or correct the list. This one tries again in 10 minutes",
+      "two, give a second collector another `client`, or correct the list. This one tries again in "
+      "10 minutes",
       text(options_.broker.address), options_.client);
   again_at_ = now + kTruce;
   short_ones_ = 0;

@@ -21,7 +21,6 @@ namespace {
 using namespace std::chrono_literals;
 using Steady = std::chrono::steady_clock;
 
-constexpr const char* kClient = "sweepd-collect";
 constexpr auto kOften = 200ms;
 
 /// Keeps the connection, on a thread of its own: Paho holds its lock while a message waits for the
@@ -65,7 +64,7 @@ int collect_all(const CollectOptions& options) {
   Collector collector(settings.database.text);
   BrokerLink::Options link;
   link.broker = settings.broker;
-  link.client = kClient;
+  link.client = settings.client.text;
   link.spool = settings.spool;
   link.topics = {
       {topics_of_all("result"), 1}, {topics_of_all("compare"), 1}, {topics_of_all("state"), 0}};

@@ -28,10 +28,13 @@ constexpr std::size_t kRequired = 7;
 static_assert(
     std::is_same_v<std::variant_alternative_t<kRequired, Field>, std::optional<std::string>*>);
 
-/// A path that has a default may be left out.
+/// A path or words that have a default may be left out.
 bool required(const Field& field) {
   const auto* const path = std::get_if<fs::path*>(&field);
-  return field.index() < kRequired && (path == nullptr || (*path)->empty());
+  const auto* const words = std::get_if<Words*>(&field);
+  const bool has_default =
+      (path != nullptr && !(*path)->empty()) || (words != nullptr && !(*words)->text.empty());
+  return field.index() < kRequired && !has_default;
 }
 
 constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
@@ -207,7 +210,10 @@ struct Describer {
   void operator()(const BrokerAddress*) const {
     text.value = "\"mqtt://HOST:PORT\" or \"mqtts://HOST:PORT\"";
   }
-  void operator()(const Words*) const { text.value = "text"; }
+  void operator()(const Words* words) const {
+    text.value = "text";
+    if (!words->text.empty()) text.fallback = '"' + words->text + '"';
+  }
   void operator()(const std::optional<std::string>*) const { text.value = "text"; }
   void operator()(const std::optional<fs::path>*) const { text.value = "path"; }
   void operator()(const rsi::Endpoint*) const { text.value = "\"ADDRESS:PORT\""; }

@@ -42,6 +42,9 @@ Options options_of(CollectSettings& collect) {
   options.insert(options.begin() + 1,
                  after_restart({"database", &collect.database,
                                 "PostgreSQL's connection string: host=, dbname=, user=, …"}));
+  options.push_back(after_restart(
+      {"client", &collect.client,
+       "its name at the broker, unique there; of another name, what waits for this one is lost"}));
   options.push_back(
       after_restart({"spool", &collect.spool, "folder of what has come and is not stored yet"}));
   return options;

@@ -50,7 +50,8 @@ struct PublishSettings {
 /// [collect] of collect.toml, on the plant's server.
 struct CollectSettings {
   BrokerSettings broker;
-  Words database;  ///< libpq's connection string
+  Words database;                  ///< libpq's connection string
+  Words client{"sweepd-collect"};  ///< the name at the broker, which keeps messages by it
   std::filesystem::path spool = "/var/lib/sweepd-collect";
 };
 

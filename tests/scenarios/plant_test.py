@@ -218,6 +218,7 @@ def scenario(plant, outage, long):
     until(lambda: plant.database.ask("select count(*) from link_days") == "1", "links of the day", 60)
     for program in programs:
         assert program.end() == 0, program.log.read_text()
+    second_collector(plant)
 
 
 def strangers(plant, collector):
@@ -248,6 +249,22 @@ def strangers(plant, collector):
     until(lambda: plant.database.ask("select count(*) from link_days") == "1", "links of the others", 60)
     assert plant.database.ask("select count(*) from refused") == "0", "a state that is right is refused"
     print("what strangers send is refused, and keeps nothing else out")
+
+
+def second_collector(plant):
+    """Of another name at the broker: neither throws the other out."""
+    settings = (plant.folder / "collect.toml").read_text()
+    (plant.folder / "second.toml").write_text(settings.replace("collect-spool", "second-spool") +
+                                              'client = "second"\n')
+    both = [Program(plant.sweepd, plant.folder / f"{name}-collector.log", "collect", "--config",
+                    plant.folder / f"{name}.toml") for name in ("collect", "second")]
+    for collector in both:
+        until(lambda: collector.log.exists() and collector.said("connected to the broker"), "it is connected")
+    time.sleep(2)
+    for collector in both:
+        assert collector.end() == 0, collector.log.read_text()
+        assert "lost" not in collector.log.read_text() and "same name" not in collector.log.read_text()
+    print("two collectors of two names leave each other alone")
 
 
 def newer_tables(plant, collector):

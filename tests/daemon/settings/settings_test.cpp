@@ -7,6 +7,7 @@
 
 #include "daemon/settings/toml_table.hpp"
 #include "tests/catch.hpp"
+#include "tests/daemon/temporary_folder.hpp"
 #include "tests/daemon/texts.hpp"
 
 using sweepd::load_settings;
@@ -545,4 +546,12 @@ TEST_CASE("a broker has a scheme, a host and perhaps a port", "[settings]") {
              Catch::Matchers::ContainsSubstring("mqtt://plant-server:1883"));
   CHECK_THAT(settings_error(kRobotText + "[publish]\nbroker = \"mqtt://a\"\nsite = \"b\"\n"),
              Catch::Matchers::ContainsSubstring("cell: missing"));
+}
+
+TEST_CASE("a second collector has a name of its own at the broker", "[settings]") {
+  const sweepd::test::TemporaryFolder folder;
+  const std::string one = "[collect]\nbroker = \"mqtt://a\"\ndatabase = \"dbname=x\"\n";
+  CHECK(sweepd::load_collect_settings(folder.write("a.toml", one)).client.text == "sweepd-collect");
+  CHECK(sweepd::load_collect_settings(folder.write("b.toml", one + "client = \"second\"\n"))
+            .client.text == "second");
 }
