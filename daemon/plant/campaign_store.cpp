@@ -173,10 +173,12 @@ void CampaignStore::add_links(const std::map<std::string, std::pair<RobotPlace, 
     columns += fmt::format("{}, ", kLinkColumns[i]);
     sums += fmt::format("{0} = link_days.{0} + excluded.{0}, ", kLinkColumns[i]);
   }
+  // A stream tells the longest of all its days: one that an earlier day had is not this day's.
   const std::string add =
       "insert into link_days (robot, day, " + columns +
-      "max_latency_us) values ($1, $2, $3, $4, "
-      "$5, $6, $7, $8, $9, $10, $11) on conflict (robot, day) do update set " +
+      "max_latency_us) values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, case when not exists "
+      "(select from link_days where robot = $1 and day >= $12 and day < $2 and max_latency_us >= "
+      "$11) then $11::double precision end) on conflict (robot, day) do update set " +
       sums + "max_latency_us = greatest(link_days.max_latency_us, excluded.max_latency_us)";
   database_.at_once([&] {
     for (const auto& [topic, link] : links) {
@@ -200,7 +202,8 @@ void CampaignStore::add_links(const std::map<std::string, std::pair<RobotPlace, 
       if (!counted) continue;
       std::vector<SqlValue> values{id, told.day};
       for (const auto count : counted->counts) values.emplace_back(std::to_string(count));
-      values.emplace_back(number_text(told.max_latency_us));
+      values.emplace_back(number_or_null(told.max_latency_us.value_or(NAN)));
+      values.emplace_back(told.max_latency_us ? std::optional(told.stream_since) : std::nullopt);
       database_.run(add, values);
       database_.run(
           "insert into link_counters (robot, started, counters) values ($1, $2, $3) on conflict "

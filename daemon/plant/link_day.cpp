@@ -36,8 +36,13 @@ std::optional<ToldLink> link_told(const nlohmann::ordered_json& state) {
   for (std::size_t i = 0; i < kLinkColumns.size(); ++i)
     told.counters.counts[i] =
         count_of(part_of(robot, i < kOfTelegrams ? "telegrams" : "replies"), kLinkColumns[i]);
-  const double latency = number_of(part_of(part_of(robot, "stream"), "reply_latency"), "max_us");
-  if (std::isfinite(latency)) told.max_latency_us = latency;
+  const auto& stream = part_of(robot, "stream");
+  const double latency = number_of(part_of(stream, "reply_latency"), "max_us");
+  const std::string since = text_of(stream, "since").substr(0, told.day.size());
+  if (latency > 0 && std::isfinite(latency) && is_day(since)) {
+    told.max_latency_us = latency;
+    told.stream_since = since;
+  }
   return told;
 }
 

@@ -25,7 +25,8 @@ struct ToldLink {
   std::string at;   ///< in UTC, by the publisher's clock
   std::string day;  ///< of that, 2026-11-23
   LinkCounters counters;
-  double max_latency_us = 0;  ///< of the stream; 0: none
+  std::string stream_since = {};              ///< its first day; empty: none streams
+  std::optional<double> max_latency_us = {};  ///< of the stream, over all of its days
 };
 [[nodiscard]] std::optional<ToldLink> link_told(const nlohmann::ordered_json& state);
 

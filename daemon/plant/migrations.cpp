@@ -70,6 +70,10 @@ constexpr auto kMigrations = std::to_array<std::array<const char*, 7>>({
           topic text not null,
           reason text not null,
           payload bytea not null))"},
+    // A day without a reply has none.
+    {"alter table link_days alter column max_latency_us drop default",
+     "alter table link_days alter column max_latency_us drop not null",
+     "update link_days set max_latency_us = null where max_latency_us = 0"},
 });
 
 /// A table of another program that has one of the names here; empty where there is none.

@@ -218,6 +218,7 @@ def scenario(plant, outage, long):
     until(lambda: plant.database.ask("select count(*) from link_days") == "1", "links of the day", 60)
     for program in programs:
         assert program.end() == 0, program.log.read_text()
+    days_of_links(plant)
     second_collector(plant)
 
 
@@ -249,6 +250,37 @@ def strangers(plant, collector):
     until(lambda: plant.database.ask("select count(*) from link_days") == "1", "links of the others", 60)
     assert plant.database.ask("select count(*) from refused") == "0", "a state that is right is refused"
     print("what strangers send is refused, and keeps nothing else out")
+
+
+def days_of_links(plant):
+    """The longest reply of a day is one of that day, and NULL where it is not known."""
+    stranger = Stranger(plant.broker, "geheim")
+    collector = Program(plant.sweepd, plant.folder / "days.log", "collect", "--config",
+                        plant.folder / "collect.toml")
+    collector.kill()
+
+    def tell(day, received, stream):
+        state = {"schema": "sweepd.state/1", "at": f"2026-01-0{day}T12:00:00Z", "started": "2026-01-01T11:00:00Z",
+                 "robots": [{"robot": "days", "telegrams": {"received": received}, "stream": stream}]}
+        collector.log.write_text("")
+        collector.start()
+        until(lambda: collector.said("connected to the broker"), "the collector is connected")
+        time.sleep(0.5)
+        stranger.publish("sweepd/1/odd/cell/days/state", json.dumps(state).encode())
+        time.sleep(0.5)
+        assert collector.end() == 0, collector.log.read_text()
+        return plant.database.ask("select day, coalesce(max_latency_us::text, 'null') from link_days join robots on "
+                                  f"robots.id = robot where name = 'days' and day = '2026-01-0{day}'")
+
+    def stream(day, longest):
+        return {"since": f"2026-01-0{day}T11:30:00Z", "reply_latency": {"max_us": longest}}
+
+    assert tell(1, 10, stream(1, 900.5)) == "2026-01-01|900.5"
+    assert tell(2, 20, stream(1, 900.5)) == "2026-01-02|null", "the day before had it"
+    assert tell(2, 30, stream(1, 1200)) == "2026-01-02|1200"
+    assert tell(3, 40, None) == "2026-01-03|null", "there was no reply"
+    assert tell(3, 50, stream(3, 300)) == "2026-01-03|300"
+    print("the longest reply of a day is one of that day")
 
 
 def second_collector(plant):

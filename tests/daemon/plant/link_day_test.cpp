@@ -9,7 +9,7 @@ using sweepd::ToldLink;
 namespace {
 
 ToldLink told_counters(const std::string& started, std::int64_t received, std::int64_t lost) {
-  return {"2026-01-03", "2026-01-03", {started, {received, lost}}, 0};
+  return {"2026-01-03", "2026-01-03", {started, {received, lost}}};
 }
 
 }  // namespace
@@ -18,12 +18,26 @@ TEST_CASE("a state tells its day, its counts and the worst latency", "[link_day]
   const auto told = link_told(nlohmann::ordered_json::parse(
       R"({"at": "2026-11-23T11:00:00Z", "started": "2026-11-01T00:00:00Z", "robots": [
         {"telegrams": {"received": 9, "lost": 2}, "replies": {"late": 3, "superseded": 1},
-         "stream": {"reply_latency": {"max_us": 250.5}}}]})"));
+         "stream": {"since": "2026-11-22T09:00:00Z", "reply_latency": {"max_us": 250.5}}}]})"));
   REQUIRE(told);
   CHECK(told->day == "2026-11-23");
   CHECK(told->counters.started == "2026-11-01T00:00:00Z");
   CHECK(told->counters.counts == std::array<std::int64_t, 8>{9, 2, 0, 0, 0, 3, 0, 1});
   CHECK(told->max_latency_us == 250.5);
+  CHECK(told->stream_since == "2026-11-22");
+}
+
+TEST_CASE("without a stream, or without a reply in it, there is no latency", "[link_day]") {
+  for (const char* const stream :
+       {"null", R"({"since": "2026-11-23T09:00:00Z"})",
+        R"({"since": "2026-11-23T09:00:00Z", "reply_latency": {"max_us": 0}})"}) {
+    INFO(stream);
+    const auto told = link_told(nlohmann::ordered_json::parse(
+        R"({"at": "2026-11-23T11:00:00Z", "started": "x", "robots": [{"stream": )" +
+        std::string(stream) + "}]}"));
+    REQUIRE(told);
+    CHECK_FALSE(told->max_latency_us);
+  }
 }
 
 TEST_CASE("a state without day, start or robot tells nothing", "[link_day]") {
