@@ -119,6 +119,7 @@ void RecordWriter::make_folder() {
   session_->files.emplace(folder, start.trace, start.csv_header);
   session_->recording->made(folder);
   if (start.on_folder) start.on_folder(folder);
+  if (session_->files_before > 0 && start.on_loss) start.on_loss(folder);
   if (paused_) tell_pause();
 }
 

@@ -47,6 +47,9 @@ struct SessionStart {
   std::function<void(const std::filesystem::path& folder)> on_folder = {};
   /// In that thread, once recording pauses, for each such folder: the disk may take nothing then.
   std::function<void(const std::filesystem::path& folder)> on_pause = {};
+  /// In that thread, for a folder in which the session goes on after somebody deleted, moved or cut
+  /// what was recorded before.
+  std::function<void(const std::filesystem::path& folder)> on_loss = {};
 };
 
 /// The disk side of the recorder: the files of one session after the other, when recording pauses

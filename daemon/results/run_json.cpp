@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "daemon/system/atomic_file.hpp"
 #include "daemon/text/file_names.hpp"
 #include "rsi/file_bytes.hpp"
 
@@ -45,6 +46,7 @@ Json json(const std::vector<FileHash>& inputs) {
 }
 
 constexpr const char* kRecordingPaused = "recording_paused";
+constexpr const char* kRecordingDeleted = "recording_deleted";
 
 /// Of `folder`, as far as it can be read.
 Json run_in(const std::filesystem::path& folder) {
@@ -132,6 +134,21 @@ void mark_recording_paused(const std::filesystem::path& folder) {
 bool recording_paused(const std::filesystem::path& folder) {
   const Json run = run_in(folder);
   return run.is_object() && run.value(kRecordingPaused, Json()) == true;
+}
+
+void mark_recording_deleted(const std::filesystem::path& folder) {
+  Json run = run_in(folder);
+  if (!run.is_object()) return;
+  run[kRecordingDeleted] = true;
+  try {
+    write_atomically(folder / file_names::kRun, text(run));
+  } catch (const std::exception&) {  // what refuses it refuses the recording too, which says so
+  }
+}
+
+bool recording_deleted(const std::filesystem::path& folder) {
+  const Json run = run_in(folder);
+  return run.is_object() && run.value(kRecordingDeleted, Json()) == true;
 }
 
 }  // namespace sweepd

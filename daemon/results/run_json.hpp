@@ -56,4 +56,9 @@ void mark_recording_paused(const std::filesystem::path& folder);
 /// Whether it says so.
 [[nodiscard]] bool recording_paused(const std::filesystem::path& folder);
 
+/// The same of what somebody deleted, moved or cut of the recording. Not in place: this folder is
+/// new, on a disk that has just taken it.
+void mark_recording_deleted(const std::filesystem::path& folder);
+[[nodiscard]] bool recording_deleted(const std::filesystem::path& folder);
+
 }  // namespace sweepd

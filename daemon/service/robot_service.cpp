@@ -248,6 +248,7 @@ void RobotService::begin_session(const rsi::Datagram& first) {
     }
   };
   start.on_pause = mark_recording_paused;
+  start.on_loss = mark_recording_deleted;
   recording_ = recorder_.begin(std::move(start));
   tally_.begin_session({started_, rsi::now(), first.source.address}, recording_);
   live_.begin_session(started_);

@@ -137,6 +137,10 @@ SessionEnd SessionReplay::end(std::vector<FileHash> inputs, Log log) {
   if (recording_paused(folder_))
     damage_.emplace_back(
         "the recording paused, as the disk had no room or refused: what came then may be missing");
+  if (recording_deleted(folder_))
+    damage_.emplace_back(
+        "somebody deleted, moved or cut a folder or file of this session while it was written: the "
+        "recording lacks what was in it");
   CutSession cut{utc_name(newest_), std::nullopt, damage_};
   if (better) cut.made_of = std::move(inputs);
   SessionEnd end{folder_.parent_path(),

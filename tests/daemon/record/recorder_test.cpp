@@ -595,6 +595,25 @@ TEST_CASE("a folder that is deleted while it is written is said, counted, and ma
                  ContainsSubstring("10 datagrams and 10 samples went with it"));
 }
 
+TEST_CASE("of a folder that takes the place of a deleted one it is told", "[recorder]") {
+  RecorderBench bench;
+  std::atomic<int> told = 0;
+  sweepd::SessionStart start{bench.folder / "robot", "20250101T000000Z", true, "t_s,ipoc"};
+  start.on_loss = [&](const fs::path& folder) {
+    if (folder == bench.session()) ++told;
+  };
+  const auto recording = bench.recorder->begin(start);
+  bench.send(10);
+  REQUIRE(eventually([&] { return recording->counts().recorded.samples == 10; }));
+  CHECK(told == 0);
+  fs::remove_all(bench.session());
+  bench.send(5);
+  REQUIRE(eventually([&] { return recording->counts().recorded.samples == 15; }));
+  bench.recorder->end();
+  recording->wait();
+  CHECK(told == 1);
+}
+
 TEST_CASE("a file that is cut while it is written is said and counted, also at the end",
           "[recorder]") {
   RecorderBench bench;

@@ -66,3 +66,15 @@ TEST_CASE("of a session that was cut run.json tells what its result was made of,
   CHECK_FALSE(stays.contains("from_recording"));
   CHECK_FALSE(stays.contains("damage"));
 }
+
+TEST_CASE("a session tells that somebody deleted what was recorded before", "[run_json]") {
+  const TemporaryFolder folder;
+  mark_recording_deleted(folder.path());  // there is nothing to mark
+  CHECK_FALSE(recording_deleted(folder.path()));
+  static_cast<void>(folder.write("run.json", begun_session()));
+  CHECK_FALSE(recording_deleted(folder.path()));
+  mark_recording_deleted(folder.path());
+  CHECK(recording_deleted(folder.path()));
+  CHECK_FALSE(recording_paused(folder.path()));
+  CHECK(Json::parse(run_json_of_cut_session(folder.path(), {}))["recording_deleted"] == true);
+}

@@ -16,6 +16,7 @@
 
 #include "daemon/commands/replay_command.hpp"
 #include "daemon/record/session_folder.hpp"
+#include "daemon/results/run_json.hpp"
 #include "rsi/capture/capture_reader.hpp"
 #include "rsi/controller/controller_link.hpp"
 #include "tests/catch.hpp"
@@ -284,6 +285,24 @@ TEST_CASE("a recovered session tells what made its result, and that its recordin
   CHECK_THAT(said.text(),
              ContainsSubstring("no result is made of the recording in " + unreadable.string()) &&
                  ContainsSubstring("the next start tries it again"));
+}
+
+TEST_CASE("a session of which somebody deleted the beginning tells it after a restart",
+          "[robot_service][live]") {
+  const TemporaryFolder folder;
+  const auto session = recorded_session(folder / "out");
+  auto run = json_in(session / "run.json");
+  run.erase("ended");
+  std::ofstream(session / "run.json") << run.dump();
+  sweepd::mark_recording_deleted(session);
+  RobotService service(settings(folder / "out"));
+  service.start();
+  REQUIRE(eventually([&] { return json_in(session / "run.json").contains("ended"); }));
+  service.stop();
+  run = json_in(session / "run.json");
+  REQUIRE(run["damage"].size() == 1);
+  CHECK_THAT(run["damage"][0].get<std::string>(),
+             ContainsSubstring("somebody deleted, moved or cut"));
 }
 
 TEST_CASE("a session that was cut and has no trace is ended at the next start, and stays",
