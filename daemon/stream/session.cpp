@@ -18,6 +18,14 @@ bool has_currents(std::string_view telegram) {
   return telegram.find("<MACur") != std::string_view::npos;
 }
 
+/// What may be the angle of a joint that `signals` do not name.
+std::string suggested(const SignalNames& names, const rsi::Telegram& telegram) {
+  constexpr const char* kUsual = "EIPos.E1";
+  const bool is_there = place_of(kUsual).in(telegram) != nullptr &&
+                        std::ranges::find(names.angles, kUsual) == names.angles.end();
+  return is_there ? fmt::format("; the telegrams have {}, which may be the next one", kUsual) : "";
+}
+
 }  // namespace
 
 std::string missing_signals(const SignalNames& names, std::size_t joints,
@@ -53,12 +61,19 @@ std::string missing_signals(const SignalNames& names, std::size_t joints,
                        example.find(',') != std::string_view::npos
                            ? "numbers have a decimal point, no comma: correct what sends them"
                            : "see what sends them");
-  if (missing.empty()) return text;
-  return text + (text.empty() ? "" : "; ") +
-         fmt::format(
-             "the telegrams have no {}: correct `signals` in the settings, or SEND in the Ethernet "
-             "file",
-             fmt::join(missing, ", "));
+  const auto add = [&text](const std::string& more) { text += (text.empty() ? "" : "; ") + more; };
+  if (!missing.empty())
+    add(fmt::format(
+        "the telegrams have no {}: correct `signals` in the settings, or SEND in the Ethernet file",
+        fmt::join(missing, ", ")));
+  const bool has_angles = std::ranges::any_of(
+      names.angles, [&](const auto& name) { return place_of(name).in(parsed) != nullptr; });
+  if (joints > names.angles.size() && has_angles)
+    add(fmt::format(
+        "the robot has {} joints, and `signals` names angles of {}: name all with `angles` of "
+        "[robot.signals], or the others are not seen{}",
+        joints, names.angles.size(), suggested(names, parsed)));
+  return text;
 }
 
 Session::Session(const RobotSetup& setup, std::string source_kind, StreamSink& sink,

@@ -194,3 +194,21 @@ TEST_CASE("the plan names the joint of a sweep without angles as it happens",
   CHECK_FALSE(turns.joint_of(strokes.front()));
   CHECK_FALSE(PlannedTurns().joint_of(strokes.back()));
 }
+
+TEST_CASE("of a robot with more joints than signals name, it is told which to name", "[session]") {
+  const auto told = [](const std::string& text, const sweepd::SignalNames& names = {}) {
+    return sweepd::missing_signals(names, 7, "<Rob Type=\"KUKA\">" + text + "<IPOC>1</IPOC></Rob>");
+  };
+  const std::string pose = R"(<RIst X="1" Y="2" Z="3" A="1" B="2" C="3"/>)";
+  const std::string six = pose + R"(<AIPos A1="1" A2="2" A3="3" A4="4" A5="5" A6="6"/>)";
+  const std::string external = R"(<EIPos E1="1" E2="0" E3="0" E4="0" E5="0" E6="0"/>)";
+  const std::string said =
+      "the robot has 7 joints, and `signals` names angles of 6: name all with `angles` of "
+      "[robot.signals], or the others are not seen";
+  CHECK(told(six) == said);
+  CHECK(told(six + external) == said + "; the telegrams have EIPos.E1, which may be the next one");
+  sweepd::SignalNames names;
+  names.angles.emplace_back("EIPos.E1");
+  CHECK(told(six + external, names).empty());
+  CHECK(told(pose).empty());  // joints are known by their axes
+}
