@@ -6,7 +6,6 @@
 #include <thread>
 #include <utility>
 
-#include "daemon/record/recording_files.hpp"
 #include "daemon/results/outcome.hpp"
 #include "daemon/results/result_files.hpp"
 #include "daemon/results/result_formats.hpp"
@@ -233,7 +232,7 @@ void Identifier::go_on_with_earlier() {
       const auto& folder = earlier.folder = std::move(earlier.folders.back());
       earlier.folders.pop_back();
       FolderLock lock(folder);
-      if (lock.held() && traces_of(folder).empty()) {
+      if (lock.held() && !has_trace(folder)) {
         end_without_trace(folder);
         earlier.log.note("{} has no last result, and no trace to make it of: what is there stays",
                          folder.string());

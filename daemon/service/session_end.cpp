@@ -48,7 +48,18 @@ std::vector<std::string> holes_in(const std::vector<fs::path>& traces) {
   return holes;
 }
 
+/// A trace has a head from its beginning: one of no bytes was cut later.
+bool holds_nothing(const fs::path& trace) {
+  std::error_code error;
+  return fs::file_size(trace, error) == 0 && !error;
+}
+
 }  // namespace
+
+bool has_trace(const fs::path& folder) {
+  const auto traces = traces_of(folder);
+  return !std::all_of(traces.begin(), traces.end(), holds_nothing);
+}
 
 std::size_t SessionEnd::samples() const {
   std::size_t samples = 0;
@@ -97,6 +108,14 @@ SessionReplay::SessionReplay(fs::path folder, FolderLock lock, const RobotSetup&
     : folder_(std::move(folder)), lock_(std::move(lock)), device_(setup) {
   traces_ = traces_of(folder_);
   damage_ = holes_in(traces_);
+  std::erase_if(traces_, [this](const fs::path& trace) {
+    const bool empty = holds_nothing(trace);
+    if (empty)
+      damage_.push_back(trace.filename().string() +
+                        " is empty, somebody or a damaged disk took what it held: the result "
+                        "lacks it");
+    return empty;
+  });
   const auto search = rsi::find_conversation(traces_);
   if (search.chosen) conversation_ = *search.chosen;
   std::reverse(traces_.begin(), traces_.end());

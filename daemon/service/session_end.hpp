@@ -77,6 +77,9 @@ class SessionReplay : private StreamSink {
   std::vector<std::string> damage_;  // sentences
 };
 
+/// Whether a session's folder has a trace that holds anything.
+[[nodiscard]] bool has_trace(const std::filesystem::path& folder);
+
 /// The end of a session that was cut and has no trace: it stays as it is, and run.json says so and
 /// gets "ended", by the newest of its files. Throws std::runtime_error.
 void end_without_trace(const std::filesystem::path& folder);

@@ -305,6 +305,30 @@ TEST_CASE("a session of which somebody deleted the beginning tells it after a re
              ContainsSubstring("somebody deleted, moved or cut"));
 }
 
+TEST_CASE("a trace that was cut to nothing is told once, and costs nothing else",
+          "[robot_service][live]") {
+  const TemporaryFolder folder;
+  const auto session = recorded_session(folder / "out");
+  auto run = json_in(session / "run.json");
+  run.erase("ended");
+  std::ofstream(session / "run.json") << run.dump();
+  const auto empty = session.parent_path() / "20370101T000000Z";
+  fs::copy(session, empty);
+  fs::resize_file(empty / "trace.pcap", 0);
+  std::ofstream(session / "trace-0002.pcap").flush();
+  RobotService service(settings(folder / "out"));
+  service.start();
+  const auto ended = [](const fs::path& of) { return json_in(of / "run.json").contains("ended"); };
+  REQUIRE(eventually([&] { return ended(session) && ended(empty); }));
+  service.stop();
+  CHECK(json_in(empty / "run.json")["damage"] ==
+        Json{"there is no trace to make a last result of"});
+  run = json_in(session / "run.json");
+  CHECK(run["from_recording"] == true);
+  REQUIRE(run["damage"].size() == 1);
+  CHECK_THAT(run["damage"][0].get<std::string>(), ContainsSubstring("trace-0002.pcap is empty"));
+}
+
 TEST_CASE("a session that was cut and has no trace is ended at the next start, and stays",
           "[robot_service][live]") {
   const TemporaryFolder folder;
