@@ -4,6 +4,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 #include <future>
 #include <memory>
 #include <optional>
@@ -50,6 +51,15 @@ Settings read_settings(const RunOptions& options) {
     if (options.listen) robot.listen = *options.listen;
   }
   return settings;
+}
+
+/// What came through a pipe at the start comes no second time: to wait for it keeps SIGHUP waiting.
+void refuse_pipe(const std::filesystem::path& config) {
+  std::error_code error;
+  if (std::filesystem::is_fifo(config, error))
+    throw ConfigError(config.string() +
+                      ": expected a file, found a pipe, which cannot be read again: put a file in "
+                      "its place, or restart sweepd");
 }
 
 /// Settings that are read while others wait for nothing: a disk may not answer.
@@ -220,7 +230,10 @@ void give_up(Fleet& fleet, ProcessEvents& events, const std::optional<Problem>& 
 }  // namespace
 
 int run(const RunOptions& options) {
-  return serve_robots([options] { return read_settings(options); });
+  return serve_robots([options, again = false]() mutable {
+    if (std::exchange(again, true)) refuse_pipe(options.config);
+    return read_settings(options);
+  });
 }
 
 int serve_robots(const std::function<Settings()>& read) {

@@ -291,6 +291,22 @@ TEST_CASE("SIGHUP takes over what it can, says what it cannot, and survives a mi
   CHECK(daemon.process().wait() == 0);
 }
 
+TEST_CASE("SIGHUP refuses settings that became a pipe, at once", "[life]") {
+  const TemporaryFolder folder;
+  Daemon daemon(folder.path());
+  const auto sound = content(daemon.config());
+  REQUIRE(fs::remove(daemon.config()));
+  REQUIRE(mkfifo(daemon.config().c_str(), 0600) == 0);
+  daemon.process().signal(SIGHUP);
+  CHECK(said(daemon, daemon.config().string() + ": expected a file, found a pipe"));
+  REQUIRE(fs::remove(daemon.config()));
+  write(daemon.config(), sound + "silence_ms = 300\n");
+  daemon.process().signal(SIGHUP);
+  CHECK(said(daemon, "kr5-arc: taken over for the next session: silence_ms"));
+  daemon.process().signal(SIGTERM);
+  CHECK(daemon.process().wait() == 0);
+}
+
 TEST_CASE("SIGUSR1 tells how the link does while RSI streams, and each session ends with it",
           "[life]") {
   const TemporaryFolder folder;
