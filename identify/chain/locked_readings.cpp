@@ -15,6 +15,9 @@ using Eigen::VectorXd;
 /// Less than one by so many standard deviations, or all is believed.
 constexpr double kChance = 4;
 
+/// Joints that scatter by more steps than these have readings that tell it.
+constexpr double kMostSteps = 3;
+
 /// The share of each locked joint's readings, and its standard deviation: least squares of the
 /// departures over the readings, both about the means of the nodes. Of a joint whose readings are
 /// all the same, one.
@@ -71,17 +74,24 @@ Shares shares_in(const StrokeMoments& stroke, std::size_t first, const ChainNode
   return found;
 }
 
+/// Root mean square of what stands at this place of the nodes' sums.
+double scatter(const StrokeMoments& stroke, Index at) {
+  double squares = 0;
+  for (const StrokeMoments::Node& node : stroke.nodes) squares += node.sums(at, at);
+  return std::sqrt(std::max(0.0, squares) / stroke.weight);
+}
+
 /// `seen`: of the stroke's nodes; `at`: the joint's place in their sums.
 void discount(StrokeMoments& stroke, ChainObservation* seen, Index joint, Index at, double share) {
-  double squares = 0, sum = 0, weight = 0;
+  double sum = 0, weight = 0;
   for (std::size_t n = 0; n < stroke.nodes.size(); ++n) {
-    squares += stroke.nodes[n].sums(at, at);
     sum += seen[n].weight * seen[n].turns[static_cast<std::size_t>(joint)];
     weight += seen[n].weight;
   }
   // Where the stroke's mean, and that of home, are off by no more than the steps make by chance.
   const double off_home = sum / weight;
-  const double by_chance = kChance * std::sqrt(2 * stroke.correlation * squares) / weight;
+  const double by_chance =
+      kChance * scatter(stroke, at) * std::sqrt(2 * stroke.correlation / weight);
   const double level = std::abs(off_home) <= by_chance ? off_home : 0;
   for (std::size_t n = 0; n < stroke.nodes.size(); ++n) {
     Eigen::MatrixXd& sums = stroke.nodes[n].sums;
@@ -94,8 +104,10 @@ void discount(StrokeMoments& stroke, ChainObservation* seen, Index joint, Index 
 
 }  // namespace
 
-bool discount_readings(ChainNodes& nodes, const Chain& chain, const ChainNoise& noise) {
+bool discount_readings(ChainNodes& nodes, const Chain& chain, const ChainNoise& noise,
+                       double step_rad) {
   bool any = false;
+  if (!(step_rad > 0)) return any;
   for (std::size_t s = 0; s < nodes.strokes.size(); ++s) {
     StrokeMoments& stroke = nodes.strokes[s];
     if (!stroke.squares || stroke.content.joints == 0) continue;
@@ -103,6 +115,7 @@ bool discount_readings(ChainNodes& nodes, const Chain& chain, const ChainNoise& 
     const Index begin = 1 + (stroke.content.orientation ? 6 : 3);
     for (Index k = 0; k < found.share.size(); ++k) {
       if (!(found.share(k) < 1 - kChance * found.sigma(k)) || found.sigma(k) == 0) continue;
+      if (scatter(stroke, begin + k) > kMostSteps * step_rad) continue;
       any = true;
       discount(stroke, &nodes.observations[nodes.first[s]], k, begin + k,
                std::max(0.0, found.share(k)));

@@ -52,7 +52,11 @@ TEST_CASE("Of a locked joint's readings the share counts that the target follows
     if (seen.joint != shaken) seen.turns[shaken] += random.normal(3 * 10 * how.locked_rad);
   const ChainNodes told = test::nodes_of(all, joints);
   ChainNodes nodes = told;
-  REQUIRE(discount_readings(nodes, chain, test::noise_of(chain, how, true)));
+  const auto noise = test::noise_of(chain, how, true);
+  const double step_rad = 2e-4;
+  CHECK_FALSE(discount_readings(nodes, chain, noise, 0));
+  CHECK_FALSE(discount_readings(nodes, chain, noise, step_rad / 100));
+  REQUIRE(discount_readings(nodes, chain, noise, step_rad));
   for (std::size_t s = 0; s < nodes.strokes.size(); ++s) {
     const StrokeMoments& stroke = nodes.strokes[s];
     const auto begin = static_cast<Eigen::Index>(stroke.content.orientation ? 7 : 4);
