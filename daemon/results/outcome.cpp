@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "daemon/stream/device_take.hpp"
+#include "daemon/text/numbers.hpp"
 #include "identify/clock/joined_take.hpp"
 #include "rsi/counted.hpp"
 
