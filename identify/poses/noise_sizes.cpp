@@ -31,33 +31,29 @@ void NoiseSizes::Sized::hold(double now, double before) {
   expected += kBefore / (now * now);
 }
 
-NoiseSizes::NoiseSizes(const PoseFit& fit, const std::vector<WhitenedPose>& white,
+NoiseSizes::NoiseSizes(const PoseFit& fit, const std::vector<StandRows>& stands,
                        const VectorXd& step)
     : now_(fit.noise) {
-  auto pose = white.begin();
-  for (std::size_t i = 0; i < fit.rows.size(); ++i)
-    if (fit.weights(static_cast<Index>(i)) > 0)
-      add_pose(fit.rows[i], *pose++, fit.covariance, step);
+  for (const StandRows& stand : stands) add_stand(stand, fit.covariance, step);
   add_effects(fit, step);
 }
 
-void NoiseSizes::add_pose(const PoseRow& row, const WhitenedPose& pose, const MatrixXd& covariance,
-                          const VectorXd& step) {
-  const Index count = row.off.size();
-  const VectorXd left = pose.off - pose.columns.transpose() * step(pose.parameters);
-  const auto back = [&](const MatrixXd& of) -> MatrixXd { return pose.root.matrixU().solve(of); };
-  const VectorXd weighed = back(left);
-  const MatrixXd free =
-      back(back(MatrixXd::Identity(count, count) - pose.taken_up(covariance)).transpose());
+void NoiseSizes::add_stand(const StandRows& stand, const MatrixXd& covariance,
+                           const VectorXd& step) {
+  const Index count = stand.off.size();
+  const VectorXd left = stand.off - stand.columns.transpose() * step(stand.parameters);
+  const VectorXd weighed = stand.divided_again(left);
   // V^-1 less what the fit takes up, in which each component is measured.
-  position_.seen += weighed.head<3>().squaredNorm();
-  position_.expected += free.topLeftCorner<3, 3>().trace();
-  joints_.seen += (row.by_own.transpose() * weighed).squaredNorm();
-  joints_.expected += (free * row.by_own).cwiseProduct(row.by_own).sum();
-  if (count == 6) {
-    orientation_.seen += weighed.tail<3>().squaredNorm();
-    orientation_.expected += free.bottomRightCorner<3, 3>().trace();
-  }
+  const MatrixXd free = stand.divided_again(
+      stand.divided_again(MatrixXd::Identity(count, count) - stand.taken_up(covariance))
+          .transpose());
+  const auto measure = [&](const MatrixXd& by, Sized& sized) {
+    sized.seen += weighed.dot(by * weighed);
+    sized.expected += free.cwiseProduct(by).sum();
+  };
+  measure(stand.by_position, position_);
+  measure(stand.by_orientation, orientation_);
+  measure(stand.by_joints, joints_);
 }
 
 void NoiseSizes::add_effects(const PoseFit& fit, const VectorXd& step) {

@@ -5,17 +5,16 @@
 #include <Eigen/Core>
 
 #include "identify/poses/pose_fit.hpp"
-#include "identify/poses/pose_rows.hpp"
+#include "identify/poses/pose_stands.hpp"
 
 namespace identify {
 
 /// What a fit's step leaves shows of the size of each component of the noise (PoseFit).
 class NoiseSizes {
  public:
-  /// `white`: the poses with a weight, in the order of `fit.rows`. `step`: the fit's next one, with
-  /// the covariance of the parameters that belongs to it in `fit`.
-  NoiseSizes(const PoseFit& fit, const std::vector<WhitenedPose>& white,
-             const Eigen::VectorXd& step);
+  /// `stands`: those that count. `step`: the fit's next one, with the covariance of the parameters
+  /// that belongs to it in `fit`.
+  NoiseSizes(const PoseFit& fit, const std::vector<StandRows>& stands, const Eigen::VectorXd& step);
 
   /// Gears of all joints can take up all that a few poses leave. The noise is not none for that:
   /// what there was of it `before`, without them, counts as four more degrees of freedom.
@@ -33,8 +32,8 @@ class NoiseSizes {
     [[nodiscard]] double times() const;
     void hold(double now, double before);
   };
-  void add_pose(const PoseRow& row, const WhitenedPose& pose, const Eigen::MatrixXd& covariance,
-                const Eigen::VectorXd& step);
+  void add_stand(const StandRows& stand, const Eigen::MatrixXd& covariance,
+                 const Eigen::VectorXd& step);
   void add_effects(const PoseFit& fit, const Eigen::VectorXd& step);
 
   PoseNoise now_;

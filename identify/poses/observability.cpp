@@ -4,8 +4,6 @@
 #include <cmath>
 #include <vector>
 
-#include <Eigen/Cholesky>
-
 #include "identify/geometry/symmetric_eigen.hpp"
 
 namespace identify {
@@ -20,15 +18,17 @@ Observability observability_of(const PoseFit& fit) {
   for (std::size_t j = 0; j < parameters.joints; ++j)
     unit.segment<2>(parameters.axis(j)).setConstant(1 / kMetre_mm);
   unit.tail(unit.size() - parameters.tool()).setConstant(1 / kMetre_mm);
-  MatrixXd normal = MatrixXd::Zero(unit.size(), unit.size());
+  MatrixXd whole = MatrixXd::Zero(fit.model.parameters(), fit.model.parameters());
+  for (const StandRows& stand : fit.counted())
+    whole(stand.parameters, stand.parameters) += stand.columns * stand.columns.transpose();
+  const MatrixXd normal =
+      unit.asDiagonal() * whole.topLeftCorner(unit.size(), unit.size()) * unit.asDiagonal();
   Observability seen;
   double count = 0;
   for (std::size_t i = 0; i < fit.rows.size(); ++i) {
     const double weight = fit.weights(static_cast<Index>(i));
     if (weight == 0) continue;
     const PoseRow& row = fit.rows[i];
-    const MatrixXd columns = row.by_parameter.leftCols(unit.size()) * unit.asDiagonal();
-    normal += weight * columns.transpose() * fit.noise.covariance(row.by_own).llt().solve(columns);
     count += weight;
     const Eigen::Matrix3d of =
         row.by_parameter.topRows<3>() * fit.covariance * row.by_parameter.topRows<3>().transpose();

@@ -34,12 +34,13 @@ struct Half {
 Half half_of(const PoseFit& fit, std::size_t from, std::size_t to) {
   const Index count = fit.covariance.rows();
   Half half{MatrixXd::Zero(count, count), VectorXd::Zero(count)};
-  for (std::size_t i = from; i < to; ++i) {
-    const double weight = fit.weights(static_cast<Index>(i)) / fit.widened;
-    const PoseRow& row = fit.rows[i];
-    const MatrixXd weighed = fit.noise.covariance(row.by_own).llt().solve(row.by_parameter);
-    half.information += weight * weighed.transpose() * row.by_parameter;
-    half.score += weight * weighed.transpose() * row.off;
+  for (Stand stand : fit.stands) {
+    std::erase_if(stand, [&](std::size_t pose) { return pose < from || pose >= to; });
+    const StandRows rows(fit.noise, fit.rows, fit.weights, stand);
+    if (rows.poses.empty()) continue;
+    half.information(rows.parameters, rows.parameters) +=
+        rows.columns * rows.columns.transpose() / fit.widened;
+    half.score(rows.parameters) += rows.columns * rows.off / fit.widened;
   }
   return half;
 }

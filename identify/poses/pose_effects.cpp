@@ -83,16 +83,20 @@ class Scores {
     normal_ = MatrixXd::Zero(count, count);
     gradient_ = VectorXd::Zero(count);
     MatrixXd with_parameters = MatrixXd::Zero(count, fit.model.parameters());
-    for (std::size_t i = 0; i < poses.size(); ++i) {
-      const double weight = fit.weights(static_cast<Index>(i));
-      if (weight == 0) continue;
-      const PoseRow& row = fit.rows[i];
-      const MatrixXd columns = effect_columns(fit.model, candidates_, poses[i], row);
-      const Eigen::LLT<MatrixXd> noise(fit.noise.covariance(row.by_own));
-      const MatrixXd weighed = weight * noise.solve(columns);
-      normal_ += columns.transpose() * weighed;
-      gradient_ += weighed.transpose() * row.off;
-      with_parameters += weighed.transpose() * row.by_parameter;
+    for (const StandRows& stand : fit.counted()) {
+      MatrixXd columns(stand.off.size(), count);
+      Index at = 0;
+      for (const std::size_t i : stand.poses) {
+        const PoseRow& row = fit.rows[i];
+        columns.middleRows(at, row.off.size()) =
+            effect_columns(fit.model, candidates_, poses[i], row);
+        at += row.off.size();
+      }
+      stand.root.matrixL().solveInPlace(columns);
+      normal_ += columns.transpose() * columns;
+      gradient_ += columns.transpose() * stand.off;
+      with_parameters(Eigen::all, stand.parameters) +=
+          columns.transpose() * stand.columns.transpose();
     }
     whole_ = normal_.diagonal();
     normal_ -= with_parameters * fit.covariance * with_parameters.transpose();

@@ -35,16 +35,17 @@ std::vector<ChainEstimate::Part> parts_of(const PoseFit& fit,
                                           const std::optional<FromSweeps>& sweeps) {
   const Index count = fit.covariance.rows();
   MatrixXd positions = MatrixXd::Zero(count, count), joints = positions;
-  for (std::size_t i = 0; i < fit.rows.size(); ++i) {
-    const double weight = fit.weights(static_cast<Index>(i));
-    const PoseRow& row = fit.rows[i];
-    const MatrixXd weighed = fit.noise.covariance(row.by_own).llt().solve(row.by_parameter);
-    PoseNoise apart = fit.noise;
-    apart.joint_rad = 0;
-    positions +=
-        weight / fit.widened * weighed.transpose() * apart.covariance(row.by_own) * weighed;
-    const MatrixXd by_joint = fit.noise.joint_rad * row.by_own.transpose() * weighed;
-    joints += weight / fit.widened * by_joint.transpose() * by_joint;
+  const auto square = [](double sigma) { return sigma * sigma; };
+  for (const StandRows& stand : fit.counted()) {
+    const MatrixXd weighed = stand.divided_again(stand.columns.transpose());
+    const auto add = [&](const MatrixXd& covariance, MatrixXd& sum) {
+      sum(stand.parameters, stand.parameters) +=
+          weighed.transpose() * covariance * weighed / fit.widened;
+    };
+    add(square(fit.noise.position_mm) * stand.by_position +
+            square(fit.noise.orientation_rad) * stand.by_orientation,
+        positions);
+    add(square(fit.noise.joint_rad) * stand.by_joints, joints);
   }
   Index at = fit.model.chain_parameters().count(true);
   const auto know = [&](double sigma) { joints(at, at) += 1 / (sigma * sigma), ++at; };

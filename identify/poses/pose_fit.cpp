@@ -82,7 +82,7 @@ class Problem {
     double free = 0;
     for (std::size_t i = 0; i < poses_.size(); ++i)
       free += fit_.weights(static_cast<Index>(i)) * static_cast<double>(fit_.rows[i].off.size());
-    for (const WhitenedPose& pose : white_) free -= pose.taken_up(fit_.covariance).trace();
+    for (const StandRows& stand : white_) free -= stand.taken_up(fit_.covariance).trace();
     double lost = fit_.with_orientation ? 6 : 4;
     for (const double size : {fit_.noise.gears_rad, fit_.noise.weights_rad, fit_.noise.play_rad})
       if (size > kNoGears_rad) lost += 2;
@@ -102,25 +102,15 @@ class Problem {
   }
 
  private:
-  /// Of the poses that count.
-  [[nodiscard]] std::vector<WhitenedPose> whitened() const {
-    std::vector<WhitenedPose> all;
-    for (std::size_t i = 0; i < poses_.size(); ++i) {
-      const double weight = fit_.weights(static_cast<Index>(i));
-      if (weight > 0) all.emplace_back(fit_.noise, fit_.rows[i], weight);
-    }
-    return all;
-  }
-
   void solve() {
-    white_ = whitened();
+    white_ = fit_.counted();
     const Index parameters = fit_.model.parameters();
     MatrixXd normal = MatrixXd::Zero(parameters, parameters);
     VectorXd gradient = VectorXd::Zero(parameters);
-    for (const WhitenedPose& pose : white_) {
-      normal(pose.parameters, pose.parameters) +=
-          pose.columns * pose.columns.transpose() / fit_.widened;
-      gradient(pose.parameters) += pose.columns * pose.off / fit_.widened;
+    for (const StandRows& stand : white_) {
+      normal(stand.parameters, stand.parameters) +=
+          stand.columns * stand.columns.transpose() / fit_.widened;
+      gradient(stand.parameters) += stand.columns * stand.off / fit_.widened;
     }
     if (prior_) {
       const Index count = prior_->information.rows();
@@ -182,7 +172,7 @@ class Problem {
 
   /// Each component times the root of what is seen of it over what is expected.
   void size_noise() {
-    white_ = whitened();
+    white_ = fit_.counted();
     NoiseSizes sizes(fit_, white_, step_);
     if (start_.gears_rad > 0) sizes.hold(start_);
     joint_share_ = sizes.joint_share();
@@ -193,12 +183,21 @@ class Problem {
   const std::vector<Pose>& poses_;
   const std::optional<ChainPrior>& prior_;
   const PoseNoise start_;
-  std::vector<WhitenedPose> white_;
+  std::vector<StandRows> white_;
   VectorXd step_;
   double joint_share_ = 1;
 };
 
 }  // namespace
+
+std::vector<StandRows> PoseFit::counted() const {
+  std::vector<StandRows> all;
+  for (const Stand& stand : stands) {
+    all.emplace_back(noise, rows, weights, stand);
+    if (all.back().poses.empty()) all.pop_back();
+  }
+  return all;
+}
 
 double PoseFit::sigmas_off(std::size_t pose) const {
   return sigmas_of(noise, rows[pose], rows[pose].off);
@@ -211,6 +210,7 @@ PoseFit fitted(const PoseModel& start, const PoseNoise& noise, const std::vector
   fit.noise = noise;
   fit.with_orientation = with_orientation;
   fit.weights = VectorXd::Ones(static_cast<Index>(poses.size()));
+  fit.stands = stands_of(poses);
   Problem problem(fit, poses, prior);
   while (fit.iterations < kMostSteps && !fit.converged) {
     ++fit.iterations;

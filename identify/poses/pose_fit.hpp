@@ -8,6 +8,7 @@
 
 #include "identify/poses/pose_model.hpp"
 #include "identify/poses/pose_rows.hpp"
+#include "identify/poses/pose_stands.hpp"
 
 namespace identify {
 
@@ -33,6 +34,7 @@ struct PoseFit {
   PoseNoise noise;
   Eigen::VectorXd weights;     ///< one a pose, 1 for those that fit
   std::vector<PoseRow> rows;   ///< one a pose, at the model
+  std::vector<Stand> stands;   ///< of the poses
   Eigen::MatrixXd covariance;  ///< of the model's parameters; zero along what is undetermined
   Eigen::MatrixXd open;        ///< what that lacks: `open` times its transpose
 
@@ -56,6 +58,8 @@ struct PoseFit {
     return noise.joint_rad * std::sqrt(widened);
   }
 
+  /// The rows of the stands that count.
+  [[nodiscard]] std::vector<StandRows> counted() const;
   /// How far off a pose is (sigmas_of()).
   [[nodiscard]] double sigmas_off(std::size_t pose) const;
 };

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Cholesky>
+
 namespace identify {
 
 using Eigen::Index;
@@ -20,17 +22,6 @@ MatrixXd PoseNoise::covariance(const MatrixXd& by_own) const {
 double sigmas_of(const PoseNoise& noise, const PoseRow& row, const VectorXd& left) {
   const double square = left.dot(noise.covariance(row.by_own).llt().solve(left));
   return std::sqrt(3 * square / static_cast<double>(left.size()));
-}
-
-WhitenedPose::WhitenedPose(const PoseNoise& noise, const PoseRow& row, double weight)
-    : root(noise.covariance(row.by_own)) {
-  for (Index p = 0; p < row.by_parameter.cols(); ++p)
-    if (!row.by_parameter.col(p).isZero(0)) parameters.push_back(p);
-  const auto over_sigma = [&](const MatrixXd& of) -> MatrixXd {
-    return std::sqrt(weight) * root.matrixL().solve(of);
-  };
-  columns = over_sigma(row.by_parameter(Eigen::all, parameters)).transpose();
-  off = over_sigma(row.off);
 }
 
 PoseRow pose_row(const PoseModel& model, const Pose& pose, bool with_orientation) {

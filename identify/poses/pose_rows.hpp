@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 #include "identify/poses/pose_model.hpp"
@@ -11,8 +10,8 @@ namespace identify {
 
 /// Standard deviations of what a pose shows, each a component of its covariance
 ///   V = position^2 I + joint^2 J J^T, with the orientation's rows beside it,
-/// where J is how the target moves with the joints that stand where they do in no other pose. What
-/// a joint is off at a place of several poses is a parameter, as large beforehand.
+/// where J is how the target moves with the joints that stand where they do in no other stand. What
+/// a joint is off at a place of several stands is a parameter, as large beforehand.
 struct PoseNoise {
   double position_mm = 0;      ///< of each coordinate
   double orientation_rad = 0;  ///< about each direction
@@ -45,22 +44,6 @@ struct PoseRow {
 /// a position alone: root of the sum of squares.
 [[nodiscard]] double sigmas_of(const PoseNoise& noise, const PoseRow& row,
                                const Eigen::VectorXd& left);
-
-/// The rows of a pose, divided by their standard deviations. A joint stands at one place of many:
-/// most of the model's parameters do nothing to a pose.
-struct WhitenedPose {
-  WhitenedPose(const PoseNoise& noise, const PoseRow& row, double weight);
-
-  /// What a fit with this covariance takes up of the rows.
-  [[nodiscard]] Eigen::MatrixXd taken_up(const Eigen::MatrixXd& covariance) const {
-    return columns.transpose() * covariance(parameters, parameters) * columns;
-  }
-
-  std::vector<Eigen::Index> parameters;  ///< that do
-  Eigen::MatrixXd columns;  ///< transposed: one row a parameter, one column a row of the model
-  Eigen::VectorXd off;
-  Eigen::LLT<Eigen::MatrixXd> root;  ///< of the rows' covariance
-};
 
 /// Torques count as those of the chain as it is: how they change with it is of second order.
 /// `with_orientation`: the orientation too, of poses that have one.

@@ -45,21 +45,22 @@ std::vector<Load> placed_loads(const std::vector<Load>& loads, const Arm& arm,
   return placed;
 }
 
-/// Each is an unknown: of more, those count in which most poses are.
+/// Each is an unknown: of more, those count in which most stands are.
 constexpr std::size_t kMostPlaces = 200;
 
-/// Where joints stand in two poses or more.
+/// Where joints stand in two stands or more.
 std::vector<JointPlace> shared_places(const std::vector<Pose>& poses, const PoseModel& model) {
   struct Shared {
     JointPlace place;
-    std::ptrdiff_t poses;
+    std::ptrdiff_t stands;
   };
+  const std::vector<Stand> stands = stands_of(poses);
   std::vector<Shared> shared;
   for (std::size_t j = 0; j < model.chain.axes.size(); ++j) {
     if (model.chain.axes[j].linear) continue;
     std::vector<double> told;
-    for (const Pose& pose : poses) {
-      const double turn = model.told(pose.sample)[j];
+    for (const Stand& stand : stands) {
+      const double turn = model.told(poses[stand.front()].sample)[j];
       if (!model.is_known(turn)) told.push_back(turn);
     }
     std::sort(told.begin(), told.end());
@@ -70,7 +71,7 @@ std::vector<JointPlace> shared_places(const std::vector<Pose>& poses, const Pose
     }
   }
   std::stable_sort(shared.begin(), shared.end(),
-                   [](const Shared& a, const Shared& b) { return a.poses > b.poses; });
+                   [](const Shared& a, const Shared& b) { return a.stands > b.stands; });
   std::vector<JointPlace> places;
   for (std::size_t k = 0; k < std::min(kMostPlaces, shared.size()); ++k)
     places.push_back(shared[k].place);

@@ -1,6 +1,7 @@
 #include "identify/poses/pose_estimate.hpp"
 
 #include <algorithm>
+#include <random>
 
 #include "identify/identification.hpp"
 #include "tests/catch.hpp"
@@ -68,6 +69,20 @@ std::vector<Pose> rests(const simulation::Simulation& of) {
       at[j] = of.robot().arm.home_rad[j] + turn_deg * kDegree;
       angles_rad.push_back(at);
     }
+  }
+  return of.poses_at(angles_rad);
+}
+
+/// Each target at each of so many rests.
+std::vector<Pose> seen_together(const simulation::Simulation& of, std::size_t rests,
+                                std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<> turn(-80 * kDegree, 80 * kDegree);
+  std::vector<std::vector<double>> angles_rad;
+  for (std::size_t i = 0; i < rests; ++i) {
+    auto at = of.robot().arm.home_rad;
+    for (double& angle : at) angle += turn(random);
+    angles_rad.insert(angles_rad.end(), of.robot().targets_mm.size(), at);
   }
   return of.poses_at(angles_rad);
 }
@@ -288,6 +303,24 @@ TEST_CASE("What gears are off at a place is told once, however often the arm res
     judge(built, found, all);
   }
   CHECK(static_cast<double>(all.inside) / all.numbers > 0.92);
+  CHECK(std::sqrt(all.squares / all.numbers) == Approx(1).margin(0.15));
+}
+
+TEST_CASE("What joints are off at a rest is told once, however many targets are seen there",
+          "[pose_estimate][pose_stands][long]") {
+  Judged all;
+  auto world = tracker();
+  world.decimals = 2;  // what rounding takes of the angles, all targets of a rest share
+  for (std::uint32_t seed = 1; seed <= 8; ++seed) {
+    const auto built = arm_with(world, seed, 3);
+    const auto found = identify::identify({}, built.campaign(), seen_together(built, 100, seed));
+    INFO("seed " << seed << ": " << found.reason);
+    REQUIRE(found.status == Status::complete);
+    CHECK_FALSE(found.poses->drift.seen);
+    judge(built, found, all);
+  }
+  CHECK(static_cast<double>(all.inside) / all.numbers > 0.9);
+  CHECK(all.farthest < 4);
   CHECK(std::sqrt(all.squares / all.numbers) == Approx(1).margin(0.15));
 }
 
