@@ -153,6 +153,13 @@ std::string_view text(Described described) noexcept {
 }
 
 std::string explanation(const Outcome& outcome) {
+  constexpr double kFewDecimals_rad = 0.005 * identify::kDegree;
+  if (described(outcome) == Described::controller_model && outcome.identification.poses &&
+      outcome.angle_step_rad > kFewDecimals_rad)
+    return "the controller's model, as far as anyone can tell: the positions agree with the "
+           "angles to the printed decimals. Angles of so few decimals hide what a device measures: "
+           "if one measured the positions, write the angles with three decimals or more, or "
+           "measure several targets at each rest.";
   if (described(outcome) == Described::controller_model)
     return "the controller's model: its positions are computed from its angles. It tells machine "
            "data, TOOL and BASE, and whether an elastic model is active. It does not tell how the "

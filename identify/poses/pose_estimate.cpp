@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include <Eigen/Cholesky>
 
@@ -122,16 +124,39 @@ std::vector<double> variances_of_sides(const PoseFit& fit, const std::vector<Pos
   return variances;
 }
 
+/// What distances between targets that were seen from one stand vary by, from stand to stand. The
+/// tool is rigid: whatever the angles are like, positions that were computed do not vary so.
+double distances_vary_mm(const PoseEstimate& found) {
+  std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> distances_mm;
+  for (const Stand& stand : found.fit.stands)
+    for (const std::size_t a : stand)
+      for (const std::size_t b : stand) {
+        const Pose &one = found.poses[a], &other = found.poses[b];
+        if (one.target < other.target && found.fit.weights(static_cast<Index>(a)) > 0.5 &&
+            found.fit.weights(static_cast<Index>(b)) > 0.5)
+          distances_mm[{one.target, other.target}].push_back(
+              (one.sample.position_mm - other.sample.position_mm).norm());
+      }
+  double squares = 0, free = 0;
+  for (const auto& [pair, all] : distances_mm) {
+    const Eigen::Map<const VectorXd> of(all.data(), static_cast<Index>(all.size()));
+    squares += (of.array() - of.mean()).square().sum();
+    free += static_cast<double>(all.size() - 1);
+  }
+  return free > 0 ? std::sqrt(squares / free) : 0;
+}
+
 /// Whether nothing excludes that the positions were computed from the angles: what is left is what
 /// printing leaves, and neither the noise of positions nor that of joints is larger than rounded
-/// angles may make it seem.
+/// angles may make it seem, nor do distances between targets vary.
 bool may_be_computed(const PoseEstimate& found, const Resolution& resolution) {
   const double step_mm = kComputed_mm + resolution.position_mm;
   const double angle_rad = resolution.angle_rad / std::sqrt(12.0);
   constexpr double kMostOfJoints = 1.5;  // of 144 files of computed poses it was 1.2 at most
   return found.left.rms_mm < step_mm + kMetre_mm * resolution.angle_rad &&
          found.fit.noise.position_mm < step_mm + kMetre_mm * angle_rad &&
-         found.fit.noise.joint_rad < kMostOfJoints * angle_rad + step_mm / kMetre_mm;
+         found.fit.noise.joint_rad < kMostOfJoints * angle_rad + step_mm / kMetre_mm &&
+         distances_vary_mm(found) < step_mm;
 }
 
 }  // namespace
@@ -227,8 +252,8 @@ std::optional<PoseEstimate> estimate_poses(const std::vector<Pose>& poses, const
       distances(in++) = found.fit.rows[static_cast<std::size_t>(i)].off.head<3>().norm();
   }
   found.left = left_of(distances.head(in));
-  found.computed = may_be_computed(found, campaign.resolution);
   found.poses = poses;
+  found.computed = may_be_computed(found, campaign.resolution);
   if (campaign.specified) {
     Arm arm = *campaign.specified;
     PlacedArm at = placed_robustly(arm, Freedom::frames, poses, targets);

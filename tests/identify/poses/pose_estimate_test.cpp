@@ -425,6 +425,24 @@ TEST_CASE("Angles of few decimals do not make a device's poses the controller's 
     }
 }
 
+TEST_CASE("Distances between targets tell a device, however few decimals the angles have",
+          "[pose_estimate]") {
+  for (const bool device : {false, true})
+    for (std::uint32_t seed = 1; seed <= 3; ++seed) {
+      auto world = tracker();
+      world.noise.range_mm = world.noise.across_mm = device ? 0.01 : 0;
+      world.noise.decimals = 4;
+      world.decimals = 2;
+      const auto built = arm_with(world, seed, 3);
+      auto campaign = built.campaign();
+      campaign.resolution = {1e-4, 0.01 * kDegree};
+      const auto found = estimated(seen_together(built, 20, seed), campaign);
+      REQUIRE(found);
+      INFO("device " << device << ", seed " << seed);
+      CHECK(found->computed == !device);
+    }
+}
+
 TEST_CASE("Thirty poses are not few, whatever their gears do", "[pose_estimate]") {
   const auto built = arm_with(with_gears(10), 4);
   const auto found = identify::identify({}, built.campaign(), built.poses(30));
