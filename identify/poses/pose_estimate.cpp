@@ -32,6 +32,23 @@ std::size_t targets_in(const std::vector<Pose>& poses, const ChainEstimate* swee
   return count;
 }
 
+/// One of those of a target whose angles are alike: that it was seen there again tells of its
+/// noise, and nothing of the arm.
+std::vector<std::size_t> different_poses(const std::vector<Pose>& poses) {
+  const auto alike = [&](const Pose& one, const Pose& other) {
+    for (std::size_t j = 0; j < one.sample.joints; ++j)
+      if (std::abs(one.sample.angles_rad[j] - other.sample.angles_rad[j]) > kOnePlace_rad)
+        return false;
+    return one.target == other.target;
+  };
+  std::vector<std::size_t> different;
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    if (std::none_of(different.begin(), different.end(),
+                     [&](std::size_t k) { return alike(poses[i], poses[k]); }))
+      different.push_back(i);
+  return different;
+}
+
 /// The shares of the noise of positions (and orientations), of joints, and of what sweeps told.
 std::vector<ChainEstimate::Part> parts_of(const PoseFit& fit,
                                           const std::optional<FromSweeps>& sweeps) {
@@ -205,14 +222,18 @@ std::optional<PoseEstimate> estimate_poses(const std::vector<Pose>& poses, const
   const bool oriented = std::any_of(poses.begin(), poses.end(),
                                     [](const Pose& pose) { return pose.sample.has_orientation; });
   const ChainParameters parameters{campaign.joints, targets};
+  const std::vector<std::size_t> different = different_poses(poses);
   Index rows = 0;
-  for (const Pose& pose : poses) rows += pose.sample.has_orientation ? 6 : 3;
+  for (const std::size_t i : different) rows += poses[i].sample.has_orientation ? 6 : 3;
   const Index unknowns = parameters.count(oriented);
   if (!whole(sweeps) && rows < unknowns + kSpareRows) {
     const Index each = oriented ? 6 : 3;
-    reason = std::to_string(poses.size()) + " poses give " + std::to_string(rows) +
-             " numbers for " + std::to_string(unknowns) + " unknowns: measure at least " +
-             std::to_string((unknowns + kSpareRows + each - 1) / each) + " poses, better 30";
+    const std::string distinct = different.size() < poses.size() ? "different " : "";
+    reason = std::to_string(different.size()) + " " + distinct + "poses give " +
+             std::to_string(rows) + " numbers for " + std::to_string(unknowns) +
+             " unknowns: measure at least " +
+             std::to_string((unknowns + kSpareRows + each - 1) / each) + " " + distinct +
+             "poses, better 30";
     return std::nullopt;
   }
 

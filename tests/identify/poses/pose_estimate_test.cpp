@@ -443,6 +443,18 @@ TEST_CASE("Distances between targets tell a device, however few decimals the ang
     }
 }
 
+TEST_CASE("Poses that were visited again and again are counted once", "[pose_estimate]") {
+  const auto built = arm_with(tracker(0.001), 1);
+  std::vector<std::vector<double>> angles_rad;
+  for (int visit = 0; visit < 7; ++visit)
+    for (const Pose& pose : built.poses(8))
+      angles_rad.emplace_back(pose.sample.angles_rad.begin(),
+                              pose.sample.angles_rad.begin() + pose.sample.joints);
+  const auto found = identify::identify({}, built.campaign(), built.poses_at(angles_rad));
+  CHECK(found.status == Status::failed);
+  CHECK_THAT(found.reason, Catch::Matchers::ContainsSubstring("8 different poses give 24 numbers"));
+}
+
 TEST_CASE("Thirty poses are not few, whatever their gears do", "[pose_estimate]") {
   const auto built = arm_with(with_gears(10), 4);
   const auto found = identify::identify({}, built.campaign(), built.poses(30));
