@@ -307,8 +307,8 @@ std::vector<Warning> advice_on(const PoseEstimate& found, const std::vector<Pose
                       "the first half of the poses and the second tell arms that are " +
                           brief(found.drift.moved_mm) +
                           " mm apart at the target (rms): the arm warmed up, or the device moved. "
-                          "The uncertainties don't hold that; warm the arm up and measure again, "
-                          "or take the poses as of an arm between the two"});
+                          "The numbers are of an arm between the two, and half of what parts "
+                          "them is in the uncertainties: warm the arm up and measure again"});
   // A device that drifts and a joint that plays do so, too.
   for (const Shift& shift : shifts_in(found, poses))
     if (shift.size_mm < kLeastApart_mm && !found.drift.seen)

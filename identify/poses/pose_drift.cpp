@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 
 #include "identify/geometry/symmetric_eigen.hpp"
+#include "identify/poses/drift_spread.hpp"
 
 namespace identify {
 
@@ -45,12 +46,17 @@ Half half_of(const PoseFit& fit, std::size_t from, std::size_t to) {
   return half;
 }
 
-}  // namespace
+/// How the halves differ: M^-1 g, in the model's fixed parameters, and a root of its covariance
+/// where nothing drifts, which is M^-1.
+struct Parted {
+  double chi_squared = 0;
+  int numbers = 0;
+  VectorXd change;
+  MatrixXd root;
+};
 
-PoseDrift drift_of(const PoseFit& fit) {
-  PoseDrift drift;
+Parted parted(const PoseFit& fit) {
   const std::size_t poses = fit.rows.size();
-  if (poses < 2) return drift;
   const Half first = half_of(fit, 0, poses / 2), second = half_of(fit, poses / 2, poses);
   // In units of what all poses tell, so that no number outweighs another.
   VectorXd scale = (first.information + second.information)
@@ -70,26 +76,43 @@ PoseDrift drift_of(const PoseFit& fit) {
   const VectorXd g =
       solved.eigenvectors().transpose() * scale.cwiseProduct(first.score.head(fixed));
   VectorXd inverse = VectorXd::Zero(g.size());
+  Parted parted;
   for (Index k = 0; k < g.size(); ++k) {
     if (solved.eigenvalues()(k) < kLeastShare) continue;
     inverse(k) = 1 / solved.eigenvalues()(k);
-    drift.chi_squared += g(k) * g(k) * inverse(k);
-    ++drift.numbers;
+    parted.chi_squared += g(k) * g(k) * inverse(k);
+    ++parted.numbers;
   }
+  parted.root = scale.asDiagonal() * solved.eigenvectors() * inverse.cwiseSqrt().asDiagonal();
+  parted.change = parted.root * inverse.cwiseSqrt().cwiseProduct(g);
+  return parted;
+}
+
+}  // namespace
+
+PoseDrift drift_of(const PoseFit& fit) {
+  PoseDrift drift;
+  const std::size_t poses = fit.rows.size();
+  if (poses < 2) return drift;
+  const Parted halves = parted(fit);
+  drift.chi_squared = halves.chi_squared;
+  drift.numbers = halves.numbers;
   const Index half_rows = static_cast<Index>(poses / 2) * fit.rows.front().off.size();
   if (drift.numbers == 0 || half_rows < Index{2} * drift.numbers) return drift;
-  const MatrixXd root =
-      scale.asDiagonal() * solved.eigenvectors() * inverse.cwiseSqrt().asDiagonal();
-  const VectorXd change = root * inverse.cwiseSqrt().cwiseProduct(g);
   double square = 0, by_noise = 0;
   for (const PoseRow& row : fit.rows) {
-    const auto columns = row.by_parameter.topLeftCorner(3, fixed);
-    square += (columns * change).squaredNorm();
-    by_noise += (columns * root).squaredNorm();
+    const auto columns = row.by_parameter.topLeftCorner(3, halves.change.size());
+    square += (columns * halves.change).squaredNorm();
+    by_noise += (columns * halves.root).squaredNorm();
   }
   drift.moved_mm = std::sqrt(std::max(0.0, square - by_noise) / static_cast<double>(poses));
   drift.seen = drift.chi_squared > limit_of(drift.numbers) && drift.moved_mm > 0;
   return drift;
+}
+
+MatrixXd drift_spread(const PoseFit& fit) {
+  const VectorXd half = parted(fit).change / 2;
+  return half * half.transpose();
 }
 
 }  // namespace identify

@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 
 #include "identify/chain/home_turn.hpp"
+#include "identify/poses/drift_spread.hpp"
 #include "identify/poses/pose_sag.hpp"
 #include "identify/poses/pose_start.hpp"
 
@@ -49,9 +50,11 @@ std::vector<std::size_t> different_poses(const std::vector<Pose>& poses) {
   return different;
 }
 
-/// The shares of the noise of positions (and orientations), of joints, and of what sweeps told.
+/// The shares of the noise of positions (and orientations), of joints, of what sweeps told, and of
+/// what drifted amid the poses.
 std::vector<ChainEstimate::Part> parts_of(const PoseFit& fit,
-                                          const std::optional<FromSweeps>& sweeps) {
+                                          const std::optional<FromSweeps>& sweeps,
+                                          const MatrixXd& drifted) {
   const Index count = fit.covariance.rows();
   MatrixXd positions = MatrixXd::Zero(count, count), joints = positions;
   const auto square = [](double sigma) { return sigma * sigma; };
@@ -76,21 +79,26 @@ std::vector<ChainEstimate::Part> parts_of(const PoseFit& fit,
   };
   std::vector<ChainEstimate::Part> parts{{Cause::noise, share(positions)},
                                          {Cause::angles, share(joints)}};
+  if (!drifted.isZero(0)) parts.push_back({Cause::drift, drifted});
   if (!sweeps) return parts;
   const Index chain = sweeps->prior.information.rows();
   for (const auto& part : sweeps->parts) {
     MatrixXd of = MatrixXd::Zero(count, count);
     of.topLeftCorner(chain, chain) =
         sweeps->prior.information * part.covariance * sweeps->prior.information;
-    if (part.cause == Cause::noise)
-      parts.front().covariance += share(of);
+    const auto same = std::find_if(parts.begin(), parts.end(),
+                                   [&](const auto& one) { return one.cause == part.cause; });
+    if (same != parts.end())
+      same->covariance += share(of);
     else
       parts.push_back({part.cause, share(of)});
   }
   return parts;
 }
 
-ChainEstimate chain_of(const PoseFit& fit, const std::optional<FromSweeps>& sweeps) {
+/// `drifted`: the covariance of what drifted amid the poses.
+ChainEstimate chain_of(const PoseFit& fit, const std::optional<FromSweeps>& sweeps,
+                       const MatrixXd& drifted) {
   ChainEstimate chain;
   chain.chain = fit.model.chain;
   chain.with_orientation = fit.with_orientation;
@@ -100,8 +108,8 @@ ChainEstimate chain_of(const PoseFit& fit, const std::optional<FromSweeps>& swee
   const auto mapped = [&](const MatrixXd& of) {
     return MatrixXd(map * of.topLeftCorner(of_chain, of_chain) * map.transpose());
   };
-  chain.covariance = mapped(fit.whole_covariance());
-  for (const auto& part : parts_of(fit, sweeps))
+  chain.covariance = mapped(fit.whole_covariance() + drifted);
+  for (const auto& part : parts_of(fit, sweeps, drifted))
     chain.parts.push_back({part.cause, mapped(part.covariance)});
   for (std::size_t j = 0; j < chain.chain.axes.size(); ++j) {
     const ChainAxis& axis = chain.chain.axes[j];
@@ -291,7 +299,12 @@ std::optional<PoseEstimate> estimate_poses(const std::vector<Pose>& poses, const
   }
   found.observability = observability_of(found.fit);
   found.drift = drift_of(found.fit);
-  found.chain = chain_of(found.fit, known);
+  MatrixXd drifted = MatrixXd::Zero(found.fit.covariance.rows(), found.fit.covariance.cols());
+  if (found.drift.seen) {
+    const MatrixXd spread = drift_spread(found.fit);
+    drifted.topLeftCorner(spread.rows(), spread.cols()) = spread;
+  }
+  found.chain = chain_of(found.fit, known, drifted);
   add_turns_at_home(found.chain, variances_of_sides(found.fit, poses));
   return found;
 }

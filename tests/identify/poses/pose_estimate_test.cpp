@@ -455,6 +455,25 @@ TEST_CASE("Poses that were visited again and again are counted once", "[pose_est
   CHECK_THAT(found.reason, Catch::Matchers::ContainsSubstring("8 different poses give 24 numbers"));
 }
 
+TEST_CASE("Uncertainties hold of poses amid which a joint slipped", "[pose_estimate][pose_drift]") {
+  Judged all;
+  for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+    const auto built = arm_with(tracker(0.001), seed);
+    auto poses = built.poses(60);
+    for (std::size_t i = poses.size() / 2; i < poses.size(); ++i)
+      poses[i].sample.angles_rad[3] += 0.02 * kDegree;
+    const auto found = identify::identify({}, built.campaign(), poses);
+    INFO("seed " << seed);
+    REQUIRE(found.poses);
+    CHECK(found.poses->drift.seen);
+    double parts = 0;
+    for (const auto& part : found.poses->chain.parts) parts += part.covariance.trace();
+    CHECK(parts == Approx(found.poses->chain.covariance.trace()).epsilon(1e-6));
+    judge(built, found, all);
+  }
+  CHECK(all.farthest < 4);
+}
+
 TEST_CASE("Thirty poses are not few, whatever their gears do", "[pose_estimate]") {
   const auto built = arm_with(with_gears(10), 4);
   const auto found = identify::identify({}, built.campaign(), built.poses(30));
