@@ -293,14 +293,14 @@ class Estimation {
     estimate.samples_per_independent = weight / sum;
 
     estimate.effects = effects_;
-    double home_rad = 0;
+    double home_mm = 0;
     for (std::size_t j = 0; j < joints_; ++j)
-      home_rad = std::max(home_rad, effects_.home_rad_of(j));
+      if (nodes_.known[j])
+        home_mm = std::max(home_mm, effects_.home_rad_of(j) * lever_mm(best.fit.chain, j));
     // A wave is, on the average of its square, a half.
     const double waves = best.fit.chain.drift_mm.rightCols<kDriftParts - 1>().squaredNorm() / 2 / 3;
     estimate.wander_mm = std::hypot(effects_.drift_mm, std::sqrt(waves));
-    estimate.home_scatter_mm =
-        std::hypot(home_rad * reach_mm(best.fit.chain, nodes_.known), estimate.wander_mm);
+    estimate.home_scatter_mm = std::hypot(home_mm, estimate.wander_mm);
     LinearisedChain linearised(best.fit.chain, nodes_, best.noise, effects_,
                                estimate.with_orientation);
     best.fit.parts = linearised.parts();

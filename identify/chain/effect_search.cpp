@@ -27,6 +27,15 @@ const Incident* likeliest(const std::vector<Incident>& all) {
   return one == all.end() ? nullptr : &*one;
 }
 
+/// A target's distance from the joint's axis, at most.
+double farthest_mm(const Chain& chain, std::size_t joint) {
+  const ChainAxis& axis = chain.axes[joint];
+  double farthest = 0;
+  for (const Eigen::Vector3d& target : chain.targets_mm)
+    farthest = std::max(farthest, (target - axis.point_mm).cross(axis.direction).norm());
+  return farthest;
+}
+
 /// Off home, a linear joint moves the target by about as much as one that turns does at its reach.
 std::vector<double> usual_home_times(const Chain& chain, double reach_mm) {
   std::vector<double> times;
@@ -195,11 +204,12 @@ void EffectSearch::size(FittedChain& best, const ChainEffects& shape) {
 double reach_mm(const Chain& chain, const std::vector<bool>& known) {
   double reach = 1;
   for (std::size_t j = 0; j < chain.axes.size(); ++j)
-    for (const Eigen::Vector3d& target : chain.targets_mm)
-      if (known[j])
-        reach = std::max(reach,
-                         (target - chain.axes[j].point_mm).cross(chain.axes[j].direction).norm());
+    if (known[j]) reach = std::max(reach, farthest_mm(chain, j));
   return reach;
+}
+
+double lever_mm(const Chain& chain, std::size_t joint) {
+  return chain.axes[joint].linear ? kLinear_mm : farthest_mm(chain, joint);
 }
 
 }  // namespace identify

@@ -13,10 +13,10 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 /// Less than one by so many standard deviations, or all is believed.
-constexpr double kChance = 4;
+constexpr double kSurely = 4;
 
 /// Joints that scatter by more steps than these have readings that tell it.
-constexpr double kMostSteps = 3;
+constexpr double kMostScatter = 3;
 
 /// The share of each locked joint's readings, and its standard deviation: least squares of the
 /// departures over the readings, both about the means of the nodes. Of a joint whose readings are
@@ -91,7 +91,7 @@ void discount(StrokeMoments& stroke, ChainObservation* seen, Index joint, Index 
   // Where the stroke's mean, and that of home, are off by no more than the steps make by chance.
   const double off_home = sum / weight;
   const double by_chance =
-      kChance * scatter(stroke, at) * std::sqrt(2 * stroke.correlation / weight);
+      kSurely * scatter(stroke, at) * std::sqrt(2 * stroke.correlation / weight);
   const double level = std::abs(off_home) <= by_chance ? off_home : 0;
   for (std::size_t n = 0; n < stroke.nodes.size(); ++n) {
     Eigen::MatrixXd& sums = stroke.nodes[n].sums;
@@ -114,8 +114,8 @@ bool discount_readings(ChainNodes& nodes, const Chain& chain, const ChainNoise& 
     const Shares found = shares_in(stroke, nodes.first[s], nodes, chain, noise);
     const Index begin = 1 + (stroke.content.orientation ? 6 : 3);
     for (Index k = 0; k < found.share.size(); ++k) {
-      if (!(found.share(k) < 1 - kChance * found.sigma(k)) || found.sigma(k) == 0) continue;
-      if (scatter(stroke, begin + k) > kMostSteps * step_rad) continue;
+      if (!(found.share(k) < 1 - kSurely * found.sigma(k)) || found.sigma(k) == 0) continue;
+      if (scatter(stroke, begin + k) > kMostScatter * step_rad) continue;
       any = true;
       discount(stroke, &nodes.observations[nodes.first[s]], k, begin + k,
                std::max(0.0, found.share(k)));

@@ -254,6 +254,31 @@ TEST_CASE("joints that did not come home are told, and the noise is that of the 
   check_finite(found);
 }
 
+TEST_CASE("how far the target stood off home is told at the target, also where an axis is near it",
+          "[chain_estimator][long]") {
+  auto arm = test::kr5_arc();
+  arm.tool_mm = {2.3, 0, 215};
+  test::Campaign campaign(arm, {0, 0.005, 5});
+  for (int round = 0; round < 3; ++round) campaign.sweep_all_90();
+  auto sweeps = segment(campaign.samples());
+  // Something moves the target by 0.3 mm in each coordinate from sweep to sweep.
+  std::mt19937 random(1);
+  std::normal_distribution<double> off_mm(0, 0.3);
+  for (Sweep& sweep : sweeps) {
+    const Vector3d off{off_mm(random), off_mm(random), off_mm(random)};
+    auto samples = *sweep.samples;
+    for (Sample& sample : samples) {
+      sample.joints = 0;
+      sample.position_mm += off;
+    }
+    sweep.samples = std::make_shared<const std::vector<Sample>>(samples);
+  }
+  const auto found = identify::identify(sweeps, for_kr5());
+  REQUIRE(found.chain);
+  CHECK(found.chain->home_scatter_mm > 0.1);
+  CHECK(found.chain->home_scatter_mm < 1.5);  // five of 0.3 mm: some of the motions explain others
+}
+
 TEST_CASE("a twentieth of the points may be anywhere", "[chain_estimator]") {
   test::Campaign campaign(test::kr5_arc(), {0, 0.02, 6});
   campaign.sweep_all_30();
