@@ -6,7 +6,6 @@
 
 #include <Eigen/Geometry>
 
-#include "identify/circle/circle_estimate.hpp"
 #include "identify/circle/joint_motion.hpp"
 #include "identify/dh/axis_senses.hpp"
 #include "identify/dh/dh_comparison.hpp"
@@ -248,13 +247,13 @@ class Circles {
       return axes;
     };
     if (!senses.ambiguous.empty()) {
-      const auto best =
-          placed_table(turned(with(senses.senses)), result_.specified, size_by_circles_mm(result_));
+      const auto table = [&](const std::vector<int>& turns) {
+        return placed_table(turned(with(turns)), result_.specified, size_by_circles_mm(result_));
+      };
       std::vector<std::vector<DhEstimate>> others;
-      for (const auto& other : senses.others)
-        others.push_back(
-            placed_table(turned(with(other)), result_.specified, size_by_circles_mm(result_)));
+      for (const auto& other : senses.others) others.push_back(table(other));
       result_.doubt = unknown(senses.ambiguous);
+      const auto best = table(senses.senses);
       result_.by_sense = other_numbers(best, others);
       warn("direction_ambiguous", senses.ambiguous.front(),
            result_.doubt + ": " + differing_numbers(best, result_.by_sense) +
