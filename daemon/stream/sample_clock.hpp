@@ -9,10 +9,10 @@ namespace sweepd {
 /// Gives samples their time in seconds since the first one.
 ///
 /// A controller's IPOC counts milliseconds: a clock without the network's jitter. Some simulators
-/// raise it otherwise; then the time of reception is all there is, and a telegram that was overtaken
-/// has the time of its IPOC at the pace of the others. Which of the two it is may only be known
-/// after a while: then time goes on from the newest sample, without a jump. After a restart the
-/// time goes on by the time of reception, at least half a second later. Times depend on the
+/// raise it otherwise; then the time of reception is all there is, and a telegram that was
+/// overtaken has the time of its IPOC at the pace of the others. Which of the two it is may only be
+/// known after a while: then time goes on from the newest sample, without a jump. After a restart
+/// the time goes on by the time of reception, at least half a second later. Times depend on the
 /// datagrams alone, so that a replay gives those of the live run.
 class SampleClock {
  public:
