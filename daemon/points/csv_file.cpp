@@ -82,16 +82,21 @@ void CsvFile::check_end() {
   const bool is_open = !field.empty() && !columns_.back().empty() &&
                        field.data() + field.size() == content_.data() + content_.size();
   const bool is_as_long =
-      last_.known &&
+      last_.known && !field.ends_with('.') &&
       (decimals == 0 && last_.decimals == 0 ? digits >= last_.digits : decimals >= last_.decimals);
   if (is_open && !is_as_long && !(last_.known && field == last_.before))
     fail(columns_.size() - 1,
          fmt::format("expected {}the end of the line, found {} and the end of the file: the file "
                      "may be cut, copy or export it again, or end its last line if it is whole",
-                     last_.decimals > 0 ? rsi::counted(last_.decimals, "decimal") + " and " : "",
+                     last_.known && last_.decimals > 0
+                         ? rsi::counted(last_.decimals, "decimal") + " or more and "
+                         : "",
                      as_found(field)));
-  last_ = {std::string(field), std::max(last_.decimals, decimals), std::max(last_.digits, digits),
-           true};
+  if (!last_.known)
+    last_ = {{}, decimals, digits, true};
+  else
+    last_ = {{}, std::min(last_.decimals, decimals), std::min(last_.digits, digits), true};
+  last_.before = field;
 }
 
 bool CsvFile::next_line() {

@@ -237,17 +237,20 @@ TEST_CASE(
   for (const std::size_t off : {1U, 2U, 3U, 4U, 5U, 6U, 7U}) {
     INFO(all.substr(0, all.size() - off));
     CHECK_THROWS_WITH(lines(all.substr(0, all.size() - off)),
-                      ContainsSubstring("x.csv: line 4, column 2 (y): expected 4 decimals and the "
-                                        "end of the line, found \"4") &&
+                      ContainsSubstring("x.csv: line 4, column 2 (y): expected 4 decimals or more "
+                                        "and the end of the line, found \"4") &&
                           EndsWith("copy or export it again, or end its last line if it is whole"));
   }
   CHECK(lines(all.substr(0, all.size() - 2) + "\n") == 3);  // the writer ended it
   CHECK(lines("x,y\n1,424.5039\n1,\"424.6\"") == 2);
   CHECK(lines("x,y\n1,424.5039\n1,424.6\r") == 2);
   CHECK(lines("x,y\n1,424.5039\n1,") == 2);  // missing, as it says
-  // Digits as they come: none may be longer than the last.
-  CHECK(lines("x,y\n1,0.25\n2,0.125\n3,0.375") == 3);
-  CHECK_THROWS_WITH(lines("x,y\n1,0.25\n2,0.125\n3,0.3"), ContainsSubstring("3 decimals"));
+  // Digits as they come: not all may be longer than the last.
+  CHECK(lines("x,y\n1,0.25\n2,0.125\n3,0.25") == 3);
+  CHECK(lines("x,y\n1,0.25\n2,0.5\n3,0.125\n4,0.3") == 4);
+  CHECK_THROWS_WITH(lines("x,y\n1,0.25\n2,0.125\n3,0.3"), ContainsSubstring("2 decimals or more"));
+  CHECK_THROWS_WITH(lines("x,y\n1,0.25\n2,5\n3,0."), ContainsSubstring("may be cut"));
+  CHECK(lines("x,joint\n1,9\n2,10\n3,8") == 3);
   CHECK_THROWS_WITH(lines("x,y\n1,1.5e-10\n2,2.5e-1"), ContainsSubstring("may be cut"));
   // Whole numbers, and the same one again.
   CHECK(lines("x,joint\n1,10\n2,11") == 2);
