@@ -424,9 +424,13 @@ TEST_CASE("samples of an IPOC that does not count milliseconds have the time of 
 
 TEST_CASE("swapped telegrams are put in order by their IPOC, whatever it counts", "[pipeline]") {
   // Of one that counts no milliseconds, and of telegrams that come faster than it counts.
-  const auto [step, cycle] = GENERATE(std::pair<std::uint64_t, rsi::Timestamp>{1, 4ms},
-                                      std::pair<std::uint64_t, rsi::Timestamp>{4, 1ms},
-                                      std::pair<std::uint64_t, rsi::Timestamp>{4, 4ms});
+  struct Kind {
+    std::uint64_t step;
+    rsi::Timestamp cycle;
+  };
+  const auto kind = GENERATE(Kind{1, 4ms}, Kind{4, 1ms}, Kind{4, 4ms});
+  const std::uint64_t step = kind.step;
+  const rsi::Timestamp cycle = kind.cycle;
   CAPTURE(step, cycle.count());
   constexpr std::uint64_t kMany = 1000;
   Watched watched;
