@@ -81,22 +81,19 @@ void CsvFile::check_end() {
   // Behind a quote, a blank or an end of line a field is whole.
   const bool is_open = !field.empty() && !columns_.back().empty() &&
                        field.data() + field.size() == content_.data() + content_.size();
-  const bool is_as_long =
-      last_.known && !field.ends_with('.') &&
-      (decimals == 0 && last_.decimals == 0 ? digits >= last_.digits : decimals >= last_.decimals);
-  if (is_open && !is_as_long && !(last_.known && field == last_.before))
+  const LastColumn before = last_.value_or(LastColumn{{}, decimals, digits});
+  const bool is_as_long = last_ && !field.ends_with('.') &&
+                          (decimals == 0 && before.decimals == 0 ? digits >= before.digits
+                                                                 : decimals >= before.decimals);
+  if (is_open && !is_as_long && !(last_ && field == before.newest))
     fail(columns_.size() - 1,
          fmt::format("expected {}the end of the line, found {} and the end of the file: the file "
                      "may be cut, copy or export it again, or end its last line if it is whole",
-                     last_.known && last_.decimals > 0
-                         ? rsi::counted(last_.decimals, "decimal") + " or more and "
+                     last_ && before.decimals > 0
+                         ? rsi::counted(before.decimals, "decimal") + " or more and "
                          : "",
                      as_found(field)));
-  if (!last_.known)
-    last_ = {{}, decimals, digits, true};
-  else
-    last_ = {{}, std::min(last_.decimals, decimals), std::min(last_.digits, digits), true};
-  last_.before = field;
+  last_ = {field, std::min(before.decimals, decimals), std::min(before.digits, digits)};
 }
 
 bool CsvFile::next_line() {

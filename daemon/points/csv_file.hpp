@@ -21,7 +21,7 @@ namespace sweepd {
 /// Lines that are empty or begin with # are passed over; a byte order mark and CR LF are taken off,
 /// and quotes around a field, which may then hold anything (RFC 4180). UTF-8 or, with its mark,
 /// UTF-16. A file that may have been cut within its last field is refused: its last line has no
-/// end, and that field is shorter than one before it. All functions that read throw CsvError.
+/// end, and that field is shorter than all before it. All functions that read throw CsvError.
 class CsvFile {
  public:
   /// Reads the whole file. The first line names the columns, unless `columns` does; then a first
@@ -58,13 +58,11 @@ class CsvFile {
   [[noreturn]] void fail_header(std::size_t column, const std::string& problem) const;
 
  private:
-  /// What the fields before show of the last column: were a cut one longer than it is now, it would
-  /// be longer than any of them.
+  /// What the lines before show of the last column.
   struct LastColumn {
-    std::string before;  // the field of the line before
-    std::size_t decimals = 0;
-    std::size_t digits = 0;
-    bool known = false;
+    std::string_view newest;
+    std::size_t decimals;  // the fewest
+    std::size_t digits;
   };
   void check_end();
   bool next_line();
@@ -84,7 +82,7 @@ class CsvFile {
   char separator_ = 0;
   bool waiting_ = false;  // the current line is data that next() has not yet gone to
   std::vector<std::string_view> fields_;
-  LastColumn last_;
+  std::optional<LastColumn> last_;  // nothing before the first line of data
 };
 
 }  // namespace sweepd

@@ -2,6 +2,7 @@
 
 // What the tests of the simulation share.
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -37,9 +38,11 @@ inline std::vector<double> angles_of(const identify::Sample& sample) {
 /// Standard deviation of deviations from zero; of n of them it is known to 1 / sqrt(2 n).
 struct Spread {
   double squares = 0;
+  double most = 0;
   int count = 0;
   void add(double value) {
     squares += value * value;
+    most = std::max(most, std::abs(value));
     ++count;
   }
   [[nodiscard]] double sigma() const { return std::sqrt(squares / count); }

@@ -102,6 +102,15 @@ fs::path recorded_session(const fs::path& output) {
   return *sessions(output).begin();
 }
 
+/// As after kill -9: run.json is without its end.
+fs::path killed_session(const fs::path& output) {
+  const auto session = recorded_session(output);
+  auto run = json_in(session / "run.json");
+  run.erase("ended");
+  std::ofstream(session / "run.json") << run.dump();
+  return session;
+}
+
 struct Traced {
   std::uint64_t telegrams = 0;
   std::uint64_t replies = 0;
@@ -290,16 +299,13 @@ TEST_CASE("a recovered session tells what made its result, and that its recordin
 TEST_CASE("a session of which somebody deleted the beginning tells it after a restart",
           "[robot_service][live]") {
   const TemporaryFolder folder;
-  const auto session = recorded_session(folder / "out");
-  auto run = json_in(session / "run.json");
-  run.erase("ended");
-  std::ofstream(session / "run.json") << run.dump();
+  const auto session = killed_session(folder / "out");
   sweepd::mark_recording_deleted(session);
   RobotService service(settings(folder / "out"));
   service.start();
   REQUIRE(eventually([&] { return json_in(session / "run.json").contains("ended"); }));
   service.stop();
-  run = json_in(session / "run.json");
+  const auto run = json_in(session / "run.json");
   REQUIRE(run["damage"].size() == 1);
   CHECK_THAT(run["damage"][0].get<std::string>(),
              ContainsSubstring("somebody deleted, moved or cut"));
@@ -308,10 +314,7 @@ TEST_CASE("a session of which somebody deleted the beginning tells it after a re
 TEST_CASE("a trace that was cut to nothing is told once, and costs nothing else",
           "[robot_service][live]") {
   const TemporaryFolder folder;
-  const auto session = recorded_session(folder / "out");
-  auto run = json_in(session / "run.json");
-  run.erase("ended");
-  std::ofstream(session / "run.json") << run.dump();
+  const auto session = killed_session(folder / "out");
   const auto empty = session.parent_path() / "20370101T000000Z";
   fs::copy(session, empty);
   fs::resize_file(empty / "trace.pcap", 0);
@@ -323,7 +326,7 @@ TEST_CASE("a trace that was cut to nothing is told once, and costs nothing else"
   service.stop();
   CHECK(json_in(empty / "run.json")["damage"] ==
         Json{"there is no trace to make a last result of"});
-  run = json_in(session / "run.json");
+  const auto run = json_in(session / "run.json");
   CHECK(run["from_recording"] == true);
   REQUIRE(run["damage"].size() == 1);
   CHECK_THAT(run["damage"][0].get<std::string>(), ContainsSubstring("trace-0002.pcap is empty"));
@@ -387,7 +390,7 @@ TEST_CASE("what is no telegram over TCP is said, and at the end what has come si
 }
 
 TEST_CASE("no recording is deleted before its session has a result",
-          "[robot_service][live][retention]") {
+          "[robot_service][live][retention][long]") {
   const TemporaryFolder folder;
   const fs::path session = recorded_session(folder / "out");
   const auto result = content(session / "result.json");

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <random>
@@ -9,6 +8,7 @@
 #include "identify/identification.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/simulated_campaign.hpp"
+#include "tests/identify/simulated_robots.hpp"
 #include "tests/simulation/truth.hpp"
 
 using namespace identify;
@@ -35,8 +35,7 @@ Arm some_arm(std::uint32_t seed) {
 TEST_CASE("positions with one decimal and without angles make a table no more certain than it is",
           "[coarse_print]") {
   constexpr double kStep_mm = 0.1;
-  double squares = 0, most = 0;
-  int count = 0;
+  simulation::robots::Spread errors;
   for (std::uint32_t seed = 1; seed <= 8; ++seed) {
     const Arm arm = some_arm(seed);
     test::Campaign program(arm, {.wobble_deg = 0.0005, .seed = seed});
@@ -52,11 +51,7 @@ TEST_CASE("positions with one decimal and without angles make a table no more ce
     CHECK(found.status == Status::complete);
     for (std::size_t i = 0; i + 1 < found.dh.size(); ++i) {
       const auto add = [&](const DhNumber& number, double off) {
-        if (number.knowledge != Knowledge::identified) return;
-        const double z = off / number.sigma;
-        squares += z * z;
-        most = std::max(most, std::abs(z));
-        ++count;
+        if (number.knowledge == Knowledge::identified) errors.add(off / number.sigma);
       };
       const DhEstimate& row = found.dh[i];
       const DhRow& truth = found.specified[i];
@@ -66,10 +61,10 @@ TEST_CASE("positions with one decimal and without angles make a table no more ce
       add(row.alpha_rad, wrapped(row.alpha_rad.value - truth.alpha_rad));
     }
   }
-  CHECK(count >= 8 * 16);
+  CHECK(errors.count >= 8 * 16);
   // Of normal errors: the root mean square of so many, and the largest.
-  CHECK(std::sqrt(squares / count) < 1.3);
-  CHECK(most < 4.5);
+  CHECK(errors.sigma() < 1.3);
+  CHECK(errors.most < 4.5);
 }
 
 TEST_CASE("gears whose errors a device's few decimals hide are not believed to have none",
@@ -83,8 +78,7 @@ TEST_CASE("gears whose errors a device's few decimals hide are not believed to h
   world.gears.first_arcsec = GENERATE(20, 60);
   world.gears.second_arcsec = world.gears.first_arcsec / 2;
   CAPTURE(world.gears.first_arcsec);
-  double squares = 0, most = 0;
-  std::size_t count = 0;
+  simulation::robots::Spread errors;
   for (std::uint32_t seed = 1; seed <= 6; ++seed) {
     const auto robot = simulation::built(simulation::kr5(), seed);
     const simulation::Simulation arm(simulation::at_random_home(robot, seed), {}, world, seed);
@@ -93,13 +87,9 @@ TEST_CASE("gears whose errors a device's few decimals hide are not believed to h
     REQUIRE(found.status == Status::complete);
     for (const AngleEvidence& joint : found.chain->angles)
       CHECK(joint.trust != AngleTrust::trusted);
-    for (const double z : errors_in_sigmas(arm, found)) {
-      squares += z * z;
-      most = std::max(most, std::abs(z));
-      ++count;
-    }
+    for (const double error : errors_in_sigmas(arm, found)) errors.add(error);
   }
-  CHECK(count >= 6 * 16);
-  CHECK(std::sqrt(squares / static_cast<double>(count)) < 1.3);
-  CHECK(most < 4.5);
+  CHECK(errors.count >= 6 * 16);
+  CHECK(errors.sigma() < 1.3);
+  CHECK(errors.most < 4.5);
 }

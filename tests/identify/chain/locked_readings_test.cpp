@@ -1,11 +1,11 @@
 #include "identify/chain/locked_readings.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
 #include "tests/catch.hpp"
 #include "tests/identify/random_chain.hpp"
+#include "tests/identify/simulated_robots.hpp"
 #include "tests/simulation/truth.hpp"
 
 using namespace identify;
@@ -17,8 +17,7 @@ TEST_CASE("Joints that shake by less than their last decimal leave no noise but 
   world.controller = world.orientations = world.angles = true;
   world.decimals = 2;
   world.wobble_deg = 0.0005;
-  double squares = 0, most = 0;
-  std::size_t count = 0;
+  simulation::robots::Spread errors;
   for (std::uint32_t seed = 1; seed <= 6; ++seed) {
     const auto robot = simulation::built(simulation::iiwa(), seed);
     const Simulation arm(simulation::at_random_home(robot, seed), {}, world, seed);
@@ -27,15 +26,11 @@ TEST_CASE("Joints that shake by less than their last decimal leave no noise but 
     REQUIRE(found.status == Status::complete);
     for (const AngleEvidence& joint : found.chain->angles)
       CHECK(joint.trust == AngleTrust::trusted);
-    for (const double z : errors_in_sigmas(arm, found)) {
-      squares += z * z;
-      most = std::max(most, std::abs(z));
-      ++count;
-    }
+    for (const double error : errors_in_sigmas(arm, found)) errors.add(error);
   }
-  CHECK(count >= 6 * 20);
-  CHECK(std::sqrt(squares / static_cast<double>(count)) < 1.3);
-  CHECK(most < 4.5);
+  CHECK(errors.count >= 6 * 20);
+  CHECK(errors.sigma() < 1.3);
+  CHECK(errors.most < 4.5);
 }
 
 TEST_CASE("Of a locked joint's readings the share counts that the target follows",
