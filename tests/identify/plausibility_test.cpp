@@ -360,7 +360,7 @@ TEST_CASE("a device that was moved a little is told, and allowed for", "[home_ju
                    [](const Warning& warning) { return warning.code == "device_moved"; });
   REQUIRE(told != found.warnings.end());
   CHECK(told->joint == 3);
-  CHECK_THAT(told->message, Catch::Contains("The result allows for it"));
+  CHECK_THAT(told->message, Catch::Matchers::ContainsSubstring("The result allows for it"));
 }
 
 TEST_CASE("a joint that does not come back home is no device that was moved",

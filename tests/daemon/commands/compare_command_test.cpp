@@ -99,7 +99,7 @@ TEST_CASE("the same result twice has not changed, and that is said to be little"
   results.write("a", complete());
   results.write("b", complete());
   CHECK(results.exit_code() == 0);
-  CHECK_THAT(results.text, Catch::StartsWith("No change seen: ") &&
+  CHECK_THAT(results.text, Catch::Matchers::StartsWith("No change seen: ") &&
                                ContainsSubstring("A and B are the same result") &&
                                ContainsSubstring("Both are the controller's model") &&
                                ContainsSubstring("left out  b1, zero1"));
@@ -125,7 +125,7 @@ TEST_CASE("a zero that moved by ten times its uncertainty is named, alone",
   results.write("a", complete());
   results.write("b", later);
   CHECK(results.exit_code() == 3);
-  CHECK_THAT(results.text, Catch::StartsWith("Changed: zero4 by -"));
+  CHECK_THAT(results.text, Catch::Matchers::StartsWith("Changed: zero4 by -"));
   CHECK(results.exit_code(true) == 3);
   const Json json = Json::parse(results.text);
   CHECK(json["verdict"] == Json("changed"));

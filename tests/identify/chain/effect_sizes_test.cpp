@@ -219,7 +219,8 @@ TEST_CASE("A device that sways or warms up moves no axis", "[effect_search][long
       std::find_if(found.warnings.begin(), found.warnings.end(),
                    [](const Warning& warning) { return warning.code == "device_drifts"; });
   REQUIRE(told != found.warnings.end());
-  CHECK_THAT(told->message, !Catch::Contains("there and back"));  // that was done
+  CHECK_THAT(told->message,
+             !Catch::Matchers::ContainsSubstring("there and back"));  // that was done
 }
 
 TEST_CASE("A device that was moved half way through moves no axis", "[effect_search][long]") {
