@@ -33,7 +33,8 @@ SampleRows StrokeCurve::left(const Eigen::Ref<const SampleRows>& errors) const {
   return errors - (found.transpose() * basis_.matrix()).array();
 }
 
-ArrayXd distances_of(const Eigen::Ref<const SampleRows>& errors, double least_of_told) {
+ArrayXd distances_of(const Eigen::Ref<const SampleRows>& errors, double least,
+                     double least_of_told) {
   constexpr double kMedianOfNormal = 0.6745;
   constexpr double kLeast = 1e-10;
   ArrayXd farthest = ArrayXd::Zero(errors.cols());
@@ -41,8 +42,8 @@ ArrayXd distances_of(const Eigen::Ref<const SampleRows>& errors, double least_of
   for (Index d = 0; d < errors.rows(); ++d) {
     sizes = errors.row(d).abs();
     const double middle = median_in({sizes.data(), static_cast<std::size_t>(sizes.size())});
-    const double least = d < 2 ? kLeast : std::max(kLeast, least_of_told);
-    const double sigma = std::max(least, for_few(errors.cols()) * middle / kMedianOfNormal);
+    const double sigma = std::max(
+        {kLeast, d < 2 ? least : least_of_told, for_few(errors.cols()) * middle / kMedianOfNormal});
     farthest = farthest.max(errors.row(d).abs().transpose() / sigma);
   }
   return farthest;

@@ -35,9 +35,11 @@ class StrokeCurve {
 };
 
 /// Distances of errors, in standard deviations of the median one; of their rows the farthest
-/// counts: what a locked joint's wobble does is in more than one. `least_of_told`: the standard
-/// deviation of the third row is taken for no less.
-[[nodiscard]] Eigen::ArrayXd distances_of(const Eigen::Ref<const SampleRows>& errors,
+/// counts: what a locked joint's wobble does is in more than one. Standard deviations are taken for
+/// no less than `least` of the first two rows, which are across the stroke, and `least_of_told` of
+/// the third: more than half of printed numbers may be the same, and others a step beside are no
+/// worse.
+[[nodiscard]] Eigen::ArrayXd distances_of(const Eigen::Ref<const SampleRows>& errors, double least,
                                           double least_of_told = 0);
 
 /// Redescending weights by these distances in so many directions, `wide` times as far as good

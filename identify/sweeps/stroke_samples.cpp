@@ -46,6 +46,11 @@ const ArrayXd& best_told(const StrokeMoments& stroke, const StrokeSamples& seen)
   return stroke.told ? seen.told : seen.turns;
 }
 
+/// Standard deviation of what print leaves of each coordinate.
+double rounding_mm(const StrokeMoments& stroke) {
+  return kEvenlySpread * stroke.content.printed.position_mm;
+}
+
 /// Orders of the stroke's own curve.
 Index curve_orders(Index samples, Index places) {
   return std::clamp<Index>(std::min(samples / 8, places / 2), 1, 8);
@@ -95,7 +100,7 @@ void set_across(const StrokeMoments& stroke, StrokeSamples& seen) {
   if (!stroke.linear)
     seen.errors.row(0) = (x.square() + y.square()).sqrt() - stroke.circle.radius_mm;
   seen.errors.row(1) = coordinate(1);
-  seen.distances = distances_of(seen.errors.topRows(2));
+  seen.distances = distances_of(seen.errors.topRows(2), rounding_mm(stroke));
   seen.beside = weights_of(seen.distances, 2, kNear) == 0;
   // From one to the next, so that turns go on beyond half a one.
   seen.turns.resize(count);
@@ -235,7 +240,7 @@ void set_weights(StrokeMoments& stroke, StrokeSamples& seen) {
     const ArrayXd before = seen.weights;
     curve.weigh(before);
     left = curve.left(seen.errors.topRows(directions));
-    weigh(distances_of(left, told_mm), directions);
+    weigh(distances_of(left, rounding_mm(stroke), told_mm), directions);
     if ((seen.weights - before).abs().maxCoeff() < kSettled) break;
   }
   stroke.blocks.curve_orders = static_cast<std::size_t>(curve.orders());

@@ -1,6 +1,7 @@
 #include "identify/sweeps/stroke_moments.hpp"
 
 #include <cmath>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -94,6 +95,27 @@ TEST_CASE("Samples five millimetres off lose their weight, good ones keep theirs
     CHECK(stroke->outliers <= 22);
     CHECK(stroke->weight == Approx(380).margin(6));
   }
+}
+
+TEST_CASE("Printed numbers a step beside most others are no outliers", "[stroke_moments]") {
+  constexpr double kStep_mm = 0.1;
+  auto samples = std::make_shared<std::vector<Sample>>();
+  for (int i = 0; i < 400; ++i) {
+    const double turn = 0.003 * i;
+    Sample sample;
+    sample.time_s = 0.004 * i;
+    sample.has_position = true;
+    sample.position_mm = {std::round(500 * std::cos(turn) / kStep_mm) * kStep_mm,
+                          std::round(500 * std::sin(turn) / kStep_mm) * kStep_mm,
+                          i % 20 == 7 ? 300.2 : 300.1};
+    samples->push_back(sample);
+  }
+  Sweep sweep;
+  sweep.samples = samples;
+  const auto stroke = moments_of(sweep, {0, 0, false, false, {kStep_mm, 0}});
+  REQUIRE(stroke);
+  CHECK(stroke->outliers == 0);
+  CHECK(stroke->weight == Approx(400));
 }
 
 TEST_CASE("A stroke of few samples, and one whose angles tell nothing of it", "[stroke_moments]") {
