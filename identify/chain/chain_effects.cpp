@@ -76,6 +76,7 @@ EffectColumns::EffectColumns(const ChainEffects& shape, const ChainNodes& nodes)
       shape.print_turn_rad > 0 || shape.any_stray())
     own = turns + 6;
   if (shape.print_rad > 0) own += turned = 9;
+  if (shape.print_turn_rad > 0) own += swept = 2;
   drift_bends = shape.drift_mm > 0 && sweeps_again(nodes);
   if (drift_bends || (shape.print_mm > 0 && bent_by_print(shape.print_mm, nodes))) own += bent = 3;
   if (shape.home_rad > 0 && shape.home_stays) stand = turns;
@@ -155,8 +156,12 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
       const double walk = drift * (share > 0 ? share : 1);
       own.segment<3>(turns + 3).setConstant(0.3 * walk);
       if (columns.drift_bends) own.tail<3>().setConstant(walk * (1.0 / 7 + 1.0 / 3) / 4);
-      own(static_cast<Index>(stroke.content.joint)) =
-          stroke.rounding.told_shift(effects.print_turn_rad);
+      const auto told = stroke.rounding.told_shifts(effects.print_turn_rad);
+      own(static_cast<Index>(stroke.content.joint)) = told[0];
+      if (columns.swept > 0) {
+        own(turns + 6 + columns.turned) = told[1];
+        own(turns + 7 + columns.turned) = told[2];
+      }
       const auto shifts = stroke.rounding.shifts(effects.print_mm, effects.print_rad);
       own.segment<3>(turns) += shifts[0].head<3>().matrix();
       own.segment<3>(turns + 3) += shifts[1].head<3>().matrix();

@@ -17,15 +17,17 @@ inline constexpr Eigen::Index kFigureOrders = 8;
 /// turn of each joint, of the sweeping one where rounding shifts its angle, three shifts, and three
 /// that grow from minus one at a stroke's least turn to one at its greatest. Where printed
 /// orientations are shifted, so many follow, of A, B, C, and three that bend, as the second
-/// Legendre polynomial of the stroke's turn. Where rounding bends a stroke, and where a joint has
-/// swept again, so that a device that wanders can be told from homes that are off, three shifts do
-/// so, too. A stand's are a turn of each joint, where homes stay. Those of a group are the orders
-/// of each target's radial and then axial figure, behind them three shifts where several units
-/// share a device that wanders, and those of the joint's angle. A home's are a turn of each joint.
+/// Legendre polynomial of the stroke's turn. Where rounding shifts the sweeping joint's angle, it
+/// grows and bends, too. Where rounding bends a stroke, and where a joint has swept again, so that
+/// a device that wanders can be told from homes that are off, three shifts do so, too. A stand's
+/// are a turn of each joint, where homes stay. Those of a group are the orders of each target's
+/// radial and then axial figure, behind them three shifts where several units share a device that
+/// wanders, and those of the joint's angle. A home's are a turn of each joint.
 struct EffectColumns {
   EffectColumns(const ChainEffects& shape, const ChainNodes& nodes);
   Eigen::Index own = 0;
   Eigen::Index turned = 0;  ///< of these, those of A, B, C
+  Eigen::Index swept = 0;   ///< those behind them of the sweeping joint's angle
   Eigen::Index bent = 0;    ///< and the last ones
   bool drift_bends = false;
   Eigen::Index stand = 0;
@@ -63,6 +65,11 @@ template <int Size, class ByTurn>
       rows.template block<3, 3>(turns + 9, 3) = place * axes;
       rows.template block<3, 3>(turns + 12, 3) = bend * axes;
     }
+  if (columns.swept > 0) {
+    const auto by_swept = by_turn[seen.joint].template head<Size>().transpose();
+    rows.row(turns + 6 + columns.turned) = place * by_swept;
+    rows.row(turns + 7 + columns.turned) = bend * by_swept;
+  }
   if (columns.bent > 0) rows.template block<3, 3>(columns.own - 3, 0).diagonal().setConstant(bend);
   return rows;
 }

@@ -44,14 +44,14 @@ struct StrokeRounding {
   struct Told {
     double scatter = 0;
     double uneven = 0;
-    double agreement = 0;
+    std::array<double, kOrders> agreement{};
   };
   std::optional<Told> told;
 
   /// Variances of what rounding shifts the coordinates by, one for each order.
   [[nodiscard]] std::array<Coordinates, kOrders> shifts(double step_mm, double step_rad) const;
-  /// The same of the sweeping joint's angle, over the whole stroke.
-  [[nodiscard]] double told_shift(double step_rad) const;
+  /// The same of the sweeping joint's angle.
+  [[nodiscard]] std::array<double, kOrders> told_shifts(double step_rad) const;
 };
 
 /// Variance of what numbers scatter by from one to the next about an even motion.
