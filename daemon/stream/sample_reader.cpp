@@ -106,13 +106,16 @@ SampleReader::ExternalReading SampleReader::usual_external_reading() const {
 void SampleReader::follow_external_axes(const rsi::Telegram& telegram) {
   if (external_.empty()) return;
   ExternalReading reading{};
+  bool sent = false;  // those that are missing stand at 0 for all that is known
   for (std::size_t k = 0; k < external_.size(); ++k) {
     const rsi::Signal* const signal = external_[k].in(telegram);
-    if (signal == nullptr) return;  // all six are sent, or none
+    if (signal == nullptr) continue;
     const auto value = rsi::number(signal->text);
     if (!value) return;
     reading[k] = *value;
+    sent = true;
   }
+  if (!sent) return;
   external_readings_[external_read_++ % kExternalReadings] = reading;
   // Where all of the last readings are at one place, so is what is usual of them.
   const bool there = !external_places_.empty() && at_place(reading, external_places_.front().at);

@@ -96,6 +96,21 @@ TEST_CASE("a sample tells whether an external axis stands elsewhere, not that it
   }
 }
 
+TEST_CASE("an external axis is seen to move where the telegrams have no others",
+          "[sample_reader]") {
+  const auto place = [](SampleReader& reader, const std::string& axis) {
+    std::uint16_t at = 0;
+    for (int telegrams = 0; telegrams < 12; ++telegrams)
+      at = reader.read(Parsed("<EIPos " + axis + "/>")).external_place;
+    return at;
+  };
+  SampleReader reader(SignalNames{}, 6);
+  const auto before = place(reader, "E1=\"100.0\"");
+  CHECK(place(reader, "E1=\"100.1\"") == before);
+  CHECK(place(reader, "E1=\"900.0\"") != before);
+  CHECK(place(reader, "E1=\"100.0\"") == before);
+}
+
 TEST_CASE("external axes that shake about a place have not moved", "[sample_reader]") {
   const double sigma = GENERATE(0.05, 0.1);
   std::mt19937 random(1);
