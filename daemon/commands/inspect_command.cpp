@@ -33,7 +33,11 @@ int inspect(const InspectOptions& options, std::ostream& out, std::ostream& erro
   else if (options.json)
     write_output(*options.json, link_json(*search.chosen, report));
   if (!json_only && !options.quiet) out << link_text(*search.chosen, report);
-  return rsi::verdict(report).grade == rsi::Grade::bad ? kFailed : kOk.code;
+  const auto verdict = rsi::verdict(report);
+  if (verdict.grade != rsi::Grade::bad) return kOk.code;
+  if (options.quiet)
+    errors << "sweepd: the link is bad: " << verdict.reasons.front().message << '\n';
+  return kFailed;
 }
 
 CLI::App* add_inspect(CLI::App& app, InspectOptions& options) {

@@ -171,14 +171,23 @@ std::string reasons(const rsi::Verdict& verdict) {
   return text;
 }
 
+/// "good", and of few telegrams as far as these tell.
+std::string grade(const rsi::Verdict& verdict, const LinkReport& report) {
+  const bool few = report.link.telegrams < rsi::VerdictLimits::kTelling;
+  std::string text(rsi::text(verdict.grade));
+  if (few && verdict.grade == rsi::Grade::good)
+    text += ", as far as " + rsi::counted(report.link.telegrams, "telegram") + " can tell";
+  return text;
+}
+
 }  // namespace
 
 std::string link_text(const rsi::Conversation& conversation, const LinkReport& report) {
   const rsi::Verdict verdict = rsi::verdict(report);
   std::string text = "Link of " + rsi::text(conversation) + "\n" +
                      rounded_seconds(report.duration) + " s from " + utc_text(report.start) +
-                     "\n\nVerdict: " + std::string(rsi::text(verdict.grade)) + "\n" +
-                     reasons(verdict) + "\n" + telegrams(report) + "\n" + replies(report);
+                     "\n\nVerdict: " + grade(verdict, report) + "\n" + reasons(verdict) + "\n" +
+                     telegrams(report) + "\n" + replies(report);
   if (report.jitter.count() > 0) text += "\n" + quantiles(report);
   if (report.latency.count() > 0) text += "\n" + bars("Reply latency", report.latency);
   if (report.jitter.count() > 0) text += "\n" + bars("Cycle jitter, early or late", report.jitter);

@@ -89,6 +89,28 @@ TEST_CASE("the JSON goes into a file beside the text, or to standard output in i
   const auto quiet = inspected({.traces = {folder / "x.pcap"}, .quiet = true});
   CHECK(quiet.text.empty());
   CHECK(quiet.code == 0);
+  CHECK(quiet.errors.empty());
+}
+
+TEST_CASE("of few telegrams a link is good as far as they can tell", "[inspect_command]") {
+  const TemporaryFolder folder;
+  write_cycles(folder / "x.pcap", 0, 38);
+  const auto few = inspected({.traces = {folder / "x.pcap"}});
+  CHECK(few.code == 0);
+  CHECK_THAT(few.text, ContainsSubstring("Verdict: good, as far as 38 telegrams can tell\n"));
+  write_cycles(folder / "y.pcap", 0, 1000);
+  const auto enough = inspected({.traces = {folder / "y.pcap"}});
+  CHECK_THAT(enough.text, ContainsSubstring("Verdict: good\n"));
+}
+
+TEST_CASE("a bad link is said in one line where nothing else is printed", "[inspect_command]") {
+  const TemporaryFolder folder;
+  write_cycles(folder / "x.pcap", 0, 500, 5ms);
+  const auto bad = inspected({.traces = {folder / "x.pcap"}, .quiet = true});
+  CHECK(bad.code == 1);
+  CHECK(bad.text.empty());
+  CHECK_THAT(bad.errors, ContainsSubstring("sweepd: the link is bad: ") &&
+                             ContainsSubstring("got no reply within a cycle"));
 }
 
 TEST_CASE("one conversation of several is chosen, by port or by controller", "[inspect_command]") {
