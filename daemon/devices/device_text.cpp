@@ -31,6 +31,32 @@ void append_utf8(std::string& text, char32_t c) {
   }
 }
 
+/// A character that is cut at the end may be one.
+bool is_utf8(std::string_view text) {
+  const auto byte = [&](std::size_t k) -> unsigned { return static_cast<unsigned char>(text[k]); };
+  for (std::size_t i = 0; i < text.size();) {
+    const unsigned first = byte(i);
+    const std::size_t size = first < 0x80                     ? 1
+                             : first >= 0xc2 && first < 0xe0  ? 2
+                             : first >= 0xe0 && first < 0xf0  ? 3
+                             : first >= 0xf0 && first <= 0xf4 ? 4
+                                                              : 0;
+    if (size == 0) return false;
+    for (std::size_t k = 1; k < size && i + k < text.size(); ++k)
+      if ((byte(i + k) & 0xc0U) != 0x80) return false;
+    i += size;
+  }
+  return true;
+}
+
+/// Each byte is the character of its number.
+std::string from_latin1(std::string_view bytes) {
+  std::string text;
+  text.reserve(bytes.size() + bytes.size() / 64);
+  for (const char c : bytes) append_utf8(text, static_cast<unsigned char>(c));
+  return text;
+}
+
 /// From the bytes behind the byte order mark. Throws CsvError at half a character.
 std::string from_utf16(const std::filesystem::path& path, std::string_view bytes, bool big) {
   std::string text;
@@ -85,7 +111,7 @@ std::string as_utf8(const std::filesystem::path& path, std::string bytes) {
                    ": expected text, found binary data: give what the device's program exports as "
                    "text, and captures of telegrams to `sweepd replay`");
   if (all.starts_with("\xef\xbb\xbf")) bytes.erase(0, 3);
-  return bytes;
+  return is_utf8(bytes) ? std::move(bytes) : from_latin1(bytes);
 }
 
 DeviceText::DeviceText(std::filesystem::path path, std::string bytes)

@@ -21,7 +21,8 @@ class CsvError : public std::runtime_error {
 };
 
 /// The text of a file's bytes, without a byte order mark: with one of UTF-16 it is read so, in
-/// either order. Throws CsvError at UTF-16 that is none, and at what is no text.
+/// either order, and what is no UTF-8 as Latin-1, which older programs write. Throws CsvError at
+/// UTF-16 that is none, and at what is no text.
 [[nodiscard]] std::string as_utf8(const std::filesystem::path& path, std::string bytes);
 
 using Fields = std::vector<std::string_view>;

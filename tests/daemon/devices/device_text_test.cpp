@@ -54,6 +54,21 @@ TEST_CASE("UTF-16 becomes UTF-8, and half a character is an error with its line"
     CHECK_THROWS_WITH(DeviceText("x", bytes), ContainsSubstring("x: line 2: expected UTF-16 text"));
 }
 
+TEST_CASE("what is no UTF-8 is Latin-1, and becomes UTF-8", "[device_text]") {
+  const auto text = [](const char* bytes) { return sweepd::as_utf8("x", bytes); };
+  CHECK(text("20 \xb0"
+             "C, gr\xfcn\n") ==
+        "20 \xc2\xb0"
+        "C, gr\xc3\xbcn\n");
+  for (const char* utf8 : {"20 \xc2\xb0"
+                           "C",
+                           "\xe2\x82\xac 5", "\xf0\x9f\xa4\x96", "plain"})
+    CHECK(text(utf8) == utf8);
+  CHECK(text("cut within \xc2") == "cut within \xc2");
+  for (const char* broken : {"\xc0\xaf", "\xe2\x82 5", "\xff", "\x80"})
+    CHECK(text(broken) != broken);
+}
+
 TEST_CASE("dates are those of ISO, America and Germany", "[date_time]") {
   const double noon = *seconds_of_date("2024-03-14T12:00:00");
   CHECK(*seconds_of_date("2024-03-14 12:00:00.25") - noon == Approx(0.25));

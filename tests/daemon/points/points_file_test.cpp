@@ -41,6 +41,19 @@ Eigen::Matrix3d rotation(const std::array<double, 3>& abc) {
 
 }  // namespace
 
+TEST_CASE("names of Latin-1 are read, and told, as what they are", "[points_file]") {
+  const TemporaryFolder folder;
+  PointsReader reader({}, 12);
+  static_cast<void>(reader.read(
+      folder.write("points.csv", "target,t_s,x_mm,y_mm,z_mm\nKugel gr\xfcn,1,2,3,4\n"), {}));
+  CHECK(reader.targets() == std::vector<std::string>{"Kugel gr\xc3\xbcn"});
+  check_points_error(
+      "t_s,x_mm,y_mm,z_mm,temp_\xb0"
+      "c\n",
+      "line 1, column 5 (temp_\xc2\xb0"
+      "c): ");
+}
+
 TEST_CASE("columns come in any order, lengths in mm or m, angles in deg or rad", "[points_file]") {
   const TemporaryFolder folder;
   const auto file = read(folder,
