@@ -118,7 +118,7 @@ class Shown {
   std::optional<rsi::Timestamp> first_;
   rsi::Timestamp last_{};
   std::size_t count_ = 0, datagrams_ = 0;
-  std::array<std::size_t, 5> by_kind_{};
+  std::array<std::size_t, 6> by_kind_{};
 };
 
 }  // namespace

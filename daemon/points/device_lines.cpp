@@ -59,6 +59,7 @@ DeviceLines::Line DeviceLines::read(std::string_view line, Point& point) {
   while (line.ends_with('\r') || line.ends_with('\n')) line.remove_suffix(1);
   if (const auto all = rsi::trimmed(line); all.empty() || all.front() == '#') return Line::empty;
   if (!split_fields(line)) return Line::other_fields;
+  if (may_have_thousands()) return Line::thousands;
   identify::Sample sample;
   sample.time_s = point.sample.time_s;
   if (columns_.time) {
@@ -102,6 +103,26 @@ bool DeviceLines::split_fields(std::string_view line) {
   return false;
 }
 
+/// As in files: numbers of one line, and of one device, are written alike.
+bool DeviceLines::may_have_thousands() {
+  if (!is_comma_decimal_) return false;
+  std::size_t thousands = 0;
+  std::size_t others = 0;
+  const auto look_at = [&](const Place& place) {
+    const auto text = fields_[place.column];
+    if (text.empty()) return;
+    if (text.find(',') == std::string_view::npos)
+      ++others;
+    else if (may_be_thousands(text))
+      ++thousands;
+    else
+      shown_decimal_ = true;
+  };
+  if (columns_.time) look_at(*columns_.time);
+  for (const Place& place : columns_.position) look_at(place);
+  return thousands > 0 && others > 0 && !shown_decimal_;
+}
+
 std::optional<double> DeviceLines::number(const Place& place, std::optional<double>* step) {
   std::string_view text = fields_[place.column];
   std::array<char, 32> with_point{};
@@ -130,6 +151,8 @@ std::string_view text(DeviceLines::Line line) noexcept {
       return "more or fewer fields than columns";
     case DeviceLines::Line::no_number:
       return "something else where a number or a name is expected";
+    case DeviceLines::Line::thousands:
+      return "a comma that may be one of decimals or of thousands (send decimal points)";
     case DeviceLines::Line::not_seen:
       return "a target that was not seen";
   }

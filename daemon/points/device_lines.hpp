@@ -14,7 +14,9 @@ namespace sweepd {
 
 /// Reads lines of text as a device sends them while it measures: numbers with commas, semicolons,
 /// tabs or blanks between, by the columns of a file of points. Where no commas stand between,
-/// numbers may have decimal commas. Takes any bytes. One thread.
+/// numbers may have decimal commas: a line is refused whose commas may all stand between thousands
+/// while other numbers have none, until one has shown that they are decimal. Takes any bytes. One
+/// thread.
 class DeviceLines {
  public:
   /// `columns`: as for `identify --columns`. Throws std::invalid_argument where they are wrong, or
@@ -28,6 +30,7 @@ class DeviceLines {
     empty,         ///< or a comment, which begins with #
     other_fields,  ///< more or fewer than there are columns
     no_number,     ///< where the columns have one
+    thousands,     ///< a number like 1,234, in which nothing tells whether it is 1.234 or 1234
     not_seen,      ///< the target was not: there is no position
   };
   /// `point` is set where the line is one. Without a time column, its time is left as it was.
@@ -40,12 +43,14 @@ class DeviceLines {
 
  private:
   [[nodiscard]] bool split_fields(std::string_view line);
+  [[nodiscard]] bool may_have_thousands();
   [[nodiscard]] std::optional<double> number(const Place& place, std::optional<double>* step);
 
   std::size_t count_ = 0;  // of columns
   PointColumns columns_;
   std::vector<std::string_view> fields_;
   bool is_comma_decimal_ = false;  // in the current line, where a number has one
+  bool shown_decimal_ = false;     // by a comma that cannot stand between thousands
   TargetNames targets_;
   std::optional<double> step_mm_;
 };

@@ -77,3 +77,22 @@ TEST_CASE("Numbers may have decimal commas where no commas stand between", "[dev
     CHECK(lines.read(line, point) == Line::no_number);
   }
 }
+
+TEST_CASE("A comma that may stand between thousands is no decimal one until a line shows it",
+          "[device_lines]") {
+  DeviceLines lines("x_mm,y_mm,z_mm");
+  Point point;
+  // 1.234 mm, or 1234 mm?
+  for (const char* line : {"1,234;567;-890", "1,234;567.5;-890.25", "1,234\t-2,345\t0"}) {
+    INFO(line);
+    CHECK(lines.read(line, point) == Line::thousands);
+  }
+  CHECK(lines.read("1,234;;", point) == Line::not_seen);
+  // All alike to three decimals, as programs print them.
+  REQUIRE(lines.read("1,234;567,000;-890,125", point) == Line::point);
+  CHECK(point.sample.position_mm == Eigen::Vector3d(1.234, 567, -890.125));
+  CHECK(lines.read("1,234;567;-890", point) == Line::thousands);
+  REQUIRE(lines.read("0,234;567;-890,1", point) == Line::point);
+  REQUIRE(lines.read("1,234;567;-890", point) == Line::point);
+  CHECK(point.sample.position_mm == Eigen::Vector3d(1.234, 567, -890));
+}
