@@ -9,7 +9,6 @@
 #include "identify/chain/delay.hpp"
 #include "identify/chain_advice.hpp"
 #include "identify/circle/joint_motion.hpp"
-#include "identify/dh/dh_comparison.hpp"
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/median.hpp"
 #include "identify/geometry/warning.hpp"
@@ -66,6 +65,36 @@ double predicted(double sigma, double arc_rad, double other_arc_rad) {
   return sigma * direction_sigma_of_arc(other_arc_rad) / direction_sigma_of_arc(arc_rad);
 }
 
+/// At which height numbers from a row on are stated, and which ones are by convention for it.
+std::string taken_at(const Identification& found, const std::vector<DhEstimate>& measured,
+                     const Campaign& campaign, std::size_t first) {
+  std::string names;
+  bool by_b = false;
+  for (std::size_t i = first; i < found.dh.size() && (i == first || found.joints[i].axis); ++i) {
+    std::string of_row;
+    for (const DhNumberName& of : kDhNumbers) {
+      const bool is_b = of.number == &DhEstimate::b_mm;
+      if ((found.dh[i].*of.number).knowledge != Knowledge::by_convention ||
+          (measured[i].*of.number).knowledge != Knowledge::identified ||
+          (i == 0 && (is_b || of.number == &DhEstimate::theta_rad)))
+        continue;
+      of_row += (of_row.empty() ? "" : ", ") + std::string(of.name);
+      by_b = by_b || is_b;
+    }
+    if (!of_row.empty())
+      names += (names.empty() ? "" : "; ") + of_row + " of row " + std::to_string(i + 1);
+  }
+  const std::string others = "Its a, and theta and a of the next row, are those at ";
+  if (by_b)
+    return "By convention it is where " + names + " is " +
+           (campaign.specified ? "as specified" : "zero") + ". " + others + "that height";
+  if (!names.empty())
+    return "By convention it is level with the point stated of its axis. These numbers are not "
+           "determined, and set as they are at that height: " +
+           names;
+  return others + "the height of the device's origin";
+}
+
 class Adviser {
  public:
   Adviser(Identification& found, const Campaign& campaign) : found_(found), campaign_(campaign) {}
@@ -78,7 +107,10 @@ class Adviser {
       judge_speed(j);
       if (found_.chain) judge_angles(j);
     }
-    judge_height();
+    const bool by_chain = found_.chain && found_.estimator != Estimator::circle;
+    const auto& measured = by_chain ? found_.chain->dh : found_.circle_dh;
+    for (Warning& warning : advice_on_height(found_, measured, campaign_))
+      found_.warnings.push_back(std::move(warning));
     judge_base();
     judge_resolution();
     if (campaign_.motion_limit)
@@ -158,53 +190,6 @@ class Adviser {
              uncertain(sigma) + " on an arc of " + degrees(joint.circle->arc_rad) +
              "): sweeping it over " + degrees(arc) + " as well would give about " +
              uncertain(predicted(sigma, joint.circle->arc_rad, arc)));
-  }
-
-  /// The numbers of axes that are not quite parallel hang on where along them they are taken.
-  void judge_height() {
-    for (std::size_t i = 0; i + 1 < found_.dh.size(); ++i) {
-      const bool begins = i == 0 ? campaign_.device_frame : !found_.joints[i - 1].axis;
-      const DhEstimate& row = found_.dh[i];
-      if (!begins || row.relation != Relation::parallel) continue;
-      const double off = std::hypot(std::remainder(row.alpha_rad.value, kPi), row.beta_rad.value);
-      warn("height_unknown", i,
-           "its axis and the next are parallel, and nothing tells where along them the arm "
-           "stands. " +
-               taken_at(i) + ". They change by up to " + brief(1000 * std::tan(off)) +
-               " mm for each metre along the axes, which are " + uncertain(off) + " off parallel");
-    }
-  }
-
-  /// At which height numbers from a row on are stated, and which ones are by convention for it.
-  [[nodiscard]] std::string taken_at(std::size_t first) const {
-    const auto& measured =
-        found_.estimator == Estimator::circle ? found_.circle_dh : found_.chain->dh;
-    std::string names;
-    bool by_b = false;
-    for (std::size_t i = first; i < found_.dh.size() && (i == first || found_.joints[i].axis);
-         ++i) {
-      std::string of_row;
-      for (const DhNumberName& of : kDhNumbers) {
-        const bool is_b = of.number == &DhEstimate::b_mm;
-        if ((found_.dh[i].*of.number).knowledge != Knowledge::by_convention ||
-            (measured[i].*of.number).knowledge != Knowledge::identified ||
-            (i == 0 && (is_b || of.number == &DhEstimate::theta_rad)))
-          continue;
-        of_row += (of_row.empty() ? "" : ", ") + std::string(of.name);
-        by_b = by_b || is_b;
-      }
-      if (!of_row.empty())
-        names += (names.empty() ? "" : "; ") + of_row + " of row " + std::to_string(i + 1);
-    }
-    const std::string others = "Its a, and theta and a of the next row, are those at ";
-    if (by_b)
-      return "By convention it is where " + names + " is " +
-             (campaign_.specified ? "as specified" : "zero") + ". " + others + "that height";
-    if (!names.empty())
-      return "By convention it is level with the point stated of its axis. These numbers are not "
-             "determined, and set as they are at that height: " +
-             names;
-    return others + "the height of the device's origin";
   }
 
   void judge_speed(std::size_t j) {
@@ -315,6 +300,27 @@ class Adviser {
 
 void add_advice(Identification& found, const Campaign& campaign) {
   Adviser(found, campaign).run();
+}
+
+std::vector<Warning> advice_on_height(const Identification& found,
+                                      const std::vector<DhEstimate>& measured,
+                                      const Campaign& campaign) {
+  std::vector<Warning> advice;
+  for (std::size_t i = 0; i + 1 < found.dh.size(); ++i) {
+    const bool begins = i == 0 ? campaign.device_frame : !found.joints[i - 1].axis;
+    const DhEstimate& row = found.dh[i];
+    if (!begins || row.relation != Relation::parallel) continue;
+    const double off = std::hypot(std::remainder(row.alpha_rad.value, kPi), row.beta_rad.value);
+    advice.push_back(
+        {"height_unknown", i,
+         joint_name(i) +
+             ": its axis and the next are parallel, and nothing tells where along them the arm "
+             "stands. " +
+             taken_at(found, measured, campaign, i) + ". They change by up to " +
+             brief(1000 * std::tan(off)) + " mm for each metre along the axes, which are " +
+             brief(off / kDegree) + "° off parallel"});
+  }
+  return advice;
 }
 
 }  // namespace identify

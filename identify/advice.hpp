@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "identify/geometry/angle.hpp"
 #include "identify/identification.hpp"
 
@@ -14,5 +16,12 @@ inline constexpr double kPoorRadius_mm = 20;
 /// as the method assumes: each with figures, and where it can be predicted, with what the remedy
 /// would give. By the final axes and their covariance, and by what the chain saw of the noise.
 void add_advice(Identification& found, const Campaign& campaign);
+
+/// Where the first axes are parallel, in a device's frame or behind a joint without an axis: that
+/// nothing tells where along them the arm stands, at which height the numbers are stated, and which
+/// are by convention for it. `measured` is the table of `found` before that convention.
+[[nodiscard]] std::vector<Warning> advice_on_height(const Identification& found,
+                                                    const std::vector<DhEstimate>& measured,
+                                                    const Campaign& campaign);
 
 }  // namespace identify

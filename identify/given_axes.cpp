@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "identify/advice.hpp"
 #include "identify/chain/chain_table.hpp"
 #include "identify/dh/base_height.hpp"
 #include "identify/geometry/angle.hpp"
@@ -113,6 +114,8 @@ Identification identify_given_axes(const std::vector<Axis>& axes, const Campaign
     const bool turned = campaign.specified && campaign.specified->positive[j] < 0;
     found.joints[j].axis = turned ? z[j]->reversed() : z[j];
   }
+  for (Warning& warning : advice_on_height(found, extract_dh(z, size, found.specified), campaign))
+    found.warnings.push_back(std::move(warning));
   name_undetermined(found);
   if (auto contradiction = contradiction_of_specified(found, campaign))
     found.doubts.push_back(std::move(*contradiction));

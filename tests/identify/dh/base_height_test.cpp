@@ -124,6 +124,15 @@ TEST_CASE("axes that are given in a device's frame leave the height open as well
     CHECK(found.doubts.empty());
     CHECK(found.dh[1].b_mm.knowledge == Knowledge::by_convention);
     CHECK(found.dh[1].b_mm.value == Approx(-400).margin(1e-6));
+    const Warning* const warning = find_warning(found, "height_unknown");
+    REQUIRE(warning != nullptr);
+    CHECK(warning->joint == 0U);
+    CHECK_THAT(warning->message, ContainsSubstring("b of row 2 is as specified") &&
+                                     ContainsSubstring("mm for each metre"));
+    campaign.device_frame = false;
+    CHECK_FALSE(find_warning(identify_given_axes(axes_before_a_device(robot, seed), campaign),
+                             "height_unknown"));
+    campaign.device_frame = true;
   }
 }
 
