@@ -74,8 +74,11 @@ std::string taken_at(const Identification& found, const std::vector<DhEstimate>&
     std::string of_row;
     for (const DhNumberName& of : kDhNumbers) {
       const bool is_b = of.number == &DhEstimate::b_mm;
+      // That of a linear joint is by convention anyway; if it gives the height it went along.
+      const bool went_along =
+          is_b && found.dh[i].linear && found.dh[i].b_mm.value != measured[i].b_mm.value;
       if ((found.dh[i].*of.number).knowledge != Knowledge::by_convention ||
-          (measured[i].*of.number).knowledge != Knowledge::identified ||
+          ((measured[i].*of.number).knowledge != Knowledge::identified && !went_along) ||
           (i == 0 && (is_b || of.number == &DhEstimate::theta_rad)))
         continue;
       of_row += (of_row.empty() ? "" : ", ") + std::string(of.name);

@@ -166,11 +166,13 @@ Identification estimate(std::vector<Sweep> sweeps, const Campaign& campaign) {
   if (!found.chain) found.chain = estimate_chain(found, axes, campaign);
   if (!found.chain) return found;
   place_linear_axes(*found.chain, campaign, found.specified);
-  if (found.chain->summary.converged)
+  if (found.chain->summary.converged) {
+    if (campaign.device_frame && !found.dh.empty()) found.circle_dh = found.dh;  // from one base
     take_chain(found, campaign, Estimator::chain);
-  else
+  } else {
     found.chain->dh =
         table_of(table_axes(*found.chain, campaign), found.joints.size(), found.specified);
+  }
   for (std::size_t j = 0; j < found.joints.size(); ++j)
     if (const JointResult& joint = found.joints[j]; joint.axis && joint.circle)
       found.chain->angles[j].center_sigma_rad =

@@ -72,7 +72,7 @@ class Slopes {
     if (row == of_.first && (of.number == &DhEstimate::b_mm || of.number == &DhEstimate::theta_rad))
       return false;
     const DhNumber& number = table[row].*of.number;
-    return number.knowledge == Knowledge::identified &&
+    return is_placed(table[row], of) &&
            std::abs(at(row, of)) * kMostOff_mm > std::max(number.sigma, kNoChange);
   }
 
@@ -87,13 +87,18 @@ class Slopes {
   [[nodiscard]] std::optional<std::size_t> gives_height(
       const std::vector<DhEstimate>& table) const {
     for (std::size_t row = of_.first + 1; row < of_.end; ++row)
-      if (table[row].b_mm.knowledge == Knowledge::identified &&
-          std::abs(at(row, kDhNumbers[0])) > kWithHeight)
+      if (is_placed(table[row], kDhNumbers[0]) && std::abs(at(row, kDhNumbers[0])) > kWithHeight)
         return row;
     return std::nullopt;
   }
 
  private:
+  /// b of a linear joint is by convention, since its axis has no place, and is one all the same.
+  [[nodiscard]] static bool is_placed(const DhEstimate& row, const DhNumberName& of) {
+    return (row.*of.number).knowledge == Knowledge::identified ||
+           (row.linear && of.number == &DhEstimate::b_mm);
+  }
+
   Stretch of_;
   std::vector<DhEstimate> above_, below_;
 };

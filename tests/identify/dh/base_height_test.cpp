@@ -9,6 +9,7 @@
 #include "identify/identification.hpp"
 #include "tests/bench/accuracy_campaign.hpp"
 #include "tests/catch.hpp"
+#include "tests/identify/linear_robots.hpp"
 #include "tests/identify/simulated_campaign.hpp"
 
 using namespace identify;
@@ -134,6 +135,39 @@ TEST_CASE("axes that are given in a device's frame leave the height open as well
                              "height_unknown"));
     campaign.device_frame = true;
   }
+}
+
+TEST_CASE("the circles' table is stated from the same base as the chain's", "[height]") {
+  // A device that stands 777 mm lower than the robot.
+  const auto arm = identify::test::scara();
+  auto samples = identify::test::Campaign(arm, {.position_mm = 0.02})
+                     .rest()
+                     .sweep(0, -25, 65)
+                     .sweep(1, 15, 105)
+                     .sweep(2, 20, 180)
+                     .sweep(3, -75, 15)
+                     .samples();
+  for (Sample& sample : samples) sample.position_mm += Eigen::Vector3d(1000, -300, 777);
+  Campaign campaign;
+  campaign.joints = 4;
+  campaign.specified = arm;
+  campaign.device_frame = true;
+  const auto found = identify::identify(identify::test::segment(samples, {}, 4), campaign);
+  REQUIRE(found.estimator == Estimator::chain);
+  REQUIRE(found.dh.size() == 4);
+  REQUIRE(found.circle_dh.size() == 4);
+  // The place of the linear joint at home tells where the base is by convention: as specified.
+  CHECK(found.dh[2].b_mm.value == Approx(-120).margin(1e-3));
+  CHECK(found.dh[2].b_mm.knowledge == Knowledge::by_convention);
+  for (std::size_t i = 0; i < 4; ++i) {
+    INFO("row " << i + 1);
+    CHECK(found.circle_dh[i].b_mm.value == Approx(found.dh[i].b_mm.value).margin(0.5));
+  }
+  const Warning* const warning = find_warning(found, "height_unknown");
+  REQUIRE(warning != nullptr);
+  CHECK_THAT(warning->message, ContainsSubstring("b of row 3 is as specified"));
+  REQUIRE(found.robot_pose);
+  CHECK(found.robot_pose->pose.translation().z() == Approx(777).margin(1));
 }
 
 TEST_CASE("axes that hang on no height are seen from the base as they were", "[height]") {
