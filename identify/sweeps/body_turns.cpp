@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "identify/geometry/angle.hpp"
+#include "identify/geometry/warning.hpp"
 #include "identify/sweeps/sample.hpp"
 
 namespace identify {
@@ -178,6 +179,27 @@ void BodyTurns::spread(std::vector<Sweep>& strokes) const {
         sweep.direction = nearest->sense * way(turn, stroke) < 0 ? -1 : 1;
       }
   }
+}
+
+std::optional<std::string> moves_on_no_circle(const std::vector<Sweep>& strokes) {
+  std::size_t moves = 0;
+  double longest_s = 0;
+  for (const Sweep& stroke : strokes) {
+    if (stroke.joint || stroke.defect != SweepDefect::not_an_arc) continue;
+    ++moves;
+    longest_s = std::max(longest_s, seconds(stroke));
+  }
+  if (moves == 0) return std::nullopt;
+  const bool one = moves == 1;
+  return std::to_string(moves) +
+         (one ? " move of the target, of " : " moves of the target, of up to ") +
+         fixed(longest_s, 1) +
+         (one ? " s, is on no circle, and tells no axis"
+              : " s, are on no circle, and tell no axis") +
+         ": several joints moved at once, or sweeps followed each other without a stop between "
+         "them, as where a KRL program blends its motions (C_PTP, C_DIS): let the robot stop "
+         "exactly at the end of each sweep and rest for half a second, or send joint angles "
+         "(AIPos)";
 }
 
 }  // namespace identify

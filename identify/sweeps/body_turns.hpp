@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "identify/sweeps/sweep.hpp"
@@ -39,5 +41,9 @@ class BodyTurns {
   std::vector<Members> turns_;
   std::vector<std::vector<Turn>> to_tell_;
 };
+
+/// What a person should know of strokes without a joint whose positions are on no circle: nothing
+/// tells whose they are. Nothing where there are none.
+[[nodiscard]] std::optional<std::string> moves_on_no_circle(const std::vector<Sweep>& strokes);
 
 }  // namespace identify

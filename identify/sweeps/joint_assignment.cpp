@@ -30,7 +30,6 @@ Order without_none(Order joints) {
 
 std::vector<Axis> axes_of(const std::vector<Turn>& turns) {
   std::vector<Axis> axes;
-  axes.reserve(turns.size());
   for (const Turn& turn : turns) axes.push_back(turn.axis);
   return axes;
 }
@@ -66,7 +65,10 @@ class Assigner {
   void tell_joints(const std::vector<Turn>& turns) {
     turns_ = turns;
     part();
-    if (turns_.size() < plan_.order().size()) mismatch();
+    if (turns_.size() < plan_.order().size()) {
+      if (const auto moves = moves_on_no_circle(strokes_)) warn("moves_on_no_circle", *moves);
+      mismatch();
+    }
     if (turns_.empty()) return;
     decide();
     const Order& joints = chosen_.joints;

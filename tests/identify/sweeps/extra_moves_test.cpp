@@ -235,6 +235,32 @@ TEST_CASE("strokes that paused are those of the plan", "[joint_assignment][extra
   CHECK(found.warnings.empty());
 }
 
+TEST_CASE("moves on no circle are told where axes are missing", "[joint_assignment][extra_moves]") {
+  Run run(1);
+  run.campaign.rest(1);
+  run.sweep(0);
+  // As of sweeps whose ends are blended: one joint begins before the other has stopped.
+  run.move_all({30, 20, 40, 0, 0, 0});
+  run.move_all({0, 0, 0, 40, -40, 20}, 20);
+  run.known.order.clear();  // there is no plan
+  auto strokes = run.strokes();
+  const auto found = assign_joints(strokes, run.known);
+  CHECK(warns(found, "order_mismatch"));
+  REQUIRE(warns(found, "moves_on_no_circle"));
+  CHECK(found.warnings.front().code == "moves_on_no_circle");
+  const std::string& message = found.warnings.front().message;
+  CHECK(message.find("2 moves of the target, of up to ") == 0);
+  CHECK(message.find("C_PTP") != std::string::npos);
+  CHECK(message.find("rest for half a second") != std::string::npos);
+
+  Run alone(1);
+  alone.campaign.rest(1);
+  alone.sweep(0);
+  alone.known.order.clear();
+  auto others = alone.strokes();
+  CHECK_FALSE(warns(assign_joints(others, alone.known), "moves_on_no_circle"));
+}
+
 TEST_CASE("the joints that a stream has ran in the plan's order, where it began late",
           "[joint_assignment][extra_moves]") {
   Run run(1);
