@@ -1,6 +1,7 @@
 #include "daemon/commands/identify_command.hpp"
 
 #include <algorithm>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -11,6 +12,7 @@
 #include "daemon/commands/joined_points.hpp"
 #include "daemon/commands/outputs.hpp"
 #include "daemon/devices/device_formats.hpp"
+#include "daemon/points/angle_sweeps.hpp"
 #include "daemon/points/axes_file.hpp"
 #include "daemon/points/csv_file.hpp"
 #include "daemon/points/declared_directions.hpp"
@@ -165,6 +167,18 @@ void tell_formats(const std::vector<PointsFile>& files, std::ostream& out) {
   for (const auto& line : told) out << line << '\n';
 }
 
+/// Poses without a table to start from may be sweeps of single joints.
+void find_sweeps(GivenPoints& points, const IdentifyOptions& options, std::ostream& out) {
+  if (options.poses || options.per_joint) return;
+  for (PointsFile& file : points.files) {
+    if (!holds_poses(file) || file.with_poses) continue;
+    const auto all = file.points.size();
+    if (!find_sweeps_by_angles(file, points.resolution.angle_rad)) continue;
+    out << fmt::format("points: {}: the angles tell sweeps of single joints, with {} of {}\n",
+                       file.path.string(), file.points.size(), rsi::counted(all, "point"));
+  }
+}
+
 /// By file, in run.json: those of devices alone.
 nlohmann::ordered_json formats_of(const std::vector<PointsFile>& files) {
   auto formats = nlohmann::ordered_json::object();
@@ -177,7 +191,9 @@ Outcome identified_points(const IdentifyOptions& options, RobotSetup setup, std:
                           nlohmann::ordered_json& formats) {
   const auto declared = declared_joints(options, setup);
   GivenPoints points = read_points(options, declared.value_or(identify::kMostJoints));
-  if (!options.quiet) tell_formats(points.files, out);
+  std::ostringstream unheard;
+  std::ostream& told = options.quiet ? unheard : out;
+  tell_formats(points.files, told);
   formats = formats_of(points.files);
   if (declared) setup.joints = *declared;
   if (!options.angles.empty())
@@ -189,6 +205,7 @@ Outcome identified_points(const IdentifyOptions& options, RobotSetup setup, std:
                                 " for " + rsi::counted(setup.joints, "joint") +
                                 ": give one file a joint");
   auto known = campaign(setup, points.resolution);
+  if (!known.specified) find_sweeps(points, options, told);
   known.device_frame = options.device_frame;
   known.timed = std::all_of(points.files.begin(), points.files.end(), [&](const PointsFile& file) {
     return file.with_times || of_poses(file, options);

@@ -26,11 +26,6 @@ using identify::Sample;
 using identify::Sweep;
 using identify::SweepDefect;
 
-/// Points chosen by hand: fewer are a circle, but nothing beside it tells that they are one.
-constexpr std::size_t kFewestPoints = 4;
-/// As in a stream: a locked joint may move by so much.
-const double kStill_rad = radians(0.03);
-
 /// No sweep is so small; in sizes of the noise, rests are smaller.
 constexpr double kSmallest_mm = 10;
 constexpr double kMovedSizes = 100;
@@ -90,7 +85,7 @@ void judge_by_angles(Sweep& sweep, const identify::Resolution& resolution) {
   sweep.range_rad = range_of(samples, *sweep.joint);
   // Points in no order have no direction.
   if (std::abs(turned) > sweep.range_rad / 2) sweep.direction = turned > 0 ? 1 : -1;
-  const double still = std::max(kStill_rad, 2.5 * resolution.angle_rad);
+  const double still = still_angle_rad(resolution.angle_rad);
   for (std::size_t j = 0; j < sweep.first().joints; ++j)
     if (j != *sweep.joint && range_of(samples, j) > still)
       sweep.defect = SweepDefect::other_joint_moved;
@@ -219,6 +214,10 @@ std::vector<Sweep> sweeps_of_body(const PointsFile& file, const identify::Resolu
 }
 
 }  // namespace
+
+double still_angle_rad(double step_rad) {
+  return std::max(radians(0.03), 2.5 * step_rad);
+}
 
 std::vector<Sweep> streamed_sweeps(const PointsFile& file, std::size_t joints,
                                    const identify::Resolution& resolution, WorstLimit& limit) {

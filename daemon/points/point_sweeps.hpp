@@ -18,6 +18,11 @@ namespace sweepd {
 /// The worst of several streams; nothing where none was without angles.
 using WorstLimit = std::optional<identify::MotionLimit>;
 
+/// Points chosen by hand: fewer are a circle, but nothing beside it tells that they are one.
+inline constexpr std::size_t kFewestPoints = 4;
+/// By so much a locked joint may move, as in a stream, where angles are printed in such steps.
+[[nodiscard]] double still_angle_rad(double step_rad);
+
 /// Points with times, segmented as a live stream is: every stroke of each target. Without angles
 /// all targets are of one body, and `limit` learns what noise hides. Throws CsvError where there is
 /// no usable sweep, since times are no seconds, positions no millimetres or angles no radians.

@@ -1,0 +1,91 @@
+#include <cmath>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/commands/identify_command.hpp"
+#include "tests/catch.hpp"
+#include "tests/config_folder.hpp"
+#include "tests/daemon/point_files.hpp"
+#include "tests/daemon/temporary_folder.hpp"
+
+using Catch::Matchers::ContainsSubstring;
+using Json = nlohmann::json;
+using sweepd::identify_points;
+using sweepd::IdentifyOptions;
+using namespace sweepd::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr identify::test::Noise kSeenByTracker{.position_mm = 0.02, .seed = 5};
+
+struct AnglesRun {
+  int code = 0;
+  std::string out;
+  std::string errors;
+  Json result;
+};
+
+AnglesRun told_by_angles(const TemporaryFolder& folder, const std::string& points,
+                         bool with_robot = false) {
+  IdentifyOptions options;
+  options.points = {folder.write("points.csv", points)};
+  options.output = folder / "out";
+  if (with_robot) options.robot = kConfig / "robots/kr5_arc.toml";
+  std::ostringstream out;
+  std::ostringstream errors;
+  const int code = identify_points(options, out, errors);
+  return {code, out.str(), errors.str(), Json::parse(content(folder / "out/result.json"))};
+}
+
+/// Those of a KR 5, of which the noise of a tracker hides less than this.
+void check_lengths(const Json& result) {
+  INFO(result.dump(1));
+  CHECK(result["status"] == "complete");
+  REQUIRE(result["dh"].size() == 6);
+  constexpr double kFar_mm = 0.1;
+  const std::vector<std::pair<std::size_t, double>> lengths{{0, 180}, {1, 600}, {2, 120}, {3, 0}};
+  for (const auto& [row, a_mm] : lengths)
+    CHECK(std::abs(std::abs(result["dh"][row]["a_mm"].get<double>()) - a_mm) < kFar_mm);
+  CHECK(std::abs(std::abs(result["dh"][3]["b_mm"].get<double>()) - 620) < kFar_mm);
+}
+
+/// All sweeps one after the other, every tenth sample; nothing but the angles tells them apart.
+std::string bare_sweeps(const Measured& measured) {
+  std::string text = points_header({.angles = true});
+  for (const auto& sweep : measured.sweeps) {
+    std::vector<identify::Sample> some;
+    for (std::size_t k = 0; k < sweep.samples.size(); k += 10) some.push_back(sweep.samples[k]);
+    text += points_lines(some, {.angles = true});
+  }
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("sweeps with angles alone are found by them where no description gives a start",
+          "[identify_by_angles]") {
+  const TemporaryFolder folder;
+  const auto run = told_by_angles(folder, bare_sweeps(measured_kr5(kSeenByTracker)));
+  INFO(run.errors);
+  CHECK(run.code == 0);
+  CHECK_THAT(run.out, ContainsSubstring("the angles tell sweeps of single joints"));
+  check_lengths(run.result);
+}
+
+TEST_CASE("static poses in any order stay poses", "[identify_by_angles]") {
+  const TemporaryFolder folder;
+  auto measured = measured_kr5(kSeenByTracker);
+  // Of two sweeps a line each, in turn: from line to line two joints move.
+  std::string text = points_header({.angles = true});
+  for (std::size_t k = 0; k < 400; k += 20)
+    for (const std::size_t sweep : {1, 2})
+      text += points_lines({measured.sweeps[sweep].samples[k]}, {.angles = true});
+  const auto run = told_by_angles(folder, text);
+  CHECK(run.code == 1);
+  CHECK_THAT(run.errors, ContainsSubstring("poses alone need a start"));
+}
