@@ -19,6 +19,7 @@
 #include "daemon/points/point_poses.hpp"
 #include "daemon/points/point_sweeps.hpp"
 #include "daemon/points/points_file.hpp"
+#include "daemon/points/wrapped_angles.hpp"
 #include "daemon/results/outcome.hpp"
 #include "daemon/results/report.hpp"
 #include "daemon/results/result_files.hpp"
@@ -167,6 +168,18 @@ void tell_formats(const std::vector<PointsFile>& files, std::ostream& out) {
   for (const auto& line : told) out << line << '\n';
 }
 
+/// Angles that jump by a turn go on.
+void tell_turns(std::vector<PointsFile>& files, const RobotSetup& setup, std::ostream& out) {
+  std::vector<bool> linear;
+  for (const auto& limits : setup.limits()) linear.push_back(limits.linear);
+  std::string names;
+  for (const std::size_t joint : take_out_turns(files, linear))
+    names += fmt::format("{}A{}", names.empty() ? "" : ", ", joint + 1);
+  if (!names.empty())
+    out << "points: the angles of " << names
+        << " jump by 360 degrees, which is taken for no motion\n";
+}
+
 /// Poses without a table to start from may be sweeps of single joints.
 void find_sweeps(GivenPoints& points, const IdentifyOptions& options, std::ostream& out) {
   if (options.poses || options.per_joint) return;
@@ -200,6 +213,7 @@ Outcome identified_points(const IdentifyOptions& options, RobotSetup setup, std:
     return joined_with_trace(points.files, points.resolution, points.counts.targets, options.angles,
                              setup, options.quiet);
   setup.joints = declared ? *declared : joints_in(options, points);
+  tell_turns(points.files, setup, told);
   if (options.per_joint && points.files.size() > setup.joints)
     throw std::invalid_argument("--per-joint: " + rsi::counted(points.files.size(), "file") +
                                 " for " + rsi::counted(setup.joints, "joint") +

@@ -65,6 +65,20 @@ std::string bare_sweeps(const Measured& measured) {
   return text;
 }
 
+/// Angles as a program prints them that counts from `least_deg` on.
+Measured printed_from(double least_deg, Measured measured) {
+  const auto print = [&](std::vector<identify::Sample>& samples) {
+    for (auto& sample : samples)
+      for (double& angle : sample.angles_rad) {
+        const double deg = sweepd::degrees(angle) - least_deg;
+        angle = sweepd::radians(least_deg + deg - 360 * std::floor(deg / 360));
+      }
+  };
+  print(measured.stream);
+  for (auto& sweep : measured.sweeps) print(sweep.samples);
+  return measured;
+}
+
 }  // namespace
 
 TEST_CASE("sweeps with angles alone are found by them where no description gives a start",
@@ -88,4 +102,28 @@ TEST_CASE("static poses in any order stay poses", "[identify_by_angles]") {
   const auto run = told_by_angles(folder, text);
   CHECK(run.code == 1);
   CHECK_THAT(run.errors, ContainsSubstring("poses alone need a start"));
+}
+
+TEST_CASE("an angle that jumps by 360 degrees has not moved", "[identify_by_angles]") {
+  const double least_deg = GENERATE(0, -180);
+  const auto measured = printed_from(least_deg, measured_kr5(kSeenByTracker));
+  const TemporaryFolder folder;
+  std::string text;
+  SECTION("in a stream") {
+    text = points_header({.times = true, .angles = true}) +
+           points_lines(measured.stream, {.times = true, .angles = true});
+  }
+  SECTION("in sweeps that name their joint") {
+    text = listed_points(measured, {.angles = true, .more = "joint,"});
+  }
+  SECTION("where the angles tell the sweeps") {
+    text = bare_sweeps(measured);
+  }
+  const auto run = told_by_angles(folder, text);
+  INFO(run.out << run.errors);
+  CHECK(run.code == 0);
+  check_lengths(run.result);
+  if (least_deg < 0) return;
+  CHECK_THAT(run.out, ContainsSubstring("jump by 360 degrees"));
+  CHECK(std::abs(run.result["home_deg"][1].get<double>() - -90) < 0.01);
 }
