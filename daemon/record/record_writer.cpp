@@ -51,6 +51,19 @@ void RecordWriter::open(std::shared_ptr<Recording> recording, SessionStart start
   }
 }
 
+void RecordWriter::write_to(const std::filesystem::path& robot_folder) {
+  if (!session_ || !paused_ || robot_folder == robot_folder_) return;
+  if (!session_->files) {
+    robot_folder_ = robot_folder;
+    try_again();
+    return;
+  }
+  say_(Importance::warning, "the session under way stays in " + session_->files->folder().string() +
+                                ", where its recording began: make room there, or see what is "
+                                "wrong with that disk; the next session goes to " +
+                                robot_folder.string());
+}
+
 bool RecordWriter::write(Records& records, const RecordingSettings& settings) {
   const auto now = options_.now();
   if (paused_ && now < retry_at_) return false;

@@ -62,6 +62,8 @@ class RecordWriter {
   RecordWriter(Say say, RecorderOptions options);
 
   void open(std::shared_ptr<Recording> recording, SessionStart start);
+  /// As Recorder::write_to().
+  void write_to(const std::filesystem::path& robot_folder);
   /// Takes what it wrote out of `records`. False if something is left: recording is paused.
   bool write(Records& records, const RecordingSettings& settings);
   /// Everything that waited is written: a pause is over.

@@ -169,6 +169,14 @@ void Recorder::reconfigure(const RecordingSettings& settings) {
   turns_->wake();
 }
 
+void Recorder::write_to(std::filesystem::path robot_folder) {
+  {
+    const std::lock_guard lock(mutex_);
+    wanted_folder_ = std::move(robot_folder);
+  }
+  turns_->wake();
+}
+
 TurnThreads::Next Recorder::turn() {
   std::unique_lock lock(mutex_);
   if (done_) return {Steady::time_point::max()};
@@ -177,7 +185,9 @@ TurnThreads::Next Recorder::turn() {
   queue_.clear();
   if (std::exchange(reconfigured_, false)) writer_.tidy_soon();
   const auto settings = settings_;
+  const auto wanted_folder = std::exchange(wanted_folder_, std::nullopt);
   lock.unlock();
+  if (wanted_folder) writer_.write_to(*wanted_folder);
   const auto other_disk = work(settings);
   if (other_disk) return {Steady::now(), other_disk};
   lock.lock();

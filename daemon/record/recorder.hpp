@@ -63,6 +63,10 @@ class Recorder {
   /// Other settings from now on. Any thread.
   void reconfigure(const RecordingSettings& settings);
 
+  /// Of this robot from now on. A session for which no folder could be made is recorded there; one
+  /// that has a folder stays in it, which is said where its disk takes nothing. Any thread.
+  void write_to(std::filesystem::path robot_folder);
+
   /// Whether the disk has no room or refuses. Any thread.
   [[nodiscard]] bool paused() const { return writer_.paused(); }
   /// Bytes free on that disk when it was last looked at; nothing before. Any thread.
@@ -114,6 +118,7 @@ class Recorder {
   RecordingSettings settings_;
   std::deque<std::shared_ptr<Recording>> unfinished_;
   bool reconfigured_ = false;
+  std::optional<std::filesystem::path> wanted_folder_;  // the writer does not know it yet
   bool stopping_ = false;
   bool done_ = false;
 

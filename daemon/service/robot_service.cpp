@@ -86,6 +86,7 @@ void RobotService::start() {
 void RobotService::reload(const RobotSettings& settings) {
   reloaded_.reload(settings, log_);
   recorder_.reconfigure(settings.recording);
+  recorder_.write_to(settings.output / settings.name);
   identifier_.write_to(settings.output / settings.name);
 }
 

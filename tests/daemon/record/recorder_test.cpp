@@ -570,6 +570,45 @@ TEST_CASE("a folder that cannot be made is tried again, and said once", "[record
                                        ContainsSubstring("check its permissions"));
 }
 
+TEST_CASE("a session for which no folder could be made goes to the one that is given later",
+          "[recorder]") {
+  RecorderBench bench;
+  bench.folder.write("robot", "a file");
+  const auto recording = bench.begin();
+  bench.send(10);
+  REQUIRE(eventually([&] { return recording->counts().pauses == 1; }));
+  const auto elsewhere = bench.folder / "elsewhere";
+  bench.recorder->write_to(elsewhere);
+  REQUIRE(eventually([&] { return recording->counts().recorded.samples == 10; }));
+  CHECK(recording->folder() == elsewhere / "20250101T000000Z");
+  bench.send(5);
+  bench.recorder->end();
+  recording->wait();
+  CHECK(numbers(recording->folder() / "trace.pcap") == up_to(15));
+  CHECK(recording->counts().complete());
+}
+
+TEST_CASE("a session that has a folder stays in it, and its full disk is told to", "[recorder]") {
+  RecorderBench bench([](auto& settings) { settings.keep_free_bytes = 1; });
+  const auto recording = bench.begin();
+  bench.send(10);
+  REQUIRE(eventually([&] { return recording->counts().recorded.samples == 10; }));
+  bench.recorder->write_to(bench.folder / "robot");  // the same: nothing to say
+  bench.free = 0;
+  REQUIRE(bench.in_time([&] {
+    bench.send(1);
+    return recording->counts().pauses == 1;
+  }));
+  bench.recorder->write_to(bench.folder / "elsewhere");
+  REQUIRE(eventually([&] { return bench.log.lines().size() == 2; }));
+  CHECK_THAT(bench.log.lines()[1],
+             ContainsSubstring("the session under way stays in " + bench.session().string()));
+  bench.free = 500 * kMebibyte;
+  const auto all = static_cast<std::uint64_t>(bench.sent);
+  REQUIRE(bench.in_time([&] { return recording->counts().recorded.samples == all; }));
+  CHECK(recording->folder() == bench.session());
+}
+
 TEST_CASE("a folder that is deleted while it is written is said, counted, and made anew",
           "[recorder][issue11][point_12]") {
   RecorderBench bench;

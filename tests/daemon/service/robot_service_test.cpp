@@ -574,6 +574,26 @@ TEST_CASE("a folder that cannot be made later costs the files, not the replies",
   CHECK(content(folder / "out/kr5-arc") == "a file in its place");
 }
 
+TEST_CASE("a session whose folder cannot be made goes to the output that a reload gives",
+          "[robot_service][live]") {
+  const TemporaryFolder folder;
+  auto robot = settings(folder / "out");
+  robot.silence = 1min;
+  RobotService service(robot);
+  fs::remove(folder / "out/kr5-arc");
+  static_cast<void>(folder.write("out/kr5-arc", "a file in its place"));
+  service.start();
+  static_cast<void>(stream(service.local(), 50));
+  robot.output = folder / "elsewhere";
+  service.reload(robot);
+  REQUIRE(eventually([&] { return sessions(folder / "elsewhere").size() == 1; }));
+  CHECK(service.stop());
+  const auto session = *sessions(folder / "elsewhere").begin();
+  CHECK(fs::exists(session / "trace.pcap"));
+  CHECK(fs::exists(session / "samples.csv"));
+  CHECK(json_in(session / "run.json").contains("ended"));
+}
+
 TEST_CASE("busy programs keep neither the result nor the end from coming",
           "[robot_service][live][issue11][point_17]") {
   const TemporaryFolder folder;
