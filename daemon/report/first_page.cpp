@@ -97,6 +97,8 @@ void add_messages(Markup parent, const char* title, const Json& messages) {
 }
 
 std::string describes_text(const Json& result) {
+  if (const std::string told = text_of(result, "explanation"); !told.empty())
+    return "The numbers describe " + told;
   if (text_of(result, "estimator") == "axes")
     return "The numbers describe the arm as the given axes have it.";
   if (text_of(result, "describes") == "arm")

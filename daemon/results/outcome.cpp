@@ -154,6 +154,9 @@ std::string_view text(Described described) noexcept {
 
 std::string explanation(const Outcome& outcome) {
   constexpr double kFewDecimals_rad = 0.005 * identify::kDegree;
+  constexpr std::string_view kScale =
+      "The device's own scale is not in the uncertainties: where it is off by 0.01 %, a length of "
+      "1 m is off by 0.1 mm, and positions do not show it.";
   if (described(outcome) == Described::controller_model && outcome.identification.poses &&
       outcome.angle_step_rad > kFewDecimals_rad)
     return "the controller's model, as far as anyone can tell: the positions agree with the "
@@ -171,7 +174,8 @@ std::string explanation(const Outcome& outcome) {
   if (outcome.identification.poses)
     return "the arm as a device measured it: for calibration, and to compare with its model. "
            "Where joints are seen to give way to weight, the table of what joints do says so. What "
-           "the poses do not show of it is not in the uncertainties.";
+           "the poses do not show of it is not in the uncertainties. " +
+           std::string(kScale);
   const auto& chain = outcome.identification.chain;
   const std::string_view elastic =
       !chain || !(chain->effects.sag_rad > 0)
@@ -183,7 +187,7 @@ std::string explanation(const Outcome& outcome) {
           : "Elastic deformation is in the uncertainties as far as sweeps from several homes show "
             "it.";
   return "the arm as a device measured it: for calibration, and to compare with its model. " +
-         std::string(elastic);
+         std::string(elastic) + " " + std::string(kScale);
 }
 
 }  // namespace sweepd

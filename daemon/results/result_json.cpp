@@ -227,6 +227,7 @@ std::string result_json(const Outcome& outcome) {
                {"status", identify::text(found.status)}};
   if (!found.reason.empty()) json["reason"] = found.reason;
   json["describes"] = text(described(outcome));
+  json["explanation"] = explanation(outcome);
   Json home = Json::array();
   for (const auto& home_rad : found.home_rad)
     home.push_back(home_rad ? json_angle(*home_rad) : Json());

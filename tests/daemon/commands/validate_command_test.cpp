@@ -75,6 +75,9 @@ TEST_CASE("Poses that were kept back judge a result, and used ones are refused",
   CHECK(json["source"]["poses"].get<int>() == 60);
   CHECK(json["poses"]["count"].get<int>() == 60);
   CHECK_THAT(content(result / "report.txt"), ContainsSubstring("60 static poses"));
+  CHECK_THAT(json["explanation"].get<std::string>(),
+             ContainsSubstring("a length of 1 m is off by"));
+  CHECK_THAT(content(result / "report.html"), ContainsSubstring("a length of 1 m is off by"));
   CHECK(fs::exists(result / "robot.urdf"));
 
   ValidateOptions options;

@@ -4,6 +4,9 @@
 #include <limits>
 #include <sstream>
 
+#include <nlohmann/json.hpp>
+
+#include "daemon/results/result_formats.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/outcomes.hpp"
 
@@ -118,6 +121,19 @@ TEST_CASE("axes that were given have their table and no word of circles or fits"
   outcome.identification.bounding_box.reset();
   CHECK_THAT(report(outcome), ContainsSubstring("DH parameters of the given axes") &&
                                   !ContainsSubstring("circle") && !ContainsSubstring("fit  "));
+}
+
+TEST_CASE("what a device measured is told to be in its own scale, a controller's model is not",
+          "[report]") {
+  sweepd::Outcome outcome = complete_outcome();
+  CHECK_THAT(flowing(report(outcome)), !ContainsSubstring("scale"));
+  outcome.points = sweepd::PointCounts{};
+  const std::string told =
+      "The device's own scale is not in the uncertainties: where it is off by 0.01 %, a length of "
+      "1 m is off by 0.1 mm";
+  CHECK_THAT(flowing(report(outcome)), ContainsSubstring(told));
+  CHECK_THAT(nlohmann::json::parse(sweepd::result_json(outcome))["explanation"].get<std::string>(),
+             ContainsSubstring(told));
 }
 
 TEST_CASE("a doubtful report says every doubt before anything else", "[report]") {
