@@ -10,12 +10,12 @@
 
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/median.hpp"
+#include "identify/poses/target_shift.hpp"
 
 namespace identify {
 namespace {
 
 using Eigen::Index;
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 /// With its zeros let go, a built arm is not so far from its description.
@@ -25,9 +25,6 @@ constexpr double kExplained = 0.2;
 /// So many of the poses are enough to try it on.
 constexpr std::size_t kTried = 60;
 constexpr double kManyOutliers = 0.2;
-/// A target has moved where a shift explains so much (chi-square, 3 degrees of freedom, at the
-/// worst of all places in the order).
-constexpr double kMoved = 60;
 /// Poses leave so much more beside sweeps than alone where they are of another place.
 constexpr double kApartFromSweeps = 5;
 /// Less is no other place: devices drift and joints play by as much.
@@ -118,85 +115,8 @@ std::optional<Warning> contradiction(const std::vector<Pose>& poses, const Campa
                      "and positions are of the same poses, and that several targets have names"};
 }
 
-/// The shift of a target from one pose of the order on that explains most.
-struct Shift {
-  double square = 0;  ///< chi-square
-  std::size_t from = 0;
-  double size_mm = 0;
-  std::size_t at = 0;  ///< of the target's poses
-};
-
-/// Where a target was seen on the tool, less where the fit has it; one column a pose. Medians of
-/// columns tell a shift whatever single poses are like.
-class SeenOnTool {
- public:
-  SeenOnTool(const PoseEstimate& found, const std::vector<Pose>& poses, std::size_t target) {
-    const Index at = found.fit.model.chain_parameters().target(target);
-    for (std::size_t i = 0; i < poses.size(); ++i) {
-      if (poses[i].target != target) continue;
-      of_.push_back(i);
-      const PoseRow& row = found.fit.rows[i];
-      const Matrix3d turned = row.by_parameter.block<3, 3>(0, at);
-      seen_.emplace_back(turned.transpose() * row.off.head<3>());
-    }
-  }
-
-  [[nodiscard]] Shift largest() const {
-    Shift most;
-    if (of_.size() < 2 * kFewest) return most;
-    const std::size_t last = of_.size() - kFewest;
-    const std::size_t step = 1 + (last - kFewest) / kMostTries;
-    for (std::size_t k = kFewest; k <= last; k += step) take(k, most);
-    const std::size_t about = most.at;
-    for (std::size_t k = about > kFewest + step ? about - step : kFewest;
-         k <= std::min(last, about + step); ++k)
-      take(k, most);
-    return most;
-  }
-
- private:
-  static constexpr std::size_t kFewest = 6;
-  static constexpr std::size_t kMostTries = 64;
-  static constexpr double kSigmaOfMiddle = 1.4826;  // of the median distance from the median
-  static constexpr double kMedianToMean = kPi / 2;  // their variances
-
-  [[nodiscard]] Vector3d middle(std::size_t from, std::size_t to) const {
-    std::vector<Vector3d> part(seen_.begin() + static_cast<std::ptrdiff_t>(from),
-                               seen_.begin() + static_cast<std::ptrdiff_t>(to));
-    return median(part);
-  }
-
-  void take(std::size_t k, Shift& most) const {
-    const Vector3d first = middle(0, k), second = middle(k, seen_.size());
-    std::vector<double> off;
-    for (std::size_t i = 0; i < seen_.size(); ++i) {
-      const Vector3d away = (seen_[i] - (i < k ? first : second)).cwiseAbs();
-      off.insert(off.end(), away.begin(), away.end());
-    }
-    const double sigma = std::max(kSigmaOfMiddle * median_of(std::move(off)), 1e-9);
-    const auto before = static_cast<double>(k);
-    const auto after = static_cast<double>(seen_.size() - k);
-    const double square =
-        (second - first).squaredNorm() / (kMedianToMean * sigma * sigma * (1 / before + 1 / after));
-    if (square > most.square) most = {square, of_[k], (second - first).norm(), k};
-  }
-
-  std::vector<std::size_t> of_;
-  std::vector<Vector3d> seen_;
-};
-
-/// Of targets that were moved on the tool: beyond chance, and by no less than what is left of a
-/// pose.
-std::vector<Shift> shifts_in(const PoseEstimate& found, const std::vector<Pose>& poses) {
-  std::vector<Shift> shifts;
-  for (std::size_t t = 0; t < found.fit.model.chain.targets_mm.size(); ++t) {
-    const Shift shift = SeenOnTool(found, poses, t).largest();
-    if (shift.square >= kMoved && shift.size_mm >= found.left.rms_mm) shifts.push_back(shift);
-  }
-  return shifts;
-}
-
-Warning told(const Shift& shift, const std::vector<Pose>& poses, const std::string& therefore) {
+Warning told(const TargetShift& shift, const std::vector<Pose>& poses,
+             const std::string& therefore) {
   return {"target_moved",
           {},
           "from " + poses[shift.from].name + " on the target is " + brief(shift.size_mm) +
@@ -245,7 +165,7 @@ std::vector<Warning> doubts_of(const PoseEstimate& found, const std::vector<Pose
     doubts.push_back(std::move(*contradicted));
     return doubts;
   }
-  for (const Shift& shift : shifts_in(found, poses))
+  for (const TargetShift& shift : target_shifts(found, poses))
     if (shift.size_mm >= kLeastApart_mm)
       doubts.push_back(told(shift, poses,
                             "give the poses from there on a target name of their own, or measure "
@@ -310,7 +230,7 @@ std::vector<Warning> advice_on(const PoseEstimate& found, const std::vector<Pose
                           "The numbers are of an arm between the two, and half of what parts "
                           "them is in the uncertainties: warm the arm up and measure again"});
   // A device that drifts and a joint that plays do so, too.
-  for (const Shift& shift : shifts_in(found, poses))
+  for (const TargetShift& shift : target_shifts(found, poses))
     if (shift.size_mm < kLeastApart_mm && !found.drift.seen)
       advice.push_back(told(shift, poses,
                             "it was moved, the device drifted, or a joint plays. The uncertainties "

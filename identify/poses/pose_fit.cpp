@@ -46,6 +46,12 @@ class Problem {
     step_ = VectorXd::Zero(fit_.model.parameters());
   }
 
+  /// Half of the poses are no outliers of the start: the first step follows none of the others.
+  void begin() {
+    linearise();
+    weigh();
+  }
+
   /// The step to the least weighted sum of squares, and the noise that belongs to it.
   void settle() {
     for (int round = 0; round < kNoiseSteps; ++round) {
@@ -215,6 +221,7 @@ PoseFit fitted(const PoseModel& start, const PoseNoise& noise, const std::vector
   fit.weights = VectorXd::Ones(static_cast<Index>(poses.size()));
   fit.stands = stands_of(poses);
   Problem problem(fit, poses, prior);
+  problem.begin();
   while (fit.iterations < kMostSteps && !fit.converged) {
     ++fit.iterations;
     problem.linearise();

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <functional>
+#include <numeric>
+#include <random>
 #include <utility>
 
 #include "identify/identification.hpp"
 #include "tests/catch.hpp"
-#include "tests/identify/poses/simulated_poses.hpp"
+#include "tests/identify/poses/judged_poses.hpp"
 
 using namespace identify;
 using namespace simulation::robots;
@@ -157,6 +159,32 @@ TEST_CASE("One wrong pose in twenty is left out and named; the others tell the s
   for (std::size_t i = 0; i < found.dh.size(); ++i)
     CHECK(found.dh[i].a_mm.value ==
           Approx(clean.dh[i].a_mm.value).margin(1e-9 + 2 * clean.dh[i].a_mm.sigma));
+}
+
+TEST_CASE("A third of the poses that lie far off misleads neither the fit nor what is said of it",
+          "[pose_doubts][long]") {
+  const std::size_t count = GENERATE(30U, 50U, 100U);
+  CAPTURE(count);
+  Judged all;
+  for (std::uint32_t seed = 1; seed <= 8; ++seed) {
+    const auto built = arm_with(tracker(), seed);
+    auto poses = built.poses(count);
+    std::mt19937 random(seed);
+    std::normal_distribution<> normal;
+    std::vector<std::size_t> order(count);
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::shuffle(order.begin(), order.end(), random);
+    for (std::size_t k = 0; k < 3 * count / 10; ++k)
+      poses[order[k]].sample.position_mm +=
+          20 * Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
+    const auto found = identify::identify({}, built.campaign(), poses);
+    INFO("seed " << seed << ": " << found.reason);
+    CHECK(found.status == Status::doubtful);
+    CHECK(found.doubts.front().code == "pose_outliers");
+    CHECK(found.poses->outliers.size() == 3 * count / 10);
+    judge(built, found, all);
+  }
+  CHECK(all.farthest < 5);
 }
 
 TEST_CASE("Copies of poses count once", "[pose_doubts]") {
