@@ -105,7 +105,10 @@ class Adviser {
   void run() {
     for (std::size_t j = 0; j < found_.joints.size(); ++j) {
       if (found_.joints[j].line) advise_linear(j);
-      if (!found_.joints[j].circle) continue;
+      if (!found_.joints[j].circle) {
+        judge_by_poses(j);
+        continue;
+      }
       if (!judge_axis(j)) compare_with_others(j);
       judge_speed(j);
       if (found_.chain) judge_angles(j);
@@ -170,6 +173,23 @@ class Adviser {
     }
     warn("arc_short", j, "the arc determines the axis poorly (" + seen + "): " + remedy);
     return true;
+  }
+
+  /// Of an axis that only static poses tell. What they contradict themselves by makes it uncertain,
+  /// too.
+  void judge_by_poses(std::size_t j) {
+    const JointResult& joint = found_.joints[j];
+    if (found_.estimator != Estimator::poses || !found_.doubts.empty() || !joint.axis ||
+        joint.axis->linear || joint.axis->direction_sigma_rad() <= kPoorDirection_rad)
+      return;
+    std::vector<double> turns;
+    for (const Pose& pose : found_.poses->poses)
+      turns.push_back(found_.poses->fit.model.told(pose.sample)[j]);
+    const auto [least, most] = std::minmax_element(turns.begin(), turns.end());
+    warn("joint_hardly_turned", j,
+         "the poses determine its axis poorly (it turns by " + degrees(*most - *least) +
+             " among them, direction uncertain by " + uncertain(joint.axis->direction_sigma_rad()) +
+             "): measure poses in which it turns farther, or more poses");
   }
 
   void compare_with_others(std::size_t j) {

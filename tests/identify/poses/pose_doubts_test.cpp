@@ -187,6 +187,24 @@ TEST_CASE("A third of the poses that lie far off misleads neither the fit nor wh
   CHECK(all.farthest < 5);
 }
 
+TEST_CASE("Axes that poses hardly tell are named", "[pose_doubts]") {
+  const auto built = arm_with(tracker(), 5);
+  std::vector<std::vector<double>> angles_rad;
+  for (const Pose& pose : built.poses(40)) {
+    angles_rad.push_back(angles_of(pose.sample));
+    double& last = angles_rad.back().back();  // within 12 deg of home
+    last = built.robot().arm.home_rad.back() + (last - built.robot().arm.home_rad.back()) * 12 / 80;
+  }
+  const auto found = identify::identify({}, built.campaign(), built.poses_at(angles_rad));
+  INFO(found.reason);
+  REQUIRE(found.joints[5].axis);
+  CHECK(std::count_if(found.warnings.begin(), found.warnings.end(), [](const Warning& one) {
+          return one.code == "joint_hardly_turned" && one.joint == 5;
+        }) == 1);
+  CHECK_FALSE(
+      warned(identify::identify({}, built.campaign(), built.poses(40)), "joint_hardly_turned"));
+}
+
 TEST_CASE("Copies of poses count once", "[pose_doubts]") {
   const auto built = arm_with(tracker(), 6);
   auto poses = built.poses(40);
