@@ -57,7 +57,10 @@ std::string_view text(JointEffect::Kind kind) noexcept {
 
 Turns PoseModel::told(const Sample& sample) const {
   Turns turns{};
-  for (std::size_t j = 0; j < chain.axes.size(); ++j) turns[j] = sample.angles_rad[j] - home_rad[j];
+  for (std::size_t j = 0; j < chain.axes.size(); ++j) {
+    const double turn = sample.angles_rad[j] - home_rad[j];
+    turns[j] = chain.axes[j].linear ? turn : short_way(turn);
+  }
   return turns;
 }
 

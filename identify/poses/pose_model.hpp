@@ -71,7 +71,7 @@ struct PoseModel {
   bool seen_at_home = false;
   std::vector<Load> loads;  ///< centres of mass at home, in the measurement frame
 
-  /// From home, as the angles tell.
+  /// From home, as the angles tell; the short way, as some tell them from 0 to 360 degrees.
   [[nodiscard]] Turns told(const Sample& sample) const;
   /// And as they are. Where no senses are known, in the middle of their play.
   [[nodiscard]] Turns turned(const Turns& told, const JointSenses& senses = {}) const;

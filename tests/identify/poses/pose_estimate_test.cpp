@@ -92,6 +92,24 @@ TEST_CASE("What makes up the uncertainty adds up to it", "[pose_estimate]") {
     CHECK(sum(i) == Approx(found->chain.covariance(i, i)).epsilon(1e-3).margin(1e-15));
 }
 
+TEST_CASE("Angles from 0 to 360 degrees are those from -180 to 180", "[pose_estimate]") {
+  const auto built = arm_with(tracker(), 3);
+  auto poses = built.poses(40);
+  for (Pose& rest : rests(built)) poses.push_back(std::move(rest));
+  const auto found = identify::identify({}, built.campaign(), poses);
+  for (Pose& pose : poses)
+    for (std::size_t j = 0; j < 6; ++j)
+      if (pose.sample.angles_rad[j] < 0) pose.sample.angles_rad[j] += 2 * kPi;
+  const auto wrapped_ones = identify::identify({}, built.campaign(), poses);
+  CHECK(wrapped_ones.status == found.status);
+  REQUIRE(wrapped_ones.poses);
+  CHECK(wrapped_ones.poses->fit.model.places.size() == found.poses->fit.model.places.size());
+  for (std::size_t i = 0; i < found.dh.size(); ++i) {
+    CHECK(wrapped_ones.dh[i].a_mm.value == Approx(found.dh[i].a_mm.value).margin(1e-6));
+    CHECK(wrapped_ones.dh[i].a_mm.sigma == Approx(found.dh[i].a_mm.sigma).epsilon(1e-6));
+  }
+}
+
 TEST_CASE("Poses that were computed leave no noise, and the fit comes to its end",
           "[pose_estimate]") {
   simulation::World world = simulation::robots::tracker();
