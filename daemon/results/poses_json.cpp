@@ -78,7 +78,19 @@ PlacedArm placed(const Json& json) {
   return arm;
 }
 
-Json model(const identify::PoseFit& fit, const std::vector<std::string>& names) {
+/// Poses counted from 1.
+Json step(const PoseEstimate& found) {
+  if (!found.step.seen) return {};
+  const bool device = found.step.of == identify::PoseStep::Of::device;
+  return {{"of", device ? "device" : "target"},
+          {"from", found.step.from + 1},
+          {"chi_squared", rounded(found.step.chi_squared, 3)},
+          {"moved_mm", json_length(found.step.moved_mm)},
+          {"sudden", found.step.sudden}};
+}
+
+Json model(const PoseEstimate& found, const std::vector<std::string>& names) {
+  const identify::PoseFit& fit = found.fit;
   const identify::PoseModel& of = fit.model;
   Json axes = Json::array();
   for (const auto& axis : of.chain.axes)
@@ -103,7 +115,7 @@ Json model(const identify::PoseFit& fit, const std::vector<std::string>& names) 
                      {"joint", load.joint + 1},
                      {"center_mm", list(load.center_mm)}});
   Json covariance = Json::array();  // rows up to the diagonal
-  const Eigen::MatrixXd whole = fit.whole_covariance();
+  const Eigen::MatrixXd whole = found.whole_covariance();
   for (Eigen::Index r = 0; r < of.lasting_parameters(); ++r)
     covariance.push_back(list(whole.row(r).head(r + 1).transpose()));
   return {{"home_rad", of.home_rad},
@@ -183,10 +195,11 @@ Json poses_json(const Outcome& outcome) {
             {"degrees_of_freedom", found.drift.numbers},
             {"moved_mm", json_length(found.drift.moved_mm)},
             {"seen", found.drift.seen}}},
+          {"step", step(found)},
           {"effects", std::move(effects)},
           {"levels", std::move(levels)},
-          {"model", model(found.fit,
-                          outcome.points ? outcome.points->targets : std::vector<std::string>())}};
+          {"model",
+           model(found, outcome.points ? outcome.points->targets : std::vector<std::string>())}};
 }
 
 Eigen::Matrix3d PosePredictor::covariance_at(const identify::Pose& pose) const {

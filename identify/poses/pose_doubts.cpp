@@ -115,6 +115,11 @@ std::optional<Warning> contradiction(const std::vector<Pose>& poses, const Campa
                      "and positions are of the same poses, and that several targets have names"};
 }
 
+/// By more than a device drifts, and at one place; or by more than an arm that warms up moves.
+bool is_moved(const PoseStep& step) {
+  return step.seen && step.moved_mm >= (step.sudden ? kLeastApart_mm : kMostWarming_mm);
+}
+
 Warning told(const TargetShift& shift, const std::vector<Pose>& poses,
              const std::string& therefore) {
   return {"target_moved",
@@ -165,11 +170,22 @@ std::vector<Warning> doubts_of(const PoseEstimate& found, const std::vector<Pose
     doubts.push_back(std::move(*contradicted));
     return doubts;
   }
-  for (const TargetShift& shift : target_shifts(found, poses))
-    if (shift.size_mm >= kLeastApart_mm)
-      doubts.push_back(told(shift, poses,
-                            "give the poses from there on a target name of their own, or measure "
-                            "again"));
+  const PoseStep& step = found.step;
+  const bool moved = is_moved(step);
+  if (moved && step.of == PoseStep::Of::device)
+    doubts.push_back({"device_moved",
+                      {},
+                      "from " + poses[step.from].name + " on the positions lie " +
+                          brief(step.moved_mm) +
+                          " mm elsewhere (rms), all as one body: the device or the robot's base "
+                          "was moved there. Measure again, and touch nothing meanwhile"});
+  const std::string therefore =
+      "give the poses from there on a target name of their own, or measure again";
+  if (doubts.empty())
+    for (const TargetShift& shift : target_shifts(found, poses))
+      if (shift.size_mm >= kLeastApart_mm) doubts.push_back(told(shift, poses, therefore));
+  if (doubts.empty() && moved)
+    doubts.push_back(told({.from = step.from, .size_mm = step.moved_mm}, poses, therefore));
   const double left_mm = middle_left_mm(found.fit);
   if (doubts.empty() && left_mm > std::max(kLeastApart_mm, kApartFromSweeps * found.left_alone_mm))
     doubts.push_back({"device_moved",
@@ -229,9 +245,18 @@ std::vector<Warning> advice_on(const PoseEstimate& found, const std::vector<Pose
                           " mm apart at the target (rms): the arm warmed up, or the device moved. "
                           "The numbers are of an arm between the two, and half of what parts "
                           "them is in the uncertainties: warm the arm up and measure again"});
+  const PoseStep& step = found.step;
+  if (step.seen && !found.drift.seen && !is_moved(step))
+    advice.push_back({"poses_drift",
+                      {},
+                      "from " + poses[step.from].name + " on the positions lie " +
+                          brief(step.moved_mm) +
+                          " mm elsewhere (rms): the arm warmed up, or the device moved. What that "
+                          "has the numbers off by is in the uncertainties: warm the arm up and "
+                          "measure again"});
   // A device that drifts and a joint that plays do so, too.
   for (const TargetShift& shift : target_shifts(found, poses))
-    if (shift.size_mm < kLeastApart_mm && !found.drift.seen)
+    if (shift.size_mm < kLeastApart_mm && !found.drift.seen && !step.seen)
       advice.push_back(told(shift, poses,
                             "it was moved, the device drifted, or a joint plays. The uncertainties "
                             "don't hold that. See that the target is tight, and measure again"));

@@ -151,6 +151,25 @@ std::vector<double> variances_of_sides(const PoseFit& fit, const std::vector<Pos
   return variances;
 }
 
+/// The same as add_turns_at_home(), of the fit's parameters.
+MatrixXd turns_of_parameters(const ChainEstimate& estimate, const PoseFit& fit,
+                             const std::vector<double>& variances) {
+  MatrixXd turns = MatrixXd::Zero(fit.covariance.rows(), fit.covariance.cols());
+  std::vector<bool> known;
+  for (const auto& axis : estimate.axes) known.push_back(axis.has_value());
+  const MatrixXd map = to_estimate(estimate.chain, fit.with_orientation);
+  const Eigen::LDLT<MatrixXd> normal(map.transpose() * map);
+  const Index count = map.cols();
+  for (std::size_t j = 0; j < variances.size(); ++j) {
+    if (!known[j] || !(variances[j] > 0)) continue;
+    const VectorXd turn = normal.solve(
+        map.transpose() * by_turn_at_home(estimate.chain, j, known,
+                                          estimate.chain.targets_mm.size(), fit.with_orientation));
+    turns.topLeftCorner(count, count) += variances[j] * turn * turn.transpose();
+  }
+  return turns;
+}
+
 /// What distances between targets that were seen from one stand vary by, from stand to stand. The
 /// tool is rigid: whatever the angles are like, positions that were computed do not vary so.
 double distances_vary_mm(const PoseEstimate& found) {
@@ -204,7 +223,7 @@ double middle_left_mm(const PoseFit& fit) {
 
 Eigen::Matrix3d PoseEstimate::covariance_at(const Pose& pose) const {
   const PoseRow row = pose_row(fit.model, pose, false);
-  const MatrixXd of = fit.whole_covariance();
+  const MatrixXd of = whole_covariance();
   return row.by_parameter * of * row.by_parameter.transpose() +
          row.covariance(fit.noise).topLeftCorner<3, 3>() + play_covariance(fit.model, pose, row);
 }
@@ -302,13 +321,16 @@ std::optional<PoseEstimate> estimate_poses(const std::vector<Pose>& poses, const
   }
   found.observability = observability_of(found.fit);
   found.drift = drift_of(found.fit);
-  MatrixXd drifted = MatrixXd::Zero(found.fit.covariance.rows(), found.fit.covariance.cols());
-  if (found.drift.seen) {
-    const MatrixXd spread = drift_spread(found.fit);
-    drifted.topLeftCorner(spread.rows(), spread.cols()) = spread;
-  }
-  found.chain = chain_of(found.fit, known, drifted);
-  add_turns_at_home(found.chain, variances_of_sides(found.fit, poses));
+  found.step = step_in(found.fit, poses);
+  found.beside = MatrixXd::Zero(found.fit.covariance.rows(), found.fit.covariance.cols());
+  const Index fixed = found.fit.model.fixed_parameters();
+  if (found.drift.seen) found.beside.topLeftCorner(fixed, fixed) += drift_spread(found.fit);
+  if (found.step.seen)
+    found.beside.topLeftCorner(fixed, fixed) += found.step.bias * found.step.bias.transpose();
+  found.chain = chain_of(found.fit, known, found.beside);
+  const std::vector<double> sides = variances_of_sides(found.fit, poses);
+  found.beside += turns_of_parameters(found.chain, found.fit, sides);
+  add_turns_at_home(found.chain, sides);
   return found;
 }
 

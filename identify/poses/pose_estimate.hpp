@@ -13,6 +13,7 @@
 #include "identify/poses/pose_drift.hpp"
 #include "identify/poses/pose_effects.hpp"
 #include "identify/poses/pose_fit.hpp"
+#include "identify/poses/pose_step.hpp"
 #include "identify/sweeps/campaign.hpp"
 
 namespace identify {
@@ -47,6 +48,10 @@ struct PoseEstimate {
   Left left;                      ///< by the fit, outliers aside
   Observability observability;
   PoseDrift drift;  ///< in the order of `poses`
+  PoseStep step;    ///< the same
+  /// Covariance of the fit's parameters beside that of the fit: what drifted or was moved amid the
+  /// poses, and what play leaves open of home.
+  Eigen::MatrixXd beside;
   bool with_sweeps = false;
   /// How much larger the weights' sizes (PoseNoise) may be than they are told to be (pose_sag.hpp).
   double weights_unsure_rad = 0;
@@ -59,6 +64,8 @@ struct PoseEstimate {
   std::vector<std::size_t> outliers;  ///< poses that count less than half
   ChainEstimate chain;                ///< the fit's chain, with the axes that are certain enough
 
+  /// Of all the fit's parameters, with all that makes them uncertain.
+  [[nodiscard]] Eigen::MatrixXd whole_covariance() const { return fit.whole_covariance() + beside; }
   /// Where a pose is predicted, and the standard uncertainty of what will be seen there: that of
   /// the model, and the noise of one pose.
   [[nodiscard]] Eigen::Matrix3d covariance_at(const Pose& pose) const;

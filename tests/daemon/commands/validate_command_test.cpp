@@ -192,3 +192,23 @@ TEST_CASE("A pose visited again tells accuracy and repeatability", "[validate_co
   // Distances 0.125, 0.075, 0.025 mm from the middle, each twice: mean 0.075, S 0.0447.
   CHECK(visits[0]["repeatability_mm"].get<double>() == Approx(0.075 + 3 * 0.0447).margin(0.002));
 }
+
+TEST_CASE("What result.json says of the model's uncertainty has what was moved amid the poses",
+          "[validate_command]") {
+  const auto built = built_kr5(4);
+  auto poses = built.poses(50);
+  for (std::size_t i = 35; i < poses.size(); ++i) poses[i].sample.position_mm.x() += 0.2;
+  Outcome outcome;
+  outcome.identification = identify::identify({}, built.campaign(), poses);
+  const auto& found = outcome.identification.poses;
+  REQUIRE(found);
+  CHECK(found->step.seen);
+  const auto json = poses_json(outcome);
+  CHECK(json["step"]["of"] == "device");
+  CHECK(json["step"]["from"].get<double>() == Approx(36).margin(1));
+  const auto told = pose_predictor(json).fit.covariance;
+  const Eigen::MatrixXd whole = found->whole_covariance().topLeftCorner(told.rows(), told.cols());
+  CHECK((told - whole).norm() < 1e-9 * whole.norm());
+  const Eigen::MatrixXd by_fit = found->fit.whole_covariance();
+  CHECK(whole.trace() > 2 * by_fit.topLeftCorner(told.rows(), told.cols()).trace());
+}

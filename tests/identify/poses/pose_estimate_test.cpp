@@ -4,6 +4,7 @@
 #include <random>
 
 #include "identify/identification.hpp"
+#include "identify/poses/pose_start.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/poses/judged_poses.hpp"
 
@@ -90,6 +91,51 @@ TEST_CASE("What makes up the uncertainty adds up to it", "[pose_estimate]") {
   for (const auto& part : found->chain.parts) sum += part.covariance.diagonal();
   for (Eigen::Index i = 0; i < 36; ++i)
     CHECK(sum(i) == Approx(found->chain.covariance(i, i)).epsilon(1e-3).margin(1e-15));
+}
+
+TEST_CASE("The covariance of the model is that of the table, whatever makes it uncertain",
+          "[pose_estimate][pose_drift][pose_step]") {
+  const auto built = arm_with(tracker(), 3, 2);
+  const auto check = [&](const PoseEstimate& found) {
+    const Eigen::MatrixXd map = to_estimate(found.chain.chain, found.fit.with_orientation);
+    const Eigen::MatrixXd mapped =
+        map * found.whole_covariance().topLeftCorner(map.cols(), map.cols()) * map.transpose();
+    for (std::size_t j = 0; j < found.chain.axes.size(); ++j) {
+      const Eigen::Vector3d z = found.chain.chain.axes[j].direction;
+      const auto at = static_cast<Eigen::Index>(6 * j);
+      for (const Eigen::Index part : {at, at + 3}) {
+        // Of a place only what is across the axis is one.
+        const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - z * z.transpose();
+        const Eigen::Matrix3d model = across * mapped.block<3, 3>(part, part) * across;
+        const Eigen::Matrix3d table =
+            across * found.chain.covariance.block<3, 3>(part, part) * across;
+        CHECK((model - table).norm() <= 1e-6 * table.norm());
+      }
+    }
+  };
+  const auto poses = seen_together(built, 40, 3);
+  const auto as_they_are = estimated(poses, built.campaign());
+  REQUIRE(as_they_are);
+  check(*as_they_are);
+  auto moved = poses;
+  for (std::size_t i = 60; i < moved.size(); ++i) moved[i].sample.position_mm.x() += 0.1;
+  const auto stepped = estimated(moved, built.campaign());
+  REQUIRE(stepped);
+  CHECK(stepped->step.seen);
+  check(*stepped);
+  auto slipped = poses;
+  for (std::size_t i = 40; i < slipped.size(); ++i)
+    slipped[i].sample.angles_rad[3] += 0.02 * kDegree;
+  const auto drifted = estimated(slipped, built.campaign());
+  REQUIRE(drifted);
+  CHECK(drifted->drift.seen);
+  check(*drifted);
+  auto plays = played(poses, 6, 15 * kArcsec, 3);
+  plays.front().senses = {};
+  const auto played_by = estimated(plays, built.campaign());
+  REQUIRE(played_by);
+  CHECK(played_by->fit.noise.play_rad > 0);
+  check(*played_by);
 }
 
 TEST_CASE("Angles from 0 to 360 degrees are those from -180 to 180", "[pose_estimate]") {
