@@ -17,6 +17,7 @@
 #include "identify/plausibility.hpp"
 #include "identify/poses/pose_doubts.hpp"
 #include "identify/poses/pose_sag.hpp"
+#include "identify/poses/target_exchange.hpp"
 #include "identify/target_distances.hpp"
 
 namespace identify {
@@ -228,6 +229,11 @@ void take_poses(Identification& found, const std::vector<Pose>& poses, const Cam
   std::erase_if(found.warnings, [](const Warning& warning) {  // the poses moved them
     return warning.code == "joint_never_moved";
   });
+  if (auto exchanged =
+          exchanged_targets(*found.poses, poses, campaign, sweeps ? &*sweeps : nullptr)) {
+    found.doubts.push_back(*std::move(exchanged));
+    return;
+  }
   for (auto& doubt : doubts_of(*found.poses, poses, campaign))
     found.doubts.push_back(std::move(doubt));
   for (auto& advice : advice_on(*found.poses, poses)) found.warnings.push_back(std::move(advice));
