@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,8 +20,8 @@ struct Visits {
   double repeatability_mm = 0;  ///< RP = l + 3 S_l (7.2.2)
 };
 
-/// What a result predicts of poses that it was not made of, against where they were seen.
-struct Validation {
+/// What a result predicts of poses, against where they were seen.
+struct JudgedPoses {
   struct Off {
     std::string name;
     Eigen::Vector3d mm;   ///< seen less predicted
@@ -32,6 +33,20 @@ struct Validation {
   std::vector<Visits> visits;
 
   [[nodiscard]] std::size_t inside() const;
+};
+
+/// The same of poses that were measured in another frame, brought into the result's. The frame is
+/// made of these poses: of few of them little is left for that alone.
+struct OtherFrame {
+  double moved_mm = 0;    ///< the middle of the poses
+  double turned_rad = 0;  ///< about any axis
+  JudgedPoses judged;
+};
+
+/// Of poses that the result was not made of, as they are; and in the frame that fits them, where
+/// they lie far off without it and all as one body.
+struct Validation : JudgedPoses {
+  std::optional<OtherFrame> frame;
 };
 
 /// `poses`: with targets as the predictor counts them.

@@ -42,11 +42,6 @@ double cost(const PlacedArm& arm, const std::vector<Pose>& poses, const VectorXd
   return weights.dot(distances_mm(arm, poses).cwiseAbs2());
 }
 
-/// The rotation and shift that take `from` to `to` best (Kabsch, Acta Cryst. A32, 1976).
-Isometry3d registered(const Matrix3Xd& from, const Matrix3Xd& to) {
-  return Isometry3d(Eigen::umeyama(from, to, false));
-}
-
 /// One over one and the squared distance in units of the middle one's (Cauchy's loss).
 VectorXd soft_weights(const VectorXd& distances) {
   const double size = std::max(middle_of(distances), 1e-9);
@@ -73,6 +68,10 @@ Chain PlacedArm::chain() const {
   for (const Vector3d& target : targets_mm) chain.targets_mm.push_back(frame * target);
   chain.tool = frame.linear();
   return chain;
+}
+
+Isometry3d registered(const Matrix3Xd& from, const Matrix3Xd& to) {
+  return Isometry3d(Eigen::umeyama(from, to, false));
 }
 
 VectorXd distances_mm(const PlacedArm& arm, const std::vector<Pose>& poses) {

@@ -48,6 +48,11 @@ struct ArmNumbers;  // arm_columns.hpp
 [[nodiscard]] PlacedArm placed_robustly(const Arm& arm, Freedom freedom,
                                         const std::vector<Pose>& all, std::size_t targets);
 
+/// The rotation and shift that take `from` to `to` best, a column a point (Kabsch, Acta Cryst. A32,
+/// 1976).
+[[nodiscard]] Eigen::Isometry3d registered(const Eigen::Matrix3Xd& from,
+                                           const Eigen::Matrix3Xd& to);
+
 /// The distance of each pose from where the arm has it, mm.
 [[nodiscard]] Eigen::VectorXd distances_mm(const PlacedArm& arm, const std::vector<Pose>& poses);
 

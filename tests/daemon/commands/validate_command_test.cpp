@@ -193,6 +193,43 @@ TEST_CASE("A pose visited again tells accuracy and repeatability", "[validate_co
   CHECK(visits[0]["repeatability_mm"].get<double>() == Approx(0.075 + 3 * 0.0447).margin(0.002));
 }
 
+TEST_CASE("Poses of a device that was set up elsewhere are judged in the frame that fits them",
+          "[validate_command]") {
+  const TemporaryFolder folder;
+  auto poses = built_kr5(3).poses(90);
+  const auto fit = folder.write("fit.csv", lines_of(poses, 0, 60));
+  const auto kept = folder.write("kept.csv", lines_of(poses, 60, 90));
+  const Eigen::AngleAxisd turn(1, Eigen::Vector3d(1, 2, 3).normalized());
+  for (auto& pose : poses)
+    pose.sample.position_mm = turn * pose.sample.position_mm + Eigen::Vector3d(500, -3000, 200);
+  const auto elsewhere = folder.write("elsewhere.csv", lines_of(poses, 60, 90));
+  const auto few = folder.write("few.csv", lines_of(poses, 60, 63));
+  ValidateOptions options;
+  options.result = folder / "result";
+  std::ostringstream out;
+  REQUIRE(identify_points(of_poses(fit, options.result), out) == 0);
+  const auto judge = [&](const fs::path& file) {
+    options.points = {file};
+    out.str("");
+    CHECK(validate(options, out) == 0);
+    return Json::parse(content(options.result / "validation.json"));
+  };
+  const auto here = judge(kept);
+  CHECK_FALSE(here.contains("frame"));
+  CHECK_THAT(out.str(), !ContainsSubstring("frame"));
+  const auto there = judge(elsewhere);
+  CHECK(there["mean_mm"].get<double>() > 1000);
+  REQUIRE(there.contains("frame"));
+  CHECK_THAT(out.str(), ContainsSubstring("in another frame"));
+  // One radian, and what is left is that of the same poses, less what six numbers take up.
+  CHECK(there["frame"]["turned_deg"].get<double>() == Approx(57.296).margin(0.01));
+  CHECK(there["frame"]["mean_mm"].get<double>() ==
+        Approx(here["mean_mm"].get<double>()).epsilon(0.3));
+  CHECK(there["frame"]["inside_95"].get<int>() >= 25);
+  CHECK_FALSE(judge(few).contains("frame"));
+  CHECK_THAT(out.str(), ContainsSubstring("lie far off"));
+}
+
 TEST_CASE("What result.json says of the model's uncertainty has what was moved amid the poses",
           "[validate_command]") {
   const auto built = built_kr5(4);
