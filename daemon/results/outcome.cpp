@@ -169,8 +169,7 @@ std::string explanation(const Outcome& outcome) {
            "arm itself is: for that, measure it with a device.";
   if (outcome.identification.estimator == identify::Estimator::axes)
     return "the arm as the given axes have it. Nothing here tells where they are from, and what "
-           "they "
-           "leave out.";
+           "they leave out.";
   if (outcome.identification.poses)
     return "the arm as a device measured it: for calibration, and to compare with its model. "
            "Where joints are seen to give way to weight, the table of what joints do says so. What "

@@ -110,9 +110,12 @@ std::array<double, StrokeRounding::kOrders> StrokeRounding::told_shifts(double s
   const double squared = step_rad * step_rad;
   const double same = same_place(told->uneven / squared);
   const double within = within_a_step(told->scatter / squared, samples);
-  for (std::size_t order = 0; order < kOrders; ++order)
-    variances[order] =
-        squared * kWhole * std::max(told->agreement[order] * same, kOfOneTooth[order] * within);
+  for (std::size_t order = 0; order < kOrders; ++order) {
+    const double tooth = kOfOneTooth[order] * within;
+    // Where it goes on by whole steps, all that it is off by is its level.
+    const double slow = order == 0 ? tooth : std::min(tooth, told->agreement[order]);
+    variances[order] = squared * kWhole * std::max(slow, same * told->agreement[order]);
+  }
   return variances;
 }
 

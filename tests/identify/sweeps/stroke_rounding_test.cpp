@@ -136,32 +136,51 @@ TEST_CASE("a target that shakes along its arc does not hide that its orientation
   CHECK(level(4) > 0.7);
 }
 
-TEST_CASE("a swept angle that gains a step on its samples along the stroke grows by rounding",
+TEST_CASE("what is said of a swept angle is what rounding does to it along the stroke",
           "[stroke_rounding]") {
-  constexpr int kSamples = 600;
-  // A whole step from sample to sample, half of one, and the golden section, which agree no more.
-  const auto [steps, shifted] =
-      GENERATE(std::pair(1.0, 1.0), std::pair(0.5, 0.25), std::pair(0.618034, 0.0));
-  CAPTURE(steps);
-  auto all = std::make_shared<std::vector<Sample>>();
-  for (int i = 0; i < kSamples; ++i) {
-    const double turn = kStep_rad * steps * i * kSamples / (kSamples - 1);
-    Sample sample;
-    sample.time_s = 0.004 * i;
-    sample.has_position = true;
-    sample.position_mm = {500 * std::cos(turn), 500 * std::sin(turn), 300};
-    sample.joints = 1;
-    sample.angles_rad[0] = std::round(turn / kStep_rad) * kStep_rad;
-    all->push_back(sample);
+  constexpr int kStrokes = 40, kSamples = 600;
+  // From sample to sample, in steps: what rounding does goes once along the stroke, where it gains
+  // a whole step or half of one; stays where it is; and has no order.
+  const double rate = GENERATE(600.0 / 599, 300.0 / 599, 1.0, 0.618034);
+  test::Random random(7);
+  Eigen::Array3d does = Eigen::Array3d::Zero(), said = does;  // variances by order, in steps
+  for (int stroke = 0; stroke < kStrokes; ++stroke) {
+    const double begins = random.uniform(0, 1);
+    Eigen::MatrixX3d orders(kSamples, 3);
+    Eigen::VectorXd off(kSamples);
+    auto all = std::make_shared<std::vector<Sample>>();
+    for (int i = 0; i < kSamples; ++i) {
+      const double place = 2.0 * i / (kSamples - 1) - 1;
+      orders.row(i) << 1, place, 1.5 * place * place - 0.5;
+      const double steps = begins + rate * i, turn = steps * kStep_rad;
+      off(i) = std::round(steps) - steps;
+      Sample sample;
+      sample.time_s = 0.004 * i;
+      sample.has_position = true;
+      sample.position_mm = {500 * std::cos(turn), 500 * std::sin(turn), 300};
+      sample.joints = 1;
+      sample.angles_rad[0] = std::round(steps) * kStep_rad;
+      all->push_back(sample);
+    }
+    Sweep sweep;
+    sweep.samples = all;
+    const auto moments = moments_of(sweep, {0, 1, false, false, {0, kStep_rad}});
+    REQUIRE(moments);
+    const auto shifts = moments->rounding.told_shifts(kStep_rad);
+    const Eigen::Vector3d found = orders.colPivHouseholderQr().solve(off);
+    for (int order = 0; order < 3; ++order) {
+      does(order) += found(order) * found(order) / kStrokes;
+      said(order) += shifts[static_cast<std::size_t>(order)] / (kStep_rad * kStep_rad) / kStrokes;
+    }
   }
-  Sweep sweep;
-  sweep.samples = all;
-  const auto stroke = moments_of(sweep, {0, 1, false, false, {0, kStep_rad}});
-  REQUIRE(stroke);
-  const auto [level, growth, bend] = stroke->rounding.told_shifts(kStep_rad);
-  CHECK(level / kWhole_rad2 == Approx(shifted).margin(0.1));
-  CHECK(growth / kWhole_rad2 == Approx(0.6 * shifted).margin(0.1));
-  CHECK(bend / kWhole_rad2 == Approx(1.4 * shifted).margin(0.15));
+  for (int order = 0; order < 3; ++order) {
+    CAPTURE(rate, order, does(order), said(order));
+    // The noise of the samples, which rounding is, too, has so much of its own.
+    const double noise = (2.0 * order + 1) / 12 / kSamples;
+    CHECK(said(order) + noise > 0.8 * does(order));
+    // A level may be said that a whole wave does not have.
+    if (order > 0) CHECK(said(order) < 2 * does(order) + noise);
+  }
 }
 
 TEST_CASE("what is printed to the last digit is not shifted", "[stroke_rounding]") {
