@@ -70,7 +70,7 @@ std::string size(Cause cause, const Identification& found) {
     case Cause::sag:
       return angle(effects.sag_rad);
     case Cause::angles:
-      return angle(found.poses ? found.poses->fit.noise.each_joint_rad() : 0);
+      return angle(found.poses ? found.poses->fit.noise.joint_rad : 0);
   }
   return "";
 }

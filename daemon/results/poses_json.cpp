@@ -125,7 +125,7 @@ Json model(const PoseEstimate& found, const std::vector<std::string>& names) {
           {"loads", std::move(loads)},
           {"up", list(of.chain.up)},
           {"position_mm", fit.noise.position_mm},
-          {"joint_rad", fit.noise.each_joint_rad()},
+          {"joint_rad", fit.noise.joint_rad},
           {"covariance", std::move(covariance)}};
 }
 
@@ -179,7 +179,7 @@ Json poses_json(const Outcome& outcome) {
           {"left", json_left(found.left)},
           {"noise",
            {{"position_mm", json_length(found.fit.noise.position_mm)},
-            {"joint_arcsec", json_arcsec(found.fit.noise.each_joint_rad())},
+            {"joint_arcsec", json_arcsec(found.fit.noise.joint_rad)},
             {"gears_arcsec", json_arcsec(found.fit.noise.gears_rad)},
             {"weights_arcsec", json_arcsec(found.fit.noise.weights_rad)},
             {"play_arcsec", json_arcsec(found.fit.noise.play_rad)},
@@ -205,7 +205,7 @@ Json poses_json(const Outcome& outcome) {
 Eigen::Matrix3d PosePredictor::covariance_at(const identify::Pose& pose) const {
   const identify::PoseRow row = identify::pose_row(fit.model, pose, false);
   return row.by_parameter * fit.covariance * row.by_parameter.transpose() +
-         row.covariance(fit.noise) + identify::play_covariance(fit.model, pose, row);
+         fit.noise.covariance(row.by_joint) + identify::play_covariance(fit.model, pose, row);
 }
 
 PosePredictor pose_predictor(const Json& poses) {

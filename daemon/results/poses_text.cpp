@@ -47,22 +47,22 @@ std::string poses_text(const identify::PoseEstimate& found) {
                     fmt::format("mean {:.4f} mm, rms {:.4f} mm, max {:.4f} mm of {}",
                                 found.left.mean_mm, found.left.rms_mm, found.left.most_mm,
                                 rsi::counted(found.poses.size() - found.outliers.size(), "pose")));
-  text += paragraph(
-      "noise       ",
-      fmt::format("{:.4f} mm in each coordinate, {:.2f} arcsec in each joint's angle "
-                  "(1 sigma, a pose); gears err by {:.2f} arcsec once and twice a "
-                  "turn (1 sigma of each size)",
-                  noise.position_mm, arcsec(noise.each_joint_rad()), arcsec(noise.gears_rad)) +
-          (arcsec(noise.weights_rad) >= 0.01
-               ? fmt::format("; links' weights bend joints by {:.2f} arcsec (1 sigma of "
-                             "each size)",
-                             arcsec(noise.weights_rad))
-               : std::string()) +
-          (noise.play_rad > 0
-               ? fmt::format("; joints play by {:.2f} arcsec (1 sigma, from one side to "
-                             "the other)",
-                             2 * arcsec(noise.play_rad))
-               : std::string()));
+  text +=
+      paragraph("noise       ",
+                fmt::format("{:.4f} mm in each coordinate, {:.2f} arcsec in each joint's angle "
+                            "(1 sigma, a pose); gears err by {:.2f} arcsec once and twice a "
+                            "turn (1 sigma of each size)",
+                            noise.position_mm, arcsec(noise.joint_rad), arcsec(noise.gears_rad)) +
+                    (arcsec(noise.weights_rad) >= 0.01
+                         ? fmt::format("; links' weights bend joints by {:.2f} arcsec (1 sigma of "
+                                       "each size)",
+                                       arcsec(noise.weights_rad))
+                         : std::string()) +
+                    (noise.play_rad > 0
+                         ? fmt::format("; joints play by {:.2f} arcsec (1 sigma, from one side to "
+                                       "the other)",
+                                       2 * arcsec(noise.play_rad))
+                         : std::string()));
   text += paragraph("shown       ",
                     fmt::format("positions are predicted to {:.4f} mm (1 sigma, worst pose and "
                                 "direction)",

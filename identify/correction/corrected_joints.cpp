@@ -110,7 +110,7 @@ CorrectedJoints::Reached CorrectedJoints::reach(const std::vector<double>& angle
   const PoseRow row = pose_row(fit_.model, pose_at(reached.angles_rad), false);
   const Eigen::Matrix3d covariance =
       row.by_parameter * fit_.covariance * row.by_parameter.transpose() +
-      row.covariance(fit_.noise);
+      fit_.noise.covariance(row.by_joint);
   reached.expected_mm = std::sqrt(covariance.trace());
   return reached;
 }

@@ -54,7 +54,6 @@ void NoiseSizes::add_stand(const StandRows& stand, const MatrixXd& covariance,
   measure(stand.by_position, position_);
   measure(stand.by_orientation, orientation_);
   measure(stand.by_joints, joints_);
-  measure(stand.by_places, places_);
 }
 
 void NoiseSizes::add_effects(const PoseFit& fit, const VectorXd& step) {
@@ -86,13 +85,12 @@ void NoiseSizes::add_effects(const PoseFit& fit, const VectorXd& step) {
     else
       at += effect.count();
   for (const JointPlace& place : fit.model.places)
-    take(place.off_rad, now_.place_rad, true, places_);
+    take(place.off_rad, now_.joint_rad, true, joints_);
 }
 
 void NoiseSizes::hold(const PoseNoise& before) {
   position_.hold(now_.position_mm, before.position_mm);
   joints_.hold(now_.joint_rad, before.joint_rad);
-  places_.hold(now_.place_rad, before.place_rad);
   orientation_.hold(now_.orientation_rad, before.orientation_rad);
 }
 
@@ -107,8 +105,6 @@ PoseNoise NoiseSizes::next() const {
   noise.position_mm = std::max(kLeastNoise_mm, noise.position_mm * position_.times());
   noise.orientation_rad *= orientation_.times();
   noise.joint_rad = std::max(kLeastJoint_rad, noise.joint_rad * joints_.times());
-  if (noise.place_rad > 0)
-    noise.place_rad = std::max(kLeastJoint_rad, noise.place_rad * places_.times());
   noise.gears_rad = std::max(kLeastJoint_rad, noise.gears_rad * gears_.times());
   if (noise.weights_rad > 0)
     noise.weights_rad = std::max(kLeastJoint_rad, noise.weights_rad * weights_.times());

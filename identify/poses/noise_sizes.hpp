@@ -37,7 +37,7 @@ class NoiseSizes {
   void add_effects(const PoseFit& fit, const Eigen::VectorXd& step);
 
   PoseNoise now_;
-  Sized position_, orientation_, joints_, places_, gears_, weights_, play_;
+  Sized position_, orientation_, joints_, gears_, weights_, play_;
 };
 
 }  // namespace identify

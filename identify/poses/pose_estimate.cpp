@@ -67,9 +67,7 @@ std::vector<ChainEstimate::Part> parts_of(const PoseFit& fit,
     add(square(fit.noise.position_mm) * stand.by_position +
             square(fit.noise.orientation_rad) * stand.by_orientation,
         positions);
-    add(square(fit.noise.joint_rad) * stand.by_joints +
-            square(fit.noise.place_rad) * stand.by_places,
-        joints);
+    add(square(fit.noise.joint_rad) * stand.by_joints, joints);
   }
   Index at = fit.model.chain_parameters().count(true);
   const auto know = [&](double sigma) { joints(at, at) += 1 / (sigma * sigma), ++at; };
@@ -123,7 +121,7 @@ ChainEstimate chain_of(const PoseFit& fit, const std::optional<FromSweeps>& swee
   chain.angles.resize(chain.axes.size());
   chain.noise.position_mm = fit.noise.position_mm;
   chain.noise.orientation_rad = fit.noise.orientation_rad;
-  chain.noise.locked_rad = fit.noise.each_joint_rad();
+  chain.noise.locked_rad = fit.noise.joint_rad;
   chain.noise.swept_rad.assign(chain.axes.size(), kFreeAngle);
   chain.samples = fit.rows.size();
   chain.summary.converged = fit.converged;
@@ -201,7 +199,7 @@ bool may_be_computed(const PoseEstimate& found, const Resolution& resolution) {
   constexpr double kMostOfJoints = 1.5;  // of 144 files of computed poses it was 1.2 at most
   return found.left.rms_mm < step_mm + kMetre_mm * resolution.angle_rad &&
          found.fit.noise.position_mm < step_mm + kMetre_mm * angle_rad &&
-         found.fit.noise.each_joint_rad() < kMostOfJoints * angle_rad + step_mm / kMetre_mm &&
+         found.fit.noise.joint_rad < kMostOfJoints * angle_rad + step_mm / kMetre_mm &&
          distances_vary_mm(found) < step_mm;
 }
 
@@ -225,7 +223,8 @@ Eigen::Matrix3d PoseEstimate::covariance_at(const Pose& pose) const {
   const PoseRow row = pose_row(fit.model, pose, false);
   const MatrixXd of = whole_covariance();
   return row.by_parameter * of * row.by_parameter.transpose() +
-         row.covariance(fit.noise).topLeftCorner<3, 3>() + play_covariance(fit.model, pose, row);
+         fit.noise.covariance(row.by_own).topLeftCorner<3, 3>() +
+         play_covariance(fit.model, pose, row);
 }
 
 std::optional<PoseEstimate> estimate_poses(const std::vector<Pose>& poses, const Campaign& campaign,
@@ -275,8 +274,6 @@ std::optional<PoseEstimate> estimate_poses(const std::vector<Pose>& poses, const
   PoseNoise noise;
   noise.position_mm = std::max(kLeastStart_mm, start.middle_mm / 2);
   noise.joint_rad = noise.position_mm / kMetre_mm;
-  if (!start.model.places.empty())  // half of the variance
-    noise.joint_rad = noise.place_rad = std::sqrt(0.5) * noise.joint_rad;
   if (!start.model.effects.empty()) noise.play_rad = kStartPlay_rad;
   noise.orientation_rad = oriented ? kStartOrientation_rad : 0;
   PoseEstimate found;

@@ -67,7 +67,6 @@ class Problem {
           still(before.orientation_rad, fit_.noise.orientation_rad) &&
           // A share that fades away matters no more.
           (still(before.joint_rad, fit_.noise.joint_rad) || joint_share_ < kNoiseSettled) &&
-          fades(before.place_rad, fit_.noise.place_rad) &&
           fades(before.gears_rad, fit_.noise.gears_rad) &&
           fades(before.weights_rad, fit_.noise.weights_rad) &&
           fades(before.play_rad, fit_.noise.play_rad))
@@ -91,8 +90,7 @@ class Problem {
       free += fit_.weights(static_cast<Index>(i)) * static_cast<double>(fit_.rows[i].off.size());
     for (const StandRows& stand : white_) free -= stand.taken_up(fit_.covariance).trace();
     double lost = fit_.with_orientation ? 6 : 4;
-    for (const double size :
-         {fit_.noise.place_rad, fit_.noise.gears_rad, fit_.noise.weights_rad, fit_.noise.play_rad})
+    for (const double size : {fit_.noise.gears_rad, fit_.noise.weights_rad, fit_.noise.play_rad})
       if (size > kNoGears_rad) lost += 2;
     fit_.widened = free > lost ? std::min(kMost, free / (free - lost)) : kMost;
     solve();
@@ -174,7 +172,6 @@ class Problem {
     fit_.noise.position_mm *= times;
     fit_.noise.orientation_rad *= times;
     fit_.noise.joint_rad *= times;
-    fit_.noise.place_rad *= times;
     for (std::size_t i = 0; i < poses_.size(); ++i)
       fit_.weights(static_cast<Index>(i)) = weight_at(sigmas[i] / times);
   }

@@ -55,7 +55,7 @@ struct PoseFit {
     return effect.assumed ? noise.assumed_rad(effect.kind) * std::sqrt(widened) : effect.prior();
   }
   [[nodiscard]] double known_beforehand(const JointPlace& /*anywhere*/) const {
-    return noise.place_rad * std::sqrt(widened);
+    return noise.joint_rad * std::sqrt(widened);
   }
 
   /// The rows of the stands that count.
@@ -65,7 +65,7 @@ struct PoseFit {
 };
 
 /// From `start`, whose model may be off by as much as Gauss-Newton bears. The noise starts as large
-/// as `noise` says; zero stays zero. That of places may not be zero where the model has some. Where
+/// as `noise` says; zero stays zero. The joints' may not be zero where the model has places. Where
 /// gears are assumed (NoiseSizes::hold()), `noise` is what is known of it without them.
 [[nodiscard]] PoseFit fitted(const PoseModel& start, const PoseNoise& noise,
                              const std::vector<Pose>& poses, bool with_orientation,

@@ -54,7 +54,7 @@ MatrixXd PoseForecast::candidate(const PoseRow& row) const {
   const ChainParameters parameters = forecast_parameters(model_);
   for (std::size_t j = 0; j < parameters.joints; ++j)
     columns.middleCols<2>(parameters.axis(j)) /= kMetre_mm;
-  return row.covariance(noise_).llt().matrixL().solve(columns);
+  return noise_.covariance(row.by_own).llt().matrixL().solve(columns);
 }
 
 PoseOutlook PoseForecast::outlook(const std::vector<PoseRow>& poses,
@@ -62,7 +62,8 @@ PoseOutlook PoseForecast::outlook(const std::vector<PoseRow>& poses,
   const Index count = forecast_parameters(model_).count(false);
   MatrixXd normal = MatrixXd::Zero(count, count);
   for (const PoseRow& row : poses)
-    normal += row.by_parameter.transpose() * row.covariance(noise_).llt().solve(row.by_parameter);
+    normal +=
+        row.by_parameter.transpose() * noise_.covariance(row.by_own).llt().solve(row.by_parameter);
   const Information information(normal);
   const MatrixXd open = information.open();
   ChainFit fit;

@@ -12,17 +12,15 @@ using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-MatrixXd PoseRow::covariance(const PoseNoise& noise) const {
-  const auto square = [](double sigma) { return sigma * sigma; };
-  MatrixXd whole = square(noise.joint_rad) * by_rest * by_rest.transpose() +
-                   square(noise.place_rad) * by_own * by_own.transpose();
-  whole.diagonal().head<3>().array() += square(noise.position_mm);
-  whole.diagonal().tail(whole.rows() - 3).array() += square(noise.orientation_rad);
+MatrixXd PoseNoise::covariance(const MatrixXd& by_own) const {
+  MatrixXd whole = joint_rad * joint_rad * (by_own * by_own.transpose());
+  whole.diagonal().head<3>().array() += position_mm * position_mm;
+  whole.diagonal().tail(whole.rows() - 3).array() += orientation_rad * orientation_rad;
   return whole;
 }
 
 double sigmas_of(const PoseNoise& noise, const PoseRow& row, const VectorXd& left) {
-  const double square = left.dot(row.covariance(noise).llt().solve(left));
+  const double square = left.dot(noise.covariance(row.by_own).llt().solve(left));
   return std::sqrt(3 * square / static_cast<double>(left.size()));
 }
 
@@ -57,13 +55,12 @@ PoseRow pose_row(const PoseModel& model, const Pose& pose, bool with_orientation
   const MatrixXd of_effects = effect_columns(model, model.effects, pose, row);
   row.by_parameter.middleCols(column, of_effects.cols()) = of_effects;
   column += of_effects.cols();
-  row.by_rest = row.by_own = row.by_joint;
+  row.by_own = row.by_joint;
   for (Index j = 0; j < row.by_joint.cols(); ++j) {
     const auto joint = static_cast<std::size_t>(j);
     const std::size_t place = model.place_of(joint, told[joint]);
     const bool shared = place < model.places.size();
     if (shared) row.by_parameter.col(column + static_cast<Index>(place)) = row.by_joint.col(j);
-    if (model.is_known(told[joint])) row.by_rest.col(j).setZero();
     if (shared || model.is_known(told[joint])) row.by_own.col(j).setZero();
   }
   return row;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cmath>
 #include <vector>
 
 #include <Eigen/Core>
@@ -10,17 +9,14 @@
 namespace identify {
 
 /// Standard deviations of what a pose shows, each a component of its covariance
-///   V = position^2 I + joint^2 R R^T + place^2 J J^T, with the orientation's rows beside it,
-/// where R is how the target moves with the joints, and J how with those that stand where they do
-/// in no other stand. What a joint is off at a place of several stands is a parameter, of standard
-/// deviation `place_rad` beforehand.
+///   V = position^2 I + joint^2 J J^T, with the orientation's rows beside it,
+/// where J is how the target moves with the joints that stand where they do in no other stand. What
+/// a joint is off at a place of several stands is a parameter, as large beforehand.
 struct PoseNoise {
   double position_mm = 0;      ///< of each coordinate
   double orientation_rad = 0;  ///< about each direction
-  /// Of each joint's angle from what is told, anew at every stand: backlash, the servo. And gears,
-  /// where no stands share a place: nothing tells the two apart then.
+  /// Of each joint's angle from what is told, anew at every place: backlash, gears, the servo.
   double joint_rad = 0;
-  double place_rad = 0;    ///< the same in all stands at a place: gears
   double gears_rad = 0;    ///< of the sizes of effects once and twice a turn that are assumed
   double weights_rad = 0;  ///< of those of weights
   double play_rad = 0;     ///< of the sizes of play: of half of what joints play by
@@ -31,8 +27,8 @@ struct PoseNoise {
     return kind == JointEffect::Kind::play ? play_rad : gears_rad;
   }
 
-  /// Of each joint's angle at one place in one stand.
-  [[nodiscard]] double each_joint_rad() const { return std::hypot(joint_rad, place_rad); }
+  /// Of what a row shows; `by_own` as in PoseRow.
+  [[nodiscard]] Eigen::MatrixXd covariance(const Eigen::MatrixXd& by_own) const;
 };
 
 /// A pose, linearised at a model. Rows: position (mm), then, where it was measured, a rotation of
@@ -41,11 +37,7 @@ struct PoseRow {
   Eigen::VectorXd off;           ///< seen less the model's
   Eigen::MatrixXd by_parameter;  ///< one column a parameter of the model
   Eigen::MatrixXd by_joint;      ///< one column a joint, as it turns
-  Eigen::MatrixXd by_rest;       ///< the same, zero for joints that are known where they stand
-  Eigen::MatrixXd by_own;        ///< the same, zero for those at a place of the model, too
-
-  /// With this noise.
-  [[nodiscard]] Eigen::MatrixXd covariance(const PoseNoise& noise) const;
+  Eigen::MatrixXd by_own;        ///< the same, zero for joints at a place of the model or at home
 };
 
 /// How far `left` of a row is from nothing, in standard deviations of its noise, as if the row were

@@ -34,22 +34,19 @@ StandRows::StandRows(const PoseNoise& noise, const std::vector<PoseRow>& rows,
   }
   if (poses.empty()) return;
   const PoseRow& first = rows[poses.front()];
-  MatrixXd by_parameter(count, first.by_parameter.cols()), by_rest(count, first.by_rest.cols()),
-      by_own(count, first.by_own.cols());
+  MatrixXd by_parameter(count, first.by_parameter.cols()), by_own(count, first.by_own.cols());
   off.resize(count);
   Index at = 0;
   for (const std::size_t i : poses) {
     const Index own = rows[i].off.size();
     by_parameter.middleRows(at, own) = rows[i].by_parameter;
-    by_rest.middleRows(at, own) = rows[i].by_rest;
     by_own.middleRows(at, own) = rows[i].by_own;
     off.segment(at, own) = rows[i].off;
     at += own;
   }
   by_position = MatrixXd::Zero(count, count);
   by_orientation = by_position;
-  by_joints = by_rest * by_rest.transpose();
-  by_places = by_own * by_own.transpose();
+  by_joints = by_own * by_own.transpose();
   at = 0;
   for (const std::size_t i : poses) {
     const Index own = rows[i].off.size();
@@ -57,13 +54,12 @@ StandRows::StandRows(const PoseNoise& noise, const std::vector<PoseRow>& rows,
     by_position.diagonal().segment(at, 3).setConstant(larger);
     by_orientation.diagonal().segment(at + 3, own - 3).setConstant(larger);
     by_joints.block(at, at, own, own) *= larger;
-    by_places.block(at, at, own, own) *= larger;
     at += own;
   }
   const auto square = [](double sigma) { return sigma * sigma; };
   root.compute(square(noise.position_mm) * by_position +
                square(noise.orientation_rad) * by_orientation +
-               square(noise.joint_rad) * by_joints + square(noise.place_rad) * by_places);
+               square(noise.joint_rad) * by_joints);
   for (Index p = 0; p < by_parameter.cols(); ++p)
     if (!by_parameter.col(p).isZero(0)) parameters.push_back(p);
   columns = root.matrixL().solve(MatrixXd(by_parameter(Eigen::all, parameters))).transpose();

@@ -19,8 +19,7 @@ using Stand = std::vector<std::size_t>;
 
 /// The rows of a stand's poses that count, one pose below the other, divided by their standard
 /// deviations. Their covariance (PoseNoise) is
-///   V = position^2 by_position + orientation^2 by_orientation + joint^2 by_joints
-///       + place^2 by_places,
+///   V = position^2 by_position + orientation^2 by_orientation + joint^2 by_joints,
 /// in which a pose that counts less has a variance so much larger. A joint stands at one place of
 /// many: most of the model's parameters do nothing to a stand.
 struct StandRows {
@@ -40,7 +39,7 @@ struct StandRows {
   std::vector<Eigen::Index> parameters;  ///< that do something
   Eigen::MatrixXd columns;  ///< transposed: one row a parameter, one column a row of the poses
   Eigen::VectorXd off;
-  Eigen::MatrixXd by_position, by_orientation, by_joints, by_places;
+  Eigen::MatrixXd by_position, by_orientation, by_joints;
   Eigen::LLT<Eigen::MatrixXd> root;  ///< of V
 };
 

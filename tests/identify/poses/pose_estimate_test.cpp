@@ -40,7 +40,7 @@ TEST_CASE("Gears do not take up all noise of a few poses", "[pose_estimate][long
     const PoseFit& fit = found.poses->fit;
     double square = 0;  // of the noise in each coordinate, on average
     for (const PoseRow& row : fit.rows)
-      square += row.covariance(fit.noise).trace() / 3 / static_cast<double>(poses.size());
+      square += fit.noise.covariance(row.by_own).trace() / 3 / static_cast<double>(poses.size());
     CHECK(std::sqrt(square) > 0.005);
   }
   CHECK(static_cast<double>(all.inside) / all.numbers > 0.92);
