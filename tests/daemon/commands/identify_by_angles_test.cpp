@@ -97,7 +97,7 @@ TEST_CASE("static poses in any order stay poses", "[identify_by_angles]") {
   // Of two sweeps a line each, in turn: from line to line two joints move.
   std::string text = points_header({.angles = true});
   for (std::size_t k = 0; k < 400; k += 20)
-    for (const std::size_t sweep : {1, 2})
+    for (const std::size_t sweep : {1U, 2U})
       text += points_lines({measured.sweeps[sweep].samples[k]}, {.angles = true});
   const auto run = told_by_angles(folder, text);
   CHECK(run.code == 1);

@@ -573,7 +573,8 @@ TEST_CASE("a folder that cannot be made is tried again, and said once", "[record
 TEST_CASE("a session for which no folder could be made goes to the one that is given later",
           "[recorder]") {
   RecorderBench bench;
-  bench.folder.write("robot", "a file");
+  const auto in_the_way = bench.folder.write("robot", "a file");
+  REQUIRE(std::filesystem::is_regular_file(in_the_way));
   const auto recording = bench.begin();
   bench.send(10);
   REQUIRE(eventually([&] { return recording->counts().pauses == 1; }));
