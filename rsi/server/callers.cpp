@@ -2,11 +2,15 @@
 
 #include <algorithm>
 
+#include "rsi/telegram/ipoc.hpp"
+
 namespace rsi {
 namespace {
 
 /// A cycle in nanoseconds is less.
 constexpr std::uint64_t kLargestStep = 100'000'000;
+/// So many steps at once: some telegrams were lost.
+constexpr std::uint64_t kMostSteps = 4;
 
 /// Two rises of one step, which a clock may shorten or lengthen.
 bool are_alike(std::uint64_t rise, std::uint64_t other) noexcept {
@@ -41,12 +45,13 @@ bool Callers::may_be_controller(std::uint32_t address) const noexcept {
 
 void Callers::telegram(std::uint32_t address, std::uint64_t ipoc, Time now) noexcept {
   Caller& caller = place_of(address);
-  if (caller.spoke && rsi::was_overtaken(caller.ipoc, ipoc, caller.reach())) return;
+  if (caller.spoke && was_overtaken(caller.ipoc, ipoc)) return;
   const auto rise = ipoc - caller.ipoc;
   const auto last_rise = ipoc - caller.odd_ipoc;
   const bool large = caller.odd && are_alike(last_rise, caller.odd_ipoc - caller.ipoc);
   if (large) caller.step = last_rise;
-  const bool in_step = caller.spoke && (large || rise < caller.reach());
+  const bool in_step =
+      caller.spoke && (large || rise < std::max(kNoLatecomer, kMostSteps * caller.step));
   // One that is out of step may be damaged, two have begun anew.
   caller.odd = caller.spoke && !in_step && !caller.odd;
   caller.odd_ipoc = ipoc;
@@ -70,12 +75,6 @@ std::optional<unsigned> Callers::rank(std::uint32_t address) const noexcept {
   const Caller* const caller = find(address);
   if (caller == nullptr || !caller->spoke) return std::nullopt;
   return caller->heard - caller->streamed < kSilence ? kSteps : caller->steps;
-}
-
-bool Callers::was_overtaken(std::uint32_t address, std::uint64_t before,
-                            std::uint64_t later) const noexcept {
-  const Caller* const caller = find(address);
-  return rsi::was_overtaken(before, later, caller == nullptr ? kNoLatecomer : caller->reach());
 }
 
 bool Callers::began(std::uint32_t address) const noexcept {

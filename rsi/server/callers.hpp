@@ -1,12 +1,9 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
 #include <optional>
-
-#include "rsi/telegram/ipoc.hpp"
 
 namespace rsi {
 
@@ -48,10 +45,6 @@ class Callers {
   /// How much it looks like a controller, from 0 to kSteps: it streams; nothing without an IPOC.
   [[nodiscard]] std::optional<unsigned> rank(std::uint32_t address) const noexcept;
 
-  /// Whether the telegram `later` of this address was overtaken by `before`, as its IPOC rises.
-  [[nodiscard]] bool was_overtaken(std::uint32_t address, std::uint64_t before,
-                                   std::uint64_t later) const noexcept;
-
   /// Whether its stream was heard from the beginning: since the first datagram behind a second of
   /// silence it counts as that, whatever pauses follow.
   [[nodiscard]] bool began(std::uint32_t address) const noexcept;
@@ -69,14 +62,7 @@ class Callers {
     std::uint64_t ipoc = 0;  // the newest
     Time first;
     Time streamed;  // when there were kSteps
-
-    /// Rises and falls by less are of one stream.
-    [[nodiscard]] std::uint64_t reach() const noexcept {
-      return std::max(kNoLatecomer, kMostSteps * step);
-    }
   };
-  /// So many steps at once: some telegrams were lost.
-  static constexpr std::uint64_t kMostSteps = 4;
 
   [[nodiscard]] const Caller* find(std::uint32_t address) const noexcept;
 

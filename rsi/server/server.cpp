@@ -143,8 +143,7 @@ bool Server::displaces(const Candidate& later, const Candidate& before) const no
     return callers_.rank(later.source.address) >= callers_.rank(before.source.address);
   // RSI that began anew sends from another port; what comes from the old one is a straggler.
   if (later.source.port != before.source.port) return later.source != answered_last_;
-  return later.ipoc != before.ipoc &&
-         !callers_.was_overtaken(later.source.address, before.ipoc, later.ipoc);
+  return later.ipoc != before.ipoc && !was_overtaken(before.ipoc, later.ipoc);
 }
 
 Datagram Server::answer(const Datagram& telegram, std::string_view digits) noexcept {

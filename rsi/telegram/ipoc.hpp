@@ -21,9 +21,8 @@ inline constexpr std::uint64_t kNoLatecomer = 1000;
 
 /// Whether `later` came behind `before` because it was overtaken on the way. By their difference,
 /// so that 0 follows the greatest number.
-[[nodiscard]] constexpr bool was_overtaken(std::uint64_t before, std::uint64_t later,
-                                           std::uint64_t no_latecomer = kNoLatecomer) noexcept {
-  return before - later - 1 < no_latecomer - 1;
+[[nodiscard]] constexpr bool was_overtaken(std::uint64_t before, std::uint64_t later) noexcept {
+  return before - later - 1 < kNoLatecomer - 1;
 }
 
 /// The number that `digits` stand for; nothing if it is no unsigned 64-bit number.

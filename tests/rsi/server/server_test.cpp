@@ -89,18 +89,6 @@ TEST_CASE("of telegrams that wait together the newest is answered, in whatever o
   CHECK(bench.counts().answered + bench.counts().superseded == 22);
 }
 
-TEST_CASE("the newest is answered whatever the IPOC rises by", "[server]") {
-  BareServer bench;
-  constexpr std::uint64_t kStep = 4'000'000;
-  for (std::uint64_t k = 1; k < 10; ++k) CHECK(bench.answers(kController, k * kStep));
-  const auto swapped =
-      bench.give({{kController, telegram(11 * kStep)}, {kController, telegram(10 * kStep)}});
-  CHECK(swapped == Replies{{kController, reply(11 * kStep)}});
-  const auto anew =
-      bench.give({{kController, telegram(12 * kStep)}, {kController, telegram(kStep)}});
-  CHECK(anew == Replies{{kController, reply(kStep)}});
-}
-
 TEST_CASE("RSI that began anew from another port is answered before a straggler of the old one",
           "[server][issue11][point_9]") {
   BareServer bench;
