@@ -1,5 +1,6 @@
 #include "daemon/commands/listen_command.hpp"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <csignal>
@@ -183,11 +184,14 @@ int listen(const ListenOptions& options, std::ostream& out, std::ostream& errors
   receiver.stop();
   thread.join();
   shown.summary(receiver.dropped(), receiver.too_long());
+  // Interrupted it was less; a busy machine is a little late.
+  double listened = std::chrono::duration<double>(Steady::now() - began).count();
+  if (options.seconds > 0) listened = std::min(listened, options.seconds);
   if (shown.lines() == 0)
     errors << fmt::format(
         "sweepd: nothing came to {} in {:.1f} s: see the device's target address and port, and the "
         "firewall\n",
-        text(device.listen), std::chrono::duration<double>(Steady::now() - began).count());
+        text(device.listen), listened);
   else if (!device.columns.text.empty() && shown.points() == 0)
     errors << "sweepd: no line is a point by the columns " + device.columns.text +
                   ": see the lines with --print, and correct the columns\n";

@@ -166,7 +166,7 @@ std::string explanation(const Outcome& outcome) {
   if (described(outcome) == Described::controller_model)
     return "the controller's model: its positions are computed from its angles. It tells machine "
            "data, TOOL and BASE, and whether an elastic model is active. It does not tell how the "
-           "arm itself is: for that, measure it with a device.";
+           "arm is: for that, measure it with a device.";
   if (outcome.identification.estimator == identify::Estimator::axes)
     return "the arm as the given axes have it. Nothing here tells where they are from, and what "
            "they leave out.";

@@ -27,7 +27,7 @@ struct PoseStep {
   double moved_mm = 0;
   /// By how much it has the fit's fixed parameters off.
   Eigen::VectorXd bias;
-  bool seen = false;    ///< of poses amid which nothing was moved in one of a thousand files
+  bool seen = false;    ///< by chance in one of a thousand files, if the noise is as the fit has it
   bool sudden = false;  ///< a move at one place explains much more than a steady drift
 };
 

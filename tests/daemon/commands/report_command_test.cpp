@@ -70,7 +70,7 @@ TEST_CASE("a report of two folders tells what has changed, or why nobody can tel
   const auto html = content(folder / "all.html");
   CHECK_THAT(html, ContainsSubstring("What has changed"));
   CHECK_THAT(html, ContainsSubstring("From a (A) to b (B)") &&
-                       ContainsSubstring("Changed: zero4 by -0.020000"));
+                       ContainsSubstring("Changed: zero4 by -0.020000 deg"));
   CHECK_THAT(html, ContainsSubstring("From b (A) to c (B)") && ContainsSubstring("Not compared: "));
 }
 
