@@ -81,12 +81,17 @@ PlacedArm placed(const Json& json) {
 /// Poses counted from 1.
 Json step(const PoseEstimate& found) {
   if (!found.step.seen) return {};
-  const bool device = found.step.of == identify::PoseStep::Of::device;
-  return {{"of", device ? "device" : "target"},
-          {"from", found.step.from + 1},
-          {"chi_squared", rounded(found.step.chi_squared, 3)},
-          {"moved_mm", json_length(found.step.moved_mm)},
-          {"sudden", found.step.sudden}};
+  using Of = identify::PoseStep::Of;
+  const Of of = found.step.of;
+  Json json = {{"of", of == Of::device   ? "device"
+                      : of == Of::target ? "target"
+                                         : "joint"},
+               {"from", found.step.from + 1},
+               {"chi_squared", rounded(found.step.chi_squared, 3)},
+               {"moved_mm", json_length(found.step.moved_mm)},
+               {"sudden", found.step.sudden}};
+  if (of == Of::joint) json["joint"] = found.step.which + 1;
+  return json;
 }
 
 Json model(const PoseEstimate& found, const std::vector<std::string>& names) {

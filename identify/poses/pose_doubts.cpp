@@ -128,6 +128,17 @@ bool is_moved(const PoseEstimate& found) {
   return step.sudden && step.moved_mm >= std::max(kLeastApart_mm, kStandsOut * found.left.rms_mm);
 }
 
+Warning slipped(const PoseEstimate& found, const std::vector<Pose>& poses) {
+  const PoseStep& step = found.step;
+  const bool linear = found.chain.chain.axes[step.which].linear;
+  return {"joint_slipped", step.which,
+          "from " + poses[step.from].name + " on " + joint_name(step.which) + " stands " +
+              (linear ? brief(std::abs(step.turned)) + " mm"
+                      : brief(std::abs(step.turned) / kDegree) + "°") +
+              " off where its reading says, and stood elsewhere before: it slipped, or its zero "
+              "was set anew. See to the joint, and measure again"};
+}
+
 Warning told(const TargetShift& shift, const std::vector<Pose>& poses,
              const std::string& therefore) {
   return {"target_moved",
@@ -187,6 +198,7 @@ std::vector<Warning> doubts_of(const PoseEstimate& found, const std::vector<Pose
                           brief(step.moved_mm) +
                           " mm elsewhere (rms), all as one body: the device or the robot's base "
                           "was moved there. Measure again, and touch nothing meanwhile"});
+  if (moved && step.of == PoseStep::Of::joint) doubts.push_back(slipped(found, poses));
   const std::string therefore =
       "give the poses from there on a target name of their own, or measure again";
   if (doubts.empty())

@@ -29,15 +29,16 @@ constexpr double kSudden = 1.2;
 /// The chance of a larger chi-square.
 double chance_of_larger(double square, Index degrees) {
   const double half = square / 2;
+  if (degrees == 1) return std::erfc(std::sqrt(half));
   if (degrees == 6) return std::exp(-half) * (1 + half + half * half / 2);
   return std::erfc(std::sqrt(half)) + 2 * std::sqrt(half / kPi) * std::exp(-half);  // three
 }
 
-/// What is moved: the device with six numbers, turned about the middle of the poses, or a target
-/// with three. Its columns stand side by side, the device's first.
+/// What is moved: the device with six numbers, turned about the middle of the poses, a target with
+/// three, or a joint with one. Its columns stand side by side, in this order.
 struct MovedPart {
   PoseStep::Of of;
-  std::size_t target;
+  std::size_t which;
   Index first, count;
 };
 
@@ -62,6 +63,8 @@ class StepSearch {
     moved_.push_back({PoseStep::Of::device, 0, 0, 6});
     for (std::size_t t = 0; t < fit.model.chain.targets_mm.size(); ++t)
       moved_.push_back({PoseStep::Of::target, t, columns(), 3});
+    for (std::size_t j = 0; j < fit.model.chain.axes.size(); ++j)
+      moved_.push_back({PoseStep::Of::joint, j, columns(), 1});
     for (const StandRows& stand : fit.counted()) {
       from_.push_back(stand.poses.front());
       scores_.push_back(score_of(stand));
@@ -72,6 +75,7 @@ class StepSearch {
     PoseStep best;
     if (scores_.size() < 2 * kFewestBeside) return best;
     double least = 0;  // chi-square less twice its degrees, of the best
+    MovedPart part = moved_.front();
     StepScore behind = none();
     for (std::size_t k = scores_.size(); k-- > kFewestBeside;) {
       behind.add(scores_[k]);
@@ -81,7 +85,8 @@ class StepSearch {
         if (!found || found->square - 2 * static_cast<double>(moved.count) <= least) continue;
         least = found->square - 2 * static_cast<double>(moved.count);
         best.of = moved.of;
-        best.target = moved.target;
+        best.which = moved.which;
+        best.turned = moved.of == PoseStep::Of::joint ? found->by(0) : 0;
         best.from = from_[k];
         best.chi_squared = found->square;
         best.bias = (fit_.covariance * found->common.transpose() * found->by)
@@ -90,9 +95,10 @@ class StepSearch {
         const double places = static_cast<double>(scores_.size() * moved_.size());
         best.seen = chance_of_larger(found->square, moved.count) * places < kStepByChance &&
                     best.moved_mm > 0;
+        part = moved;
       }
     }
-    if (best.seen) best.sudden = best.chi_squared > kSudden * drifting(best);
+    if (best.seen) best.sudden = best.chi_squared > kSudden * drifting(part);
     return best;
   }
 
@@ -119,6 +125,7 @@ class StepSearch {
     const std::size_t target = poses_[i].target;
     all.block(0, moved_[1 + target].first, row.off.size(), 3) =
         row.by_parameter.middleCols<3>(fit_.model.chain_parameters().target(target));
+    all.rightCols(row.by_joint.cols()) = row.by_joint;
     return all;
   }
 
@@ -162,7 +169,7 @@ class StepSearch {
                                 std::size_t from) const {
     double square = 0, by_noise = 0, count = 0;
     for (std::size_t i = from_[from]; i < poses_.size(); ++i) {
-      if (moved.of == PoseStep::Of::target && poses_[i].target != moved.target) continue;
+      if (moved.of == PoseStep::Of::target && poses_[i].target != moved.which) continue;
       const MatrixXd columns = columns_of(i).topRows<3>().middleCols(moved.first, moved.count);
       square += (columns * found.by).squaredNorm();
       by_noise += (columns * found.covariance * columns.transpose()).trace();
@@ -172,11 +179,11 @@ class StepSearch {
   }
 
   /// Chi-square of the same that moves on by as much from stand to stand.
-  [[nodiscard]] double drifting(const PoseStep& step) const {
+  [[nodiscard]] double drifting(const MovedPart& moved) const {
     StepScore all = none();
     for (std::size_t k = 0; k < scores_.size(); ++k)
       all.add(scores_[k], static_cast<double>(k) / static_cast<double>(scores_.size()) - 0.5);
-    const auto found = solved(all, moved_[step.of == PoseStep::Of::device ? 0 : 1 + step.target]);
+    const auto found = solved(all, moved);
     return found ? found->square : 0;
   }
 

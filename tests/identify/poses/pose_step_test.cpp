@@ -52,6 +52,28 @@ TEST_CASE("What was moved is told: a target on the tool is no device", "[pose_st
   }
 }
 
+TEST_CASE("A joint that slips amid the poses is named, and by how much", "[pose_step]") {
+  const std::size_t joint = GENERATE(0U, 1U, 2U, 4U);
+  CAPTURE(joint);
+  Judged all;
+  for (const std::uint32_t seed : {1U, 2U, 3U}) {
+    const auto built = arm_with(tracker(), seed);
+    auto poses = built.poses(50);
+    for (std::size_t i = 40; i < poses.size(); ++i)
+      poses[i].sample.angles_rad[joint] -= 0.02 * kDegree;
+    const auto found = identify::identify({}, built.campaign(), poses);
+    INFO("seed " << seed << ": " << found.reason);
+    CHECK(found.status == Status::doubtful);
+    REQUIRE_FALSE(found.doubts.empty());
+    CHECK(found.doubts.front().code == "joint_slipped");
+    CHECK(found.doubts.front().joint == joint);
+    CHECK(found.poses->step.from == 40);
+    CHECK(found.poses->step.turned == Approx(0.02 * kDegree).epsilon(0.2));
+    judge(built, found, all);
+  }
+  CHECK(all.farthest < 5);
+}
+
 TEST_CASE("An arm that warms up is not said to have been moved", "[pose_step]") {
   for (const std::uint32_t seed : {1U, 2U, 3U}) {
     const auto built = arm_with(tracker(0.001), seed);
