@@ -9,6 +9,7 @@
 #include "identify/chain/delay.hpp"
 #include "identify/chain_advice.hpp"
 #include "identify/circle/joint_motion.hpp"
+#include "identify/dh/base_height.hpp"
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/median.hpp"
 #include "identify/geometry/warning.hpp"
@@ -331,17 +332,13 @@ std::vector<Warning> advice_on_height(const Identification& found,
   std::vector<Warning> advice;
   for (std::size_t i = 0; i + 1 < found.dh.size(); ++i) {
     const bool begins = i == 0 ? campaign.device_frame : !found.joints[i - 1].axis;
-    const DhEstimate& row = found.dh[i];
-    if (!begins || row.relation != Relation::parallel) continue;
-    const double off = std::hypot(std::remainder(row.alpha_rad.value, kPi), row.beta_rad.value);
+    if (!begins || found.dh[i].relation != Relation::parallel) continue;
     advice.push_back(
         {"height_unknown", i,
          joint_name(i) +
              ": its axis and the next are parallel, and nothing tells where along them the arm "
              "stands. " +
-             taken_at(found, measured, campaign, i) + ". They change by up to " +
-             brief(1000 * std::tan(off)) + " mm for each metre along the axes, which are " +
-             brief(off / kDegree) + "° off parallel"});
+             taken_at(found, measured, campaign, i) + ". " + change_with_height(found.dh, i)});
   }
   return advice;
 }

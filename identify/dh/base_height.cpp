@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "identify/dh/placed_axes.hpp"
+#include "identify/geometry/angle.hpp"
+#include "identify/geometry/warning.hpp"
 
 namespace identify {
 namespace {
@@ -136,6 +138,17 @@ void leave_to_height(std::vector<DhEstimate>& table, const Axes& z, double size_
       for (const DhNumberName& of_row : kDhNumbers)
         if (slopes.hangs(table, i, of_row)) set(table[i].*of_row.number);
   }
+}
+
+std::string change_with_height(const std::vector<DhEstimate>& table, std::size_t row) {
+  double off = 0;
+  for (; row + 1 < table.size() && table[row].relation == Relation::parallel; ++row)
+    off = std::max(off, std::hypot(std::remainder(table[row].alpha_rad.value, kPi),
+                                   table[row].beta_rad.value));
+  if (1000 * std::tan(off) < kNoChange)
+    return "No height changes them, since the axes are exactly parallel";
+  return "They change by up to " + brief(1000 * std::tan(off)) +
+         " mm for each metre along the axes, which are " + brief(off / kDegree) + "° off parallel";
 }
 
 }  // namespace identify

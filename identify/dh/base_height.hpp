@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "identify/dh/dh_extraction.hpp"
@@ -25,5 +27,9 @@ namespace identify {
 /// standard uncertainty. `table` is that of `z`, which `seen_from_base` gave.
 void leave_to_height(std::vector<DhEstimate>& table, const std::vector<std::optional<Axis>>& z,
                      double size_mm, const std::vector<DhRow>& specified);
+
+/// How much the numbers change with the height, as a sentence without its end: by the least
+/// parallel of the axes from that of `row` on, as long as each is parallel to the next.
+[[nodiscard]] std::string change_with_height(const std::vector<DhEstimate>& table, std::size_t row);
 
 }  // namespace identify

@@ -137,6 +137,51 @@ TEST_CASE("axes that are given in a device's frame leave the height open as well
   }
 }
 
+TEST_CASE(
+    "on the height of axes that are exactly parallel hangs no other number, and so it is told",
+    "[height]") {
+  Campaign campaign;
+  campaign.device_frame = true;
+  const auto told = [&](const simulation::Robot& robot, bool by_table) {
+    campaign.joints = robot.specified.rows.size();
+    campaign.specified.reset();
+    if (by_table) campaign.specified = robot.specified;
+    const auto found = identify_given_axes(axes_before_a_device(robot, 1), campaign);
+    const Warning* const warning = find_warning(found, "height_unknown");
+    return warning == nullptr ? "" : warning->message;
+  };
+  auto robot = arm_of(3);
+  robot.arm.rows[0].alpha_rad = robot.arm.rows[0].beta_rad = 0;
+  for (const bool by_table : {false, true}) {
+    const auto message = told(robot, by_table);
+    CHECK_THAT(message, ContainsSubstring("b of row 2") && ContainsSubstring("exactly parallel") &&
+                            ContainsSubstring("No height changes them") &&
+                            !ContainsSubstring("change by"));
+  }
+  auto planar = arm_of(2);
+  planar.arm.rows[0].alpha_rad = planar.arm.rows[0].beta_rad = 0;
+  CHECK_THAT(told(planar, true),
+             ContainsSubstring("No height changes them") && !ContainsSubstring("change by"));
+}
+
+TEST_CASE("how much the height changes is told by the least parallel of the axes", "[height]") {
+  simulation::Robot robot = arm_of(2);
+  robot.specified.rows.push_back(robot.specified.rows.back());
+  robot.specified.rows[1] = {0, -0.7, 300, 0};
+  robot.specified.home_rad.assign(3, 0);
+  robot.specified.positive.assign(3, 1);
+  robot.arm = robot.specified;
+  robot.arm.rows[1].beta_rad = 0.16 * kDegree;
+  Campaign campaign;
+  campaign.joints = 3;
+  campaign.device_frame = true;
+  campaign.specified = robot.specified;
+  const auto found = identify_given_axes(axes_before_a_device(robot, 1), campaign);
+  const Warning* const warning = find_warning(found, "height_unknown");
+  REQUIRE(warning != nullptr);
+  CHECK_THAT(warning->message, ContainsSubstring("2.8 mm for each metre"));  // of tan(0.16°)
+}
+
 TEST_CASE("the circles' table is stated from the same base as the chain's", "[height]") {
   // A device that stands 777 mm lower than the robot.
   const auto arm = identify::test::scara();
