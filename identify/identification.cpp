@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -270,6 +271,42 @@ Identification with_poses(const std::vector<Sweep>& sweeps, const std::vector<Po
   return found;
 }
 
+/// Whether all that is known of it is.
+bool is_finite(const Sample& sample) {
+  const auto finite = [](double number) { return std::isfinite(number); };
+  const auto& angles = sample.angles_rad;
+  return finite(sample.time_s) && (!sample.has_position || sample.position_mm.allFinite()) &&
+         (!sample.has_orientation ||
+          std::all_of(sample.abc_rad.begin(), sample.abc_rad.end(), finite)) &&
+         std::all_of(angles.begin(), angles.begin() + std::min<int>(sample.joints, kMostJoints),
+                     finite);
+}
+
+/// Samples and poses with a number that is infinite or none, and sweeps of which nothing stays. A
+/// warning says how many samples and poses. All others stay as they are.
+void leave_out_not_finite(std::vector<Sweep>& sweeps, std::vector<Pose>& poses,
+                          std::vector<Warning>& warnings) {
+  std::size_t left_out = 0;
+  std::erase_if(sweeps, [&](Sweep& sweep) {
+    std::vector<Sample> kept;
+    if (std::isfinite(sweep.range_rad))
+      for (const Sample& sample : *sweep.samples)
+        if (is_finite(sample)) kept.push_back(sample);
+    const std::size_t fewer = sweep.samples->size() - kept.size();
+    left_out += fewer;
+    if (kept.empty()) return true;
+    if (fewer > 0) sweep.samples = std::make_shared<const std::vector<Sample>>(std::move(kept));
+    return false;
+  });
+  left_out += std::erase_if(poses, [](const Pose& pose) { return !is_finite(pose.sample); });
+  if (left_out > 0)
+    warnings.push_back({"not_finite",
+                        {},
+                        std::to_string(left_out) +
+                            " of the samples and poses hold a number that is infinite or none, "
+                            "and were left out"});
+}
+
 /// Where the specified table had to tell which way about its axis a joint's angle rises, its
 /// strokes went the other way, too.
 void follow_axis(JointResult& joint) {
@@ -283,11 +320,12 @@ void follow_axis(JointResult& joint) {
 
 Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign,
                         std::vector<Pose> poses) {
-  std::vector<Warning> copies;
-  poses = without_copies(std::move(poses), copies);
+  std::vector<Warning> of_input;
+  leave_out_not_finite(sweeps, poses, of_input);
+  poses = without_copies(std::move(poses), of_input);
   Identification found =
       poses.empty() ? estimate(std::move(sweeps), campaign) : with_poses(sweeps, poses, campaign);
-  found.warnings.insert(found.warnings.end(), copies.begin(), copies.end());
+  found.warnings.insert(found.warnings.end(), of_input.begin(), of_input.end());
   name_undetermined(found);
   leave_to_sense(found);
   for (JointResult& joint : found.joints) follow_axis(joint);

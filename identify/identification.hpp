@@ -68,7 +68,7 @@ void apply_doubts(Identification& found);
 /// The engine: circles first, then the chain, which starts from them; `dh` and the joints' axes are
 /// the chain's where it converged. Static `poses` of the same robot in the same frame, if any, are
 /// fitted then, with what the sweeps told beside them. Sweeps in the order of time. Never throws
-/// for what the data hold. The same sweeps and poses give the same bits.
+/// for what the data hold; numbers that are not finite are left out. Same data give same bits.
 [[nodiscard]] Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign,
                                       std::vector<Pose> poses = {});
 

@@ -1,6 +1,8 @@
 #include "identify/plausibility.hpp"
 
 #include <functional>
+#include <limits>
+#include <memory>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -729,4 +731,68 @@ TEST_CASE("Two places of an arc tell no axis, and nothing is made up",
     CHECK(found.status != Status::complete);
     for (const double z : simulation::errors_in_sigmas(simulation, found)) CHECK(std::abs(z) < 4.5);
   }
+}
+
+TEST_CASE("samples with a number that is not finite change no result, and are told",
+          "[plausibility]") {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  simulation::Robot robot;
+  robot.specified.rows = {{0, 1.2, -400, 0.3}, {0, 0, 0, 0}};
+  robot.specified.home_rad.assign(2, 0);
+  robot.specified.positive.assign(2, 1);
+  robot.arm = robot.specified;
+  robot.targets_mm = {{150, 60, 100}};
+  Strokes strokes;
+  strokes.samples = 100;
+  const Simulation simulation(robot, strokes, tracker(true), 1);
+  const auto spoiled = [&](const std::function<void(Sample&)>& spoil) {
+    return changed(simulation.sweeps(), [&](Sweep&, std::vector<Sample>& samples) {
+      for (std::size_t i = 3; i < samples.size(); i += 7) spoil(samples[i]);
+    });
+  };
+  const auto without = identify::identify(changed(simulation.sweeps(),
+                                                  [](Sweep&, std::vector<Sample>& samples) {
+                                                    auto all = std::exchange(samples, {});
+                                                    for (std::size_t i = 0; i < all.size(); ++i)
+                                                      if (i % 7 != 3) samples.push_back(all[i]);
+                                                  }),
+                                          simulation.campaign());
+  CHECK(without.status == Status::complete);
+  CHECK_FALSE(find_warning(without, "not_finite"));
+  const std::function<void(Sample&)> spoils[] = {
+      [](Sample& sample) { sample.position_mm.y() = kNone; },
+      [](Sample& sample) { sample.position_mm.setConstant(-kInfinite); },
+      [](Sample& sample) { sample.angles_rad[1] = kNone; },
+      [](Sample& sample) { sample.time_s = kInfinite; }};
+  for (const auto& spoil : spoils) {
+    const auto found = identify::identify(spoiled(spoil), simulation.campaign());
+    REQUIRE(find_warning(found, "not_finite"));
+    CHECK(found.status == Status::complete);
+    REQUIRE(found.dh.size() == 2);
+    CHECK(found.dh[0].a_mm.value == without.dh[0].a_mm.value);
+    CHECK(found.dh[0].a_mm.sigma == without.dh[0].a_mm.sigma);
+  }
+}
+
+TEST_CASE("where no position is finite nothing is identified, and it is told at once",
+          "[plausibility]") {
+  std::vector<Sample> samples(500);
+  for (Sample& sample : samples) {
+    sample.time_s = 0.004 * static_cast<double>(&sample - samples.data());
+    sample.position_mm.setConstant(std::numeric_limits<double>::quiet_NaN());
+    sample.has_position = true;
+  }
+  Sweep sweep;
+  sweep.samples = std::make_shared<const std::vector<Sample>>(samples);
+  sweep.range_rad = 1;
+  Campaign campaign;
+  campaign.joints = 6;
+  Pose pose;
+  pose.sample = samples[0];
+  const auto found = identify::identify({sweep, sweep}, campaign, {pose});
+  CHECK(found.status == Status::failed);
+  const auto* const warning = find_warning(found, "not_finite");
+  REQUIRE(warning != nullptr);
+  CHECK_THAT(warning->message, ContainsSubstring("1001 of the samples and poses"));
 }
