@@ -111,6 +111,7 @@ std::string link_json(const rsi::Conversation& conversation, const LinkReport& r
                {"duration_s", s(report.duration)},
                {"verdict", rsi::text(verdict.grade)},
                {"reasons", verdict_reasons(verdict)}};
+  if (report.from_recording) json["from_recording"] = true;
   if (report.step) {
     if (report.cycle > nanoseconds(0)) json["cycle_ms"] = rounded(ms(report.cycle), 3);
     json["ipoc_step"] = *report.step;

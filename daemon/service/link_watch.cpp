@@ -56,6 +56,7 @@ rsi::LinkReport LinkWatch::report(const rsi::Link& link) const {
   auto report = link.report();
   report.replies.withheld = withheld;
   report.missed_by_tap = missed_by_tap;
+  report.from_recording = from_recording;
   report.replies.unanswered -= std::min(report.replies.unanswered, withheld);
   return report;
 }

@@ -32,6 +32,8 @@ struct LinkWatch {
   std::uint64_t withheld = 0;
   /// So many packets a tap did not see, though they passed.
   std::uint64_t missed_by_tap = 0;
+  /// The recording tells: neither of the two numbers above is known.
+  bool from_recording = false;
 
   [[nodiscard]] rsi::LinkReport report(const rsi::Link& link) const;
   /// How the link does so far; `at_end`: and how it ended.

@@ -22,13 +22,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// How many telegrams a result was made of that is there already; 0: none is.
-std::uint64_t telegrams_of_result(const fs::path& folder) {
-  std::ifstream stream(folder / file_names::kResult, std::ios::binary);
-  const auto result = nlohmann::json::parse(stream, nullptr, false);
-  const nlohmann::json::json_pointer place("/source/telegrams");
-  if (!result.is_object() || !result.contains(place)) return 0;
-  const auto& telegrams = result[place];
+/// How many telegrams a file was made of that is there already, by what stands at `place` of it; 0:
+/// none is.
+std::uint64_t telegrams_of(const fs::path& file, const char* place) {
+  std::ifstream stream(file, std::ios::binary);
+  const auto told = nlohmann::json::parse(stream, nullptr, false);
+  const nlohmann::json::json_pointer pointer(place);
+  if (!told.is_object() || !told.contains(pointer)) return 0;
+  const auto& telegrams = told[pointer];
   return telegrams.is_number_unsigned() ? telegrams.get<std::uint64_t>() : 0;
 }
 
@@ -116,6 +117,7 @@ SessionReplay::SessionReplay(fs::path folder, FolderLock lock, const RobotSetup&
                         "lacks it");
     return empty;
   });
+  has_gaps_ = !damage_.empty();
   const auto search = rsi::find_conversation(traces_);
   if (search.chosen) conversation_ = *search.chosen;
   std::reverse(traces_.begin(), traces_.end());
@@ -132,19 +134,38 @@ bool SessionReplay::step() {
     }
     const auto datagram = trace_->next();
     if (!datagram) {
-      for (auto& note : trace_->notes()) damage_.push_back(std::move(note));
+      for (auto& note : trace_->notes()) {
+        damage_.push_back(std::move(note));
+        has_gaps_ = has_gaps_ || !traces_.empty();
+      }
       trace_.reset();
       continue;
     }
     newest_ = std::max(newest_, datagram->time);
     if (device_.is_device(*datagram)) {
       device_.device(*datagram);
-    } else if (conversation_.direction(*datagram) == rsi::Direction::from_controller) {
-      device_.telegram(*datagram);
-      session_->telegram(*datagram);
+      continue;
     }
+    const auto direction = conversation_.direction(*datagram);
+    if (direction == rsi::Direction::to_controller) session_->reply(*datagram);
+    if (direction != rsi::Direction::from_controller) continue;
+    device_.telegram(*datagram);
+    session_->telegram(*datagram);
   }
   return true;
+}
+
+std::optional<LinkFiles> SessionReplay::link() const {
+  const auto& told = session_->link();
+  const auto telegrams = told.statistics().counts().telegrams;
+  // Of gaps it would say that the link had them. One that sweepd itself wrote knew more.
+  if (has_gaps_ || recording_paused(folder_) || recording_deleted(folder_) ||
+      telegrams_of(folder_ / file_names::kLink, "/telegrams/received") >= telegrams)
+    return std::nullopt;
+  LinkWatch watch;
+  watch.conversation = conversation_;
+  watch.from_recording = true;
+  return watch.files(told, false);
 }
 
 SessionEnd SessionReplay::end(std::vector<FileHash> inputs, Log log) {
@@ -152,7 +173,8 @@ SessionEnd SessionReplay::end(std::vector<FileHash> inputs, Log log) {
   const auto started = folder_.filename().string();
   log.about(started, {});
   const auto snapshot = device_.with_device(session_->snapshot());
-  const bool better = telegrams_of_result(folder_) <= snapshot.counts.link.telegrams;
+  const bool better = telegrams_of(folder_ / file_names::kResult, "/source/telegrams") <=
+                      snapshot.counts.link.telegrams;
   if (recording_paused(folder_))
     damage_.emplace_back(
         "the recording paused, as the disk had no room or refused: what came then may be missing");
@@ -167,7 +189,7 @@ SessionEnd SessionReplay::end(std::vector<FileHash> inputs, Log log) {
                  nullptr,
                  folder_,
                  snapshot,
-                 std::nullopt,
+                 link(),
                  [cut = std::move(cut)](const fs::path& folder) {
                    return run_json_of_cut_session(folder, cut);
                  },

@@ -65,6 +65,8 @@ class SessionReplay : private StreamSink {
 
  private:
   void sample(const identify::Sample& sample, std::string_view) override { device_.sample(sample); }
+  /// As far as the recording tells. Nothing where it has gaps, or where more is written already.
+  [[nodiscard]] std::optional<LinkFiles> link() const;
 
   std::filesystem::path folder_;
   FolderLock lock_;
@@ -75,6 +77,7 @@ class SessionReplay : private StreamSink {
   std::optional<rsi::CaptureReader> trace_;
   rsi::Timestamp newest_{};
   std::vector<std::string> damage_;  // sentences
+  bool has_gaps_ = false;            // before its end
 };
 
 /// Whether a session's folder has a trace that holds anything.

@@ -59,6 +59,7 @@ class Judge {
     latency();
     jitter();
     missed_by_tap();
+    from_recording();
     good_to_know();
     std::stable_sort(verdict_.reasons.begin(), verdict_.reasons.end(),
                      [](const Reason& a, const Reason& b) { return a.grade > b.grade; });
@@ -172,6 +173,14 @@ class Judge {
         rsi::counted(missed, "packet", "packets") +
             " passed the tap unseen, as its machine was too busy: as many of the telegrams that "
             "count as lost or unanswered here, and of the stray replies, were well on the link");
+  }
+
+  void from_recording() {
+    if (!report_.from_recording) return;
+    add(Grade::good, "from_recording",
+        "sweepd was cut off in this session, and its recording alone tells of the link: telegrams "
+        "that got no answer on purpose count as unanswered here, and what a tap or the recording "
+        "missed counts as lost or unanswered; how the stream ended is not known");
   }
 
   void malformed() {

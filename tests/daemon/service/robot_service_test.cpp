@@ -296,6 +296,37 @@ TEST_CASE("a recovered session tells what made its result, and that its recordin
                  ContainsSubstring("the next start tries it again"));
 }
 
+TEST_CASE("a recovered session tells of its link as its recording does, and says so",
+          "[robot_service][live]") {
+  const TemporaryFolder folder;
+  const auto session = killed_session(folder / "out");
+  const auto known = session.parent_path() / "20370101T000000Z";
+  fs::copy(session, known);
+  const auto live = json_in(session / "link.json");
+  for (const char* name : {"link.txt", "link.json", "last_cycles.csv"}) fs::remove(session / name);
+  const auto deleted = session.parent_path() / "20380101T000000Z";
+  fs::copy(session, deleted);
+  sweepd::mark_recording_deleted(deleted);
+  const auto late = session.parent_path() / "20390101T000000Z";
+  fs::copy(session, late);
+  fs::rename(late / "trace.pcap", late / "trace-0002.pcap");
+  RobotService service(settings(folder / "out"));
+  service.start();
+  for (const auto& of : {session, known, deleted, late})
+    REQUIRE(eventually([&] { return json_in(of / "run.json").contains("ended"); }));
+  service.stop();
+  const auto told = json_in(session / "link.json");
+  for (const char* part : {"controller", "start", "duration_s", "telegrams", "replies", "latency"})
+    CHECK(told[part] == live[part]);
+  CHECK(told["from_recording"] == true);
+  CHECK_THAT(content(session / "link.txt"),
+             ContainsSubstring("sweepd was cut off in this session"));
+  CHECK_FALSE(fs::exists(session / "last_cycles.csv"));
+  CHECK(json_in(known / "link.json") == live);
+  CHECK_FALSE(fs::exists(deleted / "link.json"));
+  CHECK_FALSE(fs::exists(late / "link.json"));
+}
+
 TEST_CASE("a session of which somebody deleted the beginning tells it after a restart",
           "[robot_service][live]") {
   const TemporaryFolder folder;

@@ -228,6 +228,9 @@ TEST_CASE("restarts, clock steps and missing Delay are good to know, and no faul
   report = flawless();
   report.link.missed_before = 248;
   check_only(report, Grade::good, "missed_before", "had missed 248 replies before");
+  report.link.missed_before = 0;
+  report.from_recording = true;
+  check_only(report, Grade::good, "from_recording", "its recording alone tells of the link");
   report = flawless();
   report.ipoc_counts_ms = false;
   check_only(report, Grade::good, "ipoc_no_clock", "simulator");
