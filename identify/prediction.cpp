@@ -70,6 +70,21 @@ Eigen::MatrixXd covariance_by_errors(const ChainFit& fit,
   return all;
 }
 
+/// What printing leaves out does not average out, as whole strokes are rounded alike: `expected`
+/// gets what the rehearsal's own estimate has of it.
+void add_print(ChainEstimate& expected, const Identification& rehearsed) {
+  if (!rehearsed.chain) return;
+  for (const ChainEstimate::Part& part : rehearsed.chain->parts) {
+    if (part.cause != Cause::print || part.covariance.rows() != expected.covariance.rows())
+      continue;
+    expected.covariance += part.covariance;
+    for (std::size_t j = 0; j < expected.axes.size(); ++j) {
+      const auto row = static_cast<Eigen::Index>(6 * j);
+      if (expected.axes[j]) expected.axes[j]->covariance += part.covariance.block<6, 6>(row, row);
+    }
+  }
+}
+
 void predict_from(ChainNodes& nodes, const std::vector<ChainObservation>& samples,
                   const Identification& rehearsed, const Campaign& campaign, const Chain& chain,
                   ChainNoise& noise, Prediction& prediction) {
@@ -92,6 +107,7 @@ void predict_from(ChainNodes& nodes, const std::vector<ChainObservation>& sample
                                                : covariance_by_errors<3>(fit, samples, noise);
   set_fitted_axes(expected, fit, swept, 1);
   place_linear_axes(expected, campaign, rehearsed.specified);
+  add_print(expected, rehearsed);
   const TableAxes axes = table_axes(expected, campaign);
   prediction.axes = expected.axes;
   prediction.dh = campaign.device_frame ? device_table_of(axes, joints, rehearsed.specified)

@@ -324,6 +324,38 @@ TEST_CASE("the plan simulated gives the sweeps that it asks for", "[plan_command
   }
 }
 
+TEST_CASE("what few decimals leave out is in the uncertainties that are predicted",
+          "[plan_command][plan][long]") {
+  const auto robot = load_robot(kConfig / "robots/kr5_arc.toml");
+  for (const char* name : {"kr5_arc_90deg.toml", "kr5_arc_30deg.toml"}) {
+    const auto plan = load_plan(kConfig / "plans" / name);
+    Measurement measurement = coarse();
+    measurement.precision = 1;
+    const auto expected = look_ahead(robot, plan, measurement).prediction.dh;
+    const auto found = rehearse(robot, plan, measurement, 100).identification;
+    REQUIRE(found.dh.size() == expected.size());
+    const auto check = [&](const identify::DhNumber& predicted, const identify::DhNumber& stated,
+                           double error) {
+      if (predicted.knowledge != identify::Knowledge::identified) return;
+      CHECK(std::abs(error) < 4 * predicted.sigma);
+      // One campaign in steps of 0.1 mm and 16 ms: another falls on the steps otherwise.
+      CHECK(predicted.sigma > 0.4 * stated.sigma);
+      CHECK(predicted.sigma < 1.7 * stated.sigma);
+    };
+    for (std::size_t j = 0; j < expected.size(); ++j) {
+      INFO(name << ", row " << j + 1);
+      const auto& row = found.dh[j];
+      const auto& truth = found.specified[j];
+      check(expected[j].b_mm, row.b_mm, row.b_mm.value - truth.b_mm);
+      check(expected[j].a_mm, row.a_mm, row.a_mm.value - truth.a_mm);
+      check(expected[j].theta_rad, row.theta_rad,
+            identify::wrapped(row.theta_rad.value - truth.theta_rad));
+      check(expected[j].alpha_rad, row.alpha_rad,
+            identify::wrapped(row.alpha_rad.value - truth.alpha_rad));
+    }
+  }
+}
+
 TEST_CASE("predicted uncertainties are those of simulated campaigns",
           "[plan_command][plan][long]") {
   const auto robot = load_robot(kConfig / "robots/kr5_arc.toml");
