@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <utility>
@@ -288,14 +289,15 @@ void leave_out_not_finite(std::vector<Sweep>& sweeps, std::vector<Pose>& poses,
                           std::vector<Warning>& warnings) {
   std::size_t left_out = 0;
   std::erase_if(sweeps, [&](Sweep& sweep) {
+    const bool has_range = std::isfinite(sweep.range_rad);
+    const auto counts = [&](const Sample& sample) { return has_range && is_finite(sample); };
+    const auto& samples = *sweep.samples;
+    if (std::all_of(samples.begin(), samples.end(), counts)) return false;
     std::vector<Sample> kept;
-    if (std::isfinite(sweep.range_rad))
-      for (const Sample& sample : *sweep.samples)
-        if (is_finite(sample)) kept.push_back(sample);
-    const std::size_t fewer = sweep.samples->size() - kept.size();
-    left_out += fewer;
+    std::copy_if(samples.begin(), samples.end(), std::back_inserter(kept), counts);
+    left_out += samples.size() - kept.size();
     if (kept.empty()) return true;
-    if (fewer > 0) sweep.samples = std::make_shared<const std::vector<Sample>>(std::move(kept));
+    sweep.samples = std::make_shared<const std::vector<Sample>>(std::move(kept));
     return false;
   });
   left_out += std::erase_if(poses, [](const Pose& pose) { return !is_finite(pose.sample); });

@@ -1,5 +1,8 @@
 #include <algorithm>
+#include <cmath>
 #include <map>
+
+#include <boost/math/distributions/students_t.hpp>
 
 #include "daemon/history/compared_campaigns.hpp"
 
@@ -16,6 +19,12 @@ constexpr std::size_t kFewestSuccessive = 6;
 constexpr double kStrange = 6;
 /// In years: campaigns over so long have met all seasons.
 constexpr double kMostOfYear = 0.7;
+/// A jump: campaigns of half a year before and after a place lie apart by as much as chance has
+/// them in one of a thousand histories, and most of it came in one step. A season comes in many.
+constexpr double kBeside = 0.5;
+constexpr std::size_t kFewestBeside = 3;
+constexpr double kJumpByChance = 1e-3;
+constexpr double kInOneStep = 0.6;
 
 /// Years from one to the other.
 double age(const ComparedCampaign& from, const ComparedCampaign& to) {
@@ -58,23 +67,47 @@ class Steps {
       std::nth_element(sizes.begin(), middle, sizes.end());
       usual_(k) = kByMedian * *middle;
     }
+    strange_.assign(told_.size(), false);
+    for (std::size_t i = 1; i < told_.size(); ++i)
+      strange_[i] = (step(i).cwiseAbs().array() > kStrange * usual_.array()).any() || is_jump(i);
   }
 
   [[nodiscard]] const std::vector<const ComparedCampaign*>& told() const { return told_; }
   [[nodiscard]] VectorXd step(std::size_t to) const {
     return told_[to]->values - told_[to - 1]->values;
   }
-  /// So large that something happened between the two.
-  [[nodiscard]] bool strange(std::size_t to) const {
-    return (step(to).cwiseAbs().array() > kStrange * usual_.array()).any();
-  }
+  /// Something happened between the two.
+  [[nodiscard]] bool strange(std::size_t to) const { return strange_[to]; }
 
  private:
+  /// Student's test of each number, of those before and those after.
+  [[nodiscard]] bool is_jump(std::size_t to) const {
+    std::size_t from = to, end = to;
+    while (from > 0 && age(*told_[from - 1], *told_[to]) < kBeside) --from;
+    while (end < told_.size() && age(*told_[to], *told_[end]) < kBeside) ++end;
+    if (to - from < kFewestBeside || end - to < kFewestBeside) return false;
+    const auto before = static_cast<double>(to - from), after = static_cast<double>(end - to);
+    VectorXd means[2] = {VectorXd::Zero(usual_.size()), VectorXd::Zero(usual_.size())};
+    for (std::size_t i = from; i < end; ++i)
+      means[i < to ? 0 : 1] += told_[i]->values / (i < to ? before : after);
+    VectorXd squares = VectorXd::Zero(usual_.size());
+    for (std::size_t i = from; i < end; ++i)
+      squares += (told_[i]->values - means[i < to ? 0 : 1]).cwiseAbs2();
+    const double degrees = before + after - 2;
+    const double looked = static_cast<double>(told_.size()) * static_cast<double>(usual_.size());
+    const double least =
+        quantile(complement(boost::math::students_t(degrees), kJumpByChance / (2 * looked)));
+    const Eigen::ArrayXd apart = (means[1] - means[0]).cwiseAbs();
+    const Eigen::ArrayXd error = (squares.array() / degrees * (1 / before + 1 / after)).sqrt();
+    return (apart > least * error && step(to).cwiseAbs().array() > kInOneStep * apart).any();
+  }
+
   std::vector<const ComparedCampaign*> told_;
   VectorXd usual_;
+  std::vector<bool> strange_;
 };
 
-/// Of each campaign to the next, but where one differs far more than usual.
+/// Of each campaign to the next, but where something happened.
 Scatter successive_scatter(const History& history) {
   const Steps steps(history);
   const auto count = static_cast<Index>(history.numbers.size());
@@ -89,8 +122,7 @@ Scatter successive_scatter(const History& history) {
   return scatter;
 }
 
-/// Of campaigns about the means of their years, without years in which one differs far more than
-/// usual from the one before.
+/// Of campaigns about the means of their years, without years in which something happened.
 Scatter yearly_scatter(const History& history) {
   const Steps steps(history);
   const auto& told = steps.told();

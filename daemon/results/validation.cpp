@@ -132,15 +132,17 @@ Eigen::Isometry3d from_predicted(const PosePredictor& predictor,
 /// tell a frame.
 constexpr std::size_t kFewestInFrame = 6;
 constexpr double kOnALine_mm = 30;
-/// Poses that lie farther off than by this, and so many times as far as in the frame that fits
-/// them.
+/// Poses that lie farther off than by this, or most of them beyond what the result says, and so
+/// many times as far as in the frame that fits them.
 constexpr double kOtherFrame_mm = 0.2;
 constexpr double kOtherFrame = 3;
 
 std::optional<OtherFrame> other_frame(const PosePredictor& predictor,
                                       const std::vector<identify::Pose>& poses,
                                       const JudgedPoses& as_seen) {
-  if (poses.size() < kFewestInFrame || as_seen.left.mean_mm < kOtherFrame_mm) return std::nullopt;
+  const bool as_said = 2 * as_seen.inside() >= poses.size();
+  if (poses.size() < kFewestInFrame || (as_seen.left.mean_mm < kOtherFrame_mm && as_said))
+    return std::nullopt;
   const Eigen::Isometry3d frame = from_predicted(predictor, poses);
   const auto count = static_cast<double>(poses.size());
   Vector3d middle = Vector3d::Zero();

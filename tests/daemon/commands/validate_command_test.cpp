@@ -200,6 +200,9 @@ TEST_CASE("Poses of a device that was set up elsewhere are judged in the frame t
   const auto fit = folder.write("fit.csv", lines_of(poses, 0, 60));
   const auto kept = folder.write("kept.csv", lines_of(poses, 60, 90));
   const Eigen::AngleAxisd turn(1, Eigen::Vector3d(1, 2, 3).normalized());
+  auto nudged_poses = poses;
+  for (auto& pose : nudged_poses) pose.sample.position_mm += Eigen::Vector3d(0.08, -0.08, 0.08);
+  const auto nudged = folder.write("nudged.csv", lines_of(nudged_poses, 60, 90));
   for (auto& pose : poses)
     pose.sample.position_mm = turn * pose.sample.position_mm + Eigen::Vector3d(500, -3000, 200);
   const auto elsewhere = folder.write("elsewhere.csv", lines_of(poses, 60, 90));
@@ -228,6 +231,11 @@ TEST_CASE("Poses of a device that was set up elsewhere are judged in the frame t
   CHECK(there["frame"]["inside_95"].get<int>() >= 25);
   CHECK_FALSE(judge(few).contains("frame"));
   CHECK_THAT(out.str(), ContainsSubstring("lie far off"));
+  // As little as 0.14 mm, seven times the noise.
+  const auto near = judge(nudged);
+  CHECK(near["mean_mm"].get<double>() < 0.2);
+  REQUIRE(near.contains("frame"));
+  CHECK(near["frame"]["moved_mm"].get<double>() == Approx(0.1386).margin(0.03));
 }
 
 TEST_CASE("What result.json says of the model's uncertainty has what was moved amid the poses",

@@ -155,6 +155,19 @@ TEST_CASE("marks of one season do not make an alarm of the others", "[history][l
   for (std::size_t i = 30; i < 60; ++i) CHECK(crashed.campaigns[i].changed);
 }
 
+TEST_CASE("a jump that is dated stays so as the years go by", "[history][long]") {
+  for (const int count : {9, 12, 18, 30}) {
+    int dated = 0;
+    for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+      const History history =
+          history_of({campaigns(count, 0, 6, 7 * sigma_of_zero4(), 0, seed), {}, {}}, {});
+      dated += history.changes.size() == 1 && history.changes[0].at == 6;
+    }
+    INFO(count << " campaigns, dated in " << dated << " of 10 histories");
+    CHECK(dated >= 9);
+  }
+}
+
 TEST_CASE("a period of one state is as good as marks", "[history][long]") {
   sweepd::HistoryOptions options;
   options.same_state = std::pair(month(0), month(9));
