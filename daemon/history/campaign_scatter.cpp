@@ -21,6 +21,7 @@ constexpr double kStrange = 6;
 constexpr double kMostOfYear = 0.7;
 /// A jump: campaigns of half a year before and after a place lie apart by as much as chance has
 /// them in one of a thousand histories, and most of it came in one step. A season comes in many.
+/// How campaigns repeat is told without it.
 constexpr double kBeside = 0.5;
 constexpr std::size_t kFewestBeside = 3;
 constexpr double kJumpByChance = 1e-3;
@@ -52,13 +53,22 @@ Scatter marked_scatter(const History& history, std::size_t& campaigns, double& l
   return scatter;
 }
 
-/// How campaigns differ from the one before, and what is usual of each number.
+/// How campaigns differ from the one before when jumps are taken out, and what is usual of each
+/// number.
 class Steps {
  public:
   explicit Steps(const History& history) {
     for (const ComparedCampaign& campaign : history.campaigns)
-      if (campaign.tells_all()) told_.push_back(&campaign);
+      if (campaign.tells_all()) {
+        told_.push_back(&campaign);
+        values_.push_back(campaign.values);
+      }
     const auto count = static_cast<Index>(history.numbers.size());
+    for (std::size_t i = 0; i < told_.size(); ++i) {
+      const VectorXd jump = jump_at(i, count);
+      jumps_.push_back(!jump.isZero(0));
+      for (std::size_t k = i; k < told_.size(); ++k) values_[k] -= jump;
+    }
     usual_ = VectorXd::Zero(count);
     for (Index k = 0; k < count && told_.size() > 1; ++k) {
       std::vector<double> sizes;
@@ -67,47 +77,51 @@ class Steps {
       std::nth_element(sizes.begin(), middle, sizes.end());
       usual_(k) = kByMedian * *middle;
     }
-    strange_.assign(told_.size(), false);
-    for (std::size_t i = 1; i < told_.size(); ++i)
-      strange_[i] = (step(i).cwiseAbs().array() > kStrange * usual_.array()).any() || is_jump(i);
   }
 
   [[nodiscard]] const std::vector<const ComparedCampaign*>& told() const { return told_; }
-  [[nodiscard]] VectorXd step(std::size_t to) const {
-    return told_[to]->values - told_[to - 1]->values;
+  /// Of one of them, as if nothing had jumped.
+  [[nodiscard]] const VectorXd& values(std::size_t at) const { return values_[at]; }
+  [[nodiscard]] bool jumped(std::size_t to) const { return jumps_[to]; }
+  [[nodiscard]] VectorXd step(std::size_t to) const { return values_[to] - values_[to - 1]; }
+  /// So large that something happened between the two.
+  [[nodiscard]] bool strange(std::size_t to) const {
+    return (step(to).cwiseAbs().array() > kStrange * usual_.array()).any();
   }
-  /// Something happened between the two.
-  [[nodiscard]] bool strange(std::size_t to) const { return strange_[to]; }
 
  private:
-  /// Student's test of each number, of those before and those after.
-  [[nodiscard]] bool is_jump(std::size_t to) const {
+  /// Of numbers that jump, by how much; of others nothing. Student's test of each, of those before
+  /// and those after.
+  [[nodiscard]] VectorXd jump_at(std::size_t to, Index count) const {
     std::size_t from = to, end = to;
     while (from > 0 && age(*told_[from - 1], *told_[to]) < kBeside) --from;
     while (end < told_.size() && age(*told_[to], *told_[end]) < kBeside) ++end;
-    if (to - from < kFewestBeside || end - to < kFewestBeside) return false;
+    if (to - from < kFewestBeside || end - to < kFewestBeside) return VectorXd::Zero(count);
     const auto before = static_cast<double>(to - from), after = static_cast<double>(end - to);
-    VectorXd means[2] = {VectorXd::Zero(usual_.size()), VectorXd::Zero(usual_.size())};
+    VectorXd means[2] = {VectorXd::Zero(count), VectorXd::Zero(count)};
     for (std::size_t i = from; i < end; ++i)
-      means[i < to ? 0 : 1] += told_[i]->values / (i < to ? before : after);
-    VectorXd squares = VectorXd::Zero(usual_.size());
+      means[i < to ? 0 : 1] += values_[i] / (i < to ? before : after);
+    Eigen::ArrayXd squares = Eigen::ArrayXd::Zero(count);
     for (std::size_t i = from; i < end; ++i)
-      squares += (told_[i]->values - means[i < to ? 0 : 1]).cwiseAbs2();
+      squares += (values_[i] - means[i < to ? 0 : 1]).array().square();
     const double degrees = before + after - 2;
-    const double looked = static_cast<double>(told_.size()) * static_cast<double>(usual_.size());
+    const double looked = static_cast<double>(told_.size()) * static_cast<double>(count);
     const double least =
         quantile(complement(boost::math::students_t(degrees), kJumpByChance / (2 * looked)));
-    const Eigen::ArrayXd apart = (means[1] - means[0]).cwiseAbs();
-    const Eigen::ArrayXd error = (squares.array() / degrees * (1 / before + 1 / after)).sqrt();
-    return (apart > least * error && step(to).cwiseAbs().array() > kInOneStep * apart).any();
+    const Eigen::ArrayXd apart = means[1] - means[0];
+    const Eigen::ArrayXd error = (squares / degrees * (1 / before + 1 / after)).sqrt();
+    const Eigen::ArrayXd in_one_step = step(to).cwiseAbs();
+    return (apart.abs() > least * error && in_one_step > kInOneStep * apart.abs())
+        .select(apart, 0.0);
   }
 
   std::vector<const ComparedCampaign*> told_;
+  std::vector<VectorXd> values_;
+  std::vector<bool> jumps_;  ///< before each
   VectorXd usual_;
-  std::vector<bool> strange_;
 };
 
-/// Of each campaign to the next, but where something happened.
+/// Of each campaign to the next, but where one differs far more than usual.
 Scatter successive_scatter(const History& history) {
   const Steps steps(history);
   const auto count = static_cast<Index>(history.numbers.size());
@@ -122,7 +136,8 @@ Scatter successive_scatter(const History& history) {
   return scatter;
 }
 
-/// Of campaigns about the means of their years, without years in which something happened.
+/// Of campaigns about the means of their years, without years in which one differs far more than
+/// usual from the one before.
 Scatter yearly_scatter(const History& history) {
   const Steps steps(history);
   const auto& told = steps.told();
@@ -130,17 +145,19 @@ Scatter yearly_scatter(const History& history) {
   Scatter scatter{MatrixXd::Zero(count, count), 0};
   for (std::size_t from = 0, to = 0; from < told.size(); from = to) {
     bool strange = false;
+    double jumps = 0;
     VectorXd mean = VectorXd::Zero(count);
     for (to = from; to < told.size() && age(*told[from], *told[to]) < 1; ++to) {
       strange = strange || (to > from && steps.strange(to));
-      mean += told[to]->values;
+      if (to > from && steps.jumped(to)) ++jumps;
+      mean += steps.values(to);
     }
     const auto members = static_cast<double>(to - from);
     if (strange || age(*told[from], *told[to - 1]) < kMostOfYear) continue;
     mean /= members;
     for (std::size_t i = from; i < to; ++i)
-      scatter.products += (told[i]->values - mean) * (told[i]->values - mean).transpose();
-    scatter.degrees += members - 1;
+      scatter.products += (steps.values(i) - mean) * (steps.values(i) - mean).transpose();
+    scatter.degrees += members - 1 - jumps;
   }
   return scatter;
 }

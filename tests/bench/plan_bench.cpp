@@ -15,6 +15,7 @@
 #include "daemon/plan/plan_outlook.hpp"
 #include "daemon/text/units.hpp"
 #include "tests/bench/table.hpp"
+#include "tests/config_folder.hpp"
 
 using bench::left;
 using bench::right;
