@@ -124,13 +124,15 @@ std::string repeatability_words(const History& history) {
     case Basis::marked_and_years:
       return sizes +
              fmt::format(
-                 "from {} that are marked as the same state, and from all years without a jump, as "
+                 "from {} that are marked as the same state, and from all years without their "
+                 "jumps, as "
                  "the marked ones are of one season. A slow drift is in it: mark campaigns of all "
                  "seasons.",
                  rsi::counted(history.basis_campaigns, "campaign"));
     case Basis::years:
       return sizes +
-             "from all years without a jump, as none are marked as the same state. A slow drift is "
+             "from all years without their jumps, as none are marked as the same state. A slow "
+             "drift is "
              "in it: mark campaigns with `sweepd note DIR --same-state NAME`, or give "
              "--same-state.";
     case Basis::successive:
