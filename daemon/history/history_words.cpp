@@ -125,15 +125,13 @@ std::string repeatability_words(const History& history) {
       return sizes +
              fmt::format(
                  "from {} that are marked as the same state, and from all years without their "
-                 "jumps, as "
-                 "the marked ones are of one season. A slow drift is in it: mark campaigns of all "
-                 "seasons.",
+                 "jumps, as the marked ones are of one season. A slow drift is in it: mark "
+                 "campaigns of all seasons.",
                  rsi::counted(history.basis_campaigns, "campaign"));
     case Basis::years:
       return sizes +
              "from all years without their jumps, as none are marked as the same state. A slow "
-             "drift is "
-             "in it: mark campaigns with `sweepd note DIR --same-state NAME`, or give "
+             "drift is in it: mark campaigns with `sweepd note DIR --same-state NAME`, or give "
              "--same-state.";
     case Basis::successive:
       return sizes +
