@@ -20,11 +20,11 @@ constexpr double kStrange = 6;
 /// In years: campaigns over so long have met all seasons.
 constexpr double kMostOfYear = 0.7;
 /// A jump: campaigns of half a year before and after a place lie apart by as much as chance has
-/// them in one of a thousand histories, and most of it came in one step. A season comes in many.
+/// them in one of a hundred histories, and most of it came in one step. A season comes in many.
 /// How campaigns repeat is told without it.
 constexpr double kBeside = 0.5;
 constexpr std::size_t kFewestBeside = 3;
-constexpr double kJumpByChance = 1e-3;
+constexpr double kJumpByChance = 0.01;
 constexpr double kInOneStep = 0.6;
 
 /// Years from one to the other.
