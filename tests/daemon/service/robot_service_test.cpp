@@ -93,6 +93,11 @@ fs::path over_tcp(const TemporaryFolder& folder) {
   return folder.write("ethernet.xml", xml);
 }
 
+/// Whether all files of a session are final.
+bool has_ended(const fs::path& session) {
+  return fs::exists(session / "run.json") && json_in(session / "run.json").contains("ended");
+}
+
 /// The folder of a session that was served to its end.
 fs::path recorded_session(const fs::path& output) {
   RobotService service(settings(output));
@@ -162,8 +167,7 @@ TEST_CASE("each stream gets a folder of its own, and silence completes it",
     REQUIRE(eventually([&] {
       for (const auto& path : sessions(output))
         if (!seen.contains(path)) session = path;
-      return !session.empty() && json_in(session / "run.json").contains("ended") &&
-             fs::exists(session / "result.json");
+      return !session.empty() && has_ended(session) && fs::exists(session / "result.json");
     }));
     seen.insert(session);
 
@@ -230,7 +234,7 @@ TEST_CASE("a session whose last result was never written gets it at the next sta
 
   RobotService service(settings(folder / "out"));
   service.start();
-  REQUIRE(eventually([&] { return json_in(session / "run.json").contains("ended"); }));
+  REQUIRE(eventually([&] { return has_ended(session); }));
   CHECK(json_in(session / "run.json")["from_recording"] == true);
   CHECK(content(session / "result.json") == result);
   for (const char* name : {"sweeps.csv", "dh.csv", "report.txt"}) CHECK(fs::exists(session / name));
@@ -241,7 +245,7 @@ TEST_CASE("a session whose last result was never written gets it at the next sta
   REQUIRE(json_in(cut / "run.json")["damage"].size() == 1);
   CHECK_THAT(json_in(cut / "run.json")["damage"][0].get<std::string>(),
              ContainsSubstring("trace.pcap"));
-  CHECK(json_in(cut / "run.json").contains("ended"));
+  CHECK(has_ended(cut));
   CHECK_FALSE(json_in(cut / "run.json").contains("from_recording"));
   CHECK(content(cut / "result.json") == result);
   CHECK_FALSE(fs::exists(other / "result.json"));
@@ -275,7 +279,7 @@ TEST_CASE("a recovered session tells what made its result, and that its recordin
     RobotService service(settings(folder / "out"));
     spdlog::set_level(spdlog::level::info);
     service.start();
-    REQUIRE(eventually([&] { return json_in(session / "run.json").contains("ended"); }));
+    REQUIRE(eventually([&] { return has_ended(session); }));
     service.stop();
     spdlog::set_level(spdlog::level::off);
   }
@@ -288,7 +292,7 @@ TEST_CASE("a recovered session tells what made its result, and that its recordin
   CHECK_THAT(json_in(late / "run.json")["damage"][0].get<std::string>(),
              ContainsSubstring("before trace-0003.pcap are not there"));
   CHECK(json_in(session / "result.json")["source"]["telegrams"].is_number());
-  CHECK(json_in(more / "run.json").contains("ended"));
+  CHECK(has_ended(more));
   CHECK_THAT(said.text(), ContainsSubstring("the result in " + more.string() + " stays"));
   CHECK_THAT(said.text(), !ContainsSubstring("see " + more.string()));
   CHECK_THAT(said.text(),
@@ -313,7 +317,7 @@ TEST_CASE("a recovered session tells of its link as its recording does, and says
   RobotService service(settings(folder / "out"));
   service.start();
   for (const auto& of : {session, known, deleted, late})
-    REQUIRE(eventually([&] { return json_in(of / "run.json").contains("ended"); }));
+    REQUIRE(eventually([&] { return has_ended(of); }));
   service.stop();
   const auto told = json_in(session / "link.json");
   for (const char* part : {"controller", "start", "duration_s", "telegrams", "replies", "latency"})
@@ -334,7 +338,7 @@ TEST_CASE("a session of which somebody deleted the beginning tells it after a re
   sweepd::mark_recording_deleted(session);
   RobotService service(settings(folder / "out"));
   service.start();
-  REQUIRE(eventually([&] { return json_in(session / "run.json").contains("ended"); }));
+  REQUIRE(eventually([&] { return has_ended(session); }));
   service.stop();
   const auto run = json_in(session / "run.json");
   REQUIRE(run["damage"].size() == 1);
@@ -352,8 +356,7 @@ TEST_CASE("a trace that was cut to nothing is told once, and costs nothing else"
   std::ofstream(session / "trace-0002.pcap").flush();
   RobotService service(settings(folder / "out"));
   service.start();
-  const auto ended = [](const fs::path& of) { return json_in(of / "run.json").contains("ended"); };
-  REQUIRE(eventually([&] { return ended(session) && ended(empty); }));
+  REQUIRE(eventually([&] { return has_ended(session) && has_ended(empty); }));
   service.stop();
   CHECK(json_in(empty / "run.json")["damage"] ==
         Json{"there is no trace to make a last result of"});
@@ -378,7 +381,7 @@ TEST_CASE("a session that was cut and has no trace is ended at the next start, a
             std::chrono::sys_time<std::chrono::seconds>(std::chrono::seconds(second))));
   RobotService service(settings(folder / "out"));
   service.start();
-  REQUIRE(eventually([&] { return json_in(session / "run.json").contains("ended"); }));
+  REQUIRE(eventually([&] { return has_ended(session); }));
   service.stop();
   const auto run = json_in(session / "run.json");
   CHECK(run["ended"] == "19700101T000320Z");
@@ -440,9 +443,7 @@ TEST_CASE("no recording is deleted before its session has a result",
   static_cast<void>(stream(service.local()));  // meanwhile, recordings are looked at
   // One after the other: a busy machine has thirty seconds for each, not for all.
   for (const auto& one : sessions(folder / "out"))
-    REQUIRE(eventually([&] {
-      return fs::exists(one / "run.json") && json_in(one / "run.json").contains("ended");
-    }));
+    REQUIRE(eventually([&] { return has_ended(one); }));
   service.stop();
   CHECK(sessions(folder / "out").size() == 32);
   for (const auto& one : sessions(folder / "out"))
@@ -541,7 +542,7 @@ TEST_CASE("a stop while RSI streams leaves a complete result at once, and answer
   const auto counts = traced(session, service.local().port);
   CHECK(result["source"]["telegrams"] == counts.telegrams);
   CHECK(counts.telegrams > 0);
-  CHECK(json_in(session / "run.json").contains("ended"));
+  CHECK(has_ended(session));
   CHECK(replayed(session, folder / "replay") == content(session / "result.json"));
 }
 
@@ -621,7 +622,7 @@ TEST_CASE("a session whose folder cannot be made goes to the output that a reloa
   const auto session = *sessions(folder / "elsewhere").begin();
   CHECK(fs::exists(session / "trace.pcap"));
   CHECK(fs::exists(session / "samples.csv"));
-  CHECK(json_in(session / "run.json").contains("ended"));
+  CHECK(has_ended(session));
 }
 
 TEST_CASE("busy programs keep neither the result nor the end from coming",
@@ -642,8 +643,7 @@ TEST_CASE("busy programs keep neither the result nor the end from coming",
     CHECK(report.controller.telegrams + report.skipped == 400);
     CHECK(eventually([&] {
       const auto all = sessions(folder / "out");
-      return !all.empty() && fs::exists(*all.begin() / "run.json") &&
-             json_in(*all.begin() / "run.json").contains("ended");
+      return !all.empty() && has_ended(*all.begin());
     }));
     const auto asked = std::chrono::steady_clock::now();
     CHECK(service.stop());
