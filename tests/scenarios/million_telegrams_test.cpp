@@ -5,7 +5,6 @@
 #include <charconv>
 #include <cstdlib>
 #include <fstream>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -65,19 +64,23 @@ Json replay_clean(std::uint64_t telegrams, const TemporaryFolder& folder) {
   return Json::parse(content(folder / "clean/result.json"));
 }
 
-/// The longest time between two samples of a file. They have the times of reception: the controller
-/// counts 4 ms a telegram and sends them as fast as the machine goes.
+/// The longest time between two samples of one start of RSI. They have the times of reception: the
+/// controller counts 4 ms a telegram and sends them as fast as the machine goes.
 double longest_pause_s(const std::filesystem::path& samples) {
+  constexpr std::uint64_t kFarther = 1000;  // than telegrams that are lost in a row: RSI began anew
   std::ifstream file(samples);
   std::string row;
   std::getline(file, row);
-  double longest = 0;
-  std::optional<double> before;
-  while (std::getline(file, row)) {
+  double longest = 0, before_s = 0;
+  std::uint64_t ipoc = 0, ipoc_before = 0;
+  for (; std::getline(file, row); ipoc_before = ipoc) {
     double time_s = 0;
-    REQUIRE(std::from_chars(row.data(), row.data() + row.size(), time_s).ec == std::errc());
-    if (before) longest = std::max(longest, time_s - *before);
-    before = time_s;
+    const char* const end = row.data() + row.size();
+    const auto time = std::from_chars(row.data(), end, time_s);
+    REQUIRE(time.ec == std::errc());
+    REQUIRE(std::from_chars(time.ptr + 1, end, ipoc).ec == std::errc());
+    if (ipoc - ipoc_before < kFarther) longest = std::max(longest, time_s - before_s);
+    before_s = time_s;
   }
   return longest;
 }
