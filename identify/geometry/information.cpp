@@ -92,6 +92,14 @@ double Information::condition() const {
   return largest / smallest;
 }
 
+double Information::log_determinant() const {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(scaled_, Eigen::EigenvaluesOnly);
+  double sum = solver.eigenvalues().cwiseMax(kNoInformation).array().log().sum();
+  for (const double scale : scale_)
+    if (scale > 0) sum -= 2 * std::log(scale);
+  return sum;
+}
+
 std::size_t Information::undetermined() const {
   if (inverse_) return 0;
   const Directions& of = directions();

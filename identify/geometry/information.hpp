@@ -31,6 +31,8 @@ class Information {
   [[nodiscard]] Eigen::MatrixXd open() const;
   /// The largest eigenvalue with information over the smallest.
   [[nodiscard]] double condition() const;
+  /// The logarithm of the determinant. Directions without information count as those with least.
+  [[nodiscard]] double log_determinant() const;
   /// Directions without information. Parameters that nothing depends on are no loss.
   [[nodiscard]] std::size_t undetermined() const;
 

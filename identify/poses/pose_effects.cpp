@@ -158,8 +158,6 @@ void assume_others(PoseFit& fit, const std::vector<Pose>& poses,
   if (with.converged) fit = std::move(with);
 }
 
-}  // namespace
-
 std::vector<EffectEvidence> add_effects(PoseFit& fit, const std::vector<Pose>& poses,
                                         const std::optional<ChainPrior>& prior) {
   std::vector<EffectEvidence> added;
@@ -192,6 +190,27 @@ std::vector<EffectEvidence> add_effects(PoseFit& fit, const std::vector<Pose>& p
     at += size;
   }
   return added;
+}
+
+}  // namespace
+
+EffectsFit fitted_with_effects(const PoseModel& start, const PoseNoise& noise,
+                               const std::vector<Pose>& poses, bool with_orientation,
+                               const std::optional<ChainPrior>& prior) {
+  const auto from = [&](const PoseModel& model) {
+    EffectsFit found{fitted(model, noise, poses, with_orientation, prior), {}};
+    found.effects = add_effects(found.fit, poses, prior);
+    return found;
+  };
+  EffectsFit shared = from(start);
+  if (start.places.empty()) return shared;
+  PoseModel of_rests = start;
+  of_rests.places.clear();
+  EffectsFit anew = from(of_rests);
+  const VectorXd weights = shared.fit.weights.cwiseMin(anew.fit.weights);
+  const auto off = [&](const EffectsFit& of) { return deviance(of.fit, weights, poses, prior); };
+  if (anew.fit.converged && (!shared.fit.converged || off(anew) < off(shared))) return anew;
+  return shared;
 }
 
 }  // namespace identify

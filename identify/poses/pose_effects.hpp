@@ -21,10 +21,19 @@ struct EffectEvidence {
 /// (Bonferroni).
 inline constexpr double kEffectByChance = 0.02;
 
-/// Adds to the fit, one after the other, the effects that the poses ask for, and fits anew. Returns
-/// those that were added. Joints that turn are tried once and twice a turn, and for compliance
-/// where loads are known, else for what weights on the links behind them bend.
-[[nodiscard]] std::vector<EffectEvidence> add_effects(PoseFit& fit, const std::vector<Pose>& poses,
-                                                      const std::optional<ChainPrior>& prior);
+/// A fit, with the effects that the poses asked for.
+struct EffectsFit {
+  PoseFit fit;
+  std::vector<EffectEvidence> effects;
+};
+
+/// fitted() from there; then the effects that the poses ask for are added, one after the other, and
+/// all is fitted anew. Joints that turn are tried once and twice a turn, and for compliance where
+/// loads are known, else for what weights on the links behind them bend. What joints are off where
+/// rests share their places is common to these, as it is of gears, or anew at each, as it is of the
+/// servo: whichever is likelier.
+[[nodiscard]] EffectsFit fitted_with_effects(const PoseModel& start, const PoseNoise& noise,
+                                             const std::vector<Pose>& poses, bool with_orientation,
+                                             const std::optional<ChainPrior>& prior);
 
 }  // namespace identify

@@ -277,8 +277,9 @@ std::optional<PoseEstimate> estimate_poses(const std::vector<Pose>& poses, const
   if (!start.model.effects.empty()) noise.play_rad = kStartPlay_rad;
   noise.orientation_rad = oriented ? kStartOrientation_rad : 0;
   PoseEstimate found;
-  found.fit = fitted(start.model, noise, poses, oriented, prior);
-  found.effects = add_effects(found.fit, poses, prior);
+  EffectsFit with_effects = fitted_with_effects(start.model, noise, poses, oriented, prior);
+  found.fit = std::move(with_effects.fit);
+  found.effects = std::move(with_effects.effects);
   widen(found.fit, poses, prior);
   for (EffectEvidence& one : found.effects) one.sigma *= std::sqrt(found.fit.widened);
   found.with_sweeps = sweeps != nullptr;

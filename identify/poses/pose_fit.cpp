@@ -81,6 +81,22 @@ class Problem {
     solve();
   }
 
+  /// See the header.
+  double deviance() {
+    linearise();
+    double sum = Information(equations().normal).log_determinant();
+    for (const StandRows& stand : white_)
+      sum += 2 * stand.root.matrixLLT().diagonal().array().log().sum() + stand.off.squaredNorm();
+    if (prior_) {
+      const VectorXd change = change_between(fit_.model.chain, prior_->chain);
+      sum += change.dot(prior_->information * change);
+    }
+    each_random([&](double size, double sigma) {
+      sum += 2 * std::log(sigma) + size * size / (sigma * sigma);
+    });
+    return sum;
+  }
+
   /// Once the fit has come to its end: see widen() in the header.
   void widen() {
     constexpr double kMost = 3;
@@ -108,32 +124,47 @@ class Problem {
   }
 
  private:
-  void solve() {
+  struct Equations {
+    MatrixXd normal;  // its lower triangle
+    VectorXd gradient;
+  };
+
+  Equations equations() {
     white_ = fit_.counted();
     const Index parameters = fit_.model.parameters();
-    MatrixXd normal = MatrixXd::Zero(parameters, parameters);
-    VectorXd gradient = VectorXd::Zero(parameters);
+    Equations all{MatrixXd::Zero(parameters, parameters), VectorXd::Zero(parameters)};
     for (const StandRows& stand : white_) {
-      normal(stand.parameters, stand.parameters) +=
+      all.normal(stand.parameters, stand.parameters) +=
           stand.columns * stand.columns.transpose() / fit_.widened;
-      gradient(stand.parameters) += stand.columns * stand.off / fit_.widened;
+      all.gradient(stand.parameters) += stand.columns * stand.off / fit_.widened;
     }
     if (prior_) {
       const Index count = prior_->information.rows();
-      normal.topLeftCorner(count, count).triangularView<Eigen::Lower>() += prior_->information;
-      gradient.head(count) += prior_->information * change_between(fit_.model.chain, prior_->chain);
+      all.normal.topLeftCorner(count, count).triangularView<Eigen::Lower>() += prior_->information;
+      all.gradient.head(count) +=
+          prior_->information * change_between(fit_.model.chain, prior_->chain);
     }
     Index at = fit_.model.chain_parameters().count(true);
-    const auto know = [&](double size, double sigma) {
-      normal(at, at) += 1 / (sigma * sigma);
-      gradient(at++) -= size / (sigma * sigma);
-    };
+    each_random([&](double size, double sigma) {
+      all.normal(at, at) += 1 / (sigma * sigma);
+      all.gradient(at++) -= size / (sigma * sigma);
+    });
+    return all;
+  }
+
+  void solve() {
+    const Equations all = equations();
+    solve(all.normal.selfadjointView<Eigen::Lower>(), all.gradient);
+  }
+
+  /// Calls for the size of each effect and place, with what it was known by beforehand.
+  template <typename Take>
+  void each_random(const Take& take) const {
     for (const JointEffect& effect : fit_.model.effects)
       for (Index k = 0; k < effect.count(); ++k)
-        know(effect.size(k), fit_.known_beforehand(effect));
+        take(effect.size(k), fit_.known_beforehand(effect));
     for (const JointPlace& place : fit_.model.places)
-      know(place.off_rad, fit_.known_beforehand(place));
-    solve(normal.selfadjointView<Eigen::Lower>(), gradient);
+      take(place.off_rad, fit_.known_beforehand(place));
   }
 
   /// Places are known beforehand: they are eliminated, and what information there is shows in the
@@ -232,6 +263,12 @@ PoseFit fitted(const PoseModel& start, const PoseNoise& noise, const std::vector
 
 void widen(PoseFit& fit, const std::vector<Pose>& poses, const std::optional<ChainPrior>& prior) {
   Problem(fit, poses, prior).widen();
+}
+
+double deviance(PoseFit fit, const VectorXd& weights, const std::vector<Pose>& poses,
+                const std::optional<ChainPrior>& prior) {
+  fit.weights = weights;
+  return Problem(fit, poses, prior).deviance();
 }
 
 PoseFit with_noise(PoseFit fit, const PoseNoise& noise, const std::vector<Pose>& poses,

@@ -71,6 +71,13 @@ struct PoseFit {
                              const std::vector<Pose>& poses, bool with_orientation,
                              const std::optional<ChainPrior>& prior);
 
+/// Minus twice the logarithm of the restricted likelihood, less a constant, with the places and the
+/// effects integrated out (Harville, J. Am. Stat. Assoc. 72, 1977): of fits to the same poses the
+/// likelier one's is less. `weights`: a pose each, for both the same.
+[[nodiscard]] double deviance(PoseFit fit, const Eigen::VectorXd& weights,
+                              const std::vector<Pose>& poses,
+                              const std::optional<ChainPrior>& prior);
+
 /// States the covariance for who does not know the noise: what the poses tell counts less by
 /// (d - 2 k) / d, with d their degrees of freedom and k the sizes of noise that were estimated. Of
 /// one size that gives the variance of Student's distribution, as the GUM's supplement 1 has it

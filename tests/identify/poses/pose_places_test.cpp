@@ -42,6 +42,40 @@ TEST_CASE("What joints are off at a rest is told once, however many targets are 
   CHECK(std::sqrt(all.squares / all.numbers) == Approx(1).margin(0.15));
 }
 
+TEST_CASE("Rests that stand near each other by chance are not off alike",
+          "[pose_estimate][pose_stands][long]") {
+  constexpr double kOff_rad = 20 * kArcsec;  // anew at each rest
+  Judged all;
+  for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+    const auto built = arm_with(tracker(), seed, 3);
+    const auto stands = seen_together(built, 100, seed);
+    std::mt19937 random(seed);
+    std::normal_distribution<> off(0, kOff_rad);
+    std::vector<std::vector<double>> stood;
+    for (std::size_t i = 0; i < stands.size(); ++i) {
+      if (i % 3 > 0) {
+        stood.push_back(stood.back());
+        continue;
+      }
+      stood.push_back(angles_of(stands[i].sample));
+      for (double& angle : stood.back()) angle += off(random);
+    }
+    auto poses = built.poses_at(stood);
+    for (std::size_t i = 0; i < poses.size(); ++i)
+      poses[i].sample.angles_rad = stands[i].sample.angles_rad;
+    const auto found = identify::identify({}, built.campaign(), poses);
+    INFO("seed " << seed << ": " << found.reason);
+    REQUIRE(found.status == Status::complete);
+    CHECK(found.poses->effects.empty());
+    CHECK_FALSE(found.poses->drift.seen);
+    CHECK(found.poses->fit.noise.joint_rad == Approx(kOff_rad).epsilon(0.1));
+    judge(built, found, all);
+  }
+  // Of a hundred numbers three standard deviations below 95 %.
+  CHECK(static_cast<double>(all.inside) / all.numbers > 0.89);
+  CHECK(all.farthest < 4);
+}
+
 TEST_CASE("Joints that play are told by the sense in which they came to rest",
           "[pose_estimate][long]") {
   Judged all;
