@@ -248,6 +248,8 @@ bool Link::replied_in_time(const Kept& cycle) {
      : became == Fate::late       ? counts.late
      : became == Fate::superseded ? counts.superseded
                                   : counts.unanswered);
+  if (became == Fate::superseded)
+    report_.longest_superseded = std::max(report_.longest_superseded, *to_next_reply);
   return became == Fate::in_time;
 }
 

@@ -111,6 +111,8 @@ struct LinkReport {
   LatencyHistogram latency;  ///< from a telegram's reception to its reply
   WorstPlaces slowest;       ///< replies: `amount` in nanoseconds
   WorstPlaces silent_runs;   ///< telegrams in a row without a reply in time: `amount` of them
+  /// The longest from a superseded telegram's coming to the reply to a newer one.
+  std::chrono::nanoseconds longest_superseded{};
 
   /// The machine's clock and the IPOC parted for good: the clock was set, or the sender paused with
   /// its IPOC. Neither jitter nor latency contain it.

@@ -132,12 +132,15 @@ class Judge {
                           " late, " + std::to_string(replies.superseded) + " superseded, " +
                           std::to_string(replies.unanswered) + " unanswered), at most " +
                           std::to_string(worst.amount) + " in a row (" + where(worst) + "): ";
-    // Where this machine is slow, some of the newest ones wait, too.
+    // Where this machine is slow, some of the newest ones wait, too; and where the server left them
+    // out, they came a cycle apart.
     const bool came_together = count == replies.superseded && report_.latency.count() > 0 &&
-                               report_.latency.max() < part(report_.cycle, 0.5);
+                               report_.latency.max() < part(report_.cycle, 0.5) &&
+                               report_.longest_superseded < part(report_.cycle, 0.5);
     if (!came_together)
       message +=
-          "see what kept the server's machine busy then, and run sweepd with realtime scheduling";
+          "see what kept the server's machine busy then, run sweepd with realtime scheduling, and "
+          "of another server see that it answers each telegram";
     else
       message += std::string("they came together with later ones, which were answered at once: ") +
                  (report_.same_machine

@@ -48,7 +48,7 @@ TEST_CASE("a flawless link is good, without a word", "[link_verdict]") {
 }
 
 TEST_CASE("a link of few telegrams is not called good without a word", "[link_verdict]") {
-  const auto link_of = [](std::int64_t telegrams) {
+  const auto link_of = [](std::uint64_t telegrams) {
     rsi::Link monitor;
     LinkStream stream(monitor);
     stream.cycles(0, telegrams);
@@ -144,6 +144,33 @@ TEST_CASE("telegrams that came together are not laid to the server's machine", "
              "way from it");
   report.replies.late = 1;
   check_only(report, Grade::marginal, "not_answered_in_time", "realtime");
+}
+
+TEST_CASE("a server that leaves telegrams out is not excused by their having come together",
+          "[link_verdict]") {
+  const auto after = [](auto skip) {
+    rsi::Link link;
+    rsi::test::LinkStream stream(link);
+    stream.cycles(0, 1000);
+    skip(stream);
+    stream.cycles(1002, 2000);
+    return rsi::verdict(link.report());
+  };
+  const auto left_out = after([](auto& stream) {
+    stream.telegram(stream.at(1000), stream.ipoc(1000));
+    stream.cycles(1001, 1002);
+  });
+  REQUIRE(reason(left_out, "not_answered_in_time") != nullptr);
+  CHECK_THAT(reason(left_out, "not_answered_in_time")->message,
+             ContainsSubstring("1 superseded") && ContainsSubstring("realtime") &&
+                 !ContainsSubstring("came together"));
+  const auto together = after([](auto& stream) {
+    stream.telegram(stream.at(1001) - 10us, stream.ipoc(1000));
+    stream.cycles(1001, 1002);
+  });
+  REQUIRE(reason(together, "not_answered_in_time") != nullptr);
+  CHECK_THAT(reason(together, "not_answered_in_time")->message,
+             ContainsSubstring("they came together"));
 }
 
 TEST_CASE("lost telegrams point at cable and buffer, a long gap at sleep or a cable that was out",
