@@ -118,7 +118,8 @@ bool RobotService::stop(std::chrono::seconds patience) {
     log_.error("the last result is not written: see what is wrong with the disk of {}",
                inputs_.settings.output.string());
   reply_thread_.stop();
-  say_rest_of_complaints();
+  for (const auto& complaint : complaints_.rest(server_->counts())) log_.error("{}", complaint);
+  if (const auto rest = device_port_ ? device_port_->rest() : std::nullopt) log_.error("{}", *rest);
   server_.reset();
   device_port_.reset();
   return recorded && written;
@@ -167,9 +168,13 @@ bool RobotService::drain() {
   if (session_) watch_.withheld = counts.not_begun - not_begun_;
   if (session_) watch_.missed_by_tap = counts.missed - missed_;
   while (const auto remark = server_->remark()) session_log_.warning("{}", *remark);
-  for (const auto& complaint : complaints_.about(counts, Steady::now()))
-    session_log_.error("{}", complaint);
+  complain();
   return taken < kMostInATurn;
+}
+
+void RobotService::complain() {
+  for (const auto& complaint : complaints_.about(server_->counts(), Steady::now()))
+    session_log_.error("{}", complaint);
 }
 
 /// Lines of the device that came while no session was under way are of no use.
@@ -259,6 +264,8 @@ void RobotService::begin_session(const rsi::Datagram& first) {
 void RobotService::end_session() {
   if (!session_) return;
   session_->finish();
+  complaints_.new_stream();
+  complain();  // what of this one was not answered is not said of the next
   show();
   if (const auto& seen = device_->counts(); seen.datagrams > 0)
     session_log_.note("the device sent {}, and {} that the columns do not fit",
@@ -308,12 +315,6 @@ void RobotService::say_link() {
     identifier_.link(recording_, watch_.files(session_->link(), false), session_log_);
   else
     session_log_.note("no RSI at the moment, so there is no link to tell of");
-}
-
-void RobotService::say_rest_of_complaints() {
-  for (const auto& complaint : complaints_.rest(server_->counts())) log_.error("{}", complaint);
-  if (!device_port_) return;
-  if (const auto complaint = device_port_->rest()) log_.error("{}", *complaint);
 }
 
 void RobotService::show() {

@@ -88,7 +88,7 @@ class RobotService : private StreamSink {
   }
   void sweep(const identify::Sweep& sweep) override;
   void say_link();
-  void say_rest_of_complaints();
+  void complain();
   void publish();
   void show();  ///< to those who look at the live page
   [[nodiscard]] RunFacts run_facts() const;
