@@ -195,7 +195,10 @@ void RobotService::take(const rsi::Datagram& datagram, rsi::Handling handling) {
   if (session_ && peer != controller_) return take_from_other(datagram, handling, peer);
   if (!session_) {
     // A stream begins with what can be answered; stray datagrams are no session.
-    if (sent || rsi::find_ipoc(datagram.payload).empty()) return;
+    if (sent) return;
+    if (rsi::find_ipoc(datagram.payload).empty())
+      return log_.warning("{} sends what has no IPOC and cannot be answered: see whether it is RSI",
+                          rsi::address_text(peer));
     begin_session(datagram);
   }
   const bool left = !sent || !datagram.payload.empty();

@@ -79,3 +79,20 @@ TEST_CASE("what was not answered of one stream is not said of the next", "[robot
                                        ContainsSubstring("20 telegrams were not answered"));
   CHECK_THAT(text.substr(next), !ContainsSubstring("not answered"));
 }
+
+TEST_CASE("a controller that sends no IPOC is told of, as nothing else shows it",
+          "[robot_service][live]") {
+  const TemporaryFolder folder;
+  auto robot = settings(folder);
+  robot.controller = rsi::parse_address("127.0.0.1");
+  const SaidLines said;
+  RobotService service(robot);
+  service.start();
+  Sender controller(service.local());
+  controller.send("<Rob Type=\"KUKA\">" + joint_1_at(0) + "</Rob>");
+  REQUIRE(eventually([&] { return service.status()->state.newest()->server.unanswerable == 1; }));
+  service.stop();
+  spdlog::set_level(spdlog::level::off);
+  CHECK_THAT(said.text(),
+             ContainsSubstring("127.0.0.1 sends what has no IPOC and cannot be answered"));
+}
