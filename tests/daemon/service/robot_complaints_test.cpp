@@ -26,7 +26,7 @@ sweepd::RobotSettings settings(const TemporaryFolder& folder) {
   robot.description = kConfig / "robots/kr5_arc.toml";
   robot.listen = {*rsi::parse_address("127.0.0.1"), 0};
   robot.output = folder / "out";
-  robot.silence = 150ms;
+  robot.silence = 500ms;
   return robot;
 }
 
