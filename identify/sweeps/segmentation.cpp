@@ -31,7 +31,10 @@ Segmenter::Segmenter(std::size_t joints, std::size_t most_samples)
       by_positions_(most_samples) {}
 
 std::vector<Sweep> Segmenter::push(const Sample& sample) {
-  if (!with_angles_) with_angles_ = sample.joints > 0;
+  if (!with_angles_.value_or(false)) {
+    with_angles_ = sample.joints > 0;
+    if (*with_angles_) by_positions_ = PositionSegmenter(most_samples_);
+  }
   if (!*with_angles_) return by_positions_.push({{0, sample}});
   if (sample.joints < joints_) return {};
   if (!window_.empty() && sample.time_s <= window_.back().time_s) return {};

@@ -31,8 +31,9 @@ inline constexpr double kRest = 5e-4;
 /// stroke is reported that long after its end. Strokes of less than half a degree are motion, but
 /// never reported.
 ///
-/// The stream is one kind or the other: the first sample decides. Bounded memory while nothing
-/// moves; a stroke that outgrows `most_samples` is ended there and goes on as another.
+/// From the first sample with angles on the stream is one with angles, and samples without are
+/// passed over. Bounded memory while nothing moves; a stroke that outgrows `most_samples` is ended
+/// there and goes on as another.
 class Segmenter {
  public:
   /// The first `joints` angles of each sample count (at most kMostJoints).

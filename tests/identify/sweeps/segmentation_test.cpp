@@ -1,5 +1,6 @@
 #include "identify/sweeps/segmentation.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "identify/geometry/angle.hpp"
@@ -146,6 +147,29 @@ TEST_CASE("samples out of order, without positions or without angles do no harm"
   CHECK(sweeps[0].range_rad == Approx(90 * kDegree).margin(0.2 * kDegree));
   Segmenter nothing(6);
   CHECK(nothing.finish().empty());
+}
+
+TEST_CASE("a stream has angles from the first sample on that has them", "[segmentation]") {
+  test::Campaign campaign(test::kr5_arc());
+  campaign.sweep_all_30();
+  const auto whole = segment(campaign.samples());
+  for (const std::size_t every : {7U, 30U, 100000U}) {
+    CAPTURE(every);
+    auto samples = campaign.samples();
+    for (std::size_t i = 0; i < samples.size(); i += every) {
+      samples[i].joints = 0;
+      samples[i].angles_rad = {};
+    }
+    const auto sweeps = segment(samples);
+    REQUIRE(sweeps.size() == whole.size());
+    for (std::size_t i = 0; i < sweeps.size(); ++i) {
+      CAPTURE(i);
+      CHECK(sweeps[i].joint == whole[i].joint);
+      CHECK(sweeps[i].range_rad == Approx(whole[i].range_rad).margin(0.1 * kDegree));
+      CHECK(std::all_of(sweeps[i].samples->begin(), sweeps[i].samples->end(),
+                        [](const Sample& sample) { return sample.joints > 0; }));
+    }
+  }
 }
 
 TEST_CASE("a target at rest is no motion, whatever the device's noise", "[segmentation]") {
