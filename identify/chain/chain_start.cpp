@@ -141,6 +141,16 @@ double turned_by(const Sweep& sweep, const CircleFit& circle) {
   return circle.normal.dot(places[0].cross(places[1]) + places[1].cross(places[2]));
 }
 
+/// By so much (a sum of squared distances) circles may miss the place where they meet: two that
+/// meet twice may pass nearer to each other at the wrong one.
+double unsure(const std::vector<AxisCircle>& circles) {
+  constexpr double kShare = 1e-3;  // of the radius: what an arc leaves open of its circle
+  double sum = 0;
+  for (const AxisCircle& circle : circles)
+    if (!circle.axis.linear) sum += (kShare * circle.arm(circle.on_it_mm)).squaredNorm();
+  return sum;
+}
+
 double turn_between(const ChainAxis& axis, const Vector3d& from, const Vector3d& to) {
   const Vector3d& z = axis.direction;
   if (axis.linear) return z.dot(to - from) / kLinear_mm;
@@ -282,7 +292,8 @@ std::vector<Vector3d> starting_targets(const Chain& chain,
       constexpr double kAsGood = 0.1;
       const Vector3d told = median(at_home);
       const Vector3d point = circles.size() > 1 ? meeting_point(circles, told) : told;
-      if (circles.size() <= 1 || misfit(circles, point) * kAsGood < misfit(circles, best))
+      if (circles.size() <= 1 ||
+          misfit(circles, point) * kAsGood < misfit(circles, best) + unsure(circles))
         best = point;
     }
     found.push_back(best);
