@@ -19,6 +19,8 @@ using Eigen::VectorXd;
 /// Of what an effect does, so much must be left when the others have taken up what they can.
 constexpr double kOwnShare = 1e-3;
 constexpr int kMostRounds = 4;
+/// So much likelier, in twice the logarithm, is what the poses tell.
+constexpr double kClearly = 10;
 constexpr double kStartGears_rad = 10 * kArcsec;
 
 /// The chance of a larger chi-square of one or two degrees of freedom.
@@ -209,7 +211,8 @@ EffectsFit fitted_with_effects(const PoseModel& start, const PoseNoise& noise,
   EffectsFit anew = from(of_rests);
   const VectorXd weights = shared.fit.weights.cwiseMin(anew.fit.weights);
   const auto off = [&](const EffectsFit& of) { return deviance(of.fit, weights, poses, prior); };
-  if (anew.fit.converged && (!shared.fit.converged || off(anew) < off(shared))) return anew;
+  if (anew.fit.converged && (!shared.fit.converged || off(anew) + kClearly < off(shared)))
+    return anew;
   return shared;
 }
 

@@ -30,8 +30,8 @@ struct EffectsFit {
 /// fitted() from there; then the effects that the poses ask for are added, one after the other, and
 /// all is fitted anew. Joints that turn are tried once and twice a turn, and for compliance where
 /// loads are known, else for what weights on the links behind them bend. What joints are off where
-/// rests share their places is common to these, as it is of gears, or anew at each, as it is of the
-/// servo: whichever is likelier.
+/// rests share their places is common to these, as it is of gears; where it is clearly likelier,
+/// anew at each, as it is of the servo.
 [[nodiscard]] EffectsFit fitted_with_effects(const PoseModel& start, const PoseNoise& noise,
                                              const std::vector<Pose>& poses, bool with_orientation,
                                              const std::optional<ChainPrior>& prior);
