@@ -35,6 +35,15 @@ Isometry3d base_of(const TableAxes& axes, const std::vector<std::optional<Axis>>
   return first_frame(*first_two[0]) * transform(row);
 }
 
+/// The target, as far along the last axis as the origin of the last frame: the description knows
+/// how far they are apart.
+Vector3d level_with_last_frame(const Vector3d& target, const std::optional<Axis>& last,
+                               const Campaign& campaign, const std::vector<DhRow>& specified) {
+  if (!last || !campaign.specified || specified.empty()) return target;
+  const Vector3d tool = transform(specified.back()) * campaign.specified->tool_mm;
+  return target - tool.z() * last->direction;
+}
+
 }  // namespace
 
 void place_linear_axes(ChainEstimate& estimate, const Campaign& campaign,
@@ -58,7 +67,8 @@ void place_linear_axes(ChainEstimate& estimate, const Campaign& campaign,
     return MatrixXd(all.asDiagonal() * estimate.covariance.topLeftCorner(rows + 3, rows + 3) *
                     all.asDiagonal());
   }();
-  const PlacedAxes found = placed(z, target, of_table, specified, size_mm);
+  const PlacedAxes found = placed(z, level_with_last_frame(target, z.back(), campaign, specified),
+                                  of_table, specified, size_mm);
   // From the estimate to the estimate: all but the axes stays.
   const Index count = estimate.covariance.rows();
   MatrixXd map = MatrixXd::Identity(count, count);

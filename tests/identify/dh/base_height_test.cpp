@@ -215,6 +215,30 @@ TEST_CASE("the circles' table is stated from the same base as the chain's", "[he
   CHECK(found.robot_pose->pose.translation().z() == Approx(777).margin(1));
 }
 
+TEST_CASE("a SCARA's base is as high as the description has the target above the last frame",
+          "[height]") {
+  auto arm = identify::test::scara();
+  arm.tool_mm.z() = 400;
+  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+    CAPTURE(seed);
+    const auto built = identify::test::as_built(arm, seed);
+    auto sweeps = identify::test::scara_sweeps(built, {.position_mm = 0.02, .seed = seed});
+    Campaign campaign = identify::test::for_arm(arm);
+    campaign.device_frame = true;
+    const auto found = identify::identify(sweeps, campaign);
+    REQUIRE(found.estimator == Estimator::chain);
+    REQUIRE(found.robot_pose);
+    CHECK(found.robot_pose->pose.translation().z() == Approx(0).margin(1));
+    for (std::size_t i = 0; i < 2; ++i) {
+      INFO("row " << i + 1);
+      const DhNumber& a = found.dh[i].a_mm;
+      CHECK(a.value == Approx(built.rows[i].a_mm).margin(3 * a.sigma));
+    }
+    const DhNumber& theta = found.dh[1].theta_rad;
+    CHECK(theta.value == Approx(built.rows[1].theta_rad).margin(3 * theta.sigma));
+  }
+}
+
 TEST_CASE("axes that hang on no height are seen from the base as they were", "[height]") {
   const auto given =
       axes_before_a_device(accuracy::robot_of({identify::test::kr5_arc(), {}, {{200, 0, 215}}}), 1);
