@@ -31,6 +31,16 @@ std::uint64_t wanted_telegrams() {
   return text == nullptr ? 20'000 : std::stoull(text);
 }
 
+Json replay(const std::filesystem::path& trace, const std::filesystem::path& folder) {
+  sweepd::ReplayOptions options;
+  options.traces = {trace};
+  options.config = kConfig / "sweepd.toml";
+  options.output = folder;
+  options.quiet = true;
+  REQUIRE(sweepd::replay(options) == 0);
+  return Json::parse(content(folder / "result.json"));
+}
+
 /// A replay of the same telegrams as they were before the wire spoilt them, one every 4 ms: of
 /// those that are `wanted`, by number.
 Json replay_clean(const std::vector<bool>& wanted, const std::filesystem::path& folder) {
@@ -57,13 +67,7 @@ Json replay_clean(const std::vector<bool>& wanted, const std::filesystem::path& 
     }
     REQUIRE(capture.flush());
   }
-  sweepd::ReplayOptions options;
-  options.traces = {trace};
-  options.config = kConfig / "sweepd.toml";
-  options.output = folder;
-  options.quiet = true;
-  REQUIRE(sweepd::replay(options) == 0);
-  return Json::parse(content(folder / "result.json"));
+  return replay(trace, folder);
 }
 
 /// The longest time between two samples of one start of RSI. They have the times of reception: the
@@ -112,9 +116,8 @@ bool memory_was_full(const Json& result) {
   return false;
 }
 
-/// `in_time`: samples have the times at which a controller sends them, which tell where joints
-/// begin to move.
-void check_sweeps(const Json& found, const Json& clean, bool in_time) {
+/// `times_alike`: those of the samples, which tell where joints begin to move.
+void check_sweeps(const Json& found, const Json& clean, bool times_alike) {
   // Lost samples let the memory be full a little later: then other rounds of the program are kept.
   const bool full = memory_was_full(clean) || memory_was_full(found);
   for (std::size_t j = 0; j < 6; ++j) {
@@ -129,7 +132,7 @@ void check_sweeps(const Json& found, const Json& clean, bool in_time) {
       CHECK(sweeps[s].contains("positioning") == expected[s].contains("positioning"));
       CHECK(sweeps[s]["used"] == expected[s]["used"]);
       // At 60 deg/s, the plan's fastest, a cycle of 4 ms is 0.24 degrees.
-      if (in_time)
+      if (times_alike)
         CHECK(sweeps[s]["range_deg"].get<double>() ==
               Approx(expected[s]["range_deg"].get<double>()).margin(0.24));
     }
@@ -225,6 +228,7 @@ TEST_CASE("whatever a network does to a long stream is counted exactly, and answ
   }
   check_samples(sessions[0] / "samples.csv", folder / "clean/samples.csv", expected.came);
   check_sweeps(replay_clean(expected.came, folder / "came"), clean, true);
+  check_sweeps(result, replay(sessions[0] / "trace.pcap", folder / "recorded"), true);
   // They came as fast as the machine goes. One that stood still for so long has cut a sweep, as a
   // controller that did would have.
   const auto pause_s = longest_pause_s(sessions[0] / "samples.csv");
