@@ -77,7 +77,8 @@ struct GivenPoints {
   PointCounts counts;
 };
 
-GivenPoints read_points(const IdentifyOptions& options, std::size_t most_joints) {
+GivenPoints read_points(const IdentifyOptions& options, const RobotSetup& setup,
+                        std::size_t most_joints) {
   Progress progress("identify", options.quiet ? Progress::Terminal{} : Progress::standard_error());
   double all = 0;
   for (const auto& path : options.points) {
@@ -85,7 +86,8 @@ GivenPoints read_points(const IdentifyOptions& options, std::size_t most_joints)
     if (const auto size = std::filesystem::file_size(path, ignored); !ignored)
       all += static_cast<double>(size);
   }
-  PointsReader reader(column_names(options.columns), most_joints, options.format);
+  PointsReader reader(column_names(options.columns), most_joints, options.format,
+                      joint_kinds(setup));
   GivenPoints points;
   double before = 0;
   for (const auto& path : options.points) {
@@ -171,7 +173,7 @@ void tell_formats(const std::vector<PointsFile>& files, std::ostream& out) {
 /// Angles that jump by a turn go on.
 void tell_turns(std::vector<PointsFile>& files, const RobotSetup& setup, std::ostream& out) {
   std::vector<bool> linear;
-  for (const auto& limits : setup.limits()) linear.push_back(limits.linear);
+  for (const JointKind kind : joint_kinds(setup)) linear.push_back(kind == JointKind::linear);
   std::string names;
   for (const std::size_t joint : take_out_turns(files, linear))
     names += fmt::format("{}A{}", names.empty() ? "" : ", ", joint + 1);
@@ -203,7 +205,7 @@ nlohmann::ordered_json formats_of(const std::vector<PointsFile>& files) {
 Outcome identified_points(const IdentifyOptions& options, RobotSetup setup, std::ostream& out,
                           nlohmann::ordered_json& formats) {
   const auto declared = declared_joints(options, setup);
-  GivenPoints points = read_points(options, declared.value_or(identify::kMostJoints));
+  GivenPoints points = read_points(options, setup, declared.value_or(identify::kMostJoints));
   std::ostringstream unheard;
   std::ostream& told = options.quiet ? unheard : out;
   tell_formats(points.files, told);

@@ -64,8 +64,9 @@ struct Poses {
 };
 
 Poses read_poses(const std::vector<std::filesystem::path>& files, const std::string& columns,
-                 std::size_t joints) {
-  PointsReader reader(column_names(columns), joints);
+                 const std::vector<JointKind>& kinds) {
+  const std::size_t joints = kinds.size();
+  PointsReader reader(column_names(columns), joints, {}, kinds);
   Poses read;
   for (const auto& path : files)
     for (auto& pose : static_poses(reader.read(path, {}), joints))
@@ -97,8 +98,8 @@ bool same(const Pose& a, const Pose& b) {
 
 /// A result is not judged by what it was made of.
 void refuse_used(const std::vector<Pose>& poses, const std::filesystem::path& folder,
-                 std::size_t joints) {
-  const auto used = read_poses({folder / file_names::kPoses}, "", joints).poses;
+                 const std::vector<JointKind>& kinds) {
+  const auto used = read_poses({folder / file_names::kPoses}, "", kinds).poses;
   for (const Pose& pose : poses)
     for (const Pose& one : used)
       if (same(pose, one))
@@ -111,12 +112,14 @@ void refuse_used(const std::vector<Pose>& poses, const std::filesystem::path& fo
 int validate(const ValidateOptions& options, std::ostream& out) {
   const Result result = result_in(options.result);
   const PosePredictor& predictor = result.predictor;
-  const std::size_t joints = predictor.fit.model.chain.axes.size();
-  Poses read = read_poses(options.points, options.columns, joints);
+  std::vector<JointKind> kinds;
+  for (const auto& axis : predictor.fit.model.chain.axes)
+    kinds.push_back(axis.linear ? JointKind::linear : JointKind::turning);
+  Poses read = read_poses(options.points, options.columns, kinds);
   if (read.poses.empty())
     throw std::runtime_error("no line holds a position and all angles: give static poses");
   name_targets(read, predictor);
-  refuse_used(read.poses, options.result, joints);
+  refuse_used(read.poses, options.result, kinds);
   const auto file = options.output.value_or(options.result / "validation.json");
   auto inputs = options.points;
   inputs.push_back(options.result / file_names::kResult);

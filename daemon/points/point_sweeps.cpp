@@ -174,7 +174,8 @@ void check_angles(const PointsFile& file) {
   double most_rad = 0;
   for (const Point& point : file.points)
     for (std::size_t j = 0; j < point.sample.joints; ++j)
-      most_rad = std::max(most_rad, std::abs(point.sample.angles_rad[j]));
+      if (j < file.angle_units.size() && file.angle_units[j] == "rad")
+        most_rad = std::max(most_rad, std::abs(point.sample.angles_rad[j]));
   if (most_rad > kMost_rad)
     throw CsvError(
         fmt::format("{}: expected joint angles of up to {} rad, found {:.4g} rad: name the columns "

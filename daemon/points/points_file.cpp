@@ -41,8 +41,25 @@ bool is_known(const NameAndUnit& column) {
   if (column.unit.empty())
     return one_of(column.name, {"joint", "target", "sweep", "qx", "qy", "qz", "qw"});
   if (column.unit == "s") return column.name == "t";
-  if (column.unit == "mm" || column.unit == "m") return one_of(column.name, {"x", "y", "z"});
+  if (column.unit == "mm" || column.unit == "m")
+    return one_of(column.name, {"x", "y", "z"}) || is_joint_angle(column.name);
   return one_of(column.name, {"a", "b", "c"}) || is_joint_angle(column.name);
+}
+
+/// The column of a joint, from 0, has a unit that such a joint has. Degrees may be mm.
+void check_unit(const CsvFile& file, std::size_t column, std::size_t joint, JointKind kind) {
+  const auto [name, unit, size] = name_and_unit(file.columns()[column]);
+  const bool is_length = unit == "mm" || unit == "m";
+  if (kind == JointKind::linear && unit == "rad")
+    file.fail_header(column, fmt::format("expected mm, as joint {} is linear, found radians: give "
+                                         "its place in mm, and name the column {}_mm",
+                                         joint + 1, name));
+  if (kind == JointKind::turning && is_length)
+    file.fail_header(
+        column, fmt::format("expected an angle, as joint {0} turns, found {1}: name the column "
+                            "{2}_deg or {2}_rad, or say in the robot's description that the joint "
+                            "is linear (type = \"linear\")",
+                            joint + 1, unit, name));
 }
 
 Places places_in(const CsvFile& file) {
@@ -57,7 +74,10 @@ Places places_in(const CsvFile& file) {
                  (file.path().empty() ? "write - to skip it"
                                       : "name all columns with --columns, - for one to skip") +
                  "; known are " + std::string(kPointColumns));
-    if (!places.emplace(parts.name, Place{k, parts.size}).second)
+    // The numbers of a linear joint are in the place of degrees.
+    const bool is_place = parts.unit.starts_with('m') && is_joint_angle(parts.name);
+    const double size = is_place ? radians(parts.size) : parts.size;
+    if (!places.emplace(parts.name, Place{k, size}).second)
       file.fail_header(k, "expected each value once, found " + std::string(parts.name) +
                               " a second time: skip one of the two with --columns");
   }
@@ -105,7 +125,7 @@ NameAndUnit name_and_unit(std::string_view column) {
   return {column, {}, 1};
 }
 
-PointColumns point_columns(const CsvFile& file) {
+PointColumns point_columns(const CsvFile& file, const std::vector<JointKind>& kinds) {
   const auto places = places_in(file);
   PointColumns columns;
   columns.joint = place(places, "joint");
@@ -132,7 +152,9 @@ PointColumns point_columns(const CsvFile& file) {
     if (!angle)
       file.fail_header(fmt::format(
           "expected angles of all joints from a1 on, found a{} but no a{}: add it", last, j));
+    if (j <= kinds.size()) check_unit(file, angle->column, j - 1, kinds[j - 1]);
     columns.angles.push_back(*angle);
+    columns.angle_units.push_back(name_and_unit(file.columns()[angle->column]).unit);
   }
   return columns;
 }
@@ -205,9 +227,10 @@ std::size_t TargetNames::place_of(std::string_view name) {
 }
 
 PointsReader::PointsReader(std::vector<std::string> columns, std::size_t joints,
-                           std::string_view format)
+                           std::string_view format, std::vector<JointKind> kinds)
     : columns_(std::move(columns)),
       joints_(joints),
+      kinds_(std::move(kinds)),
       is_own_(!columns_.empty() || format == kOwnFormat),
       forced_(format.empty() || format == kOwnFormat ? nullptr : &format_named(format)) {
   if (forced_ != nullptr && !columns_.empty())
@@ -233,7 +256,7 @@ PointsFile PointsReader::read_own(const std::filesystem::path& path, std::string
                                   const OnProgress& on_progress) {
   constexpr std::size_t kMostSweeps = 1'000'000'000;
   CsvFile file(path, std::move(content), columns_);
-  auto columns = point_columns(file);
+  auto columns = point_columns(file, kinds_);
   if (columns.angles.size() > joints_) columns.angles.resize(joints_);
   PointsFile result{
       path,
@@ -242,7 +265,9 @@ PointsFile PointsReader::read_own(const std::filesystem::path& path, std::string
       std::find(file.columns().begin(), file.columns().end(), "pose") != file.columns().end(),
       columns.angles.size(),
       {},
-      {}};
+      {},
+      {},
+      columns.angle_units};
   // A, B, C count only where nothing else tells how finely angles are printed.
   std::optional<double>* const orientation_step =
       columns.angles.empty() ? &angle_step_rad_ : nullptr;

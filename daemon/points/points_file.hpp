@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "daemon/points/csv_file.hpp"
+#include "daemon/points/joint_kinds.hpp"
 #include "identify/sweeps/sample.hpp"
 
 namespace sweepd {
@@ -32,12 +33,14 @@ struct PointColumns {
   std::array<Place, 3> position;
   std::optional<std::array<Place, 3>> abc;
   std::optional<std::array<Place, 4>> quaternion;  ///< x, y, z, w
-  std::vector<Place> angles;                       ///< of joint 1 and on
+  std::vector<Place> angles;                       ///< of joint 1 and on; mm count as degrees
+  std::vector<std::string_view> angle_units;       ///< "deg", "rad", "mm", "m"
 };
 
 /// Reads the names of the columns. Throws as CsvFile::fail_header does: at a name that is not
-/// known, that comes twice, or that is missing.
-[[nodiscard]] PointColumns point_columns(const CsvFile& file);
+/// known, that comes twice, or that is missing; at an angle's unit that its joint cannot have.
+[[nodiscard]] PointColumns point_columns(const CsvFile& file,
+                                         const std::vector<JointKind>& kinds = {});
 
 /// A name without its unit ("x" of "x_m"), and what that is in mm, radians or seconds; 1 where the
 /// name has none.
@@ -52,7 +55,8 @@ struct NameAndUnit {
 inline constexpr std::string_view kPointColumns =
     "joint, target, pose, t_s, x_mm, y_mm, z_mm (or x_m ...), qx, qy, qz, qw (quaternion of the "
     "tool) or "
-    "a_deg, b_deg, c_deg (KUKA's A, B, C), a1_deg to a12_deg (or a1_rad ...)";
+    "a_deg, b_deg, c_deg (KUKA's A, B, C), a1_deg to a12_deg (or a1_rad ..., of a linear joint "
+    "a1_mm ...)";
 
 /// A line of a file of measured points.
 struct Point {
@@ -72,6 +76,12 @@ struct PointsFile {
   std::vector<Point> points;
   std::string format;  ///< a device's, for people: "OptiTrack Motive CSV"; empty for sweepd's own
   std::vector<std::string> notes = {};  ///< what was assumed or left out in a device's file
+  std::vector<std::string_view> angle_units = {};  ///< as in PointColumns
+
+  /// The column of this joint (counted from 0) is in mm or m.
+  [[nodiscard]] bool is_linear(std::size_t joint) const {
+    return joint < angle_units.size() && angle_units[joint].starts_with('m');
+  }
 };
 
 /// Names of targets in order of appearance, however many.
@@ -109,9 +119,11 @@ class PointsReader {
 
   /// `columns` take the place of the files' headers unless empty; `joints` is how many the robot
   /// has, at most: angles beyond are passed over. `format` names the one that all files have;
-  /// empty: each file's content tells, unless there are `columns`. Throws std::invalid_argument
-  /// where no format has this name, or where it is a device's and there are `columns`.
-  PointsReader(std::vector<std::string> columns, std::size_t joints, std::string_view format = {});
+  /// empty: each file's content tells, unless there are `columns`. `kinds` is what is known of the
+  /// joints, one each, or less. Throws std::invalid_argument where no format has this name, or
+  /// where it is a device's and there are `columns`.
+  PointsReader(std::vector<std::string> columns, std::size_t joints, std::string_view format = {},
+               std::vector<JointKind> kinds = {});
 
   /// Throws CsvError, and std::invalid_argument where `columns` are wrong.
   [[nodiscard]] PointsFile read(const std::filesystem::path& path, const OnProgress& on_progress);
@@ -128,6 +140,7 @@ class PointsReader {
 
   std::vector<std::string> columns_;
   std::size_t joints_;
+  std::vector<JointKind> kinds_;
   bool is_own_;                 // all files
   const DeviceFormat* forced_;  // for all files
   TargetNames targets_;

@@ -82,12 +82,17 @@ void turn(std::vector<PointsFile>& files, std::size_t joint, double end_rad,
 
 std::vector<std::size_t> take_out_turns(std::vector<PointsFile>& files,
                                         const std::vector<bool>& linear) {
+  const auto is_linear = [&](std::size_t j) {
+    return (j < linear.size() && linear[j]) ||
+           std::any_of(files.begin(), files.end(),
+                       [&](const PointsFile& file) { return file.is_linear(j); });
+  };
   std::vector<Told> all;
   std::vector<std::size_t> jumped;
   bool from_zero = false;
   for (std::size_t j = 0; j < identify::kMostJoints; ++j) {
     const Told& told = all.emplace_back(told_of(files, j));
-    if (!told.jumps || (j < linear.size() && linear[j])) continue;
+    if (!told.jumps || is_linear(j)) continue;
     const bool is_from_zero = told.lie_from(0);
     if (!is_from_zero && !told.lie_from(-kTurn_rad / 2)) continue;
     const auto end_rad = end_of_circle(told.angles_rad);
@@ -99,7 +104,7 @@ std::vector<std::size_t> take_out_turns(std::vector<PointsFile>& files,
   if (!from_zero) return jumped;
   for (std::size_t j = 0; j < all.size(); ++j) {
     const Told& told = all[j];
-    if (told.angles_rad.empty() || told.jumps || (j < linear.size() && linear[j])) continue;
+    if (told.angles_rad.empty() || told.jumps || is_linear(j)) continue;
     if (told.lie_from(0)) turn(files, j, told.angles_rad.back(), told.angles_rad);
   }
   return jumped;

@@ -10,6 +10,7 @@
 #include "tests/catch.hpp"
 #include "tests/config_folder.hpp"
 #include "tests/daemon/point_files.hpp"
+#include "tests/daemon/scara.hpp"
 #include "tests/daemon/temporary_folder.hpp"
 
 using Catch::Matchers::ContainsSubstring;
@@ -89,6 +90,29 @@ TEST_CASE("sweeps with angles alone are found by them where no description gives
   CHECK(run.code == 0);
   CHECK_THAT(run.out, ContainsSubstring("the angles tell sweeps of single joints"));
   check_lengths(run.result);
+}
+
+TEST_CASE("a column's unit has to be one that the description or the plan gives the joint",
+          "[identify_by_angles]") {
+  const TemporaryFolder folder;
+  IdentifyOptions options;
+  std::string unit = "rad";
+  std::string said = "(a3_rad): expected mm, as joint 3 is linear";
+  SECTION("by a description") {
+    options.robot = folder.write("scara.toml", kScara);
+  }
+  SECTION("by a plan") {
+    options.plan = folder.write("plan.toml", kScaraPlan);
+  }
+  SECTION("which turns") {
+    options.robot = kConfig / "robots/kr5_arc.toml";
+    unit = "mm";
+    said = "(a3_mm): expected an angle, as joint 3 turns";
+  }
+  options.points = {folder.write("points.csv", "t_s,x_mm,y_mm,z_mm,a1_rad,a2_rad,a3_" + unit +
+                                                   ",a4_rad\n0,1,2,3,0.1,0.2,0.3,0.4\n")};
+  std::ostringstream out;
+  CHECK_THROWS_WITH(identify_points(options, out, out), ContainsSubstring(said));
 }
 
 TEST_CASE("static poses in any order stay poses", "[identify_by_angles]") {

@@ -238,7 +238,7 @@ TEST_CASE("a stream whose times are no seconds, or positions no millimetres, is 
   CHECK_THROWS_WITH(seen(1, 1e-3), ContainsSubstring("points.csv: expected positions that move") &&
                                        ContainsSubstring("x_m, y_m, z_m"));
 
-  const auto with_angles = [&](double time, double angle) {
+  const auto with_angles = [&](double time, double angle, const std::string& unit = "_deg") {
     auto samples = campaign.samples();
     for (auto& sample : samples) {
       sample.angles_rad[5] += sample.time_s * radians(0.002);  // a locked joint is not quite still
@@ -247,16 +247,20 @@ TEST_CASE("a stream whose times are no seconds, or positions no millimetres, is 
     }
     const Layout all{.times = true, .angles = true};
     WorstLimit limit;
-    return streamed_sweeps(file_of(folder, points_header(all) + points_lines(samples, all)), 6,
-                           kSixDecimals, limit);
+    std::string header = points_header(all);
+    for (auto at = header.find("_deg"); at != std::string::npos; at = header.find("_deg", at + 1))
+      header.replace(at, 4, unit);
+    return streamed_sweeps(file_of(folder, header + points_lines(samples, all)), 6, kSixDecimals,
+                           limit);
   };
   CHECK(with_angles(1, 1).front().defect == SweepDefect::none);
   CHECK_THROWS_WITH(with_angles(1000, 1), ContainsSubstring("found 4 s: give seconds"));
   CHECK_THROWS_WITH(with_angles(0, 1), ContainsSubstring("expected times that rise") &&
                                            ContainsSubstring("found 0 s for all"));
   CHECK_THROWS_WITH(seen(0, 1), ContainsSubstring("expected times that rise"));
-  CHECK_THROWS_WITH(with_angles(1, degrees(1)),
+  CHECK_THROWS_WITH(with_angles(1, 1, "_rad"),
                     ContainsSubstring("found 120 rad: name the columns a1_deg"));
+  CHECK_NOTHROW(with_angles(1, degrees(1)));  // the columns say degrees: perhaps mm
 
   // One that only rests is no mistake.
   identify::test::Campaign still(identify::test::kr5_arc(), {.position_mm = 0.02});

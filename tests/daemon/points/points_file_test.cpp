@@ -76,6 +76,49 @@ TEST_CASE("columns come in any order, lengths in mm or m, angles in deg or rad",
   CHECK_FALSE(point.sample.has_orientation);
 }
 
+TEST_CASE("a linear joint has its place in mm or m, or in a column of degrees", "[points_file]") {
+  const TemporaryFolder folder;
+  for (const auto& [columns, values] : {std::pair("a1_rad,a2_mm,a3_deg", "0.5,120,90"),
+                                        std::pair("a1_rad,a2_m,a3_deg", "0.5,.12,90"),
+                                        std::pair("a1_rad,a2_deg,a3_deg", "0.5,120,90")}) {
+    INFO(columns);
+    const auto file =
+        read(folder, std::string("x_mm,y_mm,z_mm,") + columns + "\n1,2,3," + values + "\n");
+    const auto& point = file.points.front();
+    CHECK(point.sample.joints == 3);
+    CHECK(point.sample.angles_rad[0] == 0.5);
+    CHECK(point.sample.angles_rad[1] == Approx(radians(120)));
+    CHECK(point.sample.angles_rad[2] == Approx(radians(90)));
+  }
+  PointsReader reader({}, 12);
+  static_cast<void>(reader.read(folder.write("x.csv", "x_mm,y_mm,z_mm,a1_mm\n1,2,3,5.25\n"), {}));
+  CHECK(reader.resolution().angle_rad == Approx(radians(0.01)));
+}
+
+TEST_CASE("a unit that a joint cannot have is refused, and told with its column", "[points_file]") {
+  using sweepd::JointKind;
+  const TemporaryFolder folder;
+  const auto read_as = [&](const char* column, JointKind kind) {
+    PointsReader reader({}, 12, {}, {JointKind::unknown, kind});
+    return reader.read(folder.write("points.csv", "x_mm,y_mm,z_mm,a1_rad," + std::string(column) +
+                                                      "\n1,2,3,0.5,0.25\n"),
+                       {});
+  };
+  CHECK_THROWS_WITH(read_as("a2_rad", JointKind::linear),
+                    ContainsSubstring("line 1, column 5 (a2_rad): expected mm, as joint 2 is "
+                                      "linear, found radians") &&
+                        ContainsSubstring("name the column a2_mm"));
+  for (const char* column : {"a2_mm", "a2_m"})
+    CHECK_THROWS_WITH(read_as(column, JointKind::turning),
+                      ContainsSubstring("expected an angle, as joint 2 turns, found m") &&
+                          ContainsSubstring("name the column a2_deg or a2_rad"));
+  for (const char* column : {"a2_mm", "a2_m", "a2_deg"})
+    CHECK(read_as(column, JointKind::linear).angles == 2);
+  for (const char* column : {"a2_rad", "a2_deg"})
+    CHECK(read_as(column, JointKind::turning).angles == 2);
+  CHECK(read_as("a2_rad", JointKind::unknown).angles == 2);
+}
+
 TEST_CASE("a header may be in capitals, and the file in UTF-16", "[points_file]") {
   const std::string text = "Joint,T_S,X_mm,Y_MM,Z_mm,A1_Deg\n2,7.5,1,2,3,90\n";
   std::string wide = "\xff\xfe";

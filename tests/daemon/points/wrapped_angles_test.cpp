@@ -9,8 +9,10 @@ using sweepd::radians;
 namespace {
 
 /// The angles of joint 1 in degrees, one a line, after the turns were taken out.
-std::vector<double> without_turns(const std::vector<double>& told_deg, bool linear = false) {
+std::vector<double> without_turns(const std::vector<double>& told_deg, bool linear = false,
+                                  const char* unit = "deg") {
   std::vector<sweepd::PointsFile> files(1);
+  files[0].angle_units = {unit};
   for (const double deg : told_deg) {
     auto& point = files[0].points.emplace_back();
     point.sample.joints = 1;
@@ -46,4 +48,5 @@ TEST_CASE("angles that do not jump by a turn stay as they are", "[wrapped_angles
 
 TEST_CASE("a linear joint has no turns", "[wrapped_angles]") {
   check_angles(without_turns({355, 0, 5}, true), {355, 0, 5});
+  check_angles(without_turns({355, 0, 5}, false, "mm"), {355, 0, 5});
 }
