@@ -400,7 +400,7 @@ def problems(root, program):
     yield from told("docs/architecture.md", wrong_rows(root, read("docs/architecture.md")))
     yield from told("docs/architecture.md", wrong_rooms(
         read("docs/architecture.md"), read("docs/architecture.svg"), rooms_of(root)))
-    engine = "".join(path.read_text() for folder in ("identify", "daemon/plan", "daemon/results")
+    engine = "".join(path.read_text() for folder in ("identify", "daemon/plan", "daemon/points", "daemon/results")
                      for path in sorted((root / folder).rglob("*.cpp")))
     yield from told("docs/troubleshooting.md", wrong_codes(read("docs/troubleshooting.md"), engine))
     scripts = "".join(path.read_text() for path in sorted((root / "scripts").iterdir()))

@@ -16,6 +16,7 @@
 #include "daemon/points/axes_file.hpp"
 #include "daemon/points/csv_file.hpp"
 #include "daemon/points/declared_directions.hpp"
+#include "daemon/points/missing_angles.hpp"
 #include "daemon/points/point_poses.hpp"
 #include "daemon/points/point_sweeps.hpp"
 #include "daemon/points/points_file.hpp"
@@ -216,6 +217,10 @@ Outcome identified_points(const IdentifyOptions& options, RobotSetup setup, std:
                              setup, options.quiet);
   setup.joints = declared ? *declared : joints_in(options, points);
   tell_turns(points.files, setup, told);
+  std::vector<identify::Warning> untold;
+  for (const PointsFile& file : points.files)
+    if (const auto missing = missing_angles(file)) untold.push_back(*missing);
+  for (const auto& missing : untold) told << "points: " << missing.message << '\n';
   if (options.per_joint && points.files.size() > setup.joints)
     throw std::invalid_argument("--per-joint: " + rsi::counted(points.files.size(), "file") +
                                 " for " + rsi::counted(setup.joints, "joint") +
@@ -233,10 +238,11 @@ Outcome identified_points(const IdentifyOptions& options, RobotSetup setup, std:
   for (const PointsFile& file : points.files) {
     if (!of_poses(file, options)) continue;
     auto poses = static_poses(file, setup.joints);
-    if (poses.empty())
-      throw CsvError(
-          file.path.string() +
-          ": no line holds a position and all angles: fill in where the target was seen");
+    if (poses.empty()) {
+      const auto untold = missing_angles(file);
+      throw CsvError(file.path.string() + ": no line holds a position and all angles: " +
+                     (untold ? untold->message : "fill in where the target was seen"));
+    }
     std::move(poses.begin(), poses.end(), std::back_inserter(snapshot.poses));
   }
   points.counts.poses = snapshot.poses.size();
@@ -248,6 +254,8 @@ Outcome identified_points(const IdentifyOptions& options, RobotSetup setup, std:
       [](const Sweep& sweep) { return sweep.defect == identify::SweepDefect::none; }));
   points.files.clear();
   Outcome outcome = outcome_of(snapshot);
+  auto& warnings = outcome.identification.warnings;
+  warnings.insert(warnings.begin(), untold.begin(), untold.end());
   // Strokes of a linear joint are no arcs, and can be used all the same.
   std::size_t used = 0;
   for (const auto& joint : outcome.identification.joints) used += joint.sweeps.size();

@@ -14,6 +14,7 @@
 #include "daemon/commands/command_options.hpp"
 #include "daemon/commands/help_text.hpp"
 #include "daemon/commands/outputs.hpp"
+#include "daemon/points/missing_angles.hpp"
 #include "daemon/points/point_poses.hpp"
 #include "daemon/points/points_file.hpp"
 #include "daemon/report/figures.hpp"
@@ -61,6 +62,7 @@ Result result_in(const std::filesystem::path& folder) {
 struct Poses {
   std::vector<Pose> poses;
   std::vector<std::string> targets;
+  std::string untold;  // why there may be none
 };
 
 Poses read_poses(const std::vector<std::filesystem::path>& files, const std::string& columns,
@@ -68,9 +70,11 @@ Poses read_poses(const std::vector<std::filesystem::path>& files, const std::str
   const std::size_t joints = kinds.size();
   PointsReader reader(column_names(columns), joints, {}, kinds);
   Poses read;
-  for (const auto& path : files)
-    for (auto& pose : static_poses(reader.read(path, {}), joints))
-      read.poses.push_back(std::move(pose));
+  for (const auto& path : files) {
+    const PointsFile file = reader.read(path, {});
+    for (auto& pose : static_poses(file, joints)) read.poses.push_back(std::move(pose));
+    if (const auto missing = missing_angles(file)) read.untold = missing->message;
+  }
   read.targets = reader.targets();
   return read;
 }
@@ -117,7 +121,8 @@ int validate(const ValidateOptions& options, std::ostream& out) {
     kinds.push_back(axis.linear ? JointKind::linear : JointKind::turning);
   Poses read = read_poses(options.points, options.columns, kinds);
   if (read.poses.empty())
-    throw std::runtime_error("no line holds a position and all angles: give static poses");
+    throw std::runtime_error("no line holds a position and all angles: " +
+                             (read.untold.empty() ? "give static poses" : read.untold));
   name_targets(read, predictor);
   refuse_used(read.poses, options.result, kinds);
   const auto file = options.output.value_or(options.result / "validation.json");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -273,6 +274,7 @@ PointsFile PointsReader::read_own(const std::filesystem::path& path, std::string
       columns.angles.empty() ? &angle_step_rad_ : nullptr;
 
   std::vector<std::optional<Before>> before;
+  std::set<std::size_t> untold;
   while (file.next()) {
     Point point;
     point.line = file.line();
@@ -294,13 +296,17 @@ PointsFile PointsReader::read_own(const std::filesystem::path& path, std::string
     std::size_t found = 0;
     for (std::size_t j = 0; j < columns.angles.size(); ++j) {
       const auto angle = file.decimal(columns.angles[j].column);
+      if (!angle && sample.has_position) untold.insert(j);
       if (!angle) continue;
       sample.angles_rad[j] = angle->value * columns.angles[j].unit;
       // Whole degrees in all lines are commanded ones, and exact.
       if (angle->decimals > 0) refine(angle_step_rad_, angle->decimals, columns.angles[j].unit);
       ++found;
     }
-    if (found == columns.angles.size()) sample.joints = static_cast<std::uint8_t>(found);
+    if (found == columns.angles.size())
+      sample.joints = static_cast<std::uint8_t>(found);
+    else if (sample.has_position)
+      ++result.without_angles;
 
     before.resize(targets_.all().size());
     auto& last = before[point.target];
@@ -314,6 +320,7 @@ PointsFile PointsReader::read_own(const std::filesystem::path& path, std::string
   }
   if (result.points.empty())
     throw CsvError(path.string() + ": expected points, found no line but the header: give another");
+  result.joints_untold.assign(untold.begin(), untold.end());
   return result;
 }
 

@@ -77,6 +77,8 @@ struct PointsFile {
   std::string format;  ///< a device's, for people: "OptiTrack Motive CSV"; empty for sweepd's own
   std::vector<std::string> notes = {};  ///< what was assumed or left out in a device's file
   std::vector<std::string_view> angle_units = {};  ///< as in PointColumns
+  std::size_t without_angles = 0;                  ///< points with a position, but not all angles
+  std::vector<std::size_t> joints_untold = {};     ///< whose fields are empty there, from 0
 
   /// The column of this joint (counted from 0) is in mm or m.
   [[nodiscard]] bool is_linear(std::size_t joint) const {

@@ -115,6 +115,47 @@ TEST_CASE("a column's unit has to be one that the description or the plan gives 
   CHECK_THROWS_WITH(identify_points(options, out, out), ContainsSubstring(said));
 }
 
+TEST_CASE("angles that are missing in part of the lines are said to be", "[missing_angles]") {
+  const TemporaryFolder folder;
+  const auto measured = measured_kr5(kSeenByTracker);
+  /// Without the angles of A4 to A6.
+  const auto cut = [](std::string line) {
+    for (int j = 0; j < 3; ++j) line.resize(line.rfind(','));
+    return line + ",,,\n";
+  };
+  std::string text = points_header({.angles = true});
+  std::string said = "9 of 12 points of points.csv have no angles of joints 4, 5, 6";
+  SECTION("of static poses that are too few then") {
+    for (std::size_t k = 0; k < 12; ++k) {
+      const std::string line =
+          points_lines({measured.sweeps[k % 6].samples[50 + 20 * k]}, {.angles = true});
+      text += k < 3 ? line : cut(line);
+    }
+    const auto run = told_by_angles(folder, text, true);
+    CHECK(run.code == 1);
+    CHECK_THAT(run.errors, ContainsSubstring("3 poses give 9 numbers") && ContainsSubstring(said));
+    CHECK(run.result["warnings"][0]["code"] == "angles_missing");
+    CHECK_THAT(run.out, ContainsSubstring("points: " + said));
+  }
+  SECTION("of all static poses") {
+    text += cut(points_lines({measured.sweeps[0].samples[0]}, {.angles = true}));
+    CHECK_THROWS_WITH(told_by_angles(folder, text, true),
+                      ContainsSubstring("no line holds a position and all angles: 1 of 1 point of "
+                                        "points.csv have no angles of joints 4, 5, 6"));
+  }
+  SECTION("of a stream's second half") {
+    const auto& stream = measured.stream;
+    text = points_header({.times = true, .angles = true});
+    for (std::size_t k = 0; k < stream.size(); ++k) {
+      const std::string line = points_lines({stream[k]}, {.times = true, .angles = true});
+      text += k < stream.size() / 2 ? line : cut(line);
+    }
+    const auto run = told_by_angles(folder, text);
+    CHECK(run.result["warnings"][0]["code"] == "angles_missing");
+    CHECK_THAT(run.out, ContainsSubstring("have no angles of joints 4, 5, 6"));
+  }
+}
+
 TEST_CASE("static poses in any order stay poses", "[identify_by_angles]") {
   const TemporaryFolder folder;
   auto measured = measured_kr5(kSeenByTracker);
