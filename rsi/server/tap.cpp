@@ -113,10 +113,9 @@ void Tap::take(const Datagram& datagram) {
   heard_ = clock();
   silence_ = kFirstSilence;
   elsewhere_.reset();
-  if (is(options().listen, datagram.source))
-    hand_over_reply(datagram);
-  else
-    serve({&datagram, 1});
+  if (is(options().listen, datagram.source)) return hand_over_reply(datagram);
+  if (looks_like_telegram(datagram.payload)) controller_ = datagram.source.address;
+  serve({&datagram, 1});
 }
 
 void Tap::take_segment(const Datagram& segment, const PacketHeaders& headers, bool answers) {
@@ -173,12 +172,16 @@ void Tap::look_after(Time now) {
 }
 
 void Tap::say_silence(Time now) {
+  silence_ = std::min<std::chrono::seconds>(6 * silence_, kLongestSilence);
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(now - heard_).count();
   std::string sentence = "no RSI for " + text(options().listen) + " on " +
                          settings_.capture.interface + " for " + std::to_string(seconds) + " s";
   std::string elsewhere;
   for (const auto& [conversation, telegrams] : others_)
-    if (telegrams >= kSurelyRsi) elsewhere += (elsewhere.empty() ? "" : ", ") + text(conversation);
+    if (telegrams >= kSurelyRsi &&
+        conversation.controller == controller_.value_or(conversation.controller))
+      elsewhere += (elsewhere.empty() ? "" : ", ") + text(conversation);
+  if (controller_ && elsewhere.empty()) return;  // the stream has ended, as streams do
   if (!elsewhere.empty())
     sentence += ", but of " + elsewhere + ": watch that port";
   else if (packets_ > 0)
@@ -189,7 +192,6 @@ void Tap::say_silence(Time now) {
         ", and no other packet: is RSI on, is this the interface, does the switch mirror "
         "the controller's port?";
   say(std::move(sentence));
-  silence_ = std::min<std::chrono::seconds>(6 * silence_, kLongestSilence);
 }
 
 void Tap::say(std::string sentence) {

@@ -21,7 +21,8 @@ namespace rsi {
 /// Telegrams are what goes to the watched endpoint, replies what comes from it; address 0 is any.
 /// Copies that the tap makes are left out (see copy_filter.hpp), fragments are counted, streams of
 /// TCP are put together (see tcp_stream.hpp). An interface that goes is waited for. What a person
-/// should know is in remark().
+/// should know is in remark(): also silence before the first telegram, but not that behind a
+/// stream, unless its controller sends elsewhere.
 class Tap : public Server {
  public:
   struct Settings {
@@ -59,6 +60,7 @@ class Tap : public Server {
   std::optional<LiveCapture> elsewhere_;  // of all ports, in silence, to tell where RSI goes
   CopyFilter copies_;
   std::map<std::pair<Endpoint, Endpoint>, TcpStream> streams_;  // from where, to where
+  std::optional<std::uint32_t> controller_;                     // of the last telegram
   Time heard_;                                                  // the last of the conversation
   Time looked_after_;                                           // once a second
   Time tried_;                                                  // to open it again

@@ -146,9 +146,16 @@ def beside_a_server(folder):
     check(over_tcp.says("played to its end"), over_tcp.said())
     for robot in ("arc", "tcp"):
         check(server.says(f"{robot}: result ") and tap.says(f"{robot}: result "), "no session ended:", tap.said())
+    # By the time that another tap tells of its first silence, these two would have done so.
+    silent = Process(folder, "silent", sweepd, "watch", "--interface", "lo", "--port", PORT + 2, "--output", folder / "silent")
+    check(silent.says("no RSI for"), silent.said())
+    for robot in ("arc", "tcp"):
+        behind = tap.said().split(f"{robot}: RSI from", 1)[-1]
+        check(f"{robot}: RSI has been silent" in behind and "the stream has ended" in behind, behind)
+        check(f"{robot}: no RSI for" not in behind, "an end is told as a fault:", behind)
     check(other.says(f"but of 127.0.0.1 with 127.0.0.1:{PORT}, "), "wrong port:", other.said())
     check(found.says("RSI of 127.0.0.1 with 127.0.0.1:491"), "not found:", found.said())
-    for process in (server, tap, other, found):
+    for process in (server, tap, other, found, silent):
         check(process.end() == 0, process.log.name, process.said())
     check(not (folder / "other").exists() or not any((folder / "other").glob("*/*/trace.pcap")), "another port is recorded")
 
