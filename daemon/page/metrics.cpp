@@ -150,8 +150,13 @@ void write_link(MetricsWriter& to, const std::vector<RobotMetrics>& robots) {
   for (const auto& [state, result] : robots)
     for (const auto& [label, count] : kReplyFailures)
       to.value({{"robot", state->name}, {"reason", std::string(label)}}, state->server.*count);
+  to.counter("sweepd_datagrams_without_ipoc_total",
+             "Datagrams of the controller that have no IPOC, and so cannot be answered.");
+  for (const auto& [state, result] : robots)
+    to.value({{"robot", state->name}}, state->server.unanswerable);
   to.counter("sweepd_datagrams_dropped_total",
-             "Datagrams that were not processed: not from the controller, or no room for them.");
+             "Datagrams that were not processed. Foreign: not from the controller, or without an "
+             "IPOC before any telegram came. The others: no room for them.");
   for (const auto& [state, result] : robots)
     for (const auto& [label, count] : kDropped)
       to.value({{"robot", state->name}, {"reason", std::string(label)}}, state->server.*count);

@@ -40,8 +40,9 @@ constexpr Kind kKindsOfTrouble[] = {
     {&Counts::cut, "telegram", "telegrams",
      "larger than 64 KiB and came in part: shorten the SEND list"},
     {&Counts::foreign, "datagram or connection", "datagrams or connections",
-     "not from the controller and not answered: keep others off this network; `controller` in the "
-     "settings names the one that counts"},
+     "not from the controller, or without an IPOC before anything with one came, and not answered: "
+     "keep others off this network, see that the controller sends RSI, and name it by `controller` "
+     "in the settings"},
     {&Counts::skipped, "byte", "bytes",
      "left out of a TCP stream, being in no telegram: see that `listen` is the port of RSI alone, "
      "and what the controller sends"},

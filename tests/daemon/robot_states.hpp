@@ -14,6 +14,7 @@ inline RobotState busy_robot(const std::string& name = "kr5-arc") {
   robot.sessions = 3;
   robot.server.answered = 1000;
   robot.server.foreign = 7;
+  robot.server.unanswerable = 6;
   robot.server.not_begun = 5;
   robot.link.telegrams = 1010;
   robot.link.lost = 2;

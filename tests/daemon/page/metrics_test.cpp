@@ -93,6 +93,7 @@ TEST_CASE("metrics keep to the text format: a family at a time, each value once"
   CHECK(all.values.at("sweepd_telegrams_answered_total{robot=\"b\",outcome=\"in_time\"}") == 999);
   CHECK(all.values.at("sweepd_replies_total{robot=\"b\"}") == 1000);
   CHECK(all.values.at("sweepd_datagrams_dropped_total{robot=\"b\",reason=\"foreign\"}") == 7);
+  CHECK(all.values.at("sweepd_datagrams_without_ipoc_total{robot=\"b\"}") == 6);
   CHECK(all.values.at("sweepd_reply_failures_total{robot=\"b\",reason=\"stream_not_begun\"}") == 5);
   CHECK(all.values.at("sweepd_streaming{robot=\"b\"}") == 1);
   CHECK(all.values.at("sweepd_cycle_seconds{robot=\"b\"}") == 0.004);

@@ -17,6 +17,7 @@ TEST_CASE("trouble on the link is said at once, and then once a minute with all 
   const auto first = complaints.about(counts, now);
   REQUIRE(first.size() == 1);
   CHECK_THAT(first[0], ContainsSubstring("1 datagram or connection was not from the controller"));
+  CHECK_THAT(first[0], ContainsSubstring("or without an IPOC before anything"));
   for (int second = 0; second < 59; ++second) {
     counts.foreign += 250;
     CHECK(complaints.about(counts, now += 1s).empty());
