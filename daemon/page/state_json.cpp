@@ -129,6 +129,7 @@ Json robot_state_json(const RobotMetrics& metrics) {
           {"sweeps", sweeps(state)},
           {"identifications", identifications(*metrics.result)},
           {"results_pending", state.results.pending},
+          {"results_refused", state.results.refused},
           {"results_given_up", state.results.given_up},
           {"result", newest_result(*metrics.result)}};
 }

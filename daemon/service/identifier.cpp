@@ -124,6 +124,7 @@ void Identifier::limit_waiting() {
     ends.pop_front();
     samples -= oldest->samples();
     --pending_;
+    if (oldest->failed_before) --refused_;
     ++given_up_;
     oldest->log.error(
         "the disk of {} takes no results, and others wait: the last result of the session {} is "
@@ -175,9 +176,11 @@ void Identifier::write(std::unique_ptr<SessionEnd> end) {
       say(end->log,
           end->recording ? "" : "from an earlier recording: ", end->outcome->identification,
           end->has_usable_sweeps() ? end->folder / file_names::kReport : end->folder);
+    if (end->failed_before) --refused_;
     --pending_;
   } catch (const std::exception& error) {
     if (!std::exchange(end->failed_before, true)) {
+      ++refused_;
       if (!end->old_result_stays) say(end->log, "", end->outcome->identification, {});
       end->log.error("{}; it is tried again until it is written", error.what());
     }
@@ -284,8 +287,9 @@ bool Identifier::drain(Steady::time_point deadline) {
   const std::lock_guard lock(mutex_);
   for (const auto& end : unwritten_)
     end->log.error(
-        "the last result of the session {} is not written: make room on the disk; the next start "
-        "of sweepd makes it from the recording, as far as there is one",
+        "the last result of the session {} is not written: make room on the disk, or correct the "
+        "permissions; the next start of sweepd makes it from the recording, as far as there is "
+        "one",
         end->started);
   return true;
 }

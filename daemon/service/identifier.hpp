@@ -67,7 +67,7 @@ class Identifier {
 
   /// What the newest interim result took.
   [[nodiscard]] std::chrono::steady_clock::duration took() const noexcept { return took_; }
-  [[nodiscard]] ResultBacklog results() const noexcept { return {pending_, given_up_}; }
+  [[nodiscard]] ResultBacklog results() const noexcept { return {pending_, given_up_, refused_}; }
   /// Waits until all is done: true. Or until `deadline`. What the disk refused is tried once more;
   /// nothing of earlier sessions is begun any more.
   bool drain(Steady::time_point deadline);
@@ -91,6 +91,7 @@ class Identifier {
   std::atomic<std::chrono::steady_clock::duration> took_{};
   std::atomic<std::uint64_t> pending_{0};
   std::atomic<std::uint64_t> given_up_{0};
+  std::atomic<std::uint64_t> refused_{0};  // of the pending ones, by the disk
   std::atomic<bool> draining_{false};
   std::atomic<std::uint64_t> ended_{0};  // sessions whose last result is under way or done
   std::mutex result_mutex_;              // of whoever publishes and writes a result

@@ -40,6 +40,7 @@ struct SweepCounts {
 struct ResultBacklog {
   std::uint64_t pending = 0;   ///< under way, or waiting for a disk that takes them
   std::uint64_t given_up = 0;  ///< as too many others waited, since sweepd started
+  std::uint64_t refused = 0;   ///< of the pending ones: the disk has no room, or refuses
 };
 
 /// What an operator may want to know of a robot at one moment. Counts are those since sweepd

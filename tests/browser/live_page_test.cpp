@@ -136,6 +136,27 @@ TEST_CASE("all joints go from moving to used, and the table has the digits of re
     browser.key("ArrowLeft");
     CHECK(eventually([&] { return browser.text(picture) != before; }));
   }
+  SECTION("time stands still on the plot of the link, which says so") {
+    CHECK(browser.becomes(
+        "document.querySelector('.few caption').textContent == 'The last 10 s of the "
+        "stream'"));
+  }
+  SECTION("of a sweepd that starts anew nothing is told that was before") {
+    page.daemon.process().signal(SIGTERM);
+    CHECK(page.daemon.process().wait() == 0);
+    CHECK(
+        browser.becomes("document.getElementById('stream').textContent.startsWith('All this is as "
+                        "sweepd last told it')"));
+    page.daemon.start();
+    CHECK(browser.becomes("document.getElementById('connection').textContent == 'live again'"));
+    CHECK(
+        browser.becomes("document.getElementById('stream').textContent == 'RSI does not stream "
+                        "yet.'"));
+    CHECK(browser.text("document.getElementById('result').textContent").starts_with("No result"));
+    CHECK(browser.becomes("document.querySelector('[data-link=missed]').textContent == 'none'"));
+    CHECK(browser.text("document.querySelector('.few caption').textContent") == "The last 10 s");
+    browser.console();  // it has said that the connection was lost
+  }
   SECTION("whoever comes later sees the same") {
     const auto states = browser.text(kStates);
     const auto table = browser.text("document.querySelector('.dh tbody').textContent");

@@ -26,7 +26,8 @@ export function make_link() {
     cells[name] = element("td", { class: "number", "data-link": name }, "none");
     body.append(row("td", [element("th", { scope: "row" }, label), cells[name]]));
   }
-  const table = element("table", { class: "few" }, element("caption", {}, "The last 10 s"), body);
+  const caption = element("caption", {}, "The last 10 s");
+  const table = element("table", { class: "few" }, caption, body);
   const made = panel("Link", plot_place, legend, table);
   made.classList.add("wide");
 
@@ -34,6 +35,7 @@ export function make_link() {
   let late = [];
   let cycle_us = null;
   let plot = null;
+  let ended = false; // time stands still on the plot
 
   const log_ticks = (_, splits) => splits.map((us) => (us !== null && [1, 10, 100, 1e3, 1e4, 1e5, 1e6].includes(us) ? (us < 1000 ? `${us} µs` : us < 1e6 ? `${us / 1000} ms` : `${us / 1e6} s`) : ""));
   const decades = (_, splits) => splits.map((us) => (Number.isInteger(Math.round(1e6 * Math.log10(us)) / 1e6) ? us : null));
@@ -51,7 +53,7 @@ export function make_link() {
         y: { distr: 3, range: (_, __, max) => [LEAST_US, Math.max(10000, 2 * (max ?? 0), 2 * (cycle_us ?? 0))] },
       },
       axes: [
-        { ...axis, size: 32, values: (_, splits) => splits.map((s) => (s === 0 ? "now" : `${s} s`)) },
+        { ...axis, size: 32, values: (_, splits) => splits.map((s) => (s === 0 ? (ended ? "end" : "now") : `${s} s`)) },
         { ...axis, size: 62, values: log_ticks, filter: decades, grid: { ...axis.grid, filter: decades }, ticks: { ...axis.ticks, filter: decades } },
       ],
       series: [{}, line("joint1"), line("joint3", [8, 4]), line("joint4", [2, 3]), line("text", [14, 5]), marks],
@@ -108,11 +110,17 @@ export function make_link() {
       late = [];
       draw();
     },
+    streams(now) {
+      if (ended === (!now && data[0].length > 0)) return;
+      ended = !ended;
+      say(caption, ended ? "The last 10 s of the stream" : "The last 10 s");
+      recolour();
+    },
     state(state) {
       cycle_us = state.stream?.cycle_ms ? state.stream.cycle_ms * 1000 : cycle_us;
       const missed = state.replies.missed_by_controller;
       cycle_key.hidden = cycle_us === null;
-      say(cells.missed, missed === null ? "it does not tell" : String(missed));
+      say(cells.missed, missed === null ? (state.sessions > 0 ? "it does not tell" : "none") : String(missed));
       cells.missed.className = missed > 0 ? "number bad" : "number";
       say(cells.lost, String(state.telegrams.lost));
       cells.lost.className = state.telegrams.lost > 0 ? "number bad" : "number";

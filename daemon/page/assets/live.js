@@ -12,18 +12,20 @@ export function connection(state, text) {
 
 /**
  * Calls `handlers[event](data)` for each event of a robot. `hello` comes first whenever it is live
- * again: then all begins anew.
+ * again: then all begins anew. `lost_since(moment)` is called while it is not, with when it was last.
  */
-export function listen(robot, handlers) {
+export function listen(robot, handlers, lost_since) {
   const url = "/api/live?robot=" + encodeURIComponent(robot);
   let source = null;
   let heard = performance.now();
   let lost = false;
+  let told = null;
   let timer = 0;
 
   const lose = (why) => {
     lost = true;
     connection("lost", why);
+    if (told) lost_since(told);
   };
 
   const explain = async () => {
@@ -44,6 +46,7 @@ export function listen(robot, handlers) {
     for (const [event, handle] of Object.entries(handlers))
       source.addEventListener(event, (message) => {
         heard = performance.now();
+        told = new Date();
         if (event === "hello") connection("live", lost ? "live again" : "live");
         handle(JSON.parse(message.data));
       });

@@ -4,7 +4,7 @@ import { listen } from "./live.js";
 import { make_link } from "./link.js";
 import { make_space } from "./space.js";
 import { make_table } from "./table.js";
-import { bdi, dark, disk_words, element, say, utc } from "./text.js";
+import { bdi, dark, disk_words, element, last_told, say, utc } from "./text.js";
 
 const DESCRIBES = {
   controller_model:
@@ -58,6 +58,7 @@ export function show_robot(main, name) {
       const waiting = disk_words(state);
       say(disk, waiting && `${waiting[0].toUpperCase()}${waiting.slice(1)}.`);
       lanes.streams(state.stream !== null);
+      link.streams(state.stream !== null);
       link.state(state);
       table.stream(state.stream);
     },
@@ -80,6 +81,10 @@ export function show_robot(main, name) {
       gaps.hidden = false;
       say(gaps, `This page was too slow: ${(missed / 10).toFixed(1)} s are missing here. The recording has them.`);
     },
+  }, (moment) => {
+    say(stream, last_told(moment));
+    lanes.streams(false);
+    link.streams(false);
   });
   dark.addEventListener("change", () => parts.forEach((part) => part.recolour?.()));
 }

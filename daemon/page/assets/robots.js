@@ -1,6 +1,6 @@
 // The first page: all robots of this sweepd, asked for every two seconds.
 import { connection } from "./live.js";
-import { bdi, counted, disk_words, element, head, panel, row, say, utc } from "./text.js";
+import { bdi, counted, disk_words, element, head, last_told, panel, row, say, utc } from "./text.js";
 
 const PAUSE_MS = 2000;
 
@@ -29,7 +29,8 @@ function sweep_words(robot) {
 function result_words(robot) {
   if (!robot.result) return "none yet";
   const warnings = robot.result.warnings ? `, ${counted(robot.result.warnings, "warning")}` : "";
-  return (robot.result.interim ? "interim: " : "") + robot.result.status + warnings;
+  const writing = !robot.result.interim && robot.results_pending > robot.results_refused ? ", its files are being written" : "";
+  return (robot.result.interim ? "interim: " : "") + robot.result.status + warnings + writing;
 }
 
 function result_cell(robot) {
@@ -50,8 +51,10 @@ export function show_robots(main) {
   const facts = element("p", { class: "quiet" });
   main.append(panel("All robots of this sweepd", element("div", { class: "scroll" }, table), troubles, facts));
   let told = "";
+  let heard = null;
 
   const show = (state) => {
+    heard = new Date();
     const fresh = JSON.stringify([state.robots, state.not_served, state.standstills]);
     if (fresh === told) return;
     told = fresh;
@@ -72,6 +75,8 @@ export function show_robots(main) {
       connection("live", "live");
     } catch {
       connection("lost", "The connection to sweepd is lost. This page tries again by itself.");
+      if (heard) say(facts, last_told(heard));
+      told = "";
     }
     setTimeout(ask, PAUSE_MS);
   };

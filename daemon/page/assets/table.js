@@ -9,6 +9,7 @@ const STATUS = {
   failed: "No axis was found.",
 };
 const NONE = "–";
+const NO_RESULT = "No result yet: it comes once enough joints were swept.";
 /** Of each column, so that points stand below each other. */
 const DECIMALS = { value: 4, sigma: 5, specified: 3 };
 
@@ -21,7 +22,7 @@ function shown(digits, decimals) {
 
 export function make_table() {
   const body = element("tbody");
-  const status = element("p", { id: "result", role: "status" }, "No result yet: it comes once enough joints were swept.");
+  const status = element("p", { id: "result", role: "status" }, NO_RESULT);
   const table = element("table", { class: "dh" },
     element("caption", {}, "Identified values with their standard uncertainty; “set” is by convention, not identified."),
     head("Joint", "Number", "Identified", "Std. unc.", "Difference", "Specified"), body);
@@ -78,6 +79,9 @@ export function make_table() {
     begin(hello) {
       specified = hello.specified ?? [];
       result = null;
+      session = null;
+      say(status, NO_RESULT);
+      status.className = "";
       list.replaceChildren();
       quiet.hidden = false;
       draw();

@@ -42,12 +42,14 @@ export function time_us(us) {
 /** "2026-11-23T01:49:15.511Z" as a person reads it. */
 export const utc = (text) => text.replace("T", " ").replace(/\.\d+Z$/, " UTC");
 
+/** Of a page that has lost sweepd: when all on it was so. */
+export const last_told = (moment) => `All this is as sweepd last told it, on ${utc(moment.toISOString())}.`;
+
 export const counted = (count, one, many = one + "s") => `${count} ${count === 1 ? one : many}`;
 
-/** What of a robot is not on the disk, as that has no room or refuses; empty: all is. */
+/** What of a robot is not on the disk, as that has no room or refuses; empty: nothing is refused. */
 export function disk_words(robot) {
-  const waits = robot.results_pending > 0 && robot.result && !robot.result.interim;
-  return [waits ? "the result's files wait for room on the disk" : "", robot.recording.paused ? "the recording is paused" : ""].filter(Boolean).join(", ");
+  return [robot.results_refused > 0 ? "the disk refuses the result's files" : "", robot.recording.paused ? "the recording is paused" : ""].filter(Boolean).join(", ");
 }
 
 export const dark = matchMedia("(prefers-color-scheme: dark)");

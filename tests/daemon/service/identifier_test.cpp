@@ -51,6 +51,7 @@ TEST_CASE("a result that the disk refuses is pending, and tried again until it i
   REQUIRE(bench.identifier.drain(std::chrono::steady_clock::now() + 20s));
   CHECK(bench.identifier.results().pending == 1);
   CHECK_FALSE(fs::exists(session / "run.json"));  // not everything is final
+  CHECK(bench.identifier.results().refused == 1);
   // Not before its time.
   bench.identifier.try_again(std::chrono::steady_clock::time_point());
   CHECK(bench.identifier.results().pending == 1);
@@ -60,6 +61,7 @@ TEST_CASE("a result that the disk refuses is pending, and tried again until it i
   REQUIRE(eventually([&] { return bench.identifier.results().pending == 0; }));
   CHECK(fs::exists(session / "result.json"));
   CHECK(fs::exists(session / "run.json"));
+  CHECK(bench.identifier.results().refused == 0);
   CHECK(bench.identifier.results().given_up == 0);
 }
 
@@ -136,6 +138,7 @@ TEST_CASE("of sessions that wait for a disk that hangs the oldest are given up",
   const auto waiting = bench.identifier.results();
   CHECK(waiting.pending <= Identifier::kMostWaiting + 1);  // one is under way
   CHECK(waiting.pending + waiting.given_up == kSessions);
+  CHECK(waiting.refused == 0);  // nothing has been written yet
   for (const auto& recording : recordings) recording->finish();
   REQUIRE(eventually([&] { return bench.identifier.results().pending == 0; }));
   const auto written = static_cast<std::size_t>(
