@@ -36,7 +36,7 @@ void add_columns(Markup parent, const std::string& caption, const std::vector<st
     auto head = table.add("thead").add("tr");
     head.put("th", "joint", {{"scope", "col"}});
     for (std::size_t j = from; j < to; ++j)
-      head.put("th", std::to_string(j + 1), {{"scope", "col"}});
+      head.put("th", std::to_string(j + 1), {{"scope", "col"}, {"class", "number"}});
     auto body = table.add("tbody");
     for (std::size_t k = 0; k < names.size(); ++k) {
       auto row = body.add("tr");

@@ -1,10 +1,13 @@
 #include "daemon/service/robot_inputs.hpp"
 
+#include <cerrno>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
 
+#include <fcntl.h>
 #include <spdlog/fmt/ranges.h>
+#include <unistd.h>
 
 #include "daemon/system/disk_room.hpp"
 #include "rsi/file_bytes.hpp"
@@ -59,13 +62,18 @@ RunFacts RobotInputs::run_facts() const {
   return facts;
 }
 
-void RobotInputs::make_folder() const {
+void RobotInputs::make_folder(const Log& log) const {
   std::error_code error;
   std::filesystem::create_directories(folder(), error);
   if (error)
     throw std::runtime_error("cannot make the folder " + folder().string() + " (" +
                              error.message() +
                              "): give one that may be written with `output` or --output");
+  if (::faccessat(AT_FDCWD, folder().c_str(), W_OK | X_OK, AT_EACCESS) != 0)
+    log.warning(
+        "{} cannot be written ({}): until it can, nothing is recorded and no result is written: "
+        "give the folder to the user who runs sweepd, or set `output`",
+        folder().string(), std::generic_category().message(errno));
 }
 
 RobotInputs RobotInputs::read(const RobotSettings& settings) {
@@ -79,7 +87,7 @@ ReloadedInputs::ReloadedInputs(const RobotSettings& given)
 
 void ReloadedInputs::reload(const RobotSettings& settings, const Log& log) {
   auto inputs = RobotInputs::read(settings);
-  inputs.make_folder();
+  inputs.make_folder(log);
   const auto waits = change(started_with_, settings).of(TakesEffect::after_restart);
   const auto changed = change(given_, settings);
   given_ = settings;

@@ -33,8 +33,9 @@ struct RobotInputs {
   /// What a session's run.json is told of them.
   [[nodiscard]] RunFacts run_facts() const;
 
-  /// Makes folder(). Throws std::runtime_error.
-  void make_folder() const;
+  /// Makes folder(), and warns where this user may not write into it: telegrams are answered all
+  /// the same. Throws std::runtime_error.
+  void make_folder(const Log& log) const;
 
   /// Reads the files. Throws ConfigError.
   [[nodiscard]] static RobotInputs read(const RobotSettings& settings);

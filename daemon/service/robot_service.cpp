@@ -60,7 +60,7 @@ RobotService::RobotService(const RobotSettings& settings, std::shared_ptr<RobotT
       live_(status_->live) {
   status_->facts.publish(inputs_.facts());
   status_->state.publish(inputs_.first_state(*server_));
-  inputs_.make_folder();
+  inputs_.make_folder(log_);
 }
 
 RobotService::~RobotService() {

@@ -11,6 +11,7 @@
 
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include "rsi/asio.hpp"
 
@@ -708,6 +709,28 @@ TEST_CASE("what makes serving impossible is said before anything is served", "[r
                       ContainsSubstring("cannot make the folder") &&
                           ContainsSubstring((folder / "file/out/kr5-arc").string()));
   }
+}
+
+TEST_CASE(
+    "an output folder that may not be written is told at the start, not with the first telegram",
+    "[robot_service]") {
+  const TemporaryFolder folder;
+  const auto inputs = sweepd::RobotInputs::read(settings(folder / "out"));
+  const SaidLines said;
+  spdlog::set_level(spdlog::level::info);
+  inputs.make_folder(sweepd::Log("kr5-arc"));
+  CHECK(said.text().empty());
+  fs::permissions(folder.path(), fs::perms::all);
+  fs::permissions(inputs.folder(), fs::perms::owner_read | fs::perms::owner_exec);
+  constexpr ::uid_t kNobody = 65534;  // root may write everything
+  const bool is_root = ::geteuid() == 0;
+  if (is_root) REQUIRE(::seteuid(kNobody) == 0);
+  inputs.make_folder(sweepd::Log("kr5-arc"));
+  if (is_root) REQUIRE(::seteuid(0) == 0);
+  fs::permissions(inputs.folder(), fs::perms::owner_all);
+  spdlog::set_level(spdlog::level::off);
+  CHECK_THAT(said.text(), ContainsSubstring(inputs.folder().string() +
+                                            " cannot be written (Permission denied): "));
 }
 
 TEST_CASE("an output folder that cannot be made is refused by a reload, as at the start",
