@@ -83,7 +83,11 @@ struct LinkRow {
 constexpr LinkRow kLink[] = {
     {"sweepd_telegrams_total", "Telegrams with an IPOC that came, duplicates included.",
      &LinkTotals::telegrams},
-    {"sweepd_telegrams_lost_total", "Cycles of which no telegram came.", &LinkTotals::lost},
+    {"sweepd_telegrams_lost_total",
+     "Cycles of which no telegram came. One that a later one overtook may stay counted, in place "
+     "of "
+     "the next that is lost.",
+     &LinkTotals::lost},
     {"sweepd_telegrams_duplicated_total", "Telegrams that came again.", &LinkTotals::duplicated},
     {"sweepd_telegrams_reordered_total", "Telegrams that a later one overtook.",
      &LinkTotals::reordered},
@@ -130,7 +134,8 @@ void write_link(MetricsWriter& to, const std::vector<RobotMetrics>& robots) {
     if (const auto missed = state->link.missed_by_controller)
       to.value({{"robot", state->name}}, *missed);
   to.counter("sweepd_telegrams_answered_total",
-             "Telegrams by what became of their reply; none where the controller wants none.");
+             "Telegrams by what became of their reply, once 64 more have come or the stream has "
+             "ended; none where the controller wants none.");
   for (const auto& [state, result] : robots)
     for (const auto& [label, count] : kAnswers)
       to.value({{"robot", state->name}, {"outcome", std::string(label)}}, state->link.*count);

@@ -51,15 +51,22 @@ constexpr Kind kKindsOfTrouble[] = {
      "the machine"},
 };
 
+rsi::LinkReport completed(rsi::LinkReport report, const LinkWatch& of) {
+  report.replies.withheld = of.withheld;
+  report.missed_by_tap = of.missed_by_tap;
+  report.from_recording = of.from_recording;
+  report.replies.unanswered -= std::min(report.replies.unanswered, of.withheld);
+  return report;
+}
+
 }  // namespace
 
 rsi::LinkReport LinkWatch::report(const rsi::Link& link) const {
-  auto report = link.report();
-  report.replies.withheld = withheld;
-  report.missed_by_tap = missed_by_tap;
-  report.from_recording = from_recording;
-  report.replies.unanswered -= std::min(report.replies.unanswered, withheld);
-  return report;
+  return completed(link.report(), *this);
+}
+
+rsi::LinkReport LinkWatch::settled_report(const rsi::Link& link) const {
+  return completed(link.settled_report(), *this);
 }
 
 LinkFiles LinkWatch::files(const rsi::Link& link, bool at_end) const {

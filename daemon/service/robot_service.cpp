@@ -327,12 +327,12 @@ void RobotService::show() {
 }
 
 void RobotService::publish() {
-  std::optional<rsi::LinkReport> under_way;
-  if (session_) under_way = watch_.report(session_->link());
+  std::optional<RobotTally::UnderWay> under_way;
+  if (session_)
+    under_way = {watch_.report(session_->link()), watch_.settled_report(session_->link())};
   tally_.results(identifier_.results());
   tally_.disk_free(recorder_.disk_free());
-  const RobotState& state =
-      tally_.state(server_->counts(), recorder_.paused(), under_way ? &*under_way : nullptr);
+  const RobotState& state = tally_.state(server_->counts(), recorder_.paused(), under_way);
   // A reader is never waited for: then it is told at the next tick.
   facts_told_ = facts_told_ || status_->facts.try_publish(inputs_.facts());
   if (status_->state.try_publish(state)) published_ = Steady::now();

@@ -22,16 +22,17 @@ void RobotTally::end_session(const rsi::LinkReport& report) {
 }
 
 const RobotState& RobotTally::state(const rsi::Server::Counts& server, bool recording_paused,
-                                    const rsi::LinkReport* under_way) {
+                                    const std::optional<UnderWay>& under_way) {
   state_.server = server;
   state_.recording_paused = recording_paused;
   LinkTotals link = ended_;
   if (under_way && state_.stream) {
-    link.add(*under_way);
-    state_.stream->cycle = under_way->cycle;
-    state_.stream->latency_p50 = under_way->latency.quantile(0.5);
-    state_.stream->latency_p99 = under_way->latency.quantile(0.99);
-    state_.stream->latency_max = under_way->latency.max();
+    link.add(under_way->settled);
+    const rsi::LinkReport& now = under_way->now;
+    state_.stream->cycle = now.cycle;
+    state_.stream->latency_p50 = now.latency.quantile(0.5);
+    state_.stream->latency_p99 = now.latency.quantile(0.99);
+    state_.stream->latency_max = now.latency.max();
   }
   link.never_less(state_.link);
   state_.link = std::move(link);

@@ -25,9 +25,14 @@ class RobotTally {
   void results(const ResultBacklog& results) { state_.results = results; }
   void disk_free(std::optional<std::uint64_t> bytes) { state_.disk_free = bytes; }
 
-  /// At this moment; `under_way` is the report of the session, if there is one.
+  /// Of the session under way.
+  struct UnderWay {
+    rsi::LinkReport now;
+    rsi::LinkReport settled;  ///< what is counted
+  };
+  /// At this moment; `under_way`: if there is a session.
   [[nodiscard]] const RobotState& state(const rsi::Server::Counts& server, bool recording_paused,
-                                        const rsi::LinkReport* under_way);
+                                        const std::optional<UnderWay>& under_way);
 
  private:
   void add_recordings();

@@ -112,8 +112,16 @@ std::vector<Cycle> Link::last(std::size_t most) const {
 }
 
 LinkReport Link::report() const {
+  return report(size_, true);
+}
+
+LinkReport Link::settled_report() const {
+  return report(size_ - std::min(size_, kUnsettled), false);
+}
+
+LinkReport Link::report(std::size_t settled, bool at_end) const {
   Link end = *this;
-  end.settle(end.size_, true);
+  end.settle(settled, at_end);
   end.end_run(end.late_run_, end.report_.late_runs);
   end.end_run(end.silent_run_, end.report_.silent_runs);
   LinkReport report = end.report_;

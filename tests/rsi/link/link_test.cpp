@@ -74,6 +74,28 @@ TEST_CASE("a report on the way changes nothing", "[link]") {
   CHECK(link.report().jitter.count() == undisturbed.report().jitter.count());
 }
 
+TEST_CASE("what is settled is not taken back", "[link]") {
+  MonitoredLink link;
+  link.stream.cycles(0, 100);
+  link.stream.telegram(400ms, link.stream.ipoc(100));
+  link.stream.clock_off = 1s;  // the clock is set: the reply seems late until telegrams follow
+  link.stream.reply(400ms + 50us, link.stream.ipoc(100));
+  CHECK(link.report().replies.late == 1);
+  CHECK(link.monitor.settled_report().replies.late == 0);
+  CHECK(link.monitor.settled_report().replies.in_time == 101 - rsi::Link::kUnsettled);
+  rsi::ReplyCounts before;
+  for (std::uint64_t k = 101; k < 2500; ++k) {
+    link.stream.cycles(k, k + 1, k % 9 == 0 ? 5ms : 50us);
+    const auto settled = link.monitor.settled_report();
+    CHECK(settled.link.telegrams == k + 1);
+    CHECK(settled.replies.in_time >= before.in_time);
+    CHECK(settled.replies.late >= before.late);
+    CHECK(settled.replies.not_in_time() == settled.replies.late);
+    before = settled.replies;
+  }
+  CHECK(link.report().replies.late == 266);  // the multiples of 9 from 101 to 2499
+}
+
 TEST_CASE("the cycle is 4 or 12 ms by the IPOC, and by the clock where IPOC rises by one",
           "[link]") {
   std::mt19937 random(7);
