@@ -72,6 +72,12 @@ class ChainAdviser {
   void judge_uneven_joints(const ChainEffects& effects) {
     // By 10, 5 of 40 campaigns of even joints had one that seemed uneven.
     constexpr double kSure = 20;
+    if (effects.creep_gain > kSure)
+      warn("joints_creep", {},
+           "while one joint swept, the locked ones went on by " +
+               fixed(2 * effects.creep_rad / kDegree, 4) +
+               "° (1 sigma) from the begin of a sweep to its end. The uncertainties allow for it. "
+               "Look after what holds the joints, and whether they rest before each sweep");
     for (std::size_t j = 0; j < effects.home_gains.size(); ++j) {
       const double home_rad = effects.home_rad_of(j);
       if (effects.home_gains[j] > kSure)

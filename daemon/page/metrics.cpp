@@ -84,9 +84,8 @@ constexpr LinkRow kLink[] = {
     {"sweepd_telegrams_total", "Telegrams with an IPOC that came, duplicates included.",
      &LinkTotals::telegrams},
     {"sweepd_telegrams_lost_total",
-     "Cycles of which no telegram came. One that a later one overtook may stay counted, in place "
-     "of "
-     "the next that is lost.",
+     "Cycles of which no telegram came. One whose telegram a later one overtook may stay counted "
+     "in place of the next that is lost.",
      &LinkTotals::lost},
     {"sweepd_telegrams_duplicated_total", "Telegrams that came again.", &LinkTotals::duplicated},
     {"sweepd_telegrams_reordered_total", "Telegrams that a later one overtook.",

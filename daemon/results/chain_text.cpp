@@ -55,7 +55,7 @@ std::string size(Cause cause, const Identification& found) {
     case Cause::noise:
       return length(estimate.noise.position_mm);
     case Cause::home:
-      return angle(effects.home_rad);
+      return angle(std::hypot(effects.home_rad, effects.creep_rad));
     case Cause::drift: {
       double mm = std::hypot(effects.drift_mm, effects.steady_mm, effects.moved_mm);
       for (const auto& other : estimate.others) mm = std::max(mm, other.mm);

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <set>
 #include <utility>
 
 #include "identify/geometry/angle.hpp"
@@ -15,13 +14,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-/// Whether a joint has swept more than once, wherever from.
-bool sweeps_again(const ChainNodes& nodes) {
-  std::set<std::size_t> joints;
-  for (const auto& unit : nodes.units) joints.insert(nodes.strokes[unit.front()].content.joint);
-  return nodes.units.size() > joints.size();
-}
 
 /// Whether what rounding bends a stroke's X, Y and Z by is a fifth of what noise does, or more: of
 /// n samples whose noise has the variance s^2, the second Legendre coefficient has 5 s^2 / n.
@@ -72,12 +64,13 @@ std::vector<double> shares_in_common(const ChainNodes& nodes) {
 EffectColumns::EffectColumns(const ChainEffects& shape, const ChainNodes& nodes)
     : targets(nodes.targets) {
   const auto turns = static_cast<Index>(nodes.known.size());
-  if (shape.home_rad > 0 || shape.drift_mm > 0 || shape.print_mm > 0 || shape.print_rad > 0 ||
-      shape.print_turn_rad > 0 || shape.any_stray())
+  if (shape.home_rad > 0 || shape.creep_rad > 0 || shape.drift_mm > 0 || shape.print_mm > 0 ||
+      shape.print_rad > 0 || shape.print_turn_rad > 0 || shape.any_stray())
     own = turns + 6;
   if (shape.print_rad > 0) own += turned = 9;
   if (shape.print_turn_rad > 0) own += swept = 2;
-  drift_bends = shape.drift_mm > 0 && sweeps_again(nodes);
+  if (shape.creep_rad > 0) own += creep = turns;
+  drift_bends = shape.drift_mm > 0 && nodes.sweeps_again();
   if (drift_bends || (shape.print_mm > 0 && bent_by_print(shape.print_mm, nodes))) own += bent = 3;
   if (shape.home_rad > 0 && shape.home_stays) stand = turns;
   if (shape.figure_mm() > 0) figure = 2 * kFigureOrders;
@@ -138,9 +131,11 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
   const auto turns = static_cast<Index>(nodes.known.size());
   const double seconds = nodes.seconds();
   const double drift = effects.drift_mm * effects.drift_mm;
-  const auto home = [&](Index joint) {
-    return std::pow(effects.home_rad_of(static_cast<std::size_t>(joint)), 2);
-  };
+  VectorXd home(turns);
+  for (Index k = 0; k < turns; ++k)
+    home(k) = std::pow(effects.home_times_of(static_cast<std::size_t>(k)), 2);
+  const VectorXd creep = effects.creep_rad * effects.creep_rad * home;
+  home *= effects.home_rad * effects.home_rad;
   const auto in_common = [&](std::size_t group) {
     return columns.wander > 0 ? columns.in_common[group] : 0;
   };
@@ -148,7 +143,11 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
     const StrokeMoments& stroke = nodes.strokes[nodes.units[u].front()];
     VectorXd own = VectorXd::Zero(columns.own);
     if (columns.own > 0) {
-      for (Index k = 0; k < turns && columns.stand == 0; ++k) own(k) = home(k);
+      if (columns.stand == 0) own.head(turns) = home;
+      if (columns.creep > 0) {
+        own.segment(columns.creeps(), turns) = creep;
+        own(columns.creeps() + static_cast<Index>(stroke.content.joint)) = 0;
+      }
       own.segment<3>(turns).setConstant(drift * (1 - in_common(nodes.group[u])));
       // Over a stroke of length T, the coefficient of a random walk's n-th Legendre polynomial has
       // the variance T/4 (1/(2n+3) + 1/(2n-1)) in units of a unit of time's (integrated by parts).
@@ -189,8 +188,7 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
     }
   }
   for (const std::size_t g : nodes.group_of) {
-    VectorXd stand(columns.stand);
-    for (Index k = 0; k < stand.size(); ++k) stand(k) = home(k);
+    VectorXd stand = home.head(columns.stand);
     if (stand.size() > 0) stand(static_cast<Index>(joints[g])) = 0;
     variances.stand.push_back(std::move(stand));
   }

@@ -28,6 +28,7 @@ struct EffectColumns {
   Eigen::Index own = 0;
   Eigen::Index turned = 0;  ///< of these, those of A, B, C
   Eigen::Index swept = 0;   ///< those behind them of the sweeping joint's angle
+  Eigen::Index creep = 0;   ///< of joints that go on
   Eigen::Index bent = 0;    ///< and the last ones
   bool drift_bends = false;
   Eigen::Index stand = 0;
@@ -37,6 +38,7 @@ struct EffectColumns {
   Eigen::Index told = 0;
   Eigen::Index home = 0;
   std::size_t targets = 0;
+  [[nodiscard]] Eigen::Index creeps() const { return own - bent - creep; }  ///< the first of them
   [[nodiscard]] Eigen::Index shared() const {
     return figure * static_cast<Eigen::Index>(targets) + wander + told;
   }
@@ -70,6 +72,8 @@ template <int Size, class ByTurn>
     rows.row(turns + 6 + columns.turned) = place * by_swept;
     rows.row(turns + 7 + columns.turned) = bend * by_swept;
   }
+  for (Eigen::Index k = 0; k < columns.creep; ++k)
+    rows.row(columns.creeps() + k) = place * rows.row(k);
   if (columns.bent > 0) rows.template block<3, 3>(columns.own - 3, 0).diagonal().setConstant(bend);
   return rows;
 }

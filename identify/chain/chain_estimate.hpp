@@ -39,6 +39,8 @@ struct ChainEffects {
   double home_rad = 0;
   /// It is the same in all strokes of a stand (ChainNodes), and not anew in each.
   bool home_stays = false;
+  /// Of how far each locked joint goes on evenly while a stroke runs, from its middle to its end.
+  double creep_rad = 0;
   /// Of the measuring device's place in a stroke, each coordinate. It walks on during a stroke.
   double drift_mm = 0;
   /// Of how far it drifts steadily from the middle of the campaign to its end, each coordinate:
@@ -68,16 +70,21 @@ struct ChainEffects {
   /// What the joint that gives way most does so by under the weight that it carries: `sags` of the
   /// chain.
   double sag_rad = 0;
-  /// How many times as large one joint's `home_rad`, as a locked one, and `figures_mm`, as the
-  /// sweeping one, are as the other joints': one a joint, none where all are alike.
+  /// How many times as large one joint's `home_rad` and `creep_rad`, as a locked one, and
+  /// `figures_mm`, as the sweeping one, are as the other joints': one a joint, none where all are
+  /// alike.
   std::vector<double> home_times;
   std::vector<double> figure_times;
-  /// By how much less the deviance is for each of these: what is said to be so needs more than
-  /// what is allowed for.
+  /// By how much less the deviance is for joints that go on, and for each of these: what is said to
+  /// be so needs more than what is allowed for.
+  double creep_gain = 0;
   std::vector<double> home_gains;
   std::vector<double> figure_gains;
+  [[nodiscard]] double home_times_of(std::size_t joint) const {
+    return home_times.empty() ? 1 : home_times[joint];
+  }
   [[nodiscard]] double home_rad_of(std::size_t joint) const {
-    return home_rad * (home_times.empty() ? 1 : home_times[joint]);
+    return home_rad * home_times_of(joint);
   }
   [[nodiscard]] double figure_times_of(std::size_t joint) const {
     return figure_times.empty() ? 1 : figure_times[joint];

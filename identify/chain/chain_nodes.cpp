@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <set>
 #include <unordered_set>
 #include <utility>
 
@@ -161,6 +162,12 @@ void ChainNodes::set_move(std::size_t unit, double part) {
       observations[first[s] + n].before_move =
           splits ? stroke.time_s(stroke.nodes[n].turn_rad) < moved_s : stroke.begin_s < moved_s;
   }
+}
+
+bool ChainNodes::sweeps_again() const {
+  std::set<std::size_t> joints;
+  for (const auto& unit : units) joints.insert(strokes[unit.front()].content.joint);
+  return units.size() > joints.size();
 }
 
 double ChainNodes::seconds() const {

@@ -54,6 +54,8 @@ struct ChainNodes {
   [[nodiscard]] double seconds() const;
   /// Whether a stand has several units.
   [[nodiscard]] bool stays() const { return group_of.size() < units.size(); }
+  /// Whether a joint has swept more than once, wherever from.
+  [[nodiscard]] bool sweeps_again() const;
 };
 
 /// `home_rad`: one a joint; where it has none, and for joints that are not `known`, turns are zero.

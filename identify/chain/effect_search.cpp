@@ -65,15 +65,18 @@ std::vector<Incident> EffectSearch::find_all(FittedChain& best) {
   shape.home_times = usual_home_times(best.fit.chain, reach_mm(best.fit.chain, nodes_.known));
   const FittedChain first = best;
   size_twice(best, shape);
-  if (nodes_.stays() && shows_any(best, effects_)) {
-    // Whether joints that stood still stood elsewhere in each stroke, the likelihood tells. What is
-    // the same there and back may have been taken for the arc's figure.
-    ChainEffects other = shape;
-    other.home_stays = true;
-    if (take_if_likelier(best, first, other, 0)) shape = other;
-  }
   std::vector<Incident> others;
-  if (shows_any(best, effects_)) others = find_strays(best, first, shape);
+  if (shows_any(best, effects_)) {
+    if (nodes_.stays()) {
+      // Whether joints that stood still stood elsewhere in each stroke, the likelihood tells. What
+      // is the same there and back may have been taken for the arc's figure.
+      ChainEffects other = shape;
+      other.home_stays = true;
+      if (take_if_likelier(best, first, other, 0)) shape = other;
+    }
+    find_creep(best, first, shape);
+    others = find_strays(best, first, shape);
+  }
   if (nodes_.timed) {
     FittedChain from = best;
     from.fit.chain.sags = first.fit.chain.sags;  // they may have been taken for a walk
@@ -125,7 +128,7 @@ bool EffectSearch::shows_any(const FittedChain& fitted, const ChainEffects& effe
   constexpr double kShown = 4;
   LinearisedChain linearised(fitted.fit.chain, nodes_, fitted.noise, effects, false);
   ChainEffects none = effects;
-  none.home_rad = none.drift_mm = none.sag_rad = none.steady_mm = 0;
+  none.home_rad = none.creep_rad = none.drift_mm = none.sag_rad = none.steady_mm = 0;
   none.figures_mm = {};
   return linearised.deviance(none) > linearised.deviance(effects) + kShown;
 }
@@ -144,6 +147,34 @@ bool EffectSearch::may_sway(const FittedChain& best, const ChainEffects& shape) 
     for (const double steady : {1.0 / 4, 1.0, 4.0, 16.0}) {
       effects.steady_mm = steady * scatter_mm;
       if (with.deviance(left, effects) < here - kSways / 2) return true;
+    }
+  }
+  return false;
+}
+
+void EffectSearch::find_creep(FittedChain& best, const FittedChain& first, ChainEffects& shape) {
+  ChainEffects creeping = shape;
+  creeping.creep_rad = 1;
+  if (!may_creep(best, creeping)) return;
+  const double before = deviance_of(best);
+  take(best, tried(first, creeping));
+  creeping.creep_gain = effects_.creep_gain = before - deviance_of(best);
+  shape = creeping;
+}
+
+// Beside what else there is, or in place of it.
+bool EffectSearch::may_creep(const FittedChain& best, const ChainEffects& shape) {
+  if (!nodes_.sweeps_again()) return false;
+  LinearisedChain with(best.fit.chain, nodes_, best.noise, shape, false);
+  const double here = with.deviance(effects_);
+  const double reach = reach_mm(best.fit.chain, nodes_.known);
+  for (const double less : {0.0, 1.0 / 4, 1.0}) {
+    ChainEffects effects = effects_;
+    effects.drift_mm *= less;
+    effects.home_rad *= less;
+    for (double mm = smallest_mm(best, nodes_); mm < kMostStray_mm; mm *= 4) {
+      effects.creep_rad = mm / reach;
+      if (with.deviance(effects) < here) return true;
     }
   }
   return false;

@@ -24,6 +24,10 @@ class EffectSearch {
   bool shows_any(const FittedChain& fitted, const ChainEffects& effects);
   /// Whether the data tell that a device that wanders does so in slow waves, or warms up.
   bool may_sway(const FittedChain& best, const ChainEffects& shape);
+  /// Where the data tell of locked joints that go on while another one sweeps, allows for that.
+  void find_creep(FittedChain& best, const FittedChain& first, ChainEffects& shape);
+  /// Whether the data tell of any of that.
+  bool may_creep(const FittedChain& best, const ChainEffects& shape);
   /// Takes strokes that are unlike the others for such, as long as nothing that was moved explains
   /// more. Returns all that explains about as much as what there is then.
   std::vector<Incident> find_strays(FittedChain& best, const FittedChain& first,

@@ -12,7 +12,7 @@
 namespace identify {
 namespace {
 
-constexpr std::size_t kCount = 7, kFigure = 2, kSag = 5, kTrend = 6;
+constexpr std::size_t kCount = 8, kFigure = 2, kSag = 5, kTrend = 6;
 /// Steps of each effect's size: nothing, then up by a factor.
 using SizeSteps = std::array<int, kCount>;
 
@@ -34,7 +34,7 @@ struct SizeTask {
   [[nodiscard]] double& in(ChainEffects& effects, std::size_t effect) const {
     const std::array<double*, kCount> sizes{
         &effects.home_rad, &effects.drift_mm, &effects.figures_mm[law], &effects.offset_rad,
-        &effects.told_rad, &effects.sag_rad,  &effects.steady_mm};
+        &effects.told_rad, &effects.sag_rad,  &effects.steady_mm,       &effects.creep_rad};
     return *sizes[effect];
   }
   /// Whether the size of this effect is asked for.
@@ -55,7 +55,7 @@ class SizeGrid {
     }
     // In units of each effect in which they move the target alike.
     const double turn = task.smallest_mm / task.reach_mm;
-    unit_ = {turn, task.smallest_mm, task.smallest_mm, turn, turn, turn, task.smallest_mm};
+    unit_ = {turn, task.smallest_mm, task.smallest_mm, turn, turn, turn, task.smallest_mm, turn};
     last_.fill(last_step(1 / turn));
     last_[kFigure] = last_step(kMostFigure / turn);
     last_[kSag] = last_step(kMostSag / turn);

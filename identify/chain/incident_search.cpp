@@ -18,6 +18,7 @@ constexpr std::array kLess{0.0, 1.0 / 4, 1.0};
 
 ChainEffects less_of(ChainEffects effects, double times) {
   effects.home_rad *= times;
+  effects.creep_rad *= times;
   effects.drift_mm *= times;
   effects.steady_mm *= times;
   for (double& figure_mm : effects.figures_mm) figure_mm *= times;

@@ -107,6 +107,7 @@ std::vector<ChainEstimate::Part> LinearisedChain::parts() {
   ChainEffects home, drift, figure, offset, print;
   home.home_rad = shape_.home_rad;
   home.home_stays = shape_.home_stays;
+  home.creep_rad = shape_.creep_rad;
   home.home_times = shape_.home_times;
   drift.drift_mm = shape_.drift_mm;
   drift.stray_mm = shape_.stray_mm;

@@ -120,6 +120,13 @@ std::vector<Case> cases() {
   world = with_home_error(0.002);
   world.home.stays = true;
   add("home_002_stands", "0.002 deg until another joint sweeps, there and back", world, back);
+  world = with_home_error(0.0005);
+  world.home.creep_deg = 0.002;
+  add("creep_002", "joints go on by 0.002 deg while another one sweeps, there and back", world,
+      back);
+  world.home.creep_deg = 0.01;
+  add("creep_010", "joints go on by 0.01 deg while another one sweeps, there and back", world,
+      back);
   add("home_002_repeats", "0.002 deg, every sweep three times", with_home_error(0.002), repeats);
   world = with_angles();
   world.home = {.sigma_deg = 0.0005, .seen = true, .stray_sigma_deg = 0.05, .joint = {}};

@@ -104,13 +104,14 @@ std::vector<identify::Sweep> Simulation::sweeps() const {
   const double seconds = strokes.back().start_s + strokes.back().seconds;
   Device device(world_.noise, world_.drift, seconds, seed_);
   auto home_errors = stream(seed_, Source::home_error);
+  auto creeps = stream(seed_, Source::creep);
   auto strays = stream(seed_, Source::stray);
   auto wobble = stream(seed_, Source::wobble);
   auto shapes = stream(seed_, Source::shape);
   std::normal_distribution<> normal;
   std::map<std::pair<std::size_t, std::size_t>, ArcCurve> curves;  // joint and home
   std::vector<double> stray(joints, 0.0);
-  std::vector<double> errors(joints, 0.0);
+  std::vector<double> errors(joints, 0.0), creep(joints, 0.0);
   bool anew = true;
   std::vector<int> sides = sides_;
   std::vector<identify::Sweep> sweeps;
@@ -124,11 +125,13 @@ std::vector<identify::Sweep> Simulation::sweeps() const {
     std::vector<double> play(joints, 0.0);             // what they do not see
     for (std::size_t k = 0; k < joints; ++k) {
       const bool none = k == j || world_.home.joint.value_or(k) != k;
+      const double degree = (robot_.arm.is_linear(k) ? kLinearTimes : 1) * kDegree;
       if (none)
         errors[k] = 0;
       else if (anew)
-        errors[k] = (robot_.arm.is_linear(k) ? kLinearTimes : 1) * world_.home.sigma_deg * kDegree *
-                    normal(home_errors);
+        errors[k] = world_.home.sigma_deg * degree * normal(home_errors);
+      if (world_.home.creep_deg > 0)
+        creep[k] = none ? 0 : world_.home.creep_deg * degree * normal(creeps);
       locked[k] += stray[k];
       (world_.home.seen || world_.controller ? locked[k] : play[k]) += errors[k];
     }
@@ -148,7 +151,8 @@ std::vector<identify::Sweep> Simulation::sweeps() const {
       if (world_.wobble_deg > 0)
         for (double& angle : angles) angle += world_.wobble_deg * kDegree * normal(wobble);
       identify::Turns turns = turns_at(angles, sides);
-      for (std::size_t k = 0; k < joints; ++k) turns[k] += play[k];
+      for (std::size_t k = 0; k < joints; ++k)
+        turns[k] += play[k] + creep[k] * time / stroke.seconds;
       const Eigen::Isometry3d moved = chain_.displacement(turns);
 
       identify::Sample sample;

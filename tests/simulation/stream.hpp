@@ -22,7 +22,8 @@ enum class Source {
   poses,
   clock,
   weights,
-  move
+  move,
+  creep
 };
 
 [[nodiscard]] inline std::mt19937_64 stream(std::uint32_t seed, Source source) {

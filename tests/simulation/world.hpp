@@ -34,6 +34,7 @@ struct HomeError {
   double sigma_deg = 0;  ///< each locked joint, anew for each stroke; of linear ones ten times as
                          ///< many mm
   bool stays = false;    ///< until another joint sweeps
+  double creep_deg = 0;  ///< and how far each goes on evenly behind it while a stroke runs, sigma
   bool seen = false;     ///< by the encoders; else it is play behind them
   /// Each joint after its own strokes, until it is swept again; the encoders see it.
   double stray_sigma_deg = 0;

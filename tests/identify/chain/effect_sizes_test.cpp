@@ -176,6 +176,26 @@ TEST_CASE("Joints that stand still while another one sweeps there and back are o
   const auto found = identify::identify(campaigns.front().sweeps(), campaigns.front().campaign());
   REQUIRE(found.chain);
   CHECK(found.chain->effects.home_stays == world.home.stays);
+  CHECK_FALSE(test::find_warning(found, "joints_creep"));
+}
+
+TEST_CASE("Uncertainties hold where locked joints go on while another one sweeps",
+          "[effect_sizes][long]") {
+  simulation::World world = seen_without_angles();
+  world.home.creep_deg = GENERATE(0.002, 0.01);
+  simulation::Strokes how;
+  how.samples = 100;
+  how.there_and_back = true;
+  how.ramp = 0.1;
+  const auto campaigns = campaigns_of(12, how, world);
+  CAPTURE(world.home.creep_deg);
+  CHECK(rms_z(campaigns) == Approx(1).margin(0.15));
+  const auto found = identify::identify(campaigns.front().sweeps(), campaigns.front().campaign());
+  REQUIRE(found.chain);
+  const double from_the_middle_rad = world.home.creep_deg / 2 * kDegree;
+  CHECK(found.chain->effects.creep_rad > 0.2 * from_the_middle_rad);
+  CHECK(found.chain->effects.creep_rad < 1.5 * from_the_middle_rad);
+  if (world.home.creep_deg > 0.005) CHECK(test::find_warning(found, "joints_creep"));
 }
 
 TEST_CASE("Uncertainties hold where a device walks and sweeps go there and back",
