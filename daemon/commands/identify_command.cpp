@@ -239,9 +239,9 @@ Outcome identified_points(const IdentifyOptions& options, RobotSetup setup, std:
     if (!of_poses(file, options)) continue;
     auto poses = static_poses(file, setup.joints);
     if (poses.empty()) {
-      const auto untold = missing_angles(file);
+      const auto missing = missing_angles(file);
       throw CsvError(file.path.string() + ": no line holds a position and all angles: " +
-                     (untold ? untold->message : "fill in where the target was seen"));
+                     (missing ? missing->message : "fill in where the target was seen"));
     }
     std::move(poses.begin(), poses.end(), std::back_inserter(snapshot.poses));
   }
