@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 #include "daemon/results/link_files.hpp"
 #include "daemon/system/atomic_file.hpp"
@@ -65,8 +66,9 @@ rsi::LinkReport LinkWatch::report(const rsi::Link& link) const {
   return completed(link.report(), *this);
 }
 
-rsi::LinkReport LinkWatch::settled_report(const rsi::Link& link) const {
-  return completed(link.settled_report(), *this);
+rsi::Link::Reports LinkWatch::reports(const rsi::Link& link) const {
+  rsi::Link::Reports reports = link.reports();
+  return {completed(std::move(reports.now), *this), completed(std::move(reports.settled), *this)};
 }
 
 LinkFiles LinkWatch::files(const rsi::Link& link, bool at_end) const {

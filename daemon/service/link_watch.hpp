@@ -36,8 +36,7 @@ struct LinkWatch {
   bool from_recording = false;
 
   [[nodiscard]] rsi::LinkReport report(const rsi::Link& link) const;
-  /// Of what no later telegram shows in another light.
-  [[nodiscard]] rsi::LinkReport settled_report(const rsi::Link& link) const;
+  [[nodiscard]] rsi::Link::Reports reports(const rsi::Link& link) const;
   /// How the link does so far; `at_end`: and how it ended.
   [[nodiscard]] LinkFiles files(const rsi::Link& link, bool at_end) const;
 };

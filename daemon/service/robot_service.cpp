@@ -327,9 +327,8 @@ void RobotService::show() {
 }
 
 void RobotService::publish() {
-  std::optional<RobotTally::UnderWay> under_way;
-  if (session_)
-    under_way = {watch_.report(session_->link()), watch_.settled_report(session_->link())};
+  std::optional<rsi::Link::Reports> under_way;
+  if (session_) under_way = watch_.reports(session_->link());
   tally_.results(identifier_.results());
   tally_.disk_free(recorder_.disk_free());
   const RobotState& state = tally_.state(server_->counts(), recorder_.paused(), under_way);

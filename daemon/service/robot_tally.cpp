@@ -22,7 +22,7 @@ void RobotTally::end_session(const rsi::LinkReport& report) {
 }
 
 const RobotState& RobotTally::state(const rsi::Server::Counts& server, bool recording_paused,
-                                    const std::optional<UnderWay>& under_way) {
+                                    const std::optional<rsi::Link::Reports>& under_way) {
   state_.server = server;
   state_.recording_paused = recording_paused;
   LinkTotals link = ended_;

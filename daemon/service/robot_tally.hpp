@@ -9,6 +9,7 @@
 #include "daemon/record/recording.hpp"
 #include "daemon/service/service_status.hpp"
 #include "identify/sweeps/sweep.hpp"
+#include "rsi/link/link.hpp"
 
 namespace sweepd {
 
@@ -25,14 +26,10 @@ class RobotTally {
   void results(const ResultBacklog& results) { state_.results = results; }
   void disk_free(std::optional<std::uint64_t> bytes) { state_.disk_free = bytes; }
 
-  /// Of the session under way.
-  struct UnderWay {
-    rsi::LinkReport now;
-    rsi::LinkReport settled;  ///< what is counted
-  };
-  /// At this moment; `under_way`: if there is a session.
+  /// At this moment; `under_way`: of the session, if there is one. What is settled of it is
+  /// counted.
   [[nodiscard]] const RobotState& state(const rsi::Server::Counts& server, bool recording_paused,
-                                        const std::optional<UnderWay>& under_way);
+                                        const std::optional<rsi::Link::Reports>& under_way);
 
  private:
   void add_recordings();

@@ -1,6 +1,7 @@
 #include "rsi/link/link.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "rsi/telegram/ipoc.hpp"
 
@@ -17,6 +18,10 @@ constexpr std::chrono::nanoseconds kLongest = 100 * kYear;
 
 std::chrono::nanoseconds later(std::chrono::nanoseconds time, std::chrono::nanoseconds by) {
   return std::min(time, kLongest) + std::clamp(by, std::chrono::nanoseconds(0), kYear);
+}
+
+void add_run(const Place& run, WorstPlaces& runs) {
+  if (run.amount > 0) runs.add(run);
 }
 
 }  // namespace
@@ -112,25 +117,29 @@ std::vector<Cycle> Link::last(std::size_t most) const {
 }
 
 LinkReport Link::report() const {
-  return report(size_, true);
-}
-
-LinkReport Link::settled_report() const {
-  return report(size_ - std::min(size_, kUnsettled), false);
-}
-
-LinkReport Link::report(std::size_t settled, bool at_end) const {
   Link end = *this;
-  end.settle(settled, at_end);
-  end.end_run(end.late_run_, end.report_.late_runs);
-  end.end_run(end.silent_run_, end.report_.silent_runs);
-  LinkReport report = end.report_;
+  end.settle(end.size_, true);
+  return end.settled();
+}
+
+Link::Reports Link::reports() const {
+  Link end = *this;
+  end.settle(size_ - std::min(size_, kUnsettled), false);
+  LinkReport settled = end.settled();
+  end.settle(end.size_, true);
+  return {end.settled(), std::move(settled)};
+}
+
+LinkReport Link::settled() const {
+  LinkReport report = report_;
+  add_run(late_run_, report.late_runs);
+  add_run(silent_run_, report.silent_runs);
   report.same_machine = statistics_.same_machine();
   report.link = statistics_.counts();
   report.step = statistics_.step();
-  report.duration = end.settled_until_;
-  report.cycle = end.cycle_;
-  report.ipoc_counts_ms = end.unit_ == 1ms;
+  report.duration = settled_until_;
+  report.cycle = cycle_;
+  report.ipoc_counts_ms = unit_ == 1ms;
   if (report.replies.sent == 0) {
     report.replies = {};
     report.silent_runs = {};
@@ -262,7 +271,7 @@ bool Link::replied_in_time(const Kept& cycle) {
 }
 
 void Link::end_run(Place& run, WorstPlaces& runs) {
-  if (run.amount > 0) runs.add(run);
+  add_run(run, runs);
   run = {};
 }
 

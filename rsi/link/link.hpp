@@ -59,9 +59,13 @@ class Link {
 
   /// So far. A telegram that came less than a cycle before the end is not missing its reply yet.
   [[nodiscard]] LinkReport report() const;
-  /// The same without what became of the newest kUnsettled datagrams, which those to come may show
-  /// in another light: for counters, which cannot take back what they have told.
-  [[nodiscard]] LinkReport settled_report() const;
+  struct Reports {
+    LinkReport now;      ///< report()
+    LinkReport settled;  ///< without what became of the newest kUnsettled datagrams
+  };
+  /// What became of the newest ones, those to come may show in another light: counters, which
+  /// cannot take back what they have told, go by what is settled.
+  [[nodiscard]] Reports reports() const;
   static constexpr std::size_t kUnsettled = 64;
   [[nodiscard]] const LinkStatistics& statistics() const { return statistics_; }
 
@@ -83,7 +87,7 @@ class Link {
     std::optional<Nanoseconds> next_reply{};  // when the next one to a newer telegram left
   };
 
-  [[nodiscard]] LinkReport report(std::size_t settled, bool at_end) const;
+  [[nodiscard]] LinkReport settled() const;
   void lay_out();
   [[nodiscard]] bool clock_stepped(std::size_t index) const;
   [[nodiscard]] Nanoseconds deviation(const Kept& cycle) const;

@@ -17,7 +17,7 @@ rsi::LinkReport report(std::uint64_t telegrams, std::uint64_t lost, int replies)
 }
 
 /// All of it.
-sweepd::RobotTally::UnderWay settled(const rsi::LinkReport& report) {
+rsi::Link::Reports settled(const rsi::LinkReport& report) {
   return {report, report};
 }
 
@@ -89,7 +89,7 @@ TEST_CASE("a count does not fall when a telegram that was taken for lost comes a
 TEST_CASE("what is not settled yet is told of the stream, and not counted", "[robot_tally]") {
   sweepd::RobotTally tally(robot_state());
   tally.begin_session(stream(), std::make_shared<sweepd::Recording>());
-  sweepd::RobotTally::UnderWay now{report(100, 0, 90), report(100, 0, 30)};
+  rsi::Link::Reports now{report(100, 0, 90), report(100, 0, 30)};
   now.now.replies.late = 1;
   now.now.latency.add(7ms);
   const auto& state = tally.state({}, false, now);

@@ -81,12 +81,16 @@ TEST_CASE("what is settled is not taken back", "[link]") {
   link.stream.clock_off = 1s;  // the clock is set: the reply seems late until telegrams follow
   link.stream.reply(400ms + 50us, link.stream.ipoc(100));
   CHECK(link.report().replies.late == 1);
-  CHECK(link.monitor.settled_report().replies.late == 0);
-  CHECK(link.monitor.settled_report().replies.in_time == 101 - rsi::Link::kUnsettled);
+  CHECK(link.monitor.reports().settled.replies.late == 0);
+  CHECK(link.monitor.reports().settled.replies.in_time == 101 - rsi::Link::kUnsettled);
   rsi::ReplyCounts before;
   for (std::uint64_t k = 101; k < 2500; ++k) {
     link.stream.cycles(k, k + 1, k % 9 == 0 ? 5ms : 50us);
-    const auto settled = link.monitor.settled_report();
+    const auto [now, settled] = link.monitor.reports();
+    CHECK(now.replies.late == link.report().replies.late);
+    CHECK(now.replies.in_time == link.report().replies.in_time);
+    CHECK(now.latency.count() == link.report().latency.count());
+    CHECK(now.duration == link.report().duration);
     CHECK(settled.link.telegrams == k + 1);
     CHECK(settled.replies.in_time >= before.in_time);
     CHECK(settled.replies.late >= before.late);
