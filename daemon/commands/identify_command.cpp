@@ -172,11 +172,9 @@ void tell_formats(const std::vector<PointsFile>& files, std::ostream& out) {
 }
 
 /// Angles that jump by a turn go on.
-void tell_turns(std::vector<PointsFile>& files, const RobotSetup& setup, std::ostream& out) {
-  std::vector<bool> linear;
-  for (const JointKind kind : joint_kinds(setup)) linear.push_back(kind == JointKind::linear);
+void tell_turns(std::vector<PointsFile>& files, std::ostream& out) {
   std::string names;
-  for (const std::size_t joint : take_out_turns(files, linear))
+  for (const std::size_t joint : take_out_turns(files))
     names += fmt::format("{}A{}", names.empty() ? "" : ", ", joint + 1);
   if (!names.empty())
     out << "points: the angles of " << names
@@ -216,7 +214,7 @@ Outcome identified_points(const IdentifyOptions& options, RobotSetup setup, std:
     return joined_with_trace(points.files, points.resolution, points.counts.targets, options.angles,
                              setup, options.quiet);
   setup.joints = declared ? *declared : joints_in(options, points);
-  tell_turns(points.files, setup, told);
+  tell_turns(points.files, told);
   std::vector<identify::Warning> untold;
   for (const PointsFile& file : points.files)
     if (const auto missing = missing_angles(file)) untold.push_back(*missing);

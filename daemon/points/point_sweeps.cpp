@@ -174,12 +174,11 @@ void check_angles(const PointsFile& file) {
   double most_rad = 0;
   for (const Point& point : file.points)
     for (std::size_t j = 0; j < point.sample.joints; ++j)
-      if (j < file.angle_units.size() && file.angle_units[j] == "rad")
-        most_rad = std::max(most_rad, std::abs(point.sample.angles_rad[j]));
+      if (!file.is_linear(j)) most_rad = std::max(most_rad, std::abs(point.sample.angles_rad[j]));
   if (most_rad > kMost_rad)
     throw CsvError(
         fmt::format("{}: expected joint angles of up to {} rad, found {:.4g} rad: name the columns "
-                    "a1_deg, a2_deg and so on, if these are degrees",
+                    "a1_deg, a2_deg and so on, if these are degrees, and a linear joint's a3_mm",
                     file.path.string(), kMost_rad, most_rad));
 }
 

@@ -47,8 +47,9 @@ bool is_known(const NameAndUnit& column) {
   return one_of(column.name, {"a", "b", "c"}) || is_joint_angle(column.name);
 }
 
-/// The column of a joint, from 0, has a unit that such a joint has. Degrees may be mm.
-void check_unit(const CsvFile& file, std::size_t column, std::size_t joint, JointKind kind) {
+/// Whether the column of a joint, from 0, tells of a linear one: its degrees are mm. Throws where
+/// it has a unit that such a joint has not.
+bool is_linear(const CsvFile& file, std::size_t column, std::size_t joint, JointKind kind) {
   const auto [name, unit, size] = name_and_unit(file.columns()[column]);
   const bool is_length = unit == "mm" || unit == "m";
   if (kind == JointKind::linear && unit == "rad")
@@ -61,6 +62,7 @@ void check_unit(const CsvFile& file, std::size_t column, std::size_t joint, Join
                             "{2}_deg or {2}_rad, or say in the robot's description that the joint "
                             "is linear (type = \"linear\")",
                             joint + 1, unit, name));
+  return is_length || kind == JointKind::linear;
 }
 
 Places places_in(const CsvFile& file) {
@@ -153,9 +155,9 @@ PointColumns point_columns(const CsvFile& file, const std::vector<JointKind>& ki
     if (!angle)
       file.fail_header(fmt::format(
           "expected angles of all joints from a1 on, found a{} but no a{}: add it", last, j));
-    if (j <= kinds.size()) check_unit(file, angle->column, j - 1, kinds[j - 1]);
+    const JointKind kind = j <= kinds.size() ? kinds[j - 1] : JointKind::unknown;
     columns.angles.push_back(*angle);
-    columns.angle_units.push_back(name_and_unit(file.columns()[angle->column]).unit);
+    columns.linear.push_back(is_linear(file, angle->column, j - 1, kind));
   }
   return columns;
 }
@@ -268,7 +270,7 @@ PointsFile PointsReader::read_own(const std::filesystem::path& path, std::string
       {},
       {},
       {},
-      columns.angle_units};
+      columns.linear};
   // A, B, C count only where nothing else tells how finely angles are printed.
   std::optional<double>* const orientation_step =
       columns.angles.empty() ? &angle_step_rad_ : nullptr;

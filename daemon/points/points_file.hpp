@@ -34,7 +34,7 @@ struct PointColumns {
   std::optional<std::array<Place, 3>> abc;
   std::optional<std::array<Place, 4>> quaternion;  ///< x, y, z, w
   std::vector<Place> angles;                       ///< of joint 1 and on; mm count as degrees
-  std::vector<std::string_view> angle_units;       ///< "deg", "rad", "mm", "m"
+  std::vector<bool> linear;  ///< of these: is in mm, as its column or what is known of it says
 };
 
 /// Reads the names of the columns. Throws as CsvFile::fail_header does: at a name that is not
@@ -75,14 +75,14 @@ struct PointsFile {
   std::size_t angles = 0;   ///< so many joint angles a point
   std::vector<Point> points;
   std::string format;  ///< a device's, for people: "OptiTrack Motive CSV"; empty for sweepd's own
-  std::vector<std::string> notes = {};  ///< what was assumed or left out in a device's file
-  std::vector<std::string_view> angle_units = {};  ///< as in PointColumns
-  std::size_t without_angles = 0;                  ///< points with a position, but not all angles
-  std::vector<std::size_t> joints_untold = {};     ///< whose fields are empty there, from 0
+  std::vector<std::string> notes = {};          ///< what was assumed or left out in a device's file
+  std::vector<bool> linear = {};                ///< as in PointColumns
+  std::size_t without_angles = 0;               ///< points with a position, but not all angles
+  std::vector<std::size_t> joints_untold = {};  ///< whose fields are empty there, from 0
 
-  /// The column of this joint (counted from 0) is in mm or m.
+  /// Of a joint counted from 0.
   [[nodiscard]] bool is_linear(std::size_t joint) const {
-    return joint < angle_units.size() && angle_units[joint].starts_with('m');
+    return joint < linear.size() && linear[joint];
   }
 };
 

@@ -80,11 +80,9 @@ void turn(std::vector<PointsFile>& files, std::size_t joint, double end_rad,
 
 }  // namespace
 
-std::vector<std::size_t> take_out_turns(std::vector<PointsFile>& files,
-                                        const std::vector<bool>& linear) {
+std::vector<std::size_t> take_out_turns(std::vector<PointsFile>& files) {
   const auto is_linear = [&](std::size_t j) {
-    return (j < linear.size() && linear[j]) ||
-           std::any_of(files.begin(), files.end(),
+    return std::any_of(files.begin(), files.end(),
                        [&](const PointsFile& file) { return file.is_linear(j); });
   };
   std::vector<Told> all;

@@ -258,9 +258,10 @@ TEST_CASE("a stream whose times are no seconds, or positions no millimetres, is 
   CHECK_THROWS_WITH(with_angles(0, 1), ContainsSubstring("expected times that rise") &&
                                            ContainsSubstring("found 0 s for all"));
   CHECK_THROWS_WITH(seen(0, 1), ContainsSubstring("expected times that rise"));
-  CHECK_THROWS_WITH(with_angles(1, 1, "_rad"),
-                    ContainsSubstring("found 120 rad: name the columns a1_deg"));
-  CHECK_NOTHROW(with_angles(1, degrees(1)));  // the columns say degrees: perhaps mm
+  for (const auto& [angle, unit] : {std::pair(degrees(1), "_deg"), {1.0, "_rad"}})
+    CHECK_THROWS_WITH(with_angles(1, angle, unit),
+                      ContainsSubstring("found 120 rad: name the columns a1_deg"));
+  CHECK_NOTHROW(with_angles(1, degrees(1), "_mm"));
 
   // One that only rests is no mistake.
   identify::test::Campaign still(identify::test::kr5_arc(), {.position_mm = 0.02});

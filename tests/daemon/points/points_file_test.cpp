@@ -89,6 +89,8 @@ TEST_CASE("a linear joint has its place in mm or m, or in a column of degrees", 
     CHECK(point.sample.angles_rad[0] == 0.5);
     CHECK(point.sample.angles_rad[1] == Approx(radians(120)));
     CHECK(point.sample.angles_rad[2] == Approx(radians(90)));
+    CHECK(file.is_linear(1) == (std::string(columns).find("a2_m") != std::string::npos));
+    CHECK_FALSE((file.is_linear(0) || file.is_linear(2)));
   }
   PointsReader reader({}, 12);
   static_cast<void>(reader.read(folder.write("x.csv", "x_mm,y_mm,z_mm,a1_mm\n1,2,3,5.25\n"), {}));
@@ -113,9 +115,9 @@ TEST_CASE("a unit that a joint cannot have is refused, and told with its column"
                       ContainsSubstring("expected an angle, as joint 2 turns, found m") &&
                           ContainsSubstring("name the column a2_deg or a2_rad"));
   for (const char* column : {"a2_mm", "a2_m", "a2_deg"})
-    CHECK(read_as(column, JointKind::linear).angles == 2);
+    CHECK(read_as(column, JointKind::linear).is_linear(1));
   for (const char* column : {"a2_rad", "a2_deg"})
-    CHECK(read_as(column, JointKind::turning).angles == 2);
+    CHECK_FALSE(read_as(column, JointKind::turning).is_linear(1));
   CHECK(read_as("a2_rad", JointKind::unknown).angles == 2);
 }
 

@@ -9,16 +9,15 @@ using sweepd::radians;
 namespace {
 
 /// The angles of joint 1 in degrees, one a line, after the turns were taken out.
-std::vector<double> without_turns(const std::vector<double>& told_deg, bool linear = false,
-                                  const char* unit = "deg") {
+std::vector<double> without_turns(const std::vector<double>& told_deg, bool linear = false) {
   std::vector<sweepd::PointsFile> files(1);
-  files[0].angle_units = {unit};
+  files[0].linear = {linear};
   for (const double deg : told_deg) {
     auto& point = files[0].points.emplace_back();
     point.sample.joints = 1;
     point.sample.angles_rad[0] = radians(deg);
   }
-  sweepd::take_out_turns(files, {linear});
+  sweepd::take_out_turns(files);
   std::vector<double> deg;
   for (const auto& point : files[0].points) deg.push_back(degrees(point.sample.angles_rad[0]));
   return deg;
@@ -48,5 +47,4 @@ TEST_CASE("angles that do not jump by a turn stay as they are", "[wrapped_angles
 
 TEST_CASE("a linear joint has no turns", "[wrapped_angles]") {
   check_angles(without_turns({355, 0, 5}, true), {355, 0, 5});
-  check_angles(without_turns({355, 0, 5}, false, "mm"), {355, 0, 5});
 }

@@ -73,9 +73,10 @@ std::vector<Simulation> campaigns_of(std::uint32_t count, const simulation::Stro
 /// By a device that drifts so, each joint there and back.
 std::vector<Simulation> there_and_back(std::uint32_t count, const simulation::Drift& drift,
                                        simulation::World world = seen_without_angles(),
-                                       int homes = 1) {
+                                       int homes = 1, int samples = 300) {
   world.drift = drift;
   simulation::Strokes how;
+  how.samples = samples;
   how.there_and_back = true;
   how.ramp = 0.1;
   how.homes = homes;
@@ -166,11 +167,7 @@ TEST_CASE("Joints that stand still while another one sweeps there and back are o
   simulation::World world = seen_without_angles();
   world.home.sigma_deg = 0.01;
   world.home.stays = GENERATE(true, false);
-  simulation::Strokes how;
-  how.samples = 100;
-  how.there_and_back = true;
-  how.ramp = 0.1;
-  const auto campaigns = campaigns_of(16, how, world);
+  const auto campaigns = there_and_back(16, {}, world, 1, 100);
   CAPTURE(world.home.stays);
   CHECK(rms_z(campaigns) == Approx(1).margin(0.15));
   const auto found = identify::identify(campaigns.front().sweeps(), campaigns.front().campaign());
@@ -183,11 +180,7 @@ TEST_CASE("Uncertainties hold where locked joints go on while another one sweeps
           "[effect_sizes][long]") {
   simulation::World world = seen_without_angles();
   world.home.creep_deg = GENERATE(0.002, 0.01);
-  simulation::Strokes how;
-  how.samples = 100;
-  how.there_and_back = true;
-  how.ramp = 0.1;
-  const auto campaigns = campaigns_of(12, how, world);
+  const auto campaigns = there_and_back(12, {}, world, 1, 100);
   CAPTURE(world.home.creep_deg);
   CHECK(rms_z(campaigns) == Approx(1).margin(0.15));
   const auto found = identify::identify(campaigns.front().sweeps(), campaigns.front().campaign());
