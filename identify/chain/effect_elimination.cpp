@@ -23,57 +23,89 @@ void add(MatrixXd& sum, Index first, Index parameters, const MatrixXd& products,
   for (Index k = 0; k < first; ++k) place.push_back(k);
   for (const Index parameter : which) place.push_back(first + parameter);
   place.push_back(size - 1);
-  for (Index c = 0; c < products.cols(); ++c)
-    for (Index r = 0; r < products.rows(); ++r)
-      sum(place[static_cast<std::size_t>(r)], place[static_cast<std::size_t>(c)]) += products(r, c);
+  for (Index c = 0; c < products.cols(); ++c) {
+    const Index column = place[static_cast<std::size_t>(c)];
+    for (Index r = c; r < products.rows(); ++r) {
+      const Index row = place[static_cast<std::size_t>(r)];
+      sum(std::max(row, column), std::min(row, column)) += products(r, c);
+    }
+  }
 }
 
-}  // namespace
+// Registers hold two numbers, four or more: what is built for all processors of its kind takes the
+// loop that its own has. Operations and their order are the same, and so is what comes out.
+#if defined(__x86_64__) && !defined(__clang__)
+#define SWEEPD_WIDE __attribute__((target_clones("default", "avx2")))
+#else
+#define SWEEPD_WIDE
+#endif
 
+constexpr Index kAtOnce = 4;  ///< columns: what they are taken from is read and written less often
+
+/// Takes from a column the others that begin beside it, `step` numbers apart, each times its first
+/// number: a column of L L^T from one of a matrix.
+SWEEPD_WIDE void take_columns(double* __restrict from, Index size, const double* others, Index step,
+                              Index count) {
+  for (Index k = 0; k < count; k += kAtOnce) {
+    const double *const a = others + k * step, *const b = a + step, *const c = b + step,
+                        *const d = c + step;
+    const double first_a = *a, first_b = *b, first_c = *c, first_d = *d;
+    for (Index i = 0; i < size; ++i)
+      from[i] -= first_a * a[i] + first_b * b[i] + first_c * c[i] + first_d * d[i];
+  }
+}
+
+/// Adds what is left of products to `sum`.
 // Cholesky's elimination, in units of the effects' own standard deviations, so that a variance may
 // be zero: what has none is left out. A matrix is small here, and Eigen's blocks cost more than
 // they save.
-MatrixXd without_effects(const MatrixXd& products, const VectorXd& variances,
+void add_without_effects(const MatrixXd& products, const VectorXd& variances, MatrixXd& sum,
                          double& log_determinant) {
   const Index rest = products.rows() - variances.size();
-  MatrixXd left = products.bottomRightCorner(rest, rest);
-  const auto effects = static_cast<Index>((variances.array() != 0).count());
-  if (effects == 0) return left;
-  constexpr Index kAtOnce = 4;
-  const Index columns = (effects + kAtOnce - 1) / kAtOnce * kAtOnce;
-  MatrixXd factor = MatrixXd::Zero(effects + rest, columns);  // rows: effects, then the rest
+  if (sum.size() == 0) sum = MatrixXd::Zero(rest, rest);
+  for (Index c = 0; c < rest; ++c)
+    sum.col(c).tail(rest - c) += products.col(variances.size() + c).tail(rest - c);
+  std::vector<Index> effects;
+  for (Index k = 0; k < variances.size(); ++k)
+    if (variances(k) != 0) effects.push_back(k);
+  if (effects.empty()) return;
+  const auto count = static_cast<Index>(effects.size());
+  const Index rows = count + rest;  // effects, then the rest
+  MatrixXd factor = MatrixXd::Zero(rows, (count + kAtOnce - 1) / kAtOnce * kAtOnce);
+  VectorXd column(rows);
   double largest = 0;
-  for (Index k = 0, c = 0; k < variances.size(); ++k) {
-    if (variances(k) == 0) continue;
-    const double sigma = std::sqrt(variances(k));
-    for (Index l = 0, r = 0; l < variances.size(); ++l)
-      if (variances(l) != 0) factor(r++, c) = sigma * std::sqrt(variances(l)) * products(l, k);
-    factor.col(c).tail(rest) = sigma * products.col(k).tail(rest);
-    factor(c, c) += 1;
-    largest = std::max(largest, factor(c, c));
-    ++c;
-  }
+  for (const Index effect : effects)
+    largest = std::max(largest, 1 + variances(effect) * products(effect, effect));
   // The unit matrix and squares have no pivot below one. A node's sums are no squares, since its
   // polynomial has both signs: of effects so large that this shows, they tell nothing.
   constexpr double kRounding = 1e-14;
   const double least = 0.99 - kRounding * largest;
-  for (Index c = 0; c < effects; ++c) {
-    const double pivot = factor(c, c);
-    if (!(pivot > least)) log_determinant = std::numeric_limits<double>::infinity();
-    if (!(pivot > 0)) return left;
-    log_determinant += std::log(pivot);
-    factor.col(c).tail(effects + rest - c) /= std::sqrt(pivot);
-    for (Index d = c + 1; d < effects; ++d) {
-      const Index below = effects + rest - d;
-      factor.col(d).tail(below) -= factor(d, c) * factor.col(c).tail(below);
+  for (Index c = 0; c < count; ++c) {
+    const Index effect = effects[static_cast<std::size_t>(c)], below = rows - c;
+    const double sigma = std::sqrt(variances(effect));
+    for (Index r = c; r < count; ++r) {
+      const Index other = effects[static_cast<std::size_t>(r)];
+      column(r) = sigma * std::sqrt(variances(other)) * products(other, effect);
     }
+    column.tail(rest) = sigma * products.col(effect).tail(rest);
+    column(c) += 1;
+    take_columns(&column(c), below, &factor(c, 0), rows, c);
+    const double pivot = column(c);
+    if (!(pivot > least)) log_determinant = std::numeric_limits<double>::infinity();
+    if (!(pivot > 0)) return;
+    log_determinant += std::log(pivot);
+    factor.col(c).tail(below) = column.tail(below) / std::sqrt(pivot);
   }
-  // Several effects at once: each column of what is left is then read and written less often.
   for (Index c = 0; c < rest; ++c)
-    for (Index k = 0; k < columns; k += kAtOnce)
-      left.col(c).tail(rest - c) -= factor.middleCols<kAtOnce>(k).bottomRows(rest - c).lazyProduct(
-          factor.row(effects + c).segment<kAtOnce>(k).transpose());
-  left.triangularView<Eigen::StrictlyUpper>() = left.transpose();
+    take_columns(&sum(c, c), rest - c, &factor(count + c, 0), rows, count);
+}
+
+}  // namespace
+
+MatrixXd without_effects(const MatrixXd& products, const VectorXd& variances,
+                         double& log_determinant) {
+  MatrixXd left;
+  add_without_effects(products, variances, left, log_determinant);
   return left;
 }
 
@@ -93,13 +125,8 @@ void take_out(const std::vector<MatrixXd>& ones, const std::vector<VectorXd>& va
               double& log_determinant) {
   for (MatrixXd& sum : sums) sum.setZero();
   for (std::size_t k = 0; k < ones.size(); ++k) {
-    if (ones[k].size() == 0) continue;  // no stroke is of it
-    MatrixXd& sum = sums[whose[k]];
-    const MatrixXd left = without_effects(ones[k], variances[k], log_determinant);
-    if (sum.size() == 0)
-      sum = left;
-    else
-      sum += left;
+    if (ones[k].size() > 0)  // or no stroke is of it
+      add_without_effects(ones[k], variances[k], sums[whose[k]], log_determinant);
   }
 }
 
@@ -165,9 +192,9 @@ Eliminated EffectElimination::operator()(const EffectVariances& variances) {
   MatrixXd whole = MatrixXd::Zero(parameters_ + 1, parameters_ + 1);
   for (std::size_t h = 0; h < shared_.left.size(); ++h)
     if (shared_.left[h].size() > 0)
-      whole += without_effects(shared_.left[h], variances.home[h], all.log_determinant);
-  all.normal = whole.topLeftCorner(parameters_, parameters_);
-  all.gradient = whole.topRightCorner(parameters_, 1);
+      add_without_effects(shared_.left[h], variances.home[h], whole, all.log_determinant);
+  all.normal = whole.topLeftCorner(parameters_, parameters_).selfadjointView<Eigen::Lower>();
+  all.gradient = whole.bottomLeftCorner(1, parameters_).transpose();
   all.squares = whole(parameters_, parameters_);
   return all;
 }

@@ -13,7 +13,7 @@ namespace identify {
 /// nested: a stroke belongs to one stand, whose strokes share effects, a stand to one group, and a
 /// group to one home, likewise.
 struct StrokeProducts {
-  Eigen::MatrixXd products;              ///< square, symmetric
+  Eigen::MatrixXd products;              ///< square, symmetric: the lower triangle counts
   std::size_t stand = 0;                 ///< one stroke after the other, in any order
   std::vector<Eigen::Index> parameters;  ///< which of all parameters its columns are
 };
@@ -36,7 +36,8 @@ struct Eliminated {
   double log_determinant = 0;  ///< of V, but for that of the weights: log |I + D Z^T W Z|
 };
 /// Takes the first columns, effects with these variances, out of products; what is left is of the
-/// other columns. Adds to the logarithm of V's determinant.
+/// other columns. Of both, which are symmetric, the lower triangle counts: no other is read or
+/// written. Adds to the logarithm of V's determinant.
 [[nodiscard]] Eigen::MatrixXd without_effects(const Eigen::MatrixXd& products,
                                               const Eigen::VectorXd& variances,
                                               double& log_determinant);
@@ -54,7 +55,7 @@ class EffectElimination {
   /// What is left once the effects of one level, with these variances, are out.
   struct Level {
     std::vector<Eigen::VectorXd> variances;
-    std::vector<Eigen::MatrixXd> left;
+    std::vector<Eigen::MatrixXd> left;     ///< lower triangles
     std::vector<double> log_determinants;  ///< of own variances: one a stand
     double log_determinant = 0;
   };

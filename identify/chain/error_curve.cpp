@@ -44,11 +44,10 @@ void ErrorCurve::Stroke::add(double turn, bool falling, double samples, double e
 
 void ErrorCurve::add(const Stroke& stroke, const Eigen::VectorXd& variances) {
   double log_determinant = 0;
-  const Eigen::MatrixXd whole = stroke.products_.selfadjointView<Eigen::Lower>();
-  const Eigen::MatrixXd left = without_effects(whole, variances, log_determinant);
+  const Eigen::MatrixXd left = without_effects(stroke.products_, variances, log_determinant);
   constexpr Index kLast = Row::SizeAtCompileTime;
-  normal_ += left.topLeftCorner<kLast, kLast>();
-  right_ += left.topRightCorner<kLast, 1>();
+  normal_ += decltype(normal_)(left.topLeftCorner<kLast, kLast>().selfadjointView<Eigen::Lower>());
+  right_ += left.bottomLeftCorner<1, kLast>().transpose();
   squares_ += left(kLast, kLast);
   samples_ += stroke.samples_;
   rises_ = rises_ || stroke.rises_;
