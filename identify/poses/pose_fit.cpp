@@ -110,6 +110,7 @@ class Problem {
       if (size > kNoGears_rad) lost += 2;
     fit_.widened = free > lost ? std::min(kMost, free / (free - lost)) : kMost;
     solve();
+    fit_.condition = information_->condition();
   }
 
   /// Takes the step; returns its largest share of a standard uncertainty. Random sizes do not
@@ -134,8 +135,12 @@ class Problem {
     const Index parameters = fit_.model.parameters();
     Equations all{MatrixXd::Zero(parameters, parameters), VectorXd::Zero(parameters)};
     for (const StandRows& stand : white_) {
-      all.normal(stand.parameters, stand.parameters) +=
-          stand.columns * stand.columns.transpose() / fit_.widened;
+      const MatrixXd own = stand.columns * stand.columns.transpose() / fit_.widened;
+      for (Index c = 0; c < own.cols(); ++c) {  // parameters are in their order
+        double* const column = all.normal.col(stand.parameters[static_cast<std::size_t>(c)]).data();
+        for (Index r = c; r < own.rows(); ++r)
+          column[stand.parameters[static_cast<std::size_t>(r)]] += own(r, c);
+      }
       all.gradient(stand.parameters) += stand.columns * stand.off / fit_.widened;
     }
     if (prior_) {
@@ -176,7 +181,7 @@ class Problem {
     const MatrixXd by_lasting = own * normal.bottomLeftCorner(places, lasting);
     const MatrixXd left = normal.topLeftCorner(lasting, lasting) -
                           normal.topRightCorner(lasting, places) * by_lasting;
-    const Information information(left);
+    const Information& information = information_.emplace(left);
     const auto whole = [&](const MatrixXd& of_lasting) {
       MatrixXd all(gradient.size(), of_lasting.cols());
       all << of_lasting, -by_lasting * of_lasting;
@@ -188,7 +193,6 @@ class Problem {
     fit_.covariance = whole(whole(information.covariance()).transpose());
     fit_.covariance.bottomRightCorner(places, places) += own;
     fit_.open = whole(information.open());
-    fit_.condition = information.condition();
   }
 
   /// Half of the poses are no outliers: where a step led them astray, the noise is made to fit.
@@ -221,6 +225,7 @@ class Problem {
   const std::optional<ChainPrior>& prior_;
   const PoseNoise start_;
   std::vector<StandRows> white_;
+  std::optional<Information> information_;  ///< of lasting parameters, as last solved
   VectorXd step_;
   double joint_share_ = 1;
 };

@@ -44,7 +44,7 @@ struct PoseFit {
   }
   /// By how much `covariance` was widened because the sizes of the noise are estimates, too.
   double widened = 1;
-  double condition = 0;
+  double condition = 0;  ///< once widen() has been called
   int iterations = 0;
   bool converged = false;
   bool with_orientation = false;
