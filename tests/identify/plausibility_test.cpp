@@ -668,7 +668,7 @@ TEST_CASE("What one joint alone tells is partial, wherever its way back ended", 
 }
 
 TEST_CASE("A sweep that something disturbed is told, and moves no axis",
-          "[plausibility][effect_search]") {
+          "[plausibility][effect_search][long]") {
   Strokes strokes;
   strokes.there_and_back = true;
   for (std::uint32_t seed = 1; seed <= 6; ++seed) {
@@ -699,7 +699,7 @@ TEST_CASE("A sweep that something disturbed is told, and moves no axis",
 }
 
 TEST_CASE("Sweeps that stop and go count as what their stops tell",
-          "[plausibility][stroke_moments]") {
+          "[plausibility][stroke_moments][long]") {
   const auto [stops, samples] = GENERATE(table<int, int>({{3, 30}, {4, 40}, {5, 100}, {7, 210}}));
   const bool back = GENERATE(false, true);
   CAPTURE(stops, samples, back);

@@ -135,7 +135,7 @@ TEST_CASE("A device that was moved amid the poses is noticed", "[pose_doubts]") 
       (found.doubts.front().code == "device_moved" || found.doubts.front().code == "target_moved"));
 }
 
-TEST_CASE("Targets that have no names of their own are noticed", "[pose_doubts]") {
+TEST_CASE("Targets that have no names of their own are noticed", "[pose_doubts][long]") {
   const auto built = arm_with(tracker(), 4, 3);
   auto poses = built.poses(60);
   for (Pose& pose : poses) pose.target = 0;

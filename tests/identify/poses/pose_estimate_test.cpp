@@ -172,7 +172,7 @@ TEST_CASE("Poses that were computed leave no noise, and the fit comes to its end
 }
 
 TEST_CASE("Angles of few decimals do not make a device's poses the controller's own",
-          "[pose_estimate]") {
+          "[pose_estimate][long]") {
   for (const bool device : {false, true})
     for (std::uint32_t seed = 1; seed <= 6; ++seed) {
       auto world = tracker(device ? 0.005 : 0);
@@ -219,7 +219,8 @@ TEST_CASE("Poses that were visited again and again are counted once", "[pose_est
   CHECK_THAT(found.reason, Catch::Matchers::ContainsSubstring("8 different poses give 24 numbers"));
 }
 
-TEST_CASE("Uncertainties hold of poses amid which a joint slipped", "[pose_estimate][pose_drift]") {
+TEST_CASE("Uncertainties hold of poses amid which a joint slipped",
+          "[pose_estimate][pose_drift][long]") {
   Judged all;
   for (std::uint32_t seed = 1; seed <= 6; ++seed) {
     const auto built = arm_with(tracker(0.001), seed);

@@ -10,7 +10,7 @@ using namespace identify;
 using namespace simulation::robots;
 
 TEST_CASE("A device or a base that is moved anywhere amid the poses is noticed, and where",
-          "[pose_step]") {
+          "[pose_step][long]") {
   const std::size_t from = GENERATE(10U, 25U, 40U);
   const double moved_mm = GENERATE(0.1, 0.3, 1.0);
   CAPTURE(from, moved_mm);
@@ -52,7 +52,7 @@ TEST_CASE("What was moved is told: a target on the tool is no device", "[pose_st
   }
 }
 
-TEST_CASE("A joint that slips amid the poses is named, and by how much", "[pose_step]") {
+TEST_CASE("A joint that slips amid the poses is named, and by how much", "[pose_step][long]") {
   const std::size_t joint = GENERATE(0U, 1U, 2U, 4U);
   CAPTURE(joint);
   Judged all;

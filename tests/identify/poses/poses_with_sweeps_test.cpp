@@ -42,7 +42,7 @@ TEST_CASE("Uncertainties hold of sweeps beside so few poses that these do not sh
   CHECK(all.farthest < 6);
 }
 
-TEST_CASE("Many poses show that nothing gives way, few do not", "[pose_estimate][pose_sag]") {
+TEST_CASE("Many poses show that nothing gives way, few do not", "[pose_estimate][pose_sag][long]") {
   const auto built = arm_with(tracker(), 3);
   const auto unsure_rad = [&](std::size_t count) {
     const auto found = identify::identify(built.sweeps(), built.campaign(), built.poses(count));
@@ -55,7 +55,7 @@ TEST_CASE("Many poses show that nothing gives way, few do not", "[pose_estimate]
 }
 
 TEST_CASE("Sweeps of some joints, and poses of all, tell the table",
-          "[pose_estimate][pose_start]") {
+          "[pose_estimate][pose_start][long]") {
   Judged all;
   for (std::uint32_t seed = 1; seed <= 12; ++seed) {
     const auto built = arm_with(tracker(), seed);
