@@ -244,13 +244,12 @@ struct ToldOff {
 };
 std::optional<ToldOff> told_off(const Identification& found, std::size_t j) {
   const JointResult& joint = found.joints[j];
-  const double reach_mm = joint.line ? kLinear_mm : joint.circle ? joint.circle->radius_mm : 0;
-  if (!found.home_rad[j] || !(reach_mm > 0)) return std::nullopt;
+  if (!found.home_rad[j] || !(joint.line || joint.circle)) return std::nullopt;
+  const Chain& chain = found.chain->chain;
   double sigma_mm = found.chain->noise.position_mm;
-  if (joint.circle && joint.circle_target < found.chain->chain.targets_mm.size())
-    sigma_mm += sigma_at(found, j, found.chain->chain.targets_mm[joint.circle_target]);
-  ToldOff farthest{j, 0, kHomeSigmas * sigma_mm / reach_mm, reach_mm, 0};
-  bool any = false;
+  if (joint.circle && joint.circle_target < chain.targets_mm.size())
+    sigma_mm += sigma_at(found, j, chain.targets_mm[joint.circle_target]);
+  std::optional<ToldOff> farthest;
   for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
     const Sweep& sweep = joint.sweeps[s];
     if (!joint.used[s] || off_home_rad(sweep, found.home_rad) > kHeld_rad) continue;
@@ -263,10 +262,15 @@ std::optional<ToldOff> told_off(const Identification& found, std::size_t j) {
       off.push_back(wrapped(*seen->angle_error_rad - first));
     }
     if (off.size() < kFewestNear) continue;
-    any = true;
-    farthest.off_rad = std::max(farthest.off_rad, std::abs(wrapped(first + median_in(off))));
+    const double off_rad = std::abs(wrapped(first + median_in(off)));
+    // Each target has its own way to the axis, and what it is off by counts there.
+    const ChainAxis& axis = chain.axes[j];
+    const Vector3d arm = chain.targets_mm[sweep.target] - axis.point_mm;
+    const double reach_mm = joint.line ? kLinear_mm : axis.direction.cross(arm).norm();
+    if (!(reach_mm > 0) || (farthest && !(off_rad * reach_mm > farthest->off_mm()))) continue;
+    farthest = {j, off_rad, kHomeSigmas * sigma_mm / reach_mm, reach_mm, 0};
   }
-  return any ? std::optional(farthest) : std::nullopt;
+  return farthest;
 }
 
 /// A joint whose angles are off as the other joints' are not, as those that come late are.
