@@ -15,6 +15,7 @@
 #include "identify/geometry/warning.hpp"
 #include "identify/linear_advice.hpp"
 #include "identify/specified_fit.hpp"
+#include "identify/told_turn.hpp"
 
 namespace identify {
 namespace {
@@ -255,23 +256,9 @@ class Adviser {
   void judge_curve(std::size_t j, const AngleEvidence& seen) {
     const JointResult& joint = found_.joints[j];
     const auto home = found_.home_rad[j];
-    if (!home || !joint.axis || seen.coherence <= kLeastCoherence) return;
-    double lowest = 0, highest = 0, from = 0, to = 0;
-    bool any = false;
-    for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
-      if (!joint.used[s]) continue;
-      for (const Sample& sample : *joint.sweeps[s].samples) {
-        if (sample.joints <= j) continue;
-        const double turn = sample.angles_rad[j] - *home;
-        const double error = seen.curve_at(turn);
-        lowest = any ? std::min(lowest, error) : error;
-        highest = any ? std::max(highest, error) : error;
-        from = any ? std::min(from, turn) : turn;
-        to = any ? std::max(to, turn) : turn;
-        any = true;
-      }
-    }
-    const double swing = highest - lowest;
+    const auto curve = curve_swing(found_, j);
+    if (!home || !curve || !joint.axis || seen.coherence <= kLeastCoherence) return;
+    const double swing = curve->swing_rad;
     const Resolution& steps = campaign_.resolution;
     const auto moved = steps.time_s > 0 ? joint_motion(joint) : std::nullopt;
     const double of_stamps = moved ? steps.time_s * moved->speed_mm_s / joint.circle->radius_mm : 0;
@@ -282,7 +269,7 @@ class Adviser {
     warn("transmission_error", j,
          "its angles are off by a smooth curve of " + arcsec(swing) + " from lowest to highest (" +
              brief(swing * joint.circle->radius_mm) + " mm at the target) between " +
-             degrees(*home + from) + " and " + degrees(*home + to) +
+             degrees(*home + curve->from_rad) + " and " + degrees(*home + curve->to_rad) +
              ": they were not used; the curve is part of the result");
   }
 

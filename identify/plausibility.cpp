@@ -16,6 +16,7 @@
 #include "identify/linear_advice.hpp"
 #include "identify/specified_fit.hpp"
 #include "identify/sweeps/sample.hpp"
+#include "identify/told_turn.hpp"
 
 namespace identify {
 namespace {
@@ -33,18 +34,9 @@ constexpr double kBentToPeers = 10;
 constexpr double kNoCircleShare = 0.02;
 /// More than joints scatter by, less than an axis is moved on purpose.
 constexpr double kScattered_mm = 0.1;
-/// Gears err by minutes of arc. Angles that come late look wrong by what the joint turns meanwhile.
-constexpr double kWrongTurn_rad = 5 * kDegree;
-constexpr double kWrongTurnShare = 0.3;
-constexpr double kLate_s = 0.75;
-constexpr double kRadiusSigmas = 5;
-/// What was seen, divided by what radians for degrees make of it, is what was told but for this.
-constexpr double kAboutRadians = 0.05;
 /// A stroke no farther off the circle of all strokes, in distances from its own, is on both.
 constexpr double kFitsCommon = 2;
 constexpr std::ptrdiff_t kSeveralApart = 3;
-/// Closer to the axis, in distances of the points from the circle, angles about it are noise.
-constexpr double kLeastRadius = 20;
 /// Below it residuals are those of computing.
 constexpr double kComputed_mm = 1e-5;
 
@@ -67,8 +59,10 @@ class Judge {
       if (!scatter_[j]) continue;
       if (auto disagree = strokes_disagree(j))
         apart.push_back(std::move(*disagree));
-      else if (!is_no_circle(j))
-        judge_angles(j);
+      else if (is_no_circle(j))
+        continue;
+      else if (auto otherwise = told_otherwise(found_, j, scatter_[j]->usual_mm))
+        found_.doubts.push_back(std::move(*otherwise));
     }
     tell_apart(std::move(apart));
   }
@@ -270,63 +264,6 @@ class Judge {
               " mm, noise averaged, the other joints' by " + fixed(peer, 3) +
               " mm: another joint moved along, or its bearing is worn");
     return true;
-  }
-
-  /// Against each other, the lower and the upper third of the angles that were told: a delay, or a
-  /// stroke there and back, shifts both.
-  void judge_angles(std::size_t j) {
-    const JointResult& joint = found_.joints[j];
-    const CircleFit& circle = *found_.joints[j].circle;
-    if (circle.radius_mm < kLeastRadius * scatter_[j]->usual_mm) return;
-    const Vector3d x = circle.normal.unitOrthogonal();
-    const Vector3d y = circle.normal.cross(x);
-    const double radius_sigma_mm = CircleCovariance(circle, used_points(joint, joint.circle_target),
-                                                    found_.samples_per_independent())
-                                       .radius_sigma_mm();
-    for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
-      if (!joint.used[s] || joint.sweeps[s].target != joint.circle_target) continue;
-      struct Turn {
-        double told;
-        double error;
-      };
-      std::vector<Turn> turns;
-      for (const Sample& sample : *joint.sweeps[s].samples) {
-        if (!sample.has_position || sample.joints <= j) continue;
-        const Vector3d arm = sample.position_mm - circle.center_mm;
-        turns.push_back(
-            {sample.angles_rad[j], sample.angles_rad[j] - std::atan2(arm.dot(y), arm.dot(x))});
-      }
-      const std::size_t third = turns.size() / 3;
-      if (third < 2) continue;
-      std::sort(turns.begin(), turns.end(),
-                [](const Turn& a, const Turn& b) { return a.told < b.told; });
-      const double start = turns[third / 2].error;
-      const auto middle = [&](std::size_t from, double Turn::*of) {
-        std::vector<double> values;
-        for (std::size_t i = from; i < from + third; ++i)
-          values.push_back(of == &Turn::error ? wrapped(turns[i].error - start) : turns[i].told);
-        return median_of(std::move(values));
-      };
-      const std::size_t upper = turns.size() - third;
-      const double told = middle(upper, &Turn::told) - middle(0, &Turn::told);
-      const double off = middle(upper, &Turn::error) - middle(0, &Turn::error);
-      const Sweep& sweep = joint.sweeps[s];
-      const double seconds = sweep.last().time_s - sweep.first().time_s;
-      const double late =
-          seconds > 0 ? kLate_s / seconds * (turns.back().told - turns.front().told) : 0;
-      // In a short arc noise hides the radius, and with it how far the target was seen to turn.
-      const double unsure = kRadiusSigmas * radius_sigma_mm / circle.radius_mm * told;
-      if (!(std::abs(off) > kWrongTurn_rad + late + unsure) ||
-          !(std::abs(off) > kWrongTurnShare * told))
-        continue;
-      const bool radians = std::abs((told - off) * kDegree - told) < kAboutRadians * told;
-      doubt("angle_arc_mismatch", j,
-            joint_name(j) + ": while its angle turned by " + fixed(told / kDegree, 1) +
-                "°, the target was seen to turn by " + fixed((told - off) / kDegree, 1) + "°: " +
-                (radians ? "the angles look like radians: give them in degrees"
-                         : "the angles are not this joint's, or not of these positions"));
-      return;
-    }
   }
 
   Identification& found_;

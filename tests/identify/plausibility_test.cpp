@@ -324,6 +324,31 @@ TEST_CASE("what a target near an axis is off by counts at that target", "[plausi
   }
 }
 
+TEST_CASE("angles that are off as no gear is are a doubt", "[plausibility]") {
+  // As where another joint turns along, which bends what was seen and leaves nearly a circle.
+  const bool by_the_way = GENERATE(false, true);
+  const auto off_deg = GENERATE(0.1, 3.0);
+  CAPTURE(by_the_way, off_deg);
+  Strokes strokes;
+  strokes.there_and_back = true;
+  const Simulation simulation(some_kr5(1), strokes, tracker(true), 1);
+  const auto sweeps = changed(simulation.sweeps(), [&](Sweep& sweep, std::vector<Sample>& samples) {
+    if (*sweep.joint != 2) return;
+    const double middle = (samples.front().angles_rad[2] + samples.back().angles_rad[2]) / 2;
+    for (Sample& sample : samples) {
+      double& told = sample.angles_rad[2];
+      told +=
+          off_deg / 2 * kDegree * (by_the_way ? sweep.direction : std::sin(2 * (told - middle)));
+    }
+  });
+  const auto found = identify::identify(sweeps, simulation.campaign());
+  INFO(found.reason);
+  if (off_deg > 1)
+    check_doubt(found, "angle_arc_mismatch", 2);
+  else
+    CHECK(found.doubts.empty());
+}
+
 TEST_CASE("a short arc far from home does not tell where its circle passes home",
           "[plausibility]") {
   const auto begin_deg = GENERATE(30.0, 60.0, 90.0);
