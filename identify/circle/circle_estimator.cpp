@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "identify/circle/circle_target.hpp"
 #include "identify/circle/joint_motion.hpp"
 #include "identify/dh/axis_senses.hpp"
 #include "identify/dh/dh_comparison.hpp"
@@ -106,13 +107,8 @@ class Circles {
            joint_name(j) + ": in all of its sweeps other joints stood off the common home, by " +
                fixed(*joint.off_home_rad / kDegree, 3) +
                " deg or more: the chain allows for that, the circles do not");
-    std::size_t first_target = kNoTarget;
-    for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
-      if (!joint.used[s]) continue;
-      first_target = std::min(first_target, joint.sweeps[s].target);
-    }
-    joint.circle_target = first_target;
-    const Matrix3Xd points = used_points(joint, first_target);
+    joint.circle_target = circle_target(joint);
+    const Matrix3Xd points = used_points(joint, joint.circle_target);
     if (points.cols() == 0) {
       result_.no_positions = true;
       return;
@@ -174,8 +170,6 @@ class Circles {
     if (orient(j, go, [](const Vector3d&) { return false; })) along = -along;
     return true;
   }
-
-  static constexpr std::size_t kNoTarget = static_cast<std::size_t>(-1);
 
   /// Whether the fit points against the joint's positive rotation (or way), by how far each step
   /// goes along it: pooled strokes run both ways, and so may one. Where angles are told, what was

@@ -376,3 +376,21 @@ TEST_CASE("home is one of several, not made of parts of them", "[circle_estimato
   CHECK(found.status == Status::complete);
   CHECK(found.estimator == Estimator::chain);
 }
+
+TEST_CASE("a joint has the circle of a target that tells its axis", "[circle_estimator]") {
+  // The first marker is 30 mm off axis 6, where 0.3 mm of noise leaves the axis open.
+  simulation::World world;
+  world.placed = world.angles = true;
+  world.noise.range_mm = world.noise.across_mm = 0.3;
+  simulation::Strokes strokes;
+  strokes.arc_deg = 40;
+  strokes.samples = 200;
+  strokes.targets_at_once = true;
+  simulation::Robot robot = simulation::built(simulation::kr5(3), 1);
+  robot.targets_mm = {{30, 0, 160}, {200, 30, 215}, {-120, 90, 260}};
+  const simulation::Simulation simulation(robot, strokes, world, 1);
+  const auto result = estimate_circles(simulation.sweeps(), simulation.campaign());
+  CHECK(axes_of(result) == 6);
+  CHECK(result.joints[5].circle_target == 1);
+  for (std::size_t j = 0; j < 5; ++j) CHECK(result.joints[j].circle_target == 0);
+}

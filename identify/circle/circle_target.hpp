@@ -1,0 +1,13 @@
+#pragma once
+
+#include <cstddef>
+
+#include "identify/circle/circle_estimate.hpp"
+
+namespace identify {
+
+/// The target that a joint's circle is of: the first of its used sweeps. Where that one is so close
+/// to the axis that its circle tells none, and another one's does, the one that tells it best.
+[[nodiscard]] std::size_t circle_target(const JointResult& joint);
+
+}  // namespace identify
