@@ -129,12 +129,26 @@ struct StrokeGroup {
   double misfit_mm = 0;  // of the circle through all
 };
 
+double misfit(const CircleFit& circle, const Matrix3Xd& points) {
+  double plane = 0, radial = 0;
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    const CircleResidual off = residual(circle, points.col(i));
+    plane += off.plane_mm * off.plane_mm;
+    radial += off.radial_mm * off.radial_mm;
+  }
+  return std::sqrt(std::max(plane, radial) /
+                   static_cast<double>(std::max<Eigen::Index>(1, points.cols())));
+}
+
 /// Arcs of one circle fit together as well as each alone; those of two joints, which pass through
-/// the same home point about different axes, miss by millimetres.
+/// the same home point about different axes, miss by millimetres: also a short one beside many
+/// others, which make little of it. Homes and devices that moved miss by less.
 bool same_circle(const StrokeGroup& first, const StrokeGroup& second) {
   const auto both = fit_circle(joined(first.all, second.all));
-  constexpr double kSlack_mm = 0.05;
-  return both && misfit(*both) <= kSlack_mm + 2 * std::max(first.misfit_mm, second.misfit_mm);
+  constexpr double kSlack_mm = 0.05, kSlackOfOne_mm = 0.3;
+  const double twice_mm = 2 * std::max(first.misfit_mm, second.misfit_mm);
+  return both && misfit(*both) <= kSlack_mm + twice_mm &&
+         std::max(misfit(*both, first.all), misfit(*both, second.all)) <= kSlackOfOne_mm + twice_mm;
 }
 
 void add(const StrokeGroup& more, StrokeGroup& group) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
+#include <memory>
 #include <random>
 
 #include "identify/geometry/angle.hpp"
@@ -282,6 +283,35 @@ std::vector<Sample> along(const std::vector<double>& corners_deg, double noise_m
 }
 
 }  // namespace
+
+TEST_CASE("a short arc beside long ones of another circle is another turn",
+          "[position_segmentation]") {
+  // A marker near an axis: 40 degrees of a circle of 40 mm. It begins where the long arcs, of 668
+  // mm, pass home, and goes the same way.
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(0, 0.3);
+  const auto arc = [&](double radius_mm, double from_deg, double to_deg, double begin_s) {
+    std::vector<Sample> samples;
+    for (int i = 0; i < 200; ++i) {
+      const double turn = (from_deg + (to_deg - from_deg) * i / 199) * kDegree;
+      Sample sample;
+      sample.time_s = begin_s + i * 0.01;
+      sample.has_position = true;
+      sample.position_mm =
+          Eigen::Vector3d(radius_mm * (std::cos(turn) - 1) + noise(random),
+                          radius_mm * std::sin(turn) + noise(random), noise(random));
+      samples.push_back(sample);
+    }
+    Sweep sweep;
+    sweep.samples = std::make_shared<const std::vector<Sample>>(std::move(samples));
+    return sweep;
+  };
+  std::vector<Sweep> strokes{arc(668, 0, -27, 0), arc(668, -27, 13, 3), arc(668, 13, 0, 6),
+                             arc(-40, -20, 20, 9)};
+  CHECK(turns_in(strokes, {0, 1, 2, 3}, 7).size() == 2);
+  strokes.back() = arc(668, 0, 2.5, 9);
+  CHECK(turns_in(strokes, {0, 1, 2, 3}, 7).size() == 1);
+}
 
 TEST_CASE("Each turn of the motion is found, where it is and no other", "[position_segmentation]") {
   for (const double noise_mm : {0.0, 0.02, 1.0}) {
