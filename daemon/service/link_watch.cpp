@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <utility>
 
 #include "daemon/results/link_files.hpp"
 #include "daemon/system/atomic_file.hpp"
@@ -67,8 +66,8 @@ rsi::LinkReport LinkWatch::report(const rsi::Link& link) const {
 }
 
 rsi::Link::Reports LinkWatch::reports(const rsi::Link& link) const {
-  rsi::Link::Reports reports = link.reports();
-  return {completed(std::move(reports.now), *this), completed(std::move(reports.settled), *this)};
+  const rsi::Link::Reports reports = link.reports();
+  return {completed(reports.now, *this), completed(reports.settled, *this)};
 }
 
 LinkFiles LinkWatch::files(const rsi::Link& link, bool at_end) const {

@@ -69,6 +69,8 @@ TEST_CASE("wrong usage is told in this program's words", "[command_line]") {
   CHECK(problem({}) == "name a command: `sweepd --help` tells how it is used");
   CHECK_THAT(problem({"--foo"}), StartsWith("--foo is no option: `sweepd --help`"));
   CHECK_THAT(problem({"frob"}), StartsWith("frob is no command: `sweepd --help`"));
+  CHECK_THAT(problem({"runn"}), StartsWith("runn is no command: did you mean run?"));
+  CHECK_THAT(problem({"insepct", "x"}), StartsWith("insepct is no command: did you mean inspect?"));
   CHECK_THAT(problem({"help", "run"}), StartsWith("help is no command: `sweepd --help`"));
   CHECK_THAT(problem({"-x", "check"}), StartsWith("-x is no option: `sweepd --help`"));
   CHECK_THAT(problem({"replay", "x", "--robot", "a", "--robot", "b"}),

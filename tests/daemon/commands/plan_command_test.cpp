@@ -283,6 +283,23 @@ TEST_CASE("a proposal gains, keeps to the limits, and is the plan that is writte
   }
 }
 
+TEST_CASE("a proposal that could not be written is refused before anything is computed",
+          "[plan_command][plan]") {
+  const TemporaryFolder folder;
+  auto options = options_of(kConfig / "plans/kr5_arc_30deg.toml", kProposal_ms);
+  options.propose = true;
+  const auto refused = [&](const fs::path& file, const std::string& why) {
+    options.write_plan = file;
+    std::ostringstream out;
+    CHECK_THROWS_WITH(plan(options, out, out), ContainsSubstring(why));
+    CHECK(out.str().empty());
+  };
+  refused(folder / "none/wider.toml", "cannot write ");
+  refused(options.plan, "this command reads it");
+  refused(folder.write("mine.toml", "# my own\n"), "it is there already");
+  CHECK(content(folder / "mine.toml") == "# my own\n");
+}
+
 TEST_CASE("a plan that is too short is refused, its proposal is written",
           "[plan_command][plan][long]") {
   const TemporaryFolder folder;

@@ -128,7 +128,9 @@ TEST_CASE("a misspelt option is found in the robot, its signals and the file", "
   }
 }
 
-TEST_CASE("all mistakes of the file are told at once, each with its place and key", "[settings]") {
+TEST_CASE(
+    "all mistakes of the file are told at once, from its top down, each with its place and key",
+    "[settings]") {
   CHECK(settings_error("[htp]\n"
                        "[[robot]]\n"
                        "name = \"a b\"\n"
@@ -153,26 +155,26 @@ TEST_CASE("all mistakes of the file are told at once, each with its place and ke
                        "broker = \"mqtt://a\"\n"
                        "site = \"b\"\n") ==
         "1:2: htp: unknown key: did you mean \"http\"?\n"
-        "20:9: http.hosts: expected an array of strings, found the string \"cell-pc\": correct it\n"
-        "5:1: robot.lisen: unknown key: did you mean \"listen\"?\n"
-        "6:1: robot.recrod: unknown key: did you mean \"record\"?\n"
-        "3:8: robot.name: expected a name of at most 64 letters, digits, - _ . that begins with "
-        "none of - ., found the string \"a b\": choose one that can name a folder\n"
         "2:1: robot.output: missing: add it (folder under which recordings and results are kept, "
         "in OUTPUT/NAME/START)\n"
+        "3:8: robot.name: expected a name of at most 64 letters, digits, - _ . that begins with "
+        "none of - ., found the string \"a b\": choose one that can name a folder\n"
+        "5:1: robot.lisen: unknown key: did you mean \"listen\"?\n"
+        "6:1: robot.recrod: unknown key: did you mean \"record\"?\n"
         "7:14: robot.silence_ms: expected a whole number of milliseconds from 100 to 3600000, "
         "found the number 1: choose one in between\n"
         "9:10: robot.signals.angles: expected 1 to 12 signals, found an array of 0 values: name "
         "one a joint\n"
         "11:12: robot.recording.rotate_s: expected a whole number, found the string \"60\": write "
         "it without quotes\n"
-        "13:10: robot.device.listen: expected udp:// or tcp://, an IPv4 address and a port (1 to "
-        "65535), found the string \"5005\": write it like \"udp://0.0.0.0:5005\"\n"
         "12:1: robot.device.columns: missing: add it (what its lines hold, with commas between, as "
         "for identify --columns)\n"
+        "13:10: robot.device.listen: expected udp:// or tcp://, an IPv4 address and a port (1 to "
+        "65535), found the string \"5005\": write it like \"udp://0.0.0.0:5005\"\n"
         "17:10: robot.listen: expected an IPv4 address and a port (1 to 65535), found the string "
         "\"0.0.0.0\": write it like \"0.0.0.0:49152\"\n"
         "18:10: robot.output: expected a string, found the number 5: put it in quotes\n"
+        "20:9: http.hosts: expected an array of strings, found the string \"cell-pc\": correct it\n"
         "21:1: publish.cell: missing: add it (the cell or hall of this machine, the third part)");
 }
 
