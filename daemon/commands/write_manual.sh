@@ -18,7 +18,7 @@ export SOURCE_DATE_EPOCH
 # is in italics. What stands in backticks is bold.
 page() {
   help2man --no-info --section="$2" --manual="$3" --source="$version" --version-string="$1 ${version#* }" \
-    --help-option="$4" --include="$source/$5" ${6:+--name="$6"} "$sweepd" >"$output/$1.$2.new"
+    --help-option="$4" --include="$5" ${6:+--name="$6"} "$sweepd" >"$output/$1.$2.new"
   sed -e '/^\.B sweepd$/{N;s/\n\\fI\\,\([a-z\\-]*\) \\\/\\fR/ \1\n/}' \
     -e 's/^\.SS "Exit status:"/.SH "EXIT STATUS"/' -e 's/^\(\.SS ".*\):"$/\1"/' -e 's/^\.IP$/.PP/' \
     -e '/^\.TP$/{n;s/^\(\\fB.*\) \([A-Z].*\)$/\1 \\fI\2\\fR/;s/^[a-z]*$/\\fB&\\fR/
@@ -29,11 +29,14 @@ page() {
   gzip -9nkf "$output/$1.$2"
 }
 
-page sweepd 1 'User commands' --help sweepd.1.in
+printf '.BR sweepd\\-%s (1),\n' "$@" >"$output/sweepd.pages"  # which the first page refers to
+sed "/^\[SEE ALSO\]\$/r $output/sweepd.pages" "$source/sweepd.1.in" >"$output/sweepd.1.in"
+page sweepd 1 'User commands' --help "$output/sweepd.1.in"
+rm "$output/sweepd.pages" "$output/sweepd.1.in"
 for command; do
   # The paragraph below the usage is what the command does.
   does=$("$sweepd" "$command" --help | sed -e 1,2d -e '/^$/,$d' | tr '\n' ' ' | sed 's/^\(.\)\(.*\)\. $/\l\1\2/')
-  page "sweepd-$command" 1 'User commands' "$command --help" sweepd-command.1.in "$does"
+  page "sweepd-$command" 1 'User commands' "$command --help" "$source/sweepd-command.1.in" "$does"
 done
-page sweepd.toml 5 'File formats' 'run --help-settings' sweepd.toml.5.in
+page sweepd.toml 5 'File formats' 'run --help-settings' "$source/sweepd.toml.5.in"
 "$sweepd" --bash-completion >"$output/sweepd.bash"

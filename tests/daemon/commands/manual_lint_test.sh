@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Every command has a manual page and nothing else has one. The pages are sound for groff and for
-# mandoc, whichever is there.
+# Every command has a manual page, to which that of sweepd refers, and nothing else has one. The
+# pages are sound for groff and for mandoc, whichever is there.
 #
 #   manual_lint_test.sh SWEEPD FOLDER_OF_PAGES
 set -euo pipefail
@@ -15,6 +15,7 @@ fail() {
 pages=("$folder/sweepd.1" "$folder/sweepd.toml.5")
 for command in $("$sweepd" --help | sed -n '/^Commands:/,/^$/s/^  \([a-z][a-z-]*\) .*/\1/p'); do
   pages+=("$folder/sweepd-$command.1")
+  grep -qx "\.BR sweepd.\?-$command (1)," "$folder/sweepd.1" || fail "sweepd.1 does not refer to sweepd-$command"
 done
 ((${#pages[@]} >= 9)) || fail "only ${#pages[@]} pages"
 for page in "$folder"/sweepd*.[15]; do
