@@ -12,7 +12,6 @@
 #include "daemon/commands/command_options.hpp"
 #include "daemon/commands/exit_codes.hpp"
 #include "daemon/commands/help_text.hpp"
-#include "rsi/ascii.hpp"
 
 namespace sweepd {
 namespace {
@@ -81,12 +80,8 @@ int CommandLine::run(int argc, const char* const* argv) {
     const auto foreign = app_->remaining();  // which no command has taken
     if (!commands.empty() && foreign.empty())
       throw std::invalid_argument(usage_problem(*commands.front(), problem));
-    std::string text = "name a command";
-    if (argc > 1) {
-      const std::string word = foreign.empty() ? argv[1] : foreign.front();
-      text = rsi::in_short(word) + (word.starts_with('-') ? " is no option" : " is no command");
-    }
-    throw std::invalid_argument(text + ": `sweepd --help` tells how it is used");
+    const std::string first = argc > 1 ? argv[1] : "";
+    throw std::invalid_argument(no_command(*app_, foreign.empty() ? first : foreign.front()));
   }
 }
 

@@ -43,6 +43,9 @@ class CommandLine {
 /// outlive `app`.
 void add_commands(CLI::App& app, const std::vector<std::string>& arguments, int& exit_code);
 
+/// What is wrong where `word` is no command; empty: there is none.
+[[nodiscard]] std::string no_command(const CLI::App& app, const std::string& word);
+
 /// What is wrong with the options of `command`, in this program's words in place of the parser's.
 [[nodiscard]] std::string usage_problem(const CLI::App& command, const CLI::ParseError& problem);
 

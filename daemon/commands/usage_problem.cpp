@@ -40,6 +40,19 @@ std::string not_expected(const CLI::App& command, const std::string& word) {
 
 }  // namespace
 
+std::string no_command(const CLI::App& app, const std::string& word) {
+  const std::string help = ": `sweepd --help` tells how it is used";
+  if (word.empty()) return "name a command" + help;
+  if (word.starts_with('-')) return rsi::in_short(word) + " is no option" + help;
+  const auto commands = app.get_subcommands({});
+  std::vector<std::string_view> known;
+  known.reserve(commands.size());
+  for (const auto* command : commands) known.push_back(command->get_name());
+  const auto meant = nearest_word(word, known);
+  return rsi::in_short(word) + " is no command" +
+         (meant.empty() ? help : ": did you mean " + std::string(meant) + "?");
+}
+
 std::string usage_problem(const CLI::App& command, const CLI::ParseError& problem) {
   static const std::regex kTooOften("(.*): At Most 1 required but received (\\d+)");
   static const std::regex kNoValue("(.*): \\d+ required .* missing");
