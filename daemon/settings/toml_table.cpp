@@ -5,6 +5,8 @@
 #include <charconv>
 #include <cmath>
 #include <system_error>
+#include <tuple>
+#include <utility>
 
 #include <spdlog/fmt/fmt.h>
 #include <toml++/toml.h>
@@ -74,7 +76,28 @@ std::string place(const std::string& file, const toml::source_position& where) {
   return fmt::format("{}:{}:{}: ", file, where.line, where.column);
 }
 
+std::string text_of(const std::vector<Mistake>& mistakes) {
+  std::string text;
+  for (const Mistake& mistake : mistakes) text += (text.empty() ? "" : "\n") + mistake.text;
+  return text;
+}
+
 }  // namespace
+
+ConfigError::ConfigError(const std::string& text) : ConfigError(std::vector{Mistake{text}}) {}
+
+ConfigError::ConfigError(std::vector<Mistake> mistakes)
+    : std::runtime_error(text_of(mistakes)),
+      mistakes_(std::make_shared<const std::vector<Mistake>>(std::move(mistakes))) {}
+
+void Mistakes::tell() const {
+  if (all_.empty()) return;
+  std::vector<Mistake> ordered = all_;
+  std::stable_sort(ordered.begin(), ordered.end(), [](const Mistake& a, const Mistake& b) {
+    return std::tie(a.line, a.column) < std::tie(b.line, b.column);
+  });
+  throw ConfigError(std::move(ordered));
+}
 
 struct TomlTable::Node {
   std::shared_ptr<const toml::table> root;  ///< owns everything
@@ -97,8 +120,9 @@ struct TomlTable::Node {
 
   [[noreturn]] void fail(std::string_view key, const toml::source_position& where,
                          const std::string& problem) const {
-    throw ConfigError(sweepd::place(file, where) + prefix + rsi::in_short(key) + ": " +
-                      rsi::printable(problem));
+    throw ConfigError({Mistake{
+        sweepd::place(file, where) + prefix + rsi::in_short(key) + ": " + rsi::printable(problem),
+        where.line, where.column}});
   }
 
   [[noreturn]] void fail(std::string_view key, const toml::node& node,

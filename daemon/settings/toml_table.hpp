@@ -11,6 +11,13 @@
 
 namespace sweepd {
 
+/// One thing that is wrong with a file.
+struct Mistake {
+  std::string text;
+  std::uint32_t line = 0;  ///< 0: no place is known
+  std::uint32_t column = 0;
+};
+
 /// Something that a user edits is wrong: settings, a robot description, a sweep plan. The text
 /// reads
 ///   FILE:LINE:COLUMN: key: what was expected, what was found: what to do
@@ -18,7 +25,14 @@ namespace sweepd {
 /// exit code 78 on it.
 class ConfigError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit ConfigError(const std::string& text);
+  /// With the same text, a mistake in each line.
+  explicit ConfigError(std::vector<Mistake> mistakes);
+
+  [[nodiscard]] const std::vector<Mistake>& mistakes() const { return *mistakes_; }
+
+ private:
+  std::shared_ptr<const std::vector<Mistake>> mistakes_;  ///< a copy must not fail
 };
 
 /// Keeps what is wrong with a file until all of it is known.
@@ -30,17 +44,14 @@ class Mistakes {
     try {
       read();
     } catch (const ConfigError& error) {
-      add(error.what());
+      all_.insert(all_.end(), error.mistakes().begin(), error.mistakes().end());
     }
   }
-  void add(const std::string& mistake) { text_ += (text_.empty() ? "" : "\n") + mistake; }
-  /// Throws a ConfigError with all of them, if there are any.
-  void tell() const {
-    if (!text_.empty()) throw ConfigError(text_);
-  }
+  /// Throws a ConfigError with all of them, if there are any, from the top of the file down.
+  void tell() const;
 
  private:
-  std::string text_;
+  std::vector<Mistake> all_;
 };
 
 /// A key that has its place in another table of the file.
