@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -60,11 +61,24 @@ void check_krl(const SweepPlan& plan, const KrlOptions& krl) {
   if (!text.empty()) throw ConfigError(text);
 }
 
+constexpr std::string_view kProposed = "Proposed by `sweepd plan` from ";
+
 std::string remark(const PlanOptions& options, const Proposal& proposal) {
-  return "Proposed by `sweepd plan` from " + options.plan.filename().string() +
-         ", with wider sweeps of " + rsi::counted(proposal.steps.size(), "joint") +
+  return std::string(kProposed) + options.plan.filename().string() + ", with wider sweeps of " +
+         rsi::counted(proposal.steps.size(), "joint") +
          ".\nsweepd knows joint limits, but neither the cell nor the robot's own "
          "body:\ndrive every new range by hand in T1 first.";
+}
+
+/// Throws where the proposal could not be written, before it is computed. What only the proposal
+/// itself shows is left for then: that an earlier one is there and holds something else.
+void check_write_plan(const PlanOptions& options, const Outputs& outputs) {
+  if (!options.write_plan) return;
+  const std::filesystem::path& file = *options.write_plan;
+  outputs.check_made_again(file, "# " + std::string(kProposed));
+  const auto folder = std::filesystem::absolute(file).parent_path();
+  if (options.output && !std::filesystem::exists(folder)) return;  // may be made for the program
+  const OutputFile can_be_opened(file);
 }
 
 }  // namespace
@@ -103,6 +117,8 @@ int plan(const PlanOptions& options, std::ostream& out, std::ostream& errors) {
     program = krl_program(given, krl);
   }
 
+  const Outputs outputs({options.robot, options.plan}, options.force);
+  check_write_plan(options, outputs);
   const PlanOutlook outlook = look_ahead(robot, given, measurement);
   out << plan_text(robot, outlook, measurement);
   std::optional<Proposal> proposal;
@@ -128,8 +144,7 @@ int plan(const PlanOptions& options, std::ostream& out, std::ostream& errors) {
     files.emplace_back(base.string() + ".src", program->src);
     files.emplace_back(base.string() + ".dat", program->dat);
   }
-  write_edited(Outputs({options.robot, options.plan}, options.force),
-               program ? options.output : std::nullopt, files, out);
+  write_edited(outputs, program ? options.output : std::nullopt, files, out);
   return 0;
 }
 
