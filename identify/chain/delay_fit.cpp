@@ -61,7 +61,7 @@ class DelayFit {
   /// too. Nothing where they do not become small: the angles do not tell it then. One that grows
   /// may settle where one that does not has no single figure.
   std::optional<Delay> settled(bool with_rate) {
-    constexpr int kLeastRounds = 4, kMostRounds = 12;
+    constexpr int kLeastRounds = 4, kMostRounds = 40;
     constexpr double kSmall = 0.1;
     for (int round = 1; round <= kMostRounds; ++round) {
       const Delay before = delay_;
@@ -111,7 +111,11 @@ class DelayFit {
     const VectorXd found = factors.solve(right);
     const MatrixXd covariance = factors.solve(MatrixXd::Identity(count, count));
     if (!found.allFinite() || !(covariance(shared, shared) > 0)) return false;
-    delay_.late_s += found(shared);
+    // Where the joint gets to speed it does so faster than told() sees. A step goes too far then,
+    // and the next one back: from both the way between them is known (Aitken).
+    const double back = last_step_s_ != 0 ? std::max(0.0, -found(shared) / last_step_s_) : 0;
+    last_step_s_ = found(shared) / (1 + back);
+    delay_.late_s += last_step_s_;
     delay_.sigma_s = std::sqrt(covariance(shared, shared));
     if (with_rate) {
       delay_.rate += found(shared + 1) / span_s_;
@@ -324,6 +328,7 @@ class DelayFit {
   bool foreign_ = false;              ///< some joint's angles do not follow its positions
   std::vector<double> backlash_rad_;  ///< what each group's is like
   double span_s_ = 1;
+  double last_step_s_ = 0;
   Delay delay_;
 };
 

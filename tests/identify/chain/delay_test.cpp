@@ -179,6 +179,21 @@ TEST_CASE("one way at one speed tells no delay", "[delay]") {
   CHECK_FALSE(found_in(Simulation(some_robot(false, seed), {}, world, seed)));
 }
 
+TEST_CASE("one way, a delay is told by how joints get to speed and stop", "[delay]") {
+  const auto late_s = GENERATE(0.0, 0.02, 0.04, 0.3);
+  const auto seed = GENERATE(1U, 2U);
+  CAPTURE(late_s, seed);
+  Strokes strokes;
+  strokes.ramp = 0.03;
+  strokes.repeats = 2;
+  const auto found =
+      found_in(Simulation(some_robot(false, seed), strokes, tracker_with_angles(late_s), seed));
+  REQUIRE(found);
+  CHECK(std::abs(found->late_s - late_s) < 1e-4);
+  CHECK(std::abs(found->late_s - late_s) < 3 * found->sigma_s);
+  CHECK(is_significant(*found) == (late_s != 0));
+}
+
 TEST_CASE("where nothing was told between two samples, no delay is told by how fast the joint was",
           "[delay]") {
   for (std::uint32_t seed = 1; seed <= 8; ++seed) {
