@@ -256,8 +256,9 @@ class Adviser {
   void judge_curve(std::size_t j, const AngleEvidence& seen) {
     const JointResult& joint = found_.joints[j];
     const auto home = found_.home_rad[j];
+    if (!home || !joint.axis || seen.coherence <= kLeastCoherence) return;
     const auto curve = curve_swing(found_, j);
-    if (!home || !curve || !joint.axis || seen.coherence <= kLeastCoherence) return;
+    if (!curve) return;
     const double swing = curve->swing_rad;
     const Resolution& steps = campaign_.resolution;
     const auto moved = steps.time_s > 0 ? joint_motion(joint) : std::nullopt;

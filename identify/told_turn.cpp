@@ -119,10 +119,9 @@ std::optional<Warning> unlike_gears(const Identification& found, std::size_t j) 
   const double play_rad = std::abs(seen.backlash_rad);
   if (seen.backlash_sigma_rad > 0 && beyond(play_rad, seen.backlash_sigma_rad, 2 * late_rad))
     return doubt(play_rad, "one way against the other");
+  if (seen.trust != AngleTrust::smooth) return std::nullopt;
   const auto curve = curve_swing(found, j);
-  if (seen.trust != AngleTrust::smooth || !curve ||
-      !beyond(curve->swing_rad, seen.center_sigma_rad, late_rad))
-    return std::nullopt;
+  if (!curve || !beyond(curve->swing_rad, seen.center_sigma_rad, late_rad)) return std::nullopt;
   return doubt(curve->swing_rad, "along a curve");
 }
 
