@@ -188,9 +188,11 @@ void ChainProblem<Size>::set_effects(std::size_t u, const StrokeMoments& stroke,
     const Turns& home_turns = nodes_.homes[nodes_.home_of[nodes_.group[u]]];
     const auto home = polynomials(range.place(home_turns[seen.joint]));
     const Eigen::Vector3d from = seen.position_mm - stroke.circle.center_mm;
-    const Eigen::Vector3d& axial = stroke.circle.normal;
+    Eigen::Vector3d axial = stroke.circle.normal;
     const Eigen::Vector3d radial =
         stroke.linear ? stroke.arm : Eigen::Vector3d((from - axial.dot(from) * axial).normalized());
+    // Along the joint's axis, whichever way this stroke went: others share the figure.
+    if (pose.by_turn[seen.joint].template head<3>().dot(axial.cross(radial)) < 0) axial = -axial;
     const Eigen::Index at = shared + columns_.figure * static_cast<Eigen::Index>(seen.target);
     for (Eigen::Index m = 0; m < kFigureOrders; ++m) {
       const double value = here(m + 1) - home(m + 1);

@@ -375,6 +375,17 @@ TEST_CASE("Uncertainties hold for arcs that show how far they are from circles",
   CHECK(rms_z(campaigns_of(8, how, world)) < 1.3);
 }
 
+TEST_CASE("There and back, an arc that is no circle is the same one", "[effect_sizes][long]") {
+  simulation::World world = seen_without_angles();
+  world.shape.rms_mm = 0.05;
+  simulation::Strokes how;
+  how.arc_deg = 90;
+  how.samples = 300;
+  how.there_and_back = true;
+  world.angles = GENERATE(false, true);
+  CHECK(rms_z(campaigns_of(8, how, world)) < 1.3);
+}
+
 TEST_CASE("The budget says what sag has of the uncertainties", "[effect_sizes]") {
   const auto campaign = sagging(true).front();
   const auto found = identify::identify(campaign.sweeps(), campaign.campaign());
