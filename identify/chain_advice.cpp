@@ -32,6 +32,7 @@ class ChainAdviser {
   std::vector<Warning> run() {
     judge_samples();
     judge_uneven_joints(chain_.effects);
+    for (Warning& one : joints_along(found_, false)) warnings_.push_back(std::move(one));
     if (chain_.home_scatter_mm > kHomeScatter_mm)
       warn("home_not_shared", {},
            "from sweep to sweep the target stood off home by " + brief(chain_.home_scatter_mm) +
@@ -193,6 +194,30 @@ class ChainAdviser {
 };
 
 }  // namespace
+
+std::vector<Warning> joints_along(const Identification& found, bool beyond) {
+  // What a joint gives way under another one's weight is less.
+  constexpr double kHeld_rad = 0.1 * kDegree;
+  std::vector<Warning> warnings;
+  if (!found.chain) return warnings;
+  for (std::size_t swept = 0; swept < found.joints.size(); ++swept) {
+    std::string told;
+    double likeliest_rad = 0;
+    for (const ChainEffects::Along& one : found.chain->effects.along) {
+      if (one.swept != swept) continue;
+      const double rad = 2 * one.rad;  // from the begin of a sweep to its end
+      if (told.empty()) likeliest_rad = rad;
+      told += (told.empty() ? "" : " or ") + joint_name(one.joint) + " by about " +
+              (found.joints[one.joint].linear ? brief(kLinear_mm * rad) + " mm"
+                                              : brief(rad / kDegree) + "°");
+    }
+    if (told.empty() || (likeliest_rad > kHeld_rad) != beyond) continue;
+    warnings.push_back({"joint_along", swept,
+                        joint_name(swept) + ": while it was swept, another joint went along: " +
+                            told + ". Look after what holds it, and sweep this joint again"});
+  }
+  return warnings;
+}
 
 std::vector<Warning> advice_on_chain(const Identification& found) {
   return ChainAdviser(found).run();

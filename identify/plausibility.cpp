@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "identify/chain_advice.hpp"
 #include "identify/circle/joint_motion.hpp"
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/circle_fit.hpp"
@@ -279,6 +280,7 @@ void judge_plausibility(Identification& found, const Campaign& campaign) {
   if (auto contradiction = contradiction_of_specified(found, campaign))
     found.doubts.push_back(std::move(*contradiction));
   judge.judge_strokes(campaign.resolution);
+  for (Warning& one : joints_along(found, true)) found.doubts.push_back(std::move(one));
   judge_home(found, campaign.timed);
   judge_linear_joints(found);
   judge.judge_fit();

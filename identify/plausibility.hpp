@@ -16,8 +16,8 @@ inline constexpr double kOffCurve_mm = 10;
 
 /// Appends to `found.doubts` what in the data contradicts itself or what a built robot can be:
 ///   external_axis_moved, duplicate_sweep, strokes_disagree, circle_misfit, angle_arc_mismatch,
-///   device_moved, off_home, unit_factor, frame_mirrored, angles_negated, joints_exchanged,
-///   specified_contradicted.
+///   joint_along, device_moved, off_home, unit_factor, frame_mirrored, angles_negated,
+///   joints_exchanged, specified_contradicted.
 /// Every threshold is far beyond what noise, gears, load, drift and delay do: a doubt is no measure
 /// of accuracy.
 void judge_plausibility(Identification& found, const Campaign& campaign);

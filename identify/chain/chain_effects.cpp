@@ -65,11 +65,11 @@ EffectColumns::EffectColumns(const ChainEffects& shape, const ChainNodes& nodes)
     : targets(nodes.targets) {
   const auto turns = static_cast<Index>(nodes.known.size());
   if (shape.home_rad > 0 || shape.creep_rad > 0 || shape.drift_mm > 0 || shape.print_mm > 0 ||
-      shape.print_rad > 0 || shape.print_turn_rad > 0 || shape.any_stray())
+      shape.print_rad > 0 || shape.print_turn_rad > 0 || shape.any_stray() || !shape.along.empty())
     own = turns + 6;
   if (shape.print_rad > 0) own += turned = 9;
   if (shape.print_turn_rad > 0) own += swept = 2;
-  if (shape.creep_rad > 0) own += creep = turns;
+  if (shape.creep_rad > 0 || !shape.along.empty()) own += creep = turns;
   drift_bends = shape.drift_mm > 0 && nodes.sweeps_again();
   if (drift_bends || (shape.print_mm > 0 && bent_by_print(shape.print_mm, nodes))) own += bent = 3;
   if (shape.home_rad > 0 && shape.home_stays) stand = turns;
@@ -147,6 +147,12 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
       if (columns.creep > 0) {
         own.segment(columns.creeps(), turns) = creep;
         own(columns.creeps() + static_cast<Index>(stroke.content.joint)) = 0;
+      }
+      for (const ChainEffects::Along& one : effects.along) {
+        if (one.swept != stroke.content.joint) continue;
+        const auto k = static_cast<Index>(one.joint);
+        own(k) += one.off_rad * one.off_rad;
+        own(columns.creeps() + k) += one.rad * one.rad;
       }
       own.segment<3>(turns).setConstant(drift * (1 - in_common(nodes.group[u])));
       // Over a stroke of length T, the coefficient of a random walk's n-th Legendre polynomial has

@@ -96,6 +96,26 @@ struct ChainEffects {
   [[nodiscard]] bool any_stray() const {
     return std::any_of(stray_mm.begin(), stray_mm.end(), [](double mm) { return mm > 0; });
   }
+  /// One joint that goes on while another one sweeps, by far more than `creep_rad`: so far, as
+  /// that, and so far off home meanwhile. Of those that may have while one joint swept, the
+  /// likeliest comes first.
+  struct Along {
+    std::size_t swept = 0;
+    std::size_t joint = 0;
+    double rad = 0;
+    double off_rad = 0;
+  };
+  std::vector<Along> along;
+  /// So much of each: but not of what happened once.
+  [[nodiscard]] ChainEffects times(double share) const {
+    ChainEffects less = *this;
+    less.home_rad *= share;
+    less.creep_rad *= share;
+    less.drift_mm *= share;
+    less.steady_mm *= share;
+    for (double& figure_mm : less.figures_mm) figure_mm *= share;
+    return less;
+  }
   bool sag_told = false;  ///< that is known beforehand; else sweeps from several homes show it
 
   /// How far each joint may stand from where its printed angle says, one a joint: `zero_rad` of the

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "identify/chain/along_search.hpp"
 #include "identify/chain/chain_sag.hpp"
 #include "identify/chain/effect_sizes.hpp"
 #include "identify/chain/linearised_chain.hpp"
@@ -19,6 +20,9 @@ namespace {
 constexpr double kSways = 20;
 /// And of what happened once. With less, it is one explanation among others.
 constexpr double kHappened = 20;
+/// And of one joint that went along while another one swept: of simulated arms without one, the
+/// likeliest that there might have been had 8.
+constexpr double kAlong = 12;
 
 const Incident* likeliest(const std::vector<Incident>& all) {
   const auto one = std::min_element(
@@ -75,7 +79,10 @@ std::vector<Incident> EffectSearch::find_all(FittedChain& best) {
       if (take_if_likelier(best, first, other, 0)) shape = other;
     }
     find_creep(best, first, shape);
+    const ChainEffects without = shape;
     others = find_strays(best, first, shape);
+    for (ChainEffects along = without; find_along(best, first, along, others); shape = along)
+      others = find_strays(best, first, along);
   }
   if (nodes_.timed) {
     FittedChain from = best;
@@ -162,6 +169,16 @@ void EffectSearch::find_creep(FittedChain& best, const FittedChain& first, Chain
   shape = creeping;
 }
 
+bool EffectSearch::find_along(FittedChain& best, const FittedChain& first, ChainEffects& shape,
+                              const std::vector<Incident>& others) {
+  const Incident* other = likeliest(others);
+  const double here = other ? std::min(deviance_of(best), other->deviance) : deviance_of(best);
+  const auto found = likeliest_along(first, nodes_, effects_, shape, here - kAlong);
+  if (found.empty()) return false;
+  shape.along.insert(shape.along.end(), found.begin(), found.end());
+  return take_if_likelier(best, first, shape, kAlong);
+}
+
 // Beside what else there is, or in place of it.
 bool EffectSearch::may_creep(const FittedChain& best, const ChainEffects& shape) {
   if (!nodes_.sweeps_again()) return false;
@@ -172,9 +189,11 @@ bool EffectSearch::may_creep(const FittedChain& best, const ChainEffects& shape)
     ChainEffects effects = effects_;
     effects.drift_mm *= less;
     effects.home_rad *= less;
-    for (double mm = smallest_mm(best, nodes_); mm < kMostStray_mm; mm *= 4) {
+    double mm = smallest_mm(best, nodes_);
+    while (mm < kMostStray_mm) {
       effects.creep_rad = mm / reach;
       if (with.deviance(effects) < here) return true;
+      mm *= 4;
     }
   }
   return false;

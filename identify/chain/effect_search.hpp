@@ -28,6 +28,10 @@ class EffectSearch {
   void find_creep(FittedChain& best, const FittedChain& first, ChainEffects& shape);
   /// Whether the data tell of any of that.
   bool may_creep(const FittedChain& best, const ChainEffects& shape);
+  /// Where the data tell of one more joint that goes on while another one sweeps, and of that
+  /// rather than of the others, allows for it. Whether they do.
+  bool find_along(FittedChain& best, const FittedChain& first, ChainEffects& shape,
+                  const std::vector<Incident>& others);
   /// Takes strokes that are unlike the others for such, as long as nothing that was moved explains
   /// more. Returns all that explains about as much as what there is then.
   std::vector<Incident> find_strays(FittedChain& best, const FittedChain& first,

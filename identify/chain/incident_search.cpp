@@ -16,15 +16,6 @@ namespace {
 /// So much there may be of the other effects beside an incident.
 constexpr std::array kLess{0.0, 1.0 / 4, 1.0};
 
-ChainEffects less_of(ChainEffects effects, double times) {
-  effects.home_rad *= times;
-  effects.creep_rad *= times;
-  effects.drift_mm *= times;
-  effects.steady_mm *= times;
-  for (double& figure_mm : effects.figures_mm) figure_mm *= times;
-  return effects;
-}
-
 }  // namespace
 
 IncidentSearch::IncidentSearch(ChainNodes& nodes, const FittedChain& from, ChainEffects effects,
@@ -50,7 +41,7 @@ Incident IncidentSearch::sized(Incident incident, LinearisedChain& with) const {
   const Sizes sizes = sizes_of(incident.kind);
   incident.deviance = std::numeric_limits<double>::infinity();
   for (const double less : kLess) {
-    ChainEffects effects = less_of(effects_, less);
+    ChainEffects effects = effects_.times(less);
     const double without = less < 1 ? incident.deviance : with.deviance(effects) - kSeen;
     double least = std::min(without, incident.deviance);
     double& size = moves ? effects.moved_mm : effects.stray_mm[incident.unit];

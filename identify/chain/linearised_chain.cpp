@@ -109,6 +109,7 @@ std::vector<ChainEstimate::Part> LinearisedChain::parts() {
   home.home_stays = shape_.home_stays;
   home.creep_rad = shape_.creep_rad;
   home.home_times = shape_.home_times;
+  home.along = shape_.along;
   drift.drift_mm = shape_.drift_mm;
   drift.stray_mm = shape_.stray_mm;
   figure.figures_mm = shape_.figures_mm;

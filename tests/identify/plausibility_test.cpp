@@ -537,6 +537,32 @@ TEST_CASE("a joint that turns while another one is swept is a doubt, without ang
   }
 }
 
+TEST_CASE("a joint that goes along by little is told by how it bends an arc", "[plausibility]") {
+  const auto [swept, along] = GENERATE(table<std::size_t, std::size_t>({{2, 3}, {3, 1}, {5, 3}}));
+  const double by_deg = GENERATE(0.08, 2);
+  CAPTURE(swept, along, by_deg);
+  Strokes strokes;
+  strokes.there_and_back = true;
+  strokes.along = simulation::Along{swept, along, -by_deg / 2, by_deg};
+  const Simulation simulation(some_kr5(1), strokes, tracker(false), 1);
+  auto sweeps = simulation.sweeps();
+  forget_directions(sweeps);
+  const auto found = identify::identify(sweeps, simulation.campaign());
+  const auto& told = by_deg > 0.1 ? found.doubts : found.warnings;
+  const auto one = std::find_if(told.begin(), told.end(), [](const Warning& warning) {
+    return warning.code == "joint_along";
+  });
+  CAPTURE(found.reason);
+  REQUIRE(one != told.end());
+  CHECK(one->joint == swept);
+  CHECK_THAT(one->message, ContainsSubstring(joint_name(along) + " by about"));
+  if (by_deg > 0.1) return;
+  // A joint that gives way by so little is allowed for.
+  CHECK(found.status == Status::complete);
+  for (const double sigmas : simulation::errors_in_sigmas(simulation, found))
+    CHECK(std::abs(sigmas) < 4);
+}
+
 TEST_CASE("sweeps of one joint about different axes are a doubt", "[plausibility]") {
   Strokes strokes;
   strokes.repeats = 2;
