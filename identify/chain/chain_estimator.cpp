@@ -64,6 +64,7 @@ class Estimation {
     if (effects_.print_mm == 0 && !by_device_ && explained_by_print(best, false)) {
       effects_.print_mm = campaign_.resolution.position_mm;
       best = settled(best.fit.chain, best.noise, false);
+      if (by_print_alone(best)) search().size(best, with_places(effects_));
     }
     if (!by_print_alone(best)) {
       others_ = search().find_all(best);
@@ -146,6 +147,8 @@ class Estimation {
   /// Root mean square of what is left, in what printed numbers alone would leave.
   [[nodiscard]] double misprint(const FittedChain& fitted, bool with_orientation) const {
     ChainNoise printed = quantum_;
+    // At another home by its step, and by that of the first one.
+    if (nodes_.homes.size() > 1) printed.locked_rad *= std::sqrt(2.0);
     for (std::size_t j = 0; j < joints_; ++j)
       if (std::isinf(fitted.noise.swept_rad[j])) printed.swept_rad[j] = kFreeAngle;
     return misfit(fitted.fit.chain, nodes_, printed, with_orientation);
@@ -176,6 +179,14 @@ class Estimation {
     return !by_device_ && misprint(fitted, false) <= most;
   }
 
+  /// Where a locked joint stands, its printed angle tells to a step: at another home it is off
+  /// otherwise, and from stroke to stroke it may come back elsewhere within the step.
+  [[nodiscard]] ChainEffects with_places(ChainEffects shape) const {
+    shape.home_rad = nodes_.units.size() > 1 ? 1 : 0;
+    shape.offset_rad = nodes_.homes.size() > 1 ? 1 : 0;
+    return shape;
+  }
+
   /// Believes all angles, then takes back the worst joint's that does not stand the test, and so
   /// on.
   void believe_angles(FittedChain& best, std::vector<AngleEvidence>& evidence) {
@@ -194,9 +205,9 @@ class Estimation {
       for (ChainObservation& sample : nodes_.observations)
         if (std::isfinite(noise.swept_rad[sample.joint]))
           sample.turns[sample.joint] = sample.measured_turn;
-      effects_.told_rad = 0;
+      effects_.told_rad = effects_.home_rad = effects_.offset_rad = 0;
       FittedChain believed = settled(best.fit.chain, noise, false);
-      ChainEffects shape = effects_;
+      ChainEffects shape = with_places(effects_);
       shape.told_rad = 1;
       search().size(believed, shape);
       test_believed_angles(believed.fit.chain, nodes_, believed.noise, quantum_, evidence);
@@ -227,6 +238,7 @@ class Estimation {
     }
     nodes_.observations = free_nodes;
     effects_.print_mm = effects_.print_turn_rad = effects_.told_rad = 0;
+    effects_.home_rad = effects_.offset_rad = 0;
   }
 
   /// Of the angles that are not believed, what their gears have, now that it is known what strokes

@@ -93,6 +93,10 @@ std::vector<Case> cases() {
           "a controller's telegrams of " + std::to_string(decimals) + " decimals, " +
               (wobble ? "servo wobble 0.0005 deg" : "no wobble"),
           telegrams(decimals, wobble));
+  for (const int decimals : {3, 2, 1})
+    add("telegrams_two_homes_" + std::to_string(decimals),
+        "a controller's telegrams of " + std::to_string(decimals) + " decimals, two homes",
+        telegrams(decimals, true), two_homes);
   for (const int decimals : {4, 3, 2, 1}) {
     add("aligned_" + std::to_string(decimals),
         "the same, wobble, at home as drawn, where axes lie along the frame's",
@@ -212,6 +216,8 @@ std::vector<Case> cases() {
   world = tracker();
   world.shape.rms_mm = 0.02;
   add("arcs", "arcs that are no circles, 0.02 mm rms", world);
+  world.shape.rms_mm = 0.05;
+  add("arcs_back", "arcs that are no circles, 0.05 mm rms, there and back", world, back);
   for (const int size : {30, 60, 100}) {
     world = tracker();
     world.sag_arcsec = size;

@@ -118,3 +118,45 @@ TEST_CASE("one decimal makes a table no more certain than it is, at home along t
   CHECK(errors.sigma() < 1.3);
   CHECK(errors.most < 4.5);
 }
+
+namespace {
+
+/// Telegrams of KR 5 at homes off the printed grid: all errors in sigmas.
+simulation::robots::Spread errors_of_telegrams(const simulation::Strokes& how,
+                                               const simulation::World& world) {
+  simulation::robots::Spread errors;
+  for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+    const simulation::Simulation sim(simulation::robots::robot(seed), how, world, seed);
+    const auto found = identify::identify(sim.sweeps(), sim.campaign());
+    CHECK(found.status == Status::complete);
+    for (const double sigmas : simulation::errors_in_sigmas(sim, found)) errors.add(sigmas);
+  }
+  return errors;
+}
+
+}  // namespace
+
+TEST_CASE("where joints stand at a second home, few decimals tell to a step", "[coarse_print]") {
+  simulation::World world;
+  world.controller = world.angles = true;
+  world.decimals = GENERATE(1, 2);
+  world.wobble_deg = 0.0005;
+  CAPTURE(*world.decimals);
+  simulation::Strokes how = simulation::robots::strokes(200);
+  how.homes = 2;
+  const auto errors = errors_of_telegrams(how, world);
+  CHECK(errors.sigma() < 1.3);
+  CHECK(errors.most < 4.5);
+}
+
+TEST_CASE("joints that come home elsewhere by less than a step are seen to", "[coarse_print]") {
+  simulation::World world;
+  world.controller = world.angles = true;
+  world.decimals = GENERATE(1, 2);
+  world.wobble_deg = 0.0005;
+  world.home.sigma_deg = 0.002;
+  CAPTURE(*world.decimals);
+  const auto errors = errors_of_telegrams(simulation::robots::strokes(200), world);
+  CHECK(errors.sigma() < 1.3);
+  CHECK(errors.most < 4.5);
+}
