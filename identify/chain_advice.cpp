@@ -197,7 +197,7 @@ class ChainAdviser {
 
 std::vector<Warning> joints_along(const Identification& found, bool beyond) {
   // What a joint gives way under another one's weight is less.
-  constexpr double kHeld_rad = 0.1 * kDegree;
+  constexpr double kGivesWay_rad = 0.1 * kDegree;
   std::vector<Warning> warnings;
   if (!found.chain) return warnings;
   for (std::size_t swept = 0; swept < found.joints.size(); ++swept) {
@@ -211,7 +211,7 @@ std::vector<Warning> joints_along(const Identification& found, bool beyond) {
               (found.joints[one.joint].linear ? brief(kLinear_mm * rad) + " mm"
                                               : brief(rad / kDegree) + "°");
     }
-    if (told.empty() || (likeliest_rad > kHeld_rad) != beyond) continue;
+    if (told.empty() || (likeliest_rad > kGivesWay_rad) != beyond) continue;
     warnings.push_back({"joint_along", swept,
                         joint_name(swept) + ": while it was swept, another joint went along: " +
                             told + ". Look after what holds it, and sweep this joint again"});

@@ -10,14 +10,12 @@
 namespace identify {
 namespace {
 
-/// So much there may be of the other effects beside it.
-constexpr std::array kLess{0.0, 1.0 / 4, 1.0};
 /// From the middle of a stroke to its end. Less is a creep like others.
 constexpr std::array kSizes_deg{0.01, 0.04, 0.16, 0.64, 2.56};
 /// Than that a joint, or a target, stood elsewhere while the other one swept.
 constexpr double kBeyondPlace = 12;
 /// What is that much likelier is not the one for sure.
-constexpr double kAlike = 6;
+constexpr double kAboutAsLikely = 6;
 
 }  // namespace
 
@@ -42,7 +40,7 @@ std::vector<ChainEffects::Along> likeliest_along(const FittedChain& from, ChainN
     for (std::size_t joint = 0; joint < joints; ++joint) {
       if (swept == joint || !nodes.known[swept] || !nodes.known[joint]) continue;
       Pair& pair = pairs.emplace_back();
-      for (const double less : kLess) {
+      for (const double less : kLessBeside) {
         ChainEffects tried = effects.times(less);
         tried.stray_mm = shape.stray_mm;
         tried.along = with_one.along;
@@ -62,7 +60,7 @@ std::vector<ChainEffects::Along> likeliest_along(const FittedChain& from, ChainN
   if (pairs.empty() || !(pairs.front().deviance < below)) return found;
   for (Pair& pair : pairs) {
     if (pair.along().swept != pairs.front().along().swept ||
-        !(pair.deviance < pairs.front().deviance + kAlike))
+        !(pair.deviance < pairs.front().deviance + kAboutAsLikely))
       continue;
     const double rad = pair.along().rad;
     for (const double between : {rad / 2, rad * 2}) {

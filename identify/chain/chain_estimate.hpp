@@ -128,6 +128,9 @@ struct ChainEffects {
   double print_turn_rad = 0;  ///< and the sweeping joint's angle, where it is believed
 };
 
+/// So much there may be of these beside something that happened once.
+inline constexpr std::array kLessBeside{0.0, 1.0 / 4, 1.0};
+
 /// What makes an estimate uncertain: the samples' noise, and the effects.
 enum class Cause { noise, home, drift, figure, offset, print, sag, angles };
 [[nodiscard]] std::string_view text(Cause cause) noexcept;   ///< one word, for programs

@@ -22,7 +22,7 @@ constexpr double kSways = 20;
 constexpr double kHappened = 20;
 /// And of one joint that went along while another one swept: of simulated arms without one, the
 /// likeliest that there might have been had 8.
-constexpr double kAlong = 12;
+constexpr double kWentAlong = 12;
 
 const Incident* likeliest(const std::vector<Incident>& all) {
   const auto one = std::min_element(
@@ -173,10 +173,10 @@ bool EffectSearch::find_along(FittedChain& best, const FittedChain& first, Chain
                               const std::vector<Incident>& others) {
   const Incident* other = likeliest(others);
   const double here = other ? std::min(deviance_of(best), other->deviance) : deviance_of(best);
-  const auto found = likeliest_along(first, nodes_, effects_, shape, here - kAlong);
+  const auto found = likeliest_along(first, nodes_, effects_, shape, here - kWentAlong);
   if (found.empty()) return false;
   shape.along.insert(shape.along.end(), found.begin(), found.end());
-  return take_if_likelier(best, first, shape, kAlong);
+  return take_if_likelier(best, first, shape, kWentAlong);
 }
 
 // Beside what else there is, or in place of it.
@@ -185,7 +185,7 @@ bool EffectSearch::may_creep(const FittedChain& best, const ChainEffects& shape)
   LinearisedChain with(best.fit.chain, nodes_, best.noise, shape, false);
   const double here = with.deviance(effects_);
   const double reach = reach_mm(best.fit.chain, nodes_.known);
-  for (const double less : {0.0, 1.0 / 4, 1.0}) {
+  for (const double less : kLessBeside) {
     ChainEffects effects = effects_;
     effects.drift_mm *= less;
     effects.home_rad *= less;

@@ -1,7 +1,6 @@
 #include "identify/chain/incident_search.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -11,12 +10,6 @@
 #include <Eigen/Eigenvalues>
 
 namespace identify {
-namespace {
-
-/// So much there may be of the other effects beside an incident.
-constexpr std::array kLess{0.0, 1.0 / 4, 1.0};
-
-}  // namespace
 
 IncidentSearch::IncidentSearch(ChainNodes& nodes, const FittedChain& from, ChainEffects effects,
                                ChainEffects shape)
@@ -40,7 +33,7 @@ Incident IncidentSearch::sized(Incident incident, LinearisedChain& with) const {
   const bool moves = incident.kind == Incident::Kind::move;
   const Sizes sizes = sizes_of(incident.kind);
   incident.deviance = std::numeric_limits<double>::infinity();
-  for (const double less : kLess) {
+  for (const double less : kLessBeside) {
     ChainEffects effects = effects_.times(less);
     const double without = less < 1 ? incident.deviance : with.deviance(effects) - kSeen;
     double least = std::min(without, incident.deviance);
