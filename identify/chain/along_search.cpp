@@ -59,8 +59,8 @@ std::vector<ChainEffects::Along> likeliest_along(const FittedChain& from, ChainN
   std::vector<ChainEffects::Along> found;
   if (pairs.empty() || !(pairs.front().deviance < below)) return found;
   for (Pair& pair : pairs) {
-    if (pair.along().swept != pairs.front().along().swept ||
-        !(pair.deviance < pairs.front().deviance + kAboutAsLikely))
+    if (!(pair.deviance < pairs.front().deviance + kAboutAsLikely) ||
+        pair.along().swept != pairs.front().along().swept)
       continue;
     const double rad = pair.along().rad;
     for (const double between : {rad / 2, rad * 2}) {
