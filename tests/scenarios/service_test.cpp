@@ -189,9 +189,10 @@ TEST_CASE("the watchdog is not fed while a thread that serves the robot stands s
       while (Clock::now() < last + 4s && Clock::now() < began + kWatchdog)
         if (systemd.hears("WATCHDOG=1", 4s)) last = Clock::now();
       CHECK(last - began < kWatchdog / 2);
-      CHECK_THAT(
-          daemon.process().errors(),
-          Catch::Matchers::ContainsSubstring("kr5-arc: the " + thread + " thread stands still: "));
+      // On a machine that is busy the beats may stop before that is said.
+      const std::string said = "kr5-arc: the " + thread + " thread stands still: ";
+      eventually([&] { return daemon.process().errors().find(said) != std::string::npos; });
+      CHECK_THAT(daemon.process().errors(), Catch::Matchers::ContainsSubstring(said));
       if (thread == "acquisition") {
         // Replies don't need it.
         Streamer robot(daemon.port(), {});
