@@ -12,8 +12,6 @@ namespace {
 
 /// From the middle of a stroke to its end. Less is a creep like others.
 constexpr std::array kSizes_deg{0.01, 0.04, 0.16, 0.64, 2.56};
-/// Than that a joint, or a target, stood elsewhere while the other one swept.
-constexpr double kBeyondPlace = 12;
 /// What is that much likelier is not the one for sure.
 constexpr double kAboutAsLikely = 6;
 
@@ -21,7 +19,7 @@ constexpr double kAboutAsLikely = 6;
 
 std::vector<ChainEffects::Along> likeliest_along(const FittedChain& from, ChainNodes& nodes,
                                                  const ChainEffects& effects,
-                                                 const ChainEffects& shape, double below) {
+                                                 const ChainEffects& shape, double here) {
   ChainEffects with_one = shape;
   with_one.along.emplace_back();
   LinearisedChain with(from.fit.chain, nodes, from.noise, with_one, false);
@@ -50,14 +48,14 @@ std::vector<ChainEffects::Along> likeliest_along(const FittedChain& from, ChainN
           look(pair, tried);
           // Something that stood elsewhere meanwhile has to explain less.
           tried.along.back().rad = 0;
-          below = std::min(below, with.deviance(tried) - kBeyondPlace);
+          here = std::min(here, with.deviance(tried));
         }
       }
     }
   std::sort(pairs.begin(), pairs.end(),
             [](const Pair& one, const Pair& other) { return one.deviance < other.deviance; });
   std::vector<ChainEffects::Along> found;
-  if (pairs.empty() || !(pairs.front().deviance < below)) return found;
+  if (pairs.empty() || !(pairs.front().deviance < here - kWentAlong)) return found;
   for (Pair& pair : pairs) {
     if (!(pair.deviance < pairs.front().deviance + kAboutAsLikely) ||
         pair.along().swept != pairs.front().along().swept)

@@ -20,9 +20,6 @@ namespace {
 constexpr double kSways = 20;
 /// And of what happened once. With less, it is one explanation among others.
 constexpr double kHappened = 20;
-/// And of one joint that went along while another one swept: of simulated arms without one, the
-/// likeliest that there might have been had 8.
-constexpr double kWentAlong = 12;
 
 const Incident* likeliest(const std::vector<Incident>& all) {
   const auto one = std::min_element(
@@ -173,7 +170,7 @@ bool EffectSearch::find_along(FittedChain& best, const FittedChain& first, Chain
                               const std::vector<Incident>& others) {
   const Incident* other = likeliest(others);
   const double here = other ? std::min(deviance_of(best), other->deviance) : deviance_of(best);
-  const auto found = likeliest_along(first, nodes_, effects_, shape, here - kWentAlong);
+  const auto found = likeliest_along(first, nodes_, effects_, shape, here);
   if (found.empty()) return false;
   shape.along.insert(shape.along.end(), found.begin(), found.end());
   return take_if_likelier(best, first, shape, kWentAlong);
