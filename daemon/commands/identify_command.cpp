@@ -28,6 +28,7 @@
 #include "daemon/settings/robot_setup.hpp"
 #include "daemon/stream/session.hpp"
 #include "daemon/system/atomic_file.hpp"
+#include "daemon/system/process_state.hpp"
 #include "daemon/text/file_names.hpp"
 #include "daemon/text/progress.hpp"
 #include "identify/given_axes.hpp"
@@ -328,6 +329,7 @@ int identify_points(const IdentifyOptions& options, std::ostream& out, std::ostr
   }
   check(options);
   if (options.output) check_output(options);
+  keep_memory();
   const RobotSetup setup = load_setup(options.robot, options.plan);
   auto formats = nlohmann::ordered_json::object();
   const Outcome outcome = options.axes ? identified_axes(options, setup)

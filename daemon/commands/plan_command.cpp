@@ -14,6 +14,7 @@
 #include "daemon/plan/plan_proposal.hpp"
 #include "daemon/plan/plan_text.hpp"
 #include "daemon/settings/toml_table.hpp"
+#include "daemon/system/process_state.hpp"
 #include "daemon/text/progress.hpp"
 #include "rsi/counted.hpp"
 
@@ -103,6 +104,7 @@ KrlOptions PlanOptions::krl_options(const RobotDescription& of) const {
 }
 
 int plan(const PlanOptions& options, std::ostream& out, std::ostream& errors) {
+  keep_memory();
   check_krl_options(options);
   if (options.poses.count > 0) return plan_static_poses(options, out);
   check(options);

@@ -3,7 +3,6 @@
 #include <future>
 
 #include <CLI/CLI.hpp>
-#include <malloc.h>
 #include <nlohmann/json.hpp>
 
 #include "daemon/commands/command_options.hpp"
@@ -20,6 +19,7 @@
 #include "daemon/stream/traces.hpp"
 #include "daemon/system/atomic_file.hpp"
 #include "daemon/system/line_file.hpp"
+#include "daemon/system/process_state.hpp"
 #include "daemon/text/file_names.hpp"
 #include "rsi/capture/capture_reader.hpp"
 
@@ -83,15 +83,6 @@ void write_run_file(const ReplayOptions& options, const rsi::ConversationSearch&
   if (search.chosen) given["conversation"] = text(*search.chosen);
   write_atomically(*options.output / file_names::kRun,
                    run_json("replay", given, options.arguments, inputs));
-}
-
-/// What one step gives back, the next one takes: pages that come anew from the system would be as
-/// much work as what is written into them.
-void keep_memory() {
-  // NOLINTBEGIN(concurrency-mt-unsafe): there is no other thread yet
-  mallopt(M_MMAP_THRESHOLD, 32 << 20);
-  mallopt(M_TRIM_THRESHOLD, 64 << 20);
-  // NOLINTEND(concurrency-mt-unsafe)
 }
 
 /// On the session's second thread. Of a device's recording only the angles are touched there.

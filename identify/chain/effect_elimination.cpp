@@ -35,69 +35,112 @@ void add(MatrixXd& sum, Index first, Index parameters, const MatrixXd& products,
 // Registers hold two numbers, four or more: what is built for all processors of its kind takes the
 // loop that its own has. Operations and their order are the same, and so is what comes out.
 #if defined(__x86_64__) && !defined(__clang__)
-#define SWEEPD_WIDE __attribute__((target_clones("default", "avx2")))
+#define SWEEPD_WIDE \
+  __attribute__((target_clones("default", "avx2", "avx512f"), optimize("fp-contract=off")))
 #else
 #define SWEEPD_WIDE
 #endif
 
-constexpr Index kAtOnce = 4;  ///< columns: what they are taken from is read and written less often
+constexpr Index kAtOnce = 4;  ///< columns: each number is read once for all of them
 
-/// Takes from a column the others that begin beside it, `step` numbers apart, each times its first
-/// number: a column of L L^T from one of a matrix.
-SWEEPD_WIDE void take_columns(double* __restrict from, Index size, const double* others, Index step,
-                              Index count) {
+/// Takes from four neighbouring columns, `next` numbers apart, the others that begin beside them,
+/// `step` numbers apart, times their first number for the first column, their second for the next:
+/// columns of L L^T from those of a matrix. The count of the others is a multiple of four.
+SWEEPD_WIDE void take_columns(double* __restrict first, Index next, Index size,
+                              const double* others, Index step, Index count) {
+  double* __restrict second = first + next, * __restrict third = second + next, * __restrict fourth = third + next;
   for (Index k = 0; k < count; k += kAtOnce) {
     const double *const a = others + k * step, *const b = a + step, *const c = b + step,
                         *const d = c + step;
-    const double first_a = *a, first_b = *b, first_c = *c, first_d = *d;
-    for (Index i = 0; i < size; ++i)
-      from[i] -= first_a * a[i] + first_b * b[i] + first_c * c[i] + first_d * d[i];
+    const double a1 = a[0], a2 = a[1], a3 = a[2], a4 = a[3];
+    const double b1 = b[0], b2 = b[1], b3 = b[2], b4 = b[3];
+    const double c1 = c[0], c2 = c[1], c3 = c[2], c4 = c[3];
+    const double d1 = d[0], d2 = d[1], d3 = d[2], d4 = d[3];
+    for (Index i = 0; i < size; ++i) {
+      first[i] -= a1 * a[i] + b1 * b[i] + c1 * c[i] + d1 * d[i];
+      second[i] -= a2 * a[i] + b2 * b[i] + c2 * c[i] + d2 * d[i];
+      third[i] -= a3 * a[i] + b3 * b[i] + c3 * c[i] + d3 * d[i];
+      fourth[i] -= a4 * a[i] + b4 * b[i] + c4 * c[i] + d4 * d[i];
+    }
   }
 }
 
-/// Adds what is left of products to `sum`.
-// Cholesky's elimination, in units of the effects' own standard deviations, so that a variance may
-// be zero: what has none is left out. A matrix is small here, and Eigen's blocks cost more than
-// they save.
-void add_without_effects(const MatrixXd& products, const VectorXd& variances, MatrixXd& sum,
-                         double& log_determinant) {
-  const Index rest = products.rows() - variances.size();
-  if (sum.size() == 0) sum = MatrixXd::Zero(rest, rest);
-  for (Index c = 0; c < rest; ++c)
-    sum.col(c).tail(rest - c) += products.col(variances.size() + c).tail(rest - c);
+Index whole_panels(Index columns) {
+  return (columns + kAtOnce - 1) / kAtOnce * kAtOnce;
+}
+
+/// Cholesky's factor L of the effects' products in units of the effects' own standard deviations
+/// and the unit matrix, with L^-1 times their products with the rest below it; the effects that
+/// have no variance are left out. Zero where the effects are so large that products are no squares.
+// A matrix is small here, and Eigen's blocks cost more than they save.
+MatrixXd factor_of(const MatrixXd& products, const VectorXd& variances, double& log_determinant) {
   std::vector<Index> effects;
-  for (Index k = 0; k < variances.size(); ++k)
-    if (variances(k) != 0) effects.push_back(k);
-  if (effects.empty()) return;
-  const auto count = static_cast<Index>(effects.size());
-  const Index rows = count + rest;  // effects, then the rest
-  MatrixXd factor = MatrixXd::Zero(rows, (count + kAtOnce - 1) / kAtOnce * kAtOnce);
-  VectorXd column(rows);
   double largest = 0;
-  for (const Index effect : effects)
-    largest = std::max(largest, 1 + variances(effect) * products(effect, effect));
+  for (Index k = 0; k < variances.size(); ++k) {
+    if (variances(k) == 0) continue;
+    effects.push_back(k);
+    largest = std::max(largest, 1 + variances(k) * products(k, k));
+  }
   // The unit matrix and squares have no pivot below one. A node's sums are no squares, since its
   // polynomial has both signs: of effects so large that this shows, they tell nothing.
   constexpr double kRounding = 1e-14;
   const double least = 0.99 - kRounding * largest;
-  for (Index c = 0; c < count; ++c) {
-    const Index effect = effects[static_cast<std::size_t>(c)], below = rows - c;
-    const double sigma = std::sqrt(variances(effect));
-    for (Index r = c; r < count; ++r) {
-      const Index other = effects[static_cast<std::size_t>(r)];
-      column(r) = sigma * std::sqrt(variances(other)) * products(other, effect);
+  const auto count = static_cast<Index>(effects.size());
+  const Index rest = products.rows() - variances.size(), rows = count + rest;
+  MatrixXd factor = MatrixXd::Zero(rows + kAtOnce, whole_panels(count));
+  Eigen::Matrix<double, Eigen::Dynamic, kAtOnce> panel;
+  for (Index first = 0; first < count; first += kAtOnce) {
+    const Index end = std::min(first + kAtOnce, count);
+    panel.setZero(rows - first, kAtOnce);
+    for (Index c = first; c < end; ++c) {
+      const Index effect = effects[static_cast<std::size_t>(c)];
+      const double sigma = std::sqrt(variances(effect));
+      auto column = panel.col(c - first);
+      for (Index r = c; r < count; ++r) {
+        const Index other = effects[static_cast<std::size_t>(r)];
+        column(r - first) = sigma * std::sqrt(variances(other)) * products(other, effect);
+      }
+      column.tail(rest) = sigma * products.col(effect).tail(rest);
+      column(c - first) += 1;
     }
-    column.tail(rest) = sigma * products.col(effect).tail(rest);
-    column(c) += 1;
-    take_columns(&column(c), below, &factor(c, 0), rows, c);
-    const double pivot = column(c);
-    if (!(pivot > least)) log_determinant = std::numeric_limits<double>::infinity();
-    if (!(pivot > 0)) return;
-    log_determinant += std::log(pivot);
-    factor.col(c).tail(below) = column.tail(below) / std::sqrt(pivot);
+    take_columns(panel.data(), panel.rows(), panel.rows(), &factor(first, 0), factor.rows(), first);
+    for (Index c = first; c < end; ++c) {
+      auto column = panel.col(c - first).tail(rows - c);
+      for (Index k = first; k < c; ++k) column -= factor(c, k) * factor.col(k).segment(c, rows - c);
+      const double pivot = column(0);
+      if (!(pivot > least)) log_determinant = std::numeric_limits<double>::infinity();
+      if (!(pivot > 0)) return MatrixXd::Zero(factor.rows(), 0);
+      log_determinant += std::log(pivot);
+      factor.col(c).segment(c, rows - c) = column / std::sqrt(pivot);
+    }
   }
-  for (Index c = 0; c < rest; ++c)
-    take_columns(&sum(c, c), rest - c, &factor(count + c, 0), rows, count);
+  return factor;
+}
+
+/// Adds what is left of products to `sum`; as the first one, where that is empty. What is above the
+/// diagonal has no meaning.
+void add_without_effects(const MatrixXd& products, const VectorXd& variances, MatrixXd& sum,
+                         double& log_determinant) {
+  const Index rest = products.rows() - variances.size();
+  const bool is_first = sum.size() == 0;
+  if (is_first) sum.resize(rest, rest);
+  for (Index c = 0; c < rest; ++c) {
+    const auto from = products.col(variances.size() + c).tail(rest - c);
+    if (is_first)
+      sum.col(c).tail(rest - c) = from;
+    else
+      sum.col(c).tail(rest - c) += from;
+  }
+  const MatrixXd factor = factor_of(products, variances, log_determinant);
+  if (factor.cols() == 0) return;
+  const Index beside = factor.rows() - kAtOnce - rest;
+  Index c = 0;
+  for (; c + kAtOnce <= rest; c += kAtOnce)
+    take_columns(&sum(c, c), sum.rows(), rest - c, &factor(beside + c, 0), factor.rows(),
+                 factor.cols());
+  for (; c < rest; ++c)
+    for (Index r = c; r < rest; ++r)
+      sum(r, c) -= factor.row(beside + r).dot(factor.row(beside + c));
 }
 
 }  // namespace
@@ -123,7 +166,7 @@ namespace {
 void take_out(const std::vector<MatrixXd>& ones, const std::vector<VectorXd>& variances,
               const std::vector<std::size_t>& whose, std::vector<MatrixXd>& sums,
               double& log_determinant) {
-  for (MatrixXd& sum : sums) sum.setZero();
+  for (MatrixXd& sum : sums) sum.resize(0, 0);
   for (std::size_t k = 0; k < ones.size(); ++k) {
     if (ones[k].size() > 0)  // or no stroke is of it
       add_without_effects(ones[k], variances[k], sums[whose[k]], log_determinant);

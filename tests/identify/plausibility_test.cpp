@@ -306,7 +306,7 @@ TEST_CASE("a base that was turned about one joint's axis between sweeps is a dou
   }
 }
 
-TEST_CASE("what a target near an axis is off by counts at that target", "[plausibility]") {
+TEST_CASE("what a target near an axis is off by counts at that target", "[plausibility][long]") {
   // Homes off by 0.002 degrees move each marker by about a tenth of a millimetre.
   World world = tracker(true);
   world.home.sigma_deg = 0.002;
@@ -537,7 +537,8 @@ TEST_CASE("a joint that turns while another one is swept is a doubt, without ang
   }
 }
 
-TEST_CASE("a joint that goes along by little is told by how it bends an arc", "[plausibility]") {
+TEST_CASE("a joint that goes along by little is told by how it bends an arc",
+          "[plausibility][long]") {
   const auto [swept, along] = GENERATE(table<std::size_t, std::size_t>({{2, 3}, {3, 1}, {5, 3}}));
   const double by_deg = GENERATE(0.08, 2);
   CAPTURE(swept, along, by_deg);

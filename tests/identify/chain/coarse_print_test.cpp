@@ -33,7 +33,7 @@ Arm some_arm(std::uint32_t seed) {
 }  // namespace
 
 TEST_CASE("positions with one decimal and without angles make a table no more certain than it is",
-          "[coarse_print]") {
+          "[coarse_print][long]") {
   constexpr double kStep_mm = 0.1;
   simulation::robots::Spread errors;
   for (std::uint32_t seed = 1; seed <= 8; ++seed) {

@@ -95,7 +95,7 @@ TEST_CASE("a linear unit whose sweeps begin elsewhere each time makes no delay a
 }
 
 TEST_CASE("stamps that are printed with few decimals make no delay of even sweeps one way",
-          "[delay]") {
+          "[delay][long]") {
   for (std::uint32_t seed = 1; seed <= 12; ++seed) {
     CAPTURE(seed);
     World world = tracker_with_angles(0);
@@ -195,7 +195,7 @@ TEST_CASE("one way, a delay is told by how joints get to speed and stop", "[dela
 }
 
 TEST_CASE("where nothing was told between two samples, no delay is told by how fast the joint was",
-          "[delay]") {
+          "[delay][long]") {
   for (std::uint32_t seed = 1; seed <= 8; ++seed) {
     CAPTURE(seed);
     const Simulation simulation(some_robot(false, seed), both_ways(0), tracker_with_angles(0),
