@@ -1,6 +1,8 @@
 #include "identify/poses/pose_step.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 
 #include <Eigen/Cholesky>
@@ -22,9 +24,20 @@ constexpr std::size_t kFewestBeside = 4;
 constexpr double kStepShare = 1e-3;
 /// For all places that are looked at.
 constexpr double kStepByChance = 1e-3;
-/// A step explains 1.33 times as much as a steady drift where it is in the middle, and more
-/// elsewhere; a steady drift 1.33 times as much as a step.
-constexpr double kSudden = 1.2;
+/// A step explains at least 1.23 times as much as any smooth motion does, and a smooth motion as
+/// much more than a step.
+constexpr double kSudden = 1.05;
+
+/// How what drifts goes on from the first stand, at 0, to the last, at 1: steadily, as what warms
+/// up in a part of the time, or to and fro once, from any place of its way.
+std::vector<std::function<double(double)>> smooth_motions() {
+  std::vector<std::function<double(double)>> all{[](double at) { return at; }};
+  for (const double part : {0.05, 0.1, 0.2, 0.4})
+    all.emplace_back([part](double at) { return std::exp(-at / part); });
+  for (const double begin : {0.0, 0.25, 0.5, 0.75})
+    all.emplace_back([begin](double at) { return std::cos(kPi * (2 * at + begin)); });
+  return all;
+}
 
 /// The chance of a larger chi-square.
 double chance_of_larger(double square, Index degrees) {
@@ -178,13 +191,17 @@ class StepSearch {
     return count > 0 ? std::sqrt(std::max(0.0, square - by_noise) / count) : 0;
   }
 
-  /// Chi-square of the same that moves on by as much from stand to stand.
+  /// The largest chi-square of the same that moves on smoothly.
   [[nodiscard]] double drifting(const MovedPart& moved) const {
-    StepScore all = none();
-    for (std::size_t k = 0; k < scores_.size(); ++k)
-      all.add(scores_[k], static_cast<double>(k) / static_cast<double>(scores_.size()) - 0.5);
-    const auto found = solved(all, moved);
-    return found ? found->square : 0;
+    double largest = 0;
+    for (const auto& motion : smooth_motions()) {
+      StepScore all = none();
+      for (std::size_t k = 0; k < scores_.size(); ++k)
+        all.add(scores_[k],
+                motion(static_cast<double>(k) / static_cast<double>(scores_.size() - 1)));
+      if (const auto found = solved(all, moved)) largest = std::max(largest, found->square);
+    }
+    return largest;
   }
 
   const PoseFit& fit_;

@@ -29,7 +29,7 @@ struct PoseStep {
   /// By how much it has the fit's fixed parameters off.
   Eigen::VectorXd bias;
   bool seen = false;    ///< by chance in one of a thousand files, if the noise is as the fit has it
-  bool sudden = false;  ///< a move at one place explains much more than a steady drift
+  bool sudden = false;  ///< a move at one place explains more than any smooth motion
 };
 
 /// Nothing is seen in the first and the last few poses.
