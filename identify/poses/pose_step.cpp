@@ -33,9 +33,10 @@ constexpr double kSudden = 1.05;
 std::vector<std::function<double(double)>> smooth_motions() {
   std::vector<std::function<double(double)>> all{[](double at) { return at; }};
   for (const double part : {0.05, 0.1, 0.2, 0.4})
-    all.emplace_back([part](double at) { return std::exp(-at / part); });
+    all.emplace_back([part](double at) { return 1 - std::exp(-at / part); });
   for (const double begin : {0.0, 0.25, 0.5, 0.75})
-    all.emplace_back([begin](double at) { return std::cos(kPi * (2 * at + begin)); });
+    all.emplace_back(
+        [begin](double at) { return std::cos(kPi * (2 * at + begin)) - std::cos(kPi * begin); });
   return all;
 }
 
