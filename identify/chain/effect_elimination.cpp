@@ -48,7 +48,9 @@ constexpr Index kAtOnce = 4;  ///< columns: each number is read once for all of 
 /// columns of L L^T from those of a matrix. The count of the others is a multiple of four.
 SWEEPD_WIDE void take_columns(double* __restrict first, Index next, Index size,
                               const double* others, Index step, Index count) {
-  double* __restrict second = first + next, * __restrict third = second + next, * __restrict fourth = third + next;
+  double* __restrict second = first + next;
+  double* __restrict third = second + next;
+  double* __restrict fourth = third + next;
   for (Index k = 0; k < count; k += kAtOnce) {
     const double *const a = others + k * step, *const b = a + step, *const c = b + step,
                         *const d = c + step;

@@ -36,8 +36,8 @@ struct Eliminated {
   double log_determinant = 0;  ///< of V, but for that of the weights: log |I + D Z^T W Z|
 };
 /// Takes the first columns, effects with these variances, out of products; what is left is of the
-/// other columns. Of both, which are symmetric, the lower triangle counts: no other is read or
-/// written. Adds to the logarithm of V's determinant.
+/// other columns. Of both, which are symmetric, the lower triangle counts: of the products no other
+/// is read, and of what is left no other has a meaning. Adds to the logarithm of V's determinant.
 [[nodiscard]] Eigen::MatrixXd without_effects(const Eigen::MatrixXd& products,
                                               const Eigen::VectorXd& variances,
                                               double& log_determinant);

@@ -29,7 +29,8 @@ constexpr double kStepByChance = 1e-3;
 constexpr double kSudden = 1.05;
 
 /// How what drifts goes on from the first stand, at 0, to the last, at 1: steadily, as what warms
-/// up in a part of the time, or to and fro once, from any place of its way.
+/// up in a part of the time, or to and fro once, from any place of its way. All begin at nothing:
+/// where sweeps tell the frame, too, the first poses are in it.
 std::vector<std::function<double(double)>> smooth_motions() {
   std::vector<std::function<double(double)>> all{[](double at) { return at; }};
   for (const double part : {0.05, 0.1, 0.2, 0.4})
