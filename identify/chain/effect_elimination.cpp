@@ -67,13 +67,10 @@ SWEEPD_WIDE void take_columns(double* __restrict first, Index next, Index size,
   }
 }
 
-Index whole_panels(Index columns) {
-  return (columns + kAtOnce - 1) / kAtOnce * kAtOnce;
-}
-
 /// Cholesky's factor L of the effects' products in units of the effects' own standard deviations
 /// and the unit matrix, with L^-1 times their products with the rest below it; the effects that
-/// have no variance are left out. Zero where the effects are so large that products are no squares.
+/// have no variance are left out. No columns where effects are so large that products are no
+/// squares.
 // A matrix is small here, and Eigen's blocks cost more than they save.
 MatrixXd factor_of(const MatrixXd& products, const VectorXd& variances, double& log_determinant) {
   std::vector<Index> effects;
@@ -89,7 +86,7 @@ MatrixXd factor_of(const MatrixXd& products, const VectorXd& variances, double& 
   const double least = 0.99 - kRounding * largest;
   const auto count = static_cast<Index>(effects.size());
   const Index rest = products.rows() - variances.size(), rows = count + rest;
-  MatrixXd factor = MatrixXd::Zero(rows + kAtOnce, whole_panels(count));
+  MatrixXd factor = MatrixXd::Zero(rows + kAtOnce, (count + kAtOnce - 1) / kAtOnce * kAtOnce);
   Eigen::Matrix<double, Eigen::Dynamic, kAtOnce> panel;
   for (Index first = 0; first < count; first += kAtOnce) {
     const Index end = std::min(first + kAtOnce, count);
