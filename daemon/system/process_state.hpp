@@ -17,9 +17,9 @@ struct ProcessState {
 /// a limit of 1024.
 void allow_open_files() noexcept;
 
-/// Of what it frees, this program keeps some 64 MB for what comes next: where steps give back and
-/// take large blocks, pages that come anew from the system cost a quarter of the time. For what
-/// computes and ends, before it has other threads.
+/// Of what it frees, this program keeps some 64 MB for what comes next: one step takes what another
+/// one gives back, and pages that come anew from the system would be work. For what computes and
+/// ends, before it has other threads.
 void keep_memory() noexcept;
 
 /// Now. What cannot be read is zero.
