@@ -138,10 +138,11 @@ void RobotService::say_real_time(const RealTimeReport& report) {
 RobotService::Steady::time_point RobotService::turn() {
   ++acquisition_beats_;
   if (!session_) take_over();
+  const auto heard = server_->heard_until();  // what came before is drained now
   const bool all = drain();
   if (link_wanted_.exchange(false)) say_link();
   const auto now = Steady::now();
-  if (session_ && now - last_datagram_ > inputs_.settings.silence) {
+  if (all && session_ && heard - last_datagram_ > inputs_.settings.silence) {
     session_log_.note("RSI has been silent for {} ms: the stream has ended",
                       inputs_.settings.silence.count());
     end_session();

@@ -85,7 +85,8 @@ LiveCapture::Look LiveCapture::next(Datagram& datagram, PacketHeaders& headers) 
   pcap_pkthdr* header = nullptr;
   const u_char* bytes = nullptr;
   int result = pcap_next_ex(capture_.get(), &header, &bytes);
-  if (result == 0) {
+  waited_ = result == 0;
+  if (waited_) {
     // Left to itself, libpcap waits for ever where nothing comes.
     pollfd room{pcap_get_selectable_fd(capture_.get()), POLLIN, 0};
     ::poll(&room, 1, static_cast<int>(longest_look_.count()));

@@ -39,6 +39,8 @@ class LiveCapture {
   };
   /// The payload is valid until the next call.
   [[nodiscard]] Look next(Datagram& datagram, PacketHeaders& headers);
+  /// The last next() had to wait: all that had come longest_look before it began was handed out.
+  [[nodiscard]] bool waited() const noexcept { return waited_; }
 
   /// Packets that passed by, and that this program was too slow for.
   [[nodiscard]] std::uint64_t missed();
@@ -57,6 +59,7 @@ class LiveCapture {
   std::chrono::steady_clock::time_point asked_;  // whether it is up
   std::unique_ptr<pcap, Close> capture_;
   LinkLayer layer_{};
+  bool waited_ = false;
   CaptureCounters counters_;
 };
 

@@ -103,6 +103,12 @@ class Server {
   /// What a person should know, a sentence each; nothing where there is no more. Any thread.
   [[nodiscard]] virtual std::optional<std::string> remark() { return std::nullopt; }
 
+  /// All that had come by then is in datagrams(), or was counted: what has not come since is
+  /// silence, also behind a standstill of this program. Any thread.
+  [[nodiscard]] Callers::Time heard_until() const noexcept {
+    return Callers::Time(Callers::Time::duration(heard_until_));
+  }
+
   /// The stream has ended: where no controller is configured, the next one is served.
   void forget_controller() noexcept { forget_ = true; }
 
@@ -133,7 +139,10 @@ class Server {
   [[nodiscard]] std::chrono::milliseconds longest_look() const noexcept;
   [[nodiscard]] Callers::Time clock() const noexcept { return options_.clock(); }
   /// A look that began at `time` took all there was, and that was served.
-  void heard_all_until(Callers::Time time) noexcept { callers_.heard_all_until(time); }
+  void heard_all_until(Callers::Time time) noexcept {
+    callers_.heard_all_until(time);
+    heard_until_ = time.time_since_epoch().count();
+  }
   void beat() noexcept { beats_.fetch_add(1, std::memory_order_relaxed); }
   void add_foreign(std::uint64_t count) noexcept { foreign_ += count; }
   /// They may have been the controller's.
@@ -175,6 +184,7 @@ class Server {
   std::atomic<bool> stopping_{false};
   std::atomic<bool> serving_{false};
   std::atomic<bool> forget_{false};
+  std::atomic<Callers::Time::rep> heard_until_{0};
   Endpoint answered_last_;
   std::atomic<std::uint64_t> beats_{0};
   std::atomic<std::uint64_t> answered_{0}, superseded_{0}, unanswerable_{0}, foreign_{0},

@@ -64,6 +64,8 @@ void Tap::look() {
   Datagram datagram;
   PacketHeaders headers;
   const auto look = capture_->next(datagram, headers);
+  if (look != LiveCapture::Look::gone && capture_->waited())
+    heard_all_until(looking - settings_.capture.longest_look);
   switch (look) {
     case LiveCapture::Look::datagram:
     case LiveCapture::Look::segment: {
@@ -79,7 +81,6 @@ void Tap::look() {
       break;
     case LiveCapture::Look::nothing:
       if (looking - heard_ > kSettled) copies_.settle();
-      heard_all_until(looking);
       set_missed(missed_before_ + capture_->missed());
       listen_elsewhere();
       break;
@@ -96,6 +97,7 @@ void Tap::look() {
 }
 
 void Tap::open_again() {
+  heard_all_until(clock());  // nothing comes from there
   if (clock() - tried_ < 1s) {
     std::this_thread::sleep_for(20ms);
     return;

@@ -291,31 +291,43 @@ def tagged(folder, exchange):
     check(seen == [payload for _, _, payload in exchange], "tagged:", len(seen), len(exchange))
 
 
+SILENCE_MS = 2500
+
+
+@contextlib.contextmanager
+def standing_still(process):
+    """For longer than a stream may be silent, whatever is sent meanwhile."""
+    process.process.send_signal(signal.SIGSTOP)
+    until = time.monotonic() + SILENCE_MS / 1000 + 0.5
+    yield
+    time.sleep(max(0, until - time.monotonic()))
+    process.process.send_signal(signal.SIGCONT)
+    time.sleep(0.3)
+
+
+def pass_by(first, last, pause):
+    """Telegrams and their replies, of these cycles; returns how many packets they are."""
+    with socket.socket(socket.AF_PACKET, socket.SOCK_RAW) as wire:
+        wire.bind(("tap0", 0))
+        for cycle in range(first, last):
+            number = f"<IPOC>{4 * cycle}</IPOC>".encode()
+            wire.send(b"\x02" * 12 + b"\x08\x00" +
+                      ip_packet(True, (50000, PORT), b"<Rob Type=\"KUKA\">" + number + b" " * 900 + b"</Rob>", 0))
+            wire.send(b"\x02" * 12 + b"\x08\x00" +
+                      ip_packet(False, (PORT, 50000), b"<Sen Type=\"ImFree\">" + number + b"</Sen>", 0))
+            time.sleep(pause)
+    return 2 * (last - first)
+
+
 def stopped(folder):
     """The tap stands still while more passes than the kernel keeps for it: what is missed is counted."""
     tap = Process(folder, "stopped", sweepd, "watch", "--interface", "tap1", "--config",
-                  settings(folder, "stopped", "0.0.0.0", 2500))
+                  settings(folder, "stopped", "0.0.0.0", SILENCE_MS))
     check(tap.says("watching UDP"), tap.said())
-    sent = 0
-    with socket.socket(socket.AF_PACKET, socket.SOCK_RAW) as wire:
-        wire.bind(("tap0", 0))
-
-        def send(first, last, pause):
-            for cycle in range(first, last):
-                number = f"<IPOC>{4 * cycle}</IPOC>".encode()
-                wire.send(b"\x02" * 12 + b"\x08\x00" +
-                          ip_packet(True, (50000, PORT), b"<Rob Type=\"KUKA\">" + number + b" " * 900 + b"</Rob>", 0))
-                wire.send(b"\x02" * 12 + b"\x08\x00" +
-                          ip_packet(False, (PORT, 50000), b"<Sen Type=\"ImFree\">" + number + b"</Sen>", 0))
-                time.sleep(pause)
-            return 2 * (last - first)
-
-        sent += send(1000, 1100, 0.001)
-        tap.process.send_signal(signal.SIGSTOP)
-        sent += send(1100, 15000, 0)
-        tap.process.send_signal(signal.SIGCONT)
-        time.sleep(0.3)
-        sent += send(15000, 15100, 0.001)
+    sent = pass_by(1000, 1100, 0.001)
+    with standing_still(tap):
+        sent += pass_by(1100, 15000, 0)
+    sent += pass_by(15000, 15100, 0.001)
     check(tap.says("arc: result "), "no session ended:", tap.said())
     check("packets were not seen by the tap" in tap.said(), tap.said())
     check(tap.end() == 0, tap.said())
@@ -324,6 +336,39 @@ def stopped(folder):
     check(missed > 1000 and telegrams["received"] + replies["sent"] + missed == sent,
           telegrams["received"], replies["sent"], missed, sent)
     check(not {"lost", "stray_replies"} & {reason["code"] for reason in report["reasons"]}, report["reasons"])
+
+
+def gone(folder):
+    """A stream that is cut off with its interface has its result, however long that stays away."""
+    tap = Process(folder, "gone", sweepd, "watch", "--interface", "tap1", "--config", settings(folder, "gone", "0.0.0.0"))
+    check(tap.says("watching UDP"), tap.said())
+    pass_by(1000, 1100, 0.001)
+    subprocess.run(["ip", "link", "set", "tap1", "down"], check=True)
+    check(tap.says("interface tap1 is gone or down") and tap.says("arc: result "), "no session ended:", tap.said())
+    subprocess.run(["ip", "link", "set", "tap1", "up"], check=True)
+    check(tap.end() == 0, tap.said())
+
+
+def server_stopped(folder):
+    """Telegrams that wait behind a standstill belong to the stream before it: nothing was silent."""
+    server = Process(folder, "stood", sweepd, "run", "--config", settings(folder, "stood", silence_ms=SILENCE_MS))
+    check(server.says("listening on UDP"), server.said())
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as controller:
+        controller.connect(("127.0.0.1", PORT))
+
+        def send(first, last, pause):
+            for cycle in range(first, last):
+                controller.send(f'<Rob Type="KUKA"><IPOC>{4 * cycle}</IPOC></Rob>'.encode())
+                time.sleep(pause)
+
+        send(1000, 1100, 0.001)
+        with standing_still(server):
+            send(1100, 1200, 0.001)
+        send(1200, 1300, 0.001)
+    check(server.says("arc: result "), "no session ended:", server.said())
+    check(server.end() == 0, server.said())
+    telegrams = link(session(folder / "stood"))["telegrams"]
+    check((telegrams["received"], telegrams["lost"]) == (300, 0), telegrams)
 
 
 def refused(folder):
@@ -366,6 +411,8 @@ def main():
             doubled_and_missed(folder, exchange)
             tagged(folder, exchange[:400])
             stopped(folder)
+            server_stopped(folder)
+            gone(folder)
         finally:
             for left in started:
                 left.process.kill()

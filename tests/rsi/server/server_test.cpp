@@ -168,6 +168,17 @@ TEST_CASE("a standstill of this program does not make the controller give way",
   CHECK(replies == Replies{{kController, reply(1044)}});
 }
 
+TEST_CASE("what is heard is known until the last look that took all", "[server][issue13]") {
+  BareServer bench;
+  bench.pass(3s);
+  const auto looked = HandClock::now();
+  CHECK(bench.heard_until() == looked);
+  HandClock::time = HandClock::time.load() + 5s;  // nobody looked
+  CHECK(bench.heard_until() == looked);
+  CHECK(bench.answers(kController, 1000));
+  CHECK(bench.heard_until() == looked + 5s);
+}
+
 TEST_CASE("damaged telegrams between good ones do not make a controller give way",
           "[server][issue11][point_8]") {
   BareServer bench;
