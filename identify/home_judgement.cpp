@@ -27,9 +27,10 @@ constexpr std::size_t kFewestPeers = 3;  // two circles meet nearly anywhere
 constexpr double kStep_mm = 0.5;
 constexpr double kLeastStep_mm = 0.05;
 /// A step explains a hundred times more than it leaves, with so many numbers to spare: by chance,
-/// homes that scatter look so in one of some thousand campaigns (F of 3 and 4).
+/// homes that scatter look so in one of some thousand campaigns (F of 3 and 4). With fewer to spare
+/// it has to explain more, for the same chance.
 constexpr double kExplainedByStep = 100;
-constexpr double kFewestSpare = 4;
+constexpr double kUsualSpare = 4;
 /// Gears err by minutes of arc; less is said and no doubt.
 constexpr double kOffAngle_rad = 0.1 * kDegree;
 constexpr double kLeastOffAngle_rad = 0.01 * kDegree;
@@ -143,8 +144,8 @@ std::optional<Step> step_of_home(const Identification& found) {
   const Meeting all(seen, 0, seen.size(), meeting_point(circles_in(seen)));
   double sigma_mm = 0;
   for (const SeenCircle& one : seen) sigma_mm = std::max(sigma_mm, one.known.sigma_mm(all.at_mm));
-  double most = 0;
-  Step step;
+  double most = kUsualSpare * std::log(kExplainedByStep);
+  std::optional<Step> step;
   for (std::size_t cut = 1; cut < seen.size(); ++cut) {
     Meeting before(seen, 0, cut, all.at_mm), after(seen, cut, seen.size(), all.at_mm);
     if (before.one_joint && after.one_joint) continue;
@@ -152,17 +153,16 @@ std::optional<Step> step_of_home(const Identification& found) {
     if (after.one_joint) after.at_mm = meeting_point(after.circles, before.at_mm);
     const double spare = before.spare() + after.spare();
     const double moved = (after.at_mm - before.at_mm).norm();
-    if (spare < kFewestSpare || moved < kLeastStep_mm + kHomeSigmas * sigma_mm) continue;
+    if (moved < kLeastStep_mm + kHomeSigmas * sigma_mm) continue;
     const double times = all.left() / (before.left() + after.left());
-    // By chance little is left where few numbers are to spare.
     const double evidence = spare * std::log(times);
     if (times < kExplainedByStep || evidence < most) continue;
     most = evidence;
-    step = {moved, seen[cut].joint, {}, seen[cut].time_s};
-    if (before.one_joint) step.alone = seen.front().joint;
-    if (after.one_joint) step.alone = seen.back().joint;
+    step = Step{moved, seen[cut].joint, {}, seen[cut].time_s};
+    if (before.one_joint) step->alone = seen.front().joint;
+    if (after.one_joint) step->alone = seen.back().joint;
   }
-  return most > 0 ? std::optional(step) : std::nullopt;
+  return step;
 }
 
 /// What the chain allows for.

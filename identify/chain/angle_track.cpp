@@ -35,6 +35,10 @@ double between(const AngleTrack& track, double at, std::size_t from) {
   return sum;
 }
 
+Eigen::Map<const Eigen::ArrayXd> as_array(const std::vector<double>& numbers) {
+  return {numbers.data(), static_cast<Eigen::Index>(numbers.size())};
+}
+
 /// A speed is that between so many samples before and behind.
 std::size_t wide_of(const AngleTrack& track) {
   return std::max<std::size_t>(5, track.time_s.size() / 30);
@@ -149,6 +153,9 @@ std::optional<AngleTrack> angle_track(const Sweep& sweep, std::size_t joint, con
   }
   if (std::min(track.at_s.size(), track.time_s.size()) < kFewestSeen) return std::nullopt;
   judge_times(track, step_rad);
+  constexpr double kOfMedian = 1.18;  // of distances in a plane, in standard deviations
+  track.printed_rad = told_level_rad(as_array(track.told_rad), as_array(track.seen_rad),
+                                     usual / kOfMedian / track.reach_mm, step_rad);
   return track;
 }
 

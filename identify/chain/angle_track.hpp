@@ -26,6 +26,7 @@ struct AngleTrack {
   double middle_rad = 0, half_rad = 0;   ///< of the range that the group was seen in
   double off_home_rad = 0;               ///< of the joint locked farthest off home
   double stamps_s = 0;                   ///< stamps_off_s() of its samples
+  double printed_rad = 0;                ///< told_level_rad() of its angles
   /// Standard deviation of told()'s speeds, as angles are printed in steps, or uneven.
   double speed_noise_rad_s = 0;
 

@@ -129,11 +129,13 @@ class DelayFit {
 
   struct Residuals {
     std::vector<double> error, speed, place, time;
+    double mean_speed = 0, unsteady = 0;  ///< and how far speeds are off it, at most
   };
 
   [[nodiscard]] Residuals residuals(const AngleTrack& track) const {
     Residuals found;
-    double mean = 0, squares = 0;
+    double squares = 0;
+    double& mean = found.mean_speed;
     for (std::size_t i = 0; i < track.at_s.size(); ++i) {
       const double since = track.at_s[i] - delay_.at_s;
       const auto told = track.told(track.at_s[i] + delay_.late_s + delay_.rate * since);
@@ -152,6 +154,8 @@ class DelayFit {
         std::max(kSteady * track.speed_noise_rad_s, kSteadyShare * std::abs(mean));
     if (squares / count - mean * mean < by_noise * by_noise)
       std::fill(found.speed.begin(), found.speed.end(), mean);
+    for (const double speed : found.speed)
+      found.unsteady = std::max(found.unsteady, std::abs(speed - mean));
     return found;
   }
 
@@ -164,38 +168,41 @@ class DelayFit {
     return row;
   }
 
+  using Own = Eigen::Matrix<double, 5, 1>;
   struct Products {
-    Eigen::Matrix<double, kOfGroup + 2, kOfGroup + 2> normal =
-        Eigen::Matrix<double, kOfGroup + 2, kOfGroup + 2>::Zero();
+    Eigen::Matrix<double, kOfGroup + 2, kOfGroup + 2> normal = decltype(normal)::Zero();
     Row right = Row::Zero();
   };
   /// Of a stroke with errors of its own, as its locked joints stood elsewhere: by chance, and by
   /// what was told. About an axis that is turned and shifted a little, an angle is seen off by a
-  /// constant and a first harmonic. And with stamps that are off alike, as they are rounded. The
-  /// covariance of all is inverted by Woodbury's formula.
+  /// constant and a first harmonic. And with stamps and angles that are off alike, as they are
+  /// rounded; angles by one figure at its usual speed, and by another one where it gets to that.
+  /// The covariance of all is inverted by Woodbury's formula.
   [[nodiscard]] Products products(const AngleTrack& track, const Residuals& seen) const {
     Products sums;
     const double apart = std::sqrt(apart_mm2_ / (track.reach_mm * track.reach_mm) +
                                    track.off_home_rad * track.off_home_rad);
-    Eigen::Matrix<double, kOfGroup + 2, 4> weighted =
-        Eigen::Matrix<double, kOfGroup + 2, 4>::Zero();
-    Eigen::Matrix4d own = Eigen::Matrix4d::Identity();
-    Eigen::Vector4d errors = Eigen::Vector4d::Zero();
+    const double level = std::hypot(apart, track.printed_rad);
+    const double unlike_s =
+        seen.unsteady > 0 ? std::sqrt(2) * track.printed_rad / seen.unsteady : 0;
+    Eigen::Matrix<double, kOfGroup + 2, 5> weighted = decltype(weighted)::Zero();
+    Eigen::Matrix<double, 5, 5> own = decltype(own)::Identity();
+    Own errors = Own::Zero();
     for (std::size_t i = 0; i < seen.error.size(); ++i) {
       const double weight = weight_[track.group].at(seen.speed[i]);
       const Row row = row_of(track, seen, i);
       const double turn = track.half_rad * seen.place[i];
-      const Eigen::Vector4d of_stroke(apart, apart * std::sin(turn), apart * std::cos(turn),
-                                      track.stamps_s * seen.speed[i]);
+      Own of_stroke;
+      of_stroke << level, apart * std::sin(turn), apart * std::cos(turn),
+          track.stamps_s * seen.speed[i], unlike_s * (seen.speed[i] - seen.mean_speed);
       sums.normal += weight * row * row.transpose();
       sums.right += weight * seen.error[i] * row;
       weighted += weight * row * of_stroke.transpose();
       own += weight * of_stroke * of_stroke.transpose();
       errors += weight * seen.error[i] * of_stroke;
     }
-    const Eigen::LLT<Eigen::Matrix4d> solver(own);
-    sums.normal -= weighted * solver.solve(weighted.transpose());
-    sums.right -= weighted * solver.solve(errors);
+    sums.normal -= weighted * own.llt().solve(weighted.transpose());
+    sums.right -= weighted * own.llt().solve(errors);
     return sums;
   }
 
@@ -236,9 +243,8 @@ class DelayFit {
           left.push_back(left_of(tracks_[k], all[k], i, found));
         const auto size = static_cast<double>(left.size());
         const double mean = std::accumulate(left.begin(), left.end(), 0.0) / size;
-        const double by_stamps = tracks_[k].stamps_s *
-                                 std::accumulate(all[k].speed.begin(), all[k].speed.end(), 0.0) /
-                                 size;
+        const double by_told =
+            std::hypot(tracks_[k].printed_rad, tracks_[k].stamps_s * all[k].mean_speed);
         for (std::size_t i = 0; i < left.size(); ++i) {
           const double off = left[i] - mean;
           squares += off * off;
@@ -250,8 +256,8 @@ class DelayFit {
         count += size;
         const double spread = std::sin(tracks_[k].half_rad) / tracks_[k].half_rad;
         const double off = tracks_[k].off_home_rad, reach = tracks_[k].reach_mm;
-        means += ((mean * mean - by_stamps * by_stamps) / (1 + spread * spread) - off * off) *
-                 reach * reach;
+        means +=
+            ((mean * mean - by_told * by_told) / (1 + spread * spread) - off * off) * reach * reach;
         of_strokes.push_back(size / (reach * reach));
       }
       if (count == 0) continue;

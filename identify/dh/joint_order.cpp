@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include "identify/dh/dh_extraction.hpp"
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/line.hpp"
 
@@ -15,6 +16,10 @@ namespace {
 constexpr double kBuilt_mm = 2;
 constexpr double kBuilt_rad = 0.5 * kDegree;
 constexpr double kPosed_rad = 1.5 * kDegree;
+/// Where many axes are parallel, two and three of them agree with a pose by chance. The thetas that
+/// they have in all have to be those of the pose, too.
+constexpr double kStands_rad = 20 * kDegree;
+constexpr double kStandsSigmas = 4;
 /// Lines that are closer to parallel have no common normal worth comparing.
 constexpr double kParallel = 0.1;  // sine
 /// Orders whose chi squared differs by less are equal as far as one can tell.
@@ -58,7 +63,9 @@ class OrderSearch {
       : given_(axes),
         to_place_(to_place),
         joints_(joints),
-        expected_(axes_at(arm, home.value_or(arm.home_rad))),
+        arm_(arm),
+        home_rad_(home.value_or(arm.home_rad)),
+        expected_(axes_at(arm, home_rad_)),
         posed_(home.has_value()),
         reach_(reach_of(arm)),
         taken_(axes.size(), false) {
@@ -117,6 +124,7 @@ class OrderSearch {
   }
 
   void keep(double misfit) {
+    if (posed_ && !stands()) return;
     best_ = std::min(best_, misfit);
     JointOrder order{std::vector<std::size_t>(given_.size(), kNoJoint),
                      std::vector<int>(given_.size(), 1), misfit};
@@ -125,6 +133,25 @@ class OrderSearch {
       order.senses[placed.given] = placed.sense;
     }
     found_.fitting.push_back(std::move(order));
+  }
+
+  /// Whether the thetas of the axes as they are placed are those of the pose, as far as they are
+  /// known.
+  [[nodiscard]] bool stands() const {
+    std::vector<std::optional<Axis>> z(arm_.joints());
+    std::vector<DhRow> rows;
+    for (const Placed& placed : placed_)
+      z[placed.joint] = arm_.positive[placed.joint] > 0 ? placed.axis : placed.axis.reversed();
+    for (std::size_t j = 0; j < arm_.joints(); ++j) rows.push_back(arm_.row_at(j, home_rad_[j]));
+    const auto table = extract_dh(z, reach_, rows);
+    // The first theta hangs on where the base stands, the last one on the tool.
+    for (std::size_t j = 1; j + 1 < table.size(); ++j) {
+      const DhNumber& theta = table[j].theta_rad;
+      if (theta.knowledge != Knowledge::identified) continue;
+      const double off = std::abs(wrapped(theta.value - rows[j].theta_rad));
+      if (off > kStands_rad + kStandsSigmas * theta.sigma) return false;
+    }
+    return true;
   }
 
   /// What the axis placed last adds.
@@ -211,6 +238,8 @@ class OrderSearch {
   const std::vector<Axis>& given_;
   std::size_t to_place_;
   const std::vector<std::size_t>& joints_;
+  const Arm& arm_;
+  std::vector<double> home_rad_;
   std::vector<Axis> expected_;
   bool posed_;
   double reach_;

@@ -32,10 +32,10 @@ struct JointOrders {
 /// uncertainties and the tolerances of a built arm (2 mm, half a degree) explain.
 ///
 /// With `home_rad`, the angles at which the joints stood (within a degree or two), every two lines
-/// and the handedness of every three count. Without, only what does not depend on the pose: a and
-/// alpha of neighbours, and b.
-/// Of linear joints only the direction counts. `count` of the axes are joints', the others are left
-/// out. No order fits where `count` is 0, or more than there are axes or joints.
+/// and the handedness of every three count, and the thetas of all are about those. Without, only
+/// what does not depend on the pose: a and alpha of neighbours, and b. Of linear joints only the
+/// direction counts. `count` of the axes are joints', the others are left out. No order fits where
+/// `count` is 0, or more than there are axes or joints.
 [[nodiscard]] JointOrders orders_that_fit(const std::vector<Axis>& axes, std::size_t count,
                                           const Arm& arm,
                                           const std::optional<std::vector<double>>& home_rad);

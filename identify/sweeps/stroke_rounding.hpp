@@ -71,6 +71,11 @@ struct StrokeRounding {
                                                  double across_rad2, double turn_sigma_rad,
                                                  double step_rad);
 
+/// What the angles told along a stroke are all off by, as they are printed in these steps: a
+/// standard deviation. `seen_rad`: the same angles as positions tell them, with this noise.
+[[nodiscard]] double told_level_rad(const Eigen::ArrayXd& told_rad, const Eigen::ArrayXd& seen_rad,
+                                    double seen_sigma_rad, double step_rad);
+
 /// Standard deviation of what is spread evenly over one step, in steps: 1 / sqrt(12).
 inline constexpr double kEvenlySpread = 0.2887;
 

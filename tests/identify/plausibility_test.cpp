@@ -279,6 +279,31 @@ TEST_CASE("a small step of the device between two joints is told, and scatter is
   }
 }
 
+TEST_CASE("of four axes, too, a device that was moved far between two sweeps is a doubt",
+          "[plausibility][issue12]") {
+  for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+    CAPTURE(seed);
+    const auto robot =
+        simulation::at_random_home(simulation::built(simulation::palletizer(), seed), seed);
+    const std::size_t first = 1 + seed % 3;  // that the moved device saw
+    const Simulation simulation(robot, {}, tracker(seed % 2 == 0), seed);
+    const auto bumped = [&](Sweep& sweep, std::vector<Sample>& samples) {
+      if (*sweep.joint < first) return;
+      for (Sample& sample : samples) sample.position_mm += Eigen::Vector3d(1.2, -1, 1.2);
+    };
+    const auto found =
+        identify::identify(changed(simulation.sweeps(), bumped), simulation.campaign());
+    CHECK(found.status == Status::doubtful);
+    REQUIRE_FALSE(found.doubts.empty());
+    CHECK((found.doubts.front().code == "device_moved" || found.doubts.front().code == "off_home"));
+
+    World scattered = tracker(seed % 2 == 0);
+    scattered.home.sigma_deg = 0.02;
+    const Simulation loose(robot, {}, scattered, seed);
+    CHECK(identify::identify(loose.sweeps(), loose.campaign()).doubts.empty());
+  }
+}
+
 TEST_CASE("a base that was turned about one joint's axis between sweeps is a doubt",
           "[plausibility]") {
   // The circles stay what they are; only the angles tell.

@@ -4,7 +4,10 @@
 
 #include "identify/chain/chain_start.hpp"
 #include "identify/circle/circle_estimator.hpp"
+#include "identify/sweeps/segmentation.hpp"
 #include "tests/catch.hpp"
+#include "tests/simulation/printed.hpp"
+#include "tests/simulation/program.hpp"
 #include "tests/simulation/simulation.hpp"
 
 using namespace identify;
@@ -38,6 +41,37 @@ bool accuses_gears(const Identification& found) {
   return std::any_of(found.warnings.begin(), found.warnings.end(), [](const Warning& warning) {
     return warning.code == "backlash" || warning.code == "transmission_error";
   });
+}
+
+/// What a controller tells of a program, from cycle to cycle.
+std::vector<Sweep> told(const simulation::Robot& robot, const simulation::Program& program,
+                        double cycle_s, int decimals) {
+  const auto chain = simulation::chain_of(robot);
+  Segmenter segmenter(robot.arm.joints());
+  segmenter.set_resolution(
+      {simulation::print_step(decimals), simulation::print_step(decimals) * kDegree});
+  std::vector<Sweep> sweeps;
+  const auto take = [&](std::vector<Sweep> ended) {
+    for (Sweep& sweep : ended) sweeps.push_back(std::move(sweep));
+  };
+  for (int i = 0; cycle_s * i < program.seconds(); ++i) {
+    Sample sample;
+    sample.time_s = cycle_s * i;
+    sample.angles_rad = program.angles_rad(sample.time_s);
+    sample.joints = static_cast<std::uint8_t>(robot.arm.joints());
+    Turns turns{};
+    for (std::size_t j = 0; j < robot.arm.joints(); ++j) {
+      turns[j] = sample.angles_rad[j] - robot.arm.home_rad[j];
+      sample.angles_rad[j] =
+          simulation::printed(sample.angles_rad[j] / kDegree, decimals) * kDegree;
+    }
+    sample.position_mm = chain.target_mm(0, turns);
+    for (double& mm : sample.position_mm) mm = simulation::printed(mm, decimals);
+    sample.has_position = true;
+    take(segmenter.push(sample));
+  }
+  take(segmenter.finish());
+  return sweeps;
 }
 
 simulation::Robot some_robot(bool seven, std::uint32_t seed) {
@@ -192,6 +226,30 @@ TEST_CASE("one way, a delay is told by how joints get to speed and stop", "[dela
   CHECK(std::abs(found->late_s - late_s) < 1e-4);
   CHECK(std::abs(found->late_s - late_s) < 3 * found->sigma_s);
   CHECK(is_significant(*found) == (late_s != 0));
+}
+
+TEST_CASE(
+    "angles that go on by whole steps of their print make no delay of how joints get to speed",
+    "[delay][issue12]") {
+  // So many steps a cycle: 24, 40, 400.
+  const auto [cycle_s, speed_deg_s, decimals] =
+      GENERATE(std::tuple(0.012, 20.0, 2), std::tuple(0.004, 10.0, 3), std::tuple(0.004, 10.0, 4));
+  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+    CAPTURE(decimals, seed);
+    const auto robot = some_robot(true, seed);
+    simulation::Program program(robot.arm.home_rad);
+    program.rest(1);
+    for (std::size_t j = 0; j < robot.arm.joints(); ++j) program.sweep(j, 25, speed_deg_s, 0.5);
+    Campaign campaign;
+    campaign.joints = robot.arm.joints();
+    campaign.specified = robot.specified;
+    campaign.resolution = {simulation::print_step(decimals),
+                           simulation::print_step(decimals) * kDegree};
+    const auto found = identify::identify(told(robot, program, cycle_s, decimals), campaign);
+    CHECK_FALSE((found.delay && is_significant(*found.delay)));
+    CHECK_FALSE(accuses_gears(found));
+    CHECK(found.status == Status::complete);
+  }
 }
 
 TEST_CASE("where nothing was told between two samples, no delay is told by how fast the joint was",

@@ -75,6 +75,35 @@ TEST_CASE("At an unknown pose axes that meet at right angles may turn either way
   CHECK(by_plan.senses == std::vector<int>(6, 1));
 }
 
+TEST_CASE("Axes most of which are parallel tell their senses by the whole pose, or not at all",
+          "[axis_senses][issue12]") {
+  // Turned round all together, those of a palletizer lie to each other as before.
+  const double off_deg = GENERATE(1.0, 10.0, 30.0);
+  int known = 0;
+  for (std::uint32_t seed = 1; seed <= 100; ++seed) {
+    CAPTURE(off_deg, seed);
+    const auto robot =
+        simulation::at_random_home(simulation::built(simulation::palletizer(), seed), seed);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<> off(-off_deg * kDegree, off_deg * kDegree);
+    std::vector<std::optional<Axis>> axes;
+    std::vector<int> expected;
+    auto pose_rad = robot.arm.home_rad;
+    for (const ChainAxis& axis : simulation::chain_of(robot).axes) {
+      pose_rad[axes.size()] += off(random);
+      axes.emplace_back(Axis{axis.direction, axis.point_mm});
+      expected.push_back(random() % 2 == 0 ? 1 : -1);
+      if (expected.back() < 0) axes.back() = axes.back()->reversed();
+    }
+    const auto found = senses_of(axes, std::vector<SenseBy>(axes.size(), SenseBy::nothing),
+                                 robot.specified, {pose_rad}, true);
+    if (!found.ambiguous.empty()) continue;
+    ++known;
+    CHECK(found.senses == expected);
+  }
+  if (off_deg < 2) CHECK(known == 100);
+}
+
 TEST_CASE("An arm that is another tells nothing", "[axis_senses]") {
   Turned example(11);
   for (auto& axis : example.axes) axis->point_mm *= 2;

@@ -219,3 +219,17 @@ TEST_CASE("The mean of a locked joint's printed angles is off by what is said of
   CHECK(off2 / said2 < 1.1);
   CHECK(off2 / said2 > (wobble < 0.05 ? 0.9 : 0.25));
 }
+
+TEST_CASE("what even angles are all off by hangs on the places that they take within a step",
+          "[stroke_rounding][issue12]") {
+  // Of q places in turn, a saw tooth q times as fine is left. Uneven ways leave nothing.
+  const auto [steps, places] =
+      GENERATE(std::pair(24.0, 1), std::pair(2.0 / 3, 3), std::pair(0.8, 5), std::pair(1.1, 10),
+               std::pair(0.7236, 0));
+  CAPTURE(steps);
+  constexpr double kStep_rad = 0.1 * kDegree;
+  const Eigen::ArrayXd seen = kStep_rad * (Eigen::ArrayXd::LinSpaced(2000, 0, 1999 * steps) + 0.37);
+  const Eigen::ArrayXd told = kStep_rad * (seen / kStep_rad).round();
+  const double level = told_level_rad(told, seen, 0.02 * kStep_rad, kStep_rad) / kStep_rad;
+  CHECK(level == Approx(places > 0 ? kEvenlySpread / places : 0).epsilon(0.15).margin(0.005));
+}
