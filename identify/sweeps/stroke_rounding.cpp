@@ -65,7 +65,7 @@ Agreement agreement_of(const Eigen::ArrayXd& places, const Eigen::ArrayXd& ahead
   // Numbers that go on by four fifths of a step, as at 20 degrees/s, 4 ms and one decimal, take up
   // five places in turn: what they are all off by is the fifth wave, and those of its multiples.
   constexpr int kWavesOfLevel = 30;
-  constexpr double kByChance = 4;  // standard deviations
+  constexpr double kFarFromChance = 4;  // standard deviations
   const Eigen::ArrayXcd wave =
       (std::complex<double>(0, 2 * kPi) * (places - places(0)).cast<std::complex<double>>()).exp();
   const Eigen::ArrayXd shares = weights / weights.sum();
@@ -83,7 +83,7 @@ Agreement agreement_of(const Eigen::ArrayXd& places, const Eigen::ArrayXd& ahead
     squares[2] += std::pow(std::abs((waves * bent).sum()) / m, 2);
     all += 1.0 / (m * m);
   }
-  const double chance = kByChance * std::sqrt(shares.square().sum());
+  const double chance = kFarFromChance * std::sqrt(shares.square().sum());
   for (int m = kWaves + 1; m <= kWavesOfLevel; ++m, waves *= wave) {
     const double seen = std::abs((waves * shares).sum());
     if (!(seen > chance)) continue;
