@@ -8,6 +8,7 @@
 
 #include "identify/geometry/circle_fit.hpp"
 #include "identify/geometry/median.hpp"
+#include "identify/sweeps/even_motion.hpp"
 #include "identify/sweeps/home.hpp"
 #include "identify/sweeps/stroke_rounding.hpp"
 
@@ -142,6 +143,7 @@ std::optional<AngleTrack> angle_track(const Sweep& sweep, std::size_t joint, con
   const double usual = median_of(distances);
   const std::size_t every = (radii.size() + most - 1) / most;
   AngleAbout about(axis);
+  std::vector<double> told_rad;  // beside those seen
   std::size_t good = 0;
   for (const Sample& sample : *sweep.samples) {
     if (!sample.has_position) continue;
@@ -150,12 +152,14 @@ std::optional<AngleTrack> angle_track(const Sweep& sweep, std::size_t joint, con
       continue;
     track.at_s.push_back(sample.time_s);
     track.seen_rad.push_back(about.next(sample.position_mm));
+    told_rad.push_back(sample.angles_rad[joint]);
   }
   if (std::min(track.at_s.size(), track.time_s.size()) < kFewestSeen) return std::nullopt;
   judge_times(track, step_rad);
   constexpr double kOfMedian = 1.18;  // of distances in a plane, in standard deviations
-  track.printed_rad = told_level_rad(as_array(track.told_rad), as_array(track.seen_rad),
-                                     usual / kOfMedian / track.reach_mm, step_rad);
+  track.printed_rad =
+      told_level_rad(as_array(track.at_s), as_array(told_rad), as_array(track.seen_rad),
+                     usual / kOfMedian / track.reach_mm, step_rad);
   return track;
 }
 

@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numeric>
-#include <vector>
 
 #include "identify/geometry/angle.hpp"
+#include "identify/sweeps/even_motion.hpp"
 #include "identify/sweeps/stroke_curve.hpp"
 #include "identify/sweeps/stroke_moments.hpp"
 #include "identify/sweeps/stroke_samples.hpp"
@@ -41,8 +40,9 @@ double within_a_step(double scatter, double samples) {
 
 /// What numbers at places that agree are all off by, by how they scatter from one to the next.
 double same_place(double uneven) {
-  // At one place within the step, two printed values in turn have the variance p (1 - p), and tell
-  // by p where that is. Noise of more than half a step averages out.
+  // An even motion goes on by a number of steps or by one more: at most a sixth. At one place
+  // within the step, two printed values in turn have the variance p (1 - p), and tell by p where
+  // that is. Noise of more than half a step averages out.
   constexpr double kTwoValues = 0.25;
   return uneven < kTwoValues ? std::min(1.0, (kTwoValues - uneven) / kWhole)
                              : std::exp(-4 * kPi * kPi * (uneven - kWhole));
@@ -98,6 +98,13 @@ Agreement agreement_of(const Eigen::ArrayXd& places, const Eigen::ArrayXd& ahead
 Eigen::ArrayXd along(const Eigen::ArrayXd& turns) {
   const double least = turns.minCoeff(), turned = turns.maxCoeff() - least;
   return turned > 0 ? (2 * (turns - least) / turned - 1).eval() : 0 * turns;
+}
+
+Eigen::ArrayXd times_of(const StrokeSamples& seen) {
+  Eigen::ArrayXd times(static_cast<Index>(seen.samples.size()));
+  for (Index i = 0; i < times.size(); ++i)
+    times(i) = seen.samples[static_cast<std::size_t>(i)]->time_s;
+  return times;
 }
 
 /// A, B and C since the first sample, on beyond half a turn.
@@ -169,22 +176,6 @@ std::array<StrokeRounding::Coordinates, StrokeRounding::kOrders> StrokeRounding:
   return variances;
 }
 
-double unevenness(const Eigen::ArrayXd& numbers) {
-  // Of an even motion second differences are those of the noise, whose variance they have six
-  // times. A tenth of them, as on ramps, does not count: less than 0.9 of normal ones' squares have
-  // 0.623 of their mean.
-  constexpr double kCounts = 0.9, kOfNormal = 0.623;
-  std::vector<double> squares;
-  for (Index i = 2; i < numbers.size(); ++i)
-    squares.push_back(std::pow(numbers(i) - 2 * numbers(i - 1) + numbers(i - 2), 2));
-  if (squares.empty()) return 0;
-  const auto end =
-      squares.begin() + static_cast<std::ptrdiff_t>(kCounts * static_cast<double>(squares.size()));
-  std::nth_element(squares.begin(), end, squares.end());
-  const auto count = static_cast<double>(std::max<std::ptrdiff_t>(1, end - squares.begin()));
-  return std::accumulate(squares.begin(), end, 0.0) / count / (6 * kOfNormal);
-}
-
 StrokeRounding rounding_of(const StrokeSamples& seen, const StrokeContent& content,
                            const StrokeCurve& curve, double across_mm2, double turn_sigma_rad) {
   StrokeRounding rounding;
@@ -200,6 +191,7 @@ StrokeRounding rounding_of(const StrokeSamples& seen, const StrokeContent& conte
   const double free = std::max(1.0, rounding.samples - static_cast<double>(curve.orders()));
   const double turned = seen.turns.maxCoeff() - seen.turns.minCoeff();
   const Eigen::ArrayXd ahead = along(seen.turns);
+  const EvenMotion evened(times_of(seen));
   for (Index k = 0; k < numbers.rows(); ++k) {
     const double step = k < 3 ? content.printed.position_mm : content.printed.angle_rad;
     rounding.followed(k) = k >= 3 || (step > 0 && rounding.extent(k) < kManySteps * step);
@@ -207,11 +199,12 @@ StrokeRounding rounding_of(const StrokeSamples& seen, const StrokeContent& conte
     const SampleRows left = curve.left(numbers.row(k));
     rounding.scatter(k) = (left.row(0).square() * seen.weights.transpose()).sum() / free;
     if (!(step > 0)) continue;
+    const Eigen::ArrayXd places = evened((numbers.row(k) - left.row(0)).transpose() / step);
     rounding.uneven(k) = unevenness(numbers.row(k).transpose());
     // Noise of the turn moves the places along their curve.
-    const double noise = turned > 0 ? rounding.extent(k) * turn_sigma_rad / turned : 0;
-    const Agreement agreement = agreement_of((numbers.row(k) - left.row(0)).transpose() / step,
-                                             ahead, seen.weights, noise / step);
+    const double noise =
+        turned > 0 ? evened.noise() * rounding.extent(k) * turn_sigma_rad / turned : 0;
+    const Agreement agreement = agreement_of(places, ahead, seen.weights, noise / step);
     for (std::size_t order = 0; order < agreement.size(); ++order)
       rounding.agreement[order](k) = agreement[order];
   }
@@ -222,17 +215,21 @@ StrokeRounding::Told told_rounding(const StrokeSamples& seen, const Eigen::Array
                                    double across_rad2, double turn_sigma_rad, double step_rad) {
   const double along_rad2 =
       (along_rad.square() * seen.weights).sum() / std::max(1.0, seen.weights.sum());
+  const EvenMotion evened(times_of(seen));
+  const Eigen::ArrayXd places = evened(seen.turns / step_rad);
   return {std::max(0.0, along_rad2 - across_rad2), unevenness(seen.told),
-          agreement_of(seen.turns / step_rad, along(seen.turns), seen.weights,
-                       turn_sigma_rad / step_rad)};
+          agreement_of(places, along(seen.turns), seen.weights,
+                       evened.noise() * turn_sigma_rad / step_rad)};
 }
 
-double told_level_rad(const Eigen::ArrayXd& told_rad, const Eigen::ArrayXd& seen_rad,
-                      double seen_sigma_rad, double step_rad) {
+double told_level_rad(const Eigen::ArrayXd& times_s, const Eigen::ArrayXd& told_rad,
+                      const Eigen::ArrayXd& seen_rad, double seen_sigma_rad, double step_rad) {
   if (!(step_rad > 0)) return 0;
+  const EvenMotion evened(times_s);
+  const Eigen::ArrayXd places = evened(seen_rad / step_rad);
   const Agreement agreement =
-      agreement_of(seen_rad / step_rad, along(seen_rad), Eigen::ArrayXd::Ones(seen_rad.size()),
-                   seen_sigma_rad / step_rad);
+      agreement_of(places, along(seen_rad), Eigen::ArrayXd::Ones(seen_rad.size()),
+                   evened.noise() * seen_sigma_rad / step_rad);
   const double same = same_place(unevenness(told_rad) / (step_rad * step_rad));
   return step_rad * std::sqrt(kWhole * same * agreement[0]);
 }

@@ -54,9 +54,6 @@ struct StrokeRounding {
   [[nodiscard]] std::array<double, kOrders> told_shifts(double step_rad) const;
 };
 
-/// Variance of what numbers scatter by from one to the next about an even motion.
-[[nodiscard]] double unevenness(const Eigen::ArrayXd& numbers);
-
 /// `curve`: of the turn, which the positions tell with noise of this standard deviation;
 /// `across_mm2`: variance of what it leaves across the arc. A, B, C are zero where the orientation
 /// was not measured.
@@ -72,9 +69,10 @@ struct StrokeRounding {
                                                  double step_rad);
 
 /// What the angles told along a stroke are all off by, as they are printed in these steps: a
-/// standard deviation. `seen_rad`: the same angles as positions tell them, with this noise.
-[[nodiscard]] double told_level_rad(const Eigen::ArrayXd& told_rad, const Eigen::ArrayXd& seen_rad,
-                                    double seen_sigma_rad, double step_rad);
+/// standard deviation. `seen_rad`: at the same times, as positions tell them, with this noise.
+[[nodiscard]] double told_level_rad(const Eigen::ArrayXd& times_s, const Eigen::ArrayXd& told_rad,
+                                    const Eigen::ArrayXd& seen_rad, double seen_sigma_rad,
+                                    double step_rad);
 
 /// Standard deviation of what is spread evenly over one step, in steps: 1 / sqrt(12).
 inline constexpr double kEvenlySpread = 0.2887;

@@ -231,15 +231,17 @@ TEST_CASE("one way, a delay is told by how joints get to speed and stop", "[dela
 TEST_CASE(
     "angles that go on by whole steps of their print make no delay of how joints get to speed",
     "[delay][issue12]") {
-  // So many steps a cycle: 24, 40, 400.
-  const auto [cycle_s, speed_deg_s, decimals] =
-      GENERATE(std::tuple(0.012, 20.0, 2), std::tuple(0.004, 10.0, 3), std::tuple(0.004, 10.0, 4));
+  // So many steps a cycle: 24, 40, 400, and 48 where half of the samples are those of ramps.
+  const auto [cycle_s, speed_deg_s, decimals, half_deg] =
+      GENERATE(std::tuple(0.012, 20.0, 2, 25.0), std::tuple(0.004, 10.0, 3, 25.0),
+               std::tuple(0.004, 10.0, 4, 25.0), std::tuple(0.012, 40.0, 2, 15.0));
   for (std::uint32_t seed = 1; seed <= 4; ++seed) {
     CAPTURE(decimals, seed);
     const auto robot = some_robot(true, seed);
     simulation::Program program(robot.arm.home_rad);
     program.rest(1);
-    for (std::size_t j = 0; j < robot.arm.joints(); ++j) program.sweep(j, 25, speed_deg_s, 0.5);
+    for (std::size_t j = 0; j < robot.arm.joints(); ++j)
+      program.sweep(j, half_deg, speed_deg_s, 0.5);
     Campaign campaign;
     campaign.joints = robot.arm.joints();
     campaign.specified = robot.specified;

@@ -1,5 +1,6 @@
 #include "identify/sweeps/stroke_rounding.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -224,12 +225,38 @@ TEST_CASE("what even angles are all off by hangs on the places that they take wi
           "[stroke_rounding][issue12]") {
   // Of q places in turn, a saw tooth q times as fine is left. Uneven ways leave nothing.
   const auto [steps, places] =
-      GENERATE(std::pair(24.0, 1), std::pair(2.0 / 3, 3), std::pair(0.8, 5), std::pair(1.1, 10),
-               std::pair(0.7236, 0));
-  CAPTURE(steps);
+      GENERATE(std::pair(24.0, 1), std::pair(1.5, 2), std::pair(2.0 / 3, 3), std::pair(0.8, 5),
+               std::pair(1.1, 10), std::pair(0.7236, 0));
+  // Positions that are printed with as many decimals show them no better.
+  const double noise = GENERATE(0.0, 0.05);
+  CAPTURE(steps, noise);
   constexpr double kStep_rad = 0.1 * kDegree;
-  const Eigen::ArrayXd seen = kStep_rad * (Eigen::ArrayXd::LinSpaced(2000, 0, 1999 * steps) + 0.37);
+  test::Random random(11);
+  const Eigen::ArrayXd times = 0.004 * Eigen::ArrayXd::LinSpaced(2000, 0, 1999);
+  Eigen::ArrayXd seen = kStep_rad * (Eigen::ArrayXd::LinSpaced(2000, 0, 1999 * steps) + 0.37);
   const Eigen::ArrayXd told = kStep_rad * (seen / kStep_rad).round();
-  const double level = told_level_rad(told, seen, 0.02 * kStep_rad, kStep_rad) / kStep_rad;
+  for (double& angle : seen) angle += random.normal(noise * kStep_rad);
+  const double sigma = std::hypot(0.02, noise) * kStep_rad;
+  const double level = told_level_rad(times, told, seen, sigma, kStep_rad) / kStep_rad;
   CHECK(level == Approx(places > 0 ? kEvenlySpread / places : 0).epsilon(0.15).margin(0.005));
+}
+
+TEST_CASE("angles that go on by whole steps are off alike, though much of the way gets to speed",
+          "[stroke_rounding][issue12]") {
+  // 15 degrees there and as much on, at 40 degrees/s and 12 ms: half of the samples.
+  constexpr Eigen::Index kSamples = 72, kRamp = 18;
+  constexpr double kStep_rad = 0.01 * kDegree;
+  Eigen::ArrayXd times(kSamples), seen(kSamples);
+  double place = 0.37;
+  for (Eigen::Index i = 0; i < kSamples; ++i) {
+    times(i) = 0.012 * static_cast<double>(i);
+    seen(i) = kStep_rad * place;
+    const Eigen::Index ends = std::min(i, kSamples - 2 - i);
+    place += 48 * std::min(1.0, (static_cast<double>(ends) + 0.5) / kRamp);
+  }
+  const Eigen::ArrayXd told = kStep_rad * (seen / kStep_rad).round();
+  const double off = std::abs((told - seen).segment(kRamp, kSamples - 2 * kRamp).mean());
+  REQUIRE(off > 0.1 * kStep_rad);
+  CHECK(told_level_rad(times, told, seen, 0.02 * kStep_rad, kStep_rad) >
+        0.4 * kEvenlySpread * kStep_rad);
 }
