@@ -262,7 +262,7 @@ std::optional<ToldOff> told_off(const Identification& found, std::size_t j) {
       off.push_back(wrapped(*seen->angle_error_rad - first));
     }
     if (off.size() < kFewestNear) continue;
-    const double off_rad = std::abs(wrapped(first + median_in(off)));
+    const double off_rad = std::abs(wrapped(first + mean_of_most(off)));
     // Each target has its own way to the axis, and what it is off by counts there.
     const ChainAxis& axis = chain.axes[j];
     const Vector3d arm = chain.targets_mm[sweep.target] - axis.point_mm;

@@ -23,6 +23,8 @@ std::optional<SeenTurn> seen_turn(const Identification& found, std::size_t joint
   for (std::size_t k = 0; k < found.joints.size(); ++k)
     if (estimate.axes[k] && found.home_rad[k] && sample.joints > k)
       turns[k] = sample.angles_rad[k] - *found.home_rad[k];
+  for (std::size_t k = 0; k < estimate.locked_rad.size(); ++k)
+    if (k != joint) turns[k] += estimate.locked_rad[k];
   const ChainAxis& axis = estimate.chain.axes[joint];
   const Vector3d& z = axis.direction;
   // The target as the joints behind carry it, and what was seen as if those before stood at home.

@@ -242,6 +242,9 @@ struct SweepEvidence {
 struct ChainEstimate : SweepEvidence {
   /// All joints of the arm; those without an axis below are never turned.
   Chain chain;
+  /// By how much each joint, where it was locked at home, had turned beyond what its angle said: of
+  /// numbers with few decimals. One a joint, or none.
+  std::vector<double> locked_rad;
   /// One a joint, along positive rotation. Nothing where the joint could not be used.
   std::vector<std::optional<Axis>> axes;
   /// Of all axes' (direction, point), six rows a joint, then three a target, then,

@@ -255,6 +255,8 @@ void set_fitted_axes(ChainEstimate& estimate, const ChainFit& fit, const std::ve
   for (Eigen::Vector3d& target : estimate.chain.targets_mm) target = at_home * target;
   estimate.chain.tool = at_home.linear() * fit.chain.tool;
   estimate.chain.zero_rad.clear();
+  estimate.locked_rad.clear();
+  for (const double zero_rad : fit.chain.zero_rad) estimate.locked_rad.push_back(-zero_rad);
   estimate.chain.sags.clear();  // at home there is none
   estimate.chain.drift_mm.setZero();
   estimate.chain.move.resize(0);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -50,6 +51,15 @@ namespace identify {
 /// The same of a copy.
 [[nodiscard]] inline double median_of(std::vector<double> values) {
   return median_in(values);
+}
+
+/// Mean of all but a tenth at each end: also of values that are two in turn. Reorders them.
+[[nodiscard]] inline double mean_of_most(std::span<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const std::size_t aside = values.size() / 10;
+  const auto most = values.subspan(aside, values.size() - 2 * aside);
+  return std::accumulate(most.begin(), most.end(), 0.0) / static_cast<double>(most.size());
 }
 
 /// How much more than the median distance from a circle says its points scatter where they are few:

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <random>
@@ -159,4 +160,58 @@ TEST_CASE("joints that come home elsewhere by less than a step are seen to", "[c
   const auto errors = errors_of_telegrams(simulation::robots::strokes(200), world);
   CHECK(errors.sigma() < 1.3);
   CHECK(errors.most < 4.5);
+}
+
+TEST_CASE(
+    "what few decimals hide of locked joints does not move a target that is close to its axis",
+    "[coarse_print][issue12]") {
+  simulation::World world;
+  world.controller = world.angles = true;
+  world.decimals = 1;
+  world.wobble_deg = 0.0005;
+  simulation::Strokes how = simulation::robots::strokes(400);
+  how.arc_deg = 30;
+  double most_deg = 0, most_mm = 0;
+  for (std::uint32_t seed = 1; seed <= 8; ++seed) {
+    CAPTURE(seed);
+    const simulation::Simulation sim(simulation::robots::robot(seed), how, world, seed);
+    const auto found = identify::identify(sim.sweeps(), sim.campaign());
+    CHECK(found.status == Status::complete);
+    for (std::size_t j = 0; j < found.joints.size(); ++j)
+      for (const Sweep& sweep : found.joints[j].sweeps) {
+        double off_rad = 0, axial_mm = 0, radial_mm = 0;
+        for (const Sample& sample : *sweep.samples) {
+          const auto seen = seen_turn(found, j, sweep.target, sample);
+          REQUIRE((seen && seen->angle_error_rad));
+          off_rad += *seen->angle_error_rad;
+          axial_mm += seen->axial_mm;
+          radial_mm += seen->radial_mm;
+        }
+        const auto count = static_cast<double>(sweep.samples->size());
+        most_deg = std::max(most_deg, std::abs(off_rad) / count / kDegree);
+        most_mm = std::max(most_mm, std::hypot(axial_mm, radial_mm) / count);
+      }
+  }
+  CHECK(most_deg < 0.1);  // half a step at home, and half of one on the way
+  CHECK(most_mm < 0.05);
+}
+
+TEST_CASE("a joint that wobbles from one printed angle to the next accuses none behind it",
+          "[coarse_print][issue12]") {
+  simulation::World world;
+  world.controller = world.angles = true;
+  world.decimals = 1;
+  world.wobble_deg = 0.0001;
+  simulation::Strokes how = simulation::robots::strokes(250);
+  how.arc_deg = 30;
+  for (const std::uint32_t seed : {5U, 6U, 20U, 24U}) {
+    CAPTURE(seed);
+    auto robot = simulation::robots::robot(seed);
+    // Half of joint 1's angles are told to be a step beside the others: a millimetre at the target.
+    robot.arm.home_rad[0] = (std::floor(robot.arm.home_rad[0] / kDegree) + 0.35) * kDegree;
+    const simulation::Simulation sim(robot, how, world, seed);
+    const auto found = identify::identify(sim.sweeps(), sim.campaign());
+    CHECK(found.status == Status::complete);
+    CHECK(found.doubts.empty());
+  }
 }
