@@ -8,6 +8,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "identify/chain/angle_weight.hpp"
 #include "identify/geometry/angle.hpp"
 
 namespace identify {
@@ -18,6 +19,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kMostLate_s = 2;
+constexpr double kMostRate = 1e-3;  // clocks that nobody sets differ by less
 /// A stroke whose speed varies by less than so many standard deviations of its noise runs at one;
 /// and by less than this share of it.
 constexpr double kSteady = 2, kSteadyShare = 1e-4;
@@ -72,6 +74,8 @@ class DelayFit {
     }
     return std::nullopt;
   }
+  /// How much errors scatter within strokes then: logarithms of their variances, one a sample.
+  [[nodiscard]] double scatter() const { return scatter_; }
 
  private:
   static constexpr Index kOrders = 4;             // of a joint's smooth error
@@ -107,6 +111,7 @@ class DelayFit {
       normal(own + kOrders, own + kOrders) += 1 / (backlash_rad_[g] * backlash_rad_[g]);
     }
     normal(shared, shared) += 1 / (kMostLate_s * kMostLate_s);
+    if (with_rate) normal(shared + 1, shared + 1) += 1 / std::pow(kMostRate * span_s_, 2);
     const Eigen::LDLT<MatrixXd> factors(normal);
     const VectorXd found = factors.solve(right);
     const MatrixXd covariance = factors.solve(MatrixXd::Identity(count, count));
@@ -206,16 +211,6 @@ class DelayFit {
     return sums;
   }
 
-  /// How much an angle counts that was taken at some speed.
-  struct Weight {
-    double still = 1;      ///< variance of errors that speed does not matter to
-    double per_speed = 0;  ///< and of those of time: jitter squared
-    double alone = 1;      ///< the share of errors that tell something new
-    [[nodiscard]] double at(double speed) const {
-      return alone / (still + per_speed * speed * speed);
-    }
-  };
-
   [[nodiscard]] double left_of(const AngleTrack& track, const Residuals& seen, std::size_t i,
                                const VectorXd& found) const {
     const Index shared = kOfGroup * static_cast<Index>(groups_);
@@ -231,11 +226,12 @@ class DelayFit {
   void weigh(const std::vector<Residuals>& all, const VectorXd& found) {
     constexpr double kLeast_rad = 1e-7;  // with less, rounding tells what only backlash_rad_ does
     foreign_ = false;
+    scatter_ = 0;
     double means = 0, by_chance = 0, strokes = 0;
     double taken = static_cast<double>(found.size()) - kOfGroup * static_cast<double>(groups_);
     for (std::size_t g = 0; g < groups_; ++g) {
       double squares = 0, whole = 0, next = 0, count = 0;
-      std::vector<double> variances, speeds, of_strokes;
+      std::vector<double> squares_of, speeds, of_strokes;
       for (std::size_t k = 0; k < all.size(); ++k) {
         if (tracks_[k].group != g || all[k].error.empty()) continue;
         std::vector<double> left;
@@ -250,7 +246,7 @@ class DelayFit {
           squares += off * off;
           if (i > 0) next += off * (left[i - 1] - mean);
           whole += left[i] * left[i];
-          variances.push_back(off * off);
+          squares_of.push_back(off * off);
           speeds.push_back(all[k].speed[i] * all[k].speed[i]);
         }
         count += size;
@@ -264,8 +260,10 @@ class DelayFit {
       const double variance = squares / count + kLeast_rad * kLeast_rad;
       const double alike = std::clamp(next / (squares + 1e-300), 0.0, 0.98);
       foreign_ = foreign_ || whole / count > kForeign_rad * kForeign_rad;
-      weight_[g] = two_clocks_ ? by_speed(variances, speeds, variance) : Weight{variance};
+      weight_[g] =
+          two_clocks_ ? weight_by_speed(squares_of, speeds, variance) : AngleWeight{variance};
       weight_[g].alone = (1 - alike) / (1 + alike);
+      scatter_ += count * std::log(variance);
       for (const double size : of_strokes) by_chance += variance / (weight_[g].alone * size);
       strokes += static_cast<double>(of_strokes.size());
       taken += both_ways_[g] ? 2 : 1;  // offset and backlash
@@ -273,30 +271,6 @@ class DelayFit {
     const double now = strokes > taken ? std::max(0.0, means - by_chance) / (strokes - taken) : 0;
     // Half way, as what strokes are given they leave less of: else it goes to and fro.
     apart_mm2_ = apart_mm2_ > 0 ? (apart_mm2_ + now) / 2 : now;
-  }
-
-  /// The variances as a line over the squared speeds, by least squares that are weighed by it.
-  static Weight by_speed(const std::vector<double>& variances, const std::vector<double>& speeds,
-                         double mean) {
-    constexpr double kLeastShare = 0.01;  // of the mean variance, at rest
-    Weight weight{mean};
-    for (int round = 0; round < 4; ++round) {
-      double w = 0, ws = 0, wss = 0, wv = 0, wsv = 0;
-      for (std::size_t i = 0; i < speeds.size(); ++i) {
-        const double each = weight.still + weight.per_speed * speeds[i];
-        const double one = 1 / (each * each);
-        w += one;
-        ws += one * speeds[i];
-        wss += one * speeds[i] * speeds[i];
-        wv += one * variances[i];
-        wsv += one * speeds[i] * variances[i];
-      }
-      const double determinant = w * wss - ws * ws;
-      if (!(determinant > 1e-9 * w * wss)) break;
-      weight.per_speed = std::max(0.0, (w * wsv - ws * wv) / determinant);
-      weight.still = std::max(kLeastShare * mean, (wv - weight.per_speed * ws) / w);
-    }
-    return weight;
   }
 
   /// Of all joints, by what was found of each and how uncertain that is: of those that turn as an
@@ -325,12 +299,13 @@ class DelayFit {
   const std::vector<AngleTrack>& tracks_;
   std::size_t groups_;
   bool two_clocks_;
-  std::vector<Weight> weight_;  ///< one a group
+  std::vector<AngleWeight> weight_;  ///< one a group
   std::vector<bool> both_ways_;
   std::vector<const AngleTrack*> track_of_;  ///< one of each group
   /// Variance of each of the three at the target, beyond what was told. Locked joints that stand
   /// elsewhere move target and axis by as much whichever joint sweeps.
   double apart_mm2_ = 0;
+  double scatter_ = 0;
   bool foreign_ = false;              ///< some joint's angles do not follow its positions
   std::vector<double> backlash_rad_;  ///< what each group's is like
   double span_s_ = 1;
@@ -341,10 +316,12 @@ class DelayFit {
 }  // namespace
 
 std::optional<Delay> fitted_delay(const std::vector<AngleTrack>& tracks, bool two_clocks) {
-  const std::optional<Delay> growing = DelayFit(tracks, two_clocks).settled(true);
-  if (growing && (two_clocks || std::abs(growing->rate) > kSignificantDelay * growing->rate_sigma))
-    return growing;
-  return DelayFit(tracks, two_clocks).settled(false);
+  DelayFit growing(tracks, two_clocks), same(tracks, two_clocks);
+  const std::optional<Delay> grows = growing.settled(true);
+  if (grows && two_clocks) return grows;
+  const std::optional<Delay> stays = same.settled(false);
+  const bool seen = grows && std::abs(grows->rate) > kSignificantDelay * grows->rate_sigma;
+  return seen && (!stays || growing.scatter() < same.scatter()) ? grows : stays;
 }
 
 }  // namespace identify
