@@ -156,17 +156,18 @@ Identification estimate(std::vector<Sweep> sweeps, const Campaign& campaign) {
   const auto known =
       std::count_if(axes.begin(), axes.end(), [](const auto& axis) { return axis.has_value(); });
   if (campaign.joints > 1 && known < 2) return found;
+  const double late_s = found.delay ? untold_delay_s(*found.delay) : 0;
   if (found.delay && is_significant(*found.delay)) {
     const CircleEstimate& circles = found;
     const CircleEstimate punctual = in_step(circles, axes, *found.delay);
-    found.chain = estimate_chain(punctual, starting_axes(punctual), campaign);
+    found.chain = estimate_chain(punctual, starting_axes(punctual), campaign, late_s);
     for (std::size_t j = 0; found.chain && j < found.joints.size(); ++j)
       if (double& sigma_rad = found.chain->angles[j].backlash_sigma_rad; sigma_rad > 0)
         sigma_rad = std::hypot(sigma_rad, play_by_delay_rad(found.joints[j], *found.delay,
                                                             found.chain->noise.position_mm,
                                                             campaign.resolution.time_s));
   }
-  if (!found.chain) found.chain = estimate_chain(found, axes, campaign);
+  if (!found.chain) found.chain = estimate_chain(found, axes, campaign, late_s);
   if (!found.chain) return found;
   place_linear_axes(*found.chain, campaign, found.specified);
   if (found.chain->summary.converged) {

@@ -154,7 +154,7 @@ class Curves {
   static ChainEffects own_ones(ChainEffects effects) {
     effects.home_rad += effects.offset_rad;
     effects.figures_mm = {};
-    effects.told_rad = effects.offset_rad = 0;
+    effects.told_rad = effects.offset_rad = effects.late_s = 0;
     effects.home_stays = false;
     return effects;
   }

@@ -162,7 +162,11 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
       own.segment<3>(turns + 3).setConstant(0.3 * walk);
       if (columns.drift_bends) own.tail<3>().setConstant(walk * (1.0 / 7 + 1.0 / 3) / 4);
       const auto told = stroke.rounding.told_shifts(effects.print_turn_rad);
-      own(static_cast<Index>(stroke.content.joint)) = told[0];
+      const double late =
+          stroke.end_s > stroke.begin_s
+              ? effects.late_s * (stroke.to_rad - stroke.from_rad) / (stroke.end_s - stroke.begin_s)
+              : 0;
+      own(static_cast<Index>(stroke.content.joint)) = told[0] + late * late;
       if (columns.swept > 0) {
         own(turns + 6 + columns.turned) = told[1];
         own(turns + 7 + columns.turned) = told[2];

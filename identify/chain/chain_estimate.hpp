@@ -126,6 +126,8 @@ struct ChainEffects {
   double print_mm = 0;
   double print_rad = 0;
   double print_turn_rad = 0;  ///< and the sweeping joint's angle, where it is believed
+  /// How much later than in step such angles may be told: a standard deviation.
+  double late_s = 0;
 };
 
 /// So much there may be of these beside something that happened once.

@@ -20,17 +20,16 @@
 namespace identify {
 namespace {
 
-using Eigen::Vector3d;
-
 /// Below this nothing is measured, and nothing computed in double precision.
 constexpr double kLeastPosition_mm = 1e-7;
 
 class Estimation {
  public:
   Estimation(const CircleEstimate& circles, std::vector<std::optional<ChainAxis>> axes,
-             const Campaign& campaign)
+             const Campaign& campaign, double late_s)
       : circles_(circles),
         campaign_(campaign),
+        late_s_(late_s),
         joints_(circles.joints.size()),
         axes_(std::move(axes)) {}
 
@@ -41,7 +40,7 @@ class Estimation {
     for (StrokeMoments& stroke : nodes_.strokes) stroke.correlation *= correlation;
     Chain start;
     for (const auto& axis : axes_) start.axes.push_back(axis.value_or(ChainAxis{}));
-    start.up = up_in(start).value_or(Vector3d::Zero());
+    start.up = up_in(start).value_or(Eigen::Vector3d::Zero());
     start.targets_mm =
         starting_targets(start, nodes_.observations, nodes_.targets, nodes_.with_angles);
     set_quanta(nodes_.with_angles);
@@ -77,8 +76,8 @@ class Estimation {
 
  private:
   /// Without a specified arm, the first joint that turns is taken to stand upright.
-  [[nodiscard]] std::optional<Vector3d> up_in(const Chain& start) const {
-    std::vector<std::optional<Vector3d>> seen;
+  [[nodiscard]] std::optional<Eigen::Vector3d> up_in(const Chain& start) const {
+    std::vector<std::optional<Eigen::Vector3d>> seen;
     for (const auto& axis : axes_)
       seen.push_back(axis ? std::optional(axis->direction) : std::nullopt);
     if (!campaign_.specified) {
@@ -199,6 +198,7 @@ class Estimation {
       if (swept[j]) noise.swept_rad[j] = quantum_.swept_rad[j];
     effects_.print_mm = campaign_.resolution.position_mm;
     effects_.print_turn_rad = campaign_.resolution.angle_rad;
+    effects_.late_s = late_s_;
     const auto free_nodes = nodes_.observations;
     for (std::size_t tried = 0; tried <= joints_; ++tried) {
       nodes_.observations = free_nodes;
@@ -237,7 +237,7 @@ class Estimation {
       noise.swept_rad[*worst] = kFreeAngle;
     }
     nodes_.observations = free_nodes;
-    effects_.print_mm = effects_.print_turn_rad = effects_.told_rad = 0;
+    effects_.print_mm = effects_.print_turn_rad = effects_.late_s = effects_.told_rad = 0;
     effects_.home_rad = effects_.offset_rad = 0;
   }
 
@@ -328,6 +328,7 @@ class Estimation {
 
   const CircleEstimate& circles_;
   const Campaign& campaign_;
+  double late_s_;
   std::size_t joints_;
   std::vector<std::optional<ChainAxis>> axes_;  ///< to start from
   ChainNodes nodes_;
@@ -342,8 +343,8 @@ class Estimation {
 
 std::optional<ChainEstimate> estimate_chain(const CircleEstimate& circles,
                                             std::vector<std::optional<ChainAxis>> axes,
-                                            const Campaign& campaign) {
-  return Estimation(circles, std::move(axes), campaign).run();
+                                            const Campaign& campaign, double late_s) {
+  return Estimation(circles, std::move(axes), campaign, late_s).run();
 }
 
 }  // namespace identify

@@ -29,9 +29,9 @@ namespace identify {
 ///
 /// Locked joints' angles, where known, are used with their scatter. Samples off by more than some
 /// standard deviations lose their weight. Nothing if there is no axis to start from. Deterministic.
-/// `axes` are the starting_axes() of the circles.
+/// `axes` are the starting_axes() of the circles; `late_s`: untold_delay_s().
 [[nodiscard]] std::optional<ChainEstimate> estimate_chain(
     const CircleEstimate& circles, std::vector<std::optional<ChainAxis>> axes,
-    const Campaign& campaign);
+    const Campaign& campaign, double late_s);
 
 }  // namespace identify

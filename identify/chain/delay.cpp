@@ -48,6 +48,19 @@ std::optional<ChainAxis> own_axis(const Sweep& sweep, std::size_t joint, bool li
 
 }  // namespace
 
+double untold_delay_s(const Delay& delay) {
+  if (is_significant(delay)) return delay.sigma_s;
+  // A controller's telegrams have angles and positions of one moment, most likely; else of a cycle
+  // or a few apart.
+  constexpr double kAnyDelay = 0.05, kUsual_s = 0.01;
+  const double variance = delay.sigma_s * delay.sigma_s;
+  const double share = kUsual_s * kUsual_s / (variance + kUsual_s * kUsual_s);
+  const double factor =
+      std::sqrt(1 - share) * std::exp(share * delay.late_s * delay.late_s / variance / 2);
+  const double likely = kAnyDelay * factor / (1 - kAnyDelay + kAnyDelay * factor);
+  return std::sqrt(likely * (share * share * delay.late_s * delay.late_s + share * variance));
+}
+
 double play_by_delay_rad(const JointResult& joint, const Delay& delay, double noise_mm,
                          double stamp_step_s) {
   double speed = 0, untold = 0, sigma_s = delay.sigma_s;

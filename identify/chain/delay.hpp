@@ -38,6 +38,10 @@ inline constexpr double kSignificantDelay = 4;
 /// Whether it is one: more than chance makes of none.
 [[nodiscard]] bool is_significant(const Delay& delay) noexcept;
 
+/// How far angles may be out of step once one was taken out, or none was: a standard deviation. A
+/// delay that does not show for certain counts by how likely it is (Bayes' factor against none).
+[[nodiscard]] double untold_delay_s(const Delay& delay);
+
 /// By how much a joint's angles may still differ between its two directions where a delay was
 /// taken out of them: as far as the delay is uncertain, as stamps are rounded to `stamp_step_s`,
 /// and by the noise of one sample, `noise_mm`, at strokes' ends, where angles were not told in

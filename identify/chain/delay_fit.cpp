@@ -10,6 +10,7 @@
 
 #include "identify/chain/angle_weight.hpp"
 #include "identify/geometry/angle.hpp"
+#include "identify/geometry/median.hpp"
 
 namespace identify {
 namespace {
@@ -20,9 +21,9 @@ using Eigen::VectorXd;
 
 constexpr double kMostLate_s = 2;
 constexpr double kMostRate = 1e-3;  // clocks that nobody sets differ by less
-/// A stroke whose speed varies by less than so many standard deviations of its noise runs at one;
-/// and by less than this share of it.
-constexpr double kSteady = 2, kSteadyShare = 1e-4;
+/// A joint runs at its stroke's usual speed where that is off by less than so many standard
+/// deviations of its noise, or by less than this share of it.
+constexpr double kSteady = 5, kSteadyShare = 1e-4;
 /// What a built robot's gears have, to begin with, and at least; and what linear joints have.
 constexpr double kUsualBacklash_rad = 60 * kArcsec, kUsualPlay_mm = 0.1;
 constexpr double kLeastBacklash_rad = 0.1 * kArcsec;
@@ -134,13 +135,12 @@ class DelayFit {
 
   struct Residuals {
     std::vector<double> error, speed, place, time;
-    double mean_speed = 0, unsteady = 0;  ///< and how far speeds are off it, at most
+    double usual_speed = 0, unsteady = 0;  ///< and how far speeds are off it, at most
   };
 
   [[nodiscard]] Residuals residuals(const AngleTrack& track) const {
     Residuals found;
-    double squares = 0;
-    double& mean = found.mean_speed;
+    double& usual = found.usual_speed;
     for (std::size_t i = 0; i < track.at_s.size(); ++i) {
       const double since = track.at_s[i] - delay_.at_s;
       const auto told = track.told(track.at_s[i] + delay_.late_s + delay_.rate * since);
@@ -149,18 +149,15 @@ class DelayFit {
       found.speed.push_back(told->speed_rad_s);
       found.place.push_back((track.seen_rad[i] - track.middle_rad) / track.half_rad);
       found.time.push_back(since / span_s_);
-      mean += told->speed_rad_s;
-      squares += told->speed_rad_s * told->speed_rad_s;
     }
     if (found.speed.empty()) return found;
-    const auto count = static_cast<double>(found.speed.size());
-    mean /= count;
-    const double by_noise =
-        std::max(kSteady * track.speed_noise_rad_s, kSteadyShare * std::abs(mean));
-    if (squares / count - mean * mean < by_noise * by_noise)
-      std::fill(found.speed.begin(), found.speed.end(), mean);
-    for (const double speed : found.speed)
-      found.unsteady = std::max(found.unsteady, std::abs(speed - mean));
+    usual = median_of(found.speed);
+    const double steady =
+        std::max(kSteady * track.speed_noise_rad_s, kSteadyShare * std::abs(usual));
+    for (double& speed : found.speed) {
+      if (std::abs(speed - usual) < steady) speed = usual;
+      found.unsteady = std::max(found.unsteady, std::abs(speed - usual));
+    }
     return found;
   }
 
@@ -199,7 +196,7 @@ class DelayFit {
       const double turn = track.half_rad * seen.place[i];
       Own of_stroke;
       of_stroke << level, apart * std::sin(turn), apart * std::cos(turn),
-          track.stamps_s * seen.speed[i], unlike_s * (seen.speed[i] - seen.mean_speed);
+          track.stamps_s * seen.speed[i], unlike_s * (seen.speed[i] - seen.usual_speed);
       sums.normal += weight * row * row.transpose();
       sums.right += weight * seen.error[i] * row;
       weighted += weight * row * of_stroke.transpose();
@@ -240,7 +237,7 @@ class DelayFit {
         const auto size = static_cast<double>(left.size());
         const double mean = std::accumulate(left.begin(), left.end(), 0.0) / size;
         const double by_told =
-            std::hypot(tracks_[k].printed_rad, tracks_[k].stamps_s * all[k].mean_speed);
+            std::hypot(tracks_[k].printed_rad, tracks_[k].stamps_s * all[k].usual_speed);
         for (std::size_t i = 0; i < left.size(); ++i) {
           const double off = left[i] - mean;
           squares += off * off;

@@ -118,6 +118,7 @@ std::vector<ChainEstimate::Part> LinearisedChain::parts() {
   print.print_mm = shape_.print_mm;
   print.print_rad = shape_.print_rad;
   print.print_turn_rad = shape_.print_turn_rad;
+  print.late_s = shape_.late_s;
   print.told_rad = shape_.told_rad;
   for (const auto& [cause, effect] : {std::pair<Cause, const ChainEffects&>(Cause::home, home),
                                       {Cause::drift, drift},
