@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <numeric>
 #include <span>
@@ -53,13 +54,20 @@ namespace identify {
   return median_in(values);
 }
 
-/// Mean of all but a tenth at each end: also of values that are two in turn. Reorders them.
+/// Mean of those that are no further off the median than three times what four of five are: also of
+/// values that are two in turn. Reorders them.
 [[nodiscard]] inline double mean_of_most(std::span<double> values) {
   if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  const std::size_t aside = values.size() / 10;
-  const auto most = values.subspan(aside, values.size() - 2 * aside);
-  return std::accumulate(most.begin(), most.end(), 0.0) / static_cast<double>(most.size());
+  const double middle = median_in(values);
+  const auto nearer = [&](double one, double other) {
+    return std::abs(one - middle) < std::abs(other - middle);
+  };
+  const auto fourth_fifth = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 4 / 5);
+  std::nth_element(values.begin(), fourth_fifth, values.end(), nearer);
+  const double most = 3 * std::abs(*fourth_fifth - middle);
+  const auto end = std::partition(fourth_fifth, values.end(),
+                                  [&](double value) { return std::abs(value - middle) <= most; });
+  return std::accumulate(values.begin(), end, 0.0) / static_cast<double>(end - values.begin());
 }
 
 /// How much more than the median distance from a circle says its points scatter where they are few:

@@ -8,6 +8,7 @@
 
 #include "tests/catch.hpp"
 
+using identify::mean_of_most;
 using identify::median_of;
 
 namespace {
@@ -54,4 +55,15 @@ TEST_CASE("Whatever the values are, all of them stay and the median is found in 
   std::sort(values.begin(), values.end());
   std::sort(reordered.begin(), reordered.end());
   CHECK(values == reordered);
+}
+
+TEST_CASE("the mean of most values is that of two in turn, and not that of strays", "[median]") {
+  std::vector<double> in_turn(25, 1.0), strays(100, 3.0);
+  std::fill_n(in_turn.begin(), 11, 0.0);
+  CHECK(mean_of_most(in_turn) == Approx(14.0 / 25));
+  for (std::size_t i = 0; i < strays.size(); ++i) strays[i] += i % 2 == 0 ? 0.1 : -0.1;
+  std::fill_n(strays.begin() + 40, 10, 1000.0);
+  CHECK(mean_of_most(strays) == Approx(3));
+  std::vector<double> none;
+  CHECK(mean_of_most(none) == 0);
 }

@@ -230,7 +230,6 @@ TEST_CASE("what even angles are all off by hangs on the places that they take wi
   // Positions that are printed with as many decimals show them no better.
   const double noise = GENERATE(0.0, 0.05);
   CAPTURE(steps, noise);
-  constexpr double kStep_rad = 0.1 * kDegree;
   test::Random random(11);
   const Eigen::ArrayXd times = 0.004 * Eigen::ArrayXd::LinSpaced(2000, 0, 1999);
   Eigen::ArrayXd seen = kStep_rad * (Eigen::ArrayXd::LinSpaced(2000, 0, 1999 * steps) + 0.37);
@@ -243,9 +242,9 @@ TEST_CASE("what even angles are all off by hangs on the places that they take wi
 
 TEST_CASE("angles that go on by whole steps are off alike, though much of the way gets to speed",
           "[stroke_rounding][issue12]") {
-  // 15 degrees there and as much on, at 40 degrees/s and 12 ms: half of the samples.
+  // 48 steps from one to the next, as two decimals have at 40 degrees/s and 12 ms. Half of the
+  // samples are those of ramps.
   constexpr Eigen::Index kSamples = 72, kRamp = 18;
-  constexpr double kStep_rad = 0.01 * kDegree;
   Eigen::ArrayXd times(kSamples), seen(kSamples);
   double place = 0.37;
   for (Eigen::Index i = 0; i < kSamples; ++i) {
