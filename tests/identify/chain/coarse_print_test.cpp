@@ -162,15 +162,29 @@ TEST_CASE("joints that come home elsewhere by less than a step are seen to", "[c
   CHECK(errors.most < 4.5);
 }
 
-TEST_CASE(
-    "what few decimals hide of locked joints does not move a target that is close to its axis",
-    "[coarse_print][issue12]") {
+namespace {
+
+simulation::World one_decimal(double wobble_deg) {
   simulation::World world;
   world.controller = world.angles = true;
   world.decimals = 1;
-  world.wobble_deg = 0.0005;
-  simulation::Strokes how = simulation::robots::strokes(400);
+  world.wobble_deg = wobble_deg;
+  return world;
+}
+
+simulation::Strokes short_arcs(int samples) {
+  simulation::Strokes how = simulation::robots::strokes(samples);
   how.arc_deg = 30;
+  return how;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "what few decimals hide of locked joints does not move a target that is close to its axis",
+    "[coarse_print][issue12]") {
+  const auto world = one_decimal(0.0005);
+  const auto how = short_arcs(400);
   double most_deg = 0, most_mm = 0;
   for (std::uint32_t seed = 1; seed <= 8; ++seed) {
     CAPTURE(seed);
@@ -198,12 +212,8 @@ TEST_CASE(
 
 TEST_CASE("a joint that wobbles from one printed angle to the next accuses none behind it",
           "[coarse_print][issue12]") {
-  simulation::World world;
-  world.controller = world.angles = true;
-  world.decimals = 1;
-  world.wobble_deg = 0.0001;
-  simulation::Strokes how = simulation::robots::strokes(250);
-  how.arc_deg = 30;
+  const auto world = one_decimal(0.0001);
+  const auto how = short_arcs(250);
   for (const std::uint32_t seed : {5U, 6U, 20U, 24U}) {
     CAPTURE(seed);
     auto robot = simulation::robots::robot(seed);
