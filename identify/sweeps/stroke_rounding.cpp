@@ -55,10 +55,11 @@ using Agreement = std::array<double, StrokeRounding::kOrders>;
 /// step shows no more of it.
 constexpr Agreement kOfOneTooth{1, 0.6, 1.4};
 
-/// How far places agree that were seen with this standard deviation, all in steps: see
-/// StrokeRounding::agreement. `ahead`: from minus one to one along the stroke.
-Agreement agreement_of(const Eigen::ArrayXd& places, const Eigen::ArrayXd& ahead,
-                       const Eigen::ArrayXd& weights, double sigma) {
+/// How far places agree that were seen on an even motion with this standard deviation, all in
+/// steps: see StrokeRounding::agreement. `ahead`: from minus one to one along the stroke.
+Agreement agreement_of(const EvenMotion& motion, const Eigen::ArrayXd& seen_places,
+                       const Eigen::ArrayXd& ahead, const Eigen::ArrayXd& weights,
+                       double seen_sigma) {
   // What rounding adds is a saw tooth of the place within a step, sum_m sin(2 pi m x) / (pi m) but
   // for signs. What it leaves of each wave in a Legendre polynomial is that of the samples' places.
   constexpr int kWaves = 4;
@@ -66,6 +67,8 @@ Agreement agreement_of(const Eigen::ArrayXd& places, const Eigen::ArrayXd& ahead
   // five places in turn: what they are all off by is the fifth wave, and those of its multiples.
   constexpr int kWavesOfLevel = 30;
   constexpr double kFarFromChance = 4;  // standard deviations
+  const Eigen::ArrayXd places = motion(seen_places);
+  const double sigma = motion.noise() * seen_sigma;
   const Eigen::ArrayXcd wave =
       (std::complex<double>(0, 2 * kPi) * (places - places(0)).cast<std::complex<double>>()).exp();
   const Eigen::ArrayXd shares = weights / weights.sum();
@@ -191,7 +194,7 @@ StrokeRounding rounding_of(const StrokeSamples& seen, const StrokeContent& conte
   const double free = std::max(1.0, rounding.samples - static_cast<double>(curve.orders()));
   const double turned = seen.turns.maxCoeff() - seen.turns.minCoeff();
   const Eigen::ArrayXd ahead = along(seen.turns);
-  const EvenMotion evened(times_of(seen));
+  const EvenMotion motion(times_of(seen));
   for (Index k = 0; k < numbers.rows(); ++k) {
     const double step = k < 3 ? content.printed.position_mm : content.printed.angle_rad;
     rounding.followed(k) = k >= 3 || (step > 0 && rounding.extent(k) < kManySteps * step);
@@ -199,12 +202,12 @@ StrokeRounding rounding_of(const StrokeSamples& seen, const StrokeContent& conte
     const SampleRows left = curve.left(numbers.row(k));
     rounding.scatter(k) = (left.row(0).square() * seen.weights.transpose()).sum() / free;
     if (!(step > 0)) continue;
-    const Eigen::ArrayXd places = evened((numbers.row(k) - left.row(0)).transpose() / step);
     rounding.uneven(k) = unevenness(numbers.row(k).transpose());
     // Noise of the turn moves the places along their curve.
-    const double noise =
-        turned > 0 ? evened.noise() * rounding.extent(k) * turn_sigma_rad / turned : 0;
-    const Agreement agreement = agreement_of(places, ahead, seen.weights, noise / step);
+    const double noise = turned > 0 ? rounding.extent(k) * turn_sigma_rad / turned : 0;
+    const Agreement agreement =
+        agreement_of(motion, (numbers.row(k) - left.row(0)).transpose() / step, ahead, seen.weights,
+                     noise / step);
     for (std::size_t order = 0; order < agreement.size(); ++order)
       rounding.agreement[order](k) = agreement[order];
   }
@@ -215,21 +218,17 @@ StrokeRounding::Told told_rounding(const StrokeSamples& seen, const Eigen::Array
                                    double across_rad2, double turn_sigma_rad, double step_rad) {
   const double along_rad2 =
       (along_rad.square() * seen.weights).sum() / std::max(1.0, seen.weights.sum());
-  const EvenMotion evened(times_of(seen));
-  const Eigen::ArrayXd places = evened(seen.turns / step_rad);
   return {std::max(0.0, along_rad2 - across_rad2), unevenness(seen.told),
-          agreement_of(places, along(seen.turns), seen.weights,
-                       evened.noise() * turn_sigma_rad / step_rad)};
+          agreement_of(EvenMotion(times_of(seen)), seen.turns / step_rad, along(seen.turns),
+                       seen.weights, turn_sigma_rad / step_rad)};
 }
 
 double told_level_rad(const Eigen::ArrayXd& times_s, const Eigen::ArrayXd& told_rad,
                       const Eigen::ArrayXd& seen_rad, double seen_sigma_rad, double step_rad) {
   if (!(step_rad > 0)) return 0;
-  const EvenMotion evened(times_s);
-  const Eigen::ArrayXd places = evened(seen_rad / step_rad);
   const Agreement agreement =
-      agreement_of(places, along(seen_rad), Eigen::ArrayXd::Ones(seen_rad.size()),
-                   evened.noise() * seen_sigma_rad / step_rad);
+      agreement_of(EvenMotion(times_s), seen_rad / step_rad, along(seen_rad),
+                   Eigen::ArrayXd::Ones(seen_rad.size()), seen_sigma_rad / step_rad);
   const double same = same_place(unevenness(told_rad) / (step_rad * step_rad));
   return step_rad * std::sqrt(kWhole * same * agreement[0]);
 }

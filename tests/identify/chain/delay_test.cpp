@@ -46,7 +46,7 @@ bool accuses_gears(const Identification& found) {
   });
 }
 
-/// What a controller tells of a program, from cycle to cycle; swept angles so late.
+/// What a controller tells of a program, from cycle to cycle, its angles so late.
 std::vector<Sweep> told(const simulation::Robot& robot, const simulation::Program& program,
                         double cycle_s, int decimals, double late_s = 0) {
   const auto chain = simulation::chain_of(robot);
