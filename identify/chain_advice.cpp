@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "identify/chain/chain_start.hpp"
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/warning.hpp"
 
@@ -31,6 +32,7 @@ class ChainAdviser {
 
   std::vector<Warning> run() {
     judge_samples();
+    judge_unknown_joints();
     judge_uneven_joints(chain_.effects);
     for (Warning& one : joints_along(found_, false)) warnings_.push_back(std::move(one));
     if (chain_.home_scatter_mm > kHomeScatter_mm)
@@ -68,6 +70,30 @@ class ChainAdviser {
            "errors of successive samples are alike: " + fixed(chain_.samples_per_independent, 0) +
                " samples tell as much as one; uncertainties allow for it; more sweeps help, "
                "denser samples do not");
+  }
+
+  /// Which joints without an axis stood elsewhere than home in sweeps of others.
+  void judge_unknown_joints() {
+    const std::vector<bool> known = chain_.known();
+    for (std::size_t k = 0; k < known.size(); ++k) {
+      if (known[k]) continue;
+      std::vector<bool> others(known.size(), true);
+      others[k] = false;
+      std::size_t left_out = 0;
+      for (std::size_t j = 0; j < known.size(); ++j)
+        for (std::size_t s = 0; known[j] && s < found_.joints[j].sweeps.size(); ++s)
+          if (const Sweep& sweep = found_.joints[j].sweeps[s];
+              !found_.joints[j].used[s] && !sweep.positioning &&
+              sweep.first().joints >= known.size() &&
+              !tells_from_elsewhere(sweep, found_.home_rad, others))
+            ++left_out;
+      if (left_out > 0)
+        warn("off_home", k,
+             "it stood elsewhere than home in " + std::to_string(left_out) +
+                 (left_out == 1 ? " sweep" : " sweeps") +
+                 " of other joints, and its own axis is not known: they are left out. Sweep it, "
+                 "too");
+    }
   }
 
   void judge_uneven_joints(const ChainEffects& effects) {

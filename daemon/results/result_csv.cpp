@@ -7,6 +7,7 @@
 #include "daemon/results/result_formats.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
+#include "identify/chain/chain_start.hpp"
 #include "identify/dh/dh_comparison.hpp"
 #include "identify/dh/dh_extraction.hpp"
 #include "identify/geometry/circle_fit.hpp"
@@ -54,12 +55,12 @@ void add_seen(std::string& csv, const std::optional<identify::SeenTurn>& seen, b
 }
 
 /// Whether the estimator in `dh` used a sweep: the circles those from the common home, the chain
-/// also those from elsewhere where angles tell where that is.
+/// also those that tell from elsewhere.
 bool in_use(const identify::Identification& found, const identify::JointResult& joint,
             std::size_t s) {
-  const identify::Sweep& sweep = joint.sweeps[s];
-  return joint.used[s] || (found.estimator != identify::Estimator::circle && !sweep.positioning &&
-                           sweep.first().joints >= found.joints.size());
+  return joint.used[s] ||
+         (found.estimator != identify::Estimator::circle && found.chain &&
+          tells_from_elsewhere(joint.sweeps[s], found.home_rad, found.chain->known()));
 }
 
 }  // namespace

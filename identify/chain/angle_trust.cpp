@@ -130,8 +130,8 @@ class Curves {
     const Eigen::Matrix3d weight =
         (noise + across * (Eigen::Matrix3d::Identity() - along * along.transpose())).inverse();
     errors_[at.seen.joint] += at.seen.weight * (weight * noise).trace();
-    const Eigen::MatrixXd by_effects =
-        own_effects<3>(columns_, at.pose.by_turn, nodes_.known, at.seen, at.place);
+    const Eigen::MatrixXd by_effects = own_effects<3>(columns_, at.pose, nodes_.known, at.seen,
+                                                      at.place, nodes_.middle_mm(unit_[at.stroke]));
     of(at).add(at.seen.turns[at.seen.joint], at.seen.falling, at.seen.weight,
                {by_effects, by_turn.transpose(), -told.transpose(), at.scatter.within,
                 weight / correlation});

@@ -65,10 +65,14 @@ EffectColumns::EffectColumns(const ChainEffects& shape, const ChainNodes& nodes)
     : targets(nodes.targets) {
   const auto turns = static_cast<Index>(nodes.known.size());
   if (shape.home_rad > 0 || shape.creep_rad > 0 || shape.drift_mm > 0 || shape.print_mm > 0 ||
-      shape.print_rad > 0 || shape.print_turn_rad > 0 || shape.any_stray() || !shape.along.empty())
+      shape.print_rad > 0 || shape.print_turn_rad > 0 || shape.any_stray() ||
+      !shape.along.empty() || !shape.places_rad.empty())
     own = turns + 6;
   if (shape.print_rad > 0) own += turned = 9;
   if (shape.print_turn_rad > 0) own += swept = 2;
+  const bool all_known =
+      std::find(nodes.known.begin(), nodes.known.end(), false) == nodes.known.end();
+  if (!all_known && (shape.home_rad > 0 || !shape.places_rad.empty())) own += carried = 9;
   if (shape.creep_rad > 0 || !shape.along.empty()) own += creep = turns;
   drift_bends = shape.drift_mm > 0 && nodes.sweeps_again();
   if (drift_bends || (shape.print_mm > 0 && bent_by_print(shape.print_mm, nodes))) own += bent = 3;
@@ -134,8 +138,13 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
   VectorXd home(turns);
   for (Index k = 0; k < turns; ++k)
     home(k) = std::pow(effects.home_times_of(static_cast<std::size_t>(k)), 2);
+  double reach = 0;  // of what joints of which no axis is known carry
+  for (const StrokeMoments& stroke : nodes.strokes)
+    if (!stroke.linear) reach = std::max(reach, stroke.circle.radius_mm);
   const VectorXd creep = effects.creep_rad * effects.creep_rad * home;
   home *= effects.home_rad * effects.home_rad;
+  for (std::size_t k = 0; k < effects.places_rad.size(); ++k)
+    home(static_cast<Index>(k)) += std::pow(effects.places_rad[k], 2);
   const auto in_common = [&](std::size_t group) {
     return columns.wander > 0 ? columns.in_common[group] : 0;
   };
@@ -179,6 +188,17 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
         const double stray = effects.stray_mm[u] * effects.stray_mm[u];
         own.segment<6>(turns).array() += stray;
         own.tail(columns.bent).array() += stray;
+      }
+      if (columns.carried > 0) {
+        // Those before the joint carry its axis, those behind it the target alone.
+        double before = 0, behind = 0;
+        for (std::size_t k = 0; k < nodes.known.size(); ++k)
+          if (!nodes.known[k])
+            (k < stroke.content.joint ? before : behind) += home(static_cast<Index>(k));
+        own.segment<3>(turns).array() += before * reach * reach;
+        own.segment<3>(columns.carries()).setConstant(before);
+        own.segment<3>(columns.carries() + 3).setConstant(behind * reach * reach);
+        own.segment<3>(columns.carries() + 6).setConstant(behind);
       }
       if (columns.turned > 0) {
         own.segment<3>(turns + 6) += shifts[0].tail<3>().matrix();

@@ -18,18 +18,21 @@ inline constexpr Eigen::Index kFigureOrders = 8;
 /// that grow from minus one at a stroke's least turn to one at its greatest. Where printed
 /// orientations are shifted, so many follow, of A, B, C, and three that bend, as the second
 /// Legendre polynomial of the stroke's turn. Where rounding shifts the sweeping joint's angle, it
-/// grows and bends, too. Where rounding bends a stroke, and where a joint has swept again, so that
-/// a device that wanders can be told from homes that are off, three shifts do so, too. A stand's
-/// are a turn of each joint, where homes stay. Those of a group are the orders of each target's
-/// radial and then axial figure, behind them three shifts where several units share a device that
-/// wanders, and those of the joint's angle. A home's are a turn of each joint.
+/// grows and bends, too. What joints carry of which no axis is known is turned as one body, and, as
+/// far as it is behind the sweeping joint, shifted and turned on it. Where rounding bends a stroke,
+/// and where a joint has swept again, so that a device that wanders can be told from homes that are
+/// off, three shifts do so, too. A stand's are a turn of each joint, where homes stay. Those of a
+/// group are the orders of each target's radial and then axial figure, behind them three shifts
+/// where several units share a device that wanders, and those of the joint's angle. A home's are a
+/// turn of each joint.
 struct EffectColumns {
   EffectColumns(const ChainEffects& shape, const ChainNodes& nodes);
   Eigen::Index own = 0;
-  Eigen::Index turned = 0;  ///< of these, those of A, B, C
-  Eigen::Index swept = 0;   ///< those behind them of the sweeping joint's angle
-  Eigen::Index creep = 0;   ///< of joints that go on
-  Eigen::Index bent = 0;    ///< and the last ones
+  Eigen::Index turned = 0;   ///< of these, those of A, B, C
+  Eigen::Index swept = 0;    ///< those behind them of the sweeping joint's angle
+  Eigen::Index carried = 0;  ///< behind those, what joints of which no axis is known carry
+  Eigen::Index creep = 0;    ///< of joints that go on
+  Eigen::Index bent = 0;     ///< and the last ones
   bool drift_bends = false;
   Eigen::Index stand = 0;
   Eigen::Index figure = 0;  ///< of one target
@@ -39,24 +42,26 @@ struct EffectColumns {
   Eigen::Index home = 0;
   std::size_t targets = 0;
   [[nodiscard]] Eigen::Index creeps() const { return own - bent - creep; }  ///< the first of them
+  [[nodiscard]] Eigen::Index carries() const { return creeps() - carried; }
   [[nodiscard]] Eigen::Index shared() const {
     return figure * static_cast<Eigen::Index>(targets) + wander + told;
   }
   [[nodiscard]] Eigen::Index all() const { return own + stand + shared() + home; }
 };
 
-/// How the target moves with a unit's own effects, one a row, at a node: `by_turn` are the columns
-/// of the Jacobian, `place` is from minus one at the stroke's least turn to one at its greatest.
-template <int Size, class ByTurn>
+/// How the target moves with a unit's own effects, one a row, at a node: `pose` is the chain's
+/// there, `place` is from minus one at the stroke's least turn to one at its greatest, `middle_mm`
+/// is the same for all nodes of the unit.
+template <int Size>
 [[nodiscard]] Eigen::Matrix<double, Eigen::Dynamic, Size> own_effects(
-    const EffectColumns& columns, const ByTurn& by_turn, const std::vector<bool>& known,
-    const ChainObservation& seen, double place) {
+    const EffectColumns& columns, const ChainPose& pose, const std::vector<bool>& known,
+    const ChainObservation& seen, double place, const Eigen::Vector3d& middle_mm) {
   const auto turns = static_cast<Eigen::Index>(known.size());
   Eigen::Matrix<double, Eigen::Dynamic, Size> rows =
       Eigen::Matrix<double, Eigen::Dynamic, Size>::Zero(columns.own, Size);
   for (std::size_t k = 0; k < known.size(); ++k)
     if (known[k])
-      rows.row(static_cast<Eigen::Index>(k)) = by_turn[k].template head<Size>().transpose();
+      rows.row(static_cast<Eigen::Index>(k)) = pose.by_turn[k].template head<Size>().transpose();
   const double bend = 1.5 * place * place - 0.5;
   rows.template block<3, 3>(turns, 0).setIdentity();
   rows.template block<3, 3>(turns + 3, 0).diagonal().setConstant(place);
@@ -68,9 +73,21 @@ template <int Size, class ByTurn>
       rows.template block<3, 3>(turns + 12, 3) = bend * axes;
     }
   if (columns.swept > 0) {
-    const auto by_swept = by_turn[seen.joint].template head<Size>().transpose();
+    const auto by_swept = pose.by_turn[seen.joint].template head<Size>().transpose();
     rows.row(turns + 6 + columns.turned) = place * by_swept;
     rows.row(turns + 7 + columns.turned) = bend * by_swept;
+  }
+  if (columns.carried > 0) {
+    // As one body about the middle; and behind the sweeping joint, turned as it has turned.
+    const Eigen::Index at = columns.carries();
+    for (Eigen::Index i = 0; i < 3; ++i)
+      rows.template block<1, 3>(at + i, 0) =
+          Eigen::Vector3d::Unit(i).cross(pose.position_mm - middle_mm).transpose();
+    rows.template block<3, 3>(at + 3, 0) = pose.rotation.transpose();
+    if constexpr (Size == 6) {
+      rows.template block<3, 3>(at, 3).setIdentity();
+      rows.template block<3, 3>(at + 6, 3) = pose.rotation.transpose();
+    }
   }
   for (Eigen::Index k = 0; k < columns.creep; ++k)
     rows.row(columns.creeps() + k) = place * rows.row(k);

@@ -67,6 +67,10 @@ struct ChainEffects {
   /// deviation of the coefficient of each Chebyshev polynomial. An even motion printed with few
   /// decimals leaves such a pattern. Strokes of one joint from one home share it.
   double told_rad = 0;
+  /// Beside `home_rad`, of each locked joint's place in a stroke, as printed angles differ: see
+  /// untold_places(). A joint without an axis turns what it carries about one that may pass it as
+  /// far away as any known one.
+  std::vector<double> places_rad;
   /// What the joint that gives way most does so by under the weight that it carries: `sags` of the
   /// chain.
   double sag_rad = 0;
@@ -249,6 +253,12 @@ struct ChainEstimate : SweepEvidence {
   std::vector<double> locked_rad;
   /// One a joint, along positive rotation. Nothing where the joint could not be used.
   std::vector<std::optional<Axis>> axes;
+  [[nodiscard]] std::vector<bool> known() const {
+    std::vector<bool> all;
+    all.reserve(axes.size());
+    for (const auto& axis : axes) all.push_back(axis.has_value());
+    return all;
+  }
   /// Of all axes' (direction, point), six rows a joint, then three a target, then,
   /// with orientation, three of the tool's rotation in the measurement frame.
   Eigen::MatrixXd covariance;

@@ -44,12 +44,12 @@ class Estimation {
     start.targets_mm =
         starting_targets(start, nodes_.observations, nodes_.targets, nodes_.with_angles);
     set_quanta(nodes_.with_angles);
-    if (nodes_.with_angles)
-      effects_.zero_rad = unseen_zeros(nodes_, campaign_.resolution.angle_rad);
+    const double step_rad = campaign_.resolution.angle_rad;
+    if (nodes_.with_angles) effects_.zero_rad = unseen_zeros(nodes_, step_rad);
+    effects_.places_rad = untold_places(nodes_, effects_.zero_rad, step_rad);
 
     FittedChain best = without_angles(start);
-    if (nodes_.with_angles &&
-        discount_readings(nodes_, best.fit.chain, best.noise, campaign_.resolution.angle_rad))
+    if (nodes_.with_angles && discount_readings(nodes_, best.fit.chain, best.noise, step_rad))
       best = settled(best.fit.chain, best.noise, false);
     by_device_ = noise_of_device(best);
     ChainEstimate estimate;
@@ -60,7 +60,8 @@ class Estimation {
       if (by_print_alone(best)) believe_angles(best, estimate.angles);
     }
     // No angles, or none believed; more noise would have the rounding average out.
-    if (effects_.print_mm == 0 && !by_device_ && explained_by_print(best, false)) {
+    if (effects_.print_mm == 0 && !by_device_ &&
+        (explained_by_print(best, false) || !effects_.places_rad.empty())) {
       effects_.print_mm = campaign_.resolution.position_mm;
       best = settled(best.fit.chain, best.noise, false);
       if (by_print_alone(best)) search().size(best, with_places(effects_));
@@ -186,8 +187,7 @@ class Estimation {
     return shape;
   }
 
-  /// Believes all angles, then takes back the worst joint's that does not stand the test, and so
-  /// on.
+  /// Believes all angles, then takes back those of the worst joint that fails the test, and so on.
   void believe_angles(FittedChain& best, std::vector<AngleEvidence>& evidence) {
     ChainNoise noise = best.noise;
     noise.locked_rad = std::max(noise.locked_rad, floor_.locked_rad);

@@ -214,6 +214,42 @@ std::vector<double> unseen_zeros(const ChainNodes& nodes, double angle_step_rad)
   return zeros;
 }
 
+std::vector<double> untold_places(const ChainNodes& nodes, const std::vector<double>& unseen,
+                                  double angle_step_rad) {
+  if (std::find(nodes.known.begin(), nodes.known.end(), false) == nodes.known.end()) return {};
+  const std::size_t joints = nodes.known.size();
+  double squares = 0, count = 0;  // of all joints, about where each stood at a home
+  std::vector<double> told(joints, 0.0);
+  for (std::size_t k = 0; k < joints; ++k) {
+    std::map<std::size_t, std::vector<double>> at_home;
+    for (std::size_t u = 0; u < nodes.units.size(); ++u) {
+      const StrokeMoments& stroke = nodes.strokes[nodes.units[u].front()];
+      if (stroke.content.joint != k && stroke.content.joints > k)
+        at_home[nodes.home_of[nodes.group[u]]].push_back(stroke.locked_rad[k]);
+    }
+    double own = 0, own_count = 0;
+    for (const auto& [home, angles] : at_home) {
+      const Eigen::Map<const Eigen::ArrayXd> all(angles.data(), static_cast<Index>(angles.size()));
+      own += (all - all.mean()).square().sum();
+      own_count += static_cast<double>(angles.size() - 1);
+    }
+    if (own_count > 0) told[k] = std::sqrt(own / own_count);
+    squares += own;
+    count += own_count;
+  }
+  if (!(squares > kLeastAngle_rad * kLeastAngle_rad * count)) return {};
+  std::vector<double> places;
+  for (std::size_t k = 0; k < joints; ++k) {
+    // Of two normal numbers of standard deviation s the difference is 2 s / sqrt(pi) on average: so
+    // often, in steps, they are printed one step apart.
+    const double scatter = std::max(squares / count, told[k] * told[k]);
+    const double hidden =
+        angle_step_rad > 0 ? std::min(unseen[k], std::sqrt(kPi) * scatter / angle_step_rad) : 0;
+    places.push_back(nodes.known[k] ? hidden : std::hypot(hidden, told[k]));
+  }
+  return places;
+}
+
 namespace {
 
 /// Without angles no joint was known when the sums were made.

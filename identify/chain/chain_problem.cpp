@@ -174,8 +174,9 @@ void ChainProblem<Size>::set_effects(std::size_t u, const StrokeMoments& stroke,
   const Eigen::Index at_home = shared + columns_.shared();
   const Range& range = ranges_[nodes_.group[u]];
   if (columns_.own > 0)
-    rows.topRows(columns_.own) = own_effects<Size>(columns_, pose.by_turn, nodes_.known, seen,
-                                                   stroke.place_of(stroke.nodes[n].turn_rad));
+    rows.topRows(columns_.own) =
+        own_effects<Size>(columns_, pose, nodes_.known, seen,
+                          stroke.place_of(stroke.nodes[n].turn_rad), nodes_.middle_mm(u));
   // A stand's turns of the joints are a unit's, in common.
   rows.middleRows(columns_.own, columns_.stand) = rows.topRows(columns_.stand);
   for (std::size_t k = 0; columns_.home > 0 && k < nodes_.known.size(); ++k)

@@ -200,11 +200,22 @@ std::vector<std::optional<ChainAxis>> starting_axes(const CircleEstimate& circle
   return axes;
 }
 
+bool tells_from_elsewhere(const Sweep& sweep, std::vector<std::optional<double>> home_rad,
+                          const std::vector<bool>& known) {
+  if (sweep.positioning || sweep.first().joints < known.size()) return false;
+  home_rad.resize(known.size());
+  for (std::size_t k = 0; k < known.size(); ++k)
+    if (known[k]) home_rad[k] = std::nullopt;
+  return off_home_rad(sweep, home_rad) <= kSameHome_rad;
+}
+
 std::vector<ChainSweep> chain_sweeps(const CircleEstimate& circles,
                                      const std::vector<std::optional<ChainAxis>>& axes) {
   std::vector<ChainSweep> found;
-  const std::size_t joints = circles.joints.size();
-  for (std::size_t j = 0; j < joints; ++j) {
+  std::vector<bool> known;
+  known.reserve(axes.size());
+  for (const auto& axis : axes) known.push_back(axis.has_value());
+  for (std::size_t j = 0; j < known.size(); ++j) {
     const JointResult& joint = circles.joints[j];
     if (!axes[j]) continue;
     // Without a sweep of its own nothing would tell how uncertain its axis is.
@@ -212,8 +223,8 @@ std::vector<ChainSweep> chain_sweeps(const CircleEstimate& circles,
     if (!any_moves(own)) own = joint.used;
     for (std::size_t s = 0; s < joint.sweeps.size(); ++s) {
       const Sweep& sweep = joint.sweeps[s];
-      const bool elsewhere = !joint.used[s] && !sweep.positioning && sweep.first().joints >= joints;
-      if (own[s] || elsewhere) found.push_back({j, &sweep});
+      if (own[s] || (!joint.used[s] && tells_from_elsewhere(sweep, circles.home_rad, known)))
+        found.push_back({j, &sweep});
     }
   }
   return found;

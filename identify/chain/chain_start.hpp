@@ -42,8 +42,14 @@ struct ChainSweep {
   const Sweep* sweep = nullptr;
 };
 
-/// The sweeps of all joints with an axis to start from, joint by joint: those of the circles and,
-/// where angles tell where the other joints stood, those from elsewhere than home.
+/// Whether a sweep from elsewhere than home tells of the chain: angles tell where all joints stood,
+/// and those of which no axis is `known` stood at home, or nothing tells where they had the target.
+[[nodiscard]] bool tells_from_elsewhere(const Sweep& sweep,
+                                        std::vector<std::optional<double>> home_rad,
+                                        const std::vector<bool>& known);
+
+/// The sweeps of all joints with an axis to start from, joint by joint: those of the circles, and
+/// those that tell from elsewhere.
 [[nodiscard]] std::vector<ChainSweep> chain_sweeps(
     const CircleEstimate& circles, const std::vector<std::optional<ChainAxis>>& axes);
 

@@ -110,6 +110,7 @@ std::vector<ChainEstimate::Part> LinearisedChain::parts() {
   home.creep_rad = shape_.creep_rad;
   home.home_times = shape_.home_times;
   home.along = shape_.along;
+  home.places_rad = shape_.places_rad;
   drift.drift_mm = shape_.drift_mm;
   drift.stray_mm = shape_.stray_mm;
   figure.figures_mm = shape_.figures_mm;
