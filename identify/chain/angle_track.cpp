@@ -78,6 +78,28 @@ void judge_times(AngleTrack& track, double step_rad) {
   track.speed_noise_rad_s = std::sqrt(variance) / (2 * static_cast<double>(wide_of(track)) * usual);
 }
 
+/// Of the positions, if they tell it in half of the time.
+void see_speeds(AngleTrack& track) {
+  const std::size_t count = track.at_s.size();
+  const double interval = (track.at_s.back() - track.at_s.front()) / static_cast<double>(count - 1);
+  const double speed =
+      (track.seen_rad.back() - track.seen_rad.front()) / (track.at_s.back() - track.at_s.front());
+  const double scatter =
+      std::sqrt(2 * unevenness(as_array(track.seen_rad) - speed * as_array(track.at_s)));
+  const double wide = std::ceil(scatter / (2 * interval * track.speed_noise_rad_s));
+  const auto told_wide =
+      static_cast<double>(wide_of(track) * count) / static_cast<double>(track.time_s.size());
+  constexpr double kLeastWide = 2;
+  if (!(2 * std::max(wide, kLeastWide) < told_wide)) return;
+  const auto beside = static_cast<std::size_t>(std::max(wide, kLeastWide));
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t from = i > beside ? i - beside : 0;
+    const std::size_t to = std::min(count - 1, i + beside);
+    track.seen_speed_rad_s.push_back((track.seen_rad[to] - track.seen_rad[from]) /
+                                     (track.at_s[to] - track.at_s[from]));
+  }
+}
+
 /// Of the strokes' seen angles each may lack whole turns against the others.
 void count_alike(std::vector<AngleTrack>& tracks) {
   const double first_seen = tracks.front().seen_rad.front();
@@ -156,6 +178,7 @@ std::optional<AngleTrack> angle_track(const Sweep& sweep, std::size_t joint, con
   }
   if (std::min(track.at_s.size(), track.time_s.size()) < kFewestSeen) return std::nullopt;
   judge_times(track, step_rad);
+  see_speeds(track);
   constexpr double kOfMedian = 1.18;  // of distances in a plane, in standard deviations
   track.printed_rad =
       told_level_rad(as_array(track.at_s), as_array(told_rad), as_array(track.seen_rad),

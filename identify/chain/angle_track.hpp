@@ -29,6 +29,9 @@ struct AngleTrack {
   double printed_rad = 0;                ///< told_level_rad() of its angles
   /// Standard deviation of told()'s speeds, as angles are printed in steps, or uneven.
   double speed_noise_rad_s = 0;
+  /// How fast the joint was seen to turn at each of `at_s`, with no more noise, where positions
+  /// tell that in half of the time that told() needs; else none.
+  std::vector<double> seen_speed_rad_s;
 
   struct Told {
     double angle_rad = 0;

@@ -146,7 +146,8 @@ class DelayFit {
       const auto told = track.told(track.at_s[i] + delay_.late_s + delay_.rate * since);
       if (!told) continue;
       found.error.push_back(told->angle_rad - track.seen_rad[i]);
-      found.speed.push_back(told->speed_rad_s);
+      found.speed.push_back(track.seen_speed_rad_s.empty() ? told->speed_rad_s
+                                                           : track.seen_speed_rad_s[i]);
       found.place.push_back((track.seen_rad[i] - track.middle_rad) / track.half_rad);
       found.time.push_back(since / span_s_);
     }

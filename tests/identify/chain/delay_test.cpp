@@ -307,6 +307,25 @@ TEST_CASE("what a delay that does not show for certain may be is in the table's 
   CHECK(errors.most < (late_s > 0 ? 6.5 : 4));
 }
 
+TEST_CASE("how joints get to speed is seen by positions where angles have few decimals",
+          "[delay]") {
+  // Of slow long sweeps it is a fiftieth, and angles tell a speed no sooner.
+  constexpr double kLate_s = 0.03, kCycle_s = 0.012;
+  constexpr int kDecimals = 1;
+  for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+    CAPTURE(seed);
+    const auto robot = some_robot(seed % 2 == 0, seed);
+    simulation::Program program(robot.arm.home_rad);
+    program.rest(1);
+    for (std::size_t j = 0; j < robot.arm.joints(); ++j) program.sweep(j, 45, 10, 0.3);
+    const auto found = identify::identify(told(robot, program, kCycle_s, kDecimals, kLate_s),
+                                          campaign_of(robot, kDecimals));
+    REQUIRE(found.delay);
+    CHECK(std::abs(found.delay->late_s - kLate_s) < 3 * found.delay->sigma_s);
+    CHECK(found.delay->sigma_s < 0.01);
+  }
+}
+
 TEST_CASE("a delay that does not show counts by how likely it is", "[delay]") {
   CHECK(untold_delay_s({0.1, 1e-4}) == 1e-4);  // one that was taken out
   // Against what it is known to, one of no size is small; one that nearly shows is as large.
