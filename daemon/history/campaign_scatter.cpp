@@ -96,7 +96,10 @@ class Steps {
     std::size_t from = to, end = to;
     while (from > 0 && age(*told_[from - 1], *told_[to]) < kBeside) --from;
     while (end < told_.size() && age(*told_[to], *told_[end]) < kBeside) ++end;
-    if (to - from < kFewestBeside || end - to < kFewestBeside) return VectorXd::Zero(count);
+    // Of the last ones nobody knows yet what follows. They must not hide what they show.
+    const bool latest = end == told_.size();
+    if (to - from < kFewestBeside || (end - to < kFewestBeside && !latest))
+      return VectorXd::Zero(count);
     const auto before = static_cast<double>(to - from), after = static_cast<double>(end - to);
     VectorXd means[2] = {VectorXd::Zero(count), VectorXd::Zero(count)};
     for (std::size_t i = from; i < end; ++i)

@@ -168,6 +168,18 @@ TEST_CASE("a jump that is dated stays so as the years go by", "[history][long]")
   }
 }
 
+TEST_CASE("what changed in the last campaign but one does not hide itself", "[history][long]") {
+  // Ten months are a year that tells how campaigns repeat, and the change is in it.
+  constexpr int kCampaigns = 10, kHistories = 10;
+  int told = 0;
+  for (std::uint32_t seed = 1; seed <= kHistories; ++seed) {
+    const auto all = campaigns(kCampaigns, 4, kCampaigns - 2, 8 * sigma_of_zero4(), 0, seed);
+    const History history = history_of({all, {}, {}}, {});
+    if (history.campaigns[kCampaigns - 1].changed) ++told;
+  }
+  CHECK(told >= kHistories - 1);
+}
+
 TEST_CASE("a period of one state is as good as marks", "[history][long]") {
   sweepd::HistoryOptions options;
   options.same_state = std::pair(month(0), month(9));
