@@ -12,6 +12,7 @@
 #include "identify/chain/effect_search.hpp"
 #include "identify/chain/home_turn.hpp"
 #include "identify/chain/linearised_chain.hpp"
+#include "identify/chain/locked_places.hpp"
 #include "identify/chain/locked_readings.hpp"
 #include "identify/dh/upright.hpp"
 #include "identify/geometry/angle.hpp"
@@ -241,8 +242,7 @@ class Estimation {
     effects_.home_rad = effects_.offset_rad = 0;
   }
 
-  /// Of the angles that are not believed, what their gears have, now that it is known what strokes
-  /// have for themselves.
+  /// Of angles that are not believed, what their gears have beside what strokes have.
   void judge_gears(const FittedChain& best, std::vector<AngleEvidence>& evidence) const {
     if (!nodes_.with_angles) return;
     ChainEffects open = effects_;  // strokes have for themselves what is not known of a drift, too
