@@ -61,12 +61,21 @@ identify::Left left_by(const identify::PlacedArm& arm, const Correctable& of) {
 
 /// What the controller's numbers are fitted to: the identified arm. Where its axes are not all
 /// known, the poses themselves.
-std::pair<std::vector<Pose>, Eigen::VectorXd> basis_of(const Correctable& of) {
-  if (!of.open.empty()) return {of.poses, of.weights};
-  auto poses = combined_poses(of.identified.fit.model, of.poses, of.weights);
+struct Basis {
+  std::vector<Pose> poses;
+  Eigen::VectorXd weights;
+  MatrixXd modes;  ///< of the identified arm
+};
+
+Basis basis_of(const Correctable& of) {
+  if (!of.open.empty()) return {of.poses, of.weights, {}};
+  const identify::PoseFit& fit = of.identified.fit;
+  auto poses = combined_poses(fit.model, of.poses, of.weights);
+  auto modes = modes_of(fit.model, fit.covariance, poses);
   const auto count = static_cast<Index>(poses.size());
   return {std::move(poses),
-          Eigen::VectorXd::Constant(count, of.weights.sum() / static_cast<double>(count))};
+          Eigen::VectorXd::Constant(count, of.weights.sum() / static_cast<double>(count)),
+          std::move(modes)};
 }
 
 void warn_of_program(const Correction& correction, std::vector<std::string>& warnings) {
@@ -125,8 +134,8 @@ Correction correction_of(const Correctable& of, CorrectionLevel level) {
   correction.specified = of.controller().arm;
   const auto basis = basis_of(of);
   const auto fitted = [&](ControllerLevel of_controller) {
-    const auto& [poses, weights] = basis;
-    return fitted_controller(of.controller(), of_controller, poses, weights);
+    return fitted_controller(of.controller(), of_controller, basis.poses, basis.weights,
+                             basis.modes);
   };
   correction.fit = fitted(controller_level(level));
   correction.left = left_by(correction.fit.arm, of);

@@ -56,9 +56,12 @@ inline constexpr double kSignificant = 0.05;
 /// Of a table's numbers those are let go that keep the structure which closed inverse kinematics
 /// need: lengths and joint offsets that are not zero, twists that are no multiple of a right angle.
 /// `start`: the specified arm where it stands about; weights: one a pose, 0 where it does not
-/// count; their sum counts as that many poses.
+/// count; their sum counts as that many poses. `modes`: how far all poses may be off together,
+/// where they are of a model (modes_of()): three rows a pose, columns of independent numbers of
+/// standard deviation one. Of measured poses there are none.
 [[nodiscard]] ControllerFit fitted_controller(const PlacedArm& start, ControllerLevel level,
                                               const std::vector<Pose>& poses,
-                                              const Eigen::VectorXd& weights);
+                                              const Eigen::VectorXd& weights,
+                                              const Eigen::MatrixXd& modes = {});
 
 }  // namespace identify

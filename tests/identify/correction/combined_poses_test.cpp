@@ -3,6 +3,7 @@
 #include "identify/correction/controller_fit.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/poses/simulated_poses.hpp"
+#include "tests/identify/simulated_robots.hpp"
 
 using namespace identify;
 using namespace simulation::robots;
@@ -65,4 +66,33 @@ TEST_CASE("Frames and zeros do not make poses worse that were kept back",
     CHECK(frames <= distances_mm(before, held).norm());
     CHECK(left(ControllerLevel::mastering) <= frames);
   }
+}
+
+TEST_CASE("What an identified arm is uncertain by is in what it asks of a controller",
+          "[combined_poses][long]") {
+  // An arm as specified: all that is asked for is by chance, and smooth over the poses.
+  const int count = GENERATE(60, 200);
+  Spread errors;
+  int named = 0;
+  for (std::uint32_t seed = 1; seed <= 8; ++seed) {
+    const simulation::Simulation specified(simulation::kr5(), strokes(10), tracker(0.002), seed);
+    const auto poses = specified.poses(static_cast<std::size_t>(count));
+    const auto found = estimated(poses, specified.campaign());
+    REQUIRE(found);
+    const auto combined = combined_poses(found->fit.model, poses, Eigen::VectorXd::Ones(count));
+    const auto size = static_cast<Eigen::Index>(combined.size());
+    const auto fit =
+        fitted_controller(found->levels.front().arm, ControllerLevel::machine_data, combined,
+                          Eigen::VectorXd::Constant(size, count / static_cast<double>(size)),
+                          modes_of(found->fit.model, found->whole_covariance(), combined));
+    for (const ControllerNumber& number : fit.numbers) {
+      if (number.verdict == ControllerNumber::Verdict::inseparable) continue;
+      errors.add(number.change / number.sigma);
+      named += number.taken();
+    }
+  }
+  INFO(count << " poses: " << errors.sigma() << ", most " << errors.most);
+  CHECK(errors.count >= 8 * 8);
+  CHECK(errors.sigma() < 1.3);
+  CHECK(named <= 1);
 }
