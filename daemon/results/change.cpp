@@ -86,6 +86,8 @@ Change change_between(ToldArm first, ToldArm second, double level) {
     throw std::runtime_error(change.first.file.string() + " and " + change.second.file.string() +
                              " have no number in common that data determine: identify both again "
                              "with sweeps of every joint");
+  const Eigen::VectorXd bend = second_order(change.arms, change.first.reach);
+  change.arms.second_covariance += bend * bend.transpose();
   change.test = test_change(change.arms.difference, change.arms.covariance(), level);
   const auto displacement = [&](const Eigen::VectorXd& by, const Eigen::MatrixXd& covariance) {
     return largest_displacement(change.arms, by, covariance, change.first.reach, kComparedPoses);

@@ -69,6 +69,14 @@ class ToolMotion {
     return columns;
   }
 
+  [[nodiscard]] Vector3d position(const std::vector<double>& turns,
+                                  const VectorXd& difference) const {
+    std::vector<DhRow> rows = arms_.rows;
+    for (std::size_t n = 0; n < arms_.numbers.size(); ++n)
+      number_in(rows, arms_.numbers[n]) += difference(static_cast<Index>(n));
+    return last_pose(rows, reach_.linear, turns) * tool_;
+  }
+
   [[nodiscard]] Eigen::Matrix3Xd by_numbers(const std::vector<double>& turns) const {
     constexpr double kStep_mm = 1e-2, kStep_rad = 1e-5;
     Eigen::Matrix3Xd columns(3, static_cast<Index>(arms_.numbers.size()));
@@ -94,25 +102,85 @@ class ToolMotion {
   Vector3d tool_;
 };
 
+/// Poses that fill the ranges evenly, the same ones in every call: turns from home.
+std::vector<std::vector<double>> poses_in(const ToolReach& reach, std::size_t count) {
+  const std::size_t joints = reach.ranges.size();
+  std::vector<std::vector<double>> turns(count, std::vector<double>(joints));
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::vector<double> share = halton_point(k + 1, joints);
+    for (std::size_t j = 0; j < joints; ++j) {
+      const auto& [least, most] = reach.ranges[j];
+      turns[k][j] = least + (most - least) * share[j];
+    }
+  }
+  return turns;
+}
+
+/// As sweeps of single joints have them.
+std::vector<std::vector<double>> sweeps_in(const ToolReach& reach) {
+  constexpr int kAside = 6;
+  constexpr double kStep_rad = 7.5 * kDegree;
+  const std::size_t joints = reach.ranges.size();
+  std::vector<std::vector<double>> turns;
+  for (std::size_t j = 0; j < joints; ++j)
+    for (int step = -kAside; step <= kAside; ++step) {
+      std::vector<double> at(joints, 0.0);
+      const auto& [least, most] = reach.ranges[j];
+      at[j] = std::clamp(step * kStep_rad, least, most);
+      turns.push_back(std::move(at));
+    }
+  return turns;
+}
+
+/// As much of a difference as its covariance makes by chance, along each of its principal axes.
+VectorXd by_chance(const ComparedArms& arms, const VectorXd& difference) {
+  constexpr double kMostSigmas = 3, kRadian_mm = 1000;
+  VectorXd scale(difference.size());
+  for (std::size_t n = 0; n < arms.numbers.size(); ++n)
+    scale(static_cast<Index>(n)) = arms.numbers[n].length ? 1 : kRadian_mm;
+  const MatrixXd scaled = scale.asDiagonal() * arms.covariance() * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> axes(scaled);
+  const VectorXd most = kMostSigmas * axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  const VectorXd along = axes.eigenvectors().transpose() * (scale.asDiagonal() * difference);
+  return (axes.eigenvectors() * along.cwiseMin(most).cwiseMax(-most)).cwiseQuotient(scale);
+}
+
 }  // namespace
+
+VectorXd second_order(const ComparedArms& arms, const ToolReach& reach) {
+  const ToolMotion motion(arms, reach);
+  const VectorXd difference = by_chance(arms, arms.difference), none = 0 * difference;
+  const Index count = ToolMotion::ByFrames::ColsAtCompileTime + difference.size();
+  MatrixXd normal = MatrixXd::Zero(count, count);
+  VectorXd right = VectorXd::Zero(count);
+  for (const std::vector<double>& turns : sweeps_in(reach)) {
+    Eigen::Matrix3Xd columns(3, count);
+    columns << motion.by_frames(turns), motion.by_numbers(turns);
+    const Vector3d beyond = motion.position(turns, difference) - motion.position(turns, none) -
+                            columns.rightCols(difference.size()) * difference;
+    normal += columns.transpose() * columns;
+    right += columns.transpose() * beyond;
+  }
+  // Lengths and angles in columns of one size.
+  const VectorXd scale = normal.diagonal().unaryExpr(
+      [](double square) { return square > 0 ? 1 / std::sqrt(square) : 0.0; });
+  const MatrixXd scaled = scale.asDiagonal() * normal * scale.asDiagonal();
+  const VectorXd found = least_norm(scaled, scale.asDiagonal() * right);
+  return scale.cwiseProduct(found).tail(difference.size());
+}
 
 Displacement largest_displacement(const ComparedArms& arms, const VectorXd& difference,
                                   const MatrixXd& covariance, const ToolReach& reach,
                                   std::size_t poses) {
   const std::size_t joints = arms.rows.size();
   const ToolMotion motion(arms, reach);
-  std::vector<std::vector<double>> turns(poses, std::vector<double>(joints));
+  std::vector<std::vector<double>> turns = poses_in(reach, poses);
   Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
   MatrixXd mixed = MatrixXd::Zero(9, difference.size());
-  for (std::size_t k = 0; k < poses; ++k) {
-    const std::vector<double> share = halton_point(k + 1, joints);
-    for (std::size_t j = 0; j < joints; ++j) {
-      const auto& [least, most] = reach.ranges[j];
-      turns[k][j] = least + (most - least) * share[j];
-    }
-    const ToolMotion::ByFrames frames = motion.by_frames(turns[k]);
+  for (const std::vector<double>& at : turns) {
+    const ToolMotion::ByFrames frames = motion.by_frames(at);
     normal += frames.transpose() * frames;
-    mixed += frames.transpose() * motion.by_numbers(turns[k]);
+    mixed += frames.transpose() * motion.by_numbers(at);
   }
   const MatrixXd taken_up = least_norm(normal, mixed);
   const auto left_at = [&](const std::vector<double>& at) -> Eigen::Matrix3Xd {

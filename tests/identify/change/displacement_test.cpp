@@ -1,8 +1,10 @@
 #include "identify/change/displacement.hpp"
 
 #include "identify/geometry/angle.hpp"
+#include "identify/identification.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/change/measured_arms.hpp"
+#include "tests/simulation/simulation.hpp"
 
 using namespace identify;
 using identify::test::measured;
@@ -16,6 +18,25 @@ ToolReach reach_of(const Robot& robot) {
   reach.ranges.assign(robot.arm.joints(), {-kPi / 2, kPi / 2});
   reach.tool_mm = transform(robot.arm.rows.back()) * robot.targets_mm.front();
   return reach;
+}
+
+/// What a tracker's sweeps tell of a KR 5 as built by `seed`.
+MeasuredArm found_by(const simulation::Strokes& strokes, std::uint32_t seed, std::uint32_t noise) {
+  simulation::World world;
+  world.placed = world.angles = true;
+  world.noise.range_mm = world.noise.across_mm = 0.02;
+  const simulation::Simulation campaign(simulation::built(simulation::kr5(), seed), strokes, world,
+                                        noise);
+  const Identification found = identify::identify(campaign.sweeps(), campaign.campaign());
+  INFO(found.reason);
+  REQUIRE(found.status == Status::complete);
+  MeasuredArm arm;
+  arm.dh = found.dh;
+  arm.covariance = found.dh_covariance;
+  arm.positive = campaign.robot().arm.positive;
+  arm.home_rad = found.home_rad;
+  arm.gear.assign(found.dh.size(), 0);
+  return arm;
 }
 
 }  // namespace
@@ -68,4 +89,23 @@ TEST_CASE("what base and tool can take up is no displacement", "[displacement]")
   CHECK(turning > 0.3);
   reach.ranges[0] = {-1e-3, 1e-3};  // joint 1 stands: the link's length is the base's place
   CHECK(by(ArmNumberKind::a, 0, 1) < 0.01);
+}
+
+TEST_CASE("an axis that is known to half a degree makes no change of what is known well",
+          "[displacement][long]") {
+  simulation::Strokes all, little;
+  little.ranges_deg.assign(6, {-45, 45});
+  little.ranges_deg[3] = {-3, 3};
+  constexpr std::uint32_t kPairs = 10;
+  double most = 0;
+  for (std::uint32_t seed = 1; seed <= kPairs; ++seed) {
+    const Robot robot = simulation::built(simulation::kr5(), seed);
+    auto arms = compared(found_by(all, seed, seed), found_by(little, seed, 100 + seed));
+    const auto count = static_cast<double>(arms.difference.size());
+    CHECK(count >= 16);
+    const Eigen::VectorXd bend = second_order(arms, reach_of(robot));
+    const Eigen::MatrixXd covariance = arms.covariance() + bend * bend.transpose();
+    most = std::max(most, arms.difference.dot(covariance.llt().solve(arms.difference)) / count);
+  }
+  CHECK(most < 2.5);  // one in 1,000 of chi squared with so many degrees of freedom
 }
