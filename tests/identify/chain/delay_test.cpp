@@ -92,6 +92,17 @@ simulation::Robot some_robot(bool seven, std::uint32_t seed) {
       simulation::built(seven ? simulation::iiwa() : simulation::kr5(), seed), seed);
 }
 
+/// What one decimal tells of sweeps one way at 10 degrees a second whose angles come late.
+Identification found_of_late(const simulation::Robot& robot, double late_s, double half_deg,
+                             double rest_s, double cycle_s) {
+  constexpr int kDecimals = 1;
+  simulation::Program program(robot.arm.home_rad);
+  program.rest(1);
+  for (std::size_t j = 0; j < robot.arm.joints(); ++j) program.sweep(j, half_deg, 10, rest_s);
+  return identify::identify(told(robot, program, cycle_s, kDecimals, late_s),
+                            campaign_of(robot, kDecimals));
+}
+
 }  // namespace
 
 TEST_CASE("a delay is found to 0.1 ms and within its uncertainty, and no gear is accused of it",
@@ -284,17 +295,11 @@ TEST_CASE("what a delay that does not show for certain may be is in the table's 
   // One decimal, one way: only how joints get to speed tells of it, to some milliseconds.
   const double late_s = GENERATE(0.0, 0.008);
   CAPTURE(late_s);
-  constexpr double kCycle_s = 0.004;
-  constexpr int kDecimals = 1;
   simulation::robots::Spread errors;
   for (std::uint32_t seed = 1; seed <= 6; ++seed) {
     CAPTURE(seed);
     const auto robot = some_robot(seed % 2 == 0, seed);
-    simulation::Program program(robot.arm.home_rad);
-    program.rest(1);
-    for (std::size_t j = 0; j < robot.arm.joints(); ++j) program.sweep(j, 25, 10, 0.5);
-    const auto found = identify::identify(told(robot, program, kCycle_s, kDecimals, late_s),
-                                          campaign_of(robot, kDecimals));
+    const auto found = found_of_late(robot, late_s, 25, 0.5, 0.004);
     REQUIRE(found.delay);
     CHECK(std::abs(found.delay->late_s - late_s) < 3 * found.delay->sigma_s);
     CHECK(found.delay->sigma_s < 0.01);
@@ -310,16 +315,10 @@ TEST_CASE("what a delay that does not show for certain may be is in the table's 
 TEST_CASE("how joints get to speed is seen by positions where angles have few decimals",
           "[delay]") {
   // Of slow long sweeps it is a fiftieth, and angles tell a speed no sooner.
-  constexpr double kLate_s = 0.03, kCycle_s = 0.012;
-  constexpr int kDecimals = 1;
+  constexpr double kLate_s = 0.03;
   for (std::uint32_t seed = 1; seed <= 6; ++seed) {
     CAPTURE(seed);
-    const auto robot = some_robot(seed % 2 == 0, seed);
-    simulation::Program program(robot.arm.home_rad);
-    program.rest(1);
-    for (std::size_t j = 0; j < robot.arm.joints(); ++j) program.sweep(j, 45, 10, 0.3);
-    const auto found = identify::identify(told(robot, program, kCycle_s, kDecimals, kLate_s),
-                                          campaign_of(robot, kDecimals));
+    const auto found = found_of_late(some_robot(seed % 2 == 0, seed), kLate_s, 45, 0.3, 0.012);
     REQUIRE(found.delay);
     CHECK(std::abs(found.delay->late_s - kLate_s) < 3 * found.delay->sigma_s);
     CHECK(found.delay->sigma_s < 0.01);
