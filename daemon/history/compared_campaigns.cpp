@@ -9,6 +9,7 @@
 #include <boost/math/distributions/fisher_f.hpp>
 
 #include "daemon/report/file_parts.hpp"
+#include "daemon/results/change.hpp"
 #include "daemon/results/change_test.hpp"
 #include "identify/geometry/symmetric_eigen.hpp"
 
@@ -20,15 +21,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using identify::ArmNumber;
 using identify::ArmNumberKind;
-
-/// Two arms cut to the joints that both tell.
-identify::ComparedArms compared(const ToldArm& first, const ToldArm& second) {
-  if (first.joints() == second.joints()) return identify::compared(first.arm, second.arm);
-  ToldArm a = first, b = second;
-  a.cut(std::min(first.joints(), second.joints()));
-  b.cut(std::min(first.joints(), second.joints()));
-  return identify::compared(a.arm, b.arm);
-}
 
 bool same(const ArmNumber& a, const ArmNumber& b) {
   return a.kind == b.kind && a.joint == b.joint && a.length == b.length;
@@ -53,7 +45,7 @@ void set_values(std::vector<CampaignRecord> records, const std::vector<std::stri
     campaign.state = states[i];
     campaign.values = VectorXd::Constant(count, kNothing);
     campaign.fit_covariance = MatrixXd::Zero(count, count);
-    const auto pair = i == history.reference ? own : sweepd::compared(reference, *records[i].arm);
+    const auto pair = i == history.reference ? own : compared(reference, *records[i].arm);
     std::vector<Index> from, to;
     for (std::size_t k = 0; k < pair.numbers.size(); ++k)
       for (Index at = 0; at < count; ++at)

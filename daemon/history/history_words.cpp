@@ -144,7 +144,7 @@ std::string repeatability_words(const History& history) {
   return sizes +
          "assumed, as no campaigns are marked as the same state and there are too few to compare "
          "each with the next. What remounting and temperature do is not known: alarms may be "
-         "false.";
+         "false, and only large changes are seen. `sweepd compare` tells of two campaigns.";
 }
 
 }  // namespace sweepd

@@ -75,19 +75,27 @@ std::vector<std::string> notes_on(const Change& change) {
 
 }  // namespace
 
+identify::ComparedArms compared(ToldArm first, ToldArm second) {
+  const std::size_t both = std::min(first.joints(), second.joints());
+  first.cut(both);
+  second.cut(both);
+  identify::ComparedArms arms = identify::compared(first.arm, second.arm);
+  const Eigen::VectorXd bend = second_order(arms, first.reach);
+  arms.second_covariance += bend * bend.transpose();
+  return arms;
+}
+
 Change change_between(ToldArm first, ToldArm second, double level) {
   const std::size_t both = std::min(first.joints(), second.joints());
   first.cut(both);
   second.cut(both);
   refuse_other_kinds(first, second);
   Change change{std::move(first), std::move(second), level, {}, {}, {}, {}, {}};
-  change.arms = identify::compared(change.first.arm, change.second.arm);
+  change.arms = compared(change.first, change.second);
   if (change.arms.numbers.empty())
     throw std::runtime_error(change.first.file.string() + " and " + change.second.file.string() +
                              " have no number in common that data determine: identify both again "
                              "with sweeps of every joint");
-  const Eigen::VectorXd bend = second_order(change.arms, change.first.reach);
-  change.arms.second_covariance += bend * bend.transpose();
   change.test = test_change(change.arms.difference, change.arms.covariance(), level);
   const auto displacement = [&](const Eigen::VectorXd& by, const Eigen::MatrixXd& covariance) {
     return largest_displacement(change.arms, by, covariance, change.first.reach, kComparedPoses);

@@ -27,6 +27,10 @@ struct Change {
 /// How many poses the displacement is looked for at.
 inline constexpr std::size_t kComparedPoses = 2000;
 
+/// The numbers of joints that both arms tell. What their difference may be beyond first order is in
+/// the second covariance.
+[[nodiscard]] identify::ComparedArms compared(ToldArm first, ToldArm second);
+
 /// Throws std::runtime_error where the two are not of a kind: a controller's model and an arm, or
 /// arms with other joints.
 [[nodiscard]] Change change_between(ToldArm first, ToldArm second, double level);

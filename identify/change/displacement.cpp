@@ -133,6 +133,7 @@ std::vector<std::vector<double>> sweeps_in(const ToolReach& reach) {
 }
 
 /// As much of a difference as its covariance makes by chance, along each of its principal axes.
+/// Zero where that is far less to second order than what is known best.
 VectorXd by_chance(const ComparedArms& arms, const VectorXd& difference) {
   constexpr double kMostSigmas = 3, kRadian_mm = 1000;
   VectorXd scale(difference.size());
@@ -142,14 +143,20 @@ VectorXd by_chance(const ComparedArms& arms, const VectorXd& difference) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> axes(scaled);
   const VectorXd most = kMostSigmas * axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
   const VectorXd along = axes.eigenvectors().transpose() * (scale.asDiagonal() * difference);
-  return (axes.eigenvectors() * along.cwiseMin(most).cwiseMax(-most)).cwiseQuotient(scale);
+  const VectorXd likely = along.cwiseMin(most).cwiseMax(-most);
+  constexpr double kFarLess = 0.1;
+  if (likely.squaredNorm() / (2 * kRadian_mm) < kFarLess * most.minCoeff() / kMostSigmas)
+    return 0 * difference;
+  return (axes.eigenvectors() * likely).cwiseQuotient(scale);
 }
 
 }  // namespace
 
 VectorXd second_order(const ComparedArms& arms, const ToolReach& reach) {
+  if (arms.numbers.empty()) return {};
   const ToolMotion motion(arms, reach);
   const VectorXd difference = by_chance(arms, arms.difference), none = 0 * difference;
+  if (difference.isZero(0)) return none;
   const Index count = ToolMotion::ByFrames::ColsAtCompileTime + difference.size();
   MatrixXd normal = MatrixXd::Zero(count, count);
   VectorXd right = VectorXd::Zero(count);
