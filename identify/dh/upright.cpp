@@ -22,8 +22,8 @@ std::optional<Vector3d> up_among(const std::vector<std::optional<Vector3d>>& see
   const Eigen::JacobiSVD<Matrix3d> svd(products, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Vector3d& sizes = svd.singularValues();
   if (!(sizes(0) > 0)) return std::nullopt;
-  constexpr double kParallel = 0.01;
-  if (sizes(1) < kParallel * sizes(0)) {
+  constexpr double kAllParallel = 0.01;
+  if (sizes(1) < kAllParallel * sizes(0)) {
     const double along = svd.matrixV().col(0).dot(up);
     if (!is_upright(svd.matrixV().col(0), up)) return std::nullopt;
     return Vector3d(std::copysign(1.0, along) * svd.matrixU().col(0));
