@@ -320,13 +320,13 @@ TEST_CASE("without angles the earliest of kinds without end stay", "[kept_sweeps
 }
 
 TEST_CASE("sweeps lose samples before a kind is lost", "[kept_sweeps]") {
-  constexpr std::size_t kLong = 800;
+  constexpr std::size_t kLongOne = 800;
   constexpr int kPoses = 40;
-  KeptSweeps kept(60 * (kLong + KeptSweeps::kOfSweep));
+  KeptSweeps kept(60 * (kLongOne + KeptSweeps::kOfSweep));
   int number = 0;
   for (int pose = 0; pose < kPoses; ++pose)
     for (std::size_t joint = 0; joint < 3; ++joint)
-      kept.keep(sweep({joint, 0, 60, 1.0 * pose}, number++, true, kLong));
+      kept.keep(sweep({joint, 0, 60, 1.0 * pose}, number++, true, kLongOne));
   CHECK_FALSE(kept.left_out().kinds);
   CHECK(kept.sweeps().size() == 3U * kPoses);
   CHECK(kept.left_out().sample_stride == 4);

@@ -203,14 +203,14 @@ TEST_CASE("The usual circle is the plain one of all points but those far off", "
 }
 
 TEST_CASE("how certain a circle is beyond its arc is what arcs scatter by there", "[circle_fit]") {
-  constexpr double kNoise = 0.02, kRadius = 300;
+  constexpr double kNoise = 0.02, kSmall_mm = 300;
   for (const double beyond_deg : {0.0, 60.0, 160.0}) {
     const Vector3d place =
-        arc(kCenter, kAxis, kRadius, 30 + beyond_deg, 2).col(1);  // as far from the arc's end
+        arc(kCenter, kAxis, kSmall_mm, 30 + beyond_deg, 2).col(1);  // as far from the arc's end
     double plane = 0, radial = 0, sigma = 0;
     constexpr unsigned kRuns = 300;
     for (unsigned seed = 1; seed <= kRuns; ++seed) {
-      const Matrix3Xd points = arc(kCenter, kAxis, kRadius, 30, 100, kNoise, seed);
+      const Matrix3Xd points = arc(kCenter, kAxis, kSmall_mm, 30, 100, kNoise, seed);
       const auto fit = fit_circle(points);
       REQUIRE(fit);
       const CircleResidual off = residual(*fit, place);
@@ -222,7 +222,7 @@ TEST_CASE("how certain a circle is beyond its arc is what arcs scatter by there"
     CHECK(std::sqrt(std::max(plane, radial)) == Approx(sigma).epsilon(0.1));
   }
   // Of 3 degrees noise hides the bend.
-  const Matrix3Xd points = arc(kCenter, kAxis, kRadius, 3, 100, kNoise);
+  const Matrix3Xd points = arc(kCenter, kAxis, kSmall_mm, 3, 100, kNoise);
   const auto fit = fit_circle(points);
   REQUIRE(fit);
   CHECK(std::isinf(CircleCovariance(*fit, points, kNoise, kNoise).sigma_mm(kCenter)));

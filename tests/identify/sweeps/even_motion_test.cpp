@@ -11,16 +11,16 @@ using namespace identify;
 
 namespace {
 
-constexpr Eigen::Index kSamples = 600;
+constexpr Eigen::Index kOfMotion = 600;
 
 /// Gets to speed for a share of all samples, then goes on evenly, and stops as it began.
 Eigen::ArrayXd motion(double ramp, double a_sample) {
-  Eigen::ArrayXd places(kSamples);
-  const double wide = ramp * static_cast<double>(kSamples);
+  Eigen::ArrayXd places(kOfMotion);
+  const double wide = ramp * static_cast<double>(kOfMotion);
   double place = 0;
-  for (Eigen::Index i = 0; i < kSamples; ++i) {
+  for (Eigen::Index i = 0; i < kOfMotion; ++i) {
     places(i) = place;
-    const double ends = static_cast<double>(std::min(i, kSamples - 1 - i)) + 0.5;
+    const double ends = static_cast<double>(std::min(i, kOfMotion - 1 - i)) + 0.5;
     place += a_sample * (wide > 0 ? std::min(1.0, ends / wide) : 1);
   }
   return places;
@@ -48,7 +48,7 @@ TEST_CASE("numbers that take two values scatter as these do", "[even_motion][iss
   const double share = GENERATE(0.5, 0.3, 0.1);
   CAPTURE(share);
   test::Random random(5);
-  Eigen::ArrayXd numbers(20 * kSamples);
+  Eigen::ArrayXd numbers(20 * kOfMotion);
   for (double& number : numbers) number = random.uniform(0, 1) < share ? 1 : 0;
   CHECK(unevenness(numbers) == Approx(share * (1 - share)).epsilon(0.1));
 }
@@ -68,9 +68,9 @@ TEST_CASE("samples that are missing make no motion uneven", "[even_motion]") {
 TEST_CASE("an even motion is seen better from many samples, at whatever times they were taken",
           "[even_motion]") {
   test::Random random(9);
-  Eigen::ArrayXd times(kSamples), places(kSamples), seen(kSamples);
+  Eigen::ArrayXd times(kOfMotion), places(kOfMotion), seen(kOfMotion);
   double time = 100;
-  for (Eigen::Index i = 0; i < kSamples; ++i) {
+  for (Eigen::Index i = 0; i < kOfMotion; ++i) {
     times(i) = time;
     places(i) = 5 + 20 * time;
     seen(i) = places(i) + random.normal();
