@@ -74,7 +74,7 @@ class ChainAdviser {
 
   /// Which joints without an axis stood elsewhere than home in sweeps of others.
   void judge_unknown_joints() {
-    const std::vector<bool> known = chain_.known();
+    const std::vector<bool> known = known_of(chain_.axes);
     for (std::size_t k = 0; k < known.size(); ++k) {
       if (known[k]) continue;
       std::vector<bool> others(known.size(), true);

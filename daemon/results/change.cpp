@@ -73,12 +73,17 @@ std::vector<std::string> notes_on(const Change& change) {
   return notes;
 }
 
-}  // namespace
-
-identify::ComparedArms compared(ToldArm first, ToldArm second) {
+/// To the joints that both tell.
+void cut_alike(ToldArm& first, ToldArm& second) {
   const std::size_t both = std::min(first.joints(), second.joints());
   first.cut(both);
   second.cut(both);
+}
+
+}  // namespace
+
+identify::ComparedArms compared(ToldArm first, ToldArm second) {
+  cut_alike(first, second);
   identify::ComparedArms arms = identify::compared(first.arm, second.arm);
   const Eigen::VectorXd bend = second_order(arms, first.reach);
   arms.second_covariance += bend * bend.transpose();
@@ -86,9 +91,7 @@ identify::ComparedArms compared(ToldArm first, ToldArm second) {
 }
 
 Change change_between(ToldArm first, ToldArm second, double level) {
-  const std::size_t both = std::min(first.joints(), second.joints());
-  first.cut(both);
-  second.cut(both);
+  cut_alike(first, second);
   refuse_other_kinds(first, second);
   Change change{std::move(first), std::move(second), level, {}, {}, {}, {}, {}};
   change.arms = compared(change.first, change.second);

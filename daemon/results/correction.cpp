@@ -64,18 +64,18 @@ identify::Left left_by(const identify::PlacedArm& arm, const Correctable& of) {
 struct Basis {
   std::vector<Pose> poses;
   Eigen::VectorXd weights;
-  MatrixXd modes;  ///< of the identified arm
+  identify::ModelUncertainty identified;
 };
 
 Basis basis_of(const Correctable& of) {
   if (!of.open.empty()) return {of.poses, of.weights, {}};
   const identify::PoseFit& fit = of.identified.fit;
   auto poses = combined_poses(fit.model, of.poses, of.weights);
-  auto modes = modes_of(fit.model, fit.covariance, poses);
+  auto rows = by_parameter(fit.model, poses);
   const auto count = static_cast<Index>(poses.size());
   return {std::move(poses),
           Eigen::VectorXd::Constant(count, of.weights.sum() / static_cast<double>(count)),
-          std::move(modes)};
+          {std::move(rows), fit.covariance}};
 }
 
 void warn_of_program(const Correction& correction, std::vector<std::string>& warnings) {
@@ -135,7 +135,7 @@ Correction correction_of(const Correctable& of, CorrectionLevel level) {
   const auto basis = basis_of(of);
   const auto fitted = [&](ControllerLevel of_controller) {
     return fitted_controller(of.controller(), of_controller, basis.poses, basis.weights,
-                             basis.modes);
+                             basis.identified);
   };
   correction.fit = fitted(controller_level(level));
   correction.left = left_by(correction.fit.arm, of);

@@ -58,9 +58,9 @@ void add_seen(std::string& csv, const std::optional<identify::SeenTurn>& seen, b
 /// also those that tell from elsewhere.
 bool in_use(const identify::Identification& found, const identify::JointResult& joint,
             std::size_t s) {
-  return joint.used[s] ||
-         (found.estimator != identify::Estimator::circle && found.chain &&
-          tells_from_elsewhere(joint.sweeps[s], found.home_rad, found.chain->known()));
+  return joint.used[s] || (found.estimator != identify::Estimator::circle && found.chain &&
+                           tells_from_elsewhere(joint.sweeps[s], found.home_rad,
+                                                identify::known_of(found.chain->axes)));
 }
 
 }  // namespace

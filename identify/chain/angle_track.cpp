@@ -78,7 +78,7 @@ void judge_times(AngleTrack& track, double step_rad) {
   track.speed_noise_rad_s = std::sqrt(variance) / (2 * static_cast<double>(wide_of(track)) * usual);
 }
 
-/// Of the positions, if they tell it in half of the time.
+/// Speeds of the positions, if they tell them in half of the time.
 void see_speeds(AngleTrack& track) {
   const std::size_t count = track.at_s.size();
   const double interval = (track.at_s.back() - track.at_s.front()) / static_cast<double>(count - 1);

@@ -46,6 +46,15 @@ using DriftTimes = Eigen::Matrix<double, kDriftParts, 1>;
 /// (Karhunen-Loeve expansion of the Brownian bridge).
 [[nodiscard]] DriftTimes drift_of_walk();
 
+/// Which joints have an axis.
+template <class AnyAxis>
+[[nodiscard]] std::vector<bool> known_of(const std::vector<std::optional<AnyAxis>>& axes) {
+  std::vector<bool> known;
+  known.reserve(axes.size());
+  for (const auto& axis : axes) known.push_back(axis.has_value());
+  return known;
+}
+
 /// A robot as a product of exponentials (Brockett 1984; Lynch & Park, Modern Robotics, eq. 4.14):
 ///   x(q) = exp(xi_1 q_1) ... exp(xi_n q_n) x(0),
 /// where all joints stand at home for q = 0, and everything is in the measurement frame. The twist

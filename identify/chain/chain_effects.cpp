@@ -70,9 +70,7 @@ EffectColumns::EffectColumns(const ChainEffects& shape, const ChainNodes& nodes)
     own = turns + 6;
   if (shape.print_rad > 0) own += turned = 9;
   if (shape.print_turn_rad > 0) own += swept = 2;
-  const bool all_known =
-      std::find(nodes.known.begin(), nodes.known.end(), false) == nodes.known.end();
-  if (!all_known && (shape.home_rad > 0 || !shape.places_rad.empty())) own += carried = 9;
+  if (!nodes.all_known() && (shape.home_rad > 0 || !shape.places_rad.empty())) own += carried = 9;
   if (shape.creep_rad > 0 || !shape.along.empty()) own += creep = turns;
   drift_bends = shape.drift_mm > 0 && nodes.sweeps_again();
   if (drift_bends || (shape.print_mm > 0 && bent_by_print(shape.print_mm, nodes))) own += bent = 3;

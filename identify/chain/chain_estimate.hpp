@@ -253,12 +253,6 @@ struct ChainEstimate : SweepEvidence {
   std::vector<double> locked_rad;
   /// One a joint, along positive rotation. Nothing where the joint could not be used.
   std::vector<std::optional<Axis>> axes;
-  [[nodiscard]] std::vector<bool> known() const {
-    std::vector<bool> all;
-    all.reserve(axes.size());
-    for (const auto& axis : axes) all.push_back(axis.has_value());
-    return all;
-  }
   /// Of all axes' (direction, point), six rows a joint, then three a target, then,
   /// with orientation, three of the tool's rotation in the measurement frame.
   Eigen::MatrixXd covariance;

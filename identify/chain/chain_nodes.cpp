@@ -289,10 +289,7 @@ ChainNodes chain_nodes(const CircleEstimate& circles,
       strokes.back().rounding = rounding;  // alike, as the repeats of a motion are
     }
   }
-  std::vector<bool> known;
-  known.reserve(axes.size());
-  for (const auto& axis : axes) known.push_back(axis.has_value());
-  return nodes_of(std::move(strokes), home, std::move(known));
+  return nodes_of(std::move(strokes), home, known_of(axes));
 }
 
 }  // namespace identify

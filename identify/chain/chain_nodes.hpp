@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -41,6 +42,9 @@ struct ChainNodes {
   bool timed =
       false;  ///< units follow each other on one clock, and `times` of observations are set
 
+  [[nodiscard]] bool all_known() const {
+    return std::find(known.begin(), known.end(), false) == known.end();
+  }
   [[nodiscard]] std::size_t samples() const;
   [[nodiscard]] std::size_t outliers() const;
   /// Of the circle that the unit's first stroke runs on.

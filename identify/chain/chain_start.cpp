@@ -212,9 +212,7 @@ bool tells_from_elsewhere(const Sweep& sweep, std::vector<std::optional<double>>
 std::vector<ChainSweep> chain_sweeps(const CircleEstimate& circles,
                                      const std::vector<std::optional<ChainAxis>>& axes) {
   std::vector<ChainSweep> found;
-  std::vector<bool> known;
-  known.reserve(axes.size());
-  for (const auto& axis : axes) known.push_back(axis.has_value());
+  const std::vector<bool> known = known_of(axes);
   for (std::size_t j = 0; j < known.size(); ++j) {
     const JointResult& joint = circles.joints[j];
     if (!axes[j]) continue;

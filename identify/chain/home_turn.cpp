@@ -40,8 +40,7 @@ VectorXd by_turn_at_home(const Chain& at_home, std::size_t joint, const std::vec
 
 void add_turns_at_home(ChainEstimate& estimate, const std::vector<double>& variances) {
   if (std::none_of(variances.begin(), variances.end(), [](double one) { return one > 0; })) return;
-  std::vector<bool> known;
-  for (const auto& axis : estimate.axes) known.push_back(axis.has_value());
+  const std::vector<bool> known = known_of(estimate.axes);
   MatrixXd added = MatrixXd::Zero(estimate.covariance.rows(), estimate.covariance.cols());
   for (std::size_t j = 0; j < known.size(); ++j) {
     if (!known[j] || !(variances[j] > 0)) continue;

@@ -49,7 +49,7 @@ std::vector<double> unseen_zeros(const ChainNodes& nodes, double angle_step_rad)
 
 std::vector<double> untold_places(const ChainNodes& nodes, const std::vector<double>& unseen,
                                   double angle_step_rad) {
-  if (std::find(nodes.known.begin(), nodes.known.end(), false) == nodes.known.end()) return {};
+  if (nodes.all_known()) return {};
   constexpr double kBeyondWobble = 4;  // of the variance that it leaves of a stroke's mean
   const std::size_t joints = nodes.known.size();
   double squares = 0, count = 0;  // of all joints, about where each stood at a home

@@ -6,6 +6,7 @@
 
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/halton.hpp"
+#include "identify/geometry/information.hpp"
 #include "identify/geometry/symmetric_eigen.hpp"
 #include "identify/models/kinematic_model.hpp"
 
@@ -168,12 +169,7 @@ VectorXd second_order(const ComparedArms& arms, const ToolReach& reach) {
     normal += columns.transpose() * columns;
     right += columns.transpose() * beyond;
   }
-  // Lengths and angles in columns of one size.
-  const VectorXd scale = normal.diagonal().unaryExpr(
-      [](double square) { return square > 0 ? 1 / std::sqrt(square) : 0.0; });
-  const MatrixXd scaled = scale.asDiagonal() * normal * scale.asDiagonal();
-  const VectorXd found = least_norm(scaled, scale.asDiagonal() * right);
-  return scale.cwiseProduct(found).tail(difference.size());
+  return Information(normal).step(right, 0).tail(difference.size());
 }
 
 Displacement largest_displacement(const ComparedArms& arms, const VectorXd& difference,

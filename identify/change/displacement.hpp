@@ -39,11 +39,10 @@ struct ToolReach {
                                                 const Eigen::MatrixXd& covariance,
                                                 const ToolReach& reach, std::size_t poses = 2000);
 
-/// By what the arms' numbers may differ more than they do, to second order, as far as their
-/// difference is by chance: their covariance is of first order. It is what moves the tool, with
-/// base and tool fitted, to first order by as much as the difference does to second order. Where
-/// one joint has swept so little that its axis is known to half a degree, well known combinations
-/// of its numbers are off by several uncertainties.
+/// The arms' covariances are of first order. Where one joint has swept so little that its axis is
+/// known to half a degree, well known combinations of its numbers are off by several uncertainties.
+/// This is what the numbers may be off by so: it moves the tool to first order, with base and tool
+/// fitted, by as much as the part of their difference that may be chance does to second order.
 [[nodiscard]] Eigen::VectorXd second_order(const ComparedArms& arms, const ToolReach& reach);
 
 }  // namespace identify

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "identify/geometry/symmetric_eigen.hpp"
 #include "identify/poses/pose_rows.hpp"
 
 namespace identify {
@@ -32,21 +31,12 @@ std::vector<Pose> combined_poses(const PoseModel& model, const std::vector<Pose>
   return poses;
 }
 
-Eigen::MatrixXd modes_of(const PoseModel& model, const Eigen::MatrixXd& covariance,
-                         const std::vector<Pose>& poses) {
-  // Lengths and angles, and what is open, are of very different sizes.
-  const Eigen::VectorXd sigma = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::VectorXd scale =
-      sigma.unaryExpr([](double size) { return size > 0 ? 1 / size : 0.0; });
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * covariance * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solved(scaled);
-  const Eigen::MatrixXd of_model = sigma.asDiagonal() * solved.eigenvectors() *
-                                   solved.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
-  Eigen::MatrixXd modes(3 * static_cast<Eigen::Index>(poses.size()), of_model.cols());
+Eigen::MatrixXd by_parameter(const PoseModel& model, const std::vector<Pose>& poses) {
+  Eigen::MatrixXd rows(3 * static_cast<Eigen::Index>(poses.size()), model.parameters());
   for (std::size_t i = 0; i < poses.size(); ++i)
-    modes.middleRows<3>(3 * static_cast<Eigen::Index>(i)) =
-        pose_row(model, poses[i], false).by_parameter.topRows<3>() * of_model;
-  return modes;
+    rows.middleRows<3>(3 * static_cast<Eigen::Index>(i)) =
+        pose_row(model, poses[i], false).by_parameter.topRows<3>();
+  return rows;
 }
 
 }  // namespace identify

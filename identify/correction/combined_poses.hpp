@@ -16,9 +16,7 @@ namespace identify {
                                                const std::vector<Pose>& measured,
                                                const Eigen::VectorXd& weights);
 
-/// How far the model may have poses off, all together, by the covariance of its parameters: three
-/// rows a pose, columns of independent numbers of standard deviation one.
-[[nodiscard]] Eigen::MatrixXd modes_of(const PoseModel& model, const Eigen::MatrixXd& covariance,
-                                       const std::vector<Pose>& poses);
+/// How they change with the model's parameters: three rows a pose.
+[[nodiscard]] Eigen::MatrixXd by_parameter(const PoseModel& model, const std::vector<Pose>& poses);
 
 }  // namespace identify

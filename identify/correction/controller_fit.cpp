@@ -82,11 +82,11 @@ double value_of(const ControllerNumber& number, const Arm& arm) {
 class LevelFitting {
  public:
   LevelFitting(const PlacedArm& start, const std::vector<Pose>& poses, const VectorXd& weights,
-               const MatrixXd& modes)
+               const ModelUncertainty& model)
       : start_(start),
         poses_(poses),
         weights_(weights),
-        modes_(modes),
+        model_(model),
         columns_{start.arm.joints(), start.targets_mm.size(), Freedom::twists} {}
 
   /// With these numbers let go beside base and targets.
@@ -94,20 +94,20 @@ class LevelFitting {
     free_ = free_of(numbers);
     arm_ = fitted(start_, columns_, free_, poses_, weights_);
     MatrixXd normal = MatrixXd::Zero(count(), count());
-    MatrixXd by_modes = MatrixXd::Zero(count(), modes_.cols());
+    MatrixXd by_model = MatrixXd::Zero(count(), model_.by_parameter.cols());
     for (std::size_t i = 0; i < poses_.size(); ++i) {
       const auto at = static_cast<Index>(i);
       const MatrixXd rows = arm_columns(arm_, poses_[i], columns_)(Eigen::all, free_);
       normal += weights_(at) * rows.transpose() * rows;
-      if (modes_.cols() > 0)
-        by_modes += weights_(at) * rows.transpose() * modes_.middleRows<3>(3 * at);
+      if (by_model.cols() > 0)
+        by_model += weights_(at) * rows.transpose() * model_.by_parameter.middleRows<3>(3 * at);
     }
     decompose(normal);
-    by_modes = covariance_ * by_modes;
+    by_model = covariance_ * by_model;
     const VectorXd distances = distances_mm(arm_, poses_);
     const double squares = weights_.dot(distances.cwiseAbs2());
     covariance_ *= squares / std::max(1.0, 3 * weights_.sum() - static_cast<double>(count()));
-    covariance_ += by_modes * by_modes.transpose();
+    covariance_ += by_model * model_.covariance * by_model.transpose();
     for (std::size_t k = 0; k < numbers.size(); ++k) {
       ControllerNumber& number = *numbers[k];
       const bool length = is_length(number, start_.arm);
@@ -167,7 +167,7 @@ class LevelFitting {
   const PlacedArm& start_;
   const std::vector<Pose>& poses_;
   const VectorXd& weights_;
-  const MatrixXd& modes_;
+  const ModelUncertainty& model_;
   ArmNumbers columns_;
   std::vector<Index> free_;
   PlacedArm arm_;
@@ -218,8 +218,8 @@ void choose(std::vector<ControllerNumber>& numbers, LevelFitting& fitting) {
 
 ControllerFit fitted_controller(const PlacedArm& start, ControllerLevel level,
                                 const std::vector<Pose>& poses, const VectorXd& weights,
-                                const MatrixXd& modes) {
-  LevelFitting fitting(start, poses, weights, modes);
+                                const ModelUncertainty& model) {
+  LevelFitting fitting(start, poses, weights, model);
   auto numbers = numbers_of(start.arm, level);
   choose(numbers, fitting);
   return fitting.result(std::move(numbers));

@@ -53,15 +53,20 @@ struct ControllerFit {
 /// Numbers are significant where the chance that any of them is right as it is is below this.
 inline constexpr double kSignificant = 0.05;
 
+/// What poses that a model has are uncertain by, all together.
+struct ModelUncertainty {
+  Eigen::MatrixXd by_parameter;  ///< how the poses change with the model's, three rows a pose
+  Eigen::MatrixXd covariance;    ///< of the parameters
+};
+
 /// Of a table's numbers those are let go that keep the structure which closed inverse kinematics
 /// need: lengths and joint offsets that are not zero, twists that are no multiple of a right angle.
 /// `start`: the specified arm where it stands about; weights: one a pose, 0 where it does not
-/// count; their sum counts as that many poses. `modes`: how far all poses may be off together,
-/// where they are of a model (modes_of()): three rows a pose, columns of independent numbers of
-/// standard deviation one. Of measured poses there are none.
+/// count; their sum counts as that many poses. `model`: of poses that
+/// were measured there is none.
 [[nodiscard]] ControllerFit fitted_controller(const PlacedArm& start, ControllerLevel level,
                                               const std::vector<Pose>& poses,
                                               const Eigen::VectorXd& weights,
-                                              const Eigen::MatrixXd& modes = {});
+                                              const ModelUncertainty& model = {});
 
 }  // namespace identify

@@ -100,7 +100,7 @@ TEST_CASE("an axis that is known to half a degree makes no change of what is kno
   double most = 0;
   for (std::uint32_t seed = 1; seed <= kPairs; ++seed) {
     const Robot robot = simulation::built(simulation::kr5(), seed);
-    auto arms = compared(found_by(all, seed, seed), found_by(little, seed, 100 + seed));
+    const auto arms = compared(found_by(all, seed, seed), found_by(little, seed, 100 + seed));
     const auto count = static_cast<double>(arms.difference.size());
     CHECK(count >= 16);
     const Eigen::VectorXd bend = second_order(arms, reach_of(robot));

@@ -84,7 +84,7 @@ TEST_CASE("What an identified arm is uncertain by is in what it asks of a contro
     const auto fit =
         fitted_controller(found->levels.front().arm, ControllerLevel::machine_data, combined,
                           Eigen::VectorXd::Constant(size, count / static_cast<double>(size)),
-                          modes_of(found->fit.model, found->whole_covariance(), combined));
+                          {by_parameter(found->fit.model, combined), found->whole_covariance()});
     for (const ControllerNumber& number : fit.numbers) {
       if (number.verdict == ControllerNumber::Verdict::inseparable) continue;
       errors.add(number.change / number.sigma);
