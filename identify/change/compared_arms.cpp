@@ -148,7 +148,8 @@ ComparedArms compared(const MeasuredArm& first, const MeasuredArm& second) {
   const std::size_t joints = first.dh.size();
   if (joints < 2) return arms;
   const auto steps = shared_steps(first, second);
-  const RewrittenArm a(first, steps, {}), b(second, steps, a.rows());
+  const auto second_steps = at_home_of(second, first, steps);
+  const RewrittenArm a(first, steps, {}), b(second, second_steps, a.rows());
   const MatrixXd of_first = a.covariance(), of_second = b.covariance();
   arms.rows = a.rows();
   arms.last_frame = a.last_frame();
@@ -203,7 +204,7 @@ ComparedArms compared(const MeasuredArm& first, const MeasuredArm& second) {
   set_difference(arms);
   if (steps.front().parallel() && !(first.height_known && second.height_known))
     find_height(arms, [&](double height_mm) -> VectorXd {
-      auto higher = steps;
+      auto higher = second_steps;
       higher.front().b_mm += height_mm;
       return RewrittenArm(second, higher, a.rows()).numbers()(places) - b.numbers()(places);
     });

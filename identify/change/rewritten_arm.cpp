@@ -44,6 +44,12 @@ double apart(const DhRow& row, const DhRow& other) {
          std::abs(wrapped(row.alpha_rad - other.alpha_rad));
 }
 
+/// How much farther the joint of the second arm has gone at its home, where it is linear.
+double farther_mm(const MeasuredArm& first, const MeasuredArm& second, std::size_t joint) {
+  const auto &from = first.home_rad[joint], &to = second.home_rad[joint];
+  return first.dh[joint].linear && from && to ? kLinear_mm * (*to - *from) : 0;
+}
+
 bool nearly_parallel(const DhEstimate& row) {
   return row.relation == Relation::parallel || row.relation == Relation::coincident ||
          std::abs(std::sin(row.alpha_rad.value)) < kNearlyParallel_rad;
@@ -63,9 +69,17 @@ std::vector<SharedStep> shared_steps(const MeasuredArm& first, const MeasuredArm
       step.relation = Relation::parallel;
     // Convention puts a linear joint's axis onto the next.
     if (first.dh[i].linear && step.parallel()) step.relation = Relation::coincident;
-    if (a.parallel() || b.parallel()) step.b_mm = a.parallel() ? a.b_mm : b.b_mm;
+    if (a.parallel() || b.parallel())
+      step.b_mm = a.parallel() ? a.b_mm : b.b_mm - farther_mm(first, second, i);
     steps.push_back(step);
   }
+  return steps;
+}
+
+std::vector<SharedStep> at_home_of(const MeasuredArm& second, const MeasuredArm& first,
+                                   std::vector<SharedStep> steps) {
+  for (std::size_t i = 0; i < steps.size(); ++i)
+    if (steps[i].parallel()) steps[i].b_mm += farther_mm(first, second, i);
   return steps;
 }
 

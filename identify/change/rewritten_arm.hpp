@@ -13,7 +13,7 @@ namespace identify {
 /// What the form that two arms share takes an axis to be to the next.
 struct SharedStep {
   Relation relation = Relation::skew;
-  double b_mm = 0;  ///< by convention, of parallel axes
+  double b_mm = 0;  ///< by convention, of parallel axes; a linear joint's grows as it goes
 
   [[nodiscard]] bool parallel() const {
     return relation == Relation::parallel || relation == Relation::coincident;
@@ -21,9 +21,13 @@ struct SharedStep {
 };
 
 /// One a row: axes are parallel where one of the two takes them for it, or has them within a degree
-/// of it. For arms with as many joints, of the same types.
+/// of it. At the first arm's home. For arms with as many joints, of the same types.
 [[nodiscard]] std::vector<SharedStep> shared_steps(const MeasuredArm& first,
                                                    const MeasuredArm& second);
+/// The same at the second arm's home: linear joints stand elsewhere there.
+[[nodiscard]] std::vector<SharedStep> at_home_of(const MeasuredArm& second,
+                                                 const MeasuredArm& first,
+                                                 std::vector<SharedStep> steps);
 
 /// An arm's table in the form that two arms share: axes along positive rotation; parallel ones with
 /// Hayati's beta; common normals that point alike; a linear joint's axis through the next one,

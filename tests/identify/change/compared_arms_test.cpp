@@ -49,8 +49,8 @@ Eigen::Isometry3d other_base() {
 }
 
 /// A SCARA whose upright axes are some hundredths of a degree off parallel. Its linear joint is
-/// seen by a target that is so high at home.
-MeasuredArm scara(double target_height_mm, double base_height_mm = 0) {
+/// seen by a target that is so high at home, at which it has gone so far.
+MeasuredArm scara(double target_height_mm, double base_height_mm = 0, double gone_mm = 0) {
   const auto upright = [&](double x, double y, double tilt_x, double tilt_y) {
     const Vector3d along = Vector3d(tilt_x * kDegree, tilt_y * kDegree, 1).normalized();
     return Axis{along, Vector3d(x, y, -base_height_mm)};
@@ -60,6 +60,7 @@ MeasuredArm scara(double target_height_mm, double base_height_mm = 0) {
                                            upright(500, 320, 0.02, 0.03)};
   axes[2]->linear = true;
   axes[2]->point_mm = {480, 300, target_height_mm - base_height_mm};
+  for (const std::size_t k : {2UL, 3UL}) axes[k]->point_mm += gone_mm * axes[2]->direction;
   for (auto& axis : axes) axis->covariance = 1e-10 * Eigen::Matrix<double, 6, 6>::Identity();
   MeasuredArm arm;
   arm.dh = placed_table(axes, {}, 1500);
@@ -74,6 +75,7 @@ MeasuredArm scara(double target_height_mm, double base_height_mm = 0) {
     }
   arm.positive.assign(4, 1);
   arm.home_rad.assign(4, 0);
+  arm.home_rad[2] = gone_mm * kDegree;
   arm.gear.assign(4, 0);
   return arm;
 }
@@ -89,6 +91,13 @@ TEST_CASE("where convention puts a linear joint's axis changes no number of the 
   CHECK(names(arms) == "a1 alpha1 beta1 zero2 a2 alpha2 beta2 ");
   CHECK(arms.difference.cwiseAbs().maxCoeff() < kNothingLeft);
   CHECK_FALSE(arms.height_mm);
+}
+
+TEST_CASE("a linear joint that stands elsewhere at home changes no number of the arm",
+          "[compared_arms]") {
+  const auto first = scara(150), lower = scara(150, 0, -80);
+  for (const auto& arms : {compared(first, lower), compared(lower, first)})
+    CHECK(arms.difference.cwiseAbs().maxCoeff() < kNothingLeft);
 }
 
 TEST_CASE("a base that may stand anywhere along parallel axes is taken where the arms agree",
