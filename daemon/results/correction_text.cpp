@@ -19,6 +19,9 @@ using Kind = ControllerNumber::Kind;
 using Verdict = ControllerNumber::Verdict;
 
 constexpr std::size_t kLabelWidth = 10;
+constexpr const char* kExpanded =
+    "expanded uncertainty, k = 2: of the result, of what is left as noise, and of numbers that are "
+    "left and may be off all the same";
 
 std::string labelled(const std::string& label, const std::string& words) {
   return paragraph(left(label, kLabelWidth), words);
@@ -104,7 +107,7 @@ std::string mastering_text(const Correction& correction) {
                           "the controller counts. It also makes up for lengths that are off, so it "
                           "is not where the joint stands. `--level machine-data` tells zeros and "
                           "lengths apart.");
-  text += labelled("U", "expanded uncertainty, k = 2: of the result, and what is left as noise");
+  text += labelled("U", kExpanded);
   text += labelled("chance",
                    "that an arm whose zero is right shows as much (all joints together, Holm); "
                    "named are those below 0.05");
@@ -143,7 +146,7 @@ std::string machine_data_text(const Correction& correction) {
                           "of the specified table, b, theta, a, alpha as in the result. What is "
                           "zero or a right angle there stays: the controller's inverse kinematics "
                           "need parallel axes, right angles and a wrist.");
-  text += labelled("U", "expanded uncertainty, k = 2: of the result, and what is left as noise");
+  text += labelled("U", kExpanded);
   text += levels_text(correction, "and what is proposed");
   return text + "\n" +
          labelled("not held",

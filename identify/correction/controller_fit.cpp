@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include <Eigen/Geometry>
+
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/symmetric_eigen.hpp"
 #include "identify/poses/arm_columns.hpp"
@@ -118,6 +120,13 @@ class LevelFitting {
     }
   }
 
+  /// What was fitted last is all that the poses tell apart: what is fitted then, with numbers held
+  /// that may be off after all, is as uncertain as that and as far as it has moved.
+  void keep_as_whole() {
+    whole_arm_ = arm_;
+    whole_frames_covariance_ = covariance_.topLeftCorner(frames(), frames());
+  }
+
   [[nodiscard]] ControllerFit result(std::vector<ControllerNumber> numbers) const {
     ControllerFit found;
     found.arm = arm_;
@@ -128,7 +137,8 @@ class LevelFitting {
       if (weights_(i) > 0) counted.push_back(distances(i));
     found.left =
         left_of(Eigen::Map<const VectorXd>(counted.data(), static_cast<Index>(counted.size())));
-    found.frames_covariance = covariance_.topLeftCorner(frames(), frames());
+    const VectorXd moved = frames_moved();
+    found.frames_covariance = whole_frames_covariance_ + moved * moved.transpose();
     found.frames_covariance.middleRows<3>(3) /= kReach_mm;
     found.frames_covariance.middleCols<3>(3) /= kReach_mm;
     for (Index k = 0; k < frames(); ++k) found.frames_determined.push_back(open_(k) <= kShare);
@@ -136,6 +146,17 @@ class LevelFitting {
   }
 
  private:
+  /// Base and targets from the whole fit to the last one.
+  [[nodiscard]] VectorXd frames_moved() const {
+    VectorXd moved(frames());
+    const Eigen::AngleAxisd turn(arm_.base.linear() * whole_arm_.base.linear().transpose());
+    moved << arm_.base.translation() - whole_arm_.base.translation(),
+        kReach_mm * turn.angle() * turn.axis(), VectorXd::Zero(frames() - 6);
+    for (std::size_t t = 0; t < arm_.targets_mm.size(); ++t)
+      moved.segment<3>(6 + 3 * static_cast<Index>(t)) =
+          arm_.targets_mm[t] - whole_arm_.targets_mm[t];
+    return moved;
+  }
   [[nodiscard]] Index frames() const { return columns_.zero(0); }
   [[nodiscard]] Index count() const { return static_cast<Index>(free_.size()); }
 
@@ -170,7 +191,8 @@ class LevelFitting {
   const ModelUncertainty& model_;
   ArmNumbers columns_;
   std::vector<Index> free_;
-  PlacedArm arm_;
+  PlacedArm arm_, whole_arm_;
+  MatrixXd whole_frames_covariance_;
   MatrixXd covariance_;  ///< of the columns of `free_`
   VectorXd open_;        ///< each column's largest part in a direction without information
 };
@@ -205,6 +227,8 @@ void choose(std::vector<ControllerNumber>& numbers, LevelFitting& fitting) {
     taken = those(numbers, Verdict::significant);
   }
   for (auto* number : those(numbers, Verdict::inseparable)) number->change = number->sigma = 0;
+  fitting.keep_as_whole();
+  const std::vector<ControllerNumber> whole = numbers;
   const std::size_t tested = taken.size();
   for (judge(taken, tested); !taken.empty() && taken.back()->chance >= kSignificant;
        judge(taken, tested)) {
@@ -212,6 +236,9 @@ void choose(std::vector<ControllerNumber>& numbers, LevelFitting& fitting) {
     taken.pop_back();
     fitting.fit(taken);
   }
+  for (std::size_t k = 0; k < numbers.size(); ++k)
+    if (numbers[k].taken())
+      numbers[k].sigma = std::hypot(whole[k].sigma, numbers[k].change - whole[k].change);
 }
 
 }  // namespace

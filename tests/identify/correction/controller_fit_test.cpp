@@ -1,5 +1,7 @@
 #include "identify/correction/controller_fit.hpp"
 
+#include <random>
+
 #include "identify/geometry/angle.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/poses/simulated_poses.hpp"
@@ -79,6 +81,36 @@ TEST_CASE("Machine data keep the controller's structure", "[controller_fit]") {
   const auto zeros = fitted_at(ControllerLevel::mastering, built, built.poses(80));
   CHECK(zeros.left.rms_mm < frames.left.rms_mm);
   CHECK(found.left.rms_mm < zeros.left.rms_mm);
+}
+
+TEST_CASE("A number is as uncertain as those beside it that are left", "[controller_fit]") {
+  std::normal_distribution<> normal;
+  Spread z;
+  for (std::uint32_t seed = 1; seed <= 25; ++seed) {
+    std::mt19937 random(seed);
+    const auto built = kr5_but(
+        [&](Arm& arm) {
+          for (std::size_t j = 0; j < 5; ++j) {
+            DhRow& row = arm.rows[j];
+            row.theta_rad += 0.01 * kDegree * normal(random);
+            if (row.a_mm != 0) row.a_mm += 0.05 * normal(random);
+            if (row.b_mm != 0) row.b_mm += 0.05 * normal(random);
+          }
+        },
+        seed);
+    const auto found = fitted_at(ControllerLevel::machine_data, built, built.poses(40));
+    const Arm &arm = built.robot().arm, &specified = built.robot().specified;
+    for (const auto& one : found.numbers) {
+      if (!one.taken()) continue;
+      const DhRow &row = arm.rows[one.joint], &meant = specified.rows[one.joint];
+      const double off = one.kind == Kind::zero ? row.theta_rad - meant.theta_rad
+                         : one.kind == Kind::a  ? row.a_mm - meant.a_mm
+                                                : row.b_mm - meant.b_mm;
+      z.add((one.change - off) / one.sigma);
+    }
+  }
+  CHECK(z.sigma() < 1.2);
+  CHECK(z.sigma() > 0.6);
 }
 
 TEST_CASE("An arm with only lengths off is held whole by its machine data", "[controller_fit]") {
