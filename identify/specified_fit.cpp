@@ -272,7 +272,7 @@ std::optional<Warning> explained(const Explanation& explanation, const Identific
   std::optional<std::size_t> first;
   for (std::size_t i = 0; i < joints; ++i)
     for (std::size_t j = i + 1; j < joints; ++j) {
-      if (!explanation.fits_exchanged(i, j)) continue;
+      if (found.dh[i].linear != found.dh[j].linear || !explanation.fits_exchanged(i, j)) continue;
       if (!first) first = i;
       pairs +=
           (pairs.empty() ? "" : ", or ") + std::to_string(i + 1) + " and " + std::to_string(j + 1);

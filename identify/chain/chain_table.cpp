@@ -24,15 +24,16 @@ double largest_distance(const std::vector<Vector3d>& places) {
   return size;
 }
 
-Isometry3d base_of(const TableAxes& axes, const std::vector<std::optional<Axis>>& first_two,
+/// `first_axes`: what tells of where the base is, three at most.
+Isometry3d base_of(const TableAxes& axes, const std::vector<std::optional<Axis>>& first_axes,
                    const std::vector<DhRow>& specified) {
   const DhRow wanted = specified.empty() ? DhRow{} : specified.front();
-  const auto table = extract_dh(
-      first_two, axes.size_mm,
-      specified.empty() ? specified : std::vector<DhRow>(specified.begin(), specified.begin() + 2));
+  const auto count = static_cast<std::ptrdiff_t>(std::min(first_axes.size(), specified.size()));
+  const auto table =
+      extract_dh(first_axes, axes.size_mm, {specified.begin(), specified.begin() + count});
   const DhRow row{table[0].b_mm.value - wanted.b_mm, table[0].theta_rad.value - wanted.theta_rad, 0,
                   0};
-  return first_frame(*first_two[0]) * transform(row);
+  return first_frame(*first_axes[0]) * transform(row);
 }
 
 /// The target, as far along the last axis as the origin of the last frame: the description knows
@@ -175,30 +176,34 @@ std::optional<DhEstimate> row_to_tool(const TableAxes& axes, std::size_t joints,
 
 std::optional<RobotPose> robot_pose(const TableAxes& axes, const std::vector<DhRow>& specified) {
   if (axes.z.size() < 2 || !axes.z[0] || !axes.z[1]) return std::nullopt;
-  std::vector<std::optional<Axis>> first_two = {axes.z[0], axes.z[1]};
+  const std::size_t told_by = std::min<std::size_t>(3, axes.z.size());
+  std::vector<std::optional<Axis>> first_axes(
+      axes.z.begin(), axes.z.begin() + static_cast<std::ptrdiff_t>(told_by));
   RobotPose found;
-  found.pose = base_of(axes, first_two, specified);
+  found.pose = base_of(axes, first_axes, specified);
   found.pose.pretranslate(axes.origin_mm);
   constexpr double kDirectionStep = 1e-6;
   constexpr double kPointStep_mm = 1e-3;
-  Eigen::Matrix<double, 6, 12> jacobian;
-  for (Index p = 0; p < 12; ++p) {
+  const auto count = static_cast<Index>(6 * told_by);
+  Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian = MatrixXd::Zero(6, count);
+  for (Index p = 0; p < count; ++p) {
     const auto k = static_cast<std::size_t>(p / 6);
+    if (!axes.z[k]) continue;
     const double step = p % 6 < 3 ? kDirectionStep : kPointStep_mm;
     const auto moved = [&](double by) {
-      first_two[k] = axes.z[k];
-      (p % 6 < 3 ? first_two[k]->direction(p % 6) : first_two[k]->point_mm(p % 6 - 3)) += by;
-      return base_of(axes, first_two, specified);
+      first_axes[k] = axes.z[k];
+      (p % 6 < 3 ? first_axes[k]->direction(p % 6) : first_axes[k]->point_mm(p % 6 - 3)) += by;
+      return base_of(axes, first_axes, specified);
     };
     const Isometry3d above = moved(step);
     const Isometry3d below = moved(-step);
-    first_two[k] = axes.z[k];
+    first_axes[k] = axes.z[k];
     const Eigen::AngleAxisd turned(Matrix3d(above.linear() * below.linear().transpose()));
     Vector6d change;
     change << above.translation() - below.translation(), turned.angle() * turned.axis();
     jacobian.col(p) = change / (2 * step);
   }
-  const Eigen::Matrix<double, 12, 12> covariance = axes.covariance.topLeftCorner<12, 12>();
+  const MatrixXd covariance = axes.covariance.topLeftCorner(count, count);
   const Vector6d variance = (jacobian * covariance * jacobian.transpose()).diagonal();
   if (!variance.allFinite() || !found.pose.matrix().allFinite()) return std::nullopt;
   const Vector6d sigma = variance.cwiseMax(0.0).cwiseSqrt();

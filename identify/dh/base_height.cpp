@@ -108,6 +108,7 @@ class Slopes {
 }  // namespace
 
 Axes seen_from_base(Axes z, double size_mm, const std::vector<DhRow>& specified) {
+  if (!z.empty() && z.front()) z.front()->x_is_free = true;
   for (const Stretch& of : stretches_of(z)) {
     if (!Slopes(z, of, size_mm, specified).any_hangs(placed_table(z, specified, size_mm))) continue;
     z = lowered(z, of, upwards(z, of).dot(z[of.first]->point_mm));

@@ -17,7 +17,8 @@ namespace identify {
 /// The Z axes (one a joint), moved as a whole, so that the frame's origin is level with the base.
 /// By convention that stands where b of the next row that is not parallel is as specified (zero
 /// without a table), and without such a row level with the first axis' point. Axes of which no
-/// number hangs on the height come back bit by bit as they were.
+/// number hangs on the height come back where they were, bit by bit. X of the base is
+/// free.
 [[nodiscard]] std::vector<std::optional<Axis>> seen_from_base(std::vector<std::optional<Axis>> z,
                                                               double size_mm,
                                                               const std::vector<DhRow>& specified);

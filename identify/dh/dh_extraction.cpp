@@ -31,8 +31,10 @@ struct Choice {
   /// The first axis is a linear joint's beside a parallel one: its place, and where X points, are
   /// by convention.
   bool held = false;
-  double theta_rad = 0;  // where held
-  double b_mm = 0;       // of parallel and coincident axes
+  double theta_rad = 0;    // where held
+  bool x_is_free = false;  // where held: `theta_rad` makes the next row's theta
+  double next_theta_rad = 0;
+  double b_mm = 0;  // of parallel and coincident axes
 };
 
 /// Where a frame stands: its Z is an axis.
@@ -94,6 +96,7 @@ Choice choose(const Axis& first, const Axis& second, double size, const DhRow* s
   choice.held = first.linear &&
                 (choice.relation == Relation::parallel || choice.relation == Relation::coincident);
   if (choice.held) {
+    choice.x_is_free = first.x_is_free;
     if (specified != nullptr) choice.theta_rad = specified->theta_rad;
     return choice;
   }
@@ -134,8 +137,17 @@ bool is_finite(const Axis& axis) {
 std::vector<Vector5d> rows_of(const Run& run) {
   std::vector<Vector5d> rows;
   Frame frame = frame_on(run.axes.front().line());
-  for (std::size_t i = 0; i + 1 < run.axes.size(); ++i)
-    rows.push_back(advance(run.axes[i], run.axes[i + 1], run.choices[i], frame));
+  for (std::size_t i = 0; i + 1 < run.axes.size(); ++i) {
+    Choice choice = run.choices[i];
+    const bool x_is_free = choice.x_is_free && i + 2 < run.axes.size();
+    for (int round = 0; x_is_free && round < 3; ++round) {  // each leaves the square of the tilt
+      Frame next = frame;
+      advance(run.axes[i], run.axes[i + 1], choice, next);
+      choice.theta_rad += advance(run.axes[i + 1], run.axes[i + 2], run.choices[i + 1], next)(1) -
+                          choice.next_theta_rad;
+    }
+    rows.push_back(advance(run.axes[i], run.axes[i + 1], choice, frame));
+  }
   return rows;
 }
 
@@ -215,9 +227,10 @@ std::vector<Run> runs_of(const std::vector<std::optional<Axis>>& axes, double si
     Run run{i, {}, {}};
     for (; i < axes.size() && axes[i] && is_finite(*axes[i]); ++i) {
       if (!run.axes.empty()) {
-        const Choice choice = choose(run.axes.back(), *axes[i], size,
-                                     specified.empty() ? nullptr : &specified[i - 1]);
+        Choice choice = choose(run.axes.back(), *axes[i], size,
+                               specified.empty() ? nullptr : &specified[i - 1]);
         if (choice.relation == Relation::unknown) break;
+        if (i < specified.size()) choice.next_theta_rad = specified[i].theta_rad;
         run.choices.push_back(choice);
       }
       run.axes.push_back(*axes[i]);
@@ -264,18 +277,14 @@ void fill(const Run& run, const MatrixXd& covariance, double size, std::vector<D
     row.a_mm = coincident || linear ? convention(2) : number(2);
     row.alpha_rad = coincident ? convention(3) : number(3);
     row.beta_rad = !parallel ? conventional() : coincident ? convention(4) : number(4);
-    const bool x_was_meaningful = x_meaningful;
+    const bool x_was_meaningful = x_meaningful && !(i > 0 && run.choices[i - 1].x_is_free);
     x_meaningful = !coincident;
     if (x_known)
       row.theta_rad = x_was_meaningful && x_meaningful && !choice.held ? number(1) : convention(1);
     x_known = true;
-    if (parallel) {
-      row.b_mm = convention(0);
-      continue;
-    }
-    const bool placed = i > 0 && run.axes[i - 1].linear;
-    if (origin_known) row.b_mm = placed ? convention(0) : number(0);
-    origin_known = true;
+    const bool placed = parallel || (i > 0 && run.axes[i - 1].linear);
+    if (origin_known || parallel) row.b_mm = placed ? convention(0) : number(0);
+    origin_known = origin_known || !parallel;
   }
 }
 

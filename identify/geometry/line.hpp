@@ -67,6 +67,8 @@ struct Axis {
   /// Of (direction, point), first order. Zero: known exactly.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   bool linear = false;  ///< the joint moves along it and does not turn
+  /// It is the first one, and nothing tells where across it the base's X points.
+  bool x_is_free = false;
 
   [[nodiscard]] Line line() const { return Line::through(point_mm, direction); }
   [[nodiscard]] Axis reversed() const;

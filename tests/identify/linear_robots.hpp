@@ -1,9 +1,9 @@
 #pragma once
 
-// Arms with linear joints for tests: a SCARA (R R P R), and a KR 5 arc on a linear unit
-// (P R R R R R R). Their true tables are of the form that a result has, so that each number can be
-// compared: a of a linear joint's row and b of the next as specified, b zero and beta present where
-// axes are parallel.
+// Arms with linear joints for tests: a SCARA (R R P R), a KR 5 arc on a linear unit
+// (P R R R R R R), and upright joints on a lift (P R R R). Their true tables are of the form that a
+// result has, so that each number can be compared: a of a linear joint's row and b of the next as
+// specified, b zero and beta present where axes are parallel.
 
 #include <cstdint>
 #include <random>
@@ -41,6 +41,16 @@ inline Arm on_linear_unit() {
     arm.linear.push_back(false);
   }
   arm.tool_mm = above.tool_mm;
+  return arm;
+}
+
+inline Arm on_lift() {
+  Arm arm;
+  arm.rows = {{900, 0, 0, 0}, {0, 30 * kDegree, 350, 0}, {0, -35 * kDegree, 300, 0}, {0, 0, 0, 0}};
+  arm.home_rad = {900 * kDegree, 30 * kDegree, -35 * kDegree, 0};
+  arm.positive = {1, 1, 1, 1};
+  arm.linear = {true, false, false, false};
+  arm.tool_mm = {120, 40, 0};
   return arm;
 }
 

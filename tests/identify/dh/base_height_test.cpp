@@ -58,6 +58,7 @@ std::vector<Axis> axes_before_a_device(const simulation::Robot& robot, std::uint
     axes.emplace_back();
     axes.back().direction = turn * axis.direction;
     axes.back().point_mm = turn * axis.point_mm + by;
+    axes.back().linear = axis.linear;
   }
   return axes;
 }
@@ -236,6 +237,34 @@ TEST_CASE("a SCARA's base is as high as the description has the target above the
     }
     const DhNumber& theta = found.dh[1].theta_rad;
     CHECK(theta.value == Approx(built.rows[1].theta_rad).margin(3 * theta.sigma));
+  }
+}
+
+TEST_CASE("on a lift X of the base is where theta is as specified, wherever a device stands",
+          "[height]") {
+  simulation::Robot robot;
+  robot.specified = identify::test::on_lift();
+  robot.arm = identify::test::as_built(robot.specified, 1);
+  robot.targets_mm = {robot.specified.tool_mm};
+  Campaign campaign;
+  campaign.device_frame = true;
+  campaign.joints = 4;
+  campaign.specified = robot.specified;
+  campaign.declared_home_rad = robot.specified.home_rad;
+  std::vector<DhRow> before;
+  for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+    INFO("seed " << seed);
+    const auto found = identify_given_axes(axes_before_a_device(robot, seed), campaign);
+    for (const Warning& doubt : found.doubts) CHECK(doubt.code == "");
+    CHECK(found.dh[1].theta_rad.knowledge == Knowledge::by_convention);
+    CHECK(found.dh[1].theta_rad.value == Approx(30 * kDegree).margin(1e-12));
+    const auto rows = values(found.dh);
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      CHECK(rows[i].alpha_rad == Approx(before[i].alpha_rad).margin(1e-9));
+      CHECK(rows[i].beta_rad == Approx(before[i].beta_rad).margin(1e-9));
+      if (i > 0) CHECK(rows[i].a_mm == Approx(before[i].a_mm).margin(1e-6));
+    }
+    before = rows;
   }
 }
 
