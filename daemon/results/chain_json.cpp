@@ -27,11 +27,14 @@ Json noise(const identify::ChainEstimate& estimate) {
 
 Json effects(const identify::ChainEstimate& estimate) {
   const identify::ChainEffects& seen = estimate.effects;
-  return {
-      {"home_deg", json_angle(seen.home_rad)},      {"home_stays", seen.home_stays},
-      {"creep_deg", json_angle(seen.creep_rad)},    {"drift_mm", json_length(estimate.wander_mm)},
-      {"figure_mm", json_length(seen.figure_mm())}, {"offset_deg", json_angle(seen.offset_rad)},
-      {"sag_deg", json_angle(seen.sag_rad)}};
+  return {{"home_deg", json_angle(seen.home_rad)},
+          {"home_stays", seen.home_lasts != identify::HomeLasts::stroke},
+          {"home_lasts", text(seen.home_lasts)},
+          {"creep_deg", json_angle(seen.creep_rad)},
+          {"drift_mm", json_length(estimate.wander_mm)},
+          {"figure_mm", json_length(seen.figure_mm())},
+          {"offset_deg", json_angle(seen.offset_rad)},
+          {"sag_deg", json_angle(seen.sag_rad)}};
 }
 
 /// What has `mm` and its `covariance`.

@@ -155,7 +155,7 @@ class Curves {
     effects.home_rad += effects.offset_rad;
     effects.figures_mm = {};
     effects.told_rad = effects.offset_rad = effects.late_s = 0;
-    effects.home_stays = false;
+    effects.home_lasts = HomeLasts::stroke;
     return effects;
   }
   ErrorCurve::Stroke& of(const SeenNode& at) { return units_[unit_[at.stroke]]; }

@@ -74,14 +74,16 @@ EffectColumns::EffectColumns(const ChainEffects& shape, const ChainNodes& nodes)
   if (shape.creep_rad > 0 || !shape.along.empty()) own += creep = turns;
   drift_bends = shape.drift_mm > 0 && nodes.sweeps_again();
   if (drift_bends || (shape.print_mm > 0 && bent_by_print(shape.print_mm, nodes))) own += bent = 3;
-  if (shape.home_rad > 0 && shape.home_stays) stand = turns;
+  if (shape.home_rad > 0 && shape.home_lasts == HomeLasts::stand) stand = turns;
+  if (shape.home_rad > 0 && shape.home_lasts == HomeLasts::rest)
+    rest = static_cast<Index>(nodes.most_rests());
   if (shape.figure_mm() > 0) figure = 2 * kFigureOrders;
   if (shape.drift_mm > 0 && nodes.units.size() > nodes.home_of.size()) {
     wander = 3;
     in_common = shares_in_common(nodes);
   }
   if (shape.told_rad > 0) told = kFigureOrders;
-  if (shape.offset_rad > 0) home = turns;
+  if (shape.offset_rad > 0) offset = turns;
 }
 
 namespace {
@@ -150,7 +152,7 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
     const StrokeMoments& stroke = nodes.strokes[nodes.units[u].front()];
     VectorXd own = VectorXd::Zero(columns.own);
     if (columns.own > 0) {
-      if (columns.stand == 0) own.head(turns) = home;
+      if (columns.stand == 0 && columns.rest == 0) own.head(turns) = home;
       if (columns.creep > 0) {
         own.segment(columns.creeps(), turns) = creep;
         own(columns.creeps() + static_cast<Index>(stroke.content.joint)) = 0;
@@ -231,9 +233,14 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
     shared.tail(columns.told).setConstant(effects.told_rad * effects.told_rad);
     variances.shared.push_back(std::move(shared));
   }
-  variances.home.assign(nodes.homes.size(),
-                        VectorXd::Constant(columns.home, effects.offset_rad * effects.offset_rad));
-  variances.home.front().setZero();
+  variances.home.assign(nodes.homes.size(), VectorXd::Zero(columns.offset + columns.rest));
+  for (std::size_t h = 0; h < nodes.homes.size(); ++h) {
+    if (h > 0)
+      variances.home[h].head(columns.offset).setConstant(effects.offset_rad * effects.offset_rad);
+    for (std::size_t r = 0; columns.rest > 0 && r < nodes.rests[h].size(); ++r)
+      variances.home[h](columns.offset + static_cast<Index>(r)) =
+          home(static_cast<Index>(nodes.rests[h][r]));
+  }
   return variances;
 }
 

@@ -24,7 +24,7 @@ inline constexpr Eigen::Index kFigureOrders = 8;
 /// off, three shifts do so, too. A stand's are a turn of each joint, where homes stay. Those of a
 /// group are the orders of each target's radial and then axial figure, behind them three shifts
 /// where several units share a device that wanders, and those of the joint's angle. A home's are a
-/// turn of each joint.
+/// turn of each joint and, where homes last so long, one of each rest's.
 struct EffectColumns {
   EffectColumns(const ChainEffects& shape, const ChainNodes& nodes);
   Eigen::Index own = 0;
@@ -39,14 +39,15 @@ struct EffectColumns {
   Eigen::Index wander = 0;
   std::vector<double> in_common;  ///< which share of a wandering device's shifts; one a group
   Eigen::Index told = 0;
-  Eigen::Index home = 0;
+  Eigen::Index offset = 0;
+  Eigen::Index rest = 0;
   std::size_t targets = 0;
   [[nodiscard]] Eigen::Index creeps() const { return own - bent - creep; }  ///< the first of them
   [[nodiscard]] Eigen::Index carries() const { return creeps() - carried; }
   [[nodiscard]] Eigen::Index shared() const {
     return figure * static_cast<Eigen::Index>(targets) + wander + told;
   }
-  [[nodiscard]] Eigen::Index all() const { return own + stand + shared() + home; }
+  [[nodiscard]] Eigen::Index all() const { return own + stand + shared() + offset + rest; }
 };
 
 /// How the target moves with a unit's own effects, one a row, at a node: `pose` is the chain's

@@ -14,6 +14,18 @@ std::string_view text(AngleTrust trust) noexcept {
   return "";
 }
 
+std::string_view text(HomeLasts lasts) noexcept {
+  switch (lasts) {
+    case HomeLasts::stroke:
+      return "stroke";
+    case HomeLasts::stand:
+      return "stand";
+    case HomeLasts::rest:
+      return "rest";
+  }
+  return "";
+}
+
 std::string_view text(Cause cause) noexcept {
   switch (cause) {
     case Cause::noise:

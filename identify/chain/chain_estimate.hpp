@@ -32,13 +32,17 @@ struct ChainNoise {
 enum class FigureLaw { square, cube, waves };
 inline constexpr std::array kFigureLaws{FigureLaw::square, FigureLaw::cube, FigureLaw::waves};
 
+/// Through what a locked joint stands off home by the same: one stroke, all strokes of a stand, or
+/// those of a rest (ChainNodes).
+enum class HomeLasts : unsigned char { stroke, stand, rest };
+[[nodiscard]] std::string_view text(HomeLasts lasts) noexcept;
+
 /// How far what was measured departs from the chain beyond the samples' noise: standard deviations
 /// of random effects. Zero: there is none.
 struct ChainEffects {
   /// Of each locked joint's place in a stroke from its home: a rotation about its axis.
   double home_rad = 0;
-  /// It is the same in all strokes of a stand (ChainNodes), and not anew in each.
-  bool home_stays = false;
+  HomeLasts home_lasts = HomeLasts::stroke;
   /// Of how far each locked joint goes on evenly while a stroke runs, from its middle to its end.
   double creep_rad = 0;
   /// Of the measuring device's place in a stroke, each coordinate. It walks on during a stroke.

@@ -82,6 +82,29 @@ bool set_stands(ChainNodes& nodes) {
   return in_turn;
 }
 
+/// Sorts the units by what each joint has rested through.
+void set_rests(ChainNodes& nodes) {
+  nodes.rests.resize(nodes.homes.size());
+  nodes.rest_of.resize(nodes.units.size());
+  std::array<std::optional<std::size_t>, kMostJoints> now;
+  std::size_t last_home = 0;
+  for (const std::size_t unit : nodes.in_time()) {
+    const std::size_t home = nodes.home_of[nodes.group[unit]];
+    if (home != last_home) now.fill(std::nullopt);
+    last_home = home;
+    const std::size_t swept = nodes.strokes[nodes.units[unit].front()].content.joint;
+    now[swept] = std::nullopt;
+    for (std::size_t k = 0; k < nodes.known.size(); ++k) {
+      if (k == swept || !nodes.known[k]) continue;
+      if (!now[k]) {
+        now[k] = nodes.rests[home].size();
+        nodes.rests[home].push_back(k);
+      }
+    }
+    nodes.rest_of[unit] = now;
+  }
+}
+
 /// Sets when each node was seen. Of strokes' sums nobody knows it.
 void set_times(ChainNodes& nodes, bool in_turn) {
   const double seconds = nodes.seconds();
@@ -134,12 +157,14 @@ void set_groups(ChainNodes& nodes) {
     nodes.group.push_back(group->second);
     if (fresh) nodes.home_of.push_back(home);
   }
-  set_times(nodes, set_stands(nodes));
+  const bool in_turn = set_stands(nodes);
+  set_times(nodes, in_turn);
   for (const Place& place : places) {
     Turns turns{};
     for (std::size_t k = 0; k < kMostJoints; ++k) turns[k] = place[k].value_or(0);
     nodes.homes.push_back(turns);
   }
+  if (in_turn) set_rests(nodes);
 }
 
 }  // namespace
@@ -162,6 +187,12 @@ void ChainNodes::set_move(std::size_t unit, double part) {
       observations[first[s] + n].before_move =
           splits ? stroke.time_s(stroke.nodes[n].turn_rad) < moved_s : stroke.begin_s < moved_s;
   }
+}
+
+std::size_t ChainNodes::most_rests() const {
+  std::size_t most = 0;
+  for (const auto& of_home : rests) most = std::max(most, of_home.size());
+  return most;
 }
 
 bool ChainNodes::sweeps_again() const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -36,6 +37,12 @@ struct ChainNodes {
   std::vector<std::size_t> stand;               ///< of each unit
   std::vector<std::size_t> group_of;            ///< of each stand
   std::vector<std::size_t> home_of;             ///< of each group
+  /// A joint rests from one of its sweeps to its next one, or until all go to another home. Whose
+  /// each rest at a home is; none where nothing tells which unit follows which.
+  std::vector<std::vector<std::size_t>> rests;
+  /// Of each unit, which of its home's rests each joint is in; the sweeping one, and those that are
+  /// not `known`, in none.
+  std::vector<std::array<std::optional<std::size_t>, kMostJoints>> rest_of;
   /// Where the joints stood at each home, from the first one; of a joint that was never seen locked
   /// there, zero. The first is the common one.
   std::vector<Turns> homes;
@@ -60,6 +67,8 @@ struct ChainNodes {
   void set_move(std::size_t unit, double part = 0);
   /// From the first sample of all strokes to the last one.
   [[nodiscard]] double seconds() const;
+  /// The number of rests at a home, at most.
+  [[nodiscard]] std::size_t most_rests() const;
   /// Whether a stand has several units.
   [[nodiscard]] bool stays() const { return group_of.size() < units.size(); }
   /// Whether a joint has swept more than once, wherever from.

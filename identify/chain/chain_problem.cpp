@@ -179,10 +179,14 @@ void ChainProblem<Size>::set_effects(std::size_t u, const StrokeMoments& stroke,
                           stroke.place_of(stroke.nodes[n].turn_rad), nodes_.middle_mm(u));
   // A stand's turns of the joints are a unit's, in common.
   rows.middleRows(columns_.own, columns_.stand) = rows.topRows(columns_.stand);
-  for (std::size_t k = 0; columns_.home > 0 && k < nodes_.known.size(); ++k)
-    if (k != seen.joint && nodes_.known[k])
-      rows.row(at_home + static_cast<Eigen::Index>(k)) =
-          pose.by_turn[k].template head<Size>().transpose();
+  for (std::size_t k = 0; k < nodes_.known.size(); ++k) {
+    if (k == seen.joint || !nodes_.known[k]) continue;
+    const auto by_turn = pose.by_turn[k].template head<Size>().transpose();
+    if (columns_.offset > 0) rows.row(at_home + static_cast<Eigen::Index>(k)) = by_turn;
+    if (columns_.rest > 0)
+      rows.row(at_home + columns_.offset + static_cast<Eigen::Index>(*nodes_.rest_of[u][k])) =
+          by_turn;
+  }
   const auto here = polynomials(range.place(seen.turns[seen.joint]));
   if (columns_.figure > 0) {
     // Radial and axial, nothing where the joint stands at its home's turn.

@@ -18,6 +18,8 @@ namespace {
 /// By so much less the deviance has to be of a device that sways than of one that walks at random:
 /// of walks, too, some seem to sway.
 constexpr double kSways = 20;
+/// Of joints that stand elsewhere in each stroke some seem to rest, and more is known if they do.
+constexpr double kRests = 4;
 /// And of what happened once. With less, it is one explanation among others.
 constexpr double kHappened = 20;
 
@@ -68,13 +70,7 @@ std::vector<Incident> EffectSearch::find_all(FittedChain& best) {
   size_twice(best, shape);
   std::vector<Incident> others;
   if (shows_any(best, effects_)) {
-    if (nodes_.stays()) {
-      // Whether joints that stood still stood elsewhere in each stroke, the likelihood tells. What
-      // is the same there and back may have been taken for the arc's figure.
-      ChainEffects other = shape;
-      other.home_stays = true;
-      if (take_if_likelier(best, first, other, 0)) shape = other;
-    }
+    find_lasting(best, first, shape);
     find_creep(best, first, shape);
     const ChainEffects without = shape;
     others = find_strays(best, first, shape);
@@ -154,6 +150,18 @@ bool EffectSearch::may_sway(const FittedChain& best, const ChainEffects& shape) 
     }
   }
   return false;
+}
+
+void EffectSearch::find_lasting(FittedChain& best, const FittedChain& first, ChainEffects& shape) {
+  constexpr std::size_t kMostRests = 100;
+  const std::size_t rests = nodes_.most_rests();
+  for (const HomeLasts lasts : {HomeLasts::stand, HomeLasts::rest}) {
+    if (lasts == HomeLasts::stand ? !nodes_.stays() : rests == 0 || rests > kMostRests) continue;
+    ChainEffects other = shape;
+    other.home_lasts = lasts;
+    const double by = lasts == HomeLasts::rest ? kRests : 0;
+    if (take_if_likelier(best, first, other, by)) shape = other;
+  }
 }
 
 void EffectSearch::find_creep(FittedChain& best, const FittedChain& first, ChainEffects& shape) {

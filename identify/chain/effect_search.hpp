@@ -24,6 +24,9 @@ class EffectSearch {
   bool shows_any(const FittedChain& fitted, const ChainEffects& effects);
   /// Whether the data tell that a device that wanders does so in slow waves, or warms up.
   bool may_sway(const FittedChain& best, const ChainEffects& shape);
+  /// Through what joints stand off home by the same, the likelihood tells. What is the same there
+  /// and back may have been taken for the arc's figure.
+  void find_lasting(FittedChain& best, const FittedChain& first, ChainEffects& shape);
   /// Where the data tell of locked joints that go on while another one sweeps, allows for that.
   void find_creep(FittedChain& best, const FittedChain& first, ChainEffects& shape);
   /// Whether the data tell of any of that.

@@ -106,7 +106,7 @@ std::vector<ChainEstimate::Part> LinearisedChain::parts() {
   };
   ChainEffects home, drift, figure, offset, print;
   home.home_rad = shape_.home_rad;
-  home.home_stays = shape_.home_stays;
+  home.home_lasts = shape_.home_lasts;
   home.creep_rad = shape_.creep_rad;
   home.home_times = shape_.home_times;
   home.along = shape_.along;

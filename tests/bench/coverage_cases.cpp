@@ -122,8 +122,13 @@ std::vector<Case> cases() {
       at_once, 3);
   add("home_002_back", "0.002 deg, there and back", with_home_error(0.002), back);
   world = with_home_error(0.002);
-  world.home.stays = true;
+  world.home.lasts = identify::HomeLasts::stand;
   add("home_002_stands", "0.002 deg until another joint sweeps, there and back", world, back);
+  world.home.lasts = identify::HomeLasts::rest;
+  Strokes rounds = back;
+  rounds.rounds = 2;
+  add("home_002_rests", "0.002 deg until the joint itself sweeps, there and back, all twice", world,
+      rounds);
   world = with_home_error(0.0005);
   world.home.creep_deg = 0.002;
   add("creep_002", "joints go on by 0.002 deg while another one sweeps, there and back", world,

@@ -112,7 +112,7 @@ std::vector<identify::Sweep> Simulation::sweeps() const {
   std::map<std::pair<std::size_t, std::size_t>, ArcCurve> curves;  // joint and home
   std::vector<double> stray(joints, 0.0);
   std::vector<double> errors(joints, 0.0), creep(joints, 0.0);
-  bool anew = true;
+  std::vector<bool> anew(joints, true);
   std::vector<int> sides = sides_;
   std::vector<identify::Sweep> sweeps;
   for (const Stroke& stroke : strokes) {
@@ -128,15 +128,19 @@ std::vector<identify::Sweep> Simulation::sweeps() const {
       const double degree = (robot_.arm.is_linear(k) ? kLinearTimes : 1) * kDegree;
       if (none)
         errors[k] = 0;
-      else if (anew)
+      else if (anew[k])
         errors[k] = world_.home.sigma_deg * degree * normal(home_errors);
+      if (!none) anew[k] = false;
       if (world_.home.creep_deg > 0)
         creep[k] = none ? 0 : world_.home.creep_deg * degree * normal(creeps);
       locked[k] += stray[k];
       (world_.home.seen || world_.controller ? locked[k] : play[k]) += errors[k];
     }
     sides[j] = stroke.direction();
-    anew = !world_.home.stays || stroke.last_of_joint;
+    for (std::size_t k = 0; k < joints; ++k)
+      if (k == j || world_.home.lasts == identify::HomeLasts::stroke ||
+          (world_.home.lasts == identify::HomeLasts::stand && stroke.last_of_joint))
+        anew[k] = true;
     std::vector<std::vector<identify::Sample>> seen(stroke.targets.size());
     device.begin();
     for (int i = 0; i < how_.samples; ++i) {

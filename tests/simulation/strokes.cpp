@@ -52,14 +52,15 @@ std::vector<Stroke> strokes_of(const Strokes& how, std::size_t joints, std::size
     std::iota(seen[0].begin(), seen[0].end(), 0U);
   }
   for (std::size_t home = 0; home < static_cast<std::size_t>(how.homes); ++home)
-    for (const auto& of_stroke : seen)
-      for (std::size_t joint = 0; joint < joints; ++joint) {
-        for (int repeat = 0; repeat < how.repeats; ++repeat) {
-          add(home, of_stroke, joint, false);
-          if (how.there_and_back) add(home, of_stroke, joint, true);
+    for (int round = 0; round < how.rounds; ++round)
+      for (const auto& of_stroke : seen)
+        for (std::size_t joint = 0; joint < joints; ++joint) {
+          for (int repeat = 0; repeat < how.repeats; ++repeat) {
+            add(home, of_stroke, joint, false);
+            if (how.there_and_back) add(home, of_stroke, joint, true);
+          }
+          strokes.back().last_of_joint = true;
         }
-        strokes.back().last_of_joint = true;
-      }
   return strokes;
 }
 

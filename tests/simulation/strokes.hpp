@@ -28,6 +28,7 @@ struct Strokes {
   int stops = 0;      ///< of a stroke, at which all samples are taken; 0: they are along the way
   bool there_and_back = false;
   int repeats = 1;
+  int rounds = 1;                ///< all of a home's over again
   int homes = 1;                 ///< each further one 15 to 30 degrees off in every joint
   bool targets_at_once = false;  ///< all in one stroke, as with markers; else one after the other
   double speed_deg_s = 20;       ///< on average
@@ -56,7 +57,8 @@ struct Stroke {
   [[nodiscard]] double turn_at(double time_s, double ramp) const;
 };
 
-/// Home by home, target by target, joint by joint. Of neighbours one rises and one falls.
+/// Home by home, round by round, target by target, joint by joint. Of neighbours one rises and one
+/// falls.
 [[nodiscard]] std::vector<Stroke> strokes_of(const Strokes& how, std::size_t joints,
                                              std::size_t targets);
 

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "identify/chain/chain_estimate.hpp"
+
 namespace simulation {
 
 /// Errors of the positions: of the device that measures them. Standard deviations; each of three
@@ -31,9 +33,10 @@ struct Drift {
 
 /// How locked joints stand elsewhere than at home.
 struct HomeError {
-  double sigma_deg = 0;  ///< each locked joint, anew for each stroke; of linear ones ten times as
-                         ///< many mm
-  bool stays = false;    ///< until another joint sweeps
+  double sigma_deg = 0;  ///< each locked joint; of linear ones ten times as many mm
+  /// Drawn anew for each stroke, for each stand (when another joint sweeps), or when the joint
+  /// itself has swept.
+  identify::HomeLasts lasts = identify::HomeLasts::stroke;
   double creep_deg = 0;  ///< and how far each goes on evenly behind it while a stroke runs, sigma
   bool seen = false;     ///< by the encoders; else it is play behind them
   /// Each joint after its own strokes, until it is swept again; the encoders see it.

@@ -162,17 +162,22 @@ TEST_CASE("Uncertainties hold where one joint alone does not stay where it was l
   CHECK(rms_z(campaigns_of(8, how, world)) < 1.1);
 }
 
-TEST_CASE("Joints that stand still while another one sweeps there and back are off alike",
+TEST_CASE("Joints are off alike in as many sweeps as they stand still through",
           "[effect_sizes][long]") {
   simulation::World world = seen_without_angles();
   world.home.sigma_deg = 0.01;
-  world.home.stays = GENERATE(true, false);
-  const auto campaigns = there_and_back(16, {}, world, 1, 100);
-  CAPTURE(world.home.stays);
+  world.home.lasts = GENERATE(HomeLasts::stroke, HomeLasts::stand, HomeLasts::rest);
+  simulation::Strokes how;
+  how.samples = 100;
+  how.ramp = 0.1;
+  how.there_and_back = true;
+  how.rounds = world.home.lasts == HomeLasts::rest ? 2 : 1;
+  const auto campaigns = campaigns_of(16, how, world);
+  CAPTURE(text(world.home.lasts));
   CHECK(rms_z(campaigns) == Approx(1).margin(0.15));
   const auto found = identify::identify(campaigns.front().sweeps(), campaigns.front().campaign());
   REQUIRE(found.chain);
-  CHECK(found.chain->effects.home_stays == world.home.stays);
+  CHECK(found.chain->effects.home_lasts == world.home.lasts);
   CHECK_FALSE(test::find_warning(found, "joints_creep"));
 }
 

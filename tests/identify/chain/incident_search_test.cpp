@@ -114,7 +114,7 @@ TEST_CASE("A disturbed sweep is found where homes that are off explain it, too",
 TEST_CASE("Joints that stay off home are no device that was moved", "[incident_search][long]") {
   simulation::World world = by_device();
   world.home.sigma_deg = 0.005;
-  world.home.stays = true;
+  world.home.lasts = HomeLasts::stand;
   simulation::Strokes how;
   how.samples = 200;
   how.there_and_back = true;
