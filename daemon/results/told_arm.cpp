@@ -216,6 +216,7 @@ ToldArm told_arm_in(const Json& json, const std::filesystem::path& file) {
   told.arm.height_known = std::none_of(warnings.begin(), warnings.end(), [](const Json& warning) {
     return text_of(warning, "code") == "height_unknown" && number_of(warning, "joint") == 1;
   });
+  told.arm.specified = values(table_of(list_of(json, "specified")));
 
   const Json& home = list_of(json, "home_deg");
   const Json& limits = list_of(json, "limits_deg");

@@ -65,14 +65,34 @@ void set_difference(ComparedArms& arms) {
 
 /// How far apart along parallel first axes two devices' frames may have the base.
 constexpr double kHeight_mm = 1e4;
+/// The same where one description has both: as far as targets are off on the tool.
+constexpr double kHeightByTool_mm = 300;
 /// A height counts as uncertain by so much more than the numbers tell of it: all that it can take
 /// up, and no more than the test of all numbers can bear (kLeastEigenvalue in `ChangeTest`).
 constexpr double kHeightOpen = 30;
 
+/// Whether both tables have the base as high as one description says.
+bool described_alike(const MeasuredArm& first, const MeasuredArm& second) {
+  const std::size_t rows = first.dh.size();
+  if (first.specified.size() < rows || second.specified.size() < rows) return false;
+  for (std::size_t i = 0; i < rows; ++i)  // b of a linear joint is that at home
+    if (!first.dh[i].linear && first.specified[i].b_mm != second.specified[i].b_mm) return false;
+  return true;
+}
+
+/// By mm of the second arm's height.
+VectorXd slope_of(const ComparedArms& arms, const std::function<VectorXd(double height_mm)>& change,
+                  double height_mm) {
+  constexpr double kNudge_mm = 1;
+  return wrapped_angles(change(height_mm + kNudge_mm) - change(height_mm - kNudge_mm),
+                        arms.numbers) /
+         (2 * kNudge_mm);
+}
+
 /// Takes the second arm at the height at which both agree best (Gauss-Newton), and what that can
 /// take up of the differences as uncertain. `change`: of the second's numbers with its height.
 void find_height(ComparedArms& arms, const std::function<VectorXd(double height_mm)>& change) {
-  constexpr double kNudge_mm = 1, kPrior = 1 / (kHeight_mm * kHeight_mm);
+  constexpr double kPrior = 1 / (kHeight_mm * kHeight_mm);
   const VectorXd first_difference = arms.difference;
   const auto difference = [&](double height_mm) {
     return wrapped_angles(first_difference + change(height_mm), arms.numbers);
@@ -84,9 +104,7 @@ void find_height(ComparedArms& arms, const std::function<VectorXd(double height_
   VectorXd slope;
   int rounds = 10;
   do {
-    slope = wrapped_angles(difference(height + kNudge_mm) - difference(height - kNudge_mm),
-                           arms.numbers) /
-            (2 * kNudge_mm);
+    slope = slope_of(arms, change, height);
     const VectorXd weighed = weights.cwiseProduct(correlation.solve(weights.cwiseProduct(slope)));
     information = weighed.dot(slope) + kPrior;
     step = -(weighed.dot(difference(height)) + kPrior * height) / information;
@@ -202,12 +220,18 @@ ComparedArms compared(const MeasuredArm& first, const MeasuredArm& second) {
     if (off > 0) arms.other_homes.push_back(number.joint);
   }
   set_difference(arms);
-  if (steps.front().parallel() && !(first.height_known && second.height_known))
-    find_height(arms, [&](double height_mm) -> VectorXd {
-      auto higher = second_steps;
-      higher.front().b_mm += height_mm;
-      return RewrittenArm(second, higher, a.rows()).numbers()(places) - b.numbers()(places);
-    });
+  if (!steps.front().parallel() || (first.height_known && second.height_known)) return arms;
+  const auto change = [&](double height_mm) -> VectorXd {
+    auto higher = second_steps;
+    higher.front().b_mm += height_mm;
+    return RewrittenArm(second, higher, a.rows()).numbers()(places) - b.numbers()(places);
+  };
+  if (described_alike(first, second)) {
+    const VectorXd open = kHeightByTool_mm * slope_of(arms, change, 0);
+    arms.second_covariance += open * open.transpose();
+  } else {
+    find_height(arms, change);
+  }
   return arms;
 }
 

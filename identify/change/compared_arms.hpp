@@ -46,7 +46,7 @@ struct ComparedArms {
   Eigen::MatrixXd first_covariance, second_covariance;
   /// By how much higher along its first axis the second arm's base is taken than its table has it:
   /// where the two agree best. How open that is is in the second covariance. Nothing where both
-  /// tell it.
+  /// tell it, or have it by one description: there it is open by where targets are on the tool.
   std::optional<double> height_mm;
   /// Joints whose homes are apart: what their gears are off by there is in the second covariance.
   std::vector<std::size_t> other_homes;

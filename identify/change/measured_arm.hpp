@@ -20,8 +20,10 @@ struct MeasuredArm {
   /// By how much each joint's gear is off, rad per rad that it turned from home, root mean square;
   /// nothing where no angles tell.
   std::vector<std::optional<double>> gear;
-  /// False where the first axes are parallel, and the table has the base anywhere along them.
+  /// False where the first axes are parallel, and nothing but the description tells where along
+  /// them the base is.
   bool height_known = true;
+  std::vector<DhRow> specified;  ///< by the description; none where there was none
 };
 
 }  // namespace identify

@@ -113,6 +113,24 @@ TEST_CASE("a base that may stand anywhere along parallel axes is taken where the
     return std::sqrt(of.difference.dot(of.covariance().ldlt().solve(of.difference)));
   };
   CHECK(sigmas(arms) < 0.1);
+  SECTION("and by one description, as high as that says, but for where the target is") {
+    auto longer = scara(150, 80);
+    longer.height_known = false;
+    longer.specified = first.specified = std::vector<DhRow>(4);
+    CHECK(sigmas(compared(first, longer)) < 0.5);
+    longer.dh[1].a_mm.value -= 1.4;
+    for (MeasuredArm* arm : {&first, &longer})  // so that angles do not tell the height
+      for (const Eigen::Index theta : {6, 11}) arm->covariance(theta, theta) = 1e-6;
+    const auto changed = compared(first, longer);
+    CHECK_FALSE(changed.height_mm);
+    for (std::size_t k = 0; k < changed.numbers.size(); ++k) {
+      const auto at = static_cast<Eigen::Index>(k);
+      const double sigma = std::sqrt(changed.covariance()(at, at));
+      const bool is_changed =
+          changed.numbers[k].kind == ArmNumberKind::a && changed.numbers[k].joint == 1;
+      CHECK((std::abs(changed.difference(at)) > 3 * sigma) == is_changed);
+    }
+  }
   SECTION("but not where one of them has changed") {
     higher.dh[1].theta_rad.value += 0.2 * kDegree;
     CHECK(sigmas(compared(first, higher)) > 10);
