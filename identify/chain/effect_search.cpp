@@ -22,6 +22,8 @@ constexpr double kSways = 20;
 constexpr double kRests = 4;
 /// And of what happened once. With less, it is one explanation among others.
 constexpr double kHappened = 20;
+/// That much likelier is not the one for sure.
+constexpr double kAlike = 6;
 
 const Incident* likeliest(const std::vector<Incident>& all) {
   const auto one = std::min_element(
@@ -50,6 +52,7 @@ std::vector<double> usual_home_times(const Chain& chain, double reach_mm) {
 }  // namespace
 
 std::vector<Incident> EffectSearch::find_all(FittedChain& best) {
+  happened_ = kHappened;
   const std::size_t joints = best.fit.chain.axes.size();
   const bool several_homes = nodes_.homes.size() > 1;
   best.fit.chain.sags = sags_of(best.fit.chain, nodes_.known, sag_rad_);
@@ -94,7 +97,6 @@ std::vector<Incident> EffectSearch::find_all(FittedChain& best) {
 std::vector<Incident> EffectSearch::find_strays(FittedChain& best, const FittedChain& first,
                                                 ChainEffects& shape) {
   constexpr int kMostStrays = 3;
-  constexpr double kAlike = 6;  // that much likelier is not the one for sure
   std::vector<Incident> others;
   for (int round = 0;; ++round) {
     const double here = deviance_of(best);
@@ -104,7 +106,7 @@ std::vector<Incident> EffectSearch::find_strays(FittedChain& best, const FittedC
       for (Incident& move : search.moves(here)) all.push_back(std::move(move));
     const Incident* one = likeliest(all);
     if (round == kMostStrays || !one || one->kind == Incident::Kind::move ||
-        !(one->deviance < here - kHappened))
+        !(one->deviance < here - happened_))
       return all;
     ChainEffects other = shape;
     other.stray_mm.resize(nodes_.units.size());
@@ -117,11 +119,11 @@ std::vector<Incident> EffectSearch::find_strays(FittedChain& best, const FittedC
 }
 
 void EffectSearch::find_move(FittedChain& best, IncidentsFrom from, const Incident& move) {
-  if (!(move.deviance < deviance_of(best) - kHappened)) return;
+  if (!(move.deviance < deviance_of(best) - happened_)) return;
   IncidentSearch search(nodes_, from.first, from.effects, from.shape);
   from.shape.moved_mm = search.at_its_moment(move).mm;
   from.first.fit.chain.move.setZero(from.first.fit.chain.move_numbers());
-  take_if_likelier(best, std::move(from.first), from.shape, kHappened);
+  take_if_likelier(best, std::move(from.first), from.shape, happened_);
 }
 
 bool EffectSearch::shows_any(const FittedChain& fitted, const ChainEffects& effects) {
@@ -159,8 +161,13 @@ void EffectSearch::find_lasting(FittedChain& best, const FittedChain& first, Cha
     if (lasts == HomeLasts::stand ? !nodes_.stays() : rests == 0 || rests > kMostRests) continue;
     ChainEffects other = shape;
     other.home_lasts = lasts;
-    const double by = lasts == HomeLasts::rest ? kRests : 0;
-    if (take_if_likelier(best, first, other, by)) shape = other;
+    const double by = lasts == HomeLasts::rest ? kRests : 0, before = deviance_of(best);
+    if (!take_if_likelier(best, first, other, by)) continue;
+    shape = other;
+    // What happened once is likely or not beside joints that do not rest: with them it is one more
+    // explanation of the same.
+    if (lasts == HomeLasts::rest)
+      happened_ = std::max(kAlike, kHappened - (before - deviance_of(best)));
   }
 }
 

@@ -68,6 +68,8 @@ class EffectSearch {
   ChainNodes& nodes_;
   ChainEffects& effects_;
   const std::vector<double>& sag_rad_;
+  /// By so much less the deviance has to be of what happened once.
+  double happened_ = 0;
 };
 
 /// How far the targets are from the axes at most; from those that are known.
