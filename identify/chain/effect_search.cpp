@@ -164,8 +164,8 @@ void EffectSearch::find_lasting(FittedChain& best, const FittedChain& first, Cha
     const double by = lasts == HomeLasts::rest ? kRests : 0, before = deviance_of(best);
     if (!take_if_likelier(best, first, other, by)) continue;
     shape = other;
-    // What happened once is likely or not beside joints that do not rest: with them it is one more
-    // explanation of the same.
+    // They may be in place of what happened once, which has to be that much likelier than joints
+    // that do not rest, and clearly likelier than those that do.
     if (lasts == HomeLasts::rest)
       happened_ = std::max(kAlike, kHappened - (before - deviance_of(best)));
   }

@@ -30,6 +30,7 @@ struct ControllerNumber {
   Verdict verdict = Verdict::inseparable;
   /// To be added to the row's number: mm, rad; a zero of a linear joint mm. Zeros are theta, b.
   double change = 0;
+  /// With all numbers let go, and as far as leaving others has moved this one.
   double sigma = 0;
   /// That poses of an arm whose number is right ask for as much, for all numbers together (Holm,
   /// Scand. J. Statist. 6, 1979).
@@ -44,7 +45,8 @@ struct ControllerFit {
   std::vector<ControllerNumber> numbers;  ///< none: base and tool alone
   Left left;                              ///< of the poses that count
   /// Of the base (mm, then rad about the base's origin, in the measurement frame) and the targets
-  /// (mm). What is left counts as noise, though the most of it is what the level cannot hold.
+  /// (mm). What is left counts as noise, though the most of it is what the level cannot hold;
+  /// numbers that are left count as for `ControllerNumber::sigma`.
   Eigen::MatrixXd frames_covariance;
   /// Of the same numbers: whether the poses tell it from others.
   std::vector<bool> frames_determined;
