@@ -17,16 +17,14 @@ import time
 import urllib.parse
 import urllib.request
 
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).parent.parent))
+from free_port import free_port
+
 sweepd, source = (pathlib.Path(argument).resolve() for argument in sys.argv[1:])
 RULES = source / "config/monitoring/sweepd_rules.yml"
 DASHBOARD = source / "config/monitoring/sweepd_dashboard.json"
 PATIENCE = 30  # seconds; a machine that is free needs four
-
-
-def free_port(kind):
-    with socket.socket(socket.AF_INET, kind) as taken:
-        taken.bind(("127.0.0.1", 0))
-        return taken.getsockname()[1]
 
 
 @contextlib.contextmanager

@@ -10,6 +10,8 @@ import subprocess
 import threading
 import time
 
+from free_port import free_port
+
 
 def missing():
     """The first program that is not here, or nothing."""
@@ -34,12 +36,6 @@ def postgres():
 def as_nobody():
     """Neither server runs as root."""
     return ["setpriv", "--reuid=nobody", "--regid=nogroup", "--clear-groups"] if os.geteuid() == 0 else []
-
-
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
 
 
 def until(condition, what, seconds=30):
@@ -76,7 +72,7 @@ class Broker(Server):
 
     def __init__(self, folder, secret=None):
         super().__init__(folder, "mosquitto")
-        self.port = free_port()
+        self.port = free_port(socket.SOCK_STREAM)
         self.config = folder / "mosquitto.conf"
         access = "allow_anonymous true\n"
         if secret:

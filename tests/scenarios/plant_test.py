@@ -21,8 +21,9 @@ import tempfile
 import time
 
 sys.dont_write_bytecode = True
-sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from plant_servers import Broker, Database, Refuser, Stranger, free_port, missing, until
+sys.path[:0] = [str(folder) for folder in pathlib.Path(__file__).parents[:2]]
+from free_port import free_port
+from plant_servers import Broker, Database, Refuser, Stranger, missing, until
 
 ROBOT = "kr5-arc"
 PLACE = f"north%2F1/a%2Bb%23/{ROBOT}"  # of names that mean something in topics
@@ -67,7 +68,7 @@ class Plant:
         (folder / "mqtt-password").write_text("geheim\n")
         os.environ["CREDENTIALS_DIRECTORY"] = str(folder)  # as systemd says where they are
         self.database = Database(folder, "fsync=off")
-        self.pages = free_port()
+        self.pages = free_port(socket.SOCK_STREAM)
         self.settings = self.settings_with("spool")
         self.template = self.a_result()
         (folder / "collect.toml").write_text(
@@ -83,7 +84,7 @@ class Plant:
         file = self.folder / f"{spool}.toml"
         file.write_text(
             f'[http]\nlisten = "127.0.0.1:{self.pages}"\n[[robot]]\nname = "{ROBOT}"\n'
-            f'description = "{config}/robots/kr5_arc.toml"\nlisten = "127.0.0.1:{free_port()}"\n'
+            f'description = "{config}/robots/kr5_arc.toml"\nlisten = "127.0.0.1:{free_port(socket.SOCK_DGRAM)}"\n'
             f'output = "output"\n[publish]\n{self.access()}site = "north/1"\n'
             f'cell = "a+b#"\nspool = "{spool}"\n')
         return file

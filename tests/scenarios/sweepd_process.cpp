@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <csignal>
+#include <random>
 #include <stdexcept>
 #include <system_error>
 #include <thread>
@@ -133,18 +134,32 @@ std::uint64_t figure(const std::string& report, const std::string& label) {
   return at == std::string::npos ? 0 : std::stoull(report.substr(at + label.size()));
 }
 
-std::uint16_t free_tcp_port() {
-  using boost::asio::ip::tcp;
+namespace {
+
+/// Of those that the kernel gives to nobody who asks for any: a test beside this one might be given
+/// what was free a moment ago.
+template <class Protocol>
+std::uint16_t free_port_of() {
+  std::random_device chance;
+  std::uniform_int_distribution<std::uint16_t> any(20000, 32767);
   boost::asio::io_context context;
-  tcp::acceptor acceptor(context, tcp::v4());
-  acceptor.bind({boost::asio::ip::address_v4::loopback(), 0});
-  return acceptor.local_endpoint().port();
+  for (;;) {
+    const std::uint16_t port = any(chance);
+    typename Protocol::socket socket(context, Protocol::v4());
+    boost::system::error_code taken;
+    socket.bind({boost::asio::ip::address_v4::loopback(), port}, taken);
+    if (!taken) return port;
+  }
+}
+
+}  // namespace
+
+std::uint16_t free_tcp_port() {
+  return free_port_of<boost::asio::ip::tcp>();
 }
 
 std::uint16_t free_port() {
-  boost::asio::io_context context;
-  const boost::asio::ip::udp::socket socket(context, {boost::asio::ip::address_v4::loopback(), 0});
-  return socket.local_endpoint().port();
+  return free_port_of<boost::asio::ip::udp>();
 }
 
 std::filesystem::path write_short_plan(const TemporaryFolder& folder) {
