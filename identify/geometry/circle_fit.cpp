@@ -294,14 +294,14 @@ std::optional<CircleFit> fit_robust_circle(const Matrix3Xd& points) {
 }
 
 std::optional<UsualCircle> fit_usual_circle(const Matrix3Xd& points) {
-  constexpr double kRounding_mm = 1e-6;
+  constexpr double kComputing_mm = 1e-6;
   const auto plain = fit_circle(points);
   if (const auto robust = sure(plain) ? std::nullopt : searched_circle(points)) {
     std::vector<double> distances;
     for (Index i = 0; i < points.cols(); ++i)
       distances.push_back(std::sqrt(squared_distance(*robust, points.col(i))));
     const double within_mm =
-        std::max(kRounding_mm, kOutlierDistances * for_few(points.cols()) * median_of(distances));
+        std::max(kComputing_mm, kOutlierDistances * for_few(points.cols()) * median_of(distances));
     Matrix3Xd close(3, points.cols());
     Index count = 0;
     for (Index i = 0; i < points.cols(); ++i)
