@@ -24,7 +24,7 @@ inline constexpr Eigen::Index kFigureOrders = 8;
 /// off, three shifts do so, too. A stand's are a turn of each joint, where homes stay. Those of a
 /// group are the orders of each target's radial and then axial figure, behind them three shifts
 /// where several units share a device that wanders, and those of the joint's angle. A home's are a
-/// turn of each joint and, where homes last so long, one of each rest's.
+/// turn of each joint and, where joints stand off home alike through a rest, one for each rest.
 struct EffectColumns {
   EffectColumns(const ChainEffects& shape, const ChainNodes& nodes);
   Eigen::Index own = 0;

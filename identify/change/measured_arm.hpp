@@ -23,7 +23,7 @@ struct MeasuredArm {
   /// False where the first axes are parallel, and nothing but the description tells where along
   /// them the base is.
   bool height_known = true;
-  std::vector<DhRow> specified;  ///< by the description; none where there was none
+  std::vector<DhRow> specified;  ///< the description's table; empty where there was none
 };
 
 }  // namespace identify
