@@ -233,7 +233,7 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
     shared.tail(columns.told).setConstant(effects.told_rad * effects.told_rad);
     variances.shared.push_back(std::move(shared));
   }
-  variances.home.assign(nodes.homes.size(), VectorXd::Zero(columns.offset + columns.rest));
+  variances.home.assign(nodes.homes.size(), VectorXd::Zero(columns.home()));
   for (std::size_t h = 0; h < nodes.homes.size(); ++h) {
     if (h > 0)
       variances.home[h].head(columns.offset).setConstant(effects.offset_rad * effects.offset_rad);

@@ -47,7 +47,7 @@ struct EffectColumns {
   [[nodiscard]] Eigen::Index shared() const {
     return figure * static_cast<Eigen::Index>(targets) + wander + told;
   }
-  [[nodiscard]] Eigen::Index all() const { return own + stand + shared() + offset + rest; }
+  [[nodiscard]] Eigen::Index home() const { return offset + rest; }
 };
 
 /// How the target moves with a unit's own effects, one a row, at a node: `pose` is the chain's

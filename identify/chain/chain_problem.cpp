@@ -67,7 +67,7 @@ void ChainProblem<Size>::follow() {
 template <int Size>
 NormalEquations ChainProblem<Size>::linearised(const Chain& chain) {
   const auto all = EffectElimination(products(chain), nodes_.group_of, nodes_.home_of,
-                                     count_all(chain))(variances_);
+                                     columns_.home(), count_all(chain))(variances_);
   NormalEquations equations{all.normal, all.gradient, all.squares / 2};
   const Eigen::VectorXd known = prior(chain);
   equations.normal.diagonal() += known;
@@ -113,12 +113,16 @@ template <int Size>
 StrokeProducts ChainProblem<Size>::unit(const Chain& chain, std::size_t u, ChainPose& pose) {
   StrokeProducts result;
   result.stand = nodes_.stand[u];
-  result.parameters = active(chain, nodes_.units[u]);
+  const std::vector<Eigen::Index> which = active(chain, nodes_.units[u]);
+  const std::vector<HomeColumn> of_home = home_columns(u);
+  for (const HomeColumn& one : of_home) result.outer.push_back(one.at);
+  for (const Eigen::Index parameter : which) result.outer.push_back(columns_.home() + parameter);
   Eigen::Index nodes = 0;
   for (const std::size_t s : nodes_.units[u])
     nodes += static_cast<Eigen::Index>(nodes_.strokes[s].nodes.size());
-  const auto parameters = static_cast<Eigen::Index>(result.parameters.size());
-  const Eigen::Index first = columns_.all();
+  const auto parameters = static_cast<Eigen::Index>(which.size());
+  const Eigen::Index at_home = columns_.own + columns_.stand + columns_.shared();
+  const Eigen::Index first = at_home + static_cast<Eigen::Index>(of_home.size());
   const Eigen::Index last = first + parameters;
   rows_.setZero(last + 1, Size * nodes);
   weighted_.resize(last + 1, Size * nodes);
@@ -130,7 +134,10 @@ StrokeProducts ChainProblem<Size>::unit(const Chain& chain, std::size_t u, Chain
       const ChainObservation& seen = nodes_.observations[i];
       auto block = rows_.template middleCols<Size>(column);
       pose.set(seen.target, turns_of(chain, seen, noise_), true);
-      if (first > 0) set_effects(u, stroke, n, seen, pose, block.topRows(first));
+      if (at_home > 0) set_effects(u, stroke, n, seen, pose, block.topRows(at_home));
+      for (std::size_t k = 0; k < of_home.size(); ++k)
+        block.row(at_home + static_cast<Eigen::Index>(k)) =
+            pose.by_turn[of_home[k].joint].template head<Size>().transpose();
       settle(chain, i, pose);
       Turns turns = seen.turns;
       if (free(seen)) turns[seen.joint] = swept_[i];
@@ -138,7 +145,7 @@ StrokeProducts ChainProblem<Size>::unit(const Chain& chain, std::size_t u, Chain
       Eigen::Matrix3Xd moves;
       if (shape_.moved_mm > 0) moves = chain.by_move(seen.target, pose.position_mm, pose.rotation);
       for (Eigen::Index a = 0; a < parameters; ++a) {
-        const Eigen::Index at = result.parameters[static_cast<std::size_t>(a)];
+        const Eigen::Index at = which[static_cast<std::size_t>(a)];
         auto row = block.row(first + a);
         if (of_another_target(chain, at, seen.target)) continue;
         if (at < count(chain)) {
@@ -167,11 +174,26 @@ StrokeProducts ChainProblem<Size>::unit(const Chain& chain, std::size_t u, Chain
 }
 
 template <int Size>
+std::vector<typename ChainProblem<Size>::HomeColumn> ChainProblem<Size>::home_columns(
+    std::size_t u) const {
+  std::vector<HomeColumn> found;
+  const std::size_t swept = nodes_.strokes[nodes_.units[u].front()].content.joint;
+  for (std::size_t k = 0; k < nodes_.known.size(); ++k) {
+    if (k == swept || !nodes_.known[k]) continue;
+    if (columns_.offset > 0) found.push_back({static_cast<Eigen::Index>(k), k});
+    if (columns_.rest > 0)
+      found.push_back({columns_.offset + static_cast<Eigen::Index>(*nodes_.rest_of[u][k]), k});
+  }
+  std::sort(found.begin(), found.end(),
+            [](const HomeColumn& a, const HomeColumn& b) { return a.at < b.at; });
+  return found;
+}
+
+template <int Size>
 void ChainProblem<Size>::set_effects(std::size_t u, const StrokeMoments& stroke, std::size_t n,
                                      const ChainObservation& seen, const ChainPose& pose,
                                      EffectRows rows) const {
   const Eigen::Index shared = columns_.own + columns_.stand;
-  const Eigen::Index at_home = shared + columns_.shared();
   const Range& range = ranges_[nodes_.group[u]];
   if (columns_.own > 0)
     rows.topRows(columns_.own) =
@@ -179,14 +201,6 @@ void ChainProblem<Size>::set_effects(std::size_t u, const StrokeMoments& stroke,
                           stroke.place_of(stroke.nodes[n].turn_rad), nodes_.middle_mm(u));
   // A stand's turns of the joints are a unit's, in common.
   rows.middleRows(columns_.own, columns_.stand) = rows.topRows(columns_.stand);
-  for (std::size_t k = 0; k < nodes_.known.size(); ++k) {
-    if (k == seen.joint || !nodes_.known[k]) continue;
-    const auto by_turn = pose.by_turn[k].template head<Size>().transpose();
-    if (columns_.offset > 0) rows.row(at_home + static_cast<Eigen::Index>(k)) = by_turn;
-    if (columns_.rest > 0)
-      rows.row(at_home + columns_.offset + static_cast<Eigen::Index>(*nodes_.rest_of[u][k])) =
-          by_turn;
-  }
   const auto here = polynomials(range.place(seen.turns[seen.joint]));
   if (columns_.figure > 0) {
     // Radial and axial, nothing where the joint stands at its home's turn.
@@ -205,11 +219,11 @@ void ChainProblem<Size>::set_effects(std::size_t u, const StrokeMoments& stroke,
       rows.row(at + kFigureOrders + m).template head<3>() = value * axial.transpose();
     }
   }
-  if (columns_.wander > 0) rows.template block<3, 3>(at_home - columns_.told - 3, 0).setIdentity();
+  if (columns_.wander > 0)
+    rows.template block<3, 3>(rows.rows() - columns_.told - 3, 0).setIdentity();
   if (columns_.told > 0 && !free(seen))
-    rows.middleRows(at_home - columns_.told, columns_.told) =
-        here.template head<kFigureOrders>() *
-        pose.by_turn[seen.joint].template head<Size>().transpose();
+    rows.bottomRows(columns_.told) = here.template head<kFigureOrders>() *
+                                     pose.by_turn[seen.joint].template head<Size>().transpose();
 }
 
 template <int Size>

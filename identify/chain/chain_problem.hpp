@@ -59,8 +59,16 @@ class ChainProblem {
   };
 
   StrokeProducts unit(const Chain& chain, std::size_t u, ChainPose& pose);
+  /// One of a home's effects, which turns this joint.
+  struct HomeColumn {
+    Eigen::Index at = 0;
+    std::size_t joint = 0;
+  };
+  /// Those that the unit knows, ascending.
+  [[nodiscard]] std::vector<HomeColumn> home_columns(std::size_t u) const;
   using EffectRows = Eigen::Ref<Eigen::Matrix<double, Eigen::Dynamic, Size>>;
-  /// The columns of a unit's effects at a node of its stroke, transposed. They are zero before.
+  /// The columns of a unit's effects, but for its home's, at a node of its stroke, transposed. They
+  /// are zero before.
   void set_effects(std::size_t u, const StrokeMoments& stroke, std::size_t n,
                    const ChainObservation& seen, const ChainPose& pose, EffectRows rows) const;
   /// The residual at a node, a free angle where it fits best. `pose` is that of the node.

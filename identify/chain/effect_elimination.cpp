@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -13,22 +14,28 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Adds to `sum`, whose columns are (first ones, all parameters, y), products whose columns are
-/// (the same first ones, these parameters, y).
-void add(MatrixXd& sum, Index first, Index parameters, const MatrixXd& products,
-         const std::vector<Index>& which) {
-  const Index size = first + parameters + 1;
-  if (sum.size() == 0) sum = MatrixXd::Zero(size, size);
-  std::vector<Index> place;
-  for (Index k = 0; k < first; ++k) place.push_back(k);
-  for (const Index parameter : which) place.push_back(first + parameter);
+/// Adds to `sum`, whose columns are (first ones, `of_sum`, y), products whose columns are (the same
+/// first ones, some of these, y). Both lists ascend.
+void add(MatrixXd& sum, const std::vector<Index>& of_sum, const MatrixXd& products,
+         const std::vector<Index>& outer) {
+  const Index first = products.rows() - static_cast<Index>(outer.size()) - 1;
+  const Index size = first + static_cast<Index>(of_sum.size()) + 1;
+  if (sum.size() == 0) {
+    sum = size == products.rows() ? products : MatrixXd::Zero(size, size);
+    if (size == products.rows()) return;
+  }
+  std::vector<Index> place(static_cast<std::size_t>(first));
+  std::iota(place.begin(), place.end(), Index{0});
+  auto at = of_sum.begin();
+  for (const Index column : outer) {
+    at = std::lower_bound(at, of_sum.end(), column);
+    place.push_back(first + (at - of_sum.begin()));
+  }
   place.push_back(size - 1);
   for (Index c = 0; c < products.cols(); ++c) {
-    const Index column = place[static_cast<std::size_t>(c)];
-    for (Index r = c; r < products.rows(); ++r) {
-      const Index row = place[static_cast<std::size_t>(r)];
-      sum(std::max(row, column), std::min(row, column)) += products(r, c);
-    }
+    double* const column = sum.col(place[static_cast<std::size_t>(c)]).data();
+    for (Index r = c; r < products.rows(); ++r)
+      column[place[static_cast<std::size_t>(r)]] += products(r, c);
   }
 }
 
@@ -74,10 +81,12 @@ SWEEPD_WIDE void take_columns(double* __restrict first, Index next, Index size,
 // A matrix is small here, and Eigen's blocks cost more than they save.
 MatrixXd factor_of(const MatrixXd& products, const VectorXd& variances, double& log_determinant) {
   std::vector<Index> effects;
+  std::vector<double> sigmas;
   double largest = 0;
   for (Index k = 0; k < variances.size(); ++k) {
     if (variances(k) == 0) continue;
     effects.push_back(k);
+    sigmas.push_back(std::sqrt(variances(k)));
     largest = std::max(largest, 1 + variances(k) * products(k, k));
   }
   // The unit matrix and squares have no pivot below one. A node's sums are no squares, since its
@@ -93,11 +102,11 @@ MatrixXd factor_of(const MatrixXd& products, const VectorXd& variances, double& 
     panel.setZero(rows - first, kAtOnce);
     for (Index c = first; c < end; ++c) {
       const Index effect = effects[static_cast<std::size_t>(c)];
-      const double sigma = std::sqrt(variances(effect));
+      const double sigma = sigmas[static_cast<std::size_t>(c)];
       auto column = panel.col(c - first);
       for (Index r = c; r < count; ++r) {
-        const Index other = effects[static_cast<std::size_t>(r)];
-        column(r - first) = sigma * std::sqrt(variances(other)) * products(other, effect);
+        const auto other = static_cast<std::size_t>(r);
+        column(r - first) = sigma * sigmas[other] * products(effects[other], effect);
       }
       column.tail(rest) = sigma * products.col(effect).tail(rest);
       column(c - first) += 1;
@@ -110,65 +119,74 @@ MatrixXd factor_of(const MatrixXd& products, const VectorXd& variances, double& 
       if (!(pivot > least)) log_determinant = std::numeric_limits<double>::infinity();
       if (!(pivot > 0)) return MatrixXd::Zero(factor.rows(), 0);
       log_determinant += std::log(pivot);
-      factor.col(c).segment(c, rows - c) = column / std::sqrt(pivot);
+      factor.col(c).segment(c, rows - c) = column * (1 / std::sqrt(pivot));
     }
   }
   return factor;
-}
-
-/// Adds what is left of products to `sum`; as the first one, where that is empty. What is above the
-/// diagonal has no meaning.
-void add_without_effects(const MatrixXd& products, const VectorXd& variances, MatrixXd& sum,
-                         double& log_determinant) {
-  const Index rest = products.rows() - variances.size();
-  const bool is_first = sum.size() == 0;
-  if (is_first) sum.resize(rest, rest);
-  for (Index c = 0; c < rest; ++c) {
-    const auto from = products.col(variances.size() + c).tail(rest - c);
-    if (is_first)
-      sum.col(c).tail(rest - c) = from;
-    else
-      sum.col(c).tail(rest - c) += from;
-  }
-  const MatrixXd factor = factor_of(products, variances, log_determinant);
-  if (factor.cols() == 0) return;
-  const Index beside = factor.rows() - kAtOnce - rest;
-  Index c = 0;
-  for (; c + kAtOnce <= rest; c += kAtOnce)
-    take_columns(&sum(c, c), sum.rows(), rest - c, &factor(beside + c, 0), factor.rows(),
-                 factor.cols());
-  for (; c < rest; ++c)
-    for (Index r = c; r < rest; ++r)
-      sum(r, c) -= factor.row(beside + r).dot(factor.row(beside + c));
 }
 
 }  // namespace
 
 MatrixXd without_effects(const MatrixXd& products, const VectorXd& variances,
                          double& log_determinant) {
-  MatrixXd left;
-  add_without_effects(products, variances, left, log_determinant);
+  const Index rest = products.rows() - variances.size();
+  MatrixXd left(rest, rest);
+  for (Index c = 0; c < rest; ++c)
+    left.col(c).tail(rest - c) = products.col(variances.size() + c).tail(rest - c);
+  const MatrixXd factor = factor_of(products, variances, log_determinant);
+  if (factor.cols() == 0) return left;
+  const Index beside = factor.rows() - kAtOnce - rest;
+  Index c = 0;
+  for (; c + kAtOnce <= rest; c += kAtOnce)
+    take_columns(&left(c, c), left.rows(), rest - c, &factor(beside + c, 0), factor.rows(),
+                 factor.cols());
+  for (; c < rest; ++c)
+    for (Index r = c; r < rest; ++r)
+      left(r, c) -= factor.row(beside + r).dot(factor.row(beside + c));
   return left;
 }
 
 EffectElimination::EffectElimination(std::vector<StrokeProducts> strokes,
                                      std::vector<std::size_t> group_of,
-                                     std::vector<std::size_t> home_of, Index parameters)
+                                     std::vector<std::size_t> home_of, Index home_effects,
+                                     Index parameters)
     : strokes_(std::move(strokes)),
       group_of_(std::move(group_of)),
       home_of_(std::move(home_of)),
-      parameters_(parameters) {}
+      home_effects_(home_effects),
+      parameters_(parameters),
+      of_stands_(group_of_.size()),
+      of_groups_(home_of_.size()) {
+  const auto join = [](Columns& of_sum, const Columns& outer) {
+    Columns all;
+    std::set_union(of_sum.begin(), of_sum.end(), outer.begin(), outer.end(),
+                   std::back_inserter(all));
+    of_sum = std::move(all);
+  };
+  for (const StrokeProducts& stroke : strokes_) join(of_stands_[stroke.stand], stroke.outer);
+  for (std::size_t t = 0; t < group_of_.size(); ++t) join(of_groups_[group_of_[t]], of_stands_[t]);
+  for (std::size_t g = 0; g < home_of_.size(); ++g) {
+    of_homes_.resize(std::max(of_homes_.size(), home_of_[g] + 1));
+    join(of_homes_[home_of_[g]], of_groups_[g]);
+  }
+}
 
 namespace {
 
 /// Takes each one's effects out and adds what is left to what it belongs to.
-void take_out(const std::vector<MatrixXd>& ones, const std::vector<VectorXd>& variances,
-              const std::vector<std::size_t>& whose, std::vector<MatrixXd>& sums,
+void take_out(const std::vector<MatrixXd>& ones, const std::vector<std::vector<Index>>& of_ones,
+              const std::vector<VectorXd>& variances, const std::vector<std::size_t>& whose,
+              std::vector<MatrixXd>& sums, const std::vector<std::vector<Index>>& of_sums,
               double& log_determinant) {
   for (MatrixXd& sum : sums) sum.resize(0, 0);
   for (std::size_t k = 0; k < ones.size(); ++k) {
-    if (ones[k].size() > 0)  // or no stroke is of it
-      add_without_effects(ones[k], variances[k], sums[whose[k]], log_determinant);
+    if (ones[k].size() == 0) continue;  // no stroke is of it
+    MatrixXd& sum = sums[whose[k]];
+    const auto& of_sum = of_sums[whose[k]];
+    if (variances[k].size() == 0)
+      add(sum, of_sum, ones[k], of_ones[k]);
+    else
+      add(sum, of_sum, without_effects(ones[k], variances[k], log_determinant), of_ones[k]);
   }
 }
 
@@ -201,14 +219,11 @@ void EffectElimination::use_own(const EffectVariances& variances) {
     level.log_determinants[stand] = before->log_determinants[stand];
   }
   for (std::size_t s = 0; s < strokes_.size(); ++s) {
-    const std::size_t stand = strokes_[s].stand, group = group_of_[stand];
+    const std::size_t stand = strokes_[s].stand;
     if (same[stand]) continue;
-    add(level.left[stand],
-        variances.stand[stand].size() + variances.shared[group].size() +
-            variances.home[home_of_[group]].size(),
-        parameters_,
+    add(level.left[stand], of_stands_[stand],
         without_effects(strokes_[s].products, variances.own[s], level.log_determinants[stand]),
-        strokes_[s].parameters);
+        strokes_[s].outer);
   }
   level.log_determinant =
       std::accumulate(level.log_determinants.begin(), level.log_determinants.end(), 0.0);
@@ -221,20 +236,29 @@ Eliminated EffectElimination::operator()(const EffectVariances& variances) {
     stand_.variances = variances.stand;
     stand_.log_determinant = own_.front().log_determinant;
     stand_.left.resize(home_of_.size());
-    take_out(own_.front().left, variances.stand, group_of_, stand_.left, stand_.log_determinant);
+    take_out(own_.front().left, of_stands_, variances.stand, group_of_, stand_.left, of_groups_,
+             stand_.log_determinant);
   }
   if (shared_.variances != variances.shared) {
     shared_.variances = variances.shared;
     shared_.log_determinant = stand_.log_determinant;
-    shared_.left.resize(variances.home.size());
-    take_out(stand_.left, variances.shared, home_of_, shared_.left, shared_.log_determinant);
+    shared_.left.resize(of_homes_.size());
+    take_out(stand_.left, of_groups_, variances.shared, home_of_, shared_.left, of_homes_,
+             shared_.log_determinant);
   }
   Eliminated all;
   all.log_determinant = shared_.log_determinant;
   MatrixXd whole = MatrixXd::Zero(parameters_ + 1, parameters_ + 1);
-  for (std::size_t h = 0; h < shared_.left.size(); ++h)
-    if (shared_.left[h].size() > 0)
-      add_without_effects(shared_.left[h], variances.home[h], whole, all.log_determinant);
+  Columns of_whole(static_cast<std::size_t>(parameters_));
+  std::iota(of_whole.begin(), of_whole.end(), home_effects_);
+  for (std::size_t h = 0; h < shared_.left.size(); ++h) {
+    if (shared_.left[h].size() == 0) continue;
+    const Columns& outer = of_homes_[h];
+    const auto parameters = std::lower_bound(outer.begin(), outer.end(), home_effects_);
+    const VectorXd known = variances.home[h](Columns(outer.begin(), parameters));
+    add(whole, of_whole, without_effects(shared_.left[h], known, all.log_determinant),
+        Columns(parameters, outer.end()));
+  }
   all.normal = whole.topLeftCorner(parameters_, parameters_).selfadjointView<Eigen::Lower>();
   all.gradient = whole.bottomLeftCorner(1, parameters_).transpose();
   all.squares = whole(parameters_, parameters_);

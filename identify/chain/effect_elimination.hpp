@@ -13,9 +13,11 @@ namespace identify {
 /// nested: a stroke belongs to one stand, whose strokes share effects, a stand to one group, and a
 /// group to one home, likewise.
 struct StrokeProducts {
-  Eigen::MatrixXd products;              ///< square, symmetric: the lower triangle counts
-  std::size_t stand = 0;                 ///< one stroke after the other, in any order
-  std::vector<Eigen::Index> parameters;  ///< which of all parameters its columns are
+  Eigen::MatrixXd products;  ///< square, symmetric: the lower triangle counts
+  std::size_t stand = 0;     ///< one stroke after the other, in any order
+  /// Which its columns are of the home's effects and then, counted on, of all parameters.
+  /// Ascending.
+  std::vector<Eigen::Index> outer;
 };
 
 /// Variances of the random effects, in the order of the columns; an effect of size 0 does nothing.
@@ -46,9 +48,10 @@ struct Eliminated {
 /// levels, what was found of the inner ones stands.
 class EffectElimination {
  public:
-  /// `group_of`: of each stand; `home_of`: of each group.
+  /// `group_of`: of each stand; `home_of`: of each group; `home_effects`: of each home.
   EffectElimination(std::vector<StrokeProducts> strokes, std::vector<std::size_t> group_of,
-                    std::vector<std::size_t> home_of, Eigen::Index parameters);
+                    std::vector<std::size_t> home_of, Eigen::Index home_effects,
+                    Eigen::Index parameters);
   [[nodiscard]] Eliminated operator()(const EffectVariances& variances);
 
  private:
@@ -63,12 +66,17 @@ class EffectElimination {
   /// A search for sizes comes back to what it has just left. So many matrices are kept for it.
   static constexpr std::size_t kKept = 200;
 
+  using Columns = std::vector<Eigen::Index>;  ///< outer ones, ascending
+
   void use_own(const EffectVariances& variances);
 
   std::vector<StrokeProducts> strokes_;
   std::vector<std::size_t> group_of_;
   std::vector<std::size_t> home_of_;
-  Eigen::Index parameters_;
+  Eigen::Index home_effects_, parameters_;
+  /// Those that any stroke of a stand, of a group, of a home knows. What none knows is not carried
+  /// along.
+  std::vector<Columns> of_stands_, of_groups_, of_homes_;
   std::list<Level> own_;  ///< left: one a stand; the last used first
   Level stand_;           ///< left: one a group
   Level shared_;          ///< left: one a home

@@ -155,7 +155,6 @@ bool EffectSearch::may_sway(const FittedChain& best, const ChainEffects& shape) 
 }
 
 void EffectSearch::find_lasting(FittedChain& best, const FittedChain& first, ChainEffects& shape) {
-  constexpr std::size_t kMostRests = 50;  // 46 take three times as long as none, 100 took 25
   const auto take_lasting = [&](HomeLasts lasts, double by) {
     ChainEffects other = shape;
     other.home_lasts = lasts;
@@ -164,8 +163,7 @@ void EffectSearch::find_lasting(FittedChain& best, const FittedChain& first, Cha
     return true;
   };
   if (nodes_.stays()) take_lasting(HomeLasts::stand, 0);
-  const std::size_t rests = nodes_.most_rests();
-  if (rests == 0 || rests > kMostRests) return;
+  if (nodes_.most_rests() == 0) return;
   // Rests may be in place of what happened once, which has to be so much likelier than joints that
   // do not rest, and clearly likelier than those that do.
   const double before = deviance_of(best);

@@ -32,7 +32,8 @@ LinearisedChain::LinearisedChain(const Chain& chain, ChainNodes& nodes, const Ch
   last_.tail(move) = chain.move.head(move);
   const auto set = [&](auto&& problem) {
     prior_ = problem.prior(chain);
-    eliminated_.emplace(problem.products(chain), nodes.group_of, nodes.home_of, prior_.size());
+    eliminated_.emplace(problem.products(chain), nodes.group_of, nodes.home_of, columns_.home(),
+                        prior_.size());
   };
   if (with_orientation)
     set(ChainProblem<6>(chain, nodes, noise, shape));

@@ -17,11 +17,11 @@ using identify::test::Random;
 namespace {
 
 /// Six strokes in five stands of three groups at two homes, each stroke with its own two effects,
-/// each stand and each home with one, each group with three; four parameters, of which each stroke
-/// knows three.
+/// each stand with one, each group with three, each home with three, of which each stroke knows
+/// two; four parameters, of which each stroke knows three.
 struct Example {
-  static constexpr Index kParameters = 4, kRows = 12, kStrokes = 6,
-                         kEffects = 6 * 2 + 5 + 3 * 3 + 2;
+  static constexpr Index kParameters = 4, kRows = 12, kStrokes = 6, kAtHome = 3,
+                         kEffects = 6 * 2 + 5 + 3 * 3 + 2 * kAtHome;
   std::vector<StrokeProducts> strokes;
   std::vector<std::size_t> group_of{0, 1, 2, 0, 1};
   std::vector<std::size_t> home_of{0, 0, 1};
@@ -44,28 +44,32 @@ struct Example {
       }
       return all;
     };
-    variances = {sizes(kStrokes, 2), sizes(5, 1), sizes(3, 3), sizes(2, 1)};
+    variances = {sizes(kStrokes, 2), sizes(5, 1), sizes(3, 3), sizes(2, kAtHome)};
     for (std::size_t s = 0; s < kStrokes; ++s) {
       const std::size_t stand = s % 5, group = group_of[stand];
       const auto row = static_cast<Index>(s) * kRows;
-      MatrixXd columns(kRows, 2 + 1 + 3 + 1 + 3 + 1);
+      MatrixXd columns(kRows, 2 + 1 + 3 + 2 + 3 + 1);
       for (Index r = 0; r < columns.rows(); ++r)
         for (Index c = 0; c < columns.cols(); ++c) columns(r, c) = random.normal();
       VectorXd weight(kRows);
       for (double& value : weight) value = random.uniform(0.2, 4);
       StrokeProducts stroke;
       stroke.stand = stand;
+      for (Index k = 0; k < kAtHome; ++k)
+        if (k != static_cast<Index>(s) % 3) stroke.outer.push_back(k);
       for (Index p = 0; p < kParameters; ++p)
-        if (p != static_cast<Index>(s) % 4) stroke.parameters.push_back(p);
+        if (p != static_cast<Index>(s) % 4) stroke.outer.push_back(kAtHome + p);
       stroke.products = columns.transpose() * weight.asDiagonal() * columns;
       strokes.push_back(stroke);
       z.block(row, static_cast<Index>(2 * s), kRows, 2) = columns.leftCols(2);
       z.block(row, static_cast<Index>(12 + stand), kRows, 1) = columns.col(2);
       z.block(row, static_cast<Index>(17 + 3 * group), kRows, 3) = columns.middleCols(3, 3);
-      z.block(row, static_cast<Index>(26 + home_of[group]), kRows, 1) = columns.col(6);
+      for (Index k = 0; k < 2; ++k)
+        z.col(static_cast<Index>(26 + kAtHome * home_of[group]) + stroke.outer[k])
+            .segment(row, kRows) = columns.col(6 + k);
       for (Index k = 0; k < 3; ++k)
-        x.block(row, stroke.parameters[static_cast<std::size_t>(k)], kRows, 1) = columns.col(7 + k);
-      y.segment(row, kRows) = columns.col(10);
+        x.col(stroke.outer[2 + k] - kAtHome).segment(row, kRows) = columns.col(8 + k);
+      y.segment(row, kRows) = columns.col(11);
       weights.segment(row, kRows) = weight;
     }
     Index at = 0;
@@ -88,7 +92,8 @@ TEST_CASE("Effects eliminated step by step are generalised least squares with al
     MatrixXd covariance = of.z * of.effects.asDiagonal() * of.z.transpose();
     covariance.diagonal() += of.weights.cwiseInverse();
     const Eigen::LLT<MatrixXd> solver(covariance);
-    EffectElimination eliminate(of.strokes, of.group_of, of.home_of, Example::kParameters);
+    EffectElimination eliminate(of.strokes, of.group_of, of.home_of, Example::kAtHome,
+                                Example::kParameters);
     const auto found = eliminate(of.variances);
     CHECK(found.normal.isApprox(of.x.transpose() * solver.solve(of.x), 1e-9));
     CHECK(found.gradient.isApprox(of.x.transpose() * solver.solve(of.y), 1e-9));
@@ -101,7 +106,8 @@ TEST_CASE("Effects eliminated step by step are generalised least squares with al
 TEST_CASE("Effects eliminated after others are what they are at once", "[chain_effects]") {
   Random random(62);
   const Example of(random, false);
-  EffectElimination eliminate(of.strokes, of.group_of, of.home_of, Example::kParameters);
+  EffectElimination eliminate(of.strokes, of.group_of, of.home_of, Example::kAtHome,
+                              Example::kParameters);
   for (int run = 0; run < 40; ++run) {
     const Example other(random, false);
     EffectVariances variances = of.variances;  // one level or two differ from those before
@@ -111,8 +117,8 @@ TEST_CASE("Effects eliminated after others are what they are at once", "[chain_e
     if (run % 7 == 0) variances.stand = other.variances.stand;
     if (run % 4 == 0) variances.own[1] = other.variances.own[1];  // of one stroke alone
     const auto found = eliminate(variances);
-    const auto fresh =
-        EffectElimination(of.strokes, of.group_of, of.home_of, Example::kParameters)(variances);
+    const auto fresh = EffectElimination(of.strokes, of.group_of, of.home_of, Example::kAtHome,
+                                         Example::kParameters)(variances);
     CHECK(found.normal == fresh.normal);
     CHECK(found.gradient == fresh.gradient);
     CHECK(found.squares == fresh.squares);

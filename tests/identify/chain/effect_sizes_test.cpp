@@ -181,6 +181,19 @@ TEST_CASE("Joints are off alike in as many sweeps as they stand still through",
   CHECK_FALSE(test::find_warning(found, "joints_creep"));
 }
 
+TEST_CASE("Joints rest however often they sweep", "[effect_sizes]") {
+  simulation::World world = seen_without_angles();
+  world.home.sigma_deg = 0.01;
+  world.home.lasts = HomeLasts::rest;
+  simulation::Strokes how;
+  how.samples = 100;
+  how.rounds = 12;
+  const auto campaigns = campaigns_of(1, how, world);
+  const auto found = identify::identify(campaigns.front().sweeps(), campaigns.front().campaign());
+  REQUIRE(found.chain);
+  CHECK(found.chain->effects.home_lasts == HomeLasts::rest);
+}
+
 TEST_CASE("Uncertainties hold where locked joints go on while another one sweeps",
           "[effect_sizes][long]") {
   simulation::World world = seen_without_angles();
