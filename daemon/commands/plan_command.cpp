@@ -1,6 +1,5 @@
 #include "daemon/commands/plan_command.hpp"
 
-#include <cmath>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -95,11 +94,7 @@ KrlOptions PlanOptions::krl_options(const RobotDescription& of) const {
   options.name = file_name();
   options.tool = krl_tool;
   options.rsi_file = rsi_file;
-  for (const JointLimits& limits : of.limits) {
-    options.max_speed_deg_s.emplace_back();
-    if (std::isfinite(limits.max_speed_deg_s))
-      options.max_speed_deg_s.back() = limits.max_speed_deg_s;
-  }
+  options.limits = of.limits;
   return options;
 }
 

@@ -50,9 +50,10 @@ void check_speed(const std::string& key, std::size_t joint, double speed_deg_s,
   const auto max = krl_max_speed(options, joint);
   if (max && speed_deg_s < *max / 100)
     findings.push_back(fmt::format(
-        "{}: expected {} deg/s or more, which is 1 % of what joint {} can do and the least that "
+        "{}: expected {} {} or more, which is 1 % of what joint {} can do and the least that "
         "KRL takes, found {}: choose a higher speed",
-        key, number_text(*max / 100), joint, number_text(speed_deg_s)));
+        key, number_text(*max / 100), krl_speed_unit(options, joint), joint,
+        number_text(speed_deg_s)));
 }
 
 void check_angle(const std::string& key, double angle_deg, std::vector<std::string>& findings) {
@@ -76,10 +77,14 @@ std::string krl_rsi_file(const KrlOptions& options) {
 }
 
 std::optional<double> krl_max_speed(const KrlOptions& options, std::size_t joint) {
-  const auto& speeds = options.max_speed_deg_s;
-  if (joint > speeds.size() || !speeds[joint - 1]) return std::nullopt;
-  const double speed_deg_s = *speeds[joint - 1];
-  return std::isfinite(speed_deg_s) && speed_deg_s > 0 ? speeds[joint - 1] : std::nullopt;
+  if (joint > options.limits.size()) return std::nullopt;
+  const double speed_deg_s = options.limits[joint - 1].max_speed_deg_s;
+  if (!(std::isfinite(speed_deg_s) && speed_deg_s > 0)) return std::nullopt;
+  return speed_deg_s;
+}
+
+std::string_view krl_speed_unit(const KrlOptions& options, std::size_t joint) {
+  return joint <= options.limits.size() && options.limits[joint - 1].linear ? "mm/s" : "deg/s";
 }
 
 std::vector<std::string> krl_findings(const KrlOptions& options) {
@@ -88,7 +93,7 @@ std::vector<std::string> krl_findings(const KrlOptions& options) {
   if (options.tool < 1 || options.tool > kMostKrlTools)
     findings.push_back(fmt::format(
         "--krl-tool: expected 1 to 128, found {}: give the number of the tool whose point "
-        "is off axis 6",
+        "is off the last axis",
         options.tool));
   const std::string file = krl_rsi_file(options);
   if (file.size() > 60 || !std::all_of(file.begin(), file.end(), [](char c) {

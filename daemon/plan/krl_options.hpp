@@ -3,8 +3,10 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "daemon/settings/robot_description.hpp"
 #include "daemon/settings/sweep_plan.hpp"
 
 namespace sweepd {
@@ -21,16 +23,16 @@ struct KrlOptions {
   /// Of the program and of its files: a letter, then letters, digits and underscores, at most 24.
   std::string name = "sweepd_sweeps";
   /// Number of the controller's tool that becomes $TOOL, 1 to 128 (controllers have 16 unless they
-  /// were given more). The program halts if that tool lies on axis 6.
+  /// were given more). The program halts if that tool lies on the last axis.
   int tool = 1;
   /// krc2: the Ethernet file in the controller's Init folder. krc4: the RSI context as RSI_CREATE
   /// takes it, "sweepd.rsi" for RSI 3, "sweepd" for RSI 4 and 5. iiqka: the context for RSI_LOAD.
   /// Empty: sweepd_udp.xml, sweepd.rsi, sweepd.
   std::string rsi_file = {};
-  /// What each axis can do at 100 %, one a joint; shorter or empty where that is not known. KRL
-  /// takes speeds in whole per cent of it, rounded down here; where it is not known 5 % is written,
-  /// with a remark that it has to be checked.
-  std::vector<std::optional<double>> max_speed_deg_s = {};
+  /// One a joint; empty where nothing is known. KRL takes speeds in whole per cent of what an axis
+  /// can do, rounded down here; where that is not known 5 % is written, with a remark that it has
+  /// to be checked.
+  std::vector<JointLimits> limits = {};
 };
 
 /// `rsi_file`, or what it is when left empty.
@@ -38,6 +40,8 @@ struct KrlOptions {
 
 /// What joint `joint`, from 1, can do at 100 %; nothing where that is not known.
 [[nodiscard]] std::optional<double> krl_max_speed(const KrlOptions& options, std::size_t joint);
+/// And in which unit.
+[[nodiscard]] std::string_view krl_speed_unit(const KrlOptions& options, std::size_t joint);
 
 /// What of the options alone KRL cannot express, one sentence each, which names the option of
 /// `sweepd plan`.

@@ -66,7 +66,8 @@ class ProgramWriter {
     const std::string least = krl_number(kLeastToolRadius_mm);
     krl_.halt_unless(
         fmt::format("(($TOOL.X*$TOOL.X+$TOOL.Y*$TOOL.Y) < {0}*{0})", least),
-        fmt::format("the tool point lies on axis 6: choose a tool {} mm or more off it", least));
+        fmt::format("the tool point lies on axis {}: choose a tool {} mm or more off it",
+                    plan_.home_deg.size(), least));
     krl_.line();
   }
 

@@ -105,15 +105,16 @@ void KrlWriter::call(const std::string& function, const std::string& reason) {
 
 void KrlWriter::speed(std::size_t joint, double speed_deg_s) {
   const auto max = krl_max_speed(options_, joint);
+  const std::string_view unit = krl_speed_unit(options_, joint);
   if (!max) {
     line(fmt::format(
-        "$VEL_AXIS[{}] = {} ; CHECK: the plan asks for {} deg/s; what 100 % are was not known",
-        joint, kUnknownSpeed_percent, krl_number(speed_deg_s)));
+        "$VEL_AXIS[{}] = {} ; CHECK: the plan asks for {} {}; what 100 % are was not known", joint,
+        kUnknownSpeed_percent, krl_number(speed_deg_s), unit));
     return;
   }
   const auto percent = static_cast<int>(std::min(std::floor(speed_deg_s / *max * 100), 100.0));
-  line(fmt::format("$VEL_AXIS[{}] = {} ; per cent of {} deg/s; the plan asks for {} deg/s", joint,
-                   percent, krl_number(*max), krl_number(speed_deg_s)));
+  line(fmt::format("$VEL_AXIS[{0}] = {1} ; per cent of {2} {4}; the plan asks for {3} {4}", joint,
+                   percent, krl_number(*max), krl_number(speed_deg_s), unit));
 }
 
 void KrlWriter::go_home(std::size_t joints, double speed_deg_s) {

@@ -29,7 +29,8 @@ void check(const RobotDescription& robot, const SweepPlan& plan) {
   if (robot.joints() > kAxesOfRsi)
     throw ConfigError(
         fmt::format("{}[[joint]]: expected at most 6 joints, as RSI carries no more, found {}: "
-                    "simulate an arm with fewer",
+                    "sweeps of such an arm can be neither planned nor simulated, but "
+                    "identified from a file of points",
                     name, robot.joints()));
   const auto findings = check_plan(plan, robot);
   if (findings.empty()) return;

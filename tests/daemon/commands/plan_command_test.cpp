@@ -200,7 +200,7 @@ TEST_CASE("the program is written for each controller", "[plan_command][plan][lo
         krl_program(load_plan(options.plan), {.dialect = dialect,
                                               .name = "my_sweeps",
                                               .rsi_file = {},
-                                              .max_speed_deg_s = {154, 154, 228, 343, 384, 721}});
+                                              .limits = load_robot(options.robot).limits});
     CHECK(content(folder / "krl/my_sweeps.src") == program.src);
     CHECK(content(folder / "krl/my_sweeps.dat") == program.dat);
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <stdexcept>
 
 #include "tests/catch.hpp"
@@ -23,7 +24,8 @@ KrlOptions krl_options(KrlDialect dialect) {
   KrlOptions options;
   options.dialect = dialect;
   options.name = "kr5_arc";
-  options.max_speed_deg_s = {154, 154, 228, 343, std::nullopt, 721};
+  options.limits = load_robot(kConfig / "robots/kr5_arc.toml").limits;
+  options.limits[4].max_speed_deg_s = std::numeric_limits<double>::infinity();  // not known
   return options;
 }
 
@@ -154,9 +156,9 @@ TEST_CASE("speeds are whole per cent of what an axis can do, never more than the
     if (joint == 5) {
       CHECK(percent == 5);
     } else {
-      const double speed_deg_s = percent * *known.max_speed_deg_s[joint - 1] / 100;
-      CHECK(speed_deg_s <= plan.sweeps[sweep].speed_deg_s);
-      CHECK(speed_deg_s > plan.sweeps[sweep].speed_deg_s - *known.max_speed_deg_s[joint - 1] / 100);
+      const double one_percent_deg_s = known.limits[joint - 1].max_speed_deg_s / 100;
+      CHECK(percent * one_percent_deg_s <= plan.sweeps[sweep].speed_deg_s);
+      CHECK(percent * one_percent_deg_s > plan.sweeps[sweep].speed_deg_s - one_deg_s);
     }
     ++sweep;
   }
@@ -166,8 +168,29 @@ TEST_CASE("speeds are whole per cent of what an axis can do, never more than the
 
 TEST_CASE("a speed beyond what an axis can do becomes all that it can", "[krl_program]") {
   KrlOptions slow = krl_options(KrlDialect::krc4);
-  slow.max_speed_deg_s[0] = 15;
+  slow.limits[0].max_speed_deg_s = 15;
   CHECK_THAT(krl_program(plan_90(), slow).src, ContainsSubstring("$VEL_AXIS[1] = 100 "));
+}
+
+TEST_CASE("a program of four axes, one of them linear, says so", "[krl_program]") {
+  SweepPlan plan;
+  plan.home_deg = {20, 60, 100, -30};
+  plan.positioning_speed_deg_s = 60;
+  plan.sweeps = {{.joint = 3, .start_deg = 0, .end_deg = 200, .speed_deg_s = 60, .linear = true}};
+  KrlOptions options;
+  options.limits.resize(4);
+  options.limits[2].linear = true;
+  options.limits[3].max_speed_deg_s = 200;
+  for (const double max_mm_s : {1000.0, std::numeric_limits<double>::infinity()}) {
+    options.limits[2].max_speed_deg_s = max_mm_s;
+    const std::string src = krl_program(plan, options).src;
+    CHECK_THAT(src, ContainsSubstring("the plan asks for 60.0 mm/s"));
+    CHECK_THAT(src, ContainsSubstring("per cent of 200.0 deg/s; the plan asks for 60.0 deg/s"));
+    CHECK_THAT(src, ContainsSubstring("the tool point lies on axis 4:"));
+  }
+  options.limits[2].max_speed_deg_s = 10000;
+  CHECK_THAT(krl_findings(plan, options).back(),
+             ContainsSubstring("expected 100 mm/s or more, which is 1 % of what joint 3 can do"));
 }
 
 TEST_CASE("tool, base and RSI file are those that were asked for", "[krl_program]") {

@@ -136,7 +136,7 @@ TEST_CASE("The program drives to every pose and rests there, by RSI only where a
   KrlOptions options;
   options.dialect = GENERATE(KrlDialect::krc2, KrlDialect::krc4, KrlDialect::iiqka);
   options.name = "poses";
-  options.max_speed_deg_s = {154, 154, 228, 343, std::nullopt, 721};
+  options.limits = robot.limits;
   if (GENERATE(false, true)) options.rsi_file = "sweepd.rsi";
   const KrlProgram program = krl_program(plan, options);
   const KrlReport report = check_krl(program.src, program.dat, robot.limits);
