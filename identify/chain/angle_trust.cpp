@@ -95,11 +95,11 @@ class Curves {
       for (const std::size_t s : nodes.units[u]) unit_[s] = u;
     // At another home all of its strokes are off alike, which no curve of the joint's is.
     const auto turns = static_cast<Index>(nodes.known.size());
-    for (std::size_t u = 0; u < variances_.size() && columns_.own > 0; ++u)
+    for (std::size_t u = 0; u < nodes.units.size() && columns_.own > 0; ++u)
       if (nodes.home_of[nodes.group[u]] > 0)
         for (Index k = 0; k < turns; ++k)
           if (static_cast<std::size_t>(k) != nodes.strokes[nodes.units[u].front()].content.joint)
-            variances_[u](k) += effects.offset_rad * effects.offset_rad;
+            variances_(k, static_cast<Index>(u)) += effects.offset_rad * effects.offset_rad;
     units_.assign(nodes.units.size(), ErrorCurve::Stroke(columns_.own));
     errors_.assign(nodes.known.size(), 0.0);
   }
@@ -136,7 +136,9 @@ class Curves {
                {by_effects, by_turn.transpose(), -told.transpose(), at.scatter.within,
                 weight / correlation});
     const Vector3d projected = at.weight * by_turn / by_turn.dot(at.weight * by_turn);
-    return (by_effects * projected).cwiseAbs2().dot(variances_[unit_[at.stroke]]);
+    return (by_effects * projected)
+        .cwiseAbs2()
+        .dot(variances_.col(static_cast<Index>(unit_[at.stroke])));
   }
   /// How many errors of the noise add_with_effects() had of a joint: up to three a sample, fewer
   /// where a figure hides those across the motion.
@@ -146,7 +148,8 @@ class Curves {
   [[nodiscard]] std::vector<ErrorCurve> sums(std::size_t joints) const {
     std::vector<ErrorCurve> curves(joints);
     for (std::size_t u = 0; u < units_.size(); ++u)
-      curves[nodes_.strokes[nodes_.units[u].front()].content.joint].add(units_[u], variances_[u]);
+      curves[nodes_.strokes[nodes_.units[u].front()].content.joint].add(
+          units_[u], variances_.col(static_cast<Index>(u)));
     return curves;
   }
 
@@ -164,7 +167,7 @@ class Curves {
   ChainEffects effects_;
   EffectColumns columns_;
   std::vector<std::size_t> unit_;  ///< of each stroke
-  std::vector<Eigen::VectorXd> variances_;
+  Eigen::MatrixXd variances_;      ///< of each unit's own effects, a unit a column
   std::vector<ErrorCurve::Stroke> units_;
   std::vector<double> errors_;  ///< one a joint
 };

@@ -148,9 +148,11 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
   const auto in_common = [&](std::size_t group) {
     return columns.wander > 0 ? columns.in_common[group] : 0;
   };
+  const auto count = [](const auto& all) { return static_cast<Index>(all.size()); };
+  variances.own.setZero(columns.own, count(nodes.units));
   for (std::size_t u = 0; u < nodes.units.size(); ++u) {
     const StrokeMoments& stroke = nodes.strokes[nodes.units[u].front()];
-    VectorXd own = VectorXd::Zero(columns.own);
+    auto own = variances.own.col(static_cast<Index>(u));
     if (columns.own > 0) {
       if (columns.stand == 0 && columns.rest == 0) own.head(turns) = home;
       if (columns.creep > 0) {
@@ -206,7 +208,6 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
         own.segment<3>(turns + 12) += shifts[2].tail<3>().matrix();
       }
     }
-    variances.own.push_back(std::move(own));
   }
   std::vector<double> arcs(nodes.home_of.size());  // of the groups; half of them
   std::vector<std::size_t> joints(arcs.size());
@@ -217,13 +218,12 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
       arc = std::max(arc, (nodes.strokes[s].to_rad - nodes.strokes[s].from_rad) / 2);
     }
   }
-  for (const std::size_t g : nodes.group_of) {
-    VectorXd stand = home.head(columns.stand);
-    if (stand.size() > 0) stand(static_cast<Index>(joints[g])) = 0;
-    variances.stand.push_back(std::move(stand));
-  }
+  variances.stand = home.head(columns.stand).replicate(1, count(nodes.group_of));
+  for (std::size_t t = 0; t < nodes.group_of.size() && columns.stand > 0; ++t)
+    variances.stand(static_cast<Index>(joints[nodes.group_of[t]]), static_cast<Index>(t)) = 0;
+  variances.shared.resize(columns.shared(), count(arcs));
   for (std::size_t g = 0; g < arcs.size(); ++g) {
-    VectorXd shared(columns.shared());
+    auto shared = variances.shared.col(static_cast<Index>(g));
     VectorXd figure;
     if (columns.figure > 0)
       figure = figure_variances(effects, arcs[g]) * std::pow(effects.figure_times_of(joints[g]), 2);
@@ -231,15 +231,13 @@ EffectVariances variances_of(const ChainEffects& effects, const ChainNodes& node
     for (Index at = 0; at < figures; ++at) shared(at) = figure(at % kFigureOrders);
     shared.segment(figures, columns.wander).setConstant(drift * in_common(g));
     shared.tail(columns.told).setConstant(effects.told_rad * effects.told_rad);
-    variances.shared.push_back(std::move(shared));
   }
-  variances.home.assign(nodes.homes.size(), VectorXd::Zero(columns.home()));
+  variances.home.setZero(columns.home(), count(nodes.homes));
   for (std::size_t h = 0; h < nodes.homes.size(); ++h) {
-    if (h > 0)
-      variances.home[h].head(columns.offset).setConstant(effects.offset_rad * effects.offset_rad);
+    auto at_home = variances.home.col(static_cast<Index>(h));
+    if (h > 0) at_home.head(columns.offset).setConstant(effects.offset_rad * effects.offset_rad);
     for (std::size_t r = 0; columns.rest > 0 && r < nodes.rests[h].size(); ++r)
-      variances.home[h](columns.offset + static_cast<Index>(r)) =
-          home(static_cast<Index>(nodes.rests[h][r]));
+      at_home(columns.offset + static_cast<Index>(r)) = home(static_cast<Index>(nodes.rests[h][r]));
   }
   return variances;
 }

@@ -79,7 +79,8 @@ SWEEPD_WIDE void take_columns(double* __restrict first, Index next, Index size,
 /// have no variance are left out. No columns where effects are so large that products are no
 /// squares.
 // A matrix is small here, and Eigen's blocks cost more than they save.
-MatrixXd factor_of(const MatrixXd& products, const VectorXd& variances, double& log_determinant) {
+MatrixXd factor_of(const MatrixXd& products, const Eigen::Ref<const VectorXd>& variances,
+                   double& log_determinant) {
   std::vector<Index> effects;
   std::vector<double> sigmas;
   double largest = 0;
@@ -127,7 +128,7 @@ MatrixXd factor_of(const MatrixXd& products, const VectorXd& variances, double& 
 
 }  // namespace
 
-MatrixXd without_effects(const MatrixXd& products, const VectorXd& variances,
+MatrixXd without_effects(const MatrixXd& products, const Eigen::Ref<const VectorXd>& variances,
                          double& log_determinant) {
   const Index rest = products.rows() - variances.size();
   MatrixXd left(rest, rest);
@@ -173,9 +174,14 @@ EffectElimination::EffectElimination(std::vector<StrokeProducts> strokes,
 
 namespace {
 
+/// Known ones have a column, if not a row.
+bool are(const MatrixXd& variances, const MatrixXd& others) {
+  return variances.cols() == others.cols() && variances == others;
+}
+
 /// Takes each one's effects out and adds what is left to what it belongs to.
 void take_out(const std::vector<MatrixXd>& ones, const std::vector<std::vector<Index>>& of_ones,
-              const std::vector<VectorXd>& variances, const std::vector<std::size_t>& whose,
+              const MatrixXd& variances, const std::vector<std::size_t>& whose,
               std::vector<MatrixXd>& sums, const std::vector<std::vector<Index>>& of_sums,
               double& log_determinant) {
   for (MatrixXd& sum : sums) sum.resize(0, 0);
@@ -183,10 +189,12 @@ void take_out(const std::vector<MatrixXd>& ones, const std::vector<std::vector<I
     if (ones[k].size() == 0) continue;  // no stroke is of it
     MatrixXd& sum = sums[whose[k]];
     const auto& of_sum = of_sums[whose[k]];
-    if (variances[k].size() == 0)
+    if (variances.rows() == 0)
       add(sum, of_sum, ones[k], of_ones[k]);
     else
-      add(sum, of_sum, without_effects(ones[k], variances[k], log_determinant), of_ones[k]);
+      add(sum, of_sum,
+          without_effects(ones[k], variances.col(static_cast<Index>(k)), log_determinant),
+          of_ones[k]);
   }
 }
 
@@ -196,7 +204,7 @@ void take_out(const std::vector<MatrixXd>& ones, const std::vector<std::vector<I
 /// stand whose variances are those of the level before is the same.
 void EffectElimination::use_own(const EffectVariances& variances) {
   if (!own_.empty() && own_.front().variances == variances.own) return;
-  stand_.variances.clear();
+  stand_.variances.resize(0, 0);
   const auto known = std::find_if(own_.begin(), own_.end(), [&](const Level& level) {
     return level.variances == variances.own;
   });
@@ -212,7 +220,8 @@ void EffectElimination::use_own(const EffectVariances& variances) {
   level.log_determinants.resize(group_of_.size());
   std::vector<bool> same(group_of_.size(), before != nullptr);
   for (std::size_t s = 0; before && s < strokes_.size(); ++s)
-    if (before->variances[s] != variances.own[s]) same[strokes_[s].stand] = false;
+    if (before->variances.col(static_cast<Index>(s)) != variances.own.col(static_cast<Index>(s)))
+      same[strokes_[s].stand] = false;
   for (std::size_t stand = 0; stand < same.size(); ++stand) {
     if (!same[stand]) continue;
     level.left[stand] = before->left[stand];
@@ -222,7 +231,8 @@ void EffectElimination::use_own(const EffectVariances& variances) {
     const std::size_t stand = strokes_[s].stand;
     if (same[stand]) continue;
     add(level.left[stand], of_stands_[stand],
-        without_effects(strokes_[s].products, variances.own[s], level.log_determinants[stand]),
+        without_effects(strokes_[s].products, variances.own.col(static_cast<Index>(s)),
+                        level.log_determinants[stand]),
         strokes_[s].outer);
   }
   level.log_determinant =
@@ -231,15 +241,15 @@ void EffectElimination::use_own(const EffectVariances& variances) {
 
 Eliminated EffectElimination::operator()(const EffectVariances& variances) {
   use_own(variances);
-  if (stand_.variances != variances.stand) {
-    shared_.variances.clear();
+  if (!are(stand_.variances, variances.stand)) {
+    shared_.variances.resize(0, 0);
     stand_.variances = variances.stand;
     stand_.log_determinant = own_.front().log_determinant;
     stand_.left.resize(home_of_.size());
     take_out(own_.front().left, of_stands_, variances.stand, group_of_, stand_.left, of_groups_,
              stand_.log_determinant);
   }
-  if (shared_.variances != variances.shared) {
+  if (!are(shared_.variances, variances.shared)) {
     shared_.variances = variances.shared;
     shared_.log_determinant = stand_.log_determinant;
     shared_.left.resize(of_homes_.size());
@@ -255,7 +265,8 @@ Eliminated EffectElimination::operator()(const EffectVariances& variances) {
     if (shared_.left[h].size() == 0) continue;
     const Columns& outer = of_homes_[h];
     const auto parameters = std::lower_bound(outer.begin(), outer.end(), home_effects_);
-    const VectorXd known = variances.home[h](Columns(outer.begin(), parameters));
+    const VectorXd known =
+        variances.home(Columns(outer.begin(), parameters), static_cast<Index>(h));
     add(whole, of_whole, without_effects(shared_.left[h], known, all.log_determinant),
         Columns(parameters, outer.end()));
   }

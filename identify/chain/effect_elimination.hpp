@@ -20,12 +20,13 @@ struct StrokeProducts {
   std::vector<Eigen::Index> outer;
 };
 
-/// Variances of the random effects, in the order of the columns; an effect of size 0 does nothing.
+/// Variances of the random effects: an effect a row, in the order of the products' columns; one of
+/// size 0 does nothing.
 struct EffectVariances {
-  std::vector<Eigen::VectorXd> own;     ///< one a stroke
-  std::vector<Eigen::VectorXd> stand;   ///< one a stand
-  std::vector<Eigen::VectorXd> shared;  ///< one a group
-  std::vector<Eigen::VectorXd> home;    ///< one a home
+  Eigen::MatrixXd own;     ///< a stroke a column
+  Eigen::MatrixXd stand;   ///< a stand a column
+  Eigen::MatrixXd shared;  ///< a group a column
+  Eigen::MatrixXd home;    ///< a home a column
 };
 
 /// The mixed model y = X b + Z u + e, u ~ N(0, D) with D diagonal and known, e weighed: the normal
@@ -41,7 +42,7 @@ struct Eliminated {
 /// other columns. Of both, which are symmetric, the lower triangle counts: of the products no other
 /// is read, and of what is left no other has a meaning. Adds to the logarithm of V's determinant.
 [[nodiscard]] Eigen::MatrixXd without_effects(const Eigen::MatrixXd& products,
-                                              const Eigen::VectorXd& variances,
+                                              const Eigen::Ref<const Eigen::VectorXd>& variances,
                                               double& log_determinant);
 
 /// Takes all effects out of strokes' products. Where the next variances differ only in the outer
@@ -57,7 +58,7 @@ class EffectElimination {
  private:
   /// What is left once the effects of one level, with these variances, are out.
   struct Level {
-    std::vector<Eigen::VectorXd> variances;
+    Eigen::MatrixXd variances;             ///< empty: none
     std::vector<Eigen::MatrixXd> left;     ///< lower triangles
     std::vector<double> log_determinants;  ///< of own variances: one a stand
     double log_determinant = 0;

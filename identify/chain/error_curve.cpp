@@ -42,7 +42,7 @@ void ErrorCurve::Stroke::add(double turn, bool falling, double samples, double e
       {Eigen::MatrixXd(0, 1), one(1), one(error), one(within), one(weight)});
 }
 
-void ErrorCurve::add(const Stroke& stroke, const Eigen::VectorXd& variances) {
+void ErrorCurve::add(const Stroke& stroke, const Eigen::Ref<const Eigen::VectorXd>& variances) {
   double log_determinant = 0;
   const Eigen::MatrixXd left = without_effects(stroke.products_, variances, log_determinant);
   constexpr Index kLast = Row::SizeAtCompileTime;

@@ -45,7 +45,7 @@ class ErrorCurve {
     bool rises_ = false, falls_ = false;
   };
   /// `variances`: of the stroke's effects.
-  void add(const Stroke& stroke, const Eigen::VectorXd& variances);
+  void add(const Stroke& stroke, const Eigen::Ref<const Eigen::VectorXd>& variances);
 
   struct Fit {
     Row coefficients = Row::Zero();

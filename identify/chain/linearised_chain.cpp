@@ -133,10 +133,10 @@ std::vector<ChainEstimate::Part> LinearisedChain::parts() {
     const EffectVariances own = variances_of(effect, nodes_, columns_);
     const auto changed = [&](double by) {
       EffectVariances variances = all;
-      for (std::size_t s = 0; s < all.own.size(); ++s) variances.own[s] += by * own.own[s];
-      for (std::size_t t = 0; t < all.stand.size(); ++t) variances.stand[t] += by * own.stand[t];
-      for (std::size_t g = 0; g < all.shared.size(); ++g) variances.shared[g] += by * own.shared[g];
-      for (std::size_t h = 0; h < all.home.size(); ++h) variances.home[h] += by * own.home[h];
+      variances.own += by * own.own;
+      variances.stand += by * own.stand;
+      variances.shared += by * own.shared;
+      variances.home += by * own.home;
       return normal_at(variances);
     };
     MatrixXd information = (changed(-kStep) - changed(kStep)) / (2 * kStep);

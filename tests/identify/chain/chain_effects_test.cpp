@@ -35,13 +35,9 @@ struct Example {
     const auto size = [&] {
       return zero && random.uniform(0, 1) < 0.5 ? 0 : random.uniform(0.1, 3);
     };
-    const auto sizes = [&](std::size_t count, Index columns) {
-      std::vector<VectorXd> all;
-      for (std::size_t k = 0; k < count; ++k) {
-        VectorXd one(columns);
-        for (double& value : one) value = size();
-        all.push_back(one);
-      }
+    const auto sizes = [&](Index columns, Index rows) {
+      MatrixXd all(rows, columns);
+      for (double& value : all.reshaped()) value = size();
       return all;
     };
     variances = {sizes(kStrokes, 2), sizes(5, 1), sizes(3, 3), sizes(2, kAtHome)};
@@ -64,20 +60,17 @@ struct Example {
       z.block(row, static_cast<Index>(2 * s), kRows, 2) = columns.leftCols(2);
       z.block(row, static_cast<Index>(12 + stand), kRows, 1) = columns.col(2);
       z.block(row, static_cast<Index>(17 + 3 * group), kRows, 3) = columns.middleCols(3, 3);
-      for (Index k = 0; k < 2; ++k)
-        z.col(static_cast<Index>(26 + kAtHome * home_of[group]) + stroke.outer[k])
-            .segment(row, kRows) = columns.col(6 + k);
-      for (Index k = 0; k < 3; ++k)
-        x.col(stroke.outer[2 + k] - kAtHome).segment(row, kRows) = columns.col(8 + k);
+      const auto at = [&](std::size_t k) { return stroke.outer[k]; };
+      for (std::size_t k = 0; k < 2; ++k)
+        z.col(static_cast<Index>(26 + kAtHome * home_of[group]) + at(k)).segment(row, kRows) =
+            columns.col(static_cast<Index>(6 + k));
+      for (std::size_t k = 2; k < 5; ++k)
+        x.col(at(k) - kAtHome).segment(row, kRows) = columns.col(static_cast<Index>(6 + k));
       y.segment(row, kRows) = columns.col(11);
       weights.segment(row, kRows) = weight;
     }
-    Index at = 0;
-    for (const auto* level : {&variances.own, &variances.stand, &variances.shared, &variances.home})
-      for (const VectorXd& one : *level) {
-        effects.segment(at, one.size()) = one;
-        at += one.size();
-      }
+    effects << variances.own.reshaped(), variances.stand.reshaped(), variances.shared.reshaped(),
+        variances.home.reshaped();
   }
 };
 
@@ -115,7 +108,7 @@ TEST_CASE("Effects eliminated after others are what they are at once", "[chain_e
     if (run % 3 == 0) variances.shared = other.variances.shared;
     if (run % 5 == 0) variances.own = other.variances.own;
     if (run % 7 == 0) variances.stand = other.variances.stand;
-    if (run % 4 == 0) variances.own[1] = other.variances.own[1];  // of one stroke alone
+    if (run % 4 == 0) variances.own.col(1) = other.variances.own.col(1);  // of one stroke alone
     const auto found = eliminate(variances);
     const auto fresh = EffectElimination(of.strokes, of.group_of, of.home_of, Example::kAtHome,
                                          Example::kParameters)(variances);
@@ -155,8 +148,8 @@ TEST_CASE("Strokes have so much of a device's place in common as their times tel
   };
   const auto share = [&](const EffectVariances& variances) {
     // What is not shared is a stroke's own: the three shifts behind the two joints' turns.
-    const double shared = variances.shared[nodes.group[0]](0);
-    CHECK(shared + variances.own[0](2) == Approx(0.01));
+    const double shared = variances.shared(0, static_cast<Index>(nodes.group[0]));
+    CHECK(shared + variances.own(2, 0) == Approx(0.01));
     return shared / 0.01;
   };
   CHECK(share(timed(1)) == Approx(1 - 3 * (1 - 1.0 / 3) / 12));
