@@ -67,14 +67,17 @@ void TextReceiver::begin_again() {
   error_code ignored;
   socket_.cancel(ignored);
   acceptor_.cancel(ignored);
-  connection_.cancel(ignored);
   pause_.cancel();
   again_.cancel();
-  lines_.clear();
-  in_long_line_ = true;
   if (socket_.is_open()) return wait_for_datagrams();
+  for (const Shared& connection : connections_) {
+    connection->socket.cancel(ignored);
+    connection->pause.cancel();
+    connection->lines.clear();
+    connection->in_long_line = true;
+    read(connection);
+  }
   accept();
-  if (connection_.is_open()) read();
 }
 
 void TextReceiver::wait_for_datagrams() {
@@ -115,6 +118,20 @@ void TextReceiver::take_datagrams() {
   }
 }
 
+void TextReceiver::pause() {
+  pause_.expires_after(kBetweenLooks);
+  pause_.async_wait([this](const error_code& error) {
+    if (!error) wait_for_datagrams();
+  });
+}
+
+TextReceiver::Connection::Connection(boost::asio::io_context& context, tcp::socket from)
+    : socket(std::move(from)), pause(context), heard(std::chrono::steady_clock::now()) {
+  error_code error;
+  socket.non_blocking(true, error);
+  if (const auto other = socket.remote_endpoint(error); !error) peer = from_asio(other);
+}
+
 void TextReceiver::accept() {
   acceptor_.async_accept(accepted_, [this](const error_code& error) {
     if (error == boost::asio::error::operation_aborted) return;
@@ -124,51 +141,60 @@ void TextReceiver::accept() {
         if (!ended) accept();
       });
     }
-    error_code ignored;
-    connection_.close(ignored);
-    connection_ = std::exchange(accepted_, tcp::socket(context_));
-    peer_ = {};
-    if (const auto peer = connection_.remote_endpoint(ignored); !ignored) peer_ = from_asio(peer);
-    lines_.clear();
-    in_long_line_ = false;
-    ++connections_;
-    read();
+    admit();
     accept();
   });
 }
 
-void TextReceiver::read() {
-  connection_.async_read_some(
-      boost::asio::buffer(bytes_),
-      [this, of = connections_](const error_code& error, std::size_t count) {
-        if (of != connections_ || error == boost::asio::error::operation_aborted) return;
-        if (error) {
-          error_code ignored;
-          connection_.close(ignored);
-          return;
-        }
-        take_bytes(count);
+void TextReceiver::admit() {
+  const auto connection =
+      std::make_shared<Connection>(context_, std::exchange(accepted_, tcp::socket(context_)));
+  if (connections_.size() == kMostConnections)
+    close(*std::min_element(connections_.begin(), connections_.end(),
+                            [](const Shared& a, const Shared& b) { return a->heard < b->heard; }));
+  connections_.push_back(connection);
+  read(connection);
+}
+
+void TextReceiver::read(const Shared& connection) {
+  connection->socket.async_wait(
+      tcp::socket::wait_read, [this, connection](const error_code& error) {
+        if (error == boost::asio::error::operation_aborted) return;
+        error_code failed = error;
+        const std::size_t count =
+            error ? 0 : connection->socket.read_some(boost::asio::buffer(bytes_), failed);
+        if (failed && failed != boost::asio::error::would_block) return close(connection);
+        if (count > 0) take_bytes(*connection, count);
+        if (count <= kLongestLine) return read(connection);
         // One that floods is made to wait.
-        if (count > kLongestLine)
-          pause();
-        else
-          read();
+        connection->pause.expires_after(kBetweenLooks);
+        connection->pause.async_wait([this, connection](const error_code& ended) {
+          if (!ended) read(connection);
+        });
       });
 }
 
-void TextReceiver::take_bytes(std::size_t count) {
+void TextReceiver::close(const Shared& connection) {
+  error_code ignored;
+  connection->pause.cancel();
+  connection->socket.close(ignored);
+  std::erase(connections_, Shared(connection));
+}
+
+void TextReceiver::take_bytes(Connection& from, std::size_t count) {
+  from.heard = std::chrono::steady_clock::now();
   std::string_view fresh(bytes_.data(), count);
-  if (in_long_line_) {
+  if (from.in_long_line) {
     const auto end = fresh.find('\n');
     if (end == fresh.npos) return;
     fresh.remove_prefix(end + 1);
-    in_long_line_ = false;
+    from.in_long_line = false;
   }
-  lines_.append(fresh);
-  lines_.erase(0, hand_over(now(), peer_, lines_));
-  if (lines_.size() < kLongestLine) return;
-  lines_.clear();
-  in_long_line_ = true;
+  from.lines.append(fresh);
+  from.lines.erase(0, hand_over(now(), from.peer, from.lines));
+  if (from.lines.size() < kLongestLine) return;
+  from.lines.clear();
+  from.in_long_line = true;
   ++too_long_;
 }
 
@@ -184,17 +210,6 @@ std::size_t TextReceiver::hand_over(Timestamp time, const Endpoint& source, std:
     }
     begin = end + 1;
   }
-}
-
-void TextReceiver::pause() {
-  pause_.expires_after(kBetweenLooks);
-  pause_.async_wait([this, of = connections_](const error_code& error) {
-    if (error || of != connections_) return;
-    if (socket_.is_open())
-      wait_for_datagrams();
-    else if (connection_.is_open())
-      read();
-  });
 }
 
 }  // namespace rsi

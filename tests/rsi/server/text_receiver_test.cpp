@@ -95,7 +95,7 @@ TEST_CASE("A flood is dropped and counted, and memory stays bounded", "[text_rec
   CHECK(sweepd::test::eventually([&] { return receiving.receiver.dropped() > 1000; }));
 }
 
-TEST_CASE("Over TCP whole lines are handed over, of the newest connection", "[text_receiver]") {
+TEST_CASE("Over TCP whole lines are handed over, of each connection", "[text_receiver]") {
   Receiving receiving(Transport::tcp);
   boost::asio::io_context context;
   auto first = connected(context, receiving);
@@ -108,6 +108,30 @@ TEST_CASE("Over TCP whole lines are handed over, of the newest connection", "[te
 
   second.send(boost::asio::buffer(std::string(10'000, 'x')));
   CHECK(sweepd::test::eventually([&] { return receiving.receiver.too_long() == 1; }));
+}
+
+TEST_CASE("Over TCP a device is heard whatever else connects", "[text_receiver]") {
+  Receiving receiving(Transport::tcp);
+  boost::asio::io_context context;
+  auto device = connected(context, receiving);
+  std::string sent;
+  std::vector<tcp::socket> others;
+  for (std::size_t i = 0; i < 3 * TextReceiver::kMostConnections; ++i) {
+    sent += std::to_string(i) + ",2,3\n";
+    device.send(boost::asio::buffer(std::to_string(i) + ",2,3\n"));
+    REQUIRE(sweepd::test::eventually([&] { return receiving.text() == sent; }));
+    connected(context, receiving).close();            // looks whether the port is open
+    others.push_back(connected(context, receiving));  // and one that says nothing
+  }
+  // Those that said nothing for longest had to go.
+  std::string bytes(1, ' ');
+  boost::system::error_code error;
+  others.front().receive(boost::asio::buffer(bytes), 0, error);
+  CHECK(error == boost::asio::error::eof);
+  // A device that comes again has left the connection before behind.
+  auto again = connected(context, receiving);
+  again.send(boost::asio::buffer(std::string("7,8,9\n")));
+  CHECK(sweepd::test::eventually([&] { return receiving.text() == sent + "7,8,9\n"; }));
 }
 
 TEST_CASE("A line that is too long is left out to its end, and counted as what it is",
