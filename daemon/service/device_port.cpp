@@ -1,5 +1,8 @@
 #include "daemon/service/device_port.hpp"
 
+#include <exception>
+#include <utility>
+
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/points/device_lines.hpp"
@@ -8,14 +11,18 @@
 
 namespace sweepd {
 
-DevicePort::DevicePort(const DeviceSettings& settings)
-    : receiver_(settings.listen.tcp ? rsi::Transport::tcp : rsi::Transport::udp,
-                settings.listen.endpoint) {
+DevicePort::DevicePort(const DeviceSettings& settings, std::chrono::milliseconds between_tries)
+    : port_(settings.listen), between_tries_(between_tries) {
   const DeviceLines lines(settings.columns);  // throws where they are wrong
 }
 
 DevicePort::~DevicePort() {
-  receiver_.stop();
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+    if (receiver_) receiver_->stop();
+  }
+  stopping_changed_.notify_all();
   if (thread_.joinable()) thread_.join();
 }
 
@@ -23,13 +30,55 @@ void DevicePort::start() {
   thread_ = std::thread([this] {
     name_thread("device");
     take(Share::fair);
-    receiver_.run();
+    listen();
   });
+}
+
+void DevicePort::listen() {
+  for (;;) {
+    std::string problem;
+    try {
+      auto receiver = std::make_unique<rsi::TextReceiver>(
+          port_.tcp ? rsi::Transport::tcp : rsi::Transport::udp, port_.endpoint);
+      const std::lock_guard lock(mutex_);
+      if (stopping_) return;
+      receiver_ = std::move(receiver);
+      ready_ = receiver_.get();
+    } catch (const std::exception& error) {
+      problem = error.what();
+    }
+    if (problem.empty()) return receiver_->run();
+    std::unique_lock lock(mutex_);
+    problem_ = problem;
+    if (stopping_changed_.wait_for(lock, between_tries_, [this] { return stopping_; })) return;
+  }
+}
+
+bool DevicePort::pop(rsi::Datagram& datagram) {
+  rsi::TextReceiver* const receiver = ready_;
+  return receiver != nullptr && receiver->datagrams().pop(datagram);
+}
+
+std::optional<DevicePort::News> DevicePort::news() {
+  if (said_ready_) return std::nullopt;
+  if (ready_ != nullptr) {
+    said_ready_ = true;
+    return News{Importance::note, "listening for a device on " + text(port_)};
+  }
+  const std::lock_guard lock(mutex_);
+  if (problem_ == said_problem_) return std::nullopt;
+  said_problem_ = problem_;
+  return News{Importance::error,
+              problem_ +
+                  "; the robot is served without its device, and the port is tried again "
+                  "every few seconds"};
 }
 
 std::optional<std::string> DevicePort::complaint(std::chrono::steady_clock::time_point now) {
   using rsi::TextReceiver;
-  const auto dropped = receiver_.dropped() - dropped_, too_long = receiver_.too_long() - too_long_;
+  const rsi::TextReceiver* const receiver = ready_;
+  if (receiver == nullptr) return std::nullopt;
+  const auto dropped = receiver->dropped() - dropped_, too_long = receiver->too_long() - too_long_;
   if (now < again_ || dropped + too_long == 0) return std::nullopt;
   std::string text;
   if (dropped > 0)

@@ -69,10 +69,7 @@ RobotService::~RobotService() {
 
 void RobotService::start() {
   say_real_time(reply_thread_.start(inputs_.settings.real_time));
-  if (device_port_) {
-    device_port_->start();
-    log_.note("listening for a device on {}", text(inputs_.settings.device.listen));
-  }
+  if (device_port_) device_port_->start();
   acquisition_ = threads_->acquisition.begin(0, [this] { return TurnThreads::Next{turn()}; });
   identifier_.finish_earlier(inputs_.folder(), inputs_.setup, inputs_.hashes, log_);
   if (const auto& tap = inputs_.settings.tap)
@@ -186,6 +183,7 @@ void RobotService::take_device() {
     recorder_.datagram(datagram);
     device_->device(datagram);
   }
+  if (const auto news = device_port_->news()) log_.say(news->importance, news->text);
   if (const auto complaint = device_port_->complaint(Steady::now()))
     session_log_.error("{}", *complaint);
 }

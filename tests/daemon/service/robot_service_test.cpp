@@ -593,6 +593,20 @@ TEST_CASE("a robot whose port is flooded leaves others their turns of a thread t
   CHECK(second.stop());
 }
 
+TEST_CASE("a device's port that somebody else has costs the device, not the replies",
+          "[robot_service]") {
+  using boost::asio::ip::udp;
+  const TemporaryFolder folder;
+  boost::asio::io_context context;
+  const udp::socket taken(context, udp::endpoint(boost::asio::ip::address_v4::loopback(), 0));
+  auto robot = settings(folder.path());
+  robot.device.listen.endpoint = rsi::from_asio(taken.local_endpoint());
+  robot.device.columns.text = "x_mm,y_mm,z_mm";
+  RobotService service(robot);
+  service.start();
+  CHECK(stream(service.local(), 50).controller.replies > 0);
+}
+
 TEST_CASE("a folder that cannot be made later costs the files, not the replies",
           "[robot_service][live]") {
   const TemporaryFolder folder;
