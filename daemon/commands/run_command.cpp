@@ -73,6 +73,7 @@ class Reading {
   Reading& operator=(const Reading&) = delete;
 
   void begin(const std::function<Settings()>& read, ProcessEvents& events) {
+    log_all_repeats();  // what is wrong with the settings now is news
     Log().note("reading the settings again");
     service_manager::reloading();
     std::packaged_task<Settings()> task(read);

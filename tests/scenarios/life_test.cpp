@@ -101,8 +101,14 @@ std::vector<fs::path> sessions(const fs::path& robot) {
   return folders;
 }
 
-bool said(Daemon& daemon, const std::string& words) {
-  return eventually([&] { return daemon.process().errors().find(words) != std::string::npos; });
+bool said(Daemon& daemon, const std::string& words, int times = 1) {
+  return eventually([&] {
+    const std::string all = daemon.process().errors();
+    std::size_t at = 0;
+    for (int k = 0; k < times && at != std::string::npos; ++k)
+      at = all.find(words, k == 0 ? 0 : at + words.size());
+    return at != std::string::npos;
+  });
 }
 
 void write(const fs::path& file, const std::string& text) {
@@ -262,6 +268,8 @@ TEST_CASE("SIGHUP takes over what it can, says what it cannot, and survives a mi
   CHECK(said(daemon, "robot.recrod"));
   CHECK(said(daemon, "nothing of " + daemon.config().string() +
                          " is taken over; sweepd goes on with the settings that it had"));
+  daemon.process().signal(SIGHUP);
+  CHECK(said(daemon, "robot.recrod", 2));  // each time
   write(daemon.config(), changed + "plan = \"missing.toml\"\n" + other);
   daemon.process().signal(SIGHUP);
   CHECK(said(daemon, "missing.toml"));
