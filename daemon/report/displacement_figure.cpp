@@ -193,7 +193,6 @@ std::string displacement_svg(std::string_view displacement_csv, std::size_t acro
   draw_slice(picture, slice, across, kAlone, kLeftOfSlice, shade);
   draw_legend(picture, kLeftOfSlice, kAboveSlice + height + kBelowSlice, shade);
   auto svg = document.first_child();
-  svg.append_attribute("xmlns") = "http://www.w3.org/2000/svg";
   svg.prepend_child("style").text() =
       (":root{color-scheme:light dark;color:#1a1a1a;background:#fff}"
        "@media (prefers-color-scheme:dark){:root{color:#e6e6e6;background:#16181b}}" +
