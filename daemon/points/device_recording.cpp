@@ -40,7 +40,7 @@ void DeviceRecording::keep(const Point& point) {
 }
 
 Snapshot DeviceRecording::with_device(Snapshot snapshot) {
-  if (counts_.points == 0) return snapshot;
+  if (port_ == 0) return snapshot;
   take_->targets = lines_->targets();
   take_->step_mm = lines_->step_mm();
   snapshot.device = std::exchange(take_, nullptr);

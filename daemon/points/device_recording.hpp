@@ -44,7 +44,7 @@ class DeviceRecording {
   };
   [[nodiscard]] const Counts& counts() const { return counts_; }
 
-  /// The session's, with what the device saw beside it, if it saw anything. Call it once, at the
+  /// The session's, with what the device saw beside it, which may be nothing. Call it once, at the
   /// end.
   [[nodiscard]] Snapshot with_device(Snapshot snapshot);
 

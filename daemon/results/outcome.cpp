@@ -39,6 +39,12 @@ std::optional<Outcome> joined_outcome(const Snapshot& snapshot, std::string& pro
   campaign.two_clocks = true;
   campaign.resolution.position_mm = device.step_mm;
   campaign.motion_limit.reset();
+  if (device.points.empty()) {
+    problem =
+        "none came. See whether it measures and sends to this port, and whether its lines have "
+        "these columns";
+    return std::nullopt;
+  }
   auto take = identify::joined(device.angles, device.points, campaign);
   problem = take.problem;
   if (!problem.empty()) return std::nullopt;

@@ -74,6 +74,7 @@ class Pipeline {
   [[nodiscard]] SourceCounts counts() const;
   [[nodiscard]] const rsi::Link& link() const { return link_; }
   [[nodiscard]] const identify::Resolution& resolution() const { return reader_.resolution(); }
+  [[nodiscard]] const SampleReader::Incomplete& incomplete() const { return reader_.incomplete(); }
   /// What noise hides where telegrams carry no angles. With two threads, once it is finished.
   [[nodiscard]] std::optional<identify::MotionLimit> motion_limit() const {
     return segmenter_.limit();

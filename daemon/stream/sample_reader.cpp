@@ -73,6 +73,9 @@ identify::Sample SampleReader::read(const rsi::Telegram& telegram) {
   const std::size_t found = take(telegram, angles_, angle_decimals, sample.angles_rad.data());
   for (double& angle : sample.angles_rad) angle = radians(angle);
   if (found == angles_.size()) sample.joints = static_cast<std::uint8_t>(found);
+  ++incomplete_.samples;
+  if (!sample.has_position) ++incomplete_.without_position;
+  if (found < angles_.size()) ++incomplete_.without_angles;
   follow_external_axes(telegram);
   Currents currents;
   currents.fill(kNoCurrent);

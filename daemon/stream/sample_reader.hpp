@@ -40,6 +40,14 @@ class SampleReader {
   /// Values that were there but no numbers that can be measured.
   [[nodiscard]] std::uint64_t unusable() const { return unusable_; }
 
+  /// Samples that lack a part, of all that were read.
+  struct Incomplete {
+    std::uint64_t samples = 0;
+    std::uint64_t without_position = 0;
+    std::uint64_t without_angles = 0;  ///< of one joint or more
+  };
+  [[nodiscard]] const Incomplete& incomplete() const { return incomplete_; }
+
  private:
   /// A signal, and the number that stood there.
   struct Source {
@@ -81,6 +89,7 @@ class SampleReader {
   int position_decimals_ = -1;
   int angle_decimals_ = -1;
   std::uint64_t unusable_ = 0;
+  Incomplete incomplete_;
 };
 
 }  // namespace sweepd

@@ -7,6 +7,8 @@
 #include <spdlog/fmt/ranges.h>
 
 #include "identify/sweeps/sweep.hpp"
+#include "rsi/ascii.hpp"
+#include "rsi/counted.hpp"
 #include "rsi/telegram/decimal.hpp"
 #include "rsi/telegram/telegram.hpp"
 
@@ -57,7 +59,7 @@ std::string missing_signals(const SignalNames& names, std::size_t joints,
   std::string text;
   if (!unreadable.empty())
     text = fmt::format("the first telegram's {} cannot be read as numbers, as \"{}\": {}",
-                       fmt::join(unreadable, ", "), example,
+                       fmt::join(unreadable, ", "), rsi::in_short(example),
                        example.find(',') != std::string_view::npos
                            ? "numbers have a decimal point, no comma: correct what sends them"
                            : "see what sends them");
@@ -73,6 +75,24 @@ std::string missing_signals(const SignalNames& names, std::size_t joints,
         "the robot has {} joints, and `signals` names angles of {}: name all with `angles` of "
         "[robot.signals], or the others are not seen{}",
         joints, names.angles.size(), suggested(names, parsed)));
+  return rsi::printable(text);
+}
+
+std::string lost_signals(const SampleReader::Incomplete& of) {
+  const auto some = [&](std::uint64_t without) {
+    constexpr std::uint64_t kFew = 100;  // one of so many is noise
+    return without < of.samples && kFew * without > of.samples;
+  };
+  std::string text;
+  const auto add = [&](std::uint64_t without, const char* what) {
+    if (!some(without)) return;
+    text += (text.empty() ? "" : "; ") +
+            fmt::format("{} of {} have no {} that can be read, and the others have", without,
+                        rsi::counted(of.samples, "telegram"), what);
+  };
+  add(of.without_position, "position");
+  add(of.without_angles, "angles of all joints");
+  if (!text.empty()) text += ": see what changes what is sent while the stream goes on";
   return text;
 }
 
@@ -87,9 +107,16 @@ Session::Session(const RobotSetup& setup, std::string source_kind, StreamSink& s
 Snapshot Session::snapshot() const {
   auto known = campaign(setup_, pipeline_.resolution());
   known.motion_limit = pipeline_.motion_limit();
-  return {setup_.name,        source_kind_,     pipeline_.counts(), std::move(known),
-          kept_.sweeps(),     kept_.left_out(), setup_.limits(),    {},
-          currents_.joints(), missing_signals_};
+  return {setup_.name,
+          source_kind_,
+          pipeline_.counts(),
+          std::move(known),
+          kept_.sweeps(),
+          kept_.left_out(),
+          setup_.limits(),
+          {},
+          currents_.joints(),
+          missing_signals_.empty() ? lost_signals(pipeline_.incomplete()) : missing_signals_};
 }
 
 bool Session::worth_identifying() const {

@@ -33,7 +33,7 @@ struct Snapshot {
   std::vector<JointLimits> limits = {};    ///< of the joints, where the description has them
   std::vector<identify::Pose> poses = {};  ///< static ones, beside the sweeps
   std::vector<JointCurrents::Joint> currents = {};  ///< empty: the stream has none
-  /// Of the first telegram: what missing_signals() says.
+  /// What missing_signals() says of the first telegram; or else what one in a hundred lacks.
   std::string missing_signals = {};
   /// What a device measured meanwhile: its positions take the place of the controller's.
   std::shared_ptr<const DeviceTake> device = {};

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdlib>
 
+#include "daemon/results/outcome.hpp"
 #include "tests/catch.hpp"
 
 using namespace sweepd;
@@ -72,7 +73,7 @@ TEST_CASE("A session of hours keeps a bounded number of points, of all targets a
   CHECK(points.back().sample.time_s > 0.99 * 0.01 * kPictures);
 }
 
-TEST_CASE("Without a device, or lines of it, there is nothing beside the session",
+TEST_CASE("Without a device there is nothing beside the session, and of a silent one that is told",
           "[device_recording]") {
   DeviceRecording none{RobotSetup{}};
   none.sample(told(0));
@@ -80,5 +81,11 @@ TEST_CASE("Without a device, or lines of it, there is nothing beside the session
   CHECK_FALSE(none.with_device({}).device);
   DeviceRecording silent(with_device("x_mm,y_mm,z_mm"));
   silent.sample(told(0));
-  CHECK_FALSE(silent.with_device({}).device);
+  const auto snapshot = silent.with_device({});
+  REQUIRE(snapshot.device);
+  const auto warnings = outcome_of(snapshot).identification.warnings;
+  CHECK(std::any_of(warnings.begin(), warnings.end(), [](const auto& one) {
+    return one.code == "device_left_out" &&
+           one.message.starts_with("the device's points are left out: none came.");
+  }));
 }

@@ -88,6 +88,20 @@ TEST_CASE("a session recognises sweeps, and identifies from them", "[session]") 
   CHECK(outcome.identification.joints.at(0).circle->radius_mm == Approx(500).margin(1e-3));
 }
 
+TEST_CASE("what telegrams no longer have is told", "[session]") {
+  sweepd::StreamSink nobody;
+  Session session(setup(), "trace", nobody, telegram(4000, joint_1_at(0)));
+  for (std::uint64_t k = 0; k < 100; ++k) {
+    auto text = telegram(4000 + 4 * k, joint_1_at(0));
+    if (k >= 60) text.replace(text.find("<AIPos"), 6, "<Other");
+    session.telegram(from_controller(text, std::chrono::milliseconds(4000 + 4 * k)));
+    if (k == 59) CHECK(session.snapshot().missing_signals.empty());
+  }
+  CHECK(session.snapshot().missing_signals ==
+        "40 of 100 telegrams have no angles of all joints that can be read, and the others have: "
+        "see what changes what is sent while the stream goes on");
+}
+
 TEST_CASE("each sample is a row of samples.csv, a few of them held back for one that was overtaken",
           "[session]") {
   Heard heard;
