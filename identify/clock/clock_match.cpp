@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "identify/clock/clock_step.hpp"
 #include "identify/geometry/median.hpp"
 #include "identify/geometry/warning.hpp"
 
@@ -16,13 +17,7 @@ constexpr std::size_t kFewest = 4;
 /// Of more motions, those that come first are looked at: each is compared with each.
 constexpr std::size_t kMostMoves = 2000;
 constexpr std::size_t kMostCandidates = 12;
-/// Two views of one motion differ in length by no more than this, beside what noise hides of
-/// motions' ends: so much at most, and of all about alike, as they speed up alike.
-constexpr double kLengthApart_s = 0.06;
-constexpr double kLengthApart = 0.03;
-constexpr double kMostHidden_s = 0.25;
-/// How far a motion's middle may be off, to begin with, and at least.
-constexpr double kFar_s = 0.15;
+/// How far a motion's middle may be off, at least.
 constexpr double kNear_s = 0.03;
 /// What quartz clocks differ in, sigma.
 constexpr double kUsualRate = 5e-5;
@@ -38,14 +33,6 @@ constexpr double kStepSigmas = 8;
 /// Of a few motions at an end chance makes more.
 constexpr std::size_t kBesideStep = 5;
 constexpr double kLeastStep_s = 0.015;
-
-/// The device's view and the controller's, of which the device sees `least_s` to `most_s` less.
-bool alike(const Span& device, const Span& controller, double least_s, double most_s) {
-  const double less = controller.seconds() - device.seconds();
-  const double apart =
-      kLengthApart_s + kLengthApart * std::max(device.seconds(), controller.seconds());
-  return less > least_s - apart && less < most_s + apart;
-}
 
 std::vector<Span> in_order(std::vector<Span> spans) {
   std::stable_sort(spans.begin(), spans.end(),
@@ -85,7 +72,7 @@ class Matcher {
         if (alike(d, c, 0, kMostHidden_s)) votes.push_back(d.middle_s() - c.middle_s());
     std::sort(votes.begin(), votes.end());
     const double span = c_.empty() ? 0 : c_.back().middle_s() - c_.front().middle_s();
-    const double wide = kFar_s + 2 * kUsualRate * span;
+    const double wide = kSameMove_s + 2 * kUsualRate * span;
     struct Peak {
       std::size_t votes;
       double ahead_s;
@@ -111,7 +98,7 @@ class Matcher {
   [[nodiscard]] std::optional<ClockMatch> refined(double ahead_s) {
     ClockLine line{ahead_s, 0, 0};
     const double span = c_.back().middle_s() - c_.front().middle_s();
-    double near = kFar_s + 2 * kUsualRate * span;
+    double near = kSameMove_s + 2 * kUsualRate * span;
     ClockMatch match;
     hidden_s_.reset();
     for (int round = 0; round < 6; ++round) {
@@ -119,9 +106,9 @@ class Matcher {
       if (pairs_.size() < kFewest) return std::nullopt;
       hidden_s_ = usually_hidden_s();
       fit(line, match);
-      near = std::clamp(4 * scatter_, kNear_s, kFar_s);
+      near = std::clamp(4 * scatter_, kNear_s, kSameMove_s);
     }
-    pairs_ = pairs_of(line, kFar_s);
+    pairs_ = pairs_of(line, kSameMove_s);
     match.matched = pairs_.size();
     match.strange = strange(line);
     if (std::abs(match.rate) > kMostRate) return std::nullopt;
@@ -130,8 +117,8 @@ class Matcher {
 
   /// Where the differences of the last match change at once, and by how much; nothing where chance
   /// makes as much.
-  [[nodiscard]] std::optional<std::pair<double, double>> step() const {
-    std::optional<std::pair<double, double>> found;
+  [[nodiscard]] std::optional<ClockStep> step() const {
+    std::optional<ClockStep> found;
     double best = kStepSigmas;
     for (std::size_t cut = kBesideStep; cut + kBesideStep <= pairs_.size(); ++cut) {
       std::vector<double> before, after;
@@ -227,28 +214,25 @@ class Matcher {
     return 1.48 * median_of(offs);
   }
 
-  static bool within(const std::vector<Span>& seen, double begin_s, double end_s) {
-    return std::any_of(seen.begin(), seen.end(), [&](const Span& span) {
-      return span.begin_s <= begin_s - kFar_s && end_s + kFar_s <= span.end_s;
-    });
-  }
-
   /// Motions that one saw, and the other did not though it looked.
   [[nodiscard]] std::size_t strange(const ClockLine& line) const {
     const auto unmatched = [&](const Span& c) {
       return std::none_of(d_.begin(), d_.end(), [&](const Span& d) {
-        return std::abs(d.middle_s() - line.device_s(c.middle_s())) <= kFar_s && is_view_of(d, c);
+        return std::abs(d.middle_s() - line.device_s(c.middle_s())) <= kSameMove_s &&
+               is_view_of(d, c);
       });
     };
     std::size_t count = 0;
     for (const Span& c : c_)
-      if (within(device_.seen, line.device_s(c.begin_s), line.device_s(c.end_s)) && unmatched(c))
+      if (is_within(device_.seen, {line.device_s(c.begin_s), line.device_s(c.end_s)}) &&
+          unmatched(c))
         ++count;
     const auto controller_s = [&](double device_s) {
       return line.at_s + (device_s - line.ahead_s - line.at_s) / (1 + line.rate);
     };
     for (const Span& d : d_) {
-      const bool looked = within(controller_.seen, controller_s(d.begin_s), controller_s(d.end_s));
+      const bool looked =
+          is_within(controller_.seen, {controller_s(d.begin_s), controller_s(d.end_s)});
       const bool is_matched = std::any_of(pairs_.begin(), pairs_.end(), [&](const Pair& pair) {
         return pair.device_s == d.middle_s();
       });
@@ -272,13 +256,20 @@ double score(const ClockMatch& match) {
 /// Why nothing matches, where the best of them leaves too much.
 std::string disagreement(const std::vector<ClockMatch>& all, const Motion& device) {
   const std::size_t motions = device.moves.size();
-  std::string apart = "the motions of the device and those of the angles do not agree: only " +
-                      std::to_string(all.empty() ? 0 : all.front().matched) + " of " +
-                      std::to_string(motions) + " fit one offset of the clocks; ";
+  const ClockMatch best = all.empty() ? ClockMatch{} : all.front();
+  std::string apart = "the motions of the device and those of the angles do not agree: " +
+                      std::to_string(best.matched) + " of the device's " + std::to_string(motions) +
+                      " fit one offset of the clocks";
+  if (best.strange > 0)
+    apart += ", and " + std::to_string(best.strange) +
+             " were seen by one of the two alone while the other looked";
+  apart += "; ";
   if (device.hidden_below_mm_s > 0)
     apart += "the device's noise, or its last decimal, hides motion below " +
              fixed(device.hidden_below_mm_s, 0) + " mm/s: sweep faster, or ";
-  apart += "give the trace that was recorded while the device measured";
+  apart +=
+      "give the trace that was recorded while the device measured, and see whether the device "
+      "followed its target";
   for (std::size_t k = 1; k < all.size(); ++k)
     if (4 * (all[0].matched + all[k].matched) >= 3 * motions && all[k].matched >= 3)
       return "the offset of the clocks changes midway: " + std::to_string(all[0].matched) +
@@ -317,9 +308,11 @@ ClockSearch match_clocks(const Motion& device, const Motion& controller) {
   }
   const ClockMatch& best = all.front();
   static_cast<void>(matcher.refined(best.ahead_s - best.rate * best.at_s));
-  if (const auto step = matcher.step())
-    found.problem = "the offset of the clocks changes by " + fixed(step->second, 3) + " s at " +
-                    fixed(step->first, 1) +
+  auto step = matcher.step();
+  if (!step) step = step_beyond(device, controller, best);
+  if (step)
+    found.problem = "the offset of the clocks changes by " + fixed(step->by_s, 3) + " s at " +
+                    fixed(step->at_s, 1) +
                     " s of the trace: a clock was set, or two takes were put together; give each "
                     "part as a file of its own";
   else if (matcher.scatter_s() > kWorstScatter_s)

@@ -21,6 +21,9 @@ struct ClockMatch {
   std::size_t matched = 0;  ///< motions that both saw
   std::size_t strange = 0;  ///< that only one saw, while the other looked
 
+  [[nodiscard]] double device_s(double controller_s) const {
+    return controller_s + ahead_s + rate * (controller_s - at_s);
+  }
   [[nodiscard]] double controller_s(double device_s) const {
     return at_s + (device_s - ahead_s - at_s) / (1 + rate);
   }

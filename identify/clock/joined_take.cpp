@@ -202,6 +202,47 @@ double stamp_step_s(const std::vector<TargetTrack>& tracks) {
   return 0;
 }
 
+/// What is wrong where a target's times go back by more than lines overtake each other.
+std::string set_back(const std::vector<Measured>& points) {
+  constexpr double kOvertaken_s = 0.5;
+  std::map<std::size_t, double> latest_s;  // by target
+  for (const Measured& point : points) {
+    const double time_s = point.sample.time_s;
+    double& latest = latest_s.try_emplace(point.target, time_s).first->second;
+    if (time_s < latest - kOvertaken_s)
+      return "the device's times go back from " + fixed(latest, 3) + " to " + fixed(time_s, 3) +
+             " s: its clock was set, or its program began anew; give each part of the take as a "
+             "file of its own";
+    latest = std::max(latest, time_s);
+  }
+  return {};
+}
+
+/// What hides all motion, where times or positions are in another unit.
+std::string in_another_unit(const std::vector<TargetTrack>& tracks) {
+  constexpr double kSmallest_mm = 10;
+  constexpr double kMovedSizes = 100;  // of what points scatter by
+  std::vector<double> steps_s, steps_mm;
+  double moved_mm = 0;
+  for (const auto& [times, positions] : tracks) {
+    for (std::size_t i = 1; i < times.size(); ++i) {
+      steps_s.push_back(times[i] - times[i - 1]);
+      steps_mm.push_back((positions[i] - positions[i - 1]).norm());
+    }
+    for (const Vector3d& position : positions)
+      moved_mm = std::max(moved_mm, (position - positions.front()).norm());
+  }
+  if (steps_s.empty()) return {};
+  const double step_s = median_of(std::move(steps_s));
+  if (step_s > kLongestGap_s)
+    return "the device's points are " + brief(step_s) +
+           " s apart: give seconds in t_s, if these are milliseconds";
+  if (moved_mm < kSmallest_mm && moved_mm > kMovedSizes * median_of(std::move(steps_mm)))
+    return "the device's points move by " + brief(moved_mm) +
+           " mm in all: name the columns x_m, y_m, z_m, if these are metres";
+  return {};
+}
+
 std::string ambiguity(const std::vector<ClockMatch>& matches, const Campaign& campaign) {
   const std::string apart =
       fixed(matches[0].ahead_s, 3) + " and " + fixed(matches[1].ahead_s, 3) + " s";
@@ -218,6 +259,8 @@ std::string ambiguity(const std::vector<ClockMatch>& matches, const Campaign& ca
 JoinedTake joined(const AngleTape& tape, const std::vector<Measured>& points,
                   const Campaign& campaign) {
   JoinedTake take;
+  take.problem = set_back(points);
+  if (!take.problem.empty()) return take;
   const Motion angles = motion_of(tape, campaign.resolution.angle_rad);
   const Motion seen = motion_of(points, campaign.resolution.position_mm);
   ClockSearch search = match_clocks(seen, angles);
@@ -225,8 +268,11 @@ JoinedTake joined(const AngleTape& tape, const std::vector<Measured>& points,
     if (ClockSearch other = match_wrong_rate(seen, angles); !other.matches.empty())
       search = std::move(other);
   take.problem = search.problem;
-  if (search.matches.empty()) return take;
   const auto tracks = tracks_of(points);
+  if (search.matches.empty()) {
+    if (auto unit = in_another_unit(tracks); !unit.empty()) take.problem = std::move(unit);
+    return take;
+  }
   take.stamp_step_s = stamp_step_s(tracks);
   const auto senses = senses_in(tape, angles.rests, campaign.resolution.angle_rad);
   take.clock = search.matches.front();

@@ -111,6 +111,20 @@ void add_motion(const TargetTrack& track, double step_mm, Motion& motion) {
 
 }  // namespace
 
+bool alike(const Span& device, const Span& controller, double least_s, double most_s) {
+  // And of all about alike, as they speed up alike.
+  constexpr double kApart_s = 0.06, kApart = 0.03;
+  const double less = controller.seconds() - device.seconds();
+  const double apart = kApart_s + kApart * std::max(device.seconds(), controller.seconds());
+  return less > least_s - apart && less < most_s + apart;
+}
+
+bool is_within(const std::vector<Span>& seen, const Span& span) {
+  return std::any_of(seen.begin(), seen.end(), [&](const Span& looked) {
+    return looked.begin_s <= span.begin_s - kSameMove_s && span.end_s + kSameMove_s <= looked.end_s;
+  });
+}
+
 Motion motion_of(const AngleTape& tape, double step_rad) {
   const auto& time_s = tape.time_s();
   const auto speed = [&](std::size_t first, std::size_t, std::size_t last) {

@@ -20,6 +20,17 @@ struct Span {
   [[nodiscard]] double seconds() const { return end_s - begin_s; }
 };
 
+/// Two views of one motion differ in length by little, beside what noise hides of motions' ends: so
+/// much at most.
+inline constexpr double kMostHidden_s = 0.25;
+/// And so far their middles may be apart, to begin with.
+inline constexpr double kSameMove_s = 0.15;
+
+/// The device's view and the controller's, of which the device sees `least_s` to `most_s` less.
+[[nodiscard]] bool alike(const Span& device, const Span& controller, double least_s, double most_s);
+/// Whether all of it, and a little beside, was looked at.
+[[nodiscard]] bool is_within(const std::vector<Span>& seen, const Span& span);
+
 /// When something moved, by one clock. Motion begins and ends too early and too late by as much, at
 /// most by the window: its middle is right.
 struct Motion {

@@ -1,5 +1,8 @@
 #include "identify/clock/clock_match.hpp"
 
+#include <string>
+#include <utility>
+
 #include "tests/catch.hpp"
 #include "tests/identify/clock/motions.hpp"
 
@@ -72,6 +75,47 @@ TEST_CASE("A clock that was set midway is refused, with the time of it", "[clock
     CHECK(found.matches.empty());
     CHECK_THAT(found.problem, ContainsSubstring("offset of the clocks changes"));
   }
+}
+
+TEST_CASE("A clock that was set near an end of the take is refused, too", "[clock_match]") {
+  const Motion controller = by_chance(3);
+  for (const std::size_t before : {3U, 8U, 15U, 22U, 28U})
+    for (const double by_s : {300.0, 3600.0}) {
+      Motion device = by_other_clock(controller, 1, 0, 0);
+      const double at_s = device.moves[before].begin_s - 0.15;
+      device.seen = {{1, at_s - 0.01}, {at_s + by_s, device.seen.front().end_s + by_s}};
+      for (std::size_t i = before; i < device.moves.size(); ++i) {
+        device.moves[i].begin_s += by_s;
+        device.moves[i].end_s += by_s;
+      }
+      const auto found = match_clocks(device, controller);
+      INFO(before << " " << by_s << " " << found.problem);
+      CHECK(found.matches.empty());
+      CHECK_THAT(found.problem, ContainsSubstring("offset of the clocks changes by " +
+                                                  std::to_string(static_cast<int>(by_s)) + "."));
+    }
+}
+
+TEST_CASE("What each saw while the other had not begun, or had ended, is no clock that was set",
+          "[clock_match]") {
+  const Motion all = by_chance(4);
+  Motion controller = all, device = by_other_clock(all, 7, 0, 0.003);
+  controller.moves.resize(20);
+  controller.seen = {{0, controller.moves.back().end_s + 0.3}};
+  device.moves.erase(device.moves.begin(), device.moves.begin() + 10);
+  device.seen.front().begin_s = device.moves.front().begin_s - 0.3;
+  const auto found = match_clocks(device, controller);
+  INFO(found.problem);
+  REQUIRE(found.matches.size() == 1);
+  CHECK(found.matches.front().matched == 10);
+  // The device was blind meanwhile, and what it saw later is something else.
+  const auto blind = std::pair(device.moves[6].begin_s - 0.2, device.moves[9].end_s + 0.2);
+  device.moves.erase(device.moves.begin() + 6, device.moves.begin() + 10);
+  device.seen = {{device.seen.front().begin_s, blind.first},
+                 {blind.second, device.seen.front().end_s}};
+  const auto later = match_clocks(device, controller);
+  INFO(later.problem);
+  CHECK(later.matches.size() == 1);
 }
 
 TEST_CASE("Too few motions are refused, saying whose", "[clock_match]") {

@@ -173,6 +173,26 @@ TEST_CASE("What does not belong together is refused, and why is told", "[joined_
     CHECK_THAT(problem_of(robot, two_views(robot, program, device, 5)),
                ContainsSubstring("offset of the clocks changes"));
   }
+  SECTION("a device whose program began anew") {
+    auto points = views.points;
+    const double begin_s = points.front().sample.time_s;
+    for (std::size_t i = points.size() * 9 / 10; i < points.size(); ++i)
+      points[i].sample.time_s -= points[points.size() * 9 / 10 - 1].sample.time_s - begin_s;
+    CHECK_THAT(problem_of(robot, {views.tape, points}),
+               ContainsSubstring("the device's times go back from"));
+  }
+  SECTION("positions in metres") {
+    auto points = views.points;
+    for (auto& point : points) point.sample.position_mm /= 1000;
+    CHECK_THAT(problem_of(robot, {views.tape, points}),
+               ContainsSubstring("name the columns x_m, y_m, z_m, if these are metres"));
+  }
+  SECTION("times in milliseconds") {
+    auto points = views.points;
+    for (auto& point : points) point.sample.time_s *= 1000;
+    CHECK_THAT(problem_of(robot, {views.tape, points}),
+               ContainsSubstring("give seconds in t_s, if these are milliseconds"));
+  }
   SECTION("a device that saw nothing move") {
     auto points = views.points;
     for (auto& point : points) point.sample.position_mm = {1000, 0, 0};
