@@ -255,10 +255,8 @@ void fill(const Run& run, const MatrixXd& covariance, double size, std::vector<D
   const double no_length = std::max(size, kNoLength_mm);
   const auto rows = rows_of(run);
   const auto variances = variances_of(run, covariance);
-  // Without the axis before, neither X nor origin of the run's first frame is known.
-  bool origin_known = run.start == 0;
-  bool x_known = run.start == 0;
-  bool x_meaningful = true;
+  // Without the axis before, neither X nor origin of the first frame is known.
+  bool origin_known = run.start == 0, x_known = origin_known, x_meaningful = true;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     DhEstimate& row = table[run.start + i];
     const Choice& choice = run.choices[i];
@@ -268,20 +266,22 @@ void fill(const Run& run, const MatrixXd& covariance, double size, std::vector<D
     const auto convention = [&](Eigen::Index k) {
       return DhNumber{rows[i](k), 0, Knowledge::by_convention};
     };
-    const bool linear = run.axes[i].linear;
     const bool coincident = choice.relation == Relation::coincident && !choice.held;
-    const bool parallel =
-        choice.relation == Relation::parallel || choice.relation == Relation::coincident;
     row.relation = choice.relation;
-    // Where the axes coincide their common normal points anywhere, and so do angles about it.
-    row.a_mm = coincident || linear ? convention(2) : number(2);
-    row.alpha_rad = coincident ? convention(3) : number(3);
-    row.beta_rad = !parallel ? conventional() : coincident ? convention(4) : number(4);
+    const bool parallel = has_beta(row);
+    // Where axes coincide their common normal points anywhere. An X that is held is as known as the
+    // one before.
+    const auto about_x = [&](Eigen::Index k) {
+      return coincident ? convention(k) : choice.held && !x_known ? DhNumber{} : number(k);
+    };
+    row.a_mm = coincident || run.axes[i].linear ? convention(2) : number(2);
+    row.alpha_rad = about_x(3);
+    row.beta_rad = parallel ? about_x(4) : conventional();
     const bool x_was_meaningful = x_meaningful && !(i > 0 && run.choices[i - 1].x_is_free);
     x_meaningful = !coincident;
     if (x_known)
       row.theta_rad = x_was_meaningful && x_meaningful && !choice.held ? number(1) : convention(1);
-    x_known = true;
+    x_known = x_known || !choice.held;
     const bool placed = parallel || (i > 0 && run.axes[i - 1].linear);
     if (origin_known || parallel) row.b_mm = placed ? convention(0) : number(0);
     origin_known = origin_known || !parallel;

@@ -118,6 +118,27 @@ TEST_CASE("a missing axis leaves undetermined what needs it, and no more", "[dh_
   CHECK(table[4].b_mm.knowledge == Knowledge::identified);
 }
 
+TEST_CASE("what a linear joint's X would tell is undetermined where nothing tells that X",
+          "[dh_extraction]") {
+  Axis linear{{0.001, -0.002, 1}, {300, 0, 0}};
+  linear.direction.normalize();
+  linear.linear = true;
+  std::vector<std::optional<Axis>> axes = {Axis{{0, 0, 1}, {0, 0, 0}}, Axis{{0, 0, 1}, {200, 0, 0}},
+                                           linear, Axis{{0, 0, 1}, {300, 0, 0}},
+                                           Axis{{1, 0, 0}, {300, 0, 700}}};
+  const auto whole = extract_dh(axes, 1000);
+  CHECK(whole[2].alpha_rad.knowledge == Knowledge::identified);
+  CHECK(whole[2].beta_rad.knowledge == Knowledge::identified);
+  CHECK(whole[3].theta_rad.knowledge == Knowledge::identified);
+  axes[1].reset();
+  const auto table = extract_dh(axes, 1000);
+  CHECK(has_beta(table[2]));
+  CHECK(table[2].alpha_rad.knowledge == Knowledge::undetermined);
+  CHECK(table[2].beta_rad.knowledge == Knowledge::undetermined);
+  CHECK(table[3].theta_rad.knowledge == Knowledge::undetermined);
+  CHECK(table[3].alpha_rad.knowledge == Knowledge::identified);
+}
+
 TEST_CASE("coincident axes leave everything between them to convention", "[dh_extraction]") {
   const std::vector<std::optional<Axis>> axes = {
       Axis{{0, 0, 1}, {0, 0, 0}}, Axis{{0, 0, -1}, {0, 0, 500}}, Axis{{1, 0, 0}, {0, 0, 700}}};
