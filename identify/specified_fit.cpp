@@ -80,13 +80,18 @@ Worst worst_of(const std::vector<DhEstimate>& dh, const std::vector<DhRow>& spec
     const auto askew = [&](std::size_t row) {
       return parallel(specified[row]) && dh[row].relation != Relation::parallel;
     };
+    // Of axes that are one by specification, and a little apart, the normal points anywhere.
+    const auto one = [&](std::size_t row) {
+      return parallel(specified[row]) && std::abs(specified[row].a_mm) < length;
+    };
     const bool loose = askew(i) || (i > 0 && askew(i - 1));
     judge(i, "alpha", dh[i].alpha_rad, specified[i].alpha_rad, kMostTwist_rad);
     if (loose) continue;
     judge(i, "a", dh[i].a_mm, specified[i].a_mm, length);
     if (i == 0) continue;  // where the base stands
     judge(i, "b", dh[i].b_mm, specified[i].b_mm, length);
-    if (home_rad[i]) judge(i, "theta", dh[i].theta_rad, specified[i].theta_rad, kMostOff_rad);
+    if (home_rad[i] && !one(i) && !one(i - 1))
+      judge(i, "theta", dh[i].theta_rad, specified[i].theta_rad, kMostOff_rad);
   }
   return worst;
 }
@@ -200,15 +205,16 @@ class Explanation {
   }
 
  private:
-  /// In a mirror right-hand rotations are left-hand ones.
+  /// In a mirror right-hand rotations are left-hand ones; what moves along a line does so there.
   static Axes mirrored(Axes axes) {
     const Eigen::Vector3d mirror(1, 1, -1);
     for (auto& axis : axes) {
       if (!axis) continue;
+      const Eigen::Vector3d turned = axis->linear ? mirror : Eigen::Vector3d(-mirror);
       axis->point_mm = mirror.asDiagonal() * axis->point_mm;
-      axis->direction = -(mirror.asDiagonal() * axis->direction);
+      axis->direction = turned.asDiagonal() * axis->direction;
       Eigen::Matrix<double, 6, 1> both;
-      both << -mirror, mirror;
+      both << turned, mirror;
       axis->covariance = both.asDiagonal() * axis->covariance * both.asDiagonal();
     }
     return axes;
@@ -228,10 +234,11 @@ class Explanation {
       Axes tried = z;
       for (std::size_t k = 0; k < z.size(); ++k)
         if (tried[k] && (flips >> k & 1) != 0) tried[k] = tried[k]->reversed();
+      // A few metres of height, of which nothing may tell, change numbers by millimetres: they are
+      // compared all the same, or any order of parallel joints would fit.
       if (campaign_.device_frame) tried = seen_from_base(std::move(tried), size, specified);
-      auto table = extract_dh(tried, size, specified);
-      if (campaign_.device_frame) leave_to_height(table, tried, size, specified);
-      if (worst_of(table, specified, home_rad).excess <= 1) return true;
+      if (worst_of(extract_dh(tried, size, specified), specified, home_rad).excess <= 1)
+        return true;
     }
     return false;
   }
@@ -252,22 +259,28 @@ std::optional<Warning> explained(const Explanation& explanation, const Identific
       return Warning{"unit_factor", {}, std::string("all lengths are ") + unit.text};
   }
   if (explanation.fits_with_other_senses()) return std::nullopt;
+  std::optional<std::size_t> negated;
+  for (std::size_t j = 0; j < joints && !negated; ++j)
+    if (explanation.fits_negated(j)) negated = j;
+  // The mirror image of a SCARA is that SCARA, with a third joint that goes the other way.
   if (explanation.fits_mirrored())
     return Warning{"frame_mirrored",
                    {},
                    "the measurement frame is mirrored (left-handed): with one coordinate negated "
-                   "the positions fit the specified table"};
+                   "the positions fit the specified table" +
+                       (negated ? ". So they do with the angles of " + joint_name(*negated) +
+                                      " negated: see which of the two it is"
+                                : std::string())};
   if (explanation.fits_in_radians(found.joints))
     return Warning{"unit_factor",
                    {},
                    "the angles look like radians: so taken, strokes and home fit. Give them in "
                    "degrees"};
-  for (std::size_t j = 0; j < joints; ++j)
-    if (explanation.fits_negated(j))
-      return Warning{"angles_negated", j,
-                     "the angles of " + joint_name(j) +
-                         " have the other sign: negated they fit the specified table. Negate them, "
-                         "or correct `positive` in the description"};
+  if (negated)
+    return Warning{"angles_negated", negated,
+                   "the angles of " + joint_name(*negated) +
+                       " have the other sign: negated they fit the specified table. Negate them, "
+                       "or correct `positive` in the description"};
   std::string pairs;
   std::optional<std::size_t> first;
   for (std::size_t i = 0; i < joints; ++i)

@@ -97,21 +97,31 @@ std::optional<Warning> contradiction(const std::vector<Pose>& poses, const Campa
   }
   const double as_is = misfit(some, campaign, targets);
   if (as_is < kMisfit_mm) return std::nullopt;
-  const Mistake* best = nullptr;
-  double least = kExplained * as_is;
   const auto all = mistakes(campaign.joints);
+  std::vector<double> left;
   for (const Mistake& mistake : all) {
     auto mended = some;
     for (Pose& pose : mended) mistake.mend(pose);
-    const double left = misfit(mended, campaign, targets);
-    if (left >= least) continue;
-    least = left;
-    best = &mistake;
+    left.push_back(misfit(mended, campaign, targets));
   }
+  const auto best = std::min_element(left.begin(), left.end());
+  const double explained = kExplained * as_is;
   const std::string off = "the poses lie " + brief(as_is) +
                           " mm from where the described arm has them, its base, tool and zeros let "
                           "go";
-  if (best != nullptr) return Warning{best->code, {}, off + "; it looks as if " + best->text};
+  if (*best < explained) {
+    const Mistake& likeliest = all[static_cast<std::size_t>(best - left.begin())];
+    std::string text = off + "; it looks as if " + likeliest.text;
+    bool alone = true;
+    // The mirror image of a SCARA is that SCARA, with a third joint that goes the other way.
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      if (&all[k] == &likeliest || !(left[k] < std::min(explained, kMisfit_mm))) continue;
+      text += ". Or " + all[k].text;
+      alone = false;
+    }
+    if (!alone) text += ". See which of them it is";
+    return Warning{likeliest.code, {}, std::move(text)};
+  }
   return Warning{"pose_misfit",
                  {},
                  off +

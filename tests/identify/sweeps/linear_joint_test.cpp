@@ -81,6 +81,20 @@ ToldWay told_mm(double range) {
   return {range * kDegree, 1};
 }
 
+std::vector<Pose> scara_poses(const Arm& built, std::uint32_t seed) {
+  identify::test::Campaign at(built, {0, 0.02, seed});
+  std::vector<Pose> poses;
+  for (int k = 0; k < 24; ++k) {
+    at.move_all({{0, -25.0 + (37 * k) % 90},
+                 {1, 15.0 + (53 * k) % 90},
+                 {2, 20.0 + (71 * k) % 160},
+                 {3, -75.0 + (29 * k) % 90}},
+                100);
+    poses.push_back({at.samples().back(), 0, "pose " + std::to_string(k + 1), {}});
+  }
+  return poses;
+}
+
 }  // namespace
 
 TEST_CASE("A line is told from an arc by its bend, and neither where noise hides it",
@@ -153,21 +167,44 @@ TEST_CASE("A SCARA's linear joint is identified: its direction, its row, and wha
   CHECK_THAT(*found.home_rad[2] / kDegree, WithinAbs(100, 1e-6));
 }
 
+TEST_CASE("A mirrored frame is told of arms with linear joints, and what else it may be",
+          "[linear_joint][long]") {
+  const auto doubt = [](std::vector<Sweep> sweeps, const Arm& specified) {
+    const auto mirrored = changed(std::move(sweeps), [](Sweep&, std::vector<Sample>& samples) {
+      for (Sample& sample : samples) sample.position_mm.y() *= -1;
+    });
+    const auto found = identify::identify(mirrored, for_arm(specified));
+    REQUIRE_FALSE(found.doubts.empty());
+    CHECK(found.status == Status::doubtful);
+    CHECK(found.doubts.front().code == "frame_mirrored");
+    return found.doubts.front().message;
+  };
+  const identify::test::Noise noise{0, 0.02, 4};
+  const std::string negated = "So they do with the angles of joint 3 negated";
+  CHECK_THAT(doubt(linear_unit_sweeps(as_built(on_linear_unit(), 4), noise), on_linear_unit()),
+             !ContainsSubstring("So they do"));
+  CHECK_THAT(doubt(scara_sweeps(as_built(scara(), 3), noise), scara()), ContainsSubstring(negated));
+}
+
+TEST_CASE("What may be wrong with poses of a SCARA is all named", "[linear_joint]") {
+  Arm specified = scara();
+  specified.positive[2] *= -1;
+  const auto found =
+      identify::identify({}, for_arm(specified), scara_poses(as_built(scara(), 3), 103));
+  REQUIRE_FALSE(found.doubts.empty());
+  const std::string& message = found.doubts.front().message;
+  CHECK_THAT(message, ContainsSubstring("the positions are in a left-handed frame: negate one"));
+  CHECK_THAT(message, ContainsSubstring("the angles of joint 3 have the other sign: negate them"));
+  CHECK_THAT(message,
+             ContainsSubstring(". Or the ") && ContainsSubstring("See which of them it is"));
+}
+
 TEST_CASE("Poses beside sweeps make a SCARA's numbers no less certain", "[linear_joint]") {
   for (const std::uint32_t seed : {3U, 5U, 8U}) {
     CAPTURE(seed);
     const Arm built = as_built(scara(), seed);
     const identify::test::Noise noise{0, 0.02, seed};
-    identify::test::Campaign at(built, {0, 0.02, seed + 100});
-    std::vector<Pose> poses;
-    for (int k = 0; k < 24; ++k) {
-      at.move_all({{0, -25.0 + (37 * k) % 90},
-                   {1, 15.0 + (53 * k) % 90},
-                   {2, 20.0 + (71 * k) % 160},
-                   {3, -75.0 + (29 * k) % 90}},
-                  100);
-      poses.push_back({at.samples().back(), 0, "pose " + std::to_string(k + 1), {}});
-    }
+    const auto poses = scara_poses(built, seed + 100);
     const auto sweeps = identify::identify(scara_sweeps(built, noise), for_arm(scara()));
     const auto both = identify::identify(scara_sweeps(built, noise), for_arm(scara()), poses);
     INFO(both.reason);
