@@ -304,7 +304,7 @@ class Assigner {
       if (!plan_.tells_sense(joint))
         found_.senses_known = found_.senses_known && senses_found_;
       else if (!plan_.explains(turns_[t], joint, chosen_.senses[t]))
-        (plan_.explains(turns_[t], joint, -chosen_.senses[t]) ? found_.against_plan : against)
+        (plan_.tells(turns_[t], joint, -chosen_.senses[t]) ? found_.against_plan : against)
             .push_back(joint);
     }
     if (against.empty() && found_.against_plan.empty()) return;

@@ -36,6 +36,35 @@ double difference(double angle, double wanted, bool whole, double unsure) {
   return (angle - wanted) / (kDegree + (0.02 + unsure) * std::abs(wanted));
 }
 
+/// The cheapest way to lay the strokes that were seen beside the planned ones, which may have been
+/// run several times: the edit distance. What the stream saw in pieces may be one stroke, and so
+/// may what paused.
+double distance(const std::vector<double>& planned, const Turn& turn, int sense) {
+  const auto& seen = turn.strokes;
+  const std::size_t repeats =
+      std::max<std::size_t>(1, (whole_strokes(turn) + planned.size() / 2) / planned.size());
+  std::vector<std::vector<double>> cost(seen.size() + 1,
+                                        std::vector<double>(1 + repeats * planned.size()));
+  for (std::size_t k = 1; k < cost[0].size(); ++k) cost[0][k] = cost[0][k - 1] + kUnseen;
+  for (std::size_t i = 1; i <= seen.size(); ++i) {
+    cost[i][0] = cost[i - 1][0] + kStray;
+    for (std::size_t k = 1; k < cost[i].size(); ++k) {
+      const double wanted = planned[(k - 1) % planned.size()];
+      cost[i][k] = std::min(cost[i - 1][k] + kStray, cost[i][k - 1] + kUnseen);
+      double angle = 0;
+      for (std::size_t first = i; first-- > 0;) {
+        angle += seen[first].angle_rad;
+        const bool whole = seen[first].begin_seen && seen[i - 1].end_seen;
+        const double off = difference(sense * angle, wanted, whole, turn.unsure);
+        cost[i][k] = std::min(cost[i][k], cost[first][k - 1] + off * off);
+        if (!seen[first].gap_rad && !seen[first].goes_on) break;
+        angle += seen[first].gap_rad.value_or(0);
+      }
+    }
+  }
+  return cost.back().back();
+}
+
 }  // namespace
 
 PlannedTurns::PlannedTurns(const Campaign& campaign)
@@ -59,36 +88,10 @@ PlannedTurns::PlannedTurns(const Campaign& campaign)
 }
 
 double PlannedTurns::misfit(const Turn& turn, std::size_t joint, int sense) const {
-  const auto& planned = strokes_[joint];
-  const auto& seen = turn.strokes;
-  const bool begins_otherwise = first_[joint] * sense * seen.front().angle_rad < 0;
-  if (planned.empty()) return begins_otherwise ? kStray : 0;
-  // The cheapest way to lay the strokes that were seen beside the planned ones, which may have
-  // been run several times: the edit distance. What the stream saw in pieces may be one stroke,
-  // and so may what paused.
-  const std::size_t repeats =
-      std::max<std::size_t>(1, (whole_strokes(turn) + planned.size() / 2) / planned.size());
-  std::vector<std::vector<double>> cost(seen.size() + 1,
-                                        std::vector<double>(1 + repeats * planned.size()));
-  for (std::size_t k = 1; k < cost[0].size(); ++k) cost[0][k] = cost[0][k - 1] + kUnseen;
-  for (std::size_t i = 1; i <= seen.size(); ++i) {
-    cost[i][0] = cost[i - 1][0] + kStray;
-    for (std::size_t k = 1; k < cost[i].size(); ++k) {
-      const double wanted = planned[(k - 1) % planned.size()];
-      cost[i][k] = std::min(cost[i - 1][k] + kStray, cost[i][k - 1] + kUnseen);
-      double angle = 0;
-      for (std::size_t first = i; first-- > 0;) {
-        angle += seen[first].angle_rad;
-        const bool whole = seen[first].begin_seen && seen[i - 1].end_seen;
-        const double off = difference(sense * angle, wanted, whole, turn.unsure);
-        cost[i][k] = std::min(cost[i][k], cost[first][k - 1] + off * off);
-        if (!seen[first].gap_rad && !seen[first].goes_on) break;
-        angle += seen[first].gap_rad.value_or(0);
-      }
-    }
-  }
   constexpr double kHint = 1e-3;  // where nothing else tells, the first stroke is seen
-  return cost.back().back() + (begins_otherwise ? kHint : 0);
+  const bool begins_otherwise = first_[joint] * sense * turn.strokes.front().angle_rad < 0;
+  if (strokes_[joint].empty()) return begins_otherwise ? kStray : 0;
+  return distance(strokes_[joint], turn, sense) + (begins_otherwise ? kHint : 0);
 }
 
 bool PlannedTurns::explains(const Turn& turn, std::size_t joint, int sense) const {
@@ -96,6 +99,27 @@ bool PlannedTurns::explains(const Turn& turn, std::size_t joint, int sense) cons
       kUnseen * static_cast<double>(strokes_[joint].size() -
                                     std::min(strokes_[joint].size(), whole_strokes(turn)));
   return misfit(turn, joint, sense) < kStray + unseen;
+}
+
+bool PlannedTurns::tells(const Turn& turn, std::size_t joint, int sense) const {
+  return explains(turn, joint, sense) ||
+         (begins(turn, joint, sense) && !begins(turn, joint, -sense));
+}
+
+bool PlannedTurns::begins(const Turn& turn, std::size_t joint, int sense) const {
+  constexpr double kAsLong = 0.8;
+  const auto& planned = strokes_[joint];
+  const auto longest = std::max_element(
+      planned.begin(), planned.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+  if (longest == planned.end()) return false;
+  Turn head = turn;
+  const auto first =
+      std::find_if(head.strokes.begin(), head.strokes.end(), [&](const Turn::Stroke& stroke) {
+        return std::abs(stroke.angle_rad) > kAsLong * std::abs(*longest);
+      });
+  if (first == head.strokes.end()) return false;
+  head.strokes.erase(first + 1, head.strokes.end());
+  return distance({planned.begin(), longest + 1}, head, sense) < kStray;
 }
 
 double PlannedTurns::misfit(const std::vector<Turn>& turns, const JointOrder& order) const {

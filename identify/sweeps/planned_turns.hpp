@@ -27,6 +27,9 @@ class PlannedTurns {
   [[nodiscard]] double misfit(const std::vector<Turn>& turns, const JointOrder& order) const;
   [[nodiscard]] bool explains(const std::vector<Turn>& turns, const JointOrder& order) const;
   [[nodiscard]] bool tells_sense(std::size_t joint) const;
+  /// Whether the plan, which does not explain the other sense, tells this one: by all strokes, or
+  /// by those up to the longest, as where there is a way back that the plan does not have.
+  [[nodiscard]] bool tells(const Turn& turn, std::size_t joint, int sense) const;
   /// Which of the turns agree best with the plan's joints, in its order: a joint for each, or
   /// kNoJoint where there are more turns than joints. At least as many turns as joints.
   [[nodiscard]] std::vector<std::size_t> joints_of(const std::vector<Turn>& turns) const;
@@ -37,6 +40,7 @@ class PlannedTurns {
 
  private:
   [[nodiscard]] double misfit(const Turn& turn, std::size_t joint) const;
+  [[nodiscard]] bool begins(const Turn& turn, std::size_t joint, int sense) const;
 
   bool given_ = false;
   std::vector<std::size_t> order_;

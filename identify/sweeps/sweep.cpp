@@ -20,7 +20,7 @@ std::string_view remedy(SweepDefect defect, bool linear) noexcept {
       return linear ? "its strokes are shorter than 5 mm: move it further"
                     : "its arcs are shorter than 5°: sweep it further";
     case SweepDefect::too_few_samples:
-      return "its sweeps have too few samples: move it slower";
+      return "its sweeps have too few samples: move it slower, or measure more points";
     case SweepDefect::other_joint_moved:
       return "another joint moved along by more than 0.03°: move one joint at a time";
     case SweepDefect::not_an_arc:

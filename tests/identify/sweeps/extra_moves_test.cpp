@@ -156,6 +156,32 @@ TEST_CASE("a move of all joints from a park pose to home and back is no joint's"
   }
 }
 
+TEST_CASE("a plan that does not have the ways back tells a frame that is mirrored",
+          "[joint_assignment][extra_moves]") {
+  Run run(1);
+  run.campaign.rest(1);
+  for (const std::size_t joint : {4U, 0U, 3U, 1U, 2U, 5U}) {
+    const double home = run.home_deg(joint);
+    run.move(joint, home - 40, 40);
+    run.move(joint, home + 40);
+    run.move(joint, home - 40);
+    run.move(joint, home, 40);
+    run.declare(joint, {-40, 80, -40});
+  }
+  const auto seen = run.strokes();
+  const auto right = identify::identify(seen, run.known);
+  CHECK(right.status == Status::complete);
+  CHECK(std::none_of(right.joints.begin(), right.joints.end(),
+                     [](const JointResult& joint) { return joint.against_plan; }));
+  const auto mirrored = test::changed(seen, [](Sweep&, std::vector<Sample>& samples) {
+    for (Sample& sample : samples) sample.position_mm.y() *= -1;
+  });
+  const auto found = identify::identify(mirrored, run.known);
+  CHECK(found.status == Status::doubtful);
+  REQUIRE_FALSE(found.doubts.empty());
+  CHECK(found.doubts.front().code == "frame_mirrored");
+}
+
 TEST_CASE("moves of several joints between the sweeps are no joint's",
           "[joint_assignment][extra_moves]") {
   for (std::uint32_t seed = 1; seed <= 6; ++seed) {
