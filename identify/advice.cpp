@@ -219,7 +219,7 @@ class Adviser {
 
   void judge_speed(std::size_t j) {
     const auto moved = joint_motion(found_.joints[j]);
-    if (!moved || moved->speed_mm_s <= kFast_mm_s) return;
+    if (!campaign_.timed || !moved || moved->speed_mm_s <= kFast_mm_s) return;
     warn("speed_high", j,
          "the target moved at " + fixed(moved->speed_mm_s, 0) + " mm/s, " +
              fixed(moved->step_mm, 1) +

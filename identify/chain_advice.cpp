@@ -33,7 +33,7 @@ class ChainAdviser {
   std::vector<Warning> run() {
     judge_samples();
     judge_unknown_joints();
-    judge_uneven_joints(chain_.effects);
+    if (chain_.summary.converged) judge_uneven_joints(chain_.effects);
     for (Warning& one : joints_along(found_, false)) warnings_.push_back(std::move(one));
     if (chain_.home_scatter_mm > kHomeScatter_mm)
       warn("home_not_shared", {},

@@ -336,7 +336,7 @@ Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign,
     found.status = Status::partial;
     found.reason += (found.reason.empty() ? "" : "; ") + found.doubt;
   }
-  if (campaign.motion_limit)  // a stream that tells targets and not angles
+  if (campaign.timed)
     if (auto moved = changed_distances(found)) found.doubts.push_back(*std::move(moved));
   judge_plausibility(found, campaign);
   apply_doubts(found);

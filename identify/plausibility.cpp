@@ -281,7 +281,10 @@ void judge_plausibility(Identification& found, const Campaign& campaign) {
     found.doubts.push_back(std::move(*contradiction));
   judge.judge_strokes(campaign.resolution);
   for (Warning& one : joints_along(found, true)) found.doubts.push_back(std::move(one));
-  judge_home(found, campaign.timed);
+  // A target that was moved on the tool has no place at home.
+  if (std::none_of(found.doubts.begin(), found.doubts.end(),
+                   [](const Warning& one) { return one.code == "target_moved"; }))
+    judge_home(found, campaign.timed);
   judge_linear_joints(found);
   judge.judge_fit();
 }

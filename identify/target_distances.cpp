@@ -47,7 +47,8 @@ std::optional<Distance> distance_in(const Sweep& first, const Sweep& second) {
   for (const Sample& sample : *first.samples) {
     while (other != second.samples->end() && other->time_s < sample.time_s) ++other;
     if (other == second.samples->end()) break;
-    if (other->time_s == sample.time_s && sample.has_position && other->has_position)
+    if (other->time_s == sample.time_s && other->angles_rad == sample.angles_rad &&
+        sample.has_position && other->has_position)
       seen_mm.push_back((sample.position_mm - other->position_mm).norm());
   }
   if (seen_mm.size() < kFewestPictures) return std::nullopt;

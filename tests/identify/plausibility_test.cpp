@@ -227,6 +227,25 @@ TEST_CASE("a mirrored frame is told from the plan where the arm's mirror image i
   }
 }
 
+TEST_CASE("one of several targets that slipped is told as that, and no home is said to be off",
+          "[plausibility][long]") {
+  for (const std::uint32_t seed : {1U, 2U, 3U}) {
+    CAPTURE(seed);
+    simulation::Robot robot = some_kr5(seed, 3);
+    const Simulation before(robot, {}, tracker(true), seed);
+    robot.targets_mm[1] += Eigen::Vector3d(2, -2, 1);
+    const auto later = Simulation(robot, {}, tracker(true), seed).sweeps();
+    auto sweeps = before.sweeps();
+    for (std::size_t s = 0; s < sweeps.size(); ++s)
+      if (*sweeps[s].joint >= 3) sweeps[s] = later[s];
+    const auto found = identify::identify(sweeps, before.campaign());
+    check_doubt(found, "target_moved");
+    CHECK_THAT(found.doubts.front().message, ContainsSubstring("target 2 was moved on the tool"));
+    CHECK(std::none_of(found.doubts.begin(), found.doubts.end(),
+                       [](const Warning& one) { return one.code == "off_home"; }));
+  }
+}
+
 TEST_CASE("a device that was moved between two sweeps is told from joints that scatter",
           "[plausibility][long]") {
   const auto seed = GENERATE(1U, 2U, 3U);
