@@ -158,7 +158,7 @@ TEST_CASE("speeds are whole per cent of what an axis can do, never more than the
     } else {
       const double one_percent_deg_s = known.limits[joint - 1].max_speed_deg_s / 100;
       CHECK(percent * one_percent_deg_s <= plan.sweeps[sweep].speed_deg_s);
-      CHECK(percent * one_percent_deg_s > plan.sweeps[sweep].speed_deg_s - one_deg_s);
+      CHECK(percent * one_percent_deg_s > plan.sweeps[sweep].speed_deg_s - one_percent_deg_s);
     }
     ++sweep;
   }
