@@ -33,9 +33,10 @@ class ChainAdviser {
   std::vector<Warning> run() {
     judge_samples();
     judge_unknown_joints();
-    if (chain_.summary.converged) judge_uneven_joints(chain_.effects);
+    const bool ended = chain_.summary.converged;  // figures of what did not end may be anything
+    if (ended) judge_uneven_joints(chain_.effects);
     for (Warning& one : joints_along(found_, false)) warnings_.push_back(std::move(one));
-    if (chain_.home_scatter_mm > kHomeScatter_mm)
+    if (ended && chain_.home_scatter_mm > kHomeScatter_mm)
       warn("home_not_shared", {},
            "from sweep to sweep the target stood off home by " + brief(chain_.home_scatter_mm) +
                " mm (1 sigma): keep the target where it is on the tool, lock the other joints at "

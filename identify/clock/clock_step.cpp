@@ -34,9 +34,9 @@ Beyond beyond(const Motion& one, const Motion& other, const ToOther& to_other) {
 /// The step that most of them fit.
 std::optional<ClockStep> step_of(const std::vector<Span>& device,
                                  const std::vector<Span>& controller, const ClockMatch& match) {
-  constexpr std::size_t kFewest = 2;
+  constexpr std::size_t kFewestMoves = 2;
   std::optional<ClockStep> found;
-  std::size_t most = kFewest - 1;
+  std::size_t most = kFewestMoves - 1;
   const std::size_t enough = std::min(device.size(), controller.size()) / 2;
   for (const Span& d : device)
     for (const Span& c : controller) {

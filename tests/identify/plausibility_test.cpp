@@ -231,10 +231,12 @@ TEST_CASE("one of several targets that slipped is told as that, and no home is s
           "[plausibility][long]") {
   for (const std::uint32_t seed : {1U, 2U, 3U}) {
     CAPTURE(seed);
+    Strokes how;
+    how.targets_at_once = true;
     simulation::Robot robot = some_kr5(seed, 3);
-    const Simulation before(robot, {}, tracker(true), seed);
+    const Simulation before(robot, how, tracker(true), seed);
     robot.targets_mm[1] += Eigen::Vector3d(2, -2, 1);
-    const auto later = Simulation(robot, {}, tracker(true), seed).sweeps();
+    const auto later = Simulation(robot, how, tracker(true), seed).sweeps();
     auto sweeps = before.sweeps();
     for (std::size_t s = 0; s < sweeps.size(); ++s)
       if (*sweeps[s].joint >= 3) sweeps[s] = later[s];
