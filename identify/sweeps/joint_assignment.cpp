@@ -29,8 +29,8 @@ Order without_none(Order joints) {
 }
 
 std::vector<Axis> axes_of(const std::vector<Turn>& turns) {
-  std::vector<Axis> axes;
-  for (const Turn& turn : turns) axes.push_back(turn.axis);
+  std::vector<Axis> axes(turns.size());
+  for (std::size_t t = 0; t < turns.size(); ++t) axes[t] = turns[t].axis;
   return axes;
 }
 
