@@ -54,6 +54,20 @@ inline Arm on_lift() {
   return arm;
 }
 
+/// A cylindrical robot: it turns, lifts along that axis, reaches out, and has a wrist (R P P R R
+/// R).
+inline Arm cylindrical() {
+  Arm arm;
+  arm.rows = {
+      {300, 10 * kDegree, 0, 0},          {300, 0, 0, -90 * kDegree},          {500, 0, 0, 0},
+      {0, 20 * kDegree, 0, 90 * kDegree}, {0, 50 * kDegree, 0, -90 * kDegree}, {0, 0, 0, 0}};
+  arm.home_rad = {10 * kDegree, 300 * kDegree, 500 * kDegree, 20 * kDegree, 50 * kDegree, 0};
+  arm.positive = {1, 1, 1, 1, 1, 1};
+  arm.linear = {false, true, true, false, false, false};
+  arm.tool_mm = {120, 50, 80};
+  return arm;
+}
+
 /// As built: what a result can tell is off by tenths of a millimetre and hundredths of a degree.
 inline Arm as_built(Arm arm, std::uint32_t seed) {
   std::mt19937 random(1000 + seed);
@@ -99,6 +113,18 @@ inline std::vector<Sweep> scara_sweeps_both_ways(const Arm& arm, Noise noise) {
       .sweep(2, 180, 20)
       .sweep(3, -75, 15)
       .sweep(3, 15, -75);
+  return segment(campaign.samples(), {}, arm.joints());
+}
+
+inline std::vector<Sweep> cylindrical_sweeps(const Arm& arm, Noise noise) {
+  Campaign campaign(arm, noise);
+  campaign.rest()
+      .sweep(0, -35, 55)
+      .sweep(1, 100, 500)
+      .sweep(2, 300, 700)
+      .sweep(3, -25, 65)
+      .sweep(4, 5, 95)
+      .sweep(5, -45, 45);
   return segment(campaign.samples(), {}, arm.joints());
 }
 

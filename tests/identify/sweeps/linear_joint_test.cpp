@@ -15,6 +15,8 @@ using Catch::Matchers::WithinAbs;
 using Eigen::Vector3d;
 using identify::test::as_built;
 using identify::test::changed;
+using identify::test::cylindrical;
+using identify::test::cylindrical_sweeps;
 using identify::test::find_warning;
 using identify::test::for_arm;
 using identify::test::kr5_arc;
@@ -184,6 +186,30 @@ TEST_CASE("A mirrored frame is told of arms with linear joints, and what else it
   CHECK_THAT(doubt(linear_unit_sweeps(as_built(on_linear_unit(), 4), noise), on_linear_unit()),
              !ContainsSubstring("So they do"));
   CHECK_THAT(doubt(scara_sweeps(as_built(scara(), 3), noise), scara()), ContainsSubstring(negated));
+}
+
+TEST_CASE("A wrong length in a SCARA's description is no exchange of its joints",
+          "[linear_joint][long]") {
+  Arm specified = scara();
+  specified.rows[1].a_mm += 50;
+  auto campaign = for_arm(specified);
+  campaign.device_frame = true;
+  const auto found = identify::identify(scara_sweeps(as_built(scara(), 3), {0, 0.02, 3}), campaign);
+  REQUIRE_FALSE(found.doubts.empty());
+  CHECK(found.doubts.front().code == "specified_contradicted");
+  CHECK_THAT(found.doubts.front().message, ContainsSubstring("specified is 350.0 mm"));
+}
+
+TEST_CASE("Axes that are one by specification stand a little apart, and their normal anywhere",
+          "[linear_joint][long]") {
+  auto campaign = for_arm(cylindrical());
+  campaign.device_frame = true;
+  for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+    const auto found = identify::identify(
+        cylindrical_sweeps(as_built(cylindrical(), seed), {0, 0.02, seed}), campaign);
+    INFO(seed << ": " << found.reason);
+    CHECK(found.doubts.empty());
+  }
 }
 
 TEST_CASE("What may be wrong with poses of a SCARA is all named", "[linear_joint]") {
