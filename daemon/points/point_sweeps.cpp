@@ -14,6 +14,7 @@
 #include "daemon/text/units.hpp"
 #include "identify/geometry/circle_fit.hpp"
 #include "identify/geometry/median.hpp"
+#include "identify/sweeps/moved.hpp"
 #include "identify/sweeps/position_segmentation.hpp"
 #include "identify/sweeps/sample.hpp"
 #include "identify/sweeps/segmentation.hpp"
@@ -25,10 +26,6 @@ namespace {
 using identify::Sample;
 using identify::Sweep;
 using identify::SweepDefect;
-
-/// No sweep is so small; in sizes of the noise, rests are smaller.
-constexpr double kSmallest_mm = 10;
-constexpr double kMovedSizes = 100;
 
 /// Points of one target that belong together.
 struct PointGroup {
@@ -162,11 +159,11 @@ void check_times(const PointsFile& file) {
 
 void check_positions(const PointsFile& file, double noise_mm) {
   const double moved = moved_mm(file);
-  if (moved < kSmallest_mm && moved > kMovedSizes * noise_mm)
+  if (moved < identify::kSmallestMove_mm && moved > identify::kMovedSizes * noise_mm)
     throw CsvError(
         fmt::format("{}: expected positions that move by {} mm or more, found {:.4g} mm in all: "
                     "name the columns x_m, y_m, z_m, if these are metres",
-                    file.path.string(), kSmallest_mm, moved));
+                    file.path.string(), identify::kSmallestMove_mm, moved));
 }
 
 void check_angles(const PointsFile& file) {

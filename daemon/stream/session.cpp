@@ -78,14 +78,13 @@ std::string missing_signals(const SignalNames& names, std::size_t joints,
   return rsi::printable(text);
 }
 
+namespace {
+
+/// What one in a hundred telegrams lacks, and others have.
 std::string lost_signals(const SampleReader::Incomplete& of) {
-  const auto some = [&](std::uint64_t without) {
-    constexpr std::uint64_t kFew = 100;  // one of so many is noise
-    return without < of.samples && kFew * without > of.samples;
-  };
   std::string text;
   const auto add = [&](std::uint64_t without, const char* what) {
-    if (!some(without)) return;
+    if (without == of.samples || 100 * without <= of.samples) return;
     text += (text.empty() ? "" : "; ") +
             fmt::format("{} of {} have no {} that can be read, and the others have", without,
                         rsi::counted(of.samples, "telegram"), what);
@@ -95,6 +94,8 @@ std::string lost_signals(const SampleReader::Incomplete& of) {
   if (!text.empty()) text += ": see what changes what is sent while the stream goes on";
   return text;
 }
+
+}  // namespace
 
 Session::Session(const RobotSetup& setup, std::string source_kind, StreamSink& sink,
                  std::string_view first)

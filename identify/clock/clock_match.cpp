@@ -41,14 +41,6 @@ std::vector<Span> in_order(std::vector<Span> spans) {
   return spans;
 }
 
-/// Two clocks that may match: what one shows beyond the other, at the time of `at_s`.
-struct ClockLine {
-  double ahead_s = 0, rate = 0, at_s = 0;
-  [[nodiscard]] double device_s(double controller_s) const {
-    return controller_s + ahead_s + rate * (controller_s - at_s);
-  }
-};
-
 struct Pair {
   double controller_s = 0;
   double off_s = 0;  ///< of the device's middle from the line
@@ -96,21 +88,21 @@ class Matcher {
 
   /// The line through the middles of the motions that lie near it.
   [[nodiscard]] std::optional<ClockMatch> refined(double ahead_s) {
-    ClockLine line{ahead_s, 0, 0};
     const double span = c_.back().middle_s() - c_.front().middle_s();
     double near = kSameMove_s + 2 * kUsualRate * span;
     ClockMatch match;
+    match.ahead_s = ahead_s;
     hidden_s_.reset();
     for (int round = 0; round < 6; ++round) {
-      pairs_ = pairs_of(line, near);
+      pairs_ = pairs_of(match, near);
       if (pairs_.size() < kFewest) return std::nullopt;
       hidden_s_ = usually_hidden_s();
-      fit(line, match);
+      fit(match);
       near = std::clamp(4 * scatter_, kNear_s, kSameMove_s);
     }
-    pairs_ = pairs_of(line, kSameMove_s);
+    pairs_ = pairs_of(match, kSameMove_s);
     match.matched = pairs_.size();
-    match.strange = strange(line);
+    match.strange = strange(match);
     if (std::abs(match.rate) > kMostRate) return std::nullopt;
     return match;
   }
@@ -150,7 +142,7 @@ class Matcher {
     return std::clamp(median_of(std::move(hidden)), 0.0, kMostHidden_s);
   }
 
-  [[nodiscard]] std::vector<Pair> pairs_of(const ClockLine& line, double near) const {
+  [[nodiscard]] std::vector<Pair> pairs_of(const ClockMatch& line, double near) const {
     std::vector<Pair> pairs;
     for (const Span& d : d_) {
       const Span* best = nullptr;
@@ -168,7 +160,7 @@ class Matcher {
     return pairs;
   }
 
-  void fit(ClockLine& line, ClockMatch& match) {
+  void fit(ClockMatch& line) {
     double at = 0;
     for (const Pair& pair : pairs_) at += pair.controller_s / static_cast<double>(pairs_.size());
     line.ahead_s += line.rate * (at - line.at_s);
@@ -196,11 +188,8 @@ class Matcher {
     line.ahead_s += (wtt * wy - wt * wty) / determinant;
     line.rate += (w * wty - wt * wy) / determinant;
     scatter_ = sigma;
-    match.ahead_s = line.ahead_s;
-    match.rate = line.rate;
-    match.at_s = at;
-    match.sigma_s = sigma * std::sqrt(wtt / determinant);
-    match.rate_sigma = sigma * std::sqrt(w / determinant);
+    line.sigma_s = sigma * std::sqrt(wtt / determinant);
+    line.rate_sigma = sigma * std::sqrt(w / determinant);
   }
 
   [[nodiscard]] double scatter_within(std::size_t cut) const {
@@ -215,7 +204,7 @@ class Matcher {
   }
 
   /// Motions that one saw, and the other did not though it looked.
-  [[nodiscard]] std::size_t strange(const ClockLine& line) const {
+  [[nodiscard]] std::size_t strange(const ClockMatch& line) const {
     const auto unmatched = [&](const Span& c) {
       return std::none_of(d_.begin(), d_.end(), [&](const Span& d) {
         return std::abs(d.middle_s() - line.device_s(c.middle_s())) <= kSameMove_s &&
@@ -227,12 +216,9 @@ class Matcher {
       if (is_within(device_.seen, {line.device_s(c.begin_s), line.device_s(c.end_s)}) &&
           unmatched(c))
         ++count;
-    const auto controller_s = [&](double device_s) {
-      return line.at_s + (device_s - line.ahead_s - line.at_s) / (1 + line.rate);
-    };
     for (const Span& d : d_) {
       const bool looked =
-          is_within(controller_.seen, {controller_s(d.begin_s), controller_s(d.end_s)});
+          is_within(controller_.seen, {line.controller_s(d.begin_s), line.controller_s(d.end_s)});
       const bool is_matched = std::any_of(pairs_.begin(), pairs_.end(), [&](const Pair& pair) {
         return pair.device_s == d.middle_s();
       });

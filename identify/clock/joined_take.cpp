@@ -10,6 +10,7 @@
 #include "identify/geometry/median.hpp"
 #include "identify/geometry/warning.hpp"
 #include "identify/poses/arm_fit.hpp"
+#include "identify/sweeps/moved.hpp"
 #include "identify/sweeps/segmentation.hpp"
 
 namespace identify {
@@ -220,8 +221,6 @@ std::string set_back(const std::vector<Measured>& points) {
 
 /// What hides all motion, where times or positions are in another unit.
 std::string in_another_unit(const std::vector<TargetTrack>& tracks) {
-  constexpr double kSmallest_mm = 10;
-  constexpr double kMovedSizes = 100;  // of what points scatter by
   std::vector<double> steps_s, steps_mm;
   double moved_mm = 0;
   for (const auto& [times, positions] : tracks) {
@@ -237,7 +236,7 @@ std::string in_another_unit(const std::vector<TargetTrack>& tracks) {
   if (step_s > kLongestGap_s)
     return "the device's points are " + brief(step_s) +
            " s apart: give seconds in t_s, if these are milliseconds";
-  if (moved_mm < kSmallest_mm && moved_mm > kMovedSizes * median_of(std::move(steps_mm)))
+  if (moved_mm < kSmallestMove_mm && moved_mm > kMovedSizes * median_of(std::move(steps_mm)))
     return "the device's points move by " + brief(moved_mm) +
            " mm in all: name the columns x_m, y_m, z_m, if these are metres";
   return {};

@@ -2,7 +2,6 @@
 
 #include <cerrno>
 #include <csignal>
-#include <random>
 #include <stdexcept>
 #include <system_error>
 #include <thread>
@@ -13,6 +12,8 @@
 #include <unistd.h>
 
 #include "rsi/asio.hpp"
+
+#include "tests/free_port.hpp"
 
 namespace sweepd::test {
 
@@ -133,26 +134,6 @@ std::uint64_t figure(const std::string& report, const std::string& label) {
   const auto at = report.find(label);
   return at == std::string::npos ? 0 : std::stoull(report.substr(at + label.size()));
 }
-
-namespace {
-
-/// Of those that the kernel gives to nobody who asks for any: a test beside this one might be given
-/// what was free a moment ago.
-template <class Protocol>
-std::uint16_t free_port_of() {
-  std::random_device chance;
-  std::uniform_int_distribution<std::uint16_t> any(20000, 32767);
-  boost::asio::io_context context;
-  for (;;) {
-    const std::uint16_t port = any(chance);
-    typename Protocol::socket socket(context, Protocol::v4());
-    boost::system::error_code taken;
-    socket.bind({boost::asio::ip::address_v4::loopback(), port}, taken);
-    if (!taken) return port;
-  }
-}
-
-}  // namespace
 
 std::uint16_t free_tcp_port() {
   return free_port_of<boost::asio::ip::tcp>();

@@ -137,6 +137,7 @@ TEST_CASE("The program drives to every pose and rests there, by RSI only where a
   options.dialect = GENERATE(KrlDialect::krc2, KrlDialect::krc4, KrlDialect::iiqka);
   options.name = "poses";
   options.limits = robot.limits;
+  options.limits[4].max_speed_deg_s = std::numeric_limits<double>::infinity();  // not known
   if (GENERATE(false, true)) options.rsi_file = "sweepd.rsi";
   const KrlProgram program = krl_program(plan, options);
   const KrlReport report = check_krl(program.src, program.dat, robot.limits);

@@ -7,6 +7,7 @@
 
 #include "tests/catch.hpp"
 #include "tests/eventually.hpp"
+#include "tests/free_port.hpp"
 
 using boost::asio::ip::udp;
 using Catch::Matchers::ContainsSubstring;
@@ -16,8 +17,9 @@ using namespace std::chrono_literals;
 TEST_CASE("A device's port that cannot be had is told, and had as soon as it can be",
           "[device_port]") {
   boost::asio::io_context context;
-  udp::socket taken(context, udp::endpoint(boost::asio::ip::address_v4::loopback(), 0));
-  const auto place = taken.local_endpoint();
+  const udp::endpoint place(boost::asio::ip::address_v4::loopback(),
+                            sweepd::test::free_port_of<udp>());
+  udp::socket taken(context, place);
   sweepd::DeviceSettings settings;
   settings.listen.endpoint = rsi::from_asio(place);
   settings.columns.text = "x_mm,y_mm,z_mm";

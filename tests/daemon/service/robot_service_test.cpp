@@ -594,7 +594,7 @@ TEST_CASE("a robot whose port is flooded leaves others their turns of a thread t
 }
 
 TEST_CASE("a device's port that somebody else has costs the device, not the replies",
-          "[robot_service]") {
+          "[robot_service][live]") {
   using boost::asio::ip::udp;
   const TemporaryFolder folder;
   boost::asio::io_context context;

@@ -209,6 +209,8 @@ TEST_CASE("Axes that are one by specification stand a little apart, and their no
         cylindrical_sweeps(as_built(cylindrical(), seed), {0, 0.02, seed}), campaign);
     INFO(seed << ": " << found.reason);
     CHECK(found.doubts.empty());
+    // To the side of the specified theta, though a may be on the other one.
+    CHECK(std::abs(found.dh[1].theta_rad.value) < 90 * kDegree);
   }
 }
 
