@@ -87,6 +87,13 @@ Arrival LinkStatistics::add(const Datagram& datagram, std::uint64_t ipoc,
   if (arrival == Arrival::reordered) ++counts_.reordered;
   if (arrival == Arrival::restart) {
     ++counts_.restarts;
+    if (datagram.source != source_) {
+      if (datagram.source == source_before_) {
+        ++counts_.alternations;
+        counts_.alternating = {datagram.source, source_};
+      }
+      source_before_ = source_;
+    }
     counts_.lost += lost_in(run_);
     run_ = {};
     delay_.reset();

@@ -37,6 +37,9 @@ struct LinkCounts {
   std::uint64_t duplicated = 0;  ///< telegrams that came again
   std::uint64_t reordered = 0;   ///< telegrams overtaken by a later one
   std::uint64_t restarts = 0;
+  /// Restarts that went back to the sender before the last one: two of them stream at once.
+  std::uint64_t alternations = 0;
+  std::array<Endpoint, 2> alternating{};  ///< the two that did so last
   /// Replies that the controller missed in time, by its Delay; not known where it sends none.
   std::optional<std::uint64_t> late_replies;
   /// Those that it had missed before the first telegram that was seen; not among the former.
@@ -136,6 +139,7 @@ class LinkStatistics {
   LinkCounts counts_;
   Run run_;
   Endpoint source_;
+  Endpoint source_before_;  // what was heard before it changed to source_
   bool same_machine_ = false;
   std::optional<std::uint64_t> delay_;  // the last one of this run, and its telegram
   std::uint64_t delay_ipoc_ = 0;

@@ -54,6 +54,7 @@ class Judge {
     telegrams_without_reply();
     lost();
     malformed();
+    two_senders();
     doubled_and_overtaken();
     wrong_replies();
     latency();
@@ -198,6 +199,17 @@ class Judge {
             "controller's address uses this port, and whether the capture was cut (tcpdump -s 0)");
   }
 
+  void two_senders() {
+    const LinkCounts& link = report_.link;
+    if (link.alternations < Limits::kAlternations) return;
+    const auto& [one, other] = link.alternating;
+    add(Grade::bad, "two_senders",
+        "two senders streamed at once, " + text(one) + " and " + text(other) + ", and took turns " +
+            rsi::counted(link.alternations, "time") +
+            ": positions of both are mixed here, so give each controller an address and a port of "
+            "its own");
+  }
+
   void doubled_and_overtaken() {
     const LinkCounts& link = report_.link;
     if (link.duplicated > 0)
@@ -267,7 +279,7 @@ class Judge {
               " too few to judge a link by: what comes once in " +
               std::to_string(Limits::kTelling) +
               " need not be among them; record a minute or more");
-    if (link.restarts > 0)
+    if (link.restarts > 0 && link.alternations < Limits::kAlternations)
       add(Grade::good, "restarts",
           "RSI began anew " + rsi::counted(link.restarts, "time") +
               ": if no program on the controller did that, look there for why it stopped");

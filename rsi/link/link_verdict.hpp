@@ -45,6 +45,9 @@ struct VerdictLimits {
   /// at 99.9 %. Bad where 99 % are not within a whole cycle: telegrams then come in bunches. Our
   /// choice.
   static constexpr double kJitterShare = 0.5;
+  /// Changes back to the sender before, from where two stream at once: a controller that RSI starts
+  /// again sends from a port that it rarely had last but one. Our choice.
+  static constexpr std::uint64_t kAlternations = 8;
   /// Telegrams that tell what comes once in 1000. Of fewer, the verdict says how few they are.
   static constexpr std::uint64_t kTelling = 1000;
 };

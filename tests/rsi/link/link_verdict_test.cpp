@@ -238,6 +238,36 @@ TEST_CASE("what is malformed, doubled, overtaken or answered wrongly has a reaso
   check_only(report, Grade::bad, "stray_replies", "correct the server");
 }
 
+TEST_CASE(
+    "two controllers behind one address are named, and one that begins anew now and then is not",
+    "[link_verdict]") {
+  rsi::Link link;
+  LinkStream one(link), other(link);
+  other.controller.port = kRestarted.port;
+  for (std::uint64_t k = 0; k < 1000; ++k) {
+    one.cycles(k, k + 1);
+    other.telegram(one.at(k) + 2ms, 9'000'000 + 4 * k);
+    other.reply(one.at(k) + 2ms + 50us, 9'000'000 + 4 * k);
+  }
+  const auto verdict = rsi::verdict(link.report());
+  CHECK(verdict.grade == Grade::bad);
+  const auto* named = reason(verdict, "two_senders");
+  REQUIRE(named != nullptr);
+  CHECK_THAT(named->message, ContainsSubstring("192.168.1.20:49154 and 192.168.1.20:49153") ||
+                                 ContainsSubstring("192.168.1.20:49153 and 192.168.1.20:49154"));
+  CHECK(reason(verdict, "restarts") == nullptr);
+
+  rsi::Link calm;
+  LinkStream stream(calm);
+  for (std::uint64_t session = 0; session < 6; ++session) {  // from two ports by turns
+    stream.controller.port = session % 2 == 0 ? kController.port : kRestarted.port;
+    stream.cycles(1000 * session, 1000 * session + 500);
+  }
+  CHECK(reason(rsi::verdict(calm.report()), "two_senders") == nullptr);
+  CHECK_THAT(reason(rsi::verdict(calm.report()), "restarts")->message,
+             ContainsSubstring("5 times"));
+}
+
 TEST_CASE("restarts, clock steps and missing Delay are good to know, and no fault of the link",
           "[link_verdict]") {
   auto report = flawless();
