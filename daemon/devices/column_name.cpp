@@ -115,10 +115,13 @@ ColumnName column_name(std::string_view text) {
 bool names_joint(std::string_view text) {
   const std::string name = lower(rsi::trimmed(text));
   if (name == "joint") return true;
-  const auto unit = name.find('_');
-  return name.starts_with('a') && unit != std::string::npos &&
-         rsi::all_digits(std::string_view(name).substr(1, unit - 1)) &&
-         (name.substr(unit) == "_deg" || name.substr(unit) == "_rad");
+  if (!name.starts_with('a')) return false;
+  const auto unit = std::min(name.find_first_of("_ [("), name.size());
+  if (!rsi::all_digits(std::string_view(name).substr(1, unit - 1))) return false;
+  const auto told = name.substr(unit);
+  return told.empty() || std::ranges::any_of(std::array{"deg", "rad", "mm"}, [&](auto one) {
+           return told.find(one) != std::string::npos;
+         });
 }
 
 double time_unit_s(std::string_view name) {

@@ -19,7 +19,8 @@ struct ColumnName {
 /// "Measured X [mm]" is x in mm.
 [[nodiscard]] ColumnName column_name(std::string_view text);
 
-/// Whether it is "joint", or as "a1_deg" or "a12_rad" that of a joint's angle; in capitals or not.
+/// Whether it is "joint", or as "a1_deg", "a12_rad", "A3" or "A4 [deg]" that of a joint's angle; in
+/// capitals or not.
 [[nodiscard]] bool names_joint(std::string_view text);
 
 /// What one of this unit of time is in seconds; 0 for anything else.

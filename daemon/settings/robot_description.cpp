@@ -98,6 +98,40 @@ void read_row(const TomlTable& joint, identify::Arm& arm) {
   arm.positive.push_back(static_cast<int>(positive));
 }
 
+/// A table in metres or radians reads like one of another robot.
+void check_units(const std::vector<TomlTable>& joints, const identify::Arm& arm) {
+  constexpr double kRightAngle_rad = 1.5708, kRounded = 0.001;
+  constexpr double kShortestArm_mm = 5;
+  constexpr std::size_t kOfAnArm = 3;  // lengths that are no whole numbers: two may well be small
+  double longest_mm = 0;
+  std::size_t lengths = 0, of = 0;
+  std::string_view key;
+  for (std::size_t i = 0; i < arm.joints(); ++i) {
+    const identify::DhRow& row = arm.rows[i];
+    const double turned_deg = std::abs(row.alpha_rad) / kDegree;
+    for (const double right_angles : {1.0, 2.0})
+      if (std::abs(turned_deg - right_angles * kRightAngle_rad) < kRounded)
+        joints[i].fail("alpha_deg",
+                       fmt::format("expected degrees, found {}, {} degrees in radians: write {}, "
+                                   "and the other angles of the file in degrees",
+                                   joints[i].found("alpha_deg"), number_text(90 * right_angles),
+                                   number_text(std::copysign(90 * right_angles, row.alpha_rad))));
+    const double place_mm = arm.is_linear(i) ? 0 : row.b_mm;
+    for (const auto& [length, name] : {std::pair{place_mm, "b_mm"}, {row.a_mm, "a_mm"}}) {
+      lengths += length == std::round(length) ? 0 : 1;
+      if (std::abs(length) > longest_mm) {
+        longest_mm = std::abs(length);
+        of = i;
+        key = name;
+      }
+    }
+  }
+  if (lengths >= kOfAnArm && longest_mm < kShortestArm_mm)
+    joints[of].fail(key, fmt::format("expected mm, found {} as the greatest length of the table, "
+                                     "which looks like metres: multiply all lengths by 1000",
+                                     joints[of].found(key)));
+}
+
 void read_home(const TomlTable& top, RobotDescription& robot) {
   robot.home_deg = top.numbers("home_deg", -kMostTurns_deg, kMostTurns_deg);
   if (robot.home_deg.size() != robot.joints())
@@ -178,6 +212,7 @@ RobotDescription load_robot(const std::filesystem::path& file) {
     for (const TomlTable& joint : joints) read_row(joint, arm);
     for (const double angle_deg : robot.home_deg) arm.home_rad.push_back(angle_deg * kDegree);
     for (const JointLimits& limits : robot.limits) arm.linear.push_back(limits.linear);
+    check_units(joints, arm);
     check_linear_rows(joints, arm);
     if (top.has("tool_mm")) arm.tool_mm = read_point(top, "tool_mm");
     if (top.has("up")) robot.up = read_up(top);

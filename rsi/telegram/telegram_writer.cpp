@@ -1,10 +1,14 @@
 #include "rsi/telegram/telegram_writer.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
+#include <iterator>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 #include "rsi/telegram/wire_layout.hpp"
 
@@ -24,6 +28,19 @@ void append_number(std::string& out, double value, int decimals) {
   const auto is_zero = [](char c) { return c == '0' || c == '.'; };
   if (*begin == '-' && std::all_of(begin + 1, end, is_zero)) ++begin;
   out.append(begin, end);
+}
+
+/// Which number of the pose the field is, where the element has all of them and is no internal tag:
+/// what a program feeds with the pose, as the outputs of ST_ACTPOS.
+std::optional<std::size_t> pose_component(const WireElement& element,
+                                          const WireElement::Field& field) {
+  constexpr std::array<std::string_view, 6> kPose{"X", "Y", "Z", "A", "B", "C"};
+  const bool is_pose = std::ranges::all_of(kPose, [&](auto name) {
+    return std::ranges::count(element.fields, name, &WireElement::Field::attribute) == 1;
+  });
+  const auto found = std::ranges::find(kPose, field.attribute);
+  if (!is_pose || found == kPose.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - kPose.begin());
 }
 
 }  // namespace
@@ -48,18 +65,21 @@ TelegramWriter::TelegramWriter(const EthernetConfig& config, int precision) {
   };
 
   std::string text = "<Rob Type=\"KUKA\">";
-  const auto put_value = [&](const WireElement::Field& field) {
+  const auto put_slot = [&](Signal signal, std::size_t component, int decimals) {
+    slots_.push_back({std::exchange(text, {}), signal, component, decimals});
+  };
+  const auto put_value = [&](const WireElement& on_wire, const WireElement::Field& field) {
     const auto& element = config.send[field.tag];
     if (element.type == Type::STRING) return;
     const int decimals = element.type == Type::DOUBLE ? precision : 0;
     const auto* known = std::find_if(std::begin(kSignals), std::end(kSignals),
                                      [&](const auto& signal) { return signal.tag == element.tag; });
-    if (known == std::end(kSignals)) {
+    if (known != std::end(kSignals))
+      put_slot(known->signal, field.component, decimals);
+    else if (const auto pose = pose_component(on_wire, field); pose && !is_internal(element.tag))
+      put_slot(&SignalValues::RIst, *pose, decimals);
+    else
       append_number(text, 0, decimals);
-    } else {
-      slots_.push_back({text, known->signal, field.component, decimals});
-      text.clear();
-    }
   };
 
   for (const auto& element : wire_layout(config.send)) {
@@ -68,7 +88,7 @@ TelegramWriter::TelegramWriter(const EthernetConfig& config, int precision) {
       if (field.attribute.empty()) continue;
       text += element.name == "Tech" && field.component == 6 ? "  " : " ";
       text += field.attribute + "=\"";
-      put_value(field);
+      put_value(element, field);
       text += '"';
     }
     if (!element.has_text()) {
@@ -77,7 +97,7 @@ TelegramWriter::TelegramWriter(const EthernetConfig& config, int precision) {
     }
     text += '>';
     for (const auto& field : element.fields)
-      if (field.attribute.empty()) put_value(field);
+      if (field.attribute.empty()) put_value(element, field);
     text += "</" + element.name + ">";
   }
   tail_ = text + "<IPOC>";

@@ -229,6 +229,29 @@ TEST_CASE("a table is given for all joints or for none", "[robot_description]") 
                  "home_deg: missing: expected an array of numbers of degrees"));
 }
 
+TEST_CASE("a table in metres or in radians is refused, and short parts of an arm are none",
+          "[robot_description]") {
+  const auto row = [](const std::string& b, const std::string& a, const std::string& alpha) {
+    return "[[joint]]\nb_mm = " + b + "\ntheta_deg = 0\na_mm = " + a + "\nalpha_deg = " + alpha +
+           "\npositive = 1\n";
+  };
+  const std::string head = "name = \"x\"\nhome_deg = [0, 0, 0]\n";
+  CHECK_THAT(
+      robot_error(head + row("0.4", "0.18", "90") + row("0", "0.6", "0") + row("0", "0", "0")),
+      Catch::Matchers::StartsWith("12:8: joint.a_mm: expected mm, found the number 0.6 as the "
+                                  "greatest length of the table, which looks like metres"));
+  CHECK_THAT(
+      robot_error(head + row("400", "180", "90") + row("0", "600", "0") + row("0", "0", "-1.5708")),
+      Catch::Matchers::StartsWith("19:13: joint.alpha_deg: expected degrees, found the number "
+                                  "-1.5708, 90 degrees in radians: write -90"));
+  CHECK_THAT(
+      robot_error(head + row("400", "180", "3.14159") + row("0", "0", "0") + row("0", "0", "0")),
+      Catch::Matchers::ContainsSubstring("180 degrees in radians: write 180"));
+  // A joint that pans and tilts, as built.
+  CHECK(robot_error(head + row("3.1", "0", "90") + row("0", "-0.8", "-90") + row("0", "0", "0")) ==
+        "no error");
+}
+
 TEST_CASE("a wrong figure of a robot is found in its line", "[robot_description]") {
   const std::string head = "name = \"x\"\nhome_deg = [5]\n";
   const std::string robot = head + "[[joint]]\n" + kRow;

@@ -107,6 +107,21 @@ TEST_CASE("tags that the robot has no value for are zero, strings empty", "[tele
         "<IPOC>1</IPOC></Rob>\n");
 }
 
+TEST_CASE("an element of one's own that has a whole pose is fed with it", "[telegram_writer]") {
+  rsi::SignalValues values;
+  values.RIst = {1, 2, 3, 4, 5, 6};
+  std::vector<std::pair<std::string, Type>> send;
+  for (const char* name : {"Y", "X", "Z", "A", "B", "C"})
+    send.push_back({std::string("Pos.") + name, Type::DOUBLE});
+  CHECK(written(send, values, 1) ==
+        "<Rob Type=\"KUKA\"><Pos Y=\"2.0\" X=\"1.0\" Z=\"3.0\" A=\"4.0\" B=\"5.0\" C=\"6.0\"/>"
+        "<IPOC>1</IPOC></Rob>\n");
+  send.pop_back();
+  CHECK(written(send, values, 0) ==
+        "<Rob Type=\"KUKA\"><Pos Y=\"0\" X=\"0\" Z=\"0\" A=\"0\" B=\"0\"/>"
+        "<IPOC>1</IPOC></Rob>\n");
+}
+
 TEST_CASE("a telegram is appended without further allocation once there is room",
           "[telegram_writer]") {
   const rsi::TelegramWriter writer(sending({{"DEF_RIst", Type::DOUBLE}}), 4);
