@@ -45,6 +45,23 @@ Vector3d level_with_last_frame(const Vector3d& target, const std::optional<Axis>
   return target - tool.z() * last->direction;
 }
 
+/// In the robot's own frame its base gives the height: the target need not be where the description
+/// has it. So far along the last axis b of a linear joint's row, which follows, is as specified.
+Vector3d level_with_base(const Vector3d& level_mm, const PlacedAxes& at_level,
+                         const std::vector<DhRow>& specified, double size_mm) {
+  constexpr double kFollows = 0.5;  // mm a mm
+  const Vector3d& up = at_level.z.back()->direction;
+  const auto table = extract_dh(at_level.z, size_mm, specified);
+  const Eigen::VectorXd follows =
+      dh_jacobian(at_level.z, size_mm, specified) * (at_level.by_given.rightCols<3>() * up);
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const double slope = follows(static_cast<Index>(5 * i));
+    if (table[i].linear && std::abs(slope) > kFollows)
+      return level_mm + (specified[i].b_mm - table[i].b_mm.value) / slope * up;
+  }
+  return level_mm;
+}
+
 }  // namespace
 
 void place_linear_axes(ChainEstimate& estimate, const Campaign& campaign,
@@ -68,8 +85,12 @@ void place_linear_axes(ChainEstimate& estimate, const Campaign& campaign,
     return MatrixXd(all.asDiagonal() * estimate.covariance.topLeftCorner(rows + 3, rows + 3) *
                     all.asDiagonal());
   }();
-  const PlacedAxes found = placed(z, level_with_last_frame(target, z.back(), campaign, specified),
-                                  of_table, specified, size_mm);
+  const Vector3d level_mm = level_with_last_frame(target, z.back(), campaign, specified);
+  PlacedAxes found = placed(z, level_mm, of_table, specified, size_mm);
+  const bool told = std::all_of(z.begin(), z.end(), [](const auto& axis) { return !!axis; });
+  if (told && !campaign.device_frame && !specified.empty())
+    found = placed(z, level_with_base(level_mm, found, specified, size_mm), of_table, specified,
+                   size_mm);
   // From the estimate to the estimate: all but the axes stays.
   const Index count = estimate.covariance.rows();
   MatrixXd map = MatrixXd::Identity(count, count);

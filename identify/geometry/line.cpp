@@ -129,8 +129,8 @@ Relation relation_between(const Axis& first, const Axis& second, double size) {
                      (pair.second_foot_mm - second.point_mm).norm());
     const bool almost = pair.sine < std::max(kAlmostParallel, kRelationSigmas * direction_sigma);
     // Where a linear joint's axis has its common normal is a convention.
-    parallel =
-        almost && (first.linear || foot_sigma > kUncertainFoot * size || lever > kReach * size);
+    parallel = almost && (first.linear || second.linear || foot_sigma > kUncertainFoot * size ||
+                          lever > kReach * size);
   }
   if (parallel) lever = size;
   const double distance = parallel ? offset : std::abs(pair.distance_mm);

@@ -86,8 +86,8 @@ enum class Relation { skew, parallel, intersecting, coincident, last, unknown };
 [[nodiscard]] std::string_view text(Relation relation) noexcept;
 
 /// A relation is decided by what the axes' uncertainty allows to say. Two axes are parallel when
-/// their directions are alike, within a degree or three standard uncertainties, and the first is a
-/// linear joint's, or the place of their common normal is uncertain by more than 2 % of `size_mm`
+/// their directions are alike, within a degree or three standard uncertainties, and one is a linear
+/// joint's, or the place of their common normal is uncertain by more than 2 % of `size_mm`
 /// (the arm's) or beyond twice that; they meet when their distance is below three standard
 /// uncertainties. It is unknown where the directions together are uncertain by 0.25 rad or more.
 [[nodiscard]] Relation relation_between(const Axis& first, const Axis& second, double size_mm);

@@ -128,6 +128,12 @@ inline std::vector<Sweep> cylindrical_sweeps(const Arm& arm, Noise noise) {
   return segment(campaign.samples(), {}, arm.joints());
 }
 
+inline std::vector<Sweep> lift_sweeps(const Arm& arm, Noise noise) {
+  Campaign campaign(arm, noise);
+  campaign.rest().sweep(0, 500, 1300).sweep(1, -15, 75).sweep(2, -80, 10).sweep(3, -45, 45);
+  return segment(campaign.samples(), {}, arm.joints());
+}
+
 /// The paper's ranges, and one of the linear unit.
 inline std::vector<Sweep> linear_unit_sweeps(const Arm& arm, Noise noise) {
   Campaign campaign(arm, noise);

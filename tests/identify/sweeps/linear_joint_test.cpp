@@ -169,6 +169,40 @@ TEST_CASE("A SCARA's linear joint is identified: its direction, its row, and wha
   CHECK_THAT(*found.home_rad[2] / kDegree, WithinAbs(100, 1e-6));
 }
 
+TEST_CASE("In the robot's own frame numbers do not hang on how high the target is on the tool",
+          "[linear_joint][long]") {
+  const auto judged = [](const Arm& specified, const auto& sweeps_of) {
+    Scores scores;
+    for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+      Arm built = as_built(specified, seed);
+      built.tool_mm += Vector3d(-60, 40, seed % 2 == 0 ? 90 : -90);
+      const auto found = identify::identify(sweeps_of(built, seed), for_arm(specified));
+      CHECK(found.status == Status::complete);
+      compare(found, built, scores);
+    }
+    return scores.rms();
+  };
+  CHECK(judged(scara(), [](const Arm& built, std::uint32_t seed) {
+          return scara_sweeps(built, {0, 0.02, seed});
+        }) < 1.3);
+  CHECK(judged(on_lift(), [](const Arm& built, std::uint32_t seed) {
+          return lift_sweeps(built, {0, 0.02, seed});
+        }) < 1.3);
+}
+
+TEST_CASE("An axis and the way of a linear joint beside it are parallel, though they are not quite",
+          "[linear_joint][long]") {
+  Scores scores;
+  for (std::uint32_t seed = 12; seed <= 17; ++seed) {
+    const Arm built = as_built(cylindrical(), seed);
+    const auto found =
+        identify::identify(cylindrical_sweeps(built, {0, 0.02, seed}), for_arm(cylindrical()));
+    CHECK(found.dh[0].relation == identify::Relation::parallel);
+    compare(found, built, scores);
+  }
+  CHECK(scores.rms() < 1.3);
+}
+
 TEST_CASE("A mirrored frame is told of arms with linear joints, and what else it may be",
           "[linear_joint][long]") {
   const auto doubt = [](std::vector<Sweep> sweeps, const Arm& specified) {
