@@ -65,7 +65,7 @@ int CommandLine::execute(int argc, const char* const* argv) {
   std::cerr
       << "sweepd: standard output cannot be written, and is not complete: free some space, or "
          "write it elsewhere\n";
-  return code == 0 ? kFailed : code;
+  return code == 0 || code == kAdverse ? kFailed : code;
 }
 
 int CommandLine::run(int argc, const char* const* argv) {

@@ -109,7 +109,7 @@ CLI::App* add_identify(CLI::App& app, IdentifyOptions& options) {
       text(
           "Files of measuring devices are read as they are, with their own columns and units. Each "
           "is recognised by its content. By the names that --format takes, they are " +
-          formats_in_words() + '.') +
+          formats_in_words() + ", and sweepd for its own columns.") +
       '\n' +
       text("Points make sweeps in one of three ways. With times t_s, sweeps are found as in live "
            "data. With a column joint, each run of lines of the same joint is a sweep. With "

@@ -43,7 +43,9 @@ std::string stamp_of(const fs::path& folder) {
 CampaignRecord read_record(const fs::path& folder) {
   CampaignTexts texts;
   texts.name = folder.string();
-  texts.result = bytes_of(folder / file_names::kResult);
+  std::error_code why;
+  texts.result = rsi::file_bytes(folder / file_names::kResult, rsi::kLargestFile, why);
+  if (why && why != std::errc::no_such_file_or_directory) texts.problem = why.message();
   texts.run = bytes_of(folder / file_names::kRun);
   texts.link = bytes_of(folder / file_names::kLink);
   if (texts.result.find("\"currents\"") == texts.result.npos)
@@ -86,10 +88,13 @@ void look(const fs::path& path, int depth, std::set<fs::path>& seen, std::vector
                              " is left out, as it is no note: correct it or delete it.");
   if (depth == kDeepest) return;
   std::vector<fs::path> below;
-  std::error_code error;
+  std::error_code error, ignored;
   for (fs::directory_iterator entry(path, error), end; !error && entry != end;
        entry.increment(error))
-    if (entry->is_directory(error)) below.push_back(entry->path());
+    if (entry->is_directory(ignored)) below.push_back(entry->path());
+  if (error)
+    found.messages.push_back(path.string() + " is left out, as it cannot be read (" +
+                             error.message() + "): check its permissions.");
   std::sort(below.begin(), below.end());
   for (const fs::path& folder : below) look(folder, depth + 1, seen, folders, found);
 }

@@ -111,6 +111,11 @@ CampaignRecord campaign_record(const CampaignTexts& texts) {
   const Json link = Json::parse(texts.link, nullptr, false);
   record.link = link_of(link);
   set_time(record, texts, link);
+  if (!texts.problem.empty()) {
+    record.why_not = (std::filesystem::path(texts.name) / file_names::kResult).string() +
+                     " cannot be read (" + texts.problem + "): check its permissions";
+    return record;
+  }
   if (texts.result.empty()) {
     record.why_not = texts.name + " has no result.json: it is half deleted, or not written yet";
     return record;

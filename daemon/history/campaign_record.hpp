@@ -34,6 +34,7 @@ struct LinkQuality {
 struct CampaignTexts {
   std::string name;      ///< of its folder, or an identity elsewhere
   std::string result;    ///< result.json
+  std::string problem;   ///< why result.json, which is there, cannot be read; empty: it can
   std::string run;       ///< run.json
   std::string link;      ///< link.json
   std::string currents;  ///< currents.csv, for results that do not tell friction themselves

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "daemon/history/compared_campaigns.hpp"
+#include "daemon/history/history_words.hpp"
 #include "daemon/report/file_parts.hpp"
 #include "daemon/text/file_names.hpp"
 #include "identify/geometry/median.hpp"
@@ -28,10 +29,32 @@ std::string words_for(const std::string& describes) {
   return describes == "arm" ? "the arm" : "the controller's model";
 }
 
+/// A campaign that a clock with a wrong date has dated, as one that begins anew in 1970: before any
+/// controller had RSI or still to come, and a decade and more from all that are neither.
+bool is_misdated(const CampaignRecord& record, const std::vector<CampaignRecord>& all) {
+  constexpr std::chrono::nanoseconds kDecade = 10 * std::chrono::hours(8766);
+  constexpr std::chrono::nanoseconds kFirst = 30 * std::chrono::hours(8766);  // the year 2000
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const auto possible = [&](const CampaignRecord& one) {
+    return one.time > kFirst && one.time < now + kShortlyBefore;
+  };
+  return !possible(record) && std::ranges::any_of(all, possible) &&
+         std::ranges::none_of(all, [&](const CampaignRecord& other) {
+           return possible(other) && std::chrono::abs(other.time - record.time) < kDecade;
+         });
+}
+
 /// Which of the records belong together: one kind, one robot's joints.
 std::vector<CampaignRecord> of_one_kind(std::vector<CampaignRecord> records,
                                         const HistoryOptions& options, History& history) {
   std::vector<CampaignRecord> told, chosen;
+  for (CampaignRecord& record : records)
+    if (record.arm && is_misdated(record, records)) {
+      record.why_not = record.name + " is dated " + date_of(record.time) +
+                       ", as by a clock that was not set: give its date with `sweepd note " +
+                       record.name + " --measured DATE`";
+      record.arm.reset();
+    }
   for (CampaignRecord& record : records)
     (record.arm ? told : history.left_out).push_back(std::move(record));
   if (told.empty())

@@ -36,7 +36,8 @@ std::string changes(const History& history) {
     out += paragraph("* ", sentence);
     for (const CampaignNote& note : history.notes_near(change))
       if (!note.text.empty())
-        out += paragraph("    note of " + date_of(history, note.time) + ": ", note.text);
+        out += paragraph("    note of " + date_of(history, note.time) + ": ",
+                         rsi::printable(note.text));
   };
   for (const DatedChange& change : history.changes) add(change, change_sentence(history, change));
   if (history.changes.empty()) out += paragraph("", verdict_words(history));

@@ -6,6 +6,7 @@
 #include "daemon/results/change.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/text_layout.hpp"
+#include "rsi/ascii.hpp"
 #include "rsi/counted.hpp"
 
 namespace sweepd {
@@ -56,7 +57,7 @@ std::string verdict(const Change& change, const ChangeDecimals& decimals) {
 }
 
 std::string about(const ToldArm& told) {
-  return told.file.string() + ": " + told.robot + ", " +
+  return rsi::printable(told.file.string() + ": " + told.robot) + ", " +
          (told.describes == "arm" ? "the arm" : "the controller's model") + ", " + told.status;
 }
 

@@ -17,6 +17,7 @@
 #include "daemon/text/units.hpp"
 #include "identify/dh/dh.hpp"
 #include "identify/dh/dh_extraction.hpp"
+#include "rsi/ascii.hpp"
 #include "rsi/file_bytes.hpp"
 
 namespace sweepd {
@@ -45,6 +46,37 @@ identify::Relation relation_of(const std::string& name) {
        {Relation::skew, Relation::parallel, Relation::intersecting, Relation::coincident})
     if (identify::text(relation) == name) return relation;
   return Relation::last;
+}
+
+/// A table that was edited by hand, or damaged, would be compared all the same.
+void check_numbers(const Json& rows, const std::filesystem::path& file) {
+  constexpr double kMost = 1e7;  // mm or deg
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    for (const auto& of : kDhNumbers) {
+      const std::string name = fmt::format("{}_{}", of.name, of.unit());
+      const auto value = rows[k].is_object() ? rows[k].find(name) : rows[k].end();
+      if (value == rows[k].end() || value->is_null()) continue;
+      if (!value->is_number() || !(std::abs(value->get<double>()) < kMost))
+        refuse(file,
+               fmt::format("has {} for {} of row {}, which sweepd does not write: make it again "
+                           "with replay or identify",
+                           rsi::in_short(value->dump()), name, k + 1));
+    }
+}
+
+/// No variance is negative or larger than lengths are, and none is too small for what is common to
+/// two numbers.
+void check_covariance(const Eigen::MatrixXd& covariance, const std::filesystem::path& file) {
+  constexpr double kMost = 1e14;  // mm^2
+  constexpr double kRounding = 1e-3;
+  const Eigen::ArrayXd variances = covariance.diagonal();
+  const Eigen::ArrayXXd most = (variances.matrix() * variances.matrix().transpose()).array().sqrt();
+  if ((variances >= 0).all() && (variances < kMost).all() &&
+      (covariance.array().abs() <= (1 + kRounding) * most).all())
+    return;
+  refuse(file,
+         "has a covariance that no numbers can have, which sweepd does not write: make it "
+         "again with replay or identify");
 }
 
 /// Knowledge follows from the covariance.
@@ -188,6 +220,7 @@ ToldArm told_arm_in(const Json& json, const std::filesystem::path& file) {
   told.describes = text_of(json, "describes");
   if (told.status == "failed")
     refuse(told.file, "is a failed result, there is nothing to compare: " + told.reason);
+  check_numbers(list_of(json, "dh"), told.file);
   told.arm.dh = table_of(list_of(json, "dh"));
   const std::size_t joints = told.joints();
   if (joints < 2 || joints > identify::kMostJoints)
@@ -211,6 +244,7 @@ ToldArm told_arm_in(const Json& json, const std::filesystem::path& file) {
     refuse(told.file,
            "has no covariance of its numbers: without it nobody can tell a change from noise. "
            "Make the result again with replay or identify, from samples and not from axes");
+  check_covariance(told.arm.covariance, told.file);
 
   const Json& warnings = list_of(json, "warnings");
   told.arm.height_known = std::none_of(warnings.begin(), warnings.end(), [](const Json& warning) {

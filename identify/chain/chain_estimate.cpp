@@ -44,6 +44,8 @@ std::string_view text(Cause cause) noexcept {
       return "sag";
     case Cause::angles:
       return "angles";
+    case Cause::target:
+      return "target";
   }
   return "";
 }
@@ -66,6 +68,8 @@ std::string_view words(Cause cause) noexcept {
       return "joints that give way to weight";
     case Cause::angles:
       return "joints off what their angles say";
+    case Cause::target:
+      return "where the target is on the tool";
   }
   return "";
 }

@@ -256,13 +256,13 @@ class Estimation {
       if (evidence[j].trust != AngleTrust::trusted) evidence[j] = std::move(now[j]);
   }
 
-  /// Whether the tool's orientations agree with what the positions found; then they are used.
+  /// Whether the tool's orientations agree with what the positions found; then they are used. How far
+  /// they are off before the fit tells nothing: a target near an axis leaves open how that lies.
   bool add_orientation(FittedChain& best) {
     Chain chain = best.fit.chain;
     chain.tool = starting_tool(chain, nodes_.observations);
-    // They share their encoders with the positions, or they are left alone.
     best.fit.chain.tool = chain.tool;
-    if (!by_print_alone(best) || misprint(best, true) > 2 * kMostQuanta) return false;
+    if (!by_print_alone(best)) return false;  // they share their encoders, or are left alone
     const auto kept = nodes_.observations;
     ChainNoise noise = best.noise;
     noise.orientation_rad = quantum_.orientation_rad;

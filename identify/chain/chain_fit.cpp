@@ -198,6 +198,7 @@ std::optional<ChainEstimate::MoveSeen> move_of(const ChainFit& fit, const ChainN
     if (target == 0 || mm.norm() > move.mm.norm())
       move = {mm, by * covariance * by.transpose(), 0, 0, {}};
   }
+  if (move.mm.norm() < kLeastMove_mm) return std::nullopt;
   std::set<std::size_t> before, after;
   for (const std::size_t unit : nodes.in_time()) {
     const std::size_t stroke = nodes.units[unit].front();

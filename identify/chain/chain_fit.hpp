@@ -34,7 +34,10 @@ struct FittedChain {
                                                                         const ChainEffects& effects,
                                                                         double seconds);
 
-/// What was moved, as a fit has found it: where the target is moved farthest at home.
+/// No device tells less.
+inline constexpr double kLeastMove_mm = 1e-3;
+/// What was moved, as a fit has found it: where the target is moved farthest at home, if that is
+/// anything.
 [[nodiscard]] std::optional<ChainEstimate::MoveSeen> move_of(const ChainFit& fit,
                                                              const ChainNodes& nodes);
 

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
 
+#include "identify/geometry/circle_fit.hpp"
+#include "identify/geometry/line_fit.hpp"
 #include "identify/sweeps/stroke_correlation.hpp"
 #include "identify/sweeps/stroke_moments.hpp"
 
@@ -35,6 +38,40 @@ double correlation_of(const CircleEstimate& found) {
     }
   }
   return identify::correlation_of(strokes);
+}
+
+/// A single wrong sample would be most of a box.
+Eigen::Matrix3Xd without_strays(Eigen::Matrix3Xd points, bool is_line) {
+  const auto keep = [&](const auto& off_mm, double within_mm) {
+    Eigen::Index count = 0;
+    for (Eigen::Index i = 0; i < points.cols(); ++i)
+      if (off_mm(points.col(i)) <= within_mm) points.col(count++) = points.col(i);
+    points.conservativeResize(3, count);
+  };
+  if (is_line) {
+    if (const auto line = fit_line(points))
+      keep([&](const auto& point) { return across(*line, point).norm(); }, line->within_mm);
+  } else if (const auto usual = fit_usual_circle(points)) {
+    keep(
+        [&](const auto& point) {
+          const CircleResidual off = residual(usual->circle, point);
+          return std::hypot(off.plane_mm, off.radial_mm);
+        },
+        usual->within_mm);
+  }
+  return points;
+}
+
+Eigen::Matrix3Xd joined(const std::vector<Eigen::Matrix3Xd>& parts) {
+  Eigen::Index count = 0;
+  for (const auto& part : parts) count += part.cols();
+  Eigen::Matrix3Xd all(3, count);
+  count = 0;
+  for (const auto& part : parts) {
+    all.middleCols(count, part.cols()) = part;
+    count += part.cols();
+  }
+  return all;
 }
 
 }  // namespace
@@ -105,20 +142,19 @@ double size_by_circles_mm(const CircleEstimate& found) {
 }
 
 void measure_boxes(CircleEstimate& found) {
-  std::vector<Eigen::Matrix3Xd> points;
-  Eigen::Index count = 0;
+  std::vector<Eigen::Matrix3Xd> of_joints;
   for (JointResult& joint : found.joints) {
     if (!joint.axis) continue;
-    points.push_back(used_points(joint));
-    joint.box = minimum_bounding_box(points.back());
-    count += points.back().cols();
+    std::set<std::size_t> targets;
+    for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
+      if (joint.used[s]) targets.insert(joint.sweeps[s].target);
+    std::vector<Eigen::Matrix3Xd> of_targets;
+    for (const std::size_t target : targets)
+      of_targets.push_back(without_strays(used_points(joint, target), joint.line.has_value()));
+    of_joints.push_back(joined(of_targets));
+    joint.box = minimum_bounding_box(of_joints.back());
   }
-  Eigen::Matrix3Xd all(3, count);
-  count = 0;
-  for (const auto& some : points) {
-    all.middleCols(count, some.cols()) = some;
-    count += some.cols();
-  }
+  const auto all = joined(of_joints);
   if (all.cols() > 0) found.bounding_box = minimum_bounding_box(all);
 }
 

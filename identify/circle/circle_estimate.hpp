@@ -37,7 +37,7 @@ struct JointResult {
   bool against_plan = false;            ///< it turned the other way, as the specified table tells
   /// Along positive rotation (of a linear joint, the way that its mm rise), by the best estimator.
   std::optional<Axis> axis;
-  std::optional<BoundingBox> box;  ///< of the samples that were used
+  std::optional<BoundingBox> box;  ///< of the samples that were used, but strays
 };
 
 /// What each joint's circle or line tells by itself, and who of the strokes is used.
@@ -47,7 +47,7 @@ struct CircleEstimate {
   std::vector<JointResult> joints;
   std::vector<DhRow> specified;             ///< at home_rad; empty without a specified table
   std::vector<DhEstimate> circle_dh;        ///< the paper's table; one row a joint
-  std::optional<BoundingBox> bounding_box;  ///< of the samples that were used
+  std::optional<BoundingBox> bounding_box;  ///< of the samples that were used, but strays
   bool any_sweep = false;                   ///< of a joint of the arm
   bool no_positions = false;                ///< some joint's strokes are told by angles alone
   std::string doubt;  ///< why a table with all its numbers is not complete; empty: nothing
@@ -72,7 +72,8 @@ void set_circle_axes(CircleEstimate& found, const Resolution& resolution);
 /// An upper estimate of the robot's size, for where it matters, by the points.
 [[nodiscard]] double size_by_circles_mm(const CircleEstimate& found);
 
-/// The smallest boxes around the points of each joint that has an axis, and of all.
+/// The smallest boxes around the points of each joint that has an axis, and of all; without points
+/// that are farther off their circle or line than noise takes them.
 void measure_boxes(CircleEstimate& found);
 
 }  // namespace identify

@@ -140,6 +140,7 @@ std::optional<LineFit> fit_line(const Matrix3Xd& points) {
     for (Index i = 0; i < points.cols(); ++i)
       if (squares(i) <= bound) close.col(count++) = points.col(i);
     close.conservativeResize(3, count);
+    line.within_mm = std::sqrt(bound);
     if (!refine(line, close)) return std::nullopt;
   }
   set_bend(line, close);

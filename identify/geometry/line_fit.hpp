@@ -20,6 +20,7 @@ struct LineFit {
   double bend_mm = 0;
   double bend_sigma_mm = 0;
   std::size_t points = 0;  ///< that lie close enough to count
+  double within_mm = 0;    ///< points farther off it are strays
 };
 
 /// Least median of squares (Rousseeuw, JASA 79, 1984) over lines through two points, then least

@@ -213,6 +213,11 @@ std::optional<Datagram> CaptureReader::next() {
     if (kind == PacketKind::udp) {
       ++counters_.udp;
       datagram.time = timestamp(header->ts);
+      // One that is farther back tells of a clock that was set.
+      if (datagram.time < newest_ && newest_ - datagram.time < std::chrono::seconds(1))
+        ++counters_.overtaken;
+      else
+        newest_ = datagram.time;
       return datagram;
     }
     if (kind == PacketKind::fragment)
@@ -234,6 +239,13 @@ std::vector<std::string> CaptureReader::notes() const {
                     " IP fragments of UDP datagrams were left out, they are not put together: "
                     "shorten the SEND list of the controller's Ethernet file so that a telegram "
                     "stays below 1472 bytes");
+  if (counters_.overtaken > 0)
+    notes.push_back(
+        name_ + ": " +
+        counted(counters_.overtaken, "datagram stands behind a later one and counts",
+                "datagrams stand behind a later one and count") +
+        " in the order of the file: put the file in the order of time first (reordercap), unless "
+        "the machine's clock was set back");
   return notes;
 }
 

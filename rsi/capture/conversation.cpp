@@ -93,13 +93,13 @@ ConversationSearch find_conversation(std::span<const std::filesystem::path> capt
                                      std::uint64_t telegram_limit) {
   ConversationSearch search;
   std::map<Conversation, std::size_t> place;  // in search.found
-  std::uint64_t admitted_telegrams = 0;
+  std::uint64_t busiest = 0;                  // of the admitted: strangers do not end the search
   CaptureCounters seen;
   std::string trouble;
 
   for (const auto& path : captures) {
     CaptureReader reader(path);
-    while (admitted_telegrams < telegram_limit) {
+    while (busiest < telegram_limit) {
       const auto datagram = reader.next();
       if (!datagram) break;
       if (!looks_like_telegram(datagram->payload)) continue;
@@ -108,7 +108,7 @@ ConversationSearch find_conversation(std::span<const std::filesystem::path> capt
       if (is_new) search.found.push_back({key, 0, filter.admits(key)});
       auto& found = search.found[entry->second];
       ++found.telegrams;
-      if (found.admitted) ++admitted_telegrams;
+      if (found.admitted) busiest = std::max(busiest, found.telegrams);
     }
     seen.packets += reader.counters().packets;
     seen.udp += reader.counters().udp;
@@ -116,11 +116,16 @@ ConversationSearch find_conversation(std::span<const std::filesystem::path> capt
   }
 
   if (search.found.empty())
-    search.note = "no RSI among " + counted(seen.udp, "UDP datagram") + " (IPv4) in " +
-                  counted(seen.packets, "packet") +
-                  ": capture on the machine that answers the controller, or on a mirror "
-                  "port, while RSI is on (RSI over TCP is not read: let `sweepd run` record it)" +
-                  trouble;
+    search.note =
+        (seen.udp > 0 || seen.packets == 0
+             ? "no RSI among " + counted(seen.udp, "UDP datagram") + " (IPv4) in " +
+                   counted(seen.packets, "packet")
+             : "none of " + counted(seen.packets, "packet") +
+                   " is UDP over IPv4, in which RSI comes (IPv6, MPLS and tunnels are not "
+                   "read)") +
+        ": capture on the machine that answers the controller, or on a mirror "
+        "port, while RSI is on (RSI over TCP is not read: let `sweepd run` record it)" +
+        trouble;
   else
     choose(search, filter);
   return search;

@@ -56,8 +56,8 @@ struct ConversationSearch {
 };
 
 /// Looks for RSI in captures that belong together, given in their order. Ends as soon as
-/// `telegram_limit` telegrams of admitted conversations were seen, so that large captures are not
-/// read twice; `found` may then lack what begins later. Throws CaptureError like CaptureReader.
+/// `telegram_limit` telegrams of one admitted conversation were seen, so that large captures are
+/// not read twice; `found` may then lack what begins later. Throws CaptureError like CaptureReader.
 [[nodiscard]] ConversationSearch find_conversation(std::span<const std::filesystem::path> captures,
                                                    const ConversationFilter& filter = {},
                                                    std::uint64_t telegram_limit = 20'000);

@@ -340,6 +340,20 @@ TEST_CASE("a device that sways while each joint is swept once is told", "[advice
     CHECK(warning.code != "device_drifts");
 }
 
+TEST_CASE("orientations agree with positions of a target near the last axis", "[advice][long]") {
+  auto world = kController;
+  world.orientations = true;
+  for (const double off_mm : {0.2, 0.5, 2.0}) {
+    auto robot = kr5_swept();
+    robot.targets_mm.front() = {off_mm, 0, 150};
+    const auto found = identify::identify(sweeps_of(robot, world, 1), campaign_of(robot, world));
+    CAPTURE(off_mm);
+    REQUIRE(found.chain);
+    CHECK(found.chain->with_orientation);
+    for (const Warning& warning : found.warnings) CHECK(warning.code != "orientation_inconsistent");
+  }
+}
+
 TEST_CASE("orientations that contradict the positions are told", "[advice][long]") {
   const auto robot = kr5_swept();
   const auto sweeps =

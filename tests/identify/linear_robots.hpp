@@ -1,9 +1,9 @@
 #pragma once
 
 // Arms with linear joints for tests: a SCARA (R R P R), a KR 5 arc on a linear unit
-// (P R R R R R R), and upright joints on a lift (P R R R). Their true tables are of the form that a
-// result has, so that each number can be compared: a of a linear joint's row and b of the next as
-// specified, b zero and beta present where axes are parallel.
+// (P R R R R R R), upright joints on a lift (P R R R), a gantry (P P P R). Their true tables are of
+// the form that a result has, so that each number can be compared: a of a linear joint's row and b
+// of the next as specified, b zero and beta present where axes are parallel.
 
 #include <cstdint>
 #include <random>
@@ -68,6 +68,20 @@ inline Arm cylindrical() {
   return arm;
 }
 
+/// Three linear joints, the last upright, and a joint that turns about that.
+inline Arm gantry() {
+  Arm arm;
+  arm.rows = {{1000, 0, 0, -90 * kDegree},
+              {800, -90 * kDegree, 0, -90 * kDegree},
+              {300, 0, 0, 0},
+              {0, 30 * kDegree, 0, 0}};
+  arm.home_rad = {1000 * kDegree, 800 * kDegree, 300 * kDegree, 30 * kDegree};
+  arm.positive = {1, 1, 1, 1};
+  arm.linear = {true, true, true, false};
+  arm.tool_mm = {120, 40, 0};
+  return arm;
+}
+
 /// As built: what a result can tell is off by tenths of a millimetre and hundredths of a degree.
 inline Arm as_built(Arm arm, std::uint32_t seed) {
   std::mt19937 random(1000 + seed);
@@ -128,9 +142,14 @@ inline std::vector<Sweep> cylindrical_sweeps(const Arm& arm, Noise noise) {
   return segment(campaign.samples(), {}, arm.joints());
 }
 
-inline std::vector<Sweep> lift_sweeps(const Arm& arm, Noise noise) {
+/// Of each joint, home in the middle: 90 degrees, or 500 mm.
+inline std::vector<Sweep> sweeps_about_home(const Arm& arm, Noise noise) {
   Campaign campaign(arm, noise);
-  campaign.rest().sweep(0, 500, 1300).sweep(1, -15, 75).sweep(2, -80, 10).sweep(3, -45, 45);
+  campaign.rest();
+  for (std::size_t j = 0; j < arm.joints(); ++j) {
+    const double home = arm.home_rad[j] / kDegree, half = arm.is_linear(j) ? 250 : 45;
+    campaign.sweep(j, home - half, home + half);
+  }
   return segment(campaign.samples(), {}, arm.joints());
 }
 

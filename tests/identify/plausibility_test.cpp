@@ -119,7 +119,7 @@ TEST_CASE("clean campaigns are never in doubt, however inaccurate", "[plausibili
 }
 
 TEST_CASE("strokes whose locked joints stood elsewhere lie each on a circle of its own",
-          "[plausibility]") {
+          "[plausibility][long]") {
   World world = tracker(false);
   world.home.sigma_deg = 0.01;
   Strokes strokes;
@@ -301,7 +301,7 @@ TEST_CASE("a small step of the device between two joints is told, and scatter is
 }
 
 TEST_CASE("of four axes, too, a device that was moved far between two sweeps is a doubt",
-          "[plausibility][issue12]") {
+          "[plausibility][issue12][long]") {
   for (std::uint32_t seed = 1; seed <= 6; ++seed) {
     CAPTURE(seed);
     const auto robot =
@@ -326,7 +326,7 @@ TEST_CASE("of four axes, too, a device that was moved far between two sweeps is 
 }
 
 TEST_CASE("a base that was turned about one joint's axis between sweeps is a doubt",
-          "[plausibility]") {
+          "[plausibility][long]") {
   // The circles stay what they are; only the angles tell.
   const auto off_deg = GENERATE(0.0, 0.06, 0.3, 5.0, 90.0);
   CAPTURE(off_deg);
@@ -396,7 +396,7 @@ TEST_CASE("angles that are off as no gear is are a doubt", "[plausibility]") {
 }
 
 TEST_CASE("a short arc far from home does not tell where its circle passes home",
-          "[plausibility]") {
+          "[plausibility][long]") {
   const auto begin_deg = GENERATE(30.0, 60.0, 90.0);
   const auto noise_mm = GENERATE(0.03, 0.1);
   CAPTURE(begin_deg, noise_mm);

@@ -147,7 +147,7 @@ TEST_CASE("A program's points are corrected into another file", "[correct_comman
 }
 
 TEST_CASE("Options that do not go together, and programs that are none, are refused",
-          "[correct_command]") {
+          "[correct_command][long]") {
   CorrectableFolder result;
   auto options = result.options(CorrectionLevel::targets);
   CHECK_THROWS_AS(correct(options, result.out), std::invalid_argument);

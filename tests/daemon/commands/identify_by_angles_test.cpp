@@ -169,7 +169,7 @@ TEST_CASE("static poses in any order stay poses", "[identify_by_angles]") {
   CHECK_THAT(run.errors, ContainsSubstring("poses alone need a start"));
 }
 
-TEST_CASE("an angle that jumps by 360 degrees has not moved", "[identify_by_angles]") {
+TEST_CASE("an angle that jumps by 360 degrees has not moved", "[identify_by_angles][long]") {
   const double least_deg = GENERATE(0, -180);
   const auto measured = printed_from(least_deg, measured_kr5(kSeenByTracker));
   const TemporaryFolder folder;

@@ -91,7 +91,7 @@ std::vector<fs::path> files_per_joint(const TemporaryFolder& folder, const Measu
 
 }  // namespace
 
-TEST_CASE("points without times get none in the result files", "[identify_command]") {
+TEST_CASE("points without times get none in the result files", "[identify_command][long]") {
   const TemporaryFolder folder;
   const Layout layout{.more = "joint,"};
   std::string lines = points_header(layout);

@@ -198,7 +198,7 @@ TEST_CASE("A pose visited again tells accuracy and repeatability", "[validate_co
 }
 
 TEST_CASE("Poses of a device that was set up elsewhere are judged in the frame that fits them",
-          "[validate_command]") {
+          "[validate_command][long]") {
   const TemporaryFolder folder;
   auto poses = built_kr5(3).poses(90);
   const auto fit = folder.write("fit.csv", lines_of(poses, 0, 60));
@@ -243,7 +243,7 @@ TEST_CASE("Poses of a device that was set up elsewhere are judged in the frame t
 }
 
 TEST_CASE("What result.json says of the model's uncertainty has what was moved amid the poses",
-          "[validate_command]") {
+          "[validate_command][long]") {
   const auto built = built_kr5(4);
   auto poses = built.poses(50);
   for (std::size_t i = 35; i < poses.size(); ++i) poses[i].sample.position_mm.x() += 0.2;

@@ -10,6 +10,7 @@ using sweepd::campaign_record;
 using sweepd::CampaignRecord;
 using sweepd::CampaignTexts;
 using sweepd::parse_utc;
+using sweepd::test::whole_result;
 
 namespace {
 
@@ -54,6 +55,27 @@ TEST_CASE("what is missing or broken is told and never an error", "[campaign_rec
   CHECK_THAT(record.why_not, ContainsSubstring("nothing moved"));
   CHECK(record.broken_notes == std::vector<std::size_t>{1});
   CHECK_FALSE(record.link);
+}
+
+TEST_CASE("a result that was edited or damaged is named, and not compared", "[campaign_record]") {
+  CampaignTexts texts = texts_named("out/a");
+  const auto why = [&](const auto& edit) {
+    auto json = whole_result();
+    edit(json);
+    texts.result = json.dump();
+    return campaign_record(texts).why_not;
+  };
+  CHECK(why([](auto&) {}).empty());
+  CHECK_THAT(why([](auto& json) { json["dh"][1]["a_mm"] = "599,742025"; }),
+             ContainsSubstring("out/a/result.json has \"599,742025\" for a_mm of row 2"));
+  CHECK_THAT(why([](auto& json) { json["dh"][1]["a_mm"] = 1e200; }),
+             ContainsSubstring("for a_mm of row 2"));
+  for (const double variance : {1e308, -0.5})
+    CHECK_THAT(why([&](auto& json) { json["covariance"]["rows"][0][0] = variance; }),
+               ContainsSubstring("has a covariance that no numbers can have"));
+  texts.problem = "Permission denied";
+  CHECK_THAT(campaign_record(texts).why_not,
+             ContainsSubstring("out/a/result.json cannot be read (Permission denied)"));
 }
 
 TEST_CASE("friction is that of the result, else half of what currents differ by",

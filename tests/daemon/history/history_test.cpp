@@ -217,6 +217,19 @@ TEST_CASE("what cannot be compared is named", "[history][long]") {
   CHECK_THROWS_WITH(history_of({}, {}), ContainsSubstring("there are no results"));
 }
 
+TEST_CASE("a campaign of a clock that was not set is left out, with its date", "[history][long]") {
+  for (const char* date : {"1970-01-01", "2099-01-01"}) {
+    auto records = campaigns(5, 0);
+    records[2].time = *sweepd::parse_utc(date);
+    const History history = history_of({records, {}, {}}, {});
+    CHECK(history.campaigns.size() == 4);
+    REQUIRE(history.left_out.size() == 1);
+    CHECK_THAT(history.left_out.front().why_not,
+               ContainsSubstring("campaign2 is dated " + std::string(date)) &&
+                   ContainsSubstring("sweepd note campaign2 --measured DATE"));
+  }
+}
+
 TEST_CASE("a campaign that leaves the last axis open tells the numbers before it",
           "[history][long]") {
   auto records = campaigns(8, 6);

@@ -69,7 +69,7 @@ TEST_CASE("positions with one decimal and without angles make a table no more ce
 }
 
 TEST_CASE("gears whose errors a device's few decimals hide are not believed to have none",
-          "[coarse_print]") {
+          "[coarse_print][long]") {
   simulation::World world;
   world.placed = true;
   world.noise.range_mm = world.noise.across_mm = 0.02;
@@ -137,7 +137,8 @@ simulation::robots::Spread errors_of_telegrams(const simulation::Strokes& how,
 
 }  // namespace
 
-TEST_CASE("where joints stand at a second home, few decimals tell to a step", "[coarse_print]") {
+TEST_CASE("where joints stand at a second home, few decimals tell to a step",
+          "[coarse_print][long]") {
   simulation::World world;
   world.controller = world.angles = true;
   world.decimals = GENERATE(1, 2);

@@ -169,7 +169,8 @@ TEST_CASE("stamps that are printed with few decimals make no delay of even sweep
   }
 }
 
-TEST_CASE("a delay is taken out of the sweeps from every home, and accuses no gear", "[delay]") {
+TEST_CASE("a delay is taken out of the sweeps from every home, and accuses no gear",
+          "[delay][long]") {
   const auto late_s = GENERATE(0.1, 0.5);
   CAPTURE(late_s);
   Strokes strokes = both_ways(0.1);
@@ -254,7 +255,7 @@ TEST_CASE("one way, a delay is told by how joints get to speed and stop", "[dela
 
 TEST_CASE(
     "angles that go on by whole steps of their print make no delay of how joints get to speed",
-    "[delay][issue12]") {
+    "[delay][issue12][long]") {
   // So many steps a cycle: 24, 40, 400; and 480, where many of the samples are those of ramps.
   const auto [cycle_s, speed_deg_s, decimals, half_deg] =
       GENERATE(std::tuple(0.012, 20.0, 2, 25.0), std::tuple(0.004, 10.0, 3, 25.0),
@@ -291,7 +292,7 @@ TEST_CASE("angles of one clock with their positions make no delay that grows", "
 }
 
 TEST_CASE("what a delay that does not show for certain may be is in the table's uncertainty",
-          "[delay][issue12]") {
+          "[delay][issue12][long]") {
   // One decimal, one way: only how joints get to speed tells of it, to some milliseconds.
   const double late_s = GENERATE(0.0, 0.008);
   CAPTURE(late_s);

@@ -34,15 +34,26 @@ std::vector<double> scores(const Identification& found, const Simulation& campai
   return all;
 }
 
-double rms_z(const std::vector<Simulation>& campaigns) {
-  double squares = 0, count = 0;
+std::vector<Identification> identified(const std::vector<Simulation>& campaigns) {
+  std::vector<Identification> all;
   for (const Simulation& campaign : campaigns)
-    for (const double z :
-         scores(identify::identify(campaign.sweeps(), campaign.campaign()), campaign)) {
+    all.push_back(identify::identify(campaign.sweeps(), campaign.campaign()));
+  return all;
+}
+
+/// `found`: of each campaign.
+double rms_z(const std::vector<Simulation>& campaigns, const std::vector<Identification>& found) {
+  double squares = 0, count = 0;
+  for (std::size_t k = 0; k < campaigns.size(); ++k)
+    for (const double z : scores(found[k], campaigns[k])) {
       squares += z * z;
       ++count;
     }
   return std::sqrt(squares / count);
+}
+
+double rms_z(const std::vector<Simulation>& campaigns) {
+  return rms_z(campaigns, identified(campaigns));
 }
 
 /// By a device of 0.02 mm some metres away.
@@ -125,8 +136,9 @@ TEST_CASE("A device's positions beside angles of few decimals are not taken for 
   how.samples = 300;
   how.there_and_back = true;
   const auto campaigns = campaigns_of(4, how, world);
-  CHECK(rms_z(campaigns) < 1.3);
-  const auto found = identify::identify(campaigns.front().sweeps(), campaigns.front().campaign());
+  const auto all = identified(campaigns);
+  CHECK(rms_z(campaigns, all) < 1.3);
+  const Identification& found = all.front();
   for (const AngleEvidence& angles : found.chain->angles)
     CHECK(angles.trust != AngleTrust::trusted);
   CHECK(test::find_warning(found, "transmission_error") == nullptr);
@@ -174,14 +186,15 @@ TEST_CASE("Joints are off alike in as many sweeps as they stand still through",
   how.rounds = world.home.lasts == HomeLasts::rest ? 2 : 1;
   const auto campaigns = campaigns_of(16, how, world);
   CAPTURE(text(world.home.lasts));
-  CHECK(rms_z(campaigns) == Approx(1).margin(0.15));
-  const auto found = identify::identify(campaigns.front().sweeps(), campaigns.front().campaign());
+  const auto all = identified(campaigns);
+  CHECK(rms_z(campaigns, all) == Approx(1).margin(0.15));
+  const Identification& found = all.front();
   REQUIRE(found.chain);
   CHECK(found.chain->effects.home_lasts == world.home.lasts);
   CHECK_FALSE(test::find_warning(found, "joints_creep"));
 }
 
-TEST_CASE("Joints rest however often they sweep", "[effect_sizes]") {
+TEST_CASE("Joints rest however often they sweep", "[effect_sizes][long]") {
   simulation::World world = seen_without_angles();
   world.home.sigma_deg = 0.01;
   world.home.lasts = HomeLasts::rest;
@@ -200,8 +213,9 @@ TEST_CASE("Uncertainties hold where locked joints go on while another one sweeps
   world.home.creep_deg = GENERATE(0.002, 0.01);
   const auto campaigns = there_and_back(12, {}, world, 1, 100);
   CAPTURE(world.home.creep_deg);
-  CHECK(rms_z(campaigns) == Approx(1).margin(0.15));
-  const auto found = identify::identify(campaigns.front().sweeps(), campaigns.front().campaign());
+  const auto all = identified(campaigns);
+  CHECK(rms_z(campaigns, all) == Approx(1).margin(0.15));
+  const Identification& found = all.front();
   REQUIRE(found.chain);
   const double from_the_middle_rad = world.home.creep_deg / 2 * kDegree;
   CHECK(found.chain->effects.creep_rad > 0.2 * from_the_middle_rad);
@@ -238,8 +252,9 @@ TEST_CASE("A device that sways or warms up moves no axis", "[effect_search][long
   (warms ? drift.warm_mm : drift.sway_mm) = 0.2;
   const auto campaigns = there_and_back(8, drift);
   CAPTURE(warms);
-  CHECK(rms_z(campaigns) == Approx(1).margin(0.2));
-  const auto found = identify::identify(campaigns.front().sweeps(), campaigns.front().campaign());
+  const auto all = identified(campaigns);
+  CHECK(rms_z(campaigns, all) == Approx(1).margin(0.2));
+  const Identification& found = all.front();
   REQUIRE(found.chain);
   // A third and less of what a walk of this size would leave.
   for (const DhEstimate& row : found.dh)
@@ -262,12 +277,12 @@ TEST_CASE("A device that was moved half way through moves no axis", "[effect_sea
   simulation::Strokes how;
   how.there_and_back = back;
   const auto campaigns = campaigns_of(16, how, world);
-  const double rms = rms_z(campaigns);  // below one: the target might have been moved as well
+  const auto all = identified(campaigns);
+  const double rms = rms_z(campaigns, all);  // below one: the target might have been moved as well
   CHECK(rms < 1.2);
   CHECK(rms > 0.6);
   int seen = 0;
-  for (const Simulation& campaign : campaigns) {
-    const auto found = identify::identify(campaign.sweeps(), campaign.campaign());
+  for (const Identification& found : all) {
     REQUIRE(found.chain);
     // Joints that stay off home explain some as well.
     if (found.chain->move) {
@@ -341,8 +356,9 @@ TEST_CASE("What gives way is told also where the device drifts",
   (sways ? drift.sway_mm : drift.linear_mm) = 0.2;
   const auto campaigns = there_and_back(3, drift, world, 2);
   CAPTURE(sways);
-  CHECK(rms_z(campaigns) < 1.4);
-  const auto found = identify::identify(campaigns.back().sweeps(), campaigns.back().campaign());
+  const auto all = identified(campaigns);
+  CHECK(rms_z(campaigns, all) < 1.4);
+  const Identification& found = all.back();
   REQUIRE(found.chain);
   CHECK(found.chain->effects.sag_rad > 10 * kArcsec);
 }
@@ -375,8 +391,9 @@ TEST_CASE("Where each sweep's times begin anew, or there are none, nobody can te
 
 TEST_CASE("Sweeps from a second home show how far joints give way", "[effect_sizes][long]") {
   const auto campaigns = sagging(false, 2);
-  CHECK(rms_z(campaigns) < 1.3);
-  const auto found = identify::identify(campaigns.front().sweeps(), campaigns.front().campaign());
+  const auto all = identified(campaigns);
+  CHECK(rms_z(campaigns, all) < 1.3);
+  const Identification& found = all.front();
   REQUIRE(found.chain);
   CHECK_FALSE(found.chain->effects.sag_told);
   CHECK(found.chain->effects.sag_rad > 20 * kArcsec);

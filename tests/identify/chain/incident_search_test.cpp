@@ -88,7 +88,7 @@ TEST_CASE("What joints that stay off home explain as well as a moved device is u
   if (how.there_and_back) CHECK(told >= 6);
 }
 
-TEST_CASE("A disturbed sweep is told with its joint", "[incident_search]") {
+TEST_CASE("A disturbed sweep is told with its joint", "[incident_search][long]") {
   const Simulation campaign = palletizer_campaign(1);
   const auto found = identify::identify(with_disturbed(campaign, 2, 3), campaign.campaign());
   const Warning* told = find_warning(found, "sweep_disturbed");

@@ -53,7 +53,7 @@ void judge_partial(const Campaigns& all, int count, const See& see) {
 }  // namespace
 
 TEST_CASE("A joint that was not swept and stood elsewhere from sweep to sweep makes others unsure",
-          "[unswept_joint]") {
+          "[unswept_joint][long]") {
   Campaigns all{simulation::kr5(), 2, controller(4), {}};
   all.world.wobble_deg = 0.0005;
   all.world.home.sigma_deg = GENERATE(0.0005, 0.005, 0.05);
@@ -61,7 +61,8 @@ TEST_CASE("A joint that was not swept and stood elsewhere from sweep to sweep ma
   judge_partial(all, 6, [](const Identification&) {});
 }
 
-TEST_CASE("Where joints that come back elsewhere stand few decimals hide", "[unswept_joint]") {
+TEST_CASE("Where joints that come back elsewhere stand few decimals hide",
+          "[unswept_joint][long]") {
   Campaigns all{simulation::iiwa(), GENERATE(std::size_t{0}, std::size_t{4}), controller(1), {}};
   all.world.home.sigma_deg = 0.05;
   all.world.home.seen = true;

@@ -11,6 +11,7 @@
 
 #include "identify/geometry/angle.hpp"
 #include "tests/catch.hpp"
+#include "tests/identify/linear_robots.hpp"
 #include "tests/identify/simulated_campaign.hpp"
 #include "tests/simulation/simulation.hpp"
 
@@ -56,6 +57,31 @@ TEST_CASE("the paper's campaign without noise gives the specified table", "[circ
   for (std::size_t j = 0; j < 6; ++j)
     CHECK(*result.home_rad[j] == Approx(test::kr5_arc().home_rad[j]));
   REQUIRE(result.bounding_box);
+}
+
+TEST_CASE("a sample that is metres off is in no box", "[circle_estimator]") {
+  const auto boxes = [](test::Campaign campaign, std::size_t of_joint) {
+    auto sweeps = segment(campaign.samples(), {}, campaign.arm().joints());
+    const auto clean = estimate_circles(sweeps, test::for_arm(campaign.arm()));
+    const auto stray =
+        estimate_circles(test::changed(std::move(sweeps),
+                                       [&](Sweep& sweep, std::vector<identify::Sample>& samples) {
+                                         if (sweep.joint == of_joint)
+                                           samples[samples.size() / 2].position_mm.y() += 5000;
+                                       }),
+                         test::for_arm(campaign.arm()));
+    REQUIRE(clean.joints[of_joint].box);
+    REQUIRE(stray.joints[of_joint].box);
+    CHECK_THAT(stray.joints[of_joint].box->lengths_mm.x(),
+               Catch::Matchers::WithinRel(clean.joints[of_joint].box->lengths_mm.x(), 0.01));
+    CHECK_THAT(stray.bounding_box->volume_mm3(),
+               Catch::Matchers::WithinRel(clean.bounding_box->volume_mm3(), 0.01));
+  };
+  test::Campaign turning(test::kr5_arc(), {0, 0.02, 1});
+  boxes(turning.sweep_all_90(), 0);
+  test::Campaign sliding(test::scara(), {0, 0.02, 1});
+  sliding.rest().sweep(0, -25, 65).sweep(1, 15, 105).sweep(2, 20, 180).sweep(3, -75, 15);
+  boxes(sliding, 2);
 }
 
 TEST_CASE("only the sweeps proper are fitted: moves from and to home are marked",

@@ -230,7 +230,7 @@ TEST_CASE("Sweeps that are all alike are told apart by the specified arm, or ref
   CHECK_THAT(unknown.problem, ContainsSubstring("--robot"));
 }
 
-TEST_CASE("The same tape and points give the same take", "[joined_take]") {
+TEST_CASE("The same tape and points give the same take", "[joined_take][long]") {
   const Robot robot = built(kr5(), 8);
   const auto views = two_views(robot, sweeps_of_all(robot, 1, 8), unkind(8), 8);
   const auto once = join(robot, views), again = join(robot, views);

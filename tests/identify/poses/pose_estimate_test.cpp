@@ -94,7 +94,7 @@ TEST_CASE("What makes up the uncertainty adds up to it", "[pose_estimate]") {
 }
 
 TEST_CASE("The covariance of the model is that of the table, whatever makes it uncertain",
-          "[pose_estimate][pose_drift][pose_step]") {
+          "[pose_estimate][pose_drift][pose_step][long]") {
   const auto built = arm_with(tracker(), 3, 2);
   const auto check = [&](const PoseEstimate& found) {
     const Eigen::MatrixXd map = to_estimate(found.chain.chain, found.fit.with_orientation);
@@ -138,7 +138,7 @@ TEST_CASE("The covariance of the model is that of the table, whatever makes it u
   check(*played_by);
 }
 
-TEST_CASE("Angles from 0 to 360 degrees are those from -180 to 180", "[pose_estimate]") {
+TEST_CASE("Angles from 0 to 360 degrees are those from -180 to 180", "[pose_estimate][long]") {
   const auto built = arm_with(tracker(), 3);
   auto poses = built.poses(40);
   for (Pose& rest : rests(built)) poses.push_back(std::move(rest));
@@ -190,7 +190,7 @@ TEST_CASE("Angles of few decimals do not make a device's poses the controller's 
 }
 
 TEST_CASE("Distances between targets tell a device, however few decimals the angles have",
-          "[pose_estimate]") {
+          "[pose_estimate][long]") {
   for (const bool device : {false, true})
     for (std::uint32_t seed = 1; seed <= 3; ++seed) {
       auto world = tracker();

@@ -36,7 +36,7 @@ TEST_CASE("A device or a base that is moved anywhere amid the poses is noticed, 
   CHECK(all.farthest < 5);
 }
 
-TEST_CASE("What was moved is told: a target on the tool is no device", "[pose_step]") {
+TEST_CASE("What was moved is told: a target on the tool is no device", "[pose_step][long]") {
   for (const std::uint32_t seed : {1U, 2U, 3U}) {
     const auto built = arm_with(tracker(), seed);
     auto poses = built.poses(50);
@@ -74,7 +74,7 @@ TEST_CASE("A joint that slips amid the poses is named, and by how much", "[pose_
   CHECK(all.farthest < 5);
 }
 
-TEST_CASE("An arm that warms up is not said to have been moved", "[pose_step]") {
+TEST_CASE("An arm that warms up is not said to have been moved", "[pose_step][long]") {
   for (const std::uint32_t seed : {1U, 2U, 3U}) {
     const auto built = arm_with(tracker(0.001), seed);
     auto poses = built.poses(120);
@@ -89,7 +89,8 @@ TEST_CASE("An arm that warms up is not said to have been moved", "[pose_step]") 
   }
 }
 
-TEST_CASE("A device that warms up, or sways once, is not said to have been moved", "[pose_step]") {
+TEST_CASE("A device that warms up, or sways once, is not said to have been moved",
+          "[pose_step][long]") {
   const bool sways = GENERATE(false, true);
   const auto drifting = [&](std::uint32_t seed) {
     auto world = tracker();

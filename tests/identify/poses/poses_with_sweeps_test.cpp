@@ -66,7 +66,7 @@ TEST_CASE("Sweeps of some joints, and poses of all, tell the table",
   CHECK(all.farthest < 4.5);
 }
 
-TEST_CASE("A joint that never turned has no axis", "[pose_estimate][pose_start]") {
+TEST_CASE("A joint that never turned has no axis", "[pose_estimate][pose_start][long]") {
   const std::size_t joint = GENERATE(2U, 4U, 5U);
   const auto built = arm_with(tracker(), 1);
   std::vector<std::vector<double>> angles_rad;
@@ -101,7 +101,8 @@ TEST_CASE("A device that drifted between sweeps and poses accuses no joint",
   CHECK(static_cast<double>(all.inside) / all.numbers > 0.92);
 }
 
-TEST_CASE("Few poses of a device that was moved are told to scatter", "[pose_estimate][advice]") {
+TEST_CASE("Few poses of a device that was moved are told to scatter",
+          "[pose_estimate][advice][long]") {
   const bool moved = GENERATE(false, true);
   CAPTURE(moved);
   int noisy = 0;

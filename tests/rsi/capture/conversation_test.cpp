@@ -155,6 +155,14 @@ TEST_CASE("of many conversations a few are listed", "[conversation]") {
                              ContainsSubstring(" and 11 more: choose"));
 }
 
+TEST_CASE("the busiest conversation is found behind any number of strangers", "[conversation]") {
+  Traffic traffic;
+  for (std::uint32_t k = 0; k < 300; ++k) traffic.talk(1, {0x0a000000 + k, 5000}, kServer);
+  traffic.talk(50, kController, kServer);
+  const auto found = search(traffic, {}, 100);
+  CHECK(found.chosen == Conversation{kController.address, kServer});
+}
+
 TEST_CASE("the user chooses by port, by controller or by both", "[conversation]") {
   Traffic traffic;
   traffic.talk(3, kController, kServer).talk(4, other_controller, other_sweepd);
