@@ -47,10 +47,8 @@ Result result_in(const std::filesystem::path& folder) {
   const auto file = folder / file_names::kResult;
   const std::string text = rsi::file_bytes(file);
   const auto json = nlohmann::ordered_json::parse(text, nullptr, false);
-  if (json.is_discarded())
-    throw std::runtime_error(file.string() +
-                             ": is no whole JSON: it was cut, or is no result: identify again");
   try {
+    if (json.is_discarded()) throw std::runtime_error("it is no whole JSON");
     if (json.contains("poses")) return {pose_predictor(json.at("poses")), limits_in(json)};
   } catch (const std::exception& error) {
     throw std::runtime_error(file.string() + ": is not as sweepd writes it (" + error.what() +

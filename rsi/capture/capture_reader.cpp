@@ -213,11 +213,12 @@ std::optional<Datagram> CaptureReader::next() {
     if (kind == PacketKind::udp) {
       ++counters_.udp;
       datagram.time = timestamp(header->ts);
-      // One that is farther back tells of a clock that was set.
-      if (datagram.time < newest_ && newest_ - datagram.time < std::chrono::seconds(1))
-        ++counters_.overtaken;
-      else
-        newest_ = datagram.time;
+      // Less is rounding, and more a clock that was set.
+      const auto behind = newest_ - datagram.time;
+      const bool overtaken =
+          behind >= std::chrono::microseconds(1) && behind < std::chrono::seconds(1);
+      counters_.overtaken += overtaken ? 1 : 0;
+      if (!overtaken) newest_ = datagram.time;
       return datagram;
     }
     if (kind == PacketKind::fragment)
