@@ -213,12 +213,6 @@ std::optional<Datagram> CaptureReader::next() {
     if (kind == PacketKind::udp) {
       ++counters_.udp;
       datagram.time = timestamp(header->ts);
-      // Less is rounding, and more a clock that was set.
-      const auto behind = newest_ - datagram.time;
-      const bool overtaken =
-          behind >= std::chrono::microseconds(1) && behind < std::chrono::seconds(1);
-      counters_.overtaken += overtaken ? 1 : 0;
-      if (!overtaken) newest_ = datagram.time;
       return datagram;
     }
     if (kind == PacketKind::fragment)
@@ -240,13 +234,6 @@ std::vector<std::string> CaptureReader::notes() const {
                     " IP fragments of UDP datagrams were left out, they are not put together: "
                     "shorten the SEND list of the controller's Ethernet file so that a telegram "
                     "stays below 1472 bytes");
-  if (counters_.overtaken > 0)
-    notes.push_back(
-        name_ + ": " +
-        counted(counters_.overtaken, "datagram stands behind a later one and counts",
-                "datagrams stand behind a later one and count") +
-        " in the order of the file: put the file in the order of time first (reordercap), unless "
-        "the machine's clock was set back");
   return notes;
 }
 

@@ -70,7 +70,6 @@ struct CaptureCounters {
                               ///< their headers
   std::uint64_t fragments = 0;  ///< pieces of UDP datagrams, left out: they are not put together
   std::uint64_t foreign = 0;    ///< not UDP over IPv4
-  std::uint64_t overtaken = 0;  ///< datagrams that stand behind one of a later time, up to a second
 };
 
 /// Reads the UDP datagrams over IPv4 from a pcap or pcapng file, all sections of it, in the order
@@ -109,7 +108,6 @@ class CaptureReader {
   std::uint64_t section_ = 1;
   LinkLayer layer_{};
   CaptureCounters counters_;
-  Timestamp newest_{};
   std::vector<std::string> section_notes_;  // what is wrong with a section as a whole
 };
 

@@ -79,6 +79,11 @@ std::optional<Arrival> Link::telegram(const Datagram& datagram, const Telegram& 
   } else {
     report_.start = datagram.time;
   }
+  if (early_reply_ && early_reply_->ipoc == ipoc && early_reply_->received >= datagram.time) {
+    cycle.replied = early_reply_->received;
+    if (newest_) --report_.replies.stray;
+    early_reply_.reset();
+  }
   if (arrival != Arrival::reordered) {
     const auto late_runs = statistics_.counts().late_runs;
     cycle.begins_late_run = late_runs != late_runs_;
@@ -98,16 +103,21 @@ void Link::reply(const Datagram& datagram) {
     return;
   }
   ++report_.replies.sent;
-  if (!newest_) return;  // the capture began between a telegram and its reply
   const auto ipoc = ipoc_number(find_ipoc(datagram.payload));
+  if (!newest_) {  // the capture began between a telegram and its reply, or with an early one
+    if (ipoc) early_reply_ = {datagram.time, *ipoc};
+    return;
+  }
   const auto found = std::find_if(
       begin, end, [&](const Kept& cycle) { return cycle.counts() && cycle.ipoc == ipoc; });
-  if (found == end)
+  if (found == end) {
     ++report_.replies.stray;
-  else if (found->replied)
+    if (ipoc) early_reply_ = {datagram.time, *ipoc};
+  } else if (found->replied) {
     ++report_.replies.repeated;
-  else
+  } else {
     found->replied = datagram.time;
+  }
 }
 
 std::vector<Cycle> Link::last(std::size_t most) const {

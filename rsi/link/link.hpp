@@ -109,12 +109,13 @@ class Link {
   std::array<Kept, kMost> cycles_{};
   std::size_t size_ = 0;
   std::uint64_t late_runs_ = 0;
-  struct Newest {
+  struct Stamped {
     Timestamp received{};
     std::uint64_t ipoc = 0;
   };
-  std::optional<Newest> newest_;  // in order
-  Nanoseconds settled_until_{};   // its time since the first telegram
+  std::optional<Stamped> newest_;       // in order
+  std::optional<Stamped> early_reply_;  // stands before its telegram in a capture, or is a stray
+  Nanoseconds settled_until_{};         // its time since the first telegram
   Nanoseconds unit_ = std::chrono::milliseconds(1);
   Nanoseconds cycle_{};
   Place late_run_;

@@ -166,24 +166,6 @@ TEST_CASE("damaged and random bytes are read without harm", "[capture_reader]") 
   CHECK(opened > 1000);  // the errors were not so many that nothing was tried
 }
 
-TEST_CASE("datagrams that stand behind later ones are told, and a clock that was set is none",
-          "[capture_reader]") {
-  const auto notes_of = [](const std::vector<std::chrono::nanoseconds>& times) {
-    PcapBytes bytes;
-    for (const auto time : times) bytes.add(kCaptured + time, ethernet(ip_packet(1)));
-    const TemporaryFile file(bytes.bytes());
-    CaptureReader reader(file.path());
-    while (reader.next()) {
-    }
-    return reader.notes();
-  };
-  const auto notes = notes_of({0ms, 4ms, 3ms, 8ms, 7ms, 12ms});
-  REQUIRE(notes.size() == 1);
-  CHECK_THAT(notes[0], ContainsSubstring("2 datagrams stand behind a later one") &&
-                           ContainsSubstring("reordercap"));
-  CHECK(notes_of({0ms, 4ms, 4ms, 8ms, 8ms - 60s, 12ms - 60s}).empty());
-}
-
 TEST_CASE("a snapped datagram is handed out as cut, and the notes say so", "[capture_reader]") {
   PcapBytes bytes;
   const auto frame = ethernet(ip_packet(1));

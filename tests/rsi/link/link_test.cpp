@@ -344,6 +344,27 @@ TEST_CASE("telegrams held up by the network are jitter, not a clock that was set
   CHECK(report.link.lost == 1);
 }
 
+TEST_CASE("a reply that stands before its telegram in a capture answers it", "[link]") {
+  MonitoredLink link;
+  link.stream.reply(link.stream.at(0) + 50us, link.stream.ipoc(0));
+  link.stream.telegram(link.stream.at(0), link.stream.ipoc(0));
+  link.stream.cycles(1, 100);
+  for (std::uint64_t k = 100; k < 110; ++k) {
+    link.stream.reply(link.stream.at(k) + 50us, link.stream.ipoc(k));
+    link.stream.telegram(link.stream.at(k), link.stream.ipoc(k));
+  }
+  link.stream.cycles(110, 200);
+  CHECK(link.report().replies.stray == 0);
+  CHECK(link.report().replies.in_time == 200);
+  CHECK(link.report().latency.max() == 50us);
+  // One that was sent before has guessed.
+  link.stream.reply(link.stream.at(200) - 1ms, link.stream.ipoc(200));
+  link.stream.telegram(link.stream.at(200), link.stream.ipoc(200));
+  link.stream.cycles(201, 210);
+  CHECK(link.report().replies.stray == 1);
+  CHECK(link.report().replies.in_time == 209);
+}
+
 TEST_CASE("RSI that begins anew on another port is a restart; so is an IPOC that wraps", "[link]") {
   MonitoredLink link;
   constexpr std::uint64_t kWrap = std::uint64_t{1} << 32;
