@@ -133,7 +133,7 @@ void draw_curves(Picture& picture, const Frame& frame, const std::string& title,
 using identify::Cause;
 
 constexpr std::array kCauses{Cause::noise, Cause::home, Cause::drift,  Cause::figure, Cause::offset,
-                             Cause::print, Cause::sag,  Cause::angles, Cause::target};
+                             Cause::print, Cause::sag,  Cause::angles, Cause::height};
 
 double share_of(const Json& row, Cause cause) {
   return number_of(row, std::string(text(cause)));

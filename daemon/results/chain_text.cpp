@@ -71,8 +71,8 @@ std::string size(Cause cause, const Identification& found) {
       return angle(effects.sag_rad);
     case Cause::angles:
       return angle(found.poses ? found.poses->fit.noise.joint_rad : 0);
-    case Cause::target:
-      return length(estimate.target_off_mm);
+    case Cause::height:
+      return length(estimate.height_open_mm);
   }
   return "";
 }

@@ -44,8 +44,8 @@ std::string_view text(Cause cause) noexcept {
       return "sag";
     case Cause::angles:
       return "angles";
-    case Cause::target:
-      return "target";
+    case Cause::height:
+      return "height";
   }
   return "";
 }
@@ -68,8 +68,8 @@ std::string_view words(Cause cause) noexcept {
       return "joints that give way to weight";
     case Cause::angles:
       return "joints off what their angles say";
-    case Cause::target:
-      return "where the target is on the tool";
+    case Cause::height:
+      return "how high base and target stand";
   }
   return "";
 }

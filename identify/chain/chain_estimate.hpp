@@ -142,7 +142,7 @@ struct ChainEffects {
 inline constexpr std::array kLessBeside{0.0, 1.0 / 4, 1.0};
 
 /// What makes an estimate uncertain: the samples' noise, and the effects.
-enum class Cause { noise, home, drift, figure, offset, print, sag, angles, target };
+enum class Cause { noise, home, drift, figure, offset, print, sag, angles, height };
 [[nodiscard]] std::string_view text(Cause cause) noexcept;   ///< one word, for programs
 [[nodiscard]] std::string_view words(Cause cause) noexcept;  ///< for people
 
@@ -269,9 +269,9 @@ struct ChainEstimate : SweepEvidence {
     Eigen::MatrixXd covariance;
   };
   std::vector<Part> parts;
-  /// In a device's frame, of an arm with linear joints whose height the target gives: how far across
-  /// the last axis it is from where the description has it.
-  double target_off_mm = 0;
+  /// Of an arm with linear joints: how far it is open how high base and target stand, of which
+  /// Cause::height comes.
+  double height_open_mm = 0;
   std::vector<DhEstimate> dh;
   bool with_orientation = false;  ///< A, B, C were present, consistent, and used
   Summary summary;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/chain/target_level.hpp"
 #include "identify/dh/base_height.hpp"
 #include "identify/dh/placed_axes.hpp"
 #include "identify/geometry/line.hpp"
@@ -16,10 +17,6 @@ using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
-
-bool all_known(const std::vector<std::optional<Axis>>& axes) {
-  return std::all_of(axes.begin(), axes.end(), [](const auto& axis) { return !!axis; });
-}
 
 double largest_distance(const std::vector<Vector3d>& places) {
   double size = 1;
@@ -38,73 +35,6 @@ Isometry3d base_of(const TableAxes& axes, const std::vector<std::optional<Axis>>
   const DhRow row{table[0].b_mm.value - wanted.b_mm, table[0].theta_rad.value - wanted.theta_rad, 0,
                   0};
   return first_frame(*first_axes[0]) * transform(row);
-}
-
-/// The target, as far along the last axis as the origin of the last frame: the description knows
-/// how far they are apart.
-Vector3d level_with_last_frame(const Vector3d& target, const std::optional<Axis>& last,
-                               const Campaign& campaign, const std::vector<DhRow>& specified) {
-  if (!last || !campaign.specified || specified.empty()) return target;
-  const Vector3d tool = transform(specified.back()) * campaign.specified->tool_mm;
-  return target - tool.z() * last->direction;
-}
-
-constexpr double kFollows = 0.5;  // mm a mm
-
-/// The row of a linear joint whose b goes along with the target along the last axis, and by how
-/// much.
-struct Follower {
-  std::size_t row = 0;
-  double b_mm = 0;
-  double slope = 0;
-};
-std::optional<Follower> follower_of(const PlacedAxes& at_level, const std::vector<DhRow>& specified,
-                                    double size_mm) {
-  const auto table = extract_dh(at_level.z, size_mm, specified);
-  const Eigen::VectorXd follows = dh_jacobian(at_level.z, size_mm, specified) *
-                                  (at_level.by_given.rightCols<3>() * at_level.z.back()->direction);
-  for (std::size_t i = 0; i < table.size(); ++i)
-    if (const double slope = follows(static_cast<Index>(5 * i));
-        table[i].linear && std::abs(slope) > kFollows)
-      return Follower{i, table[i].b_mm.value, slope};
-  return std::nullopt;
-}
-
-/// In the robot's own frame its base gives the height: the target need not be where the description
-/// has it. So far along the last axis the way of a linear joint that is the first passes by the
-/// frame's origin, or b of a linear joint's row, whichever follows, is as specified.
-Vector3d level_with_base(const Vector3d& level_mm, const PlacedAxes& at_level,
-                         const std::vector<DhRow>& specified, double size_mm) {
-  const Vector3d& up = at_level.z.back()->direction;
-  const Axis& first = *at_level.z.front();
-  const Vector3d moved = at_level.by_given.block<3, 3>(3, at_level.by_given.cols() - 3) * up;
-  const Vector3d across = moved - first.direction * first.direction.dot(moved);
-  if (first.linear && across.norm() > kFollows)
-    return level_mm - across.dot(first.point_mm) / across.squaredNorm() * up;
-  const auto row = follower_of(at_level, specified, size_mm);
-  return row ? level_mm + (specified[row->row].b_mm - row->b_mm) / row->slope * up : level_mm;
-}
-
-/// In a device's frame: how the axes change, seen from the base, with how far along the last axis
-/// the target is from where it is described. The base goes along with a b that follows.
-Eigen::VectorXd change_with_level(const PlacedAxes& at_level, const std::vector<DhRow>& specified,
-                                  double size_mm) {
-  const Vector3d& up = at_level.z.back()->direction;
-  Eigen::VectorXd change = at_level.by_given.rightCols<3>() * up;
-  if (!at_level.z.front()->linear && follower_of(at_level, specified, size_mm))
-    for (Index at = 3; at < change.size(); at += 6) change.segment<3>(at) -= up;
-  return change;
-}
-
-/// How far across the last axis the target is from where it is described. So far, too, it may be
-/// along that.
-double off_described_mm(const Vector3d& target, const PlacedAxes& placed, const Campaign& campaign,
-                        const std::vector<DhRow>& specified, double size_mm) {
-  std::vector<DhRow> rows = values(extract_dh(placed.z, size_mm, specified));
-  rows.back() = specified.back();
-  Isometry3d last = first_frame(*placed.z.front());
-  for (const DhRow& row : rows) last = last * transform(row);
-  return (last.inverse() * target - campaign.specified->tool_mm).head<2>().norm();
 }
 
 }  // namespace
@@ -130,11 +60,8 @@ void place_linear_axes(ChainEstimate& estimate, const Campaign& campaign,
     return MatrixXd(all.asDiagonal() * estimate.covariance.topLeftCorner(rows + 3, rows + 3) *
                     all.asDiagonal());
   }();
-  const Vector3d level_mm = level_with_last_frame(target, z.back(), campaign, specified);
-  PlacedAxes found = placed(z, level_mm, of_table, specified, size_mm);
-  if (all_known(z) && !campaign.device_frame && !specified.empty())
-    found = placed(z, level_with_base(level_mm, found, specified, size_mm), of_table, specified,
-                   size_mm);
+  const TargetLevel level = target_level(z, target, of_table, campaign, specified, size_mm);
+  const PlacedAxes found = placed(z, level.at_mm, of_table, specified, size_mm);
   // From the estimate to the estimate: all but the axes stays.
   const Index count = estimate.covariance.rows();
   MatrixXd map = MatrixXd::Identity(count, count);
@@ -146,13 +73,13 @@ void place_linear_axes(ChainEstimate& estimate, const Campaign& campaign,
   estimate.covariance = mapped(estimate.covariance);
   for (ChainEstimate::Part& part : estimate.parts) part.covariance = mapped(part.covariance);
   estimate.by_target = found.by_given.rightCols<3>();
-  if (all_known(z) && campaign.device_frame && campaign.specified && !specified.empty()) {
+  if (level.open_mm > 0) {
     Eigen::VectorXd by_level = Eigen::VectorXd::Zero(count);
-    by_level.head(rows) = turned.asDiagonal() * change_with_level(found, specified, size_mm);
+    by_level.head(rows) =
+        level.open_mm * (turned.asDiagonal() * change_with_level(found, specified, size_mm));
     if (!by_level.isZero()) {
-      estimate.target_off_mm = off_described_mm(target, found, campaign, specified, size_mm);
-      by_level *= estimate.target_off_mm;
-      estimate.parts.push_back({Cause::target, by_level * by_level.transpose()});
+      estimate.height_open_mm = level.open_mm;
+      estimate.parts.push_back({Cause::height, by_level * by_level.transpose()});
       estimate.covariance += estimate.parts.back().covariance;
     }
   }

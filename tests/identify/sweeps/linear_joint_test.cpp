@@ -185,11 +185,27 @@ TEST_CASE("Uncertainties hold wherever the target is on the tool", "[linear_join
       CHECK(found.status == Status::complete);
       compare(found, built, scores);
       // In the robot's own frame the base gives the height.
-      if (!device) CHECK(found.chain->target_off_mm == 0);
+      if (!device) CHECK(found.chain->height_open_mm == 0);
     }
     CAPTURE(device, specified.linear);
     CHECK(scores.rms() < 1.3);
   }
+}
+
+TEST_CASE("Uncertainties hold of a SCARA whose base is elsewhere than positions have it",
+          "[linear_joint][long]") {
+  const Vector3d by_mm = GENERATE(Vector3d(0, 0, 700), Vector3d(800, -300, 700));
+  Scores scores;
+  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+    const Arm built = as_built(scara(), seed);
+    const auto sweeps = changed(sweeps_about_home(built, {0, 0.02, seed}),
+                                [&](Sweep&, std::vector<Sample>& samples) {
+                                  for (Sample& sample : samples) sample.position_mm += by_mm;
+                                });
+    compare(identify::identify(sweeps, for_arm(scara())), built, scores);
+  }
+  CAPTURE(by_mm.transpose());
+  CHECK(scores.rms() < 1.3);
 }
 
 TEST_CASE("An axis and the way of a linear joint beside it are parallel, though they are not quite",
