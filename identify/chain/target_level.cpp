@@ -46,8 +46,8 @@ Vector3d first_across(const PlacedAxes& at_level) {
   return moved - along * along.dot(moved);
 }
 
-/// How much higher the target is where a first axis that goes along passes by the frame's origin,
-/// or b of a linear joint's row, whichever follows, is as specified.
+/// How much higher the target is where a first axis that goes along runs through the frame's
+/// origin, or b of a linear joint's row, whichever follows, is as specified.
 double higher_by_base_mm(const PlacedAxes& at_level, const std::vector<DhRow>& specified,
                          double size_mm) {
   if (const Vector3d across = first_across(at_level); across.norm() > kFollows)
@@ -56,7 +56,7 @@ double higher_by_base_mm(const PlacedAxes& at_level, const std::vector<DhRow>& s
   return row ? (specified[row->row].b_mm - row->b_mm) / row->slope : 0;
 }
 
-/// How far the first axis, if it does not go along, passes by the origin of the robot's own frame.
+/// By how much the first axis, if it does not go along, misses the origin of the frame.
 double off_origin_mm(const PlacedAxes& at_level) {
   const Axis& first = *at_level.z.front();
   return first_across(at_level).norm() > kFollows ? 0
