@@ -120,6 +120,7 @@ TableAxes table_axes(const ChainEstimate& chain, const Campaign& campaign) {
   }
   axes.by_estimate = map;
   axes.by_target = chain.by_target;
+  if (chain.axes.back()) axes.height_open_mm = chain.height_open_mm * chain.axes.back()->direction;
   axes.covariance = map.lazyProduct(MatrixXd(chain.covariance.lazyProduct(map.transpose())));
   if (chain.with_orientation) axes.z.back()->covariance = axes.covariance.bottomRightCorner<6, 6>();
   return axes;
@@ -206,7 +207,8 @@ std::optional<RobotPose> robot_pose(const TableAxes& axes, const std::vector<DhR
     jacobian.col(p) = change / (2 * step);
   }
   const MatrixXd covariance = axes.covariance.topLeftCorner(count, count);
-  const Vector6d variance = (jacobian * covariance * jacobian.transpose()).diagonal();
+  Vector6d variance = (jacobian * covariance * jacobian.transpose()).diagonal();
+  variance.head<3>() += axes.height_open_mm.cwiseAbs2();
   if (!variance.allFinite() || !found.pose.matrix().allFinite()) return std::nullopt;
   const Vector6d sigma = variance.cwiseMax(0.0).cwiseSqrt();
   found.position_sigma_mm = sigma.head<3>();

@@ -25,6 +25,8 @@ struct TableAxes {
   Eigen::MatrixXd by_estimate;  ///< how these change with what the estimate's covariance is of
   Eigen::MatrixXd by_target;    ///< as in ChainEstimate
   double size_mm = 0;           ///< of the arm: the largest distance between axes, targets
+  /// Along the last axis: how far it is open how high the base stands, as in ChainEstimate.
+  Eigen::Vector3d height_open_mm = Eigen::Vector3d::Zero();
   /// Of the frame in which `z` is, in the measurement frame; directions are alike.
   Eigen::Vector3d origin_mm = Eigen::Vector3d::Zero();
 };

@@ -186,6 +186,12 @@ TEST_CASE("Uncertainties hold wherever the target is on the tool", "[linear_join
       compare(found, built, scores);
       // In the robot's own frame the base gives the height.
       if (!device) CHECK(found.chain->height_open_mm == 0);
+      if (device && !specified.is_linear(0)) {
+        REQUIRE(found.robot_pose);
+        const Vector3d off_mm = found.robot_pose->pose.translation();
+        const Vector3d sigma_mm = found.robot_pose->position_sigma_mm;
+        CHECK((off_mm.array().abs() < 5 * sigma_mm.array()).all());
+      }
     }
     CAPTURE(device, specified.linear);
     CHECK(scores.rms() < 1.3);
