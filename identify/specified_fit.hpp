@@ -2,19 +2,9 @@
 
 #include <optional>
 
-#include "identify/geometry/angle.hpp"
 #include "identify/identification.hpp"
 
 namespace identify {
-
-/// A built robot is never so far off what its maker specifies. Lengths, in mm or as a share of the
-/// arm's (the sum of all its lengths), whichever is more; twists; and thetas, which mastering
-/// shifts. Castings and machining miss by a millimetre and some hundredths of a degree, mastering
-/// by a degree.
-inline constexpr double kMostOff_mm = 8;
-inline constexpr double kMostOffShare = 0.004;
-inline constexpr double kMostTwist_rad = 1 * kDegree;
-inline constexpr double kMostOff_rad = 5 * kDegree;
 
 /// What `found.dh` says against the specified table, beyond what a built robot can be off, and if
 /// one is found, the mistake that explains it: positions in another unit, a mirrored frame,

@@ -32,15 +32,14 @@ std::string words_for(const std::string& describes) {
 /// A campaign that a clock with a wrong date has dated, as one that begins anew in 1970: before any
 /// controller had RSI or still to come, and a decade and more from all that are neither.
 bool is_misdated(const CampaignRecord& record, const std::vector<CampaignRecord>& all) {
-  constexpr std::chrono::nanoseconds kDecade = 10 * std::chrono::hours(8766);
-  constexpr std::chrono::nanoseconds kFirst = 30 * std::chrono::hours(8766);  // the year 2000
+  constexpr double kDecade = 10, kFirst = 30;  // years, and since 1970
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   const auto possible = [&](const CampaignRecord& one) {
-    return one.time > kFirst && one.time < now + kShortlyBefore;
+    return years(one.time) > kFirst && one.time < now + kShortlyBefore;
   };
   return !possible(record) && std::ranges::any_of(all, possible) &&
          std::ranges::none_of(all, [&](const CampaignRecord& other) {
-           return possible(other) && std::chrono::abs(other.time - record.time) < kDecade;
+           return possible(other) && std::abs(years(other.time) - years(record.time)) < kDecade;
          });
 }
 

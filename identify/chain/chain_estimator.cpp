@@ -256,8 +256,8 @@ class Estimation {
       if (evidence[j].trust != AngleTrust::trusted) evidence[j] = std::move(now[j]);
   }
 
-  /// Whether the tool's orientations agree with what the positions found; then they are used. How far
-  /// they are off before the fit tells nothing: a target near an axis leaves open how that lies.
+  /// Whether the tool's orientations agree with what the positions found; then they are used. Only
+  /// a fit with them tells: a target near an axis leaves open how that lies.
   bool add_orientation(FittedChain& best) {
     Chain chain = best.fit.chain;
     chain.tool = starting_tool(chain, nodes_.observations);

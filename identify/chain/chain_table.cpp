@@ -220,17 +220,12 @@ std::optional<Isometry3d> tool_pose(const ChainEstimate& chain, const TableAxes&
                                     const std::vector<DhEstimate>& table,
                                     const std::vector<DhRow>& specified) {
   if (table.empty() || !axes.z.front()) return std::nullopt;
-  Isometry3d last = first_frame(*axes.z.front());
-  for (const DhEstimate& row : table)
-    for (const auto* number : {&row.b_mm, &row.theta_rad, &row.a_mm, &row.alpha_rad})
-      if (number->knowledge == Knowledge::undetermined) return std::nullopt;
-  std::vector<DhRow> rows = values(table);
-  if (!specified.empty()) rows.back() = specified.back();
-  for (const DhRow& row : rows) last = last * transform(row);
+  const auto last = last_frame(*axes.z.front(), table, specified);
+  if (!last) return std::nullopt;
   Isometry3d tool = Isometry3d::Identity();
   tool.linear() = chain.chain.tool;
   tool.translation() = chain.chain.targets_mm.front() - axes.origin_mm;
-  return last.inverse() * tool;
+  return last->inverse() * tool;
 }
 
 }  // namespace identify

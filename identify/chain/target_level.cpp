@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include "identify/dh/dh_comparison.hpp"
 #include "identify/dh/dh_extraction.hpp"
 
 namespace identify {
@@ -13,8 +14,6 @@ namespace {
 using Eigen::Index;
 using Eigen::Vector3d;
 
-/// Less is how an arm was built, and how a target was screwed on.
-constexpr double kAsBuilt_mm = 8;
 /// A target that is elsewhere on the tool is no farther off along the axis, in times of across.
 constexpr double kAlongToAcross = 3;
 constexpr double kFollows = 0.5;  // mm a mm
@@ -63,16 +62,6 @@ double off_origin_mm(const PlacedAxes& at_level) {
                                                   : first.direction.cross(first.point_mm).norm();
 }
 
-/// How far across the last axis the target is from where it is described.
-double off_described_mm(const Vector3d& target, const PlacedAxes& at_level, const Arm& described,
-                        const std::vector<DhRow>& specified, double size_mm) {
-  std::vector<DhRow> rows = values(extract_dh(at_level.z, size_mm, specified));
-  rows.back() = specified.back();
-  Eigen::Isometry3d last = first_frame(*at_level.z.front());
-  for (const DhRow& row : rows) last = last * transform(row);
-  return (last.inverse() * target - described.tool_mm).head<2>().norm();
-}
-
 }  // namespace
 
 TargetLevel target_level(const std::vector<std::optional<Axis>>& z, const Vector3d& target_mm,
@@ -84,8 +73,11 @@ TargetLevel target_level(const std::vector<std::optional<Axis>>& z, const Vector
   TargetLevel level{target_mm - tool.z() * up, 0};
   if (std::any_of(z.begin(), z.end(), [](const auto& axis) { return !axis; })) return level;
   const PlacedAxes described = placed(z, level.at_mm, covariance, specified, size_mm);
+  const auto last =
+      last_frame(*described.z.front(), extract_dh(described.z, size_mm, specified), specified);
+  if (!last) return level;
   const double across_mm =
-      off_described_mm(target_mm, described, *campaign.specified, specified, size_mm);
+      (last->inverse() * target_mm - campaign.specified->tool_mm).head<2>().norm();
   if (campaign.device_frame) {
     level.open_mm = across_mm;
     return level;
@@ -93,9 +85,9 @@ TargetLevel target_level(const std::vector<std::optional<Axis>>& z, const Vector
   const double higher_mm = higher_by_base_mm(described, specified, size_mm);
   const double elsewhere_mm = off_origin_mm(described);
   level.at_mm += higher_mm * up;
-  if (elsewhere_mm > kAsBuilt_mm)
+  if (elsewhere_mm > kMostOff_mm)
     level.open_mm = std::max(elsewhere_mm, std::abs(higher_mm));
-  else if (std::abs(higher_mm) > kAsBuilt_mm + kAlongToAcross * across_mm)
+  else if (std::abs(higher_mm) > kMostOff_mm + kAlongToAcross * across_mm)
     level.open_mm = std::abs(higher_mm);
   return level;
 }

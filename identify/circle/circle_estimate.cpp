@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -76,6 +75,13 @@ Eigen::Matrix3Xd joined(const std::vector<Eigen::Matrix3Xd>& parts) {
 
 }  // namespace
 
+std::set<std::size_t> used_targets(const JointResult& joint) {
+  std::set<std::size_t> targets;
+  for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
+    if (joint.used[s]) targets.insert(joint.sweeps[s].target);
+  return targets;
+}
+
 Eigen::Matrix3Xd used_points(const JointResult& joint, std::optional<std::size_t> target) {
   const auto wanted = [&](std::size_t s) {
     return joint.used[s] && (!target || joint.sweeps[s].target == *target);
@@ -145,11 +151,8 @@ void measure_boxes(CircleEstimate& found) {
   std::vector<Eigen::Matrix3Xd> of_joints;
   for (JointResult& joint : found.joints) {
     if (!joint.axis) continue;
-    std::set<std::size_t> targets;
-    for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
-      if (joint.used[s]) targets.insert(joint.sweeps[s].target);
     std::vector<Eigen::Matrix3Xd> of_targets;
-    for (const std::size_t target : targets)
+    for (const std::size_t target : used_targets(joint))
       of_targets.push_back(without_strays(used_points(joint, target), joint.line.has_value()));
     of_joints.push_back(joined(of_targets));
     joint.box = minimum_bounding_box(of_joints.back());

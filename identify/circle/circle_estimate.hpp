@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,9 @@ struct CircleEstimate {
   std::vector<Warning> doubts;
   std::vector<Warning> warnings;
 };
+
+/// Of the joint's used sweeps.
+[[nodiscard]] std::set<std::size_t> used_targets(const JointResult& joint);
 
 /// Positions of the joint's used sweeps of one target, or of all, in the order of time.
 [[nodiscard]] Eigen::Matrix3Xd used_points(const JointResult& joint,

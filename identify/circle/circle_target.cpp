@@ -23,9 +23,7 @@ double direction_sigma_rad(const JointResult& joint, std::size_t target) {
 }  // namespace
 
 std::size_t circle_target(const JointResult& joint) {
-  std::set<std::size_t> targets;
-  for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
-    if (joint.used[s]) targets.insert(joint.sweeps[s].target);
+  const std::set<std::size_t> targets = used_targets(joint);
   std::size_t best = *targets.begin();
   if (targets.size() == 1) return best;
   double least_rad = direction_sigma_rad(joint, best);

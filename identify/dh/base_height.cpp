@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 using Axes = std::vector<std::optional<Axis>>;
 
 /// The base stands within so much of the height at which it is taken.
-constexpr double kMostOff_mm = 1000;
+constexpr double kMostAside_mm = 1000;
 /// What so much changes by less than this (mm, rad) does not hang on it.
 constexpr double kNoChange = 1e-6;
 constexpr double kHeightStep_mm = 10;
@@ -75,7 +75,7 @@ class Slopes {
       return false;
     const DhNumber& number = table[row].*of.number;
     return is_placed(table[row], of) &&
-           std::abs(at(row, of)) * kMostOff_mm > std::max(number.sigma, kNoChange);
+           std::abs(at(row, of)) * kMostAside_mm > std::max(number.sigma, kNoChange);
   }
 
   [[nodiscard]] bool any_hangs(const std::vector<DhEstimate>& table) const {

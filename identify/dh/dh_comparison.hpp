@@ -5,8 +5,18 @@
 #include <vector>
 
 #include "identify/dh/dh_extraction.hpp"
+#include "identify/geometry/angle.hpp"
 
 namespace identify {
+
+/// A built robot is never so far off what its maker specifies. Lengths, in mm or as a share of the
+/// arm's (the sum of all its lengths), whichever is more; twists; and thetas, which mastering
+/// shifts. Castings and machining miss by a millimetre and some hundredths of a degree, mastering
+/// by a degree.
+inline constexpr double kMostOff_mm = 8;
+inline constexpr double kMostOffShare = 0.004;
+inline constexpr double kMostTwist_rad = 1 * kDegree;
+inline constexpr double kMostOff_rad = 5 * kDegree;
 
 /// Identified minus specified; angles wrapped to half a turn. Nothing where the number was not
 /// identified: what convention sets cannot differ. Nothing for theta where the joint's home angle

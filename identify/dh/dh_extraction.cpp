@@ -141,4 +141,16 @@ std::vector<DhRow> values(const std::vector<DhEstimate>& table) {
   return rows;
 }
 
+std::optional<Eigen::Isometry3d> last_frame(const Axis& first, const std::vector<DhEstimate>& table,
+                                            const std::vector<DhRow>& specified) {
+  for (const DhEstimate& row : table)
+    for (const auto* number : {&row.b_mm, &row.theta_rad, &row.a_mm, &row.alpha_rad})
+      if (number->knowledge == Knowledge::undetermined) return std::nullopt;
+  std::vector<DhRow> rows = values(table);
+  if (!specified.empty()) rows.back() = specified.back();
+  Eigen::Isometry3d last = first_frame(first);
+  for (const DhRow& row : rows) last = last * transform(row);
+  return last;
+}
+
 }  // namespace identify

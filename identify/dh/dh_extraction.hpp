@@ -95,6 +95,12 @@ inline constexpr std::array<DhNumberName, 5> kDhNumbers{
 /// The values of a table as rows; undetermined ones as zero.
 [[nodiscard]] std::vector<DhRow> values(const std::vector<DhEstimate>& table);
 
+/// The frame behind the last row of a table that begins at this axis. The last row, of which axes
+/// tell nothing, is as specified. Nothing where a number is undetermined.
+[[nodiscard]] std::optional<Eigen::Isometry3d> last_frame(const Axis& first,
+                                                          const std::vector<DhEstimate>& table,
+                                                          const std::vector<DhRow>& specified);
+
 /// An angle brought to (-pi, pi].
 [[nodiscard]] double wrapped(double angle_rad);
 

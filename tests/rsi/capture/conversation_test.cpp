@@ -199,6 +199,12 @@ TEST_CASE("captures without RSI are said to be so", "[conversation]") {
   CHECK_THAT(found.note,
              ContainsSubstring("no RSI among 7 UDP datagrams") && ContainsSubstring("capture on"));
 
+  PcapBytes foreign(link_raw);
+  for (int k = 0; k < 3; ++k) foreign.add(1'700'000'000s, '\x60' + std::string(39, '\0'));  // IPv6
+  const TemporaryFile of_foreign(foreign.bytes());
+  CHECK_THAT(find_conversation(std::vector{of_foreign.path()}).note,
+             ContainsSubstring("none of 3 packets is UDP over IPv4"));
+
   auto cut = Traffic().talk(1, kController, kServer).bytes();
   cut.resize(50);
   const TemporaryFile file(cut);

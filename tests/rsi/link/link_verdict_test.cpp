@@ -280,6 +280,9 @@ TEST_CASE("restarts, clock steps and missing Delay are good to know, and no faul
   report = flawless();
   report.link.late_replies.reset();
   check_only(report, Grade::good, "no_delay", "DEF_Delay");
+  report.malformed = 10'000;  // what was cut may have it
+  CHECK(reason(rsi::verdict(report), "no_delay") == nullptr);
+  report.malformed = 0;
   report.replies = {};
   CHECK(rsi::verdict(report).reasons.empty());
   report = flawless();
