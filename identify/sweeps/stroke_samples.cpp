@@ -135,10 +135,13 @@ void set_turns(StrokeMoments& stroke, StrokeSamples& seen) {
   stroke.zero_rad = mean_told;
   const double there = mean_about + middle;
   stroke.shift(there);
-  // A hundredth of a radian of noise in x moves what a model says by 1e-4 of its size.
-  constexpr double kSmallCircle = 0.01;
-  stroke.about =
-      stroke.linear || stroke.circle.radial_rms_mm < kSmallCircle * stroke.circle.radius_mm;
+  // A hundredth of a radian of noise in x moves what a model says by 1e-4 of its size. The normal
+  // of so noisy a circle is uncertain: orientations, which turn about the axis itself, see both.
+  constexpr double kSmallCircle = 0.01, kFineCircle = 2e-4;
+  const double small = stroke.content.orientation
+                           ? std::clamp(stroke.content.printed.angle_rad, kFineCircle, kSmallCircle)
+                           : kSmallCircle;
+  stroke.about = stroke.linear || stroke.circle.radial_rms_mm < small * stroke.circle.radius_mm;
   seen.turns = stroke.about ? ArrayXd(stroke.zero_rad + stroke.sense * (seen.turns - there)) : told;
   seen.told = std::move(told);
 }
