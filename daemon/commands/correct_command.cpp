@@ -182,6 +182,7 @@ int correct(const CorrectOptions& options, std::ostream& out) {
   check_together(options);
   const Correctable of = read_correctable(options.result);
   const auto json = options.output.value_or(of.file.parent_path() / "correction.json");
+  if (options.write) check_apart("--write and the JSON (--output)", *options.write, json);
   std::vector<fs::path> inputs = {of.file, of.file.parent_path() / file_names::kPoses};
   if (options.program) inputs.push_back(*options.program);
   if (options.config) inputs.push_back(*options.config);

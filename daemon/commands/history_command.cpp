@@ -67,9 +67,7 @@ int show_history(const HistoryCommandOptions& options, FoundCampaigns found, std
   if (options.since) how.since = date_option("--since", *options.since);
   if (options.same_state) how.same_state = period(*options.same_state);
   if (!options.kind.empty()) how.describes = options.kind == "arm" ? "arm" : "controller_model";
-  if (options.csv && options.csv == options.html)
-    throw std::invalid_argument("--csv and --html name one file, " + options.csv->string() +
-                                ": give each its own");
+  if (options.csv && options.html) check_apart("--csv and --html", *options.csv, *options.html);
   const Outputs outputs(files_of(found), options.force);
   if (options.csv) outputs.check(*options.csv, kCsvBegin);
   if (options.html) outputs.check(*options.html, kHistoryBegin);

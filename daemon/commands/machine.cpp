@@ -144,6 +144,12 @@ void judge_disk(const Machine& machine, const RobotSettings& robot, Findings& fi
         "{}: {} free, and recording needs more than {} (keep_free_bytes): make room, or set it "
         "lower",
         folder, gigabytes(free), gigabytes(kept)));
+  if (recording.keep_bytes > 0 && recording.keep_bytes < recording.rotate_bytes)
+    findings.warning(fmt::format(
+        "{}: a trace grows to {} (rotate_bytes) before a part of it can be deleted, and all are to "
+        "be kept within {} (keep_bytes): set rotate_bytes lower, or keep_bytes higher",
+        folder, gigabytes(static_cast<double>(recording.rotate_bytes)),
+        gigabytes(static_cast<double>(recording.keep_bytes))));
   // Telegrams of usual length, their replies and samples.csv: 0.2 MB a second at a cycle of 4 ms.
   constexpr double kADay = 0.2e6 * 86'400;
   const double left = (free - kept) / kADay;

@@ -93,6 +93,12 @@ void Outputs::check_results(const fs::path& folder, const std::vector<std::strin
            kAnotherFolder);
 }
 
+void check_apart(const std::string& options, const fs::path& one, const fs::path& other) {
+  if (fs::absolute(one).lexically_normal() == fs::absolute(other).lexically_normal())
+    throw std::invalid_argument(options + " name one file, " + one.string() +
+                                ": give each its own");
+}
+
 OutputFile::OutputFile(const fs::path& path) : path_(path), beside_(path) {
   std::error_code error;
   const auto type = fs::status(path, error).type();

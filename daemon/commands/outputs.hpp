@@ -60,6 +60,11 @@ class OutputFile {
   std::optional<UnfinishedFile> unfinished_;
 };
 
+/// That two options, as "--csv and --html", do not name one file: what is written last would be all
+/// of it. Throws std::invalid_argument.
+void check_apart(const std::string& options, const std::filesystem::path& one,
+                 const std::filesystem::path& other);
+
 /// The whole of a file at once. Throws std::runtime_error.
 void write_output(const std::filesystem::path& path, std::string_view content);
 

@@ -9,6 +9,7 @@
 #include "daemon/text/numbers.hpp"
 #include "identify/clock/joined_take.hpp"
 #include "rsi/counted.hpp"
+#include "rsi/link/link_verdict.hpp"
 
 namespace sweepd {
 namespace {
@@ -118,11 +119,26 @@ Outcome first_outcome(const Snapshot& snapshot) {
   return outcome;
 }
 
+/// What is wrong with the stream itself, whatever was made of it.
+void doubt_stream(const SourceCounts& counts, identify::Identification& found) {
+  identify::Warning doubt{"two_senders", {}, rsi::text_of_two_senders(counts.link)};
+  if (counts.link.telegrams == 0 && counts.malformed_in_all() > 0)
+    doubt = {"malformed",
+             {},
+             "none of " + rsi::counted(counts.malformed_in_all(), "datagram") +
+                 " held a whole telegram: capture whole packets (tcpdump -s 0), and see whether "
+                 "another program on the controller's address uses this port"};
+  if (doubt.message.empty()) return;
+  found.doubts.insert(found.doubts.begin(), std::move(doubt));
+  apply_doubts(found);
+}
+
 }  // namespace
 
 Outcome outcome_of(const Snapshot& snapshot) {
   const identify::Campaign& campaign = snapshot.campaign;
   Outcome outcome = first_outcome(snapshot);
+  doubt_stream(snapshot.counts, outcome.identification);
   if (campaign.specified) outcome.positive = campaign.specified->positive;
   outcome.limits = snapshot.limits;
   outcome.currents = snapshot.currents;

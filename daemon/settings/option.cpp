@@ -103,8 +103,9 @@ struct Reader {
             "write it like \"127.0.0.1:19152\"");
   }
   void operator()(std::optional<std::uint32_t>* address) const {
+    constexpr std::uint32_t kFirstOfMany = 224U << 24;  // multicast, reserved, broadcast
     *address = rsi::parse_address(table.text(option.key));
-    if (address->value_or(0) == 0)
+    if (address->value_or(0) == 0 || **address >= kFirstOfMany)
       wrong("the controller's IPv4 address",
             "write it like \"192.168.1.20\", or leave the key out");
   }

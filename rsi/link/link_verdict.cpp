@@ -200,14 +200,8 @@ class Judge {
   }
 
   void two_senders() {
-    const LinkCounts& link = report_.link;
-    if (link.alternations < Limits::kAlternations) return;
-    const auto& [one, other] = link.alternating;
-    add(Grade::bad, "two_senders",
-        "two senders streamed at once, " + text(one) + " and " + text(other) + ", and took turns " +
-            rsi::counted(link.alternations, "time") +
-            ": positions of both are mixed here, so give each controller an address and a port of "
-            "its own");
+    std::string message = text_of_two_senders(report_.link);
+    if (!message.empty()) add(Grade::bad, "two_senders", std::move(message));
   }
 
   void doubled_and_overtaken() {
@@ -335,6 +329,15 @@ std::string_view text(Grade grade) noexcept {
       return "bad";
   }
   return "";
+}
+
+std::string text_of_two_senders(const LinkCounts& link) {
+  if (link.alternations < Limits::kAlternations) return {};
+  const auto& [one, other] = link.alternating;
+  return "two senders streamed at once, " + text(one) + " and " + text(other) +
+         ", and took turns " + rsi::counted(link.alternations, "time") +
+         ": positions of both are mixed here, so give each controller an address and a port of its "
+         "own";
 }
 
 Verdict verdict(const LinkReport& report) {

@@ -54,4 +54,7 @@ struct VerdictLimits {
 
 [[nodiscard]] Verdict verdict(const LinkReport& report);
 
+/// What is wrong where two controllers streamed at once, and what to do; empty where they did not.
+[[nodiscard]] std::string text_of_two_senders(const LinkCounts& link);
+
 }  // namespace rsi

@@ -144,6 +144,9 @@ TEST_CASE("A program's points are corrected into another file", "[correct_comman
   options.write = options.program;
   CHECK_THROWS_WITH(correct(options, result.out), ContainsSubstring("this command reads it"));
   CHECK(content(*options.program) == kTwoPoints);
+  options.write = result.folder / "." / "P2.dat";
+  options.output = result.folder / "P2.dat";
+  CHECK_THROWS_WITH(correct(options, result.out), ContainsSubstring("name one file"));
 }
 
 TEST_CASE("Options that do not go together, and programs that are none, are refused",

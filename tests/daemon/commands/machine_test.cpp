@@ -122,6 +122,9 @@ TEST_CASE("a disk that is nearly full is told before recording pauses", "[machin
   RobotSettings settings = robot();
   settings.recording.keep_bytes = kGiB;
   CHECK_THAT(judged(machine, settings).text, !ContainsSubstring("warning"));
+  settings.recording.rotate_bytes = 2 * kGiB;
+  CHECK_THAT(judged(machine, settings).text,
+             ContainsSubstring("warning") && ContainsSubstring("a trace grows to 2.1 GB"));
   machine.cannot_write = "/var/lib/sweepd/arc: cannot be written (Permission denied)";
   CHECK(judged(machine).not_ready);
 }

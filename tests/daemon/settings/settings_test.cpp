@@ -210,7 +210,7 @@ TEST_CASE("addresses are checked", "[settings]") {
   CHECK(settings_error(replaced(kRobotText, "0.0.0.0:49152", "localhost:49152")) ==
         "4:10: robot.listen: expected an IPv4 address and a port (1 to 65535), found the string "
         "\"localhost:49152\": write it like \"0.0.0.0:49152\"");
-  for (const auto* wrong : {"192.168.1.20:1", "0.0.0.0", "robot"})
+  for (const auto* wrong : {"192.168.1.20:1", "0.0.0.0", "239.1.1.1", "robot"})
     CHECK_THAT(settings_error(kRobotText + "controller = \"" + wrong + "\"\n"),
                Catch::Matchers::StartsWith(
                    "6:14: robot.controller: expected the controller's IPv4 address"));

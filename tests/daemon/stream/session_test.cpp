@@ -11,6 +11,7 @@
 #include "tests/daemon/telegrams.hpp"
 #include "tests/identify/simulated_campaign.hpp"
 
+using Catch::Matchers::ContainsSubstring;
 using Catch::Matchers::StartsWith;
 using sweepd::PlannedTurns;
 using sweepd::Session;
@@ -100,6 +101,33 @@ TEST_CASE("what telegrams no longer have is told", "[session]") {
   CHECK(session.snapshot().missing_signals ==
         "40 of 100 telegrams have no angles of all joints that can be read, and the others have: "
         "see what changes what is sent while the stream goes on");
+}
+
+TEST_CASE("what is wrong with a stream leads what is said of its result", "[session]") {
+  sweepd::StreamSink nobody;
+  Session mixed(setup(), "trace", nobody);
+  for (std::uint64_t k = 0; k < 100; ++k)
+    for (const std::uint16_t port : {std::uint16_t{49'153}, std::uint16_t{49'154}}) {
+      const auto text = telegram(4 * k + 1'000'000ULL * port, joint_1_at(0));
+      auto datagram = from_controller(text, std::chrono::milliseconds(4 * k + port % 2));
+      datagram.source.port = port;
+      mixed.telegram(datagram);
+    }
+  mixed.finish();
+  const auto found = outcome_of(mixed.snapshot()).identification;
+  REQUIRE(found.doubts.size() == 1);
+  CHECK(found.doubts.front().code == "two_senders");
+  CHECK_THAT(found.reason, StartsWith("two senders streamed at once, ") &&
+                               ContainsSubstring("no sweep of a single joint was seen"));
+
+  Session cut(setup(), "trace", nobody);
+  for (int k = 0; k < 20; ++k)
+    cut.telegram(from_controller(telegram(4000, joint_1_at(0)).substr(0, 60)));
+  cut.finish();
+  const auto nothing = outcome_of(cut.snapshot()).identification;
+  CHECK_THAT(nothing.reason, StartsWith("none of 20 datagrams held a whole telegram: "));
+  REQUIRE(nothing.doubts.size() == 1);
+  CHECK(nothing.doubts.front().code == "malformed");
 }
 
 TEST_CASE("each sample is a row of samples.csv, a few of them held back for one that was overtaken",
