@@ -149,7 +149,7 @@ class Adviser {
     const double sigma = joint.axis ? joint.axis->direction_sigma_rad() : 0;
     seen += joint.axis ? ", direction uncertain by " + uncertain(sigma)
                        : ", direction uncertain by more than 1°";
-    if (circle.radius_mm < kPoorRadius_mm) {
+    if (circle.radius_mm < kNearAxis_mm) {
       std::string remedy = "choose a tool point further off it";
       if (joint.axis)
         remedy += ", " + fixed(kGoodRadius_mm, 0) + " mm would give about " +

@@ -7,10 +7,8 @@
 
 namespace identify {
 
-/// An axis whose direction is less certain than this deserves a warning,
+/// An axis whose direction is less certain deserves a warning.
 inline constexpr double kPoorDirection_rad = 0.05 * kDegree;
-/// and so does a target that is closer to an axis.
-inline constexpr double kPoorRadius_mm = 20;
 
 /// Appends to `found.warnings` what the user could do better next time, and what in the data is not
 /// as the method assumes: each with figures, and where it can be predicted, with what the remedy

@@ -104,8 +104,8 @@ class ChainAdviser {
       warn("joints_creep", {},
            "while one joint swept, the locked ones went on by " +
                fixed(2 * effects.creep_rad / kDegree, 4) +
-               "° (1 sigma) from the begin of a sweep to its end. The uncertainties allow for it. "
-               "Look after what holds the joints, and whether they rest before each sweep");
+               "° (1 sigma) from the beginning of a sweep to its end. The uncertainties allow for "
+               "it. Look after what holds the joints, and whether they rest before each sweep");
     for (std::size_t j = 0; j < effects.home_gains.size(); ++j) {
       const double home_rad = effects.home_rad_of(j);
       if (effects.home_gains[j] > kSure)
@@ -232,7 +232,7 @@ std::vector<Warning> joints_along(const Identification& found, bool beyond) {
     double likeliest_rad = 0;
     for (const ChainEffects::Along& one : found.chain->effects.along) {
       if (one.swept != swept) continue;
-      const double rad = 2 * one.rad;  // from the begin of a sweep to its end
+      const double rad = 2 * one.rad;  // from the beginning of a sweep to its end
       if (told.empty()) likeliest_rad = rad;
       told += (told.empty() ? "" : " or ") + joint_name(one.joint) + " by about " +
               (found.joints[one.joint].linear ? brief(kLinear_mm * rad) + " mm"

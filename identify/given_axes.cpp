@@ -30,10 +30,7 @@ double size_mm(const std::vector<Axis>& axes) {
     places.push_back(pair.first_foot_mm);
     places.push_back(pair.second_foot_mm);
   }
-  double size = 1;
-  for (const auto& a : places)
-    for (const auto& b : places) size = std::max(size, (a - b).norm());
-  return size;
+  return largest_distance_mm(places);
 }
 
 /// How far a table is from the specified one. Turning an axis round may change nothing but thetas:

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "identify/chain/chain_start.hpp"
+#include "identify/chain/incident_search.hpp"
 #include "identify/geometry/circle_fit.hpp"
 #include "identify/geometry/median.hpp"
 #include "identify/geometry/warning.hpp"
@@ -21,10 +22,9 @@ using Eigen::Vector3d;
 /// Joints come home to hundredths of a degree, which a metre away is a fraction of a millimetre.
 constexpr double kOffHome_mm = 3;
 constexpr double kOffHomeToPeers = 20;
-constexpr std::size_t kFewestPeers = 3;  // two circles meet nearly anywhere
-/// Where a circle passes home is known to within that, or it tells nothing of it. Angles that are
-/// off by less at the target are no doubt.
-constexpr double kStep_mm = 0.5;
+constexpr std::size_t kFewestPeers = 3;    // two circles meet nearly anywhere
+constexpr double kKnownHome_mm = 0.5;      // a circle that is known worse there tells nothing of it
+constexpr double kLeastAtTarget_mm = 0.5;  // angles that are off by less there are no doubt
 constexpr double kLeastStep_mm = 0.05;
 /// A step explains a hundred times more than it leaves, with so many numbers to spare: by chance,
 /// homes that scatter look so in one of some thousand campaigns (F of 3 and 4). With fewer to spare
@@ -84,7 +84,7 @@ std::vector<SeenCircle> circles_of_sweeps(const Identification& found) {
   // Where a short arc's circle passes home, nobody knows.
   const Vector3d home = meeting_point(circles_in(seen));
   std::erase_if(seen, [&](const SeenCircle& one) {
-    return !(kHomeSigmas * one.known.sigma_mm(home) < kStep_mm);
+    return !(kHomeSigmas * one.known.sigma_mm(home) < kKnownHome_mm);
   });
   std::stable_sort(seen.begin(), seen.end(),
                    [](const SeenCircle& a, const SeenCircle& b) { return a.time_s < b.time_s; });
@@ -310,7 +310,7 @@ void judge_home(Identification& found, bool timed) {
   }
   if (const auto step = step_of_home(found)) {
     // Few circles meet where joints came home badly, and then elsewhere. The chain allows for that.
-    if (step->mm > kStep_mm || found.estimator != Estimator::chain) {
+    if (step->mm > kMostMove_mm || found.estimator != Estimator::chain) {
       found.doubts.push_back(told(*step, timed, ""));
       return;
     }
@@ -322,7 +322,7 @@ void judge_home(Identification& found, bool timed) {
     const bool linear = found.joints[one->joint].line.has_value();
     const bool doubtful = one->off_rad > kOffAngle_rad + one->noise_rad &&
                           one->off_rad > kOffHomeToPeers * one->peers_rad &&
-                          one->off_mm() > kStep_mm;
+                          one->off_mm() > kLeastAtTarget_mm;
     const std::string off =
         joint_name(one->joint) + (linear ? ": its places as told are " : ": its angles are ") +
         (linear ? "" : fixed(one->off_rad / kDegree, doubtful ? 2 : 3) + "°, ") +

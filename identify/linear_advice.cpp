@@ -64,14 +64,6 @@ namespace {
 constexpr double kWrongWay_mm = 1;
 constexpr double kWrongWayShare = 0.01;
 
-std::vector<Sweep> used_sweeps(const JointResult& joint) {
-  std::vector<Sweep> used;
-  for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
-    if (joint.used[s] && joint.sweeps[s].target == joint.circle_target)
-      used.push_back(joint.sweeps[s]);
-  return used;
-}
-
 double sigma_rad(const LineFit& line) {
   return std::sqrt(line_covariance(line, line.across_rms_mm).topLeftCorner<3, 3>().trace() / 2);
 }

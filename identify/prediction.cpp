@@ -8,6 +8,7 @@
 #include "identify/chain/chain_table.hpp"
 #include "identify/dh/placed_axes.hpp"
 #include "identify/geometry/angle.hpp"
+#include "identify/geometry/spread.hpp"
 
 namespace identify {
 namespace {
@@ -117,12 +118,11 @@ void predict_from(ChainNodes& nodes, const std::vector<ChainObservation>& sample
 }  // namespace
 
 ChainNoise printed_noise(const Resolution& resolution, double wobble_rad, std::size_t joints) {
-  const double share = 1 / std::sqrt(12.0);
   ChainNoise noise;
-  noise.position_mm = share * resolution.position_mm;
-  noise.orientation_rad = share * resolution.angle_rad;
+  noise.position_mm = kEvenlySpread * resolution.position_mm;
+  noise.orientation_rad = kEvenlySpread * resolution.angle_rad;
   noise.locked_rad = rounding_error(resolution.angle_rad, wobble_rad);
-  noise.swept_rad.assign(joints, share * resolution.angle_rad);
+  noise.swept_rad.assign(joints, kEvenlySpread * resolution.angle_rad);
   return noise;
 }
 

@@ -60,9 +60,8 @@ Worst worst_of(const std::vector<DhEstimate>& dh, const std::vector<DhRow>& spec
                const std::vector<std::optional<double>>& home_rad) {
   const double length = std::max(kMostOff_mm, kMostOffShare * arm_mm(specified));
   Worst worst;
-  const auto judge = [&](std::size_t row, const char* name, const DhNumber& number, double expected,
-                         double most) {
-    const bool is_angle = most != length;
+  const auto judge = [&](bool is_angle, std::size_t row, const char* name, const DhNumber& number,
+                         double expected, double most) {
     if (number.knowledge != Knowledge::identified) return;
     const double off = is_angle ? wrapped(number.value - expected) : number.value - expected;
     const double excess = (std::abs(off) - kSigmas * number.sigma) / most;
@@ -85,13 +84,13 @@ Worst worst_of(const std::vector<DhEstimate>& dh, const std::vector<DhRow>& spec
       return parallel(specified[row]) && std::abs(specified[row].a_mm) < length;
     };
     const bool loose = askew(i) || (i > 0 && askew(i - 1));
-    judge(i, "alpha", dh[i].alpha_rad, specified[i].alpha_rad, kMostTwist_rad);
+    judge(true, i, "alpha", dh[i].alpha_rad, specified[i].alpha_rad, kMostTwist_rad);
     if (loose) continue;
-    judge(i, "a", dh[i].a_mm, specified[i].a_mm, length);
+    judge(false, i, "a", dh[i].a_mm, specified[i].a_mm, length);
     if (i == 0) continue;  // where the base stands
-    judge(i, "b", dh[i].b_mm, specified[i].b_mm, length);
+    judge(false, i, "b", dh[i].b_mm, specified[i].b_mm, length);
     if (home_rad[i] && !one(i) && !one(i - 1))
-      judge(i, "theta", dh[i].theta_rad, specified[i].theta_rad, kMostOff_rad);
+      judge(true, i, "theta", dh[i].theta_rad, specified[i].theta_rad, kMostOff_rad);
   }
   return worst;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "identify/geometry/median.hpp"
+#include "identify/geometry/spread.hpp"
 #include "identify/geometry/warning.hpp"
 #include "identify/sweeps/sample.hpp"
 
@@ -53,11 +54,10 @@ std::optional<Distance> distance_in(const Sweep& first, const Sweep& second) {
   }
   if (seen_mm.size() < kFewestPictures) return std::nullopt;
   Distance distance{first.first().time_s, *first.joint, median_of(seen_mm), 0};
-  // Of Gauss' distribution, from the median absolute deviation to that of a median.
-  constexpr double kOfMedian = 1.4826 * 1.2533;
   for (double& mm : seen_mm) mm = std::abs(mm - distance.mm);
   const auto count = static_cast<double>(seen_mm.size());
-  distance.sigma_mm = kOfMedian * median_of(std::move(seen_mm)) / std::sqrt(count);
+  distance.sigma_mm =
+      kErrorOfMedian * kSigmaByMedian * median_of(std::move(seen_mm)) / std::sqrt(count);
   return distance;
 }
 

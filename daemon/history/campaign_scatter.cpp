@@ -5,6 +5,7 @@
 #include <boost/math/distributions/students_t.hpp>
 
 #include "daemon/history/compared_campaigns.hpp"
+#include "identify/geometry/spread.hpp"
 
 namespace sweepd {
 namespace {
@@ -75,7 +76,7 @@ class Steps {
       for (std::size_t i = 1; i < told_.size(); ++i) sizes.push_back(std::abs(step(i)(k)));
       const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
       std::nth_element(sizes.begin(), middle, sizes.end());
-      usual_(k) = kByMedian * *middle;
+      usual_(k) = identify::kSigmaByMedian * *middle;
     }
   }
 

@@ -10,6 +10,7 @@
 #include "daemon/report/file_parts.hpp"
 #include "daemon/text/file_names.hpp"
 #include "identify/geometry/median.hpp"
+#include "identify/geometry/spread.hpp"
 #include "rsi/counted.hpp"
 
 namespace sweepd {
@@ -209,7 +210,8 @@ double successive_sigma(const std::vector<double>& values) {
     before = value;
   }
   if (differences.empty()) return kLeast_a;
-  return std::max(kLeast_a, kByMedian / std::sqrt(2) * identify::median_of(differences));
+  return std::max(kLeast_a,
+                  identify::kSigmaByMedian / std::sqrt(2) * identify::median_of(differences));
 }
 
 /// Friction of each joint over the campaigns, and its dated changes. How much friction scatters is

@@ -92,8 +92,6 @@ struct History {
   [[nodiscard]] std::vector<CampaignNote> notes_near(const DatedChange& change) const;
 };
 
-/// A normal distribution's standard deviation in its median absolute one.
-inline constexpr double kByMedian = 1.4826;
 inline constexpr double kYear_s = 365.25 * 86400;
 [[nodiscard]] double years(std::chrono::nanoseconds time);
 

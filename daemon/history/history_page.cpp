@@ -14,6 +14,7 @@
 #include "daemon/results/change.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
+#include "identify/geometry/spread.hpp"
 #include "identify/models/kinematic_model.hpp"
 #include "rsi/counted.hpp"
 

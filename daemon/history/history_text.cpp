@@ -12,6 +12,7 @@
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/text_layout.hpp"
 #include "daemon/text/utc.hpp"
+#include "identify/geometry/spread.hpp"
 #include "identify/models/kinematic_model.hpp"
 #include "rsi/ascii.hpp"
 #include "rsi/counted.hpp"

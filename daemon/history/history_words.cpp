@@ -8,6 +8,7 @@
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
 #include "daemon/text/utc.hpp"
+#include "identify/geometry/spread.hpp"
 #include "identify/models/kinematic_model.hpp"
 #include "rsi/counted.hpp"
 

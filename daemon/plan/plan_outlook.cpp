@@ -10,6 +10,7 @@
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
 #include "identify/advice.hpp"
+#include "identify/geometry/line.hpp"
 
 namespace sweepd {
 namespace {
@@ -80,7 +81,7 @@ class Judge {
     if (!swept) return AxisOutlook::never_swept;
     const auto& axis = outlook_.prediction.axes[j];
     const double radius_mm = outlook_.prediction.radius_mm[j];
-    const bool near = !robot_.limits[j].linear && radius_mm < identify::kPoorRadius_mm;
+    const bool near = !robot_.limits[j].linear && radius_mm < identify::kNearAxis_mm;
     const bool poor = !axis || axis->direction_sigma_rad() > identify::kPoorDirection_rad;
     if (!poor) return near ? AxisOutlook::near : AxisOutlook::good;
     if (axis && !near) return AxisOutlook::vague;

@@ -9,6 +9,7 @@
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/text_layout.hpp"
 #include "daemon/text/units.hpp"
+#include "identify/geometry/spread.hpp"
 #include "identify/models/kinematic_model.hpp"
 #include "rsi/counted.hpp"
 

@@ -35,6 +35,12 @@ const Json& joint_of(const ReportFolder& folder, std::size_t index) {
   return index < joints.size() ? joints.at(index) : kNone;
 }
 
+/// As report.txt has it; NaN where it is not known.
+double error_rms_arcsec(const ReportFolder& folder, std::size_t index) {
+  const Json& angles = list_of(part_of(part_of(folder.result, "estimates"), "chain"), "angles");
+  return index < angles.size() ? number_of(angles.at(index), "error_rms_arcsec") : std::nan("");
+}
+
 /// The angle about the joint's circle, degrees, where the file has no angles; unwrapped.
 void fill_in_angles(const ReportFolder& folder, Stroke& stroke) {
   if (stroke.points.empty() || std::isfinite(stroke.points.front().angle)) return;
@@ -226,14 +232,15 @@ void add_residual_figures(Markup parent, const ReportFolder& folder) {
                                   [](const auto& point) { return 1000 * point.radial_mm; });
     const Curve error = curve_of(strokes, sums.along_arcsec.root(),
                                  [](const auto& point) { return point.along_arcsec; });
+    const double error_arcsec = error_rms_arcsec(folder, j);
     const Curve curve = curve_of(strokes, 0, [](const auto& point) { return point.curve_arcsec; });
     draw_curves(
         picture, {56, 16, 280, kHeight},
         name + ": rms axial " + fixed(axial.rms, 2) + ", radial " + fixed(radial.rms, 2) + " µm",
         x_title, "µm", {{&axial, joint_line(0)}, {&radial, joint_line(1)}});
     draw_curves(picture, {412, 16, 280, kHeight},
-                name + (sums.along_arcsec.count > 0
-                            ? ": rms of the angle's error " + fixed(error.rms, 2) + " arcsec"
+                name + (std::isfinite(error_arcsec)
+                            ? ": rms of the angle's error " + fixed(error_arcsec, 2) + " arcsec"
                             : ": error of the angle"),
                 x_title, "arcsec", {{&error, joint_line(0)}, {&curve, joint_line(1)}});
   }

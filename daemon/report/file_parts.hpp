@@ -20,21 +20,21 @@ namespace sweepd {
 /// Not a number.
 inline constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 
-/// What `json` has under `key`; null.
+/// What `json` has under `key`, or null.
 [[nodiscard]] const nlohmann::ordered_json& part_of(const nlohmann::ordered_json& json,
                                                     const std::string& key);
-/// An array; an empty one.
+/// The array under `key`, or an empty one.
 [[nodiscard]] const nlohmann::ordered_json& list_of(const nlohmann::ordered_json& json,
                                                     const std::string& key);
-/// A number; not a number.
+/// The number under `key`, or NaN.
 [[nodiscard]] double number_of(const nlohmann::ordered_json& json, const std::string& key);
-/// A string; an empty one.
+/// The string under `key`, or an empty one.
 [[nodiscard]] std::string text_of(const nlohmann::ordered_json& json, const std::string& key);
-/// Whether there is a true.
+/// Whether `true` stands under `key`.
 [[nodiscard]] bool flag_of(const nlohmann::ordered_json& json, const std::string& key);
 /// Whether a joint of result.json moves along a line.
 [[nodiscard]] bool is_linear(const nlohmann::ordered_json& joint);
-/// Three numbers; not numbers.
+/// An array of three numbers, or three NaN.
 [[nodiscard]] Eigen::Vector3d vector_of(const nlohmann::ordered_json& json);
 
 /// Takes the first line off `text`.

@@ -79,8 +79,6 @@ std::vector<DhLine> dh_lines(const ReportFolder& folder) {
       line.specified = known(specified, key);
       if (!line.specified && line.difference) line.specified = 0;  // a described table has no beta
       line.by_convention = is_set(row, key);
-      if (line.unit == "deg" && line.identified && line.specified && !line.by_convention)
-        *line.identified -= 360 * std::nearbyint((*line.identified - *line.specified) / 360);
       line.relation = text_of(row, "relation");
       lines.push_back(std::move(line));
     }

@@ -13,6 +13,7 @@
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
 #include "identify/dh/dh_extraction.hpp"
+#include "identify/geometry/spread.hpp"
 #include "identify/models/kinematic_model.hpp"
 
 namespace sweepd {

@@ -1,4 +1,3 @@
-#include <cmath>
 
 #include "daemon/results/outcome.hpp"
 #include "daemon/results/report.hpp"
@@ -122,7 +121,7 @@ class Table {
   }
 
   void line(std::size_t i, const Line& line) {
-    const DhNumber number_found = in_turn(found_.dh[i].*line.number, line);
+    const DhNumber& number_found = found_.dh[i].*line.number;
     const bool first = line.number == &DhEstimate::b_mm;
     text_ += right(first ? std::to_string(i + 1) : "", 5) + "   " + left(line.name, kName - 8) +
              number(value(number_found, line.scale), line.decimals, kValue);
@@ -144,14 +143,6 @@ class Table {
                number(difference, line.decimals, kValue);
     }
     text_ += "\n";
-  }
-
-  /// An angle within half a turn of the specified one.
-  [[nodiscard]] DhNumber in_turn(DhNumber number, const Line& line) const {
-    constexpr double kTurn = 2 * identify::kPi;
-    if (compared() && line.scale != 1 && number.knowledge == Knowledge::identified)
-      number.value -= kTurn * std::nearbyint((number.value - line.specified) / kTurn);
-    return number;
   }
 
   /// The circles' value; an angle within half a turn of the identified one.

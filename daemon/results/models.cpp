@@ -4,6 +4,7 @@
 
 #include "daemon/settings/toml_table.hpp"
 #include "daemon/text/units.hpp"
+#include "identify/geometry/spread.hpp"
 #include "identify/models/kinematic_model.hpp"
 
 namespace sweepd {
@@ -50,7 +51,7 @@ std::vector<identify::KinematicModel> models_of(const Outcome& outcome) {
     return {};
   const identify::ChainEstimate& estimate = *found.chain;
   return identify::kinematic_models({estimate.chain, outcome.positive, estimate.dh,
-                                     estimate.covariance, found.home_rad, true,
+                                     estimate.covariance, found.home_rad,
                                      estimate.with_orientation});
 }
 

@@ -11,6 +11,7 @@
 #include "identify/dh/dh_comparison.hpp"
 #include "identify/dh/dh_extraction.hpp"
 #include "identify/geometry/circle_fit.hpp"
+#include "identify/geometry/spread.hpp"
 #include "identify/identification.hpp"
 #include "identify/models/kinematic_model.hpp"
 

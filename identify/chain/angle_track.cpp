@@ -8,6 +8,7 @@
 
 #include "identify/geometry/circle_fit.hpp"
 #include "identify/geometry/median.hpp"
+#include "identify/geometry/spread.hpp"
 #include "identify/sweeps/even_motion.hpp"
 #include "identify/sweeps/home.hpp"
 #include "identify/sweeps/stroke_rounding.hpp"
@@ -195,12 +196,12 @@ double stamps_off_s(const std::vector<Sample>& samples, double step_s) {
     if (before != nullptr) intervals.push_back(sample.time_s - before->time_s);
     before = &sample;
   }
-  if (intervals.empty()) return step_s / std::sqrt(12.0);
+  if (intervals.empty()) return kEvenlySpread * step_s;
   const double usual = median_of(intervals);
   const auto others = std::count_if(intervals.begin(), intervals.end(), [&](double interval) {
     return std::abs(std::remainder(interval, usual)) > step_s / 2;
   });
-  return step_s / std::sqrt(12.0) / (1 + static_cast<double>(others));
+  return kEvenlySpread * step_s / (1 + static_cast<double>(others));
 }
 
 std::vector<AngleTrack> angle_tracks(const CircleEstimate& circles,

@@ -10,6 +10,7 @@
 #include "identify/chain/chain_nodes.hpp"
 #include "identify/chain/error_curve.hpp"
 #include "identify/geometry/angle.hpp"
+#include "identify/geometry/spread.hpp"
 #include "identify/sweeps/stroke_rounding.hpp"
 
 namespace identify {

@@ -4,10 +4,10 @@
 
 namespace identify {
 
-/// How much an angle counts that was taken at some speed.
+/// How much an angle counts that was taken at some speed (rad/s): one by its variance (rad^2).
 struct AngleWeight {
-  double still = 1;      ///< variance of errors that speed does not matter to
-  double per_speed = 0;  ///< and of those of time: jitter squared
+  double still = 1;      ///< variance of errors that speed does not matter to, rad^2
+  double per_speed = 0;  ///< and of those of time: jitter squared, s^2
   double alone = 1;      ///< the share of errors that tell something new
   [[nodiscard]] double at(double speed) const {
     return alone / (still + per_speed * speed * speed);

@@ -13,18 +13,26 @@ namespace identify {
 /// Orders of a figure, from the first on, and of what angles are off by, from none on.
 inline constexpr Eigen::Index kFigureOrders = 8;
 
-/// The columns that a problem has: of effects that are zero in `shape` none. A unit's own are a
-/// turn of each joint, of the sweeping one where rounding shifts its angle, three shifts, and three
-/// that grow from minus one at a stroke's least turn to one at its greatest. Where printed
-/// orientations are shifted, so many follow, of A, B, C, and three that bend, as the second
-/// Legendre polynomial of the stroke's turn. Where rounding shifts the sweeping joint's angle, it
-/// grows and bends, too. What joints carry of which no axis is known is turned as one body, and, as
-/// far as it is behind the sweeping joint, shifted and turned on it. Where rounding bends a stroke,
-/// and where a joint has swept again, so that a device that wanders can be told from homes that are
-/// off, three shifts do so, too. A stand's are a turn of each joint, where homes stay. Those of a
-/// group are the orders of each target's radial and then axial figure, behind them three shifts
-/// where several units share a device that wanders, and those of the joint's angle. A home's are a
-/// turn of each joint and, where joints stand off home alike through a rest, one for each rest.
+/// The columns that a problem has; of effects that are zero in `shape` none.
+///
+/// A unit's own, one behind the other:
+///   - a turn of each joint; of the sweeping one where rounding shifts its angle;
+///   - three shifts of the target, and three that grow from minus one at the stroke's least turn to
+///     one at its greatest;
+///   - `turned`: as many of A, B, C, and three that bend as the second Legendre polynomial of the
+///     turn, where printed orientations are shifted;
+///   - `swept`: the sweeping joint's angle grows and bends, where rounding shifts it;
+///   - `carried`: what joints of which no axis is known carry turns as one body and, as far as it
+///   is
+///     behind the sweeping joint, is shifted and turned on it;
+///   - `creep`: a turn of each joint that goes on;
+///   - `bent`: three shifts that bend, where rounding bends a stroke, or where a joint has swept
+///     again, so that a device that wanders can be told from homes that are off.
+/// A stand's: a turn of each joint, where homes stay.
+/// A group's: of each target the orders of its radial and then of its axial `figure`; `wander`,
+/// three shifts where several units share a device that wanders; `told`, the orders of the joint's
+/// angle. A home's: `offset`, a turn of each joint, and `rest`, one for each rest through which
+/// joints stand off home alike.
 struct EffectColumns {
   EffectColumns(const ChainEffects& shape, const ChainNodes& nodes);
   Eigen::Index own = 0;

@@ -32,8 +32,8 @@ struct ChainNoise {
 enum class FigureLaw { square, cube, waves };
 inline constexpr std::array kFigureLaws{FigureLaw::square, FigureLaw::cube, FigureLaw::waves};
 
-/// Through what a locked joint stands off home by the same: one stroke, all strokes of a stand, or
-/// those of a rest (ChainNodes).
+/// How long a locked joint keeps one offset from home: for one stroke, for all strokes of a stand,
+/// or for those of a rest (ChainNodes).
 enum class HomeLasts : unsigned char { stroke, stand, rest };
 [[nodiscard]] std::string_view text(HomeLasts lasts) noexcept;
 
@@ -83,8 +83,9 @@ struct ChainEffects {
   /// alike.
   std::vector<double> home_times;
   std::vector<double> figure_times;
-  /// By how much less the deviance is for joints that go on, and for each of these: what is said to
-  /// be so needs more than what is allowed for.
+  /// By how much minus twice the log likelihood is less where joints go on at all, and where one
+  /// joint is unlike the others: one a joint, or none. What is said of a joint needs more of it
+  /// than what is allowed for.
   double creep_gain = 0;
   std::vector<double> home_gains;
   std::vector<double> figure_gains;
@@ -104,17 +105,17 @@ struct ChainEffects {
   [[nodiscard]] bool any_stray() const {
     return std::any_of(stray_mm.begin(), stray_mm.end(), [](double mm) { return mm > 0; });
   }
-  /// One joint that goes on while another one sweeps, by far more than `creep_rad`: so far, as
-  /// that, and so far off home meanwhile. Of those that may have while one joint swept, the
-  /// likeliest comes first.
+  /// One joint that goes on while another one sweeps, by far more than `creep_rad`. Of those that
+  /// may have while one joint swept, the likeliest comes first.
   struct Along {
     std::size_t swept = 0;
     std::size_t joint = 0;
-    double rad = 0;
-    double off_rad = 0;
+    double rad = 0;      ///< how far it goes on from the stroke's middle to its end
+    double off_rad = 0;  ///< how far off home it stands in that stroke's middle
   };
   std::vector<Along> along;
-  /// So much of each: but not of what happened once.
+  /// Homes, creep, drift and figures times `share`. Offsets, told angles, sag, and what happened
+  /// once stay as they are.
   [[nodiscard]] ChainEffects times(double share) const {
     ChainEffects less = *this;
     less.home_rad *= share;
@@ -124,7 +125,7 @@ struct ChainEffects {
     for (double& figure_mm : less.figures_mm) figure_mm *= share;
     return less;
   }
-  bool sag_told = false;  ///< that is known beforehand; else sweeps from several homes show it
+  bool sag_told = false;  ///< the description tells `sag_rad`; else sweeps from several homes do
 
   /// How far each joint may stand from where its printed angle says, one a joint: `zero_rad` of the
   /// chain is estimated where its angle is believed. None: it is not.
@@ -138,7 +139,8 @@ struct ChainEffects {
   double late_s = 0;
 };
 
-/// So much there may be of these beside something that happened once.
+/// Shares of the other effects (ChainEffects::times()) beside which something that happened once is
+/// looked for.
 inline constexpr std::array kLessBeside{0.0, 1.0 / 4, 1.0};
 
 /// What makes an estimate uncertain: the samples' noise, and the effects.

@@ -16,6 +16,7 @@
 #include "identify/chain/locked_readings.hpp"
 #include "identify/dh/upright.hpp"
 #include "identify/geometry/angle.hpp"
+#include "identify/geometry/spread.hpp"
 #include "identify/sweeps/stroke_correlation.hpp"
 
 namespace identify {
@@ -92,9 +93,9 @@ class Estimation {
   }
 
   void set_quanta(bool with_angles) {
-    const double step = 1 / std::sqrt(12.0);
-    quantum_.position_mm = std::max(kLeastPosition_mm, step * campaign_.resolution.position_mm);
-    const double angle = std::max(kLeastAngle_rad, step * campaign_.resolution.angle_rad);
+    const Resolution& step = campaign_.resolution;
+    quantum_.position_mm = std::max(kLeastPosition_mm, kEvenlySpread * step.position_mm);
+    const double angle = std::max(kLeastAngle_rad, kEvenlySpread * step.angle_rad);
     quantum_.orientation_rad = angle;
     quantum_.locked_rad = with_angles ? angle : 0;
     quantum_.swept_rad.assign(joints_, angle);

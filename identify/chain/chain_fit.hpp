@@ -34,7 +34,7 @@ struct FittedChain {
                                                                         const ChainEffects& effects,
                                                                         double seconds);
 
-/// No device tells less.
+/// What a fit moved by less was not moved: no device tells so little.
 inline constexpr double kLeastMove_mm = 1e-3;
 /// What was moved, as a fit has found it: where the target is moved farthest at home, if that is
 /// anything.
@@ -45,6 +45,7 @@ inline constexpr double kLeastMove_mm = 1e-3;
 /// average over the campaign.
 [[nodiscard]] double drift_sigma_mm(const ChainFit& fit, const ChainEffects& effects);
 
+/// Steps of a fit. One that has made so many has not converged.
 inline constexpr int kMostIterations = 50;
 
 /// Gauss-Newton, damped where a step does not help, from `start`, with the random effects

@@ -166,18 +166,8 @@ std::vector<std::optional<ChainAxis>> starting_axes(const CircleEstimate& circle
     if (joint.line && joint.axis)
       axes.back() = ChainAxis{joint.axis->direction, joint.line->point_mm, true};
     if (!joint.circle) continue;
-    std::vector<Sweep> used;
-    for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
-      if (joint.used[s] && joint.sweeps[s].target == joint.circle_target)
-        used.push_back(joint.sweeps[s]);
-    Eigen::Index count = 0;
-    for (const Sweep& sweep : used) count += static_cast<Eigen::Index>(sweep.samples->size());
-    Eigen::Matrix3Xd points(3, count);
-    count = 0;
-    for (const Sweep& sweep : used)
-      for (const Sample& sample : *sweep.samples)
-        if (sample.has_position) points.col(count++) = sample.position_mm;
-    points.conservativeResize(3, count);
+    const std::vector<Sweep> used = used_sweeps(joint);
+    const Eigen::Matrix3Xd points = used_points(joint, joint.circle_target);
     const auto circle = fit_robust_circle(points);
     if (!circle) continue;
     const double noise = std::max({circle->plane_rms_mm, circle->radial_rms_mm, 1e-9});

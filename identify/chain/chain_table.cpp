@@ -18,13 +18,6 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-double largest_distance(const std::vector<Vector3d>& places) {
-  double size = 1;
-  for (const auto& a : places)
-    for (const auto& b : places) size = std::max(size, (a - b).norm());
-  return size;
-}
-
 /// `first_axes`: what tells of where the base is, three at most.
 Isometry3d base_of(const TableAxes& axes, const std::vector<std::optional<Axis>>& first_axes,
                    const std::vector<DhRow>& specified) {
@@ -100,7 +93,7 @@ TableAxes table_axes(const ChainEstimate& chain, const Campaign& campaign) {
   std::vector<Vector3d> places = chain.chain.targets_mm;
   for (const auto& axis : axes.z)
     if (axis) places.push_back(axis->point_mm);
-  axes.size_mm = largest_distance(places);
+  axes.size_mm = largest_distance_mm(places);
 
   // From the axes along positive rotation, the first target, and the tool's rotation.
   const Index rows = targets + (chain.with_orientation ? 6 : 0);

@@ -51,7 +51,7 @@ class EffectSearch {
     return deviance_of(fitted, effects_);
   }
   [[nodiscard]] double deviance_of(const FittedChain& fitted, const ChainEffects& effects);
-  /// What another shape's effects come to, sized from a fit.
+  /// A fit whose effects are those of another shape, of their likeliest sizes.
   struct Tried {
     FittedChain fitted;
     ChainEffects effects;
@@ -59,7 +59,7 @@ class EffectSearch {
     double deviance = 0;  ///< infinite where a move is too large to be one
   };
   [[nodiscard]] Tried tried(FittedChain from, const ChainEffects& shape);
-  /// It takes the place of what there was.
+  /// Makes `other` the best fit and its effects the search's.
   void take(FittedChain& best, Tried other);
   /// The same where the deviance is less by so much. Whether it is.
   bool take_if_likelier(FittedChain& best, FittedChain from, const ChainEffects& shape, double by);

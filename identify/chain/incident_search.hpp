@@ -26,10 +26,10 @@ struct Incident {
   Chain chain;                   ///< that explains the samples so
   double deviance = 0;
   /// How likely it is beside the fit that was taken, where that is likelier; else one.
-  /// And by how much its chain is another one, and less certain, as a covariance: of the first
-  /// parameters, up to `zero_rad`.
   double weight = 0;
+  /// Its chain minus the one that was taken, in the first parameters, up to `zero_rad` (mm, rad).
   Eigen::VectorXd change{};
+  /// What its covariance of these is more than the taken one's.
   Eigen::MatrixXd wider{};
 };
 

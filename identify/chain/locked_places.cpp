@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "identify/geometry/angle.hpp"
+#include "identify/geometry/spread.hpp"
 #include "identify/sweeps/stroke_rounding.hpp"
 
 namespace identify {

@@ -9,6 +9,7 @@
 
 #include "identify/change/rewritten_arm.hpp"
 #include "identify/geometry/angle.hpp"
+#include "identify/sweeps/home.hpp"
 
 namespace identify {
 namespace {
@@ -17,8 +18,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Homes that differ by less are one: a gear is off by the same there.
-constexpr double kSameHome_rad = 0.5 * kDegree;
 /// Gears are off once and twice a turn: beyond this way by no more.
 constexpr double kGearGrows_rad = 90 * kDegree;
 
@@ -39,7 +38,7 @@ class Gears {
   /// For homes that are known: 0 where they are one; nothing where nobody knows.
   [[nodiscard]] std::optional<double> off_rad(std::size_t joint) const {
     const double apart = std::abs(*second_.home_rad[joint] - *first_.home_rad[joint]);
-    if (apart < kSameHome_rad) return 0;
+    if (apart < kSameHome_rad) return 0;  // a gear is off by the same there
     const auto &a = first_.gear[joint], &b = second_.gear[joint];
     if (!a || !b) return std::nullopt;
     return std::min(apart, kGearGrows_rad) * std::max({*a, *b, usual_});

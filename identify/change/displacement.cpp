@@ -7,6 +7,7 @@
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/halton.hpp"
 #include "identify/geometry/information.hpp"
+#include "identify/geometry/spread.hpp"
 #include "identify/geometry/symmetric_eigen.hpp"
 #include "identify/models/kinematic_model.hpp"
 

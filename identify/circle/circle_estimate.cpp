@@ -8,7 +8,9 @@
 #include <Eigen/Geometry>
 
 #include "identify/geometry/circle_fit.hpp"
+#include "identify/geometry/line.hpp"
 #include "identify/geometry/line_fit.hpp"
+#include "identify/geometry/spread.hpp"
 #include "identify/sweeps/stroke_correlation.hpp"
 #include "identify/sweeps/stroke_moments.hpp"
 
@@ -82,6 +84,14 @@ std::set<std::size_t> used_targets(const JointResult& joint) {
   return targets;
 }
 
+std::vector<Sweep> used_sweeps(const JointResult& joint) {
+  std::vector<Sweep> used;
+  for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
+    if (joint.used[s] && joint.sweeps[s].target == joint.circle_target)
+      used.push_back(joint.sweeps[s]);
+  return used;
+}
+
 Eigen::Matrix3Xd used_points(const JointResult& joint, std::optional<std::size_t> target) {
   const auto wanted = [&](std::size_t s) {
     return joint.used[s] && (!target || joint.sweeps[s].target == *target);
@@ -102,7 +112,7 @@ Eigen::Matrix3Xd used_points(const JointResult& joint, std::optional<std::size_t
 void set_circle_axes(CircleEstimate& found, const Resolution& resolution) {
   const double plane = usual_noise(found, &CircleFit::plane_rms_mm);
   const double radial = usual_noise(found, &CircleFit::radial_rms_mm);
-  const double quantum = resolution.position_mm / std::sqrt(12.0);
+  const double quantum = kEvenlySpread * resolution.position_mm;
   const double size = size_by_circles_mm(found);
   const double correlation = correlation_of(found);
   for (JointResult& joint : found.joints) {
@@ -141,10 +151,7 @@ double size_by_circles_mm(const CircleEstimate& found) {
     places.push_back(joint.circle->center_mm +
                      joint.circle->radius_mm * joint.circle->normal.unitOrthogonal());
   }
-  double size = 1;
-  for (const auto& a : places)
-    for (const auto& b : places) size = std::max(size, (a - b).norm());
-  return size;
+  return largest_distance_mm(places);
 }
 
 void measure_boxes(CircleEstimate& found) {

@@ -61,6 +61,8 @@ struct CircleEstimate {
 
 /// Of the joint's used sweeps.
 [[nodiscard]] std::set<std::size_t> used_targets(const JointResult& joint);
+/// Those of the circle's target.
+[[nodiscard]] std::vector<Sweep> used_sweeps(const JointResult& joint);
 
 /// Positions of the joint's used sweeps of one target, or of all, in the order of time.
 [[nodiscard]] Eigen::Matrix3Xd used_points(const JointResult& joint,

@@ -103,10 +103,12 @@ class Circles {
       return;
     }
     if (joint.off_home_rad)
-      warn("off_home", j,
-           joint_name(j) + ": in all of its sweeps other joints stood off the common home, by " +
-               fixed(*joint.off_home_rad / kDegree, 3) +
-               " deg or more: the chain allows for that, the circles do not");
+      warn(
+          "off_home", j,
+          joint_name(j) + ": in all of its sweeps other joints stood off the common home, by " +
+              fixed(*joint.off_home_rad / kDegree, 3) +
+              "° or more. The chain allows for that, and the circles do not: lock the other joints "
+              "at one home pose");
     joint.circle_target = circle_target(joint);
     const Matrix3Xd points = used_points(joint, joint.circle_target);
     if (points.cols() == 0) {
@@ -153,12 +155,8 @@ class Circles {
   /// Of a linear joint. Without a line there is none, or it is described so and turns.
   bool fit_as_line(std::size_t j, const Matrix3Xd& points) {
     JointResult& joint = result_.joints[j];
-    std::vector<Sweep> used;
-    for (std::size_t s = 0; s < joint.sweeps.size(); ++s)
-      if (joint.used[s] && joint.sweeps[s].target == joint.circle_target)
-        used.push_back(joint.sweeps[s]);
     LinearVerdict verdict = linear_verdict(
-        points, used, j,
+        points, used_sweeps(joint), j,
         campaign_.specified ? std::optional(campaign_.specified->is_linear(j)) : std::nullopt);
     if (!verdict.contradiction.empty())
       result_.doubts.push_back({"joint_type_contradicted", j, std::move(verdict.contradiction)});

@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 /// Above the first it is motion, until it falls below half of it.
 constexpr double kStarts_rad_s = 0.2 * kDegree;
-constexpr double kStarts_mm_s = 2;
+constexpr double kStarts_mm_s = MotionLimit::kUsualSlowest_mm_s;
 constexpr double kNoiseSigmas = 6;
 /// What hides so many times faster motion than usual is worth telling.
 constexpr double kNoisy = 2;

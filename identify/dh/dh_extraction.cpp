@@ -82,6 +82,19 @@ void fill(const DhRun& run, const MatrixXd& covariance, double size,
   }
 }
 
+/// Angles within half a turn of the specified ones.
+void turn_to(const std::vector<DhRow>& specified, std::vector<DhEstimate>& table) {
+  const auto turn = [](DhNumber& number, double to) {
+    if (number.knowledge == Knowledge::identified)
+      number.value -= 2 * kPi * std::nearbyint((number.value - to) / (2 * kPi));
+  };
+  for (std::size_t i = 0; i < std::min(table.size(), specified.size()); ++i) {
+    turn(table[i].theta_rad, specified[i].theta_rad);
+    turn(table[i].alpha_rad, specified[i].alpha_rad);
+    turn(table[i].beta_rad, specified[i].beta_rad);
+  }
+}
+
 }  // namespace
 
 double wrapped(double angle) {
@@ -117,6 +130,7 @@ std::vector<DhEstimate> extract_dh(const std::vector<std::optional<Axis>>& axes,
   if (!table.empty())
     table.back() = {conventional(), conventional(), conventional(),     conventional(),
                     conventional(), Relation::last, table.back().linear};
+  turn_to(specified, table);
   return table;
 }
 

@@ -79,9 +79,10 @@ inline constexpr std::array<DhNumberName, 5> kDhNumbers{
 ///
 /// Axes point as they are given. The sign of each common normal is the one that agrees with
 /// `specified` (empty or one row an axis): with its a and alpha or, of axes that are one by it,
-/// with the next theta. Without it a >= 0, and 0 < alpha < pi where a vanishes. Uncertainties are
-/// propagated to first order from `covariance`, that of all axes' (direction, point), six rows an
-/// axis, missing ones included; without it from the axes' own, as independent.
+/// with the next theta; angles are within half a turn of its. Without it a >= 0, and 0 < alpha < pi
+/// where a vanishes. Uncertainties are propagated to first order from `covariance`, that of all
+/// axes' (direction, point), six rows an axis, missing ones included; without it from the axes'
+/// own, as independent.
 [[nodiscard]] std::vector<DhEstimate> extract_dh(const std::vector<std::optional<Axis>>& axes,
                                                  double size_mm,
                                                  const std::vector<DhRow>& specified = {},

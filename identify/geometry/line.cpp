@@ -24,6 +24,13 @@ Vector3d Line::closest_mm(const Vector3d& from) const {
   return point_mm() + direction * direction.dot(from);
 }
 
+double largest_distance_mm(const std::vector<Vector3d>& places) {
+  double size = 1;
+  for (const auto& a : places)
+    for (const auto& b : places) size = std::max(size, (a - b).norm());
+  return size;
+}
+
 DualNumber dot(const Line& first, const Line& second) {
   return {first.direction.dot(second.direction),
           first.direction.dot(second.moment_mm) + first.moment_mm.dot(second.direction)};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string_view>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -23,6 +24,12 @@ struct Line {
   [[nodiscard]] Eigen::Vector3d closest_mm(const Eigen::Vector3d& from_mm) const;
   [[nodiscard]] Line reversed() const { return {-direction, -moment_mm}; }
 };
+
+/// A target that is closer to an axis tells little of where that points.
+inline constexpr double kNearAxis_mm = 20;
+
+/// Between any two of these places, and 1 mm at least.
+[[nodiscard]] double largest_distance_mm(const std::vector<Eigen::Vector3d>& places_mm);
 
 /// A dual number: real + eps dual.
 struct DualNumber {

@@ -208,21 +208,6 @@ bool is_finite(const KinematicModel& model) {
   return all;
 }
 
-/// Where no sweep tells where the target is at home, its place is a convention, and with it that of
-/// frames that are tied to it.
-void doubt_target(KinematicModel& model) {
-  const auto doubt = [](KinematicModel::Group& group, const std::set<std::string_view>& names) {
-    for (ModelNumber& entry : group)
-      if (names.contains(entry.name))
-        entry.number = {entry.number.value, 0, Knowledge::by_convention};
-  };
-  doubt(model.groups.back(), {"x", "y", "z"});
-  if (model.form != ModelForm::s_model) return;
-  for (KinematicModel::Group& group : model.groups)
-    doubt(group, {"x", "y", "z", "r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33",
-                  "beta", "d", "gamma", "b"});
-}
-
 }  // namespace
 
 std::vector<KinematicModel> kinematic_models(const ModelSource& given) {
@@ -236,7 +221,6 @@ std::vector<KinematicModel> kinematic_models(const ModelSource& given) {
   for (const ModelForm form : kModelForms) {
     KinematicModel& model = models.emplace_back(forms.written(source.chain, form));
     if (source.covariance.size() > 0) add_uncertainties(model, forms, source);
-    if (!source.target_identified) doubt_target(model);
     if (!is_finite(model)) return {};
   }
   return models;

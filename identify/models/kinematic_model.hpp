@@ -45,9 +45,6 @@ inline constexpr std::array kModelForms{ModelForm::dh,           ModelForm::modi
                                         ModelForm::exponentials, ModelForm::urdf};
 [[nodiscard]] std::string_view text(ModelForm form) noexcept;
 
-/// A 95 % interval is the value -+ so many standard uncertainties.
-inline constexpr double kSigmasOf95Percent = 1.96;
-
 enum class Quantity { length, angle, ratio };
 
 /// One number of a model: mm, rad, or without unit.
@@ -88,8 +85,7 @@ struct ModelSource {
   /// three of the tool's rotation in the measurement frame. May be empty.
   Eigen::MatrixXd covariance;
   std::vector<std::optional<double>> home_rad;  ///< one a joint; unknown: angles count from home
-  bool target_identified = true;  ///< where the first target is at home; false: its place is any
-  bool tool_identified = false;   ///< the orientation of `chain.tool` was measured
+  bool tool_identified = false;                 ///< the orientation of `chain.tool` was measured
 };
 
 /// The arm in every form of `kModelForms`, in that order; empty where a number of the table is

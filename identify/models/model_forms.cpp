@@ -20,10 +20,6 @@ ModelNumber number(std::string_view name, Quantity quantity, double value,
   return {name, quantity, {value, 0, knowledge}};
 }
 
-bool parallel(const DhEstimate& row) {
-  return row.relation == Relation::parallel || row.relation == Relation::coincident;
-}
-
 Knowledge unless(bool free) {
   return free ? Knowledge::by_convention : Knowledge::identified;
 }
@@ -116,7 +112,7 @@ ModelForms::ModelForms(const ModelSource& source) : source_(source) {
     target_on_axis_.push_back((chain.targets_mm.front() - foot).norm() < kOnAxis_mm);
   }
   for (std::size_t i = 0; i + 1 < joints(); ++i) {
-    const Relation relation = parallel(source.dh[i]) ? Relation::parallel : source.dh[i].relation;
+    const Relation relation = has_beta(source.dh[i]) ? Relation::parallel : source.dh[i].relation;
     stone_normals_.push_back(
         step_to(stone_frame(chain, i), z_axis(chain, i + 1), relation, normals_[i]).normal);
   }
@@ -180,11 +176,11 @@ std::vector<Group> ModelForms::dh_groups(ModelForm form) const {
                b};
     } else {
       const bool hayati = form == ModelForm::hayati;
-      if (!hayati || !parallel(row) || row.linear || row.b_mm.value != 0) group.push_back(b);
+      if (!hayati || !has_beta(row) || row.linear || row.b_mm.value != 0) group.push_back(b);
       group.push_back(theta);
       group.push_back({"a", Quantity::length, row.a_mm});
       group.push_back({"alpha", Quantity::angle, row.alpha_rad});
-      if (!hayati || parallel(row)) group.push_back({"beta", Quantity::angle, row.beta_rad});
+      if (!hayati || has_beta(row)) group.push_back({"beta", Quantity::angle, row.beta_rad});
     }
     group.push_back(positive(j));
     groups.push_back(std::move(group));
@@ -210,13 +206,13 @@ std::vector<Group> ModelForms::stone_groups(const Chain& chain) const {
     const Knowledge any = unless(last);
     const Knowledge link = unless(last || coincident);
     const Knowledge beta = unless(last || coincident || target_on_axis_[j]);
-    const Knowledge d = unless(last || parallel(source_.dh[j]));
+    const Knowledge d = unless(last || has_beta(source_.dh[j]));
     const Knowledge about_next = unless(last || coincident || target_on_axis_[j + 1]);
     Group group = {number("beta", Quantity::angle, step.row.theta_rad, beta),
                    number("d", Quantity::length, step.row.b_mm, d),
                    number("a", Quantity::length, step.row.a_mm, link),
                    number("alpha", Quantity::angle, step.row.alpha_rad, link)};
-    if (parallel(source_.dh[j]))
+    if (has_beta(source_.dh[j]))
       group.push_back(number("hayati_beta", Quantity::angle, step.row.beta_rad, link));
     group.push_back(number("gamma", Quantity::angle, gamma, about_next));
     group.push_back(number("b", Quantity::length, b, any));
@@ -262,7 +258,7 @@ Group ModelForms::urdf_placement(std::size_t group, const Isometry3d& pose) cons
   const Vector3d at = pose.translation();
   return {number("x", Quantity::length, at.x()),
           number("y", Quantity::length, at.y()),
-          number("z", Quantity::length, at.z(), unless(row != nullptr && parallel(*row))),
+          number("z", Quantity::length, at.z(), unless(row != nullptr && has_beta(*row))),
           number("roll", Quantity::angle, angles.roll, rotation),
           number("pitch", Quantity::angle, angles.pitch, rotation),
           number("yaw", Quantity::angle, angles.yaw, yaw)};

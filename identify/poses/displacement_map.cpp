@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "identify/geometry/line.hpp"
+#include "identify/geometry/spread.hpp"
 #include "identify/geometry/symmetric_eigen.hpp"
 #include "identify/poses/observability.hpp"
 
@@ -16,7 +17,6 @@ using Eigen::Vector3d;
 
 constexpr double kStepsAcross = 11;
 constexpr double kRound_mm = 25;
-constexpr double kSigmasOf95 = 1.959963985;
 
 struct Reached {
   Vector3d at_mm;
@@ -132,8 +132,9 @@ class Map {
     const Vector3d by = one.pose.sample.position_mm - specified_.position_mm(0, one.pose.sample);
     const MatrixXd left = by_parameters(one.pose) - by_frames(one.pose) * taken_up_;
     const Eigen::VectorXd along = left.transpose() * by.stableNormalized();
-    return {one.at_mm, specified_.base.linear().transpose() * by,
-            kSigmasOf95 * std::sqrt(std::max(0.0, along.dot(identified_.covariance * along)))};
+    return {
+        one.at_mm, specified_.base.linear().transpose() * by,
+        kSigmasOf95Percent * std::sqrt(std::max(0.0, along.dot(identified_.covariance * along)))};
   }
 
   const PoseFit& identified_;

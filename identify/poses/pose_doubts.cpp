@@ -9,6 +9,7 @@
 #include <Eigen/Cholesky>
 
 #include "identify/geometry/angle.hpp"
+#include "identify/geometry/line.hpp"
 #include "identify/geometry/median.hpp"
 #include "identify/poses/target_shift.hpp"
 
@@ -38,7 +39,6 @@ constexpr double kStandsOut = 1.7;
 /// No device measures as badly, the middle one of all poses.
 constexpr double kMostLeft_mm = 10;
 constexpr std::size_t kMostNamed = 5;
-constexpr double kNearAxis_mm = 20;
 
 struct Mistake {
   const char* code;

@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 
 #include "identify/chain/home_turn.hpp"
+#include "identify/geometry/spread.hpp"
 #include "identify/poses/drift_spread.hpp"
 #include "identify/poses/pose_sag.hpp"
 #include "identify/poses/pose_start.hpp"
@@ -195,7 +196,7 @@ double distances_vary_mm(const PoseEstimate& found) {
 /// angles may make it seem, nor do distances between targets vary.
 bool may_be_computed(const PoseEstimate& found, const Resolution& resolution) {
   const double step_mm = kComputed_mm + resolution.position_mm;
-  const double angle_rad = resolution.angle_rad / std::sqrt(12.0);
+  const double angle_rad = kEvenlySpread * resolution.angle_rad;
   constexpr double kMostOfJoints = 1.5;  // of 144 files of computed poses it was 1.2 at most
   return found.left.rms_mm < step_mm + kMetre_mm * resolution.angle_rad &&
          found.fit.noise.position_mm < step_mm + kMetre_mm * angle_rad &&

@@ -6,6 +6,7 @@
 
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/median.hpp"
+#include "identify/geometry/spread.hpp"
 
 namespace identify {
 namespace {
@@ -49,8 +50,6 @@ class SeenOnTool {
  private:
   static constexpr std::size_t kFewest = 6;
   static constexpr std::size_t kMostTries = 64;
-  static constexpr double kSigmaOfMiddle = 1.4826;  // of the median distance from the median
-  static constexpr double kMedianToMean = kPi / 2;  // their variances
 
   [[nodiscard]] Vector3d middle(std::size_t from, std::size_t to) const {
     std::vector<Vector3d> part(seen_.begin() + static_cast<std::ptrdiff_t>(from),
@@ -66,7 +65,7 @@ class SeenOnTool {
       const Vector3d away = (seen_[i] - (i < k ? first : second)).cwiseAbs();
       off.insert(off.end(), away.begin(), away.end());
     }
-    return std::max(kSigmaOfMiddle * median_of(std::move(off)), 1e-9);
+    return std::max(kSigmaByMedian * median_of(std::move(off)), 1e-9);
   }
 
   void take(std::size_t k, TargetShift& most) const {
@@ -75,9 +74,11 @@ class SeenOnTool {
     // Where of few poses half lie far off, their middle tells nothing.
     const double before = std::max(sigma, spread(0, k, k, first, second));
     const double after = std::max(sigma, spread(k, seen_.size(), k, first, second));
-    const double square = (second - first).squaredNorm() /
-                          (kMedianToMean * (before * before / static_cast<double>(k) +
-                                            after * after / static_cast<double>(seen_.size() - k)));
+    // The variance of a median is pi / 2 times that of a mean.
+    const double square =
+        (second - first).squaredNorm() / (kPi / 2 *
+                                          (before * before / static_cast<double>(k) +
+                                           after * after / static_cast<double>(seen_.size() - k)));
     if (square > most.square) most = {square, of_[k], (second - first).norm(), k};
   }
 

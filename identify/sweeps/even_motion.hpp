@@ -5,13 +5,14 @@
 namespace identify {
 
 /// A motion without its wobble and the noise with which it was seen: the values at each time of
-/// lines through the samples next to it, by least squares. Fewer than nine stay as they are.
+/// lines through the samples next to it, by least squares. Fewer than nine stay as they are. Times
+/// in s, values in any unit.
 class EvenMotion {
  public:
   explicit EvenMotion(const Eigen::ArrayXd& times);
   /// `seen`: one a time.
   [[nodiscard]] Eigen::ArrayXd operator()(const Eigen::ArrayXd& seen) const;
-  /// Standard deviation of what is left of noise of one, but at both ends.
+  /// What of noise with a standard deviation of one is left in the values, but for both ends'.
   [[nodiscard]] double noise() const;
 
  private:
@@ -23,7 +24,8 @@ class EvenMotion {
 };
 
 /// Variance of what numbers scatter by from one to the next about an even motion. Of a motion that
-/// gets to speed, rests, or lacks a sample now and then, where it is most even.
+/// gets to speed, rests, or lacks a sample now and then, where it is most even. In the square of
+/// the numbers' unit.
 [[nodiscard]] double unevenness(const Eigen::ArrayXd& numbers);
 
 }  // namespace identify

@@ -43,10 +43,10 @@ constexpr double kQuiet = 0.25;
 constexpr std::size_t kMostFrames = 1000;
 
 double moves_above(double sigma, double step) {
-  return std::max({kStarts_mm_s, 2.0 * step / (2 * kHalfWindow_s), kStartSigmas * sigma});
+  return std::max({kStarts_mm_s, kStartSteps_1_s * step, kStartSigmas * sigma});
 }
 double rests_below(double sigma, double step) {
-  return std::max({kStops_mm_s, 1.2 * step / (2 * kHalfWindow_s), kStopSigmas * sigma});
+  return std::max({kStops_mm_s, kStopSteps_1_s * step, kStopSigmas * sigma});
 }
 
 double shortest(double noise) {

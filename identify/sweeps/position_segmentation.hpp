@@ -36,8 +36,8 @@ class PositionSegmenter {
     Sample sample;
   };
   /// The targets seen at one time; times in strict order, others are ignored. Returns the strokes
-  /// that have just proved to be over. A gap of more than a quarter second ends a stroke, whose end
-  /// was then not seen.
+  /// that have just proved to be over. After a gap of more than kLongestGap_s a stroke has ended,
+  /// and its end was not seen.
   [[nodiscard]] std::vector<Sweep> push(const std::vector<Seen>& frame);
   [[nodiscard]] std::vector<Sweep> finish();
 

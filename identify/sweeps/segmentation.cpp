@@ -15,14 +15,6 @@ constexpr double kStill_rad = 0.03 * kDegree;
 constexpr double kJointStarts_rad_s = 0.2 * kDegree;
 constexpr double kJointStops_rad_s = 0.1 * kDegree;
 
-/// A flicker of one unit of the last decimal within the window is no motion: two units are.
-double starts(double usual, double unit) {
-  return std::max(usual, 2.0 * unit / (2 * kHalfWindow_s));
-}
-double stops(double usual, double unit) {
-  return std::max(usual, 1.2 * unit / (2 * kHalfWindow_s));
-}
-
 }  // namespace
 
 Segmenter::Segmenter(std::size_t joints, std::size_t most_samples)
@@ -80,8 +72,8 @@ void Segmenter::decide(const Sample& centre) {
 
 Segmenter::Motion Segmenter::joint_motion(const Sample& first, const Sample& last) {
   const double seconds = last.time_s - first.time_s;
-  const double starting = starts(kJointStarts_rad_s, resolution_.angle_rad);
-  const double stopping = stops(kJointStops_rad_s, resolution_.angle_rad);
+  const double starting = std::max(kJointStarts_rad_s, kStartSteps_1_s * resolution_.angle_rad);
+  const double stopping = std::max(kJointStops_rad_s, kStopSteps_1_s * resolution_.angle_rad);
   Motion motion;
   int moving = 0;
   for (std::size_t j = 0; j < joints_; ++j) {

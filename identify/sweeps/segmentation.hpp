@@ -17,6 +17,10 @@ namespace identify {
 
 /// Speed is that over so much before and after.
 inline constexpr double kHalfWindow_s = 0.1;
+/// A flicker of one step of the last decimal within the window is no motion; two steps are. Steps a
+/// second above which something moves, and below which it rests again.
+inline constexpr double kStartSteps_1_s = 2.0 / (2 * kHalfWindow_s);
+inline constexpr double kStopSteps_1_s = 1.2 / (2 * kHalfWindow_s);
 /// A longer gap ends a stroke.
 inline constexpr double kLongestGap_s = 0.25;
 /// Less is motion, but no stroke.
@@ -27,9 +31,8 @@ inline constexpr double kRest = 5e-4;
 /// Recognises single-joint strokes in a stream of samples, one sample at a time.
 ///
 /// With angles, a stroke is where exactly one joint moves, without turning back; without, see
-/// PositionSegmenter. Motion is judged by the speed over a window of +-0.1 s with hysteresis, so a
-/// stroke is reported that long after its end. Strokes of less than half a degree are motion, but
-/// never reported.
+/// PositionSegmenter. Motion is judged by the speed over the window with hysteresis, so a stroke is
+/// reported half a window after its end.
 ///
 /// From the first sample with angles on the stream is one with angles, and samples without are
 /// passed over. Bounded memory while nothing moves; a stroke that outgrows `most_samples` is ended
@@ -47,7 +50,7 @@ class Segmenter {
   }
 
   /// Samples in strict order of time; others are ignored. Returns the strokes, hardly ever more
-  /// than one, that have just proved to be over. A gap of more than a quarter second ends a stroke.
+  /// than one, that have just proved to be over.
   [[nodiscard]] std::vector<Sweep> push(const Sample& sample);
 
   /// The stream has ended or broken off: returns what was under way.

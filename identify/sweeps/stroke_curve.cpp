@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "identify/geometry/median.hpp"
+#include "identify/geometry/spread.hpp"
 
 namespace identify {
 
@@ -35,7 +36,6 @@ SampleRows StrokeCurve::left(const Eigen::Ref<const SampleRows>& errors) const {
 
 ArrayXd distances_of(const Eigen::Ref<const SampleRows>& errors, double least,
                      double least_of_told) {
-  constexpr double kMedianOfNormal = 0.6745;
   constexpr double kLeast = 1e-10;
   ArrayXd farthest = ArrayXd::Zero(errors.cols());
   ArrayXd sizes;
@@ -43,7 +43,7 @@ ArrayXd distances_of(const Eigen::Ref<const SampleRows>& errors, double least,
     sizes = errors.row(d).abs();
     const double middle = median_in({sizes.data(), static_cast<std::size_t>(sizes.size())});
     const double sigma = std::max(
-        {kLeast, d < 2 ? least : least_of_told, for_few(errors.cols()) * middle / kMedianOfNormal});
+        {kLeast, d < 2 ? least : least_of_told, for_few(errors.cols()) * middle * kSigmaByMedian});
     farthest = farthest.max(errors.row(d).abs().transpose() / sigma);
   }
   return farthest;

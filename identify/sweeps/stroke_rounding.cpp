@@ -5,6 +5,7 @@
 #include <complex>
 
 #include "identify/geometry/angle.hpp"
+#include "identify/geometry/spread.hpp"
 #include "identify/sweeps/even_motion.hpp"
 #include "identify/sweeps/stroke_curve.hpp"
 #include "identify/sweeps/stroke_moments.hpp"

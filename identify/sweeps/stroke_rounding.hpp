@@ -74,9 +74,6 @@ struct StrokeRounding {
                                     const Eigen::ArrayXd& seen_rad, double seen_sigma_rad,
                                     double step_rad);
 
-/// Standard deviation of what is spread evenly over one step, in steps: 1 / sqrt(12).
-inline constexpr double kEvenlySpread = 0.2887;
-
 /// How far a joint that stands still may be from the mean of its printed angles. All in steps:
 /// that mean, the variance about it, and what is returned, a standard deviation.
 [[nodiscard]] double unseen_zero(double mean, double variance);

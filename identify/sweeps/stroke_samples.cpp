@@ -8,6 +8,7 @@
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/median.hpp"
 #include "identify/geometry/sines.hpp"
+#include "identify/geometry/spread.hpp"
 #include "identify/sweeps/even_motion.hpp"
 #include "identify/sweeps/stroke_sections.hpp"
 

@@ -9,8 +9,8 @@
 
 namespace identify {
 
-/// In so many equal parts of a stroke's turn some samples lie: readings at a few stops are at a few
-/// places, however many they are. Of sixty-four.
+/// How many of the 64 equal parts of a stroke's turn (rad) hold a sample: readings at a few stops
+/// are at a few places, however many they are.
 [[nodiscard]] Eigen::Index places_of(const Eigen::ArrayXd& turns, double from, double to);
 
 /// The nodes at which a stroke's moments are made. Twelve hold what a model says over an eighth of

@@ -144,6 +144,7 @@ TEST_CASE("a device that loses sight for a sample accuses no gear", "[advice]") 
   const auto found = identify::identify(
       with_strays(sweeps_of(robot, world, 1), {0, 1, 2, 3, 4, 5}, {-2000, 1500, 1000}),
       campaign_of(robot, world));
+  REQUIRE(found.status == Status::complete);
   CHECK_FALSE(find_warning(found, "transmission_error"));
   CHECK_FALSE(find_warning(found, "backlash"));
 }

@@ -518,7 +518,7 @@ TEST_CASE("a description with b along parallel axes is met, and keeps it", "[pla
   REQUIRE(found.chain);
   const auto models =
       identify::kinematic_models({found.chain->chain, robot.arm.positive, found.chain->dh,
-                                  found.chain->covariance, found.home_rad, true, false});
+                                  found.chain->covariance, found.home_rad, false});
   REQUIRE(models.size() == identify::kModelForms.size());
   const identify::Turns turns{0.3, -0.4, 0.5, 0.6, -0.7, 0.8};
   for (const auto& model : models) {

@@ -343,6 +343,7 @@ TEST_CASE("A device that sways accuses no gear", "[effect_search][chain_fit][lon
   drift.sway_mm = 0.2;
   for (const Simulation& campaign : there_and_back(8, drift, seen_with_angles())) {
     const auto found = identify::identify(campaign.sweeps(), campaign.campaign());
+    REQUIRE(found.status == identify::Status::complete);
     for (const Warning& warning : found.warnings) CHECK(warning.code != "backlash");
   }
 }

@@ -92,7 +92,7 @@ ModelSource source_of(Chain chain, const std::vector<int>& positive, const Doubt
   const MatrixXd of_z = covariance.topLeftCorner(static_cast<Eigen::Index>(6 * chain.axes.size()),
                                                  static_cast<Eigen::Index>(6 * chain.axes.size()));
   const auto dh = extract_dh(z_axes(chain, positive, covariance), size_of(chain), {}, of_z);
-  ModelSource source{std::move(chain), positive, dh, covariance, {}, true, true};
+  ModelSource source{std::move(chain), positive, dh, covariance, {}, true};
   for (std::size_t j = 0; j < positive.size(); ++j)
     source.home_rad.push_back(0.3 * static_cast<double>(j) - 1);
   return source;
@@ -334,22 +334,6 @@ TEST_CASE("DH numbers and their uncertainties are those of the table", "[kinemat
     CHECK(has(models[2], i + 1, "beta") == parallel);
     CHECK(has(models[2], i + 1, "b") != parallel);
     CHECK(has(models[3], i + 1, "hayati_beta") == parallel);
-  }
-}
-
-TEST_CASE("a target whose place at home nobody saw is identified in no form", "[kinematic_model]") {
-  const Arm arm = test::kr5_arc();
-  ModelSource source =
-      source_of(chain_of(arm.rows, arm.positive, somewhere(), arm.tool_mm), arm.positive, kTracker);
-  source.target_identified = false;
-  for (const KinematicModel& model : kinematic_models(source)) {
-    INFO(text(model.form));
-    const std::size_t tool = model.groups.size() - 1;
-    for (const std::string name : {"x", "y", "z"}) {
-      CHECK(find(model, tool, name).knowledge == Knowledge::by_convention);
-      CHECK(find(model, tool, name).sigma == 0);
-    }
-    if (model.form == ModelForm::dh) CHECK(find(model, 1, "a").knowledge == Knowledge::identified);
   }
 }
 

@@ -242,6 +242,7 @@ TEST_CASE("Uncertainties hold of poses amid which a joint slipped",
 TEST_CASE("Thirty poses are not few, whatever their gears do", "[pose_estimate]") {
   const auto built = arm_with(with_gears(10), 4);
   const auto found = identify::identify({}, built.campaign(), built.poses(30));
+  REQUIRE(found.poses);
   CHECK(std::none_of(found.warnings.begin(), found.warnings.end(),
                      [](const Warning& warning) { return warning.code == "few_poses"; }));
 }

@@ -439,7 +439,7 @@ TEST_CASE("Every model of an arm on a linear unit moves as its chain", "[linear_
       identify::identify(linear_unit_sweeps(built, {0, 0.02, 11}), for_arm(on_linear_unit()));
   REQUIRE(found.estimator == Estimator::chain);
   const auto models = kinematic_models({found.chain->chain, built.positive, found.chain->dh,
-                                        found.chain->covariance, found.home_rad, true, false});
+                                        found.chain->covariance, found.home_rad, false});
   REQUIRE(models.size() == kModelForms.size());
   std::mt19937 random(2);
   std::uniform_real_distribution<> turn(-2, 2);

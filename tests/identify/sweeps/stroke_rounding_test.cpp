@@ -10,6 +10,7 @@
 #include <Eigen/QR>
 
 #include "identify/geometry/angle.hpp"
+#include "identify/geometry/spread.hpp"
 #include "identify/sweeps/stroke_moments.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/random_chain.hpp"
