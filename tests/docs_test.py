@@ -22,6 +22,10 @@ import tomllib
 MOST_LINES_OF_README = 150
 COMMAND = r"(?:build/release/daemon/)?sweepd"
 EXAMPLE = "python3 docs/examples"
+KEYS = (("docs/live-page.md", "`/api/state`", "daemon/page/state_json.cpp"),
+        ("docs/live-page.md", "Events", "daemon/page/live_json.cpp"),
+        ("docs/results.md", "run.json", "daemon/results/run_json.cpp"),
+        ("docs/link.md", "link.txt and link.json", "daemon/results/link_json.cpp"))
 SOURCES = r"(?:rsi|identify|daemon|tests|config|scripts|docs)/[\w./-]+"
 
 
@@ -329,20 +333,19 @@ def property_names(schema):
             yield from property_names(value)
 
 
-def keys_of(value):
-    if isinstance(value, dict):
-        yield from value
-        for inner in value.values():
-            yield from keys_of(inner)
-    elif isinstance(value, list):
-        for inner in value:
-            yield from keys_of(inner)
-
-
 def missing_names(text, names, what):
     words = set(re.findall(r"\w+", text))
     for name in sorted(set(names) - words):
         yield f"{name}, {what}, is not described"
+
+
+def untold_keys(text, heading, source):
+    """Keys that a source of JSON writes, and words that are values there: all stand in backticks in
+    the tables below a heading."""
+    section = (text.split(f"\n## {heading}\n") + [""])[1].split("\n## ")[0]
+    told = re.findall(r"`(\w+)`", "".join(re.findall(r"^\|.*\n", section, re.M)))
+    for key in sorted(set(re.findall(r'"([a-z]\w*)"', source)) - set(told)):
+        yield f"the key {key} is not in the tables below {heading}"
 
 
 def wrong_metrics(text, source):
@@ -388,6 +391,8 @@ def problems(root, program):
         name = path if isinstance(path, str) else path.relative_to(root)
         return (f"{name}: {problem}" for problem in found)
 
+    for page, heading, file in KEYS:
+        yield from told(page, untold_keys(read(page), heading, read(file)))
     bench = read("scripts/bench")
     yield from told("README.md", too_long(read("README.md")))
     yield from told("docs/install.md", wrong_settings(
@@ -442,11 +447,6 @@ def problems(root, program):
                 columns = [column for column in next(csv.reader(rows))
                            if not re.fullmatch(r"a[3-9]_deg", column)]
             yield from told("docs/results.md", missing_names(results, columns, f"of {file}"))
-        subprocess.run([program.sweepd, "inspect", "trace.pcap", "--json", "link.json", "--quiet"],
-                       cwd=base, check=True)
-        link = keys_of(json.loads((base / "link.json").read_text()))
-        link = [key for key in link if not re.fullmatch(r"p\d+(_\d)?_us|above_us|to_us", key)]
-        yield from told("docs/link.md", missing_names(read("docs/link.md"), link, "of link.json"))
 
 
 def planted(program):
@@ -483,6 +483,8 @@ def planted(program):
             (1, wrong_settings(table.replace("off", "on"), settings)),
             (0, wrong_settings(table, settings)),
             (1, missing_names("a_mm_x `b`", ["a_mm", "b"], "x")),
+            (0, untold_keys("\n## X\n\n| `a` | `b` |\n", "X", '{{"a", "A b"}}; json["b"]')),
+            (4, untold_keys("\n## X\n`a`\n| b | `c d` |\n## Y\n| `e` |\n", "X", '{"a", "b"}; "d" "e"')),
             (1, wrong_metrics("`sweepd_a` `sweepd_b`", '{"sweepd_a", 1}')),
             (1, wrong_codes("| `one_a` | x |", 'warn("one_a", 1); doubt("two", 2)')),
             (1, wrong_codes("| `one_a`, `gone_b` | x |", 'warn("one_a", 1)')),
