@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "daemon/results/change_test.hpp"
+
 namespace CLI {  // NOLINT(readability-identifier-naming): theirs
 class App;
 }
@@ -16,7 +18,7 @@ struct ToldArm;
 struct CompareOptions {
   std::filesystem::path first;  ///< folders or result.json files
   std::filesystem::path second;
-  double level = 0.05;
+  double level = kUsualLevel;
   bool json = false;
   std::optional<std::string> database = {};  ///< PostgreSQL that has both, in place of files
 };

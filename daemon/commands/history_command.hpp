@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/history/campaign_folders.hpp"
+#include "daemon/results/change_test.hpp"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): theirs
 class App;
@@ -21,7 +22,7 @@ struct HistoryCommandOptions {
   std::optional<std::string> same_state;  ///< FROM..TO
   std::optional<std::filesystem::path> reference;
   std::string kind;  ///< arm, model; empty: arm where there is any
-  double level = 0.05;
+  double level = kUsualLevel;
   std::optional<std::filesystem::path> csv, html, index;
   std::optional<std::string> database;  ///< how to reach it; nothing: folders
   bool rebuild = false;

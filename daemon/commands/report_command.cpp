@@ -15,8 +15,6 @@
 namespace sweepd {
 namespace {
 
-constexpr double kLevel = 0.05;
-
 /// Each folder with the one before it.
 std::vector<Comparison> comparisons_of(const std::vector<std::filesystem::path>& paths,
                                        const std::vector<ReportFolder>& folders) {
@@ -25,7 +23,7 @@ std::vector<Comparison> comparisons_of(const std::vector<std::filesystem::path>&
     all.push_back({folders[k - 1].name, folders[k].name, {}, {}});
     try {
       all.back().change = nlohmann::ordered_json::parse(change_json(
-          change_between(read_told_arm(paths[k - 1]), read_told_arm(paths[k]), kLevel)));
+          change_between(read_told_arm(paths[k - 1]), read_told_arm(paths[k]), kUsualLevel)));
     } catch (const std::runtime_error& error) {
       all.back().why_not = error.what();
     }

@@ -13,13 +13,14 @@
 #include "daemon/history/campaign_folders.hpp"
 #include "daemon/history/dated_change.hpp"
 #include "daemon/history/repeatability.hpp"
+#include "daemon/results/change_test.hpp"
 #include "identify/change/compared_arms.hpp"
 
 namespace sweepd {
 
 struct HistoryOptions {
   std::optional<std::chrono::nanoseconds> since;  ///< earlier ones only as reference or marked
-  double level = 0.05;
+  double level = kUsualLevel;
   std::optional<std::filesystem::path> reference;  ///< one of the campaigns; nothing: chosen
   /// All campaigns from the one to the other are of one state.
   std::optional<std::pair<std::chrono::nanoseconds, std::chrono::nanoseconds>> same_state;

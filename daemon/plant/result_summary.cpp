@@ -14,9 +14,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// As `sweepd compare` has it.
-constexpr double kLevel = 0.05;
-
 }  // namespace
 
 std::string result_summary(const RobotPlace& place, const FinishedResult& result) {
@@ -44,7 +41,7 @@ SummaryOfChange change_since(const std::filesystem::path& before, const Finished
     // The order of arguments is the compiler's, and what is said of both being wrong is not.
     ToldArm was = read_told_arm(before);
     ToldArm is = told_arm(result.bytes, result.folder / file_names::kResult);
-    return {change_json(change_between(std::move(was), std::move(is), kLevel)), {}};
+    return {change_json(change_between(std::move(was), std::move(is), kUsualLevel)), {}};
   } catch (const std::exception& problem) {
     return {std::nullopt, problem.what()};
   }

@@ -6,6 +6,9 @@
 
 namespace sweepd {
 
+/// Of unchanged pairs, and of unchanged histories, no more than this share are called changed where
+/// nobody asks for another one.
+inline constexpr double kUsualLevel = 0.05;
 /// Numbers are called changed with this chance where they have: see NumberChange::smallest.
 inline constexpr double kPower = 0.8;
 /// Of a matrix of correlations: a linearisation tells no closer ones.
