@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <spdlog/fmt/fmt.h>
 
 #include "daemon/commands/command_options.hpp"
 #include "daemon/commands/help_text.hpp"
@@ -175,19 +176,20 @@ CLI::App* add_plan(CLI::App& app, PlanOptions& options) {
       ->add_option("--precision", options.precision,
                    "Assume numbers with this many decimals, as set at the ETHERNET object")
       ->needs(sweeps)
-      ->check(whole_number(0, 15))
+      ->check(whole_number(0, rsi::kMostPrecision))
       ->capture_default_str();
   command
       ->add_option("--wobble-deg", options.wobble_deg,
                    "Assume that every joint wobbles with this standard deviation, in degrees")
-      ->check(number_between(0.0, 1.0))
+      ->check(number_between(0.0, kMostWobble_deg))
       ->capture_default_str();
   command
       ->add_option("--position-sigma-mm", options.position_sigma_mm,
                    "Assume that another device measures positions and no angles, with this "
                    "standard deviation of each coordinate in mm")
       ->check(number_between(1e-6, 100.0))
-      ->default_str("positions and angles are the controller's; of static poses 0.02");
+      ->default_str(fmt::format("positions and angles are the controller's; of static poses {}",
+                                PoseTask().position_sigma_mm));
   add_tool(*command, options.tool_mm);
   auto* propose = command->add_flag("--propose", options.propose,
                                     "Look for better sweep ranges within the joint limits");

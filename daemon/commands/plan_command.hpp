@@ -8,6 +8,7 @@
 
 #include "daemon/plan/krl_program.hpp"
 #include "daemon/plan/pose_plan.hpp"
+#include "daemon/plan/simulated_robot.hpp"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): theirs
 class App;
@@ -18,15 +19,15 @@ namespace sweepd {
 
 /// What `sweepd plan` is asked for.
 struct PlanOptions {
-  std::filesystem::path robot;                   ///< see robot_description.hpp
-  std::filesystem::path plan;                    ///< see sweep_plan.hpp
-  int cycle_ms = 4;                              ///< 1 to 1000
-  int precision = 4;                             ///< decimals of the controller's numbers, 0 to 15
-  double wobble_deg = 1e-4;                      ///< of every joint, standard deviation
-  std::optional<double> position_sigma_mm;       ///< another device measures, this well
-  std::optional<std::array<double, 3>> tool_mm;  ///< target, in place of the description's
-  bool propose = false;                          ///< better ranges
-  std::optional<double> margin_deg;              ///< they keep off the joint limits
+  std::filesystem::path robot;                                ///< see robot_description.hpp
+  std::filesystem::path plan;                                 ///< see sweep_plan.hpp
+  int cycle_ms = static_cast<int>(rsi::kUsualCycle.count());  ///< 1 to 1000
+  int precision = rsi::kUsualPrecision;             ///< decimals of the controller's numbers
+  double wobble_deg = kUsualWobble_deg;             ///< of every joint, standard deviation
+  std::optional<double> position_sigma_mm;          ///< another device measures, this well
+  std::optional<std::array<double, 3>> tool_mm;     ///< target, in place of the description's
+  bool propose = false;                             ///< better ranges
+  std::optional<double> margin_deg;                 ///< they keep off the joint limits
   std::optional<std::filesystem::path> write_plan;  ///< of the proposal; needs `propose`
   std::optional<KrlDialect> krl;                    ///< program of the plan as given, into `output`
   std::optional<std::filesystem::path> output;      ///< folder; of sweeps set together with `krl`

@@ -261,12 +261,12 @@ CLI::App* add_simulate(CLI::App& app, SimulateOptions& options) {
   command
       ->add_option("--wobble-deg", options.wobble_deg,
                    "Let every joint wobble with this standard deviation, in degrees")
-      ->check(zero_or_more())
+      ->check(number_between(0.0, kMostWobble_deg))
       ->capture_default_str();
   command
       ->add_option("--precision", options.precision,
                    "Write numbers with this many decimals, as set at the ETHERNET object")
-      ->check(whole_number(0, 15))
+      ->check(whole_number(0, rsi::kMostPrecision))
       ->capture_default_str();
   command
       ->add_option("--cycle-ms", options.cycle_ms,

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <optional>
 
+#include "daemon/plan/simulated_robot.hpp"
 #include "rsi/controller/simulated_controller.hpp"
 #include "rsi/endpoint.hpp"
 
@@ -24,10 +25,11 @@ struct SimulateOptions {
   /// The controller's own file; absent: the one that sweepd ships, built in.
   std::optional<std::filesystem::path> ethernet_config;
   std::uint64_t seed = 1;  ///< of the wobble and of the faults
-  double wobble_deg = 1e-4;
-  int precision = 4;                             ///< decimals, 0 to 15
-  int cycle_ms = 4;                              ///< 1 to 1000
-  std::uint64_t timeout_cycles = 100;            ///< unanswered in a row until the controller stops
+  double wobble_deg = kUsualWobble_deg;
+  int precision = rsi::kUsualPrecision;                       ///< decimals
+  int cycle_ms = static_cast<int>(rsi::kUsualCycle.count());  ///< 1 to 1000
+  /// Unanswered in a row until the controller stops.
+  std::uint64_t timeout_cycles = rsi::SimulatedController::Options().timeout;
   std::uint64_t first_ipoc = 1'525'084;          ///< IPOC starts anywhere
   double lose_percent = 0;                       ///< of the telegrams, on purpose; so the next two
   double duplicate_percent = 0;                  ///< the three together at most 100

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/plan/pose_rules.hpp"
+#include "daemon/plan/simulated_robot.hpp"
 #include "daemon/settings/robot_description.hpp"
 #include "identify/poses/pose_outlook.hpp"
 
@@ -16,9 +17,9 @@ namespace sweepd {
 struct PoseTask {
   std::size_t count = 0;
   PoseLimits limits;
-  double position_sigma_mm = 0.02;  ///< of the device, each coordinate
-  double joint_sigma_deg = 1e-4;    ///< of each joint from its angle, anew at each pose
-  double speed_deg_s = 20;          ///< of every axis, mm/s of linear ones
+  double position_sigma_mm = 0.02;            ///< of the device, each coordinate
+  double joint_sigma_deg = kUsualWobble_deg;  ///< of each joint from its angle, anew at each pose
+  double speed_deg_s = 20;                    ///< of every axis, mm/s of linear ones
   double dwell_s = 2;
   std::size_t candidates = 1000;  ///< so many allowed poses are chosen from
 };

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "daemon/plan/simulated_robot.hpp"
 #include "daemon/settings/robot_description.hpp"
 #include "daemon/settings/sweep_plan.hpp"
 #include "identify/identification.hpp"
@@ -15,9 +16,9 @@ namespace sweepd {
 
 /// How a plan's sweeps will be measured.
 struct Measurement {
-  std::chrono::milliseconds cycle{4};  ///< of the controller, 1 to 1000
-  int precision = 4;                   ///< decimals of the controller's numbers, 0 to 15
-  double wobble_deg = 1e-4;            ///< of every joint, standard deviation
+  std::chrono::milliseconds cycle = rsi::kUsualCycle;  ///< of the controller, 1 to 1000
+  int precision = rsi::kUsualPrecision;                ///< decimals of the controller's numbers
+  double wobble_deg = kUsualWobble_deg;                ///< of every joint, standard deviation
   /// Another device's points in place of the controller's, isotropic: one a cycle, without angles
   /// and orientations, in a frame of the device's own.
   std::optional<double> position_sigma_mm;

@@ -16,6 +16,10 @@
 
 namespace sweepd {
 
+/// By how much a joint wobbles where nobody says otherwise, standard deviation; and the most that
+/// can be meant.
+inline constexpr double kUsualWobble_deg = 1e-4, kMostWobble_deg = 1;
+
 /// A robot that runs a sweep plan: says cycle by cycle where it is. Each move takes its joint with
 /// the plan's acceleration to the wanted speed, and back to rest; one that is too short for that
 /// turns from speeding up to braking half way.
@@ -28,8 +32,8 @@ namespace sweepd {
 class SimulatedRobot {
  public:
   struct Options {
-    std::chrono::milliseconds cycle{4};      ///< 1 to 1000
-    double wobble_deg = 1e-4;                ///< standard deviation
+    std::chrono::milliseconds cycle = rsi::kUsualCycle;  ///< 1 to 1000
+    double wobble_deg = kUsualWobble_deg;                ///< standard deviation
     std::uint64_t seed = 1;                  ///< the same seed wobbles the same way again
     std::optional<Eigen::Vector3d> tool_mm;  ///< in place of the description's
   };

@@ -47,10 +47,10 @@ class SimulatedController {
  public:
   struct Options {
     Endpoint server{};  ///< replies must come from here
-    std::chrono::milliseconds cycle{4};
+    std::chrono::milliseconds cycle = kUsualCycle;
     std::uint64_t first_ipoc = 100'000;
-    int precision = 4;            ///< decimals
-    std::uint64_t timeout = 100;  ///< it stops after so many unanswered cycles in a row
+    int precision = kUsualPrecision;  ///< decimals
+    std::uint64_t timeout = 100;      ///< it stops after so many unanswered cycles in a row
     ReplyRule rule = ReplyRule::controller;
   };
 

@@ -17,11 +17,9 @@ namespace {
 
 using Type = EthernetConfig::Element::Type;
 
-constexpr int kMostDecimals = 15;
-
 void append_number(std::string& out, double value, int decimals) {
   // Sign, digits of the largest double, point, decimals.
-  char digits[std::numeric_limits<double>::max_exponent10 + 4 + kMostDecimals];
+  char digits[std::numeric_limits<double>::max_exponent10 + 4 + kMostPrecision];
   const char* end =
       std::to_chars(digits, digits + sizeof digits, value, std::chars_format::fixed, decimals).ptr;
   const char* begin = digits;
@@ -46,8 +44,9 @@ std::optional<std::size_t> pose_component(const WireElement& element,
 }  // namespace
 
 TelegramWriter::TelegramWriter(const EthernetConfig& config, int precision) {
-  if (precision < 0 || precision > kMostDecimals)
-    throw std::invalid_argument("decimals of a telegram: expected 0 to 15, found " +
+  if (precision < 0 || precision > kMostPrecision)
+    throw std::invalid_argument("decimals of a telegram: expected 0 to " +
+                                std::to_string(kMostPrecision) + ", found " +
                                 std::to_string(precision));
   static constexpr struct {
     std::string_view tag;

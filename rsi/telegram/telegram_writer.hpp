@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -8,6 +9,13 @@
 #include "rsi/telegram/ethernet_config.hpp"
 
 namespace rsi {
+
+/// How the RSI contexts that sweepd ships let a controller send: in each cycle of IPO_FAST, DOUBLEs
+/// with so many decimals.
+inline constexpr std::chrono::milliseconds kUsualCycle{4};
+inline constexpr int kUsualPrecision = 4;
+/// More decimals are noise of a double.
+inline constexpr int kMostPrecision = 15;
 
 /// What a controller knows about its robot in one cycle, under the names of the wire. Millimetres
 /// and degrees; currents in ampere; all finite.
@@ -31,7 +39,7 @@ struct SignalValues {
 class TelegramWriter {
  public:
   /// `precision`: decimals of a DOUBLE, as at the ETHERNET object (whose default is 1). Throws
-  /// std::invalid_argument if it is not 0 to 15.
+  /// std::invalid_argument if it is not 0 to kMostPrecision.
   TelegramWriter(const EthernetConfig& config, int precision);
 
   /// Appends to `telegrams`, and allocates nothing else.

@@ -163,7 +163,8 @@ TEST_CASE("what an option takes is told in words, whichever checks are made of i
     }
   CHECK(option_of("identify", "--joints").range == "1 to 12");
   CHECK(option_of("identify", "--joints").value == "N");
-  CHECK(option_of("simulate", "--wobble-deg").range == "0 or more");
+  CHECK(option_of("simulate", "--wobble-deg").range == "0 to 1");
+  CHECK(option_of("plan", "--arm-radius-mm").range == "0 or more");
   CHECK(option_of("plan", "--column-mm").range == "more than 0");
   CHECK(option_of("plan", "--column-mm").value == "R");
   CHECK(option_of("plan", "--krl-tool").range == "1 to 128");
@@ -203,7 +204,7 @@ TEST_CASE("a value that an option does not take is told beside what it takes", "
                         "192.168.1.10:49152, found localhost:4000: "));
   CHECK_THAT(simulate("--seed", "-1"), StartsWith("--seed: expected 0 or more, found -1: "));
   CHECK_THAT(simulate("--wobble-deg", "-1"),
-             StartsWith("--wobble-deg: expected 0 or more, found -1: "));
+             StartsWith("--wobble-deg: expected 0 to 1, found -1: "));
   CHECK_THAT(refused({"replay", "x", "--controller", "robot"}),
              StartsWith("--controller: expected an IPv4 address, as 192.168.1.20, found robot: "));
   CHECK_THAT(refused({"replay", "x", "--port", "99999"}),
