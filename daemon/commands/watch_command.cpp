@@ -35,7 +35,6 @@ rsi::LiveCapture::Options capture_of(const WatchOptions& options) {
 /// Where RSI goes to on this interface: waits for the first conversation of which some telegrams
 /// pass. Nothing once a signal ends it.
 std::optional<rsi::Conversation> find_rsi(const WatchOptions& options) {
-  constexpr int kSurelyRsi = 3;
   constexpr std::size_t kMost = 64;
   constexpr auto kWord = 10s;
   ProcessEvents events{SIGINT, SIGTERM};
@@ -58,7 +57,7 @@ std::optional<rsi::Conversation> find_rsi(const WatchOptions& options) {
       const rsi::Conversation conversation{datagram.source.address, datagram.destination};
       const bool counts = rsi::looks_like_telegram(datagram.payload) &&
                           (seen.size() < kMost || seen.contains(conversation));
-      if (counts && ++seen[conversation] == kSurelyRsi) {
+      if (counts && ++seen[conversation] == rsi::kSurelyRsi) {
         Log().note("RSI of {}", text(conversation));
         return conversation;
       }

@@ -7,6 +7,7 @@
 
 #include "daemon/text/nearest_word.hpp"
 #include "rsi/ascii.hpp"
+#include "rsi/datagram.hpp"
 #include "rsi/telegram/reply.hpp"
 
 namespace sweepd {
@@ -15,7 +16,6 @@ namespace {
 using Elements = std::vector<rsi::EthernetConfig::Element>;
 
 constexpr std::size_t kMostDatagramBytes = 65'507;  // of a UDP datagram over IPv4
-constexpr std::size_t kOneFrame = 1'472;  // of one that fits into an Ethernet frame of 1,500
 
 std::string place(const rsi::EthernetConfig& config, int line) {
   return fmt::format("{}:{}: RECEIVE: ", config.name, line);
@@ -92,7 +92,7 @@ std::vector<std::string> objections_to_answers(const RobotSettings& robot,
 std::vector<std::string> warnings_of_answers(const rsi::EthernetConfig& config) {
   std::vector<std::string> warnings;
   const bool tcp = config.protocol == rsi::EthernetConfig::Protocol::TCP;
-  if (const auto text = oversize(config, tcp ? kMostDatagramBytes : kOneFrame); !text.empty())
+  if (const auto text = oversize(config, tcp ? kMostDatagramBytes : rsi::kOneFrame); !text.empty())
     warnings.push_back(text +
                        "larger ones travel in pieces, and one lost piece loses the reply; "
                        "take tags out, or shorten their names");

@@ -142,6 +142,11 @@ std::string early_end(const std::string& name, const std::string& error, std::ui
 
 }  // namespace
 
+std::string remedy_for_fragments() {
+  return "shorten the SEND list of the controller's Ethernet file so that a telegram stays below " +
+         std::to_string(kOneFrame) + " bytes";
+}
+
 void CaptureReader::Close::operator()(pcap* capture) const noexcept {
   pcap_close(capture);
 }
@@ -231,9 +236,8 @@ std::vector<std::string> CaptureReader::notes() const {
                     "(tcpdump -s 0)");
   if (counters_.fragments > 0)
     notes.push_back(name_ + ": " + std::to_string(counters_.fragments) +
-                    " IP fragments of UDP datagrams were left out, they are not put together: "
-                    "shorten the SEND list of the controller's Ethernet file so that a telegram "
-                    "stays below 1472 bytes");
+                    " IP fragments of UDP datagrams were left out, they are not put together: " +
+                    remedy_for_fragments());
   return notes;
 }
 

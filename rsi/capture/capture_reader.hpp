@@ -72,6 +72,9 @@ struct CaptureCounters {
   std::uint64_t foreign = 0;    ///< not UDP over IPv4
 };
 
+/// What to do where fragments pass.
+[[nodiscard]] std::string remedy_for_fragments();
+
 /// Reads the UDP datagrams over IPv4 from a pcap or pcapng file, all sections of it, in the order
 /// of the file. What is wrong in the middle of the file never throws: what was read before it has
 /// been handed out, and notes() says the rest. One thread at a time.

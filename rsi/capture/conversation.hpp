@@ -35,6 +35,9 @@ struct Conversation {
 /// takes any bytes.
 [[nodiscard]] bool looks_like_telegram(std::string_view payload) noexcept;
 
+/// So many telegrams of one conversation are RSI, and no chance.
+inline constexpr int kSurelyRsi = 3;
+
 /// What the user says about the conversation that is wanted; what is not set may be anything.
 struct ConversationFilter {
   std::optional<std::uint16_t> port = {};        ///< of sweepd

@@ -14,8 +14,6 @@ constexpr auto kFirstSilence = 3s;
 constexpr auto kLongestSilence = 3600s;
 /// Longer than any cycle: what waits to be decided is decided with what there is.
 constexpr auto kSettled = 200ms;
-/// So many telegrams are RSI, and no chance.
-constexpr int kSurelyRsi = 3;
 constexpr std::size_t kMostOthers = 16;
 constexpr std::size_t kMostRemarks = 64;
 
@@ -161,8 +159,7 @@ void Tap::look_after(Time now) {
                    : "each datagram passes " + settings_.capture.interface + " " +
                          std::to_string(times) + " times: it is counted once");
   if (capture_->counters().fragments > 0 && !std::exchange(told_fragments_, true))
-    say("IP fragments pass, which are not put together: shorten the SEND list of the controller's "
-        "Ethernet file so that a telegram stays below 1472 bytes");
+    say("IP fragments pass, which are not put together: " + remedy_for_fragments());
   if (now - heard_ >= 1s && !elsewhere_) {
     auto all = settings_.capture;
     all.longest_look = {};
