@@ -7,6 +7,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "identify/sweeps/sample.hpp"
 #include "rsi/ascii.hpp"
 
 namespace sweepd {
@@ -35,6 +36,12 @@ bool required(const Field& field) {
   const bool has_default =
       (path != nullptr && !(*path)->empty()) || (words != nullptr && !(*words)->text.empty());
   return field.index() < kRequired && !has_default;
+}
+
+constexpr std::size_t kMostHosts = 32;
+
+std::string a_signal_each() {
+  return fmt::format("1 to {} signals", identify::kMostJoints);
 }
 
 constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
@@ -143,7 +150,8 @@ struct Reader {
   }
   void operator()(Names* names) const {
     *names = table.texts(option.key);
-    if (names->empty() || names->size() > 12) wrong("1 to 12 signals", "name one a joint");
+    if (names->empty() || names->size() > identify::kMostJoints)
+      wrong(a_signal_each(), "name one a joint");
     for (const auto& name : *names)
       if (!is_signal(name))
         table.fail(option.key, "expected signals like \"Act_X\" or \"Pos.X\", found \"" +
@@ -162,7 +170,8 @@ struct Reader {
   }
   void operator()(HostNames* hosts) const {
     hosts->names = table.texts(option.key);
-    if (hosts->names.size() > 32) wrong("at most 32 names", "name those that people type");
+    if (hosts->names.size() > kMostHosts)
+      wrong(fmt::format("at most {} names", kMostHosts), "name those that people type");
     for (const auto& host : hosts->names)
       if (!is_host(host))
         table.fail(option.key,
@@ -242,11 +251,11 @@ struct Describer {
     text.fallback = names_text(*names);
   }
   void operator()(const Names* names) const {
-    text.value = "1 to 12 signals";
+    text.value = a_signal_each();
     text.fallback = names_text(*names);
   }
   void operator()(const HostNames* hosts) const {
-    text.value = "at most 32 names of hosts";
+    text.value = fmt::format("at most {} names of hosts", kMostHosts);
     text.fallback = names_text(hosts->names);
   }
   void operator()(const TextPort*) const {
