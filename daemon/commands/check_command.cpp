@@ -75,9 +75,7 @@ class Check {
     if (robot.ethernet_config)
       config = ethernet(*robot.ethernet_config);
     else
-      findings_.warning(robot.name +
-                        ": ethernet_config: not set: replies carry Type ImFree and the IPOC alone; "
-                        "name the file that lies on the controller");
+      findings_.warning(robot.name + ": ethernet_config: not set: " + kWithoutEthernetConfig);
     if (config) {
       compare(robot, *config);
       answers(robot, *config);

@@ -128,12 +128,17 @@ void add_robot(CLI::App& command, std::filesystem::path& robot) {
       ->type_name("FILE");
 }
 
-void add_robot_and_plan(CLI::App& command, std::filesystem::path& robot,
-                        std::filesystem::path& plan) {
-  add_robot(command, robot);
-  command.add_option("--plan", plan, "Read the sweep plan from this file")
-      ->required()
-      ->type_name("FILE");
+void add_setup(CLI::App& command, std::optional<std::filesystem::path>& robot,
+               std::optional<std::filesystem::path>& plan) {
+  command.add_option("--robot", robot, "Read the robot description from this file")
+      ->type_name("FILE")
+      ->default_str("that of the settings");
+  command
+      .add_option("--plan", plan,
+                  "Read the sweep plan from this file. Telegrams without angles need its order of "
+                  "joints")
+      ->type_name("FILE")
+      ->default_str("that of the settings");
 }
 
 void add_tool(CLI::App& command, std::optional<std::array<double, 3>>& tool_mm) {

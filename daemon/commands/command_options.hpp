@@ -24,8 +24,9 @@ void add_traces(CLI::App& command, std::vector<std::filesystem::path>& traces);
 /// Which conversation of a capture.
 void add_filter(CLI::App& command, rsi::ConversationFilter& filter);
 void add_robot(CLI::App& command, std::filesystem::path& robot);
-void add_robot_and_plan(CLI::App& command, std::filesystem::path& robot,
-                        std::filesystem::path& plan);
+/// Description and plan, in place of those of the settings.
+void add_setup(CLI::App& command, std::optional<std::filesystem::path>& robot,
+               std::optional<std::filesystem::path>& plan);
 void add_tool(CLI::App& command, std::optional<std::array<double, 3>>& tool_mm);
 /// Names for the columns of a file of points.
 void add_columns(CLI::App& command, std::string& columns);

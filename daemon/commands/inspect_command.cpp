@@ -16,7 +16,7 @@ namespace sweepd {
 int inspect(const InspectOptions& options, std::ostream& out, std::ostream& errors) {
   const bool json_only = options.json == "-";
   if (options.json && !json_only)
-    Outputs(options.traces, options.force).check(*options.json, kLinkJsonBegins);
+    Outputs(options.traces, options.force).check(*options.json, link_json_begins());
   const auto traces = traces_in_order(options.traces);
   const auto search = rsi::find_conversation(traces, options.filter);
   if (!search.note.empty()) errors << "sweepd: " << search.note << '\n';

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "daemon/report/report_folder.hpp"
 #include "daemon/results/result_files.hpp"
 #include "daemon/system/atomic_file.hpp"
 #include "daemon/system/line_file.hpp"
@@ -38,7 +39,7 @@ std::string beginning(const fs::path& file, std::size_t bytes) {
 std::string command_of(const fs::path& folder) {
   std::ifstream stream(folder / file_names::kRun, std::ios::binary);
   const auto run = nlohmann::json::parse(stream, nullptr, false);
-  if (!run.is_object() || run.value("schema", nlohmann::json()) != "sweepd.run/1") return {};
+  if (!run.is_object() || run.value("schema", nlohmann::json()) != kRunSchema) return {};
   const auto command = run.find("command");
   return command != run.end() && command->is_string() ? command->get<std::string>() : "";
 }

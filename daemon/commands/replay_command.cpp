@@ -68,7 +68,7 @@ std::vector<std::filesystem::path> inputs_of(const ReplayOptions& options) {
 
 void check_output(const ReplayOptions& options) {
   auto names = result_file_names();
-  names.insert(names.end(), {"samples.csv", file_names::kRun});
+  names.insert(names.end(), {file_names::kSamples, file_names::kRun});
   Outputs(inputs_of(options), options.force).check_results(*options.output, names);
 }
 
@@ -119,7 +119,7 @@ int replay(const ReplayOptions& given, std::ostream& out, std::ostream& errors) 
     // One that is there belongs to the result beside it, which stays until the new one is made.
     if (!std::filesystem::exists(*options.output / file_names::kRun))
       write_run_file(options, search, {});
-    samples.emplace(samples_file.emplace(*options.output / "samples.csv").beside());
+    samples.emplace(samples_file.emplace(*options.output / file_names::kSamples).beside());
   }
   DeviceRecording device(setup);
   Rows rows(samples, device);
@@ -173,15 +173,7 @@ CLI::App* add_replay(CLI::App& app, ReplayOptions& options) {
   command->add_option("--config", options.config, "Read the settings from this file")
       ->type_name("FILE")
       ->default_str("no settings");
-  command->add_option("--robot", options.robot, "Read the robot description from this file")
-      ->type_name("FILE")
-      ->default_str("that of the settings");
-  command
-      ->add_option("--plan", options.plan,
-                   "Read the sweep plan from this file. Telegrams without angles need its order of "
-                   "joints")
-      ->type_name("FILE")
-      ->default_str("that of the settings");
+  add_setup(*command, options.robot, options.plan);
   add_output(*command, options.output);
   add_filter(*command, options.filter);
   add_quiet(*command, options.quiet);

@@ -235,7 +235,10 @@ CLI::App* add_simulate(CLI::App& app, SimulateOptions& options) {
       "Simulate a controller whose robot runs a sweep plan, and check an RSI server's replies\n"
       "The telegrams go to a server in real time, or into a capture. The same options make the "
       "same telegrams.");
-  add_robot_and_plan(*command, options.robot, options.plan);
+  add_robot(*command, options.robot);
+  command->add_option("--plan", options.plan, "Read the sweep plan from this file")
+      ->required()
+      ->type_name("FILE");
   auto* target = command->add_option_group("Target");
   auto* to =
       target

@@ -154,15 +154,7 @@ CLI::App* add_watch(CLI::App& app, WatchOptions& options) {
                    "Watch the robots of these settings, each by the port of its `listen`")
       ->type_name("FILE")
       ->default_str("no settings");
-  command->add_option("--robot", options.robot, "Read the robot description from this file")
-      ->type_name("FILE")
-      ->default_str("that of the settings");
-  command
-      ->add_option("--plan", options.plan,
-                   "Read the sweep plan from this file. Telegrams without angles need its order of "
-                   "joints")
-      ->type_name("FILE")
-      ->default_str("that of the settings");
+  add_setup(*command, options.robot, options.plan);
   command->add_option("--output", options.output, "Keep recordings and results below this folder")
       ->type_name("DIR")
       ->default_str("the `output` of the settings, or this folder");

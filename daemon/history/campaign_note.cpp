@@ -46,7 +46,7 @@ std::string note_line(const CampaignNote& note) {
   if (!note.text.empty()) json["text"] = note.text;
   if (note.same_state) json["same_state"] = *note.same_state;
   if (note.measured) json["measured"] = true;
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_line(json);
 }
 
 void append_note(const std::filesystem::path& folder, const CampaignNote& note) {

@@ -259,8 +259,8 @@ void add_table(Markup body, const History& history) {
     const auto at = static_cast<Eigen::Index>(k);
     auto row = rows.add("tr");
     row.put("td", name_of(number)).put("td", unit_of(number));
-    for (const double value : {first(at), last(at), 2 * history.sigma(at),
-                               2 * history.fit_sigma(at), history.smallest(at)})
+    for (const double value : {first(at), last(at), kCoverage * history.sigma(at),
+                               kCoverage * history.fit_sigma(at), history.smallest(at)})
       row.put("td",
               std::isfinite(value) ? fixed(in_unit(number, value), number.length ? lengths : angles)
                                    : "-",

@@ -63,8 +63,8 @@ std::string numbers(const History& history) {
                                   : right("-", width);
     };
     out += left(name_of(number), 7) + left(unit_of(number), 5) + cell(reference.values(at), 13) +
-           cell(last.values(at), 13) + cell(2 * history.sigma(at), 10) +
-           cell(2 * history.fit_sigma(at), 10) + cell(history.smallest(at), 10) + '\n';
+           cell(last.values(at), 13) + cell(kCoverage * history.sigma(at), 10) +
+           cell(kCoverage * history.fit_sigma(at), 10) + cell(history.smallest(at), 10) + '\n';
   }
   return out;
 }

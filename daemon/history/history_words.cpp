@@ -56,13 +56,13 @@ int decimals_of(const History& history, bool lengths) {
   double least = 1;
   for (std::size_t k = 0; k < history.numbers.size(); ++k)
     if (history.numbers[k].length == lengths)
-      least = std::min(
-          least, 2 * in_unit(history.numbers[k], history.fit_sigma(static_cast<Eigen::Index>(k))));
+      least = std::min(least, kCoverage * in_unit(history.numbers[k],
+                                                  history.fit_sigma(static_cast<Eigen::Index>(k))));
   return decimals_for(least, kFewestOfChange, kMostOfChange);
 }
 
 std::string told_with(double value, double sigma) {
-  return fixed(value, sigma > 0 ? decimals_for(2 * sigma, 0, kMostOfChange) : 4);
+  return fixed(value, sigma > 0 ? decimals_for(kCoverage * sigma, 0, kMostOfChange) : 4);
 }
 
 std::string when(const History& history, const DatedChange& change) {

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/page/page_json.hpp"
+#include "daemon/report/file_parts.hpp"
 #include "daemon/results/json_parts.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
@@ -11,11 +12,6 @@ namespace sweepd {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// Whatever bytes a message has.
-std::string line(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
 
 Json number(double value, int decimals) {
   return std::isfinite(value) ? Json(rounded(value, decimals)) : Json();
@@ -63,7 +59,7 @@ std::string hello_json(const std::string& robot, const RobotFacts& facts) {
                       {"max", number(limit.max_deg, 6)},
                       {"unit", limit.linear ? "mm" : "deg"}});
   if (!limits.empty()) json["limits"] = std::move(limits);
-  return line(json);
+  return json_line(json);
 }
 
 std::string cycles_json(const std::vector<LiveSlice>& slices) {
@@ -78,7 +74,7 @@ std::string cycles_json(const std::vector<LiveSlice>& slices) {
     json["latency_max_us"].push_back(some_us(slice.latency_max_us));
     json["jitter_us"].push_back(some_us(slice.jitter_us));
   }
-  return line(json);
+  return json_line(json);
 }
 
 std::string samples_json(const std::vector<LiveSlice>& slices) {
@@ -92,10 +88,10 @@ std::string samples_json(const std::vector<LiveSlice>& slices) {
       for (std::size_t j = 0; j < slice.joints; ++j) row.push_back(number(point.angles_deg[j], 3));
       angles.push_back(std::move(row));
     }
-  return line({{"session", slices.front().session},
-               {"t_s", std::move(t)},
-               {"position_mm", std::move(positions)},
-               {"angles", std::move(angles)}});
+  return json_line({{"session", slices.front().session},
+                    {"t_s", std::move(t)},
+                    {"position_mm", std::move(positions)},
+                    {"angles", std::move(angles)}});
 }
 
 std::string sweep_json(const LiveSweep& sweep) {
@@ -113,11 +109,11 @@ std::string sweep_json(const LiveSweep& sweep) {
                {"usable", sweep.usable},
                {"words", sweep.words},
                {"path_mm", std::move(path)}};
-  return line(json);
+  return json_line(json);
 }
 
 std::string link_json(const RobotMetrics& robot) {
-  return line(robot_state_json(robot));
+  return json_line(robot_state_json(robot));
 }
 
 std::string result_event_json(const ResultState::Newest& result) {
@@ -126,7 +122,7 @@ std::string result_event_json(const ResultState::Newest& result) {
                {"interim", result.interim},
                {"at", utc_text(result.at)},
                {"status", identify::text(result.status)}};
-  if (!whole.is_object()) return line(json);
+  if (!whole.is_object()) return json_line(json);
   for (const char* key : {"reason", "describes", "estimator", "doubts", "warnings"})
     if (whole.contains(key)) json[key] = whole[key];
   for (const char* key : {"dh", "specified", "difference"})
@@ -138,7 +134,7 @@ std::string result_event_json(const ResultState::Newest& result) {
       sweep["joint"] = joint.value("joint", Json());
       json["sweeps"].push_back(std::move(sweep));
     }
-  return line(json);
+  return json_line(json);
 }
 
 }  // namespace sweepd

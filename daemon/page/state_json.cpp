@@ -1,6 +1,8 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/page/page_json.hpp"
+#include "daemon/report/report_folder.hpp"
+#include "daemon/results/run_json.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
 #include "daemon/text/utc.hpp"
@@ -63,10 +65,6 @@ Json replies(const RobotState& state) {
           {"mean_latency_us", rounded(link.latency.mean_s() * 1e6, 3)}};
 }
 
-Json records(const RecordCount& count) {
-  return {{"datagrams", count.datagrams}, {"samples", count.samples}};
-}
-
 Json recording(const RobotState& state) {
   const Recording::Counts& counts = state.recording;
   return {
@@ -74,8 +72,9 @@ Json recording(const RobotState& state) {
       {"pauses", counts.pauses},
       {"bytes", counts.bytes},
       {"files", counts.files},
-      {"recorded", records(counts.recorded)},
-      {"missed", {{"memory_full", records(counts.memory_full)}, {"disk", records(counts.disk)}}},
+      {"recorded", records_json(counts.recorded)},
+      {"missed",
+       {{"memory_full", records_json(counts.memory_full)}, {"disk", records_json(counts.disk)}}},
       {"folders_deleted", counts.folders_deleted}};
 }
 
@@ -136,10 +135,14 @@ Json robot_state_json(const RobotMetrics& metrics) {
 
 std::string state_json(const ServiceStatus& status, const std::vector<RobotMetrics>& robots,
                        const ProcessState& process) {
-  Json json = {{"schema", "sweepd.state/1"},           {"version", SWEEPD_VERSION},
-               {"started", utc_text(process.started)}, {"phase", text(status.phase)},
-               {"standstills", status.standstills},    {"log_lines_lost", process.log_lines_lost},
-               {"not_served", Json::array()},          {"robots", Json::array()}};
+  Json json = {{"schema", kStateSchema},
+               {"version", SWEEPD_VERSION},
+               {"started", utc_text(process.started)},
+               {"phase", text(status.phase)},
+               {"standstills", status.standstills},
+               {"log_lines_lost", process.log_lines_lost},
+               {"not_served", Json::array()},
+               {"robots", Json::array()}};
   for (const auto& [robot, reason] : status.not_served)
     json["not_served"].push_back({{"robot", robot}, {"reason", reason}});
   for (const RobotMetrics& metrics : robots) json["robots"].push_back(robot_state_json(metrics));

@@ -136,11 +136,7 @@ bool has_room(const std::filesystem::path& spool, std::size_t bytes) {
 }
 
 std::string made(const std::filesystem::path& spool) {
-  std::error_code error;
-  std::filesystem::create_directories(spool, error);
-  if (error)
-    throw std::runtime_error("cannot make the folder " + spool.string() + " (" + error.message() +
-                             "): give another `spool`, or make this one writable");
+  make_spool(spool);
   return spool.string();
 }
 
@@ -155,6 +151,14 @@ BrokerLink::Names names_of(const mqtt::properties& properties) {
 }
 
 }  // namespace
+
+void make_spool(const std::filesystem::path& spool) {
+  std::error_code error;
+  std::filesystem::create_directories(spool, error);
+  if (error)
+    throw std::runtime_error("cannot make the folder " + spool.string() + " (" + error.message() +
+                             "): give another `spool`, or make this one writable");
+}
 
 BrokerLink::BrokerLink(Options options, Log log)
     : options_(std::move(options)),

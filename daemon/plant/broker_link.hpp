@@ -18,6 +18,9 @@
 
 namespace sweepd {
 
+/// Makes the folder of what is on its way where there is none. Throws std::runtime_error.
+void make_spool(const std::filesystem::path& spool);
+
 /// One MQTT 5 connection, which comes back whenever it is lost. Who owns it calls keep() often,
 /// from one thread; the broker's messages come on a thread of Paho's.
 class BrokerLink {

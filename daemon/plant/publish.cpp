@@ -11,6 +11,7 @@
 #include <sys/inotify.h>
 #include <unistd.h>
 
+#include "daemon/plant/broker_link.hpp"
 #include "daemon/plant/daemon_state.hpp"
 #include "daemon/plant/plant_services.hpp"
 #include "daemon/plant/robot_publisher.hpp"
@@ -63,11 +64,7 @@ class FolderWatch {
 };
 
 FolderLock held(const std::filesystem::path& spool) {
-  std::error_code error;
-  std::filesystem::create_directories(spool, error);
-  if (error)
-    throw std::runtime_error("cannot make the folder " + spool.string() + " (" + error.message() +
-                             "): give another `spool`, or make this one writable");
+  make_spool(spool);
   FolderLock lock(spool);
   if (!lock.held())
     throw std::runtime_error(

@@ -33,7 +33,7 @@ std::string result_summary(const RobotPlace& place, const FinishedResult& result
   json["warnings"] = list_of(told, "warnings").size();
   json["bytes"] = result.bytes.size();
   json["sha256"] = result.sha256;
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+  return json_text(json);
 }
 
 SummaryOfChange change_since(const std::filesystem::path& before, const FinishedResult& result) {

@@ -24,7 +24,7 @@ constexpr auto kLongestWay = 5min;
 std::string online_json(bool online, const std::string& reason) {
   Json json = {{"online", online}};
   if (!reason.empty()) json["reason"] = reason;
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_line(json);
 }
 
 std::filesystem::path ledger_of(const RobotPublisher::Options& options) {
@@ -156,7 +156,7 @@ void RobotPublisher::hear(const Json& state, const std::string& trouble, Steady:
   tell_sweeps(before);
   if (now < state_due_) return;
   state_due_ = now + kStateEvery;
-  say("state", state_.dump(2, ' ', false, Json::error_handler_t::replace) + '\n', 0, true);
+  say("state", json_text(state_), 0, true);
 }
 
 void RobotPublisher::tell_online() {

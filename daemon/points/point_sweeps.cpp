@@ -210,6 +210,20 @@ std::vector<Sweep> sweeps_of_body(const PointsFile& file, const identify::Resolu
   return sweeps;
 }
 
+/// Of points without times: of this joint, or of the one that each group names.
+std::vector<Sweep> sweeps_of_groups(const PointsFile& file, const identify::Resolution& resolution,
+                                    std::optional<std::size_t> joint) {
+  std::vector<Sweep> sweeps;
+  for (PointGroup& group : grouped(file))
+    for (PointGroup& stroke : one_way(std::move(group))) {
+      const std::size_t moves = joint.value_or(stroke.joint - 1);
+      if (auto sweep = sweep_of(std::move(stroke), moves, resolution))
+        sweeps.push_back(std::move(*sweep));
+    }
+  if (none_is_usable(file, sweeps)) check_angles(file);
+  return sweeps;
+}
+
 }  // namespace
 
 double still_angle_rad(double step_rad) {
@@ -244,29 +258,13 @@ std::vector<Sweep> streamed_sweeps(const PointsFile& file, std::size_t joints,
 }
 
 std::vector<Sweep> listed_sweeps(const PointsFile& file, const identify::Resolution& resolution) {
-  std::vector<Sweep> sweeps;
-  for (PointGroup& group : grouped(file))
-    for (PointGroup& stroke : one_way(std::move(group))) {
-      const std::size_t joint = stroke.joint - 1;
-      if (auto sweep = sweep_of(std::move(stroke), joint, resolution))
-        sweeps.push_back(std::move(*sweep));
-    }
-  if (none_is_usable(file, sweeps)) check_angles(file);
-  return sweeps;
+  return sweeps_of_groups(file, resolution, std::nullopt);
 }
 
 std::vector<Sweep> sweeps_of_joint(const PointsFile& file, std::size_t joint, std::size_t joints,
                                    const identify::Resolution& resolution, WorstLimit& limit) {
-  std::vector<Sweep> sweeps;
-  if (!file.with_times) {
-    for (PointGroup& group : grouped(file))
-      for (PointGroup& stroke : one_way(std::move(group)))
-        if (auto sweep = sweep_of(std::move(stroke), joint, resolution))
-          sweeps.push_back(std::move(*sweep));
-    if (none_is_usable(file, sweeps)) check_angles(file);
-    return sweeps;
-  }
-  sweeps = streamed_sweeps(file, joints, resolution, limit);
+  if (!file.with_times) return sweeps_of_groups(file, resolution, joint);
+  std::vector<Sweep> sweeps = streamed_sweeps(file, joints, resolution, limit);
   for (Sweep& sweep : sweeps)
     if (!sweep.joint) sweep.joint = joint;
   if (!sweeps.empty() && std::none_of(sweeps.begin(), sweeps.end(),

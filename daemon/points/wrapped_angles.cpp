@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <optional>
 
 #include "daemon/text/units.hpp"
@@ -11,7 +10,7 @@
 namespace sweepd {
 namespace {
 
-constexpr double kTurn_rad = 2 * std::numbers::pi;
+constexpr double kTurn_rad = 2 * kPi;
 /// From one point of a sweep to the next a joint turns by less.
 const double kLargestStep_rad = radians(30);
 /// A joint that passes the end of the circle is never in a part that is larger than this.

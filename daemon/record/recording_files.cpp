@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "daemon/system/atomic_file.hpp"
+#include "daemon/text/file_names.hpp"
 #include "rsi/capture/capture_writer.hpp"
 
 namespace sweepd {
@@ -110,12 +111,14 @@ bool RecordingFiles::write(Records& records, const Rotation& rotation, Steady::t
   if (another) close();
   if (!trace_ && !samples_) opened_ = now;
   if (with_trace_ && !trace_) {
-    trace_.emplace(folder_ / part_name("trace", ".pcap", part_), rsi::capture_header(),
-                   packet_size);
+    trace_.emplace(folder_ / part_name(file_names::kTraceStem, file_names::kTraceEnding, part_),
+                   rsi::capture_header(), packet_size);
     ++files_;
   }
   if (!samples_) {
-    samples_.emplace(folder_ / part_name("samples", ".csv", part_), csv_header_, line_size);
+    samples_.emplace(
+        folder_ / part_name(file_names::kSamplesStem, file_names::kSamplesEnding, part_),
+        csv_header_, line_size);
     ++files_;
   }
   if (trace_) trace_->append(records.trace);
@@ -190,7 +193,8 @@ std::vector<std::filesystem::path> traces_of(const std::filesystem::path& folder
   for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
     std::error_code ignored;
-    const auto part = part_of(entry->path().filename().string(), "trace", ".pcap");
+    const auto part = part_of(entry->path().filename().string(), file_names::kTraceStem,
+                              file_names::kTraceEnding);
     if (part && entry->is_regular_file(ignored)) found.emplace(*part, entry->path());
   }
   std::vector<std::filesystem::path> traces;

@@ -57,7 +57,8 @@ constexpr unsigned kAfterAllParts = std::numeric_limits<unsigned>::max();
 
 std::optional<unsigned> part_of(std::string_view name) {
   for (const auto& [stem, ending] :
-       {std::pair<std::string_view, std::string_view>{"trace", ".pcap"}, {"samples", ".csv"}}) {
+       {std::pair(file_names::kTraceStem, file_names::kTraceEnding),
+        std::pair(file_names::kSamplesStem, file_names::kSamplesEnding)}) {
     if (const auto part = sweepd::part_of(name, stem, ending)) return part;
   }
   constexpr std::array<std::string_view, 4> kBesideResults{

@@ -17,7 +17,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kDifferences_px = 740, kNumberNames_px = 80, kNumberRow_px = 16, kAboveNumbers = 6,
                  kBelowNumbers = 30;
-constexpr double kCoverageOfU = 2;
 /// Differences farther off, in their uncertainty U, are drawn at the edge.
 constexpr double kMostDrawn = 6;
 
@@ -37,7 +36,7 @@ std::vector<ChangedNumber> numbers_of_change(const Json& change) {
     ChangedNumber number{name.substr(0, unit),
                          name.substr(unit + 1),
                          number_of(json, "difference"),
-                         kCoverageOfU * number_of(json, "sigma"),
+                         kCoverage * number_of(json, "sigma"),
                          number_of(json, "smallest_change"),
                          kMostOfChange,
                          flag_of(json, "changed")};
@@ -101,10 +100,10 @@ std::string change_words(const Json& change, const std::vector<ChangedNumber>& n
     text = "No change is seen.";
   else
     text = text.empty() ? "Changed, though no number alone tells what." : "Changed: " + text + ".";
-  const double p = number_of(change, "p");
-  text += fmt::format(" T² = {:.1f} of {:.0f} numbers; of unchanged pairs {} % differ by as much.",
-                      number_of(change, "t_squared"), number_of(change, "degrees_of_freedom"),
-                      p < 1e-4 ? "less than 0.01" : fixed(100 * p, p < 0.1 ? 2 : 0));
+  text += fmt::format(
+      " T² = {:.1f} of {:.0f} numbers; {} of pairs of unchanged robots differ at least as much.",
+      number_of(change, "t_squared"), number_of(change, "degrees_of_freedom"),
+      share_text(number_of(change, "p")));
   const Json& named = part_of(change, "displacement_by_changes");
   if (named.is_object())
     text += " The tool is moved by up to " + displacement_words(named) +

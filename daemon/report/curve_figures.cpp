@@ -2,13 +2,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include <Eigen/Geometry>
 
 #include "daemon/drawing/plot.hpp"
 #include "daemon/report/figures.hpp"
 #include "daemon/text/numbers.hpp"
+#include "daemon/text/units.hpp"
 #include "identify/chain/chain_estimate.hpp"
 #include "identify/dh/dh_extraction.hpp"
 
@@ -56,7 +56,7 @@ void fill_in_angles(const ReportFolder& folder, Stroke& stroke) {
   double before = 0;
   for (StrokePoint& point : stroke.points) {
     const Vector3d from = point.position_mm - centre;
-    double angle = std::atan2(v.dot(from), u.dot(from)) * 180 / std::numbers::pi;
+    double angle = degrees(std::atan2(v.dot(from), u.dot(from)));
     angle += 360 * std::round((before - angle) / 360);
     point.angle = before = angle;
   }

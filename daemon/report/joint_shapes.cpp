@@ -2,9 +2,10 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Geometry>
+
+#include "daemon/text/units.hpp"
 
 namespace sweepd {
 namespace {
@@ -22,7 +23,7 @@ Points whole_circle(const Vector3d& centre, const Vector3d& normal, double radiu
   const Vector3d u = normal.unitOrthogonal();
   const Vector3d v = normal.cross(u);
   for (std::size_t k = 0; k <= kCircleSteps; ++k) {
-    const double angle = 2 * std::numbers::pi * static_cast<double>(k) / kCircleSteps;
+    const double angle = 2 * kPi * static_cast<double>(k) / kCircleSteps;
     points.push_back(centre + radius * (std::cos(angle) * u + std::sin(angle) * v));
   }
   return points;

@@ -11,9 +11,13 @@
 
 namespace sweepd {
 
-/// What result.json says of itself.
+/// What files say of themselves that sweepd reads again: result.json, link.json, run.json, and what
+/// /api/state shows.
 inline constexpr const char* kResultSchema = "sweepd.result/1";
-/// Throws std::runtime_error where `json`, the content of `file`, is none of that schema.
+inline constexpr const char* kLinkSchema = "sweepd.link/1";
+inline constexpr const char* kRunSchema = "sweepd.run/1";
+inline constexpr const char* kStateSchema = "sweepd.state/1";
+/// Throws std::runtime_error where `json`, the content of `file`, is none of kResultSchema.
 void require_result(const nlohmann::ordered_json& json, const std::filesystem::path& file);
 
 /// One row of sweeps.csv, as far as a picture needs it. Not a number where the file has nothing.

@@ -33,9 +33,6 @@ struct Departures {
 };
 [[nodiscard]] Departures departures(const std::vector<DhLine>& lines);
 
-/// Coverage factor of the expanded uncertainty U = k u (JCGM 100:2008, 6.2.1).
-inline constexpr double kCoverage = 2;
-
 /// A value with decimals enough for the second digit of its expanded uncertainty.
 [[nodiscard]] std::string told(double value, const DhLine& line);
 

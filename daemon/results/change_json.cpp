@@ -1,6 +1,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "daemon/report/file_parts.hpp"
 #include "daemon/results/change.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
@@ -88,7 +89,7 @@ std::string change_json(const Change& change) {
   json["poses"] = kComparedPoses;
   json["within_limits"] = change.first.with_limits;
   json["notes"] = change.notes;
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+  return json_text(json);
 }
 
 }  // namespace sweepd

@@ -22,7 +22,7 @@ struct ChangeDecimals {
     for (std::size_t k = 0; k < change.arms.numbers.size(); ++k) {
       const ArmNumber& number = change.arms.numbers[k];
       double& least = number.length ? least_length : least_angle;
-      least = std::min(least, 2 * in_unit(number, change.test.numbers[k].sigma));
+      least = std::min(least, kCoverage * in_unit(number, change.test.numbers[k].sigma));
     }
     length = decimals_for(least_length, kFewestOfChange, kMostOfChange);
     angle = decimals_for(least_angle, kFewestOfChange, kMostOfChange);
@@ -32,15 +32,9 @@ struct ChangeDecimals {
   int angle = 0;
 };
 
-/// "as much in 43 %".
-std::string share_of_pairs(double p) {
-  if (p < 1e-4) return "less than 0.01 %";
-  return fixed(100 * p, p < 0.001 ? 2 : p < 0.1 ? 1 : 0) + " %";
-}
-
 std::string verdict(const Change& change, const ChangeDecimals& decimals) {
   const std::string chance =
-      "of unchanged pairs, " + share_of_pairs(change.test.p) + " differ by as much.";
+      share_text(change.test.p) + " of pairs of unchanged robots differ at least as much.";
   if (!change.test.changed) return "No change seen: " + chance;
   std::string changed;
   for (std::size_t k = 0; k < change.arms.numbers.size(); ++k) {
@@ -75,7 +69,7 @@ std::string table(const Change& change, const ChangeDecimals& decimals) {
     const auto& found = change.test.numbers[k];
     out += left(name_of(number), kName) + left(unit_of(number), kUnit) +
            cell(change.arms.first(at), kValue) + cell(change.arms.second(at), kValue) +
-           cell(change.arms.difference(at), kDifference) + cell(2 * found.sigma, kSize) +
+           cell(change.arms.difference(at), kDifference) + cell(kCoverage * found.sigma, kSize) +
            cell(found.smallest, kSize) + (found.changed ? "  changed\n" : "  -\n");
   }
   return out;
@@ -136,10 +130,10 @@ std::string change_text(const Change& change) {
   out += paragraph("smallest  ", "a change of this number alone that would be named in " +
                                      fixed(100 * kPower, 0) + " % of cases, at level " +
                                      fmt::format("{}", change.level));
-  out += paragraph("together  ",
-                   "T2 = " + fixed(change.test.t_squared, 1) + " of " +
-                       rsi::counted(change.arms.numbers.size(), "number", "numbers") + ", p " +
-                       (change.test.p < 1e-4 ? "below 0.0001" : "= " + fixed(change.test.p, 4)));
+  out += paragraph("together  ", "T2 = " + fixed(change.test.t_squared, 1) + " of " +
+                                     rsi::counted(change.arms.numbers.size(), "number", "numbers") +
+                                     ", p " + (change.test.p < kLeastChance ? "" : "= ") +
+                                     chance_text(change.test.p));
   out += paragraph("left out  ", left_out(change));
   out += paragraph(change.first.whole() ? "tool      " : "frame     ", displacement(change));
   return out;

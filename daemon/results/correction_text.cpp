@@ -31,10 +31,6 @@ bool is_length(const ControllerNumber& number, const identify::Arm& arm) {
   return number.kind == Kind::a || number.kind == Kind::b || arm.is_linear(number.joint);
 }
 
-std::string chance_text(double chance) {
-  return chance < 1e-4 ? "<0.0001" : fixed(chance, 4);
-}
-
 std::string verdict_text(const ControllerNumber& number, const char* to_do) {
   switch (number.verdict) {
     case Verdict::significant:
@@ -56,30 +52,27 @@ std::string levels_text(const Correction& correction, const std::string& correct
 
 std::string frames_text(const Correction& correction) {
   const auto base = correction.base_frame();
-  const auto sigma = correction.base_sigma();
+  const auto u = (kCoverage * correction.base_sigma()).eval();
   const auto& determined = correction.fit.frames_determined;
   const bool base_told =
       std::all_of(determined.begin(), determined.begin() + 6, [](bool told) { return told; });
   std::string text = "$BASE = " + krl_frame_text(base) + "\n";
   text += labelled("", "The frame of the measurements, in $ROBROOT.");
-  text +=
-      base_told
-          ? labelled("U (k = 2)",
-                     fmt::format("{:.4f}, {:.4f}, {:.4f} mm along X, Y, Z; {:.4f}, {:.4f}, "
-                                 "{:.4f} deg about them",
-                                 2 * sigma(0), 2 * sigma(1), 2 * sigma(2), degrees(2 * sigma(3)),
-                                 degrees(2 * sigma(4)), degrees(2 * sigma(5))))
-          : labelled("U (k = 2)", "The poses do not tell all of it from the tool.");
+  text += base_told
+              ? labelled("U (k = 2)",
+                         fmt::format("{:.4f}, {:.4f}, {:.4f} mm along X, Y, Z; {:.4f}, {:.4f}, "
+                                     "{:.4f} deg about them",
+                                     u(0), u(1), u(2), degrees(u(3)), degrees(u(4)), degrees(u(5))))
+              : labelled("U (k = 2)", "The poses do not tell all of it from the tool.");
   for (std::size_t t = 0; t < correction.targets.size(); ++t) {
-    const Eigen::Vector3d of_tool = correction.tool_sigma_mm(t);
+    const Eigen::Vector3d of_tool = kCoverage * correction.tool_sigma_mm(t);
     const auto first = determined.begin() + static_cast<std::ptrdiff_t>(6 + 3 * t);
     const bool told = std::all_of(first, first + 3, [](bool one) { return one; });
     text += "\n$TOOL = " + krl_frame_text(correction.tool_frame(t)) + "\n";
     text += labelled("", "Target " + correction.targets[t] + ", in $FLANGE.");
-    text +=
-        labelled("U (k = 2)", told ? fmt::format("{:.4f}, {:.4f}, {:.4f} mm along X, Y, Z",
-                                                 2 * of_tool.x(), 2 * of_tool.y(), 2 * of_tool.z())
-                                   : "The poses do not tell all of it from the base.");
+    text += labelled("U (k = 2)", told ? fmt::format("{:.4f}, {:.4f}, {:.4f} mm along X, Y, Z",
+                                                     of_tool.x(), of_tool.y(), of_tool.z())
+                                       : "The poses do not tell all of it from the base.");
   }
   text += levels_text(correction, "");
   return text + "\n" +
@@ -98,7 +91,7 @@ std::string mastering_text(const Correction& correction) {
     const auto in_unit = [&](double value) { return length ? value : degrees(value); };
     text += left(std::to_string(zero.joint + 1), 7) + left(length ? "mm" : "deg", 5) +
             (known ? number(in_unit(correction.offset(zero)), 4, 10) : right("-", 10)) +
-            (known ? number(in_unit(2 * zero.sigma), 4, 10) : right("-", 10)) +
+            (known ? number(in_unit(kCoverage * zero.sigma), 4, 10) : right("-", 10)) +
             right(known ? chance_text(zero.chance) : "-", 10) + "  " +
             verdict_text(zero, "master anew") + "\n";
   }
@@ -136,7 +129,7 @@ std::string machine_data_text(const Correction& correction) {
     text += left(name_of(number_, arm), 8) + left(length ? "mm" : "deg", 5) +
             number(in_unit(specified), 4, 12) + number(in_unit(specified + change), 4, 12) +
             (known ? number(in_unit(number_.change), 4, 10) : right("-", 10)) +
-            (known ? number(in_unit(2 * number_.sigma), 4, 9) : right("-", 9)) + "  " +
+            (known ? number(in_unit(kCoverage * number_.sigma), 4, 9) : right("-", 9)) + "  " +
             (number_.taken() ? number_.kind == Kind::zero ? "by mastering" : "propose"
              : known         ? "leave"
                              : "not told apart") +

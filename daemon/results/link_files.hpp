@@ -3,7 +3,6 @@
 #include <chrono>
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "rsi/capture/conversation.hpp"
@@ -15,7 +14,7 @@ namespace sweepd {
 // What is told of a link: link.json and link.txt, and the bins that both have of durations.
 
 /// What every link_json() begins with.
-inline constexpr std::string_view kLinkJsonBegins = "{\n  \"schema\": \"sweepd.link/1\"";
+[[nodiscard]] std::string link_json_begins();
 
 /// The report on a link, schema sweepd.link/1. Units stand in the names; `at_s` is the time since
 /// the first telegram. "replies" and "latency" are absent where no reply was seen, "cycle_ms" and

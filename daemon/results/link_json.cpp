@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "daemon/report/report_folder.hpp"
 #include "daemon/results/link_files.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
@@ -102,9 +103,13 @@ nanoseconds next_limit(nanoseconds limit, int index) {
 
 }  // namespace
 
+std::string link_json_begins() {
+  return std::string("{\n  \"schema\": \"") + kLinkSchema + '"';
+}
+
 std::string link_json(const rsi::Conversation& conversation, const LinkReport& report) {
   const rsi::Verdict verdict = rsi::verdict(report);
-  Json json = {{"schema", "sweepd.link/1"},
+  Json json = {{"schema", kLinkSchema},
                {"controller", rsi::address_text(conversation.controller)},
                {"server", rsi::text(conversation.sweepd)},
                {"start", utc_text(report.start)},

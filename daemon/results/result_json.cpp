@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/report/file_parts.hpp"
 #include "daemon/report/report_folder.hpp"
 #include "daemon/results/json_parts.hpp"
 #include "daemon/results/models.hpp"
@@ -186,15 +187,10 @@ void leave_out_not_finite(Json& json, const std::string& place, Json& places) {
   }
 }
 
-/// A name may come from a file's, in any bytes.
-std::string dumped(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
 /// JSON as a person reads it: short lists and objects of plain values on one line.
 void print(const Json& json, const std::string& indent, std::string& out) {
   if (!json.is_structured() || json.empty()) {
-    out += dumped(json);
+    out += json_line(json);
     return;
   }
   constexpr std::size_t kShort = 8;
@@ -210,7 +206,7 @@ void print(const Json& json, const std::string& indent, std::string& out) {
   for (const auto& [key, value] : json.items()) {
     out += separator;
     if (!one_line) out += "\n" + inner;
-    if (json.is_object()) out += dumped(Json(key)) + ": ";
+    if (json.is_object()) out += json_line(Json(key)) + ": ";
     print(value, inner, out);
     separator = one_line ? ", " : ",";
   }

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "daemon/report/file_parts.hpp"
+#include "daemon/report/report_folder.hpp"
 #include "daemon/system/atomic_file.hpp"
 #include "daemon/text/file_names.hpp"
 #include "rsi/file_bytes.hpp"
@@ -13,28 +15,21 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json json(const RecordCount& count) {
-  return {{"datagrams", count.datagrams}, {"samples", count.samples}};
-}
-
 Json json(const Recording::Counts& counts) {
   Json recording = {
       {"files", counts.files},
       {"bytes", counts.bytes},
       {"datagrams", counts.recorded.datagrams},
       {"samples", counts.recorded.samples},
-      {"not_recorded", {{"memory_full", json(counts.memory_full)}, {"disk", json(counts.disk)}}},
+      {"not_recorded",
+       {{"memory_full", records_json(counts.memory_full)}, {"disk", records_json(counts.disk)}}},
       {"paused", counts.pauses}};
   if (counts.folders_deleted > 0) {
     recording["folders_deleted"] = counts.folders_deleted;
-    recording["deleted"] = json(counts.deleted);
+    recording["deleted"] = records_json(counts.deleted);
   }
   if (counts.files_deleted > 0) recording["files_deleted"] = counts.files_deleted;
   return recording;
-}
-
-std::string text(const Json& run) {
-  return run.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 Json json(const std::vector<FileHash>& inputs) {
@@ -55,10 +50,14 @@ Json run_in(const std::filesystem::path& folder) {
 }
 
 Json begun(std::string_view command) {
-  return {{"schema", "sweepd.run/1"}, {"sweepd", SWEEPD_VERSION}, {"command", command}};
+  return {{"schema", kRunSchema}, {"sweepd", SWEEPD_VERSION}, {"command", command}};
 }
 
 }  // namespace
+
+Json records_json(const RecordCount& count) {
+  return {{"datagrams", count.datagrams}, {"samples", count.samples}};
+}
 
 std::string run_json(const RunFacts& facts) {
   const bool watched = !facts.watched_on.empty();
@@ -88,7 +87,7 @@ std::string run_json(const RunFacts& facts) {
                                   {"overflows", facts.link.overflows}};
   if (facts.recording) run["recording"] = json(*facts.recording);
   if (facts.ended.empty()) run[kRecordingPaused] = false;
-  return text(run);
+  return json_text(run);
 }
 
 std::string run_json(std::string_view command, const Json& given,
@@ -98,7 +97,7 @@ std::string run_json(std::string_view command, const Json& given,
   run.update(given);
   if (!arguments.empty()) run["arguments"] = arguments;
   if (!inputs.empty()) run["inputs"] = json(inputs);
-  return text(run);
+  return json_text(run);
 }
 
 std::string run_json_of_cut_session(const std::filesystem::path& folder, const CutSession& cut) {
@@ -116,7 +115,7 @@ std::string run_json_of_cut_session(const std::filesystem::path& folder, const C
     run["recovered"] = {{"sweepd", SWEEPD_VERSION}, {"inputs", json(*cut.made_of)}};
   }
   if (!cut.damage.empty()) run["damage"] = cut.damage;
-  return text(run);
+  return json_text(run);
 }
 
 void mark_recording_paused(const std::filesystem::path& folder) {
@@ -141,7 +140,7 @@ void mark_recording_deleted(const std::filesystem::path& folder) {
   if (!run.is_object()) return;
   run[kRecordingDeleted] = true;
   try {
-    write_atomically(folder / file_names::kRun, text(run));
+    write_atomically(folder / file_names::kRun, json_text(run));
   } catch (const std::exception&) {  // what refuses it refuses the recording too, which says so
   }
 }

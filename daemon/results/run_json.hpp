@@ -29,6 +29,9 @@ struct RunFacts {
   std::optional<Recording::Counts> recording;  ///< once it ended
 };
 
+/// As all that sweepd tells of recordings has it.
+[[nodiscard]] nlohmann::ordered_json records_json(const RecordCount& count);
+
 [[nodiscard]] std::string run_json(const RunFacts& facts);
 
 /// The same of a command that ends with its result: what it was given, how it was called (without

@@ -162,7 +162,7 @@ std::optional<double> gear_of(const Json& angles, const Json& joint,
     const double linear = number_of(angles, name + "_mm");
     const double value = std::isfinite(linear)
                              ? linear / identify::kLinear_mm
-                             : radians(number_of(angles, name + "_arcsec") / 3600);
+                             : identify::kArcsec * number_of(angles, name + "_arcsec");
     return std::isfinite(value) ? value * value : 0;
   };
   const double chance = 6 * samples_per_independent / samples * square("expected_rms");

@@ -20,15 +20,14 @@ struct Kind {
   const char* one;
   const char* many;
   const char* were;  ///< what they were, and what to do
+  const char* more = "";
 };
 
 constexpr Kind kKindsOfTrouble[] = {
     {&Counts::refused, "reply", "replies",
      "not sent, being no zero correction: stop the robot, this is a fault of sweepd; report it "
      "with the Ethernet file"},
-    {&Counts::not_begun, "telegram", "telegrams",
-     "not answered: the stream had begun before sweepd listened, perhaps with another server, and "
-     "a zero from here might move the robot: switch RSI off, and on again after a second or more"},
+    {&Counts::not_begun, "telegram", "telegrams", "not answered: ", rsi::kBegunBefore},
     {&Counts::send_failures, "reply", "replies",
      "refused by the system: see `ip -s link` and the firewall of this machine"},
     {&Counts::dropped, "telegram", "telegrams",
@@ -110,7 +109,7 @@ std::vector<std::string> LinkComplaints::about(const Counts& counts,
     auto& said = said_[i];
     if (count == said.count || now < said.again) continue;
     complaints.push_back(rsi::counted(count - said.count, kind.one, kind.many) +
-                         (count - said.count == 1 ? " was " : " were ") + kind.were);
+                         (count - said.count == 1 ? " was " : " were ") + kind.were + kind.more);
     said = {count, now + std::chrono::minutes(1)};
   }
   return complaints;

@@ -41,9 +41,7 @@ std::unique_ptr<rsi::Server> make_server(const RobotSettings& settings) {
   if (!settings.ethernet_config) {
     options.reply.emplace("ImFree");
     auto server = std::make_unique<rsi::UdpServer>(std::move(options));
-    log.warning(
-        "no ethernet_config: replies carry Type ImFree and the IPOC alone; name the file that lies "
-        "on the controller");
+    log.warning("no ethernet_config: {}", kWithoutEthernetConfig);
     return server;
   }
   const auto config = rsi::EthernetConfig::load(*settings.ethernet_config);

@@ -39,7 +39,8 @@ std::vector<std::string> holes_in(const std::vector<fs::path>& traces) {
   unsigned next = 1;
   for (const auto& trace : traces) {
     const auto name = trace.filename().string();
-    const auto part = sweepd::part_of(name, "trace", ".pcap").value_or(next);
+    const auto part =
+        sweepd::part_of(name, file_names::kTraceStem, file_names::kTraceEnding).value_or(next);
     if (part != next)
       holes.push_back("files of the recording before " + name +
                       " are not there, perhaps deleted as keep_bytes and keep_days say: the result "
@@ -208,7 +209,8 @@ void end_without_trace(const fs::path& folder) {
   fs::file_time_type newest = fs::file_time_type::min();
   for (const auto& entry : fs::directory_iterator(folder)) {
     const auto name = entry.path().filename().string();
-    if (name == file_names::kRun || name == file_names::kResult || part_of(name, "samples", ".csv"))
+    if (name == file_names::kRun || name == file_names::kResult ||
+        part_of(name, file_names::kSamplesStem, file_names::kSamplesEnding))
       newest = std::max(newest, entry.last_write_time());
   }
   const auto ended = std::chrono::file_clock::to_sys(newest).time_since_epoch();

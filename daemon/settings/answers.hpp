@@ -19,6 +19,10 @@ namespace sweepd {
 [[nodiscard]] std::vector<std::string> objections_to_answers(const RobotSettings& robot,
                                                              const rsi::EthernetConfig& config);
 
+/// What it means that the settings name no Ethernet file.
+inline constexpr const char* kWithoutEthernetConfig =
+    "replies carry Type ImFree and the IPOC alone; name the file that lies on the controller";
+
 /// Replies that are larger than a frame of the network.
 [[nodiscard]] std::vector<std::string> warnings_of_answers(const rsi::EthernetConfig& config);
 

@@ -26,6 +26,10 @@ inline constexpr const char* kCurrents = "currents.csv";
 inline constexpr const char* kLink = "link.json";
 inline constexpr const char* kLinkText = "link.txt";
 inline constexpr const char* kLastCycles = "last_cycles.csv";
+inline constexpr const char* kSamples = "samples.csv";
+/// Of recordings, which go on in numbered files: see part_name() in recording_files.hpp.
+inline constexpr std::string_view kTraceStem = "trace", kTraceEnding = ".pcap";
+inline constexpr std::string_view kSamplesStem = "samples", kSamplesEnding = ".csv";
 
 }  // namespace file_names
 }  // namespace sweepd

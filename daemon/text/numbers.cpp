@@ -91,6 +91,18 @@ int decimals_for(double uncertainty, int fewest, int most) {
       std::clamp(1 - std::floor(std::log10(uncertainty)), double(fewest), double(most)));
 }
 
+std::string chance_text(double chance) {
+  return chance < kLeastChance ? "<" + fixed(kLeastChance, 4) : fixed(chance, 4);
+}
+
+std::string share_text(double chance) {
+  const auto percent = [](double share, int decimals) {
+    return fixed(100 * share, decimals) + " %";
+  };
+  if (chance < kLeastChance) return "less than " + percent(kLeastChance, 2);
+  return percent(chance, chance < 0.001 ? 2 : chance < 0.1 ? 1 : 0);
+}
+
 std::string fixed(double value, int decimals) {
   std::string text;
   append_fixed(text, value, decimals);

@@ -32,6 +32,9 @@ double share(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
+constexpr const char* kBusySender =
+    "see what keeps the sender busy, which runs on the same machine";
+
 /// "1 reply (0.01 %)", "12 replies (0.18 %)".
 std::string counted_of(std::uint64_t count, std::uint64_t whole, const char* one,
                        const char* many) {
@@ -82,9 +85,7 @@ class Judge {
     if (count == 0) return;
     add(Grade::bad, "not_begun",
         counted_of(count, cycles_, "telegram", "telegrams") +
-            " got no answer on purpose: this stream had begun before sweepd listened, perhaps "
-            "with another server, and zeros might have moved the robot: switch RSI off, and on "
-            "again after a second or more");
+            " got no answer on purpose: " + kBegunBefore);
   }
 
   void controllers_delay() {
@@ -105,11 +106,11 @@ class Judge {
           "this capture has no replies, so record both directions to see whether the server or "
           "the network is slow";
     else if (here == 0 && link.lost == 0)
-      message += report_.same_machine
-                     ? "all were answered within a cycle of their coming, so see what keeps the "
-                       "sender busy, which runs on the same machine"
-                     : "all were answered within a cycle of their coming here, so the time went on "
-                       "the way from or to the controller: cable, switch, other load on its port";
+      message +=
+          report_.same_machine
+              ? std::string("all were answered within a cycle of their coming, so ") + kBusySender
+              : "all were answered within a cycle of their coming here, so the time went on "
+                "the way from or to the controller: cable, switch, other load on its port";
     else if (here >= late)
       message +=
           "the server did not answer these in time; link.txt and `sweepd inspect` list its slowest "
@@ -118,7 +119,7 @@ class Judge {
       message +=
           rsi::counted(here, "telegram was", "telegrams were") + " not answered in time here and " +
           std::to_string(link.lost) + " never came; for the rest " +
-          (report_.same_machine ? "see what keeps the sender busy, which runs on the same machine"
+          (report_.same_machine ? kBusySender
                                 : "look at the way from and to the controller: cable, switch");
     add(grade(late, longest), "late_at_controller", std::move(message));
   }
@@ -145,7 +146,7 @@ class Judge {
     else
       message += std::string("they came together with later ones, which were answered at once: ") +
                  (report_.same_machine
-                      ? "see what keeps the sender busy, which runs on the same machine"
+                      ? kBusySender
                       : "see what holds telegrams up at the controller or on the way from it");
     add(grade(count, worst.amount), "not_answered_in_time", std::move(message));
   }

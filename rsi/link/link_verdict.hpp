@@ -54,6 +54,12 @@ struct VerdictLimits {
 
 [[nodiscard]] Verdict verdict(const LinkReport& report);
 
+/// Why a telegram is not answered on purpose, and what to do.
+inline constexpr const char* kBegunBefore =
+    "the stream had begun before sweepd listened, perhaps with another server, and zeros might "
+    "move "
+    "the robot: switch RSI off, and on again after a second or more";
+
 /// What is wrong where two controllers streamed at once, and what to do; empty where they did not.
 [[nodiscard]] std::string text_of_two_senders(const LinkCounts& link);
 
