@@ -42,9 +42,6 @@ class FaultyWire {
     std::uint64_t cut = 0;
     std::uint64_t garbage = 0;
     std::uint64_t foreign = 0;
-    /// Of those lost and cut, the ones after the last whole telegram of a run: no gap shows that
-    /// they are missing.
-    std::uint64_t missing_at_end = 0;
   };
 
   /// Throws std::invalid_argument unless the rates are probabilities whose sum is at most 1.
@@ -66,7 +63,6 @@ class FaultyWire {
   Rates rates_;
   std::mt19937_64 random_;
   Counts counts_;
-  std::uint64_t missing_ = 0;  // lost or cut since the last whole telegram
   std::string held_;
   bool holding_ = false;
   bool first_ = true;

@@ -88,7 +88,6 @@ class SimulatedController {
   void restart(std::uint64_t first_ipoc);
 
   [[nodiscard]] bool stopped() const { return unanswered_ >= timeout_; }
-  [[nodiscard]] bool expects_reply() const { return awaiting_; }
   [[nodiscard]] std::uint64_t ipoc() const { return ipoc_; }
   [[nodiscard]] const Counts& counts() const { return counts_; }
   /// From a telegram to the reply that was accepted.

@@ -22,7 +22,6 @@ class LastCycles {
   /// missing or later than a cycle, the controller reports Delay, or telegrams were malformed or
   /// lost. Of several reasons the one that most likely stopped the robot. Empty if it ended well.
   [[nodiscard]] std::string reason() const;
-  [[nodiscard]] bool ended_badly() const { return !reason().empty(); }
 
   /// A row a cycle, the oldest first. Times in seconds since the Unix epoch (UTC) with nine
   /// decimals; what is not known is empty. The events:

@@ -19,7 +19,7 @@ struct Flight {
   [[nodiscard]] LastCycles last() const { return {link, expects_replies}; }
   [[nodiscard]] std::string csv() const { return last().csv(); }
   [[nodiscard]] std::string reason() const { return last().reason(); }
-  [[nodiscard]] bool ended_badly() const { return last().ended_badly(); }
+  [[nodiscard]] bool ended_badly() const { return !reason().empty(); }
 
   bool expects_replies;
   rsi::Link link;
