@@ -194,8 +194,8 @@ void judge_machine(const Machine& machine, const RobotSettings& robot,
   judge_disk(machine, robot, findings);
   if (machine.root)
     findings.line("note",
-                  "root may do all this: sudo -u sweepd sweepd check sees it as the service "
-                  "does");
+                  "root may do all this, which proves nothing for the service: run `sudo -u sweepd "
+                  "sweepd check`");
 }
 
 }  // namespace sweepd

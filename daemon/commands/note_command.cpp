@@ -23,6 +23,8 @@ void print_notes(const std::filesystem::path& folder, std::ostream& out) {
   std::ostringstream bytes;
   if (stream) bytes << stream.rdbuf();
   const CampaignNotes found = parse_notes(std::move(bytes).str());
+  if (found.notes.empty() && found.broken_lines.empty())
+    out << "no notes in " << folder.string() << '\n';
   for (const CampaignNote& one : found.notes) {
     out << utc_text(one.time).substr(0, 16) << 'Z';
     if (one.measured) out << "  measured then";
@@ -62,7 +64,7 @@ int note(const NoteOptions& options, std::ostream& out) {
   if (options.at) one.time = date_option("--at", *options.at);
   if (options.measured) one.time = date_option("--measured", *options.measured);
   append_note(options.folder, one);
-  out << (options.folder / kNotesFile).string() << '\n';
+  out << "noted in " << (options.folder / kNotesFile).string() << '\n';
   return 0;
 }
 
@@ -90,7 +92,7 @@ CLI::App* add_note(CLI::App& app, NoteOptions& options) {
       ->default_str("now");
   command
       ->add_option("--measured", options.measured,
-                   "The campaign was measured then, where its files do not tell")
+                   "Give the time of measurement (UTC), where the files do not hold it")
       ->type_name("DATE");
   command->footer(exit_status({kOk, kError, kWrongUsage}));
   return command;

@@ -30,9 +30,11 @@ int become(const std::vector<std::string>& arguments) {
   for (auto& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   ::execv(path.c_str(), pointers.data());
-  throw std::runtime_error("cannot start " + path.string() + " (" +
-                           std::generic_category().message(errno) +
-                           "), which speaks with brokers and databases: install sweepd whole");
+  const int reason = errno;
+  throw std::runtime_error(
+      (reason == ENOENT ? "sweepd-plant is missing: " : "") +
+      ("cannot start " + path.string() + " (" + std::generic_category().message(reason) +
+       "), which speaks with brokers and databases: install the whole package"));
 }
 
 }  // namespace

@@ -146,7 +146,7 @@ CLI::App* add_watch(CLI::App& app, WatchOptions& options) {
       ->type_name("NAME");
   command
       ->add_option("--port", options.port,
-                   "Watch the RSI server on this port, of the settings the robots with it")
+                   "Watch this port. With --config, only the robots that listen on it")
       ->check(whole_number(1, 65535))
       ->default_str("the robots of the settings, or where RSI goes to");
   command

@@ -18,16 +18,26 @@ using identify::Cause;
 using identify::ChainEstimate;
 using identify::Identification;
 
+/// With three digits: "0.213 µm", "14.2 µm", "583 µm", "1.27 mm".
+std::string in_three_digits(double mm) {
+  const double um = 1000 * mm;
+  if (um >= 1000) return fixed(mm, um < 10'000 ? 2 : 1) + " mm";
+  return fixed(um, um < 1 ? 3 : um < 10 ? 2 : um < 100 ? 1 : 0) + " µm";
+}
+
 std::string fit_text(const ChainEstimate& estimate) {
   const auto& summary = estimate.summary;
+  const std::string correlated = fixed(estimate.samples_per_independent, 1);
   return paragraph(
       "fit         ",
       rsi::counted(estimate.samples, "sample") + ", " + rsi::counted(estimate.outliers, "outlier") +
-          ", position noise " + fixed(1000 * estimate.noise.position_mm, 3) + " um, " +
-          fixed(estimate.samples_per_independent, 1) +
-          " samples tell as much as one independent sample, orientations " +
-          (estimate.with_orientation ? "used" : "not used") + "; " + std::string(summary.ending) +
-          ", after " + rsi::counted(static_cast<std::uint64_t>(summary.iterations), "iteration"));
+          ", position noise " + in_three_digits(estimate.noise.position_mm) +
+          (correlated == "1.0" ? ""
+                               : ", correlated: " + correlated +
+                                     " samples tell as much as one independent sample") +
+          ", orientations " + (estimate.with_orientation ? "used" : "not used") + "; " +
+          std::string(summary.ending) + ", after " +
+          rsi::counted(static_cast<std::uint64_t>(summary.iterations), "iteration"));
 }
 
 /// Joints that share a reason, with it.
@@ -115,7 +125,7 @@ std::string chain_text(const ChainEstimate& estimate) {
   const bool any_linear =
       std::any_of(axes.begin(), axes.end(), [](const auto& axis) { return axis.linear; });
   text += "\nAngles: the controller's minus those at which the target was seen, in arcsec" +
-          std::string(any_linear ? ",\nof linear joints in um" : "") + "\n\n" + left("joint", 8) +
+          std::string(any_linear ? ",\nof linear joints in µm" : "") + "\n\n" + left("joint", 8) +
           left("angles", 9) + right("error rms", 12) + right("beside curve", 14) +
           right("expected", 12) + right("backlash", 12) + "\n";
   for (std::size_t j = 0; j < angles.size(); ++j) {

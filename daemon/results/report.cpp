@@ -60,7 +60,7 @@ std::string clocks_text(const JoinedClocks& joined) {
   std::string text = paragraph(
       "clocks      ",
       fmt::format("at {:.1f} s of the trace the device's shows {:.6f} s (+- {:.6f}) beyond the "
-                  "controller's, and gains {:.2f} us every second (+- {:.2f}), as {} show: at the "
+                  "controller's, and gains {:.2f} µs every second (+- {:.2f}), as {} show: at the "
                   "fastest sweep, {:.0f} mm/s, the uncertainty is {:.3f} mm along the way",
                   clock.at_s, clock.ahead_s, clock.sigma_s, 1e6 * clock.rate,
                   1e6 * clock.rate_sigma, counted(clock.matched, "motion"), joined.fastest_mm_s,
@@ -69,7 +69,7 @@ std::string clocks_text(const JoinedClocks& joined) {
     text += paragraph(
         "            ",
         fmt::format("{:.1f} s of motion of several joints at once are left out: at 300 mm/s the "
-                    "clocks would have to be known to 67 us for 0.02 mm; rests between are used",
+                    "clocks would have to be known to 67 µs for 0.02 mm; rests between are used",
                     joined.left_out_s));
   return text;
 }
@@ -85,7 +85,7 @@ std::string source_text(const Outcome& outcome) {
   std::string telegrams = std::to_string(link.telegrams);
   if (counts.cycle) telegrams += ", one every " + cycle_text(*counts.cycle);
   std::string late = link.late_replies
-                         ? fmt::format("late by the controller's count {}", *link.late_replies)
+                         ? fmt::format("late at controller {}", *link.late_replies)
                          : "how many were late is not known: the telegrams carry no Delay";
   if (link.late_runs > 0)
     late +=
@@ -121,8 +121,8 @@ std::string home_text(const Identification& found) {
 /// What the joints that turn, or those that are linear, swept.
 std::string swept(const Identification& found, bool linear) {
   std::string text =
-      linear ? "joint  sweeps  used  samples   way mm  across um    bend um   axis deg\n"
-             : "joint  sweeps  used  samples  arc deg  radius mm  plane um  radial um   axis deg\n";
+      linear ? "joint  sweeps  used  samples   way mm  across µm    bend µm   axis deg\n"
+             : "joint  sweeps  used  samples  arc deg  radius mm  plane µm  radial µm   axis deg\n";
   for (std::size_t j = 0; j < found.joints.size(); ++j) {
     const auto& joint = found.joints[j];
     if (joint.linear != linear) continue;
@@ -188,7 +188,7 @@ std::string delay_text(const identify::Delay& delay) {
                      " ms " + (delay.late_s < 0 ? "early" : "late") + " (+- " +
                      fixed(1e3 * delay.sigma_s, 3) + ") against the positions";
   if (delay.rate != 0)
-    text += ", which grows by " + fixed(1e6 * delay.rate, 2) + " us every second";
+    text += ", which grows by " + fixed(1e6 * delay.rate, 2) + " µs every second";
   return text + ": they were shifted by it";
 }
 

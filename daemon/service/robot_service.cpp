@@ -196,8 +196,9 @@ void RobotService::take(const rsi::Datagram& datagram, rsi::Handling handling) {
     // A stream begins with what can be answered; stray datagrams are no session.
     if (sent) return;
     if (rsi::find_ipoc(datagram.payload).empty())
-      return log_.warning("{} sends what has no IPOC and cannot be answered: see whether it is RSI",
-                          rsi::address_text(peer));
+      return log_.warning(
+          "{} sends packets without an IPOC, which cannot be answered: check what it is",
+          rsi::address_text(peer));
     begin_session(datagram);
   }
   const bool left = !sent || !datagram.payload.empty();

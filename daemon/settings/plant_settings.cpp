@@ -21,8 +21,9 @@ Options options_of(BrokerSettings& broker) {
                      "certificates that the broker's must come from; left out, the system's"}),
       after_restart({"certificate_file", &broker.certificate_file,
                      "the certificate that the broker asks for"}),
-      after_restart({"key_file", &broker.key_file,
-                     "its private key; left out, the credential mqtt-key of the unit"}),
+      after_restart(
+          {"key_file", &broker.key_file,
+           "the private key of `certificate_file`; left out, the credential mqtt-key of the unit"}),
   };
 }
 

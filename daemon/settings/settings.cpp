@@ -59,7 +59,7 @@ Options options_of(RobotSettings& robot) {
           {"realtime", &robot.real_time.wish,
            "locked memory and SCHED_FIFO for the reply thread: required, tried, or left alone"}),
       after_restart({"realtime_priority", &robot.real_time.priority,
-                     "of the reply thread under SCHED_FIFO", 1, 98}),
+                     "priority of the reply thread under SCHED_FIFO", 1, 98}),
       after_restart(
           {"cpus", &robot.real_time.cpus,
            "the reply thread runs on these processors only, and all others keep off; left out: any",
@@ -73,7 +73,8 @@ Options options_of(RecordingSettings& recording) {
        1 << 30},
       {"rotate_bytes", &recording.rotate_bytes,
        "a trace that has grown to this goes on in a new file", 1 << 20, kTebibyte},
-      {"rotate_s", &recording.rotate, "and so does one that is as old as this", 60, 31'536'000},
+      {"rotate_s", &recording.rotate, "a trace older than this many seconds goes on in a new file",
+       60, 31'536'000},
       {"keep_free_bytes", &recording.keep_free_bytes,
        "while the disk has less room than this, nothing is recorded", 0, kTebibyte},
       {"keep_bytes", &recording.keep_bytes,

@@ -164,7 +164,9 @@ class Judge {
       message += std::string(": the sender left them out, or the ") + kBuffer +
                  " was full: see what keeps this machine busy, since both run on it";
     else if (gap >= kLongGap)
-      message += ": the cable was out, or this machine was suspended or recorded nothing";
+      message +=
+          ": the cable was out, or this machine was suspended or recorded nothing: check the "
+          "cable, and the power settings of this machine";
     else
       message += std::string(": check cable, connectors and switch, and this machine's ") +
                  kBuffer + "; a simulator may have left them out";

@@ -142,8 +142,10 @@ TEST_CASE("dates that are none are refused", "[history_command]") {
 TEST_CASE("notes are written, and printed where there is nothing to write", "[note_command]") {
   RobotFolder folder;
   const fs::path campaign = folder.robot() / "2024-01-01";
+  folder.note({campaign, {}, {}, {}, {}});
+  CHECK(folder.text == "no notes in " + campaign.string() + "\n");
   folder.note({campaign, {"new", "belt"}, "service", "2024-01-02T10:30", {}});
-  CHECK_THAT(folder.text, ContainsSubstring("notes.jsonl"));
+  CHECK(folder.text == "noted in " + (campaign / "notes.jsonl").string() + "\n");
   folder.note({campaign, {}, {}, {}, "2023-12-31"});
   folder.note({campaign, {}, "", {}, {}});
   folder.note({campaign, {}, {}, {}, {}});

@@ -129,7 +129,7 @@ TEST_CASE("the report and the tables of a SCARA have its linear joint's lengths"
   CHECK_THAT(text, ContainsSubstring("A2 60.000 deg, A3 100.000 mm, A4 -30.000 deg"));
   CHECK_THAT(text, ContainsSubstring("joint  sweeps  used  samples   way mm"));
   CHECK_THAT(text, ContainsSubstring("joint 3: b changes, theta stays"));
-  CHECK_THAT(text, ContainsSubstring("of linear joints in um"));
+  CHECK_THAT(text, ContainsSubstring("of linear joints in µm"));
   const std::string dh = dh_csv(outcome);
   CHECK_THAT(dh, ContainsSubstring(",b_mm\n"));
   const std::string sweeps = sweeps_csv(outcome);

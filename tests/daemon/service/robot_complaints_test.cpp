@@ -93,6 +93,6 @@ TEST_CASE("a controller that sends no IPOC is told of, as nothing else shows it"
   REQUIRE(eventually([&] { return service.status()->state.newest()->server.unanswerable == 1; }));
   service.stop();
   spdlog::set_level(spdlog::level::off);
-  CHECK_THAT(said.text(),
-             ContainsSubstring("127.0.0.1 sends what has no IPOC and cannot be answered"));
+  CHECK_THAT(said.text(), ContainsSubstring(
+                              "127.0.0.1 sends packets without an IPOC, which cannot be answered"));
 }
