@@ -24,20 +24,6 @@ constexpr std::array<std::string_view, 3> kRealTime{"require", "try",
                                                     "off"};  // in RealTime's order
 constexpr std::string_view kOff = "off";
 
-/// The first types of Field.
-constexpr std::size_t kRequired = 7;
-static_assert(
-    std::is_same_v<std::variant_alternative_t<kRequired, Field>, std::optional<std::string>*>);
-
-/// A path or words that have a default may be left out.
-bool required(const Field& field) {
-  const auto* const path = std::get_if<fs::path*>(&field);
-  const auto* const words = std::get_if<Words*>(&field);
-  const bool has_default =
-      (path != nullptr && !(*path)->empty()) || (words != nullptr && !(*words)->text.empty());
-  return field.index() < kRequired && !has_default;
-}
-
 constexpr std::size_t kMostHosts = 32;
 
 std::string a_signal_each() {
@@ -286,8 +272,7 @@ void read_options(const TomlTable& table, const Options& options,
     mistakes.of([&] {
       if (table.has(option.key))
         std::visit(Reader{table, option, folder}, option.field);
-      else if (required(option.field) &&
-               std::find(meant.begin(), meant.end(), option.key) == meant.end())
+      else if (option.required && std::find(meant.begin(), meant.end(), option.key) == meant.end())
         table.fail(option.key, "missing: add it (" + std::string(option.help) + ")");
     });
   mistakes.tell();
@@ -299,13 +284,18 @@ std::vector<OptionText> option_texts(const Options& options, const std::string& 
     OptionText text{prefix + std::string(option.key),
                     "",
                     "",
-                    required(option.field),
+                    option.required,
                     std::string(option.help),
                     option.takes_effect};
     std::visit(Describer{option, text}, option.field);
     texts.push_back(std::move(text));
   }
   return texts;
+}
+
+Option required(Option option) {
+  option.required = true;
+  return option;
 }
 
 Option at_once(Option option) {

@@ -17,15 +17,13 @@
 
 namespace sweepd {
 
-/// Where an option's value goes. Its type says how it is written and whether it may be left out.
-using Field =
-    std::variant<std::string*, std::filesystem::path*, rsi::Endpoint*, TextPort*, ColumnList*,
-                 BrokerAddress*, Words*,  // required
-                 std::optional<std::string>*, std::optional<std::filesystem::path>*,
-                 std::optional<std::uint32_t>*, std::optional<rsi::Endpoint>*, bool*,
-                 std::chrono::milliseconds*, std::chrono::seconds*, std::chrono::days*,
-                 std::size_t*, int*, std::vector<int>*, RealTime*, std::array<std::string, 3>*,
-                 std::vector<std::string>*, HostNames*, TagNames*>;
+/// Where an option's value goes. Its type says how it is written.
+using Field = std::variant<
+    std::string*, std::filesystem::path*, rsi::Endpoint*, TextPort*, ColumnList*, BrokerAddress*,
+    Words*, std::optional<std::string>*, std::optional<std::filesystem::path>*,
+    std::optional<std::uint32_t>*, std::optional<rsi::Endpoint>*, bool*, std::chrono::milliseconds*,
+    std::chrono::seconds*, std::chrono::days*, std::size_t*, int*, std::vector<int>*, RealTime*,
+    std::array<std::string, 3>*, std::vector<std::string>*, HostNames*, TagNames*>;
 
 /// A key of the settings file.
 struct Option {
@@ -35,9 +33,11 @@ struct Option {
   std::int64_t least = 0;  ///< of a whole number
   std::int64_t most = 0;
   TakesEffect takes_effect = TakesEffect::next_session;
+  bool required = false;  ///< may not be left out
 };
 using Options = std::vector<Option>;
 
+[[nodiscard]] Option required(Option option);
 [[nodiscard]] Option at_once(Option option);
 [[nodiscard]] Option after_restart(Option option);
 

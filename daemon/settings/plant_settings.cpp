@@ -13,7 +13,7 @@ constexpr std::string_view kCollect = "collect";
 
 Options options_of(BrokerSettings& broker) {
   return {
-      after_restart({"broker", &broker.address, "the MQTT broker; mqtts:// is with TLS"}),
+      required(after_restart({"broker", &broker.address, "the MQTT broker; mqtts:// is with TLS"})),
       after_restart({"user", &broker.user, "the name that the broker asks for"}),
       after_restart({"password_file", &broker.password_file,
                      "holds the password; left out, the credential mqtt-password of the unit"}),
@@ -31,8 +31,9 @@ Options options_of(PublishSettings& publish) {
   Options options = options_of(publish.broker);
   options.insert(
       options.begin() + 1,
-      {after_restart({"site", &publish.site, "the plant, the second part of all topics"}),
-       after_restart({"cell", &publish.cell, "the cell or hall of this machine, the third part"})});
+      {required(after_restart({"site", &publish.site, "the plant, the second part of all topics"})),
+       required(after_restart(
+           {"cell", &publish.cell, "the cell or hall of this machine, the third part"}))});
   options.push_back(after_restart(
       {"spool", &publish.spool, "folder of what is on its way, and of what has arrived"}));
   return options;
@@ -40,9 +41,10 @@ Options options_of(PublishSettings& publish) {
 
 Options options_of(CollectSettings& collect) {
   Options options = options_of(collect.broker);
-  options.insert(options.begin() + 1,
-                 after_restart({"database", &collect.database,
-                                "PostgreSQL's connection string: host=, dbname=, user=, …"}));
+  options.insert(
+      options.begin() + 1,
+      required(after_restart({"database", &collect.database,
+                              "PostgreSQL's connection string: host=, dbname=, user=, …"})));
   options.push_back(after_restart(
       {"client", &collect.client,
        "its name at the broker, unique there; of another name, what waits for this one is lost"}));

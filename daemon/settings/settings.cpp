@@ -31,12 +31,13 @@ void append(std::vector<T>& to, std::vector<T> from) {
 /// What the socket and the reply thread are made of needs a restart.
 Options options_of(RobotSettings& robot) {
   return {
-      {"name", &robot.name,
-       "names the robot in logs and the folder of its results: letters, digits, - _ ."},
-      {"description", &robot.description, "the robot: joints, limits, specified DH table"},
-      after_restart(
+      required({"name", &robot.name,
+                "names the robot in logs and the folder of its results: letters, digits, - _ ."}),
+      required(
+          {"description", &robot.description, "the robot: joints, limits, specified DH table"}),
+      required(after_restart(
           {"listen", &robot.listen,
-           "address and port of this machine that the controller sends to; 0.0.0.0 is any"}),
+           "address and port of this machine that the controller sends to; 0.0.0.0 is any"})),
       after_restart({"controller", &robot.controller,
                      "only this address is answered; left out: the first that streams"}),
       after_restart({"ethernet_config", &robot.ethernet_config,
@@ -45,8 +46,8 @@ Options options_of(RobotSettings& robot) {
           {"answers_with_zeros", &robot.answers_with_zeros,
            "tags of RECEIVE that can move the robot or switch something, and may all the same be "
            "answered with zeros"}),
-      {"output", &robot.output,
-       "folder under which recordings and results are kept, in OUTPUT/NAME/START"},
+      required({"output", &robot.output,
+                "folder under which recordings and results are kept, in OUTPUT/NAME/START"}),
       {"plan", &robot.plan,
        "the sweep program; its order of joints is needed where telegrams carry no angles"},
       {"record", &robot.record, "whether every datagram is kept in trace.pcap"},
@@ -98,10 +99,12 @@ Options options_of(SignalNames& signals) {
 
 Options options_of(DeviceSettings& device) {
   return {
-      after_restart({"listen", &device.listen,
-                     "address and port of this machine that the device sends its lines to"}),
-      after_restart({"columns", &device.columns,
-                     "what its lines hold, with commas between, as for identify --columns"}),
+      required(
+          after_restart({"listen", &device.listen,
+                         "address and port of this machine that the device sends its lines to"})),
+      required(
+          after_restart({"columns", &device.columns,
+                         "what its lines hold, with commas between, as for identify --columns"})),
   };
 }
 
