@@ -45,61 +45,71 @@ bool is_number(std::string_view field) {
   return printed_number(text).has_value();
 }
 
-}  // namespace
+struct QtmHeader {
+  std::size_t lines = 0;
+  Fields names;         ///< of the targets
+  bool bodies = false;  ///< in place of markers
 
-bool is_qtm_tsv(const DeviceText& text) {
-  static constexpr std::array<std::string_view, 3> kFirst{"FILE_VERSION", "NO_OF_FRAMES",
-                                                          "NO_OF_CAMERAS"};
-  const auto first = key_of(text.line(0));
-  return std::find(kFirst.begin(), kFirst.end(), first) != kFirst.end();
-}
+  [[nodiscard]] std::size_t each() const { return bodies ? kColumnsOfBody : kColumnsOfMarker; }
+  [[nodiscard]] std::size_t columns() const { return each() * names.size(); }
+};
 
-DeviceLayout qtm_layout(const DeviceText& text) {
-  DeviceLayout layout;
-  layout.separator = '\t';
-  std::size_t header = 0;
-  while (header < text.lines() && is_key(key_of(text.line(header)))) ++header;
-  const auto markers = header_values(text, header, "MARKER_NAMES");
-  const auto bodies = header_values(text, header, "BODY_NAMES");
+QtmHeader qtm_header(const DeviceText& text) {
+  QtmHeader header;
+  while (header.lines < text.lines() && is_key(key_of(text.line(header.lines)))) ++header.lines;
+  const auto markers = header_values(text, header.lines, "MARKER_NAMES");
+  const auto bodies = header_values(text, header.lines, "BODY_NAMES");
   const auto names = bodies ? bodies : markers;
   if (!names || names->empty())
-    text.fail(header > 0 ? header - 1 : 0,
+    text.fail(header.lines > 0 ? header.lines - 1 : 0,
               "expected MARKER_NAMES or BODY_NAMES in the header, found neither: the file is cut, "
               "or holds no 3D or 6D data: export it again");
-  std::size_t begin = header;
-  while (begin < text.lines() && text.is_passed_over(begin)) ++begin;
-  auto first = fields_of(text.line(begin), '\t');
-  bool has_row = false;  // that names the columns
-  if (begin < text.lines() && !is_number(first.front()) && !first.front().empty()) {
-    has_row = true;
-    layout.header = begin++;
-    while (begin < text.lines() && text.is_passed_over(begin)) ++begin;
-    first = fields_of(text.line(begin), '\t');
-  } else {
-    layout.header = header - 1;
+  header.names = *names;
+  header.bodies = bodies.has_value();
+  return header;
+}
+
+/// From `line` on, the first that is not passed over.
+std::size_t next_qtm_line(const DeviceText& text, std::size_t line) {
+  while (line < text.lines() && text.is_passed_over(line)) ++line;
+  return line;
+}
+
+/// Where the data begin, behind a row that names the columns where there is one, and how many
+/// columns they have. Returns how many of these come before the targets': frame and time.
+std::size_t set_qtm_rows(const DeviceText& text, const QtmHeader& header, DeviceLayout& layout) {
+  layout.begin = next_qtm_line(text, header.lines);
+  layout.end = text.lines();
+  auto first = fields_of(text.line(layout.begin), '\t');
+  layout.has_names =
+      layout.begin < text.lines() && !is_number(first.front()) && !first.front().empty();
+  layout.header = layout.has_names ? layout.begin : header.lines - 1;
+  if (layout.has_names) {
+    layout.begin = next_qtm_line(text, layout.begin + 1);
+    first = fields_of(text.line(layout.begin), '\t');
   }
-  if (begin >= text.lines())
+  if (layout.begin >= text.lines())
     text.fail(layout.header,
               "expected lines of data behind the header, found none: the file is cut, or nothing "
               "was measured: export it again");
   if (first.back().empty() && first.size() > 1) first.pop_back();  // a tab ends each line
-  const std::size_t each = bodies ? kColumnsOfBody : kColumnsOfMarker;
-  std::size_t extra = first.size() - std::min(first.size(), each * names->size());
+  std::size_t extra = first.size() - std::min(first.size(), header.columns());
   // A target that was not seen may be empty, the last one too.
   const auto heads = fields_of(text.line(layout.header), '\t');
-  if (has_row && heads.front() == "Frame") extra = heads.size() > 1 && heads[1] == "Time" ? 2 : 1;
-  layout.columns = extra + each * names->size();
+  if (layout.has_names && heads.front() == "Frame")
+    extra = heads.size() > 1 && heads[1] == "Time" ? 2 : 1;
+  layout.columns = extra + header.columns();
   if (extra > 2 || first.size() > layout.columns || (extra == 0 && first.size() < layout.columns))
-    text.fail(begin, fmt::format(
-                         "expected {} columns for each of {} names, perhaps with frame and time in "
-                         "front, found {}: the file is cut, or was changed: export it again",
-                         each, names->size(), first.size()));
-  layout.has_names = has_row;
-  layout.begin = begin;
-  layout.end = text.lines();
-  layout.zero_is_missing = true;
+    text.fail(layout.begin,
+              fmt::format("expected {} columns for each of {} names, perhaps with frame and time "
+                          "in front, found {}: the file is cut, or was changed: export it again",
+                          header.each(), header.names.size(), first.size()));
+  return extra;
+}
 
-  const auto frequency = header_values(text, header, "FREQUENCY");
+void set_qtm_times(const DeviceText& text, const QtmHeader& header, std::size_t extra,
+                   DeviceLayout& layout) {
+  const auto frequency = header_values(text, header.lines, "FREQUENCY");
   const auto rate = frequency && !frequency->empty() ? printed_number(frequency->front())
                                                      : std::optional<rsi::Decimal>();
   if (extra == 2) {
@@ -113,26 +123,49 @@ DeviceLayout qtm_layout(const DeviceText& text) {
         extra == 1 ? TimeColumns::Kind::number : TimeColumns::Kind::lines, {}, 1 / rate->value};
     if (extra == 1) layout.time.columns = {0};
   }
-  if (const auto frames = header_values(text, header, "NO_OF_FRAMES"); frames && !frames->empty())
-    if (const auto count = printed_number(frames->front());
-        count && count->value > 0 && count->value < 1e9)
-      layout.frames = static_cast<std::size_t>(count->value);
+}
 
-  WideTargets targets(text, header - 1);
-  for (std::size_t k = 0; k < names->size(); ++k) {
-    const std::size_t at = extra + each * k;
+void set_qtm_targets(const DeviceText& text, const QtmHeader& header, std::size_t extra,
+                     DeviceLayout& layout) {
+  WideTargets targets(text, header.lines - 1);
+  for (std::size_t k = 0; k < header.names.size(); ++k) {
+    const std::size_t at = extra + header.each() * k;
     WideTarget columns;
     for (std::size_t c = 0; c < 3; ++c) columns.add(std::string(1, "xyz"[c]), at + c);
     std::optional<RotationColumns> rotation;
-    if (bodies) {
+    if (header.bodies) {
       rotation = RotationColumns{RotationColumns::Kind::matrix, {}};
       for (std::size_t row = 0; row < 3; ++row)
         for (std::size_t column = 0; column < 3; ++column)
           rotation->columns.push_back(at + 7 + 3 * column + row);
     }
-    targets.add(std::string((*names)[k]), columns, rotation);
+    targets.add(std::string(header.names[k]), columns, rotation);
   }
   std::move(targets).into(layout);
+}
+
+}  // namespace
+
+bool is_qtm_tsv(const DeviceText& text) {
+  static constexpr std::array<std::string_view, 3> kFirst{"FILE_VERSION", "NO_OF_FRAMES",
+                                                          "NO_OF_CAMERAS"};
+  const auto first = key_of(text.line(0));
+  return std::find(kFirst.begin(), kFirst.end(), first) != kFirst.end();
+}
+
+DeviceLayout qtm_layout(const DeviceText& text) {
+  const QtmHeader header = qtm_header(text);
+  DeviceLayout layout;
+  layout.separator = '\t';
+  layout.zero_is_missing = true;
+  const std::size_t extra = set_qtm_rows(text, header, layout);
+  set_qtm_times(text, header, extra, layout);
+  if (const auto frames = header_values(text, header.lines, "NO_OF_FRAMES");
+      frames && !frames->empty())
+    if (const auto count = printed_number(frames->front());
+        count && count->value > 0 && count->value < 1e9)
+      layout.frames = static_cast<std::size_t>(count->value);
+  set_qtm_targets(text, header, extra, layout);
   return layout;
 }
 

@@ -133,6 +133,115 @@ MatrixXd average_fit(const History& history) {
   return sum / campaigns;  // the reference tells all, and is marked where any is
 }
 
+/// The campaigns that are of the reference's state, itself among them.
+void set_reference_state(History& history) {
+  const std::string& state = history.campaigns[history.reference].state;
+  for (std::size_t i = 0; i < history.campaigns.size(); ++i)
+    if (i == history.reference ||
+        (!state.empty() && history.campaigns[i].state == state && history.campaigns[i].tells_all()))
+      history.reference_state.push_back(i);
+}
+
+/// Compares the campaigns of a history with the mean of the reference's state, one by one in the
+/// order of time, and then dates what changed.
+class CampaignComparison {
+ public:
+  CampaignComparison(const Repeatability& repeatability, const MatrixXd& average,
+                     const HistoryOptions& options, History& history)
+      : repeatability_(repeatability),
+        average_(average),
+        options_(options),
+        history_(history),
+        members_(static_cast<double>(history.reference_state.size())),
+        mean_(VectorXd::Zero(history.sigma.size())),
+        usual_(repeatability.spread().covariance),
+        usual_weight_(usual_.inverse()),
+        test_(options.level) {
+    for (const std::size_t i : history.reference_state)
+      mean_ += history.campaigns[i].values / members_;
+  }
+
+  void compare(std::size_t at) {
+    ComparedCampaign& campaign = history_.campaigns[at];
+    const std::vector<Index> places = places_of(campaign.values);
+    MatrixXd worse = MatrixXd::Zero(average_.rows(), average_.cols());
+    if (!places.empty())
+      worse(places, places) =
+          worse_by(campaign.fit_covariance(places, places), average_(places, places));
+    const MatrixXd covariance = usual_ + worse;
+    campaign.sigma = campaign.fit_sigma = VectorXd::Constant(mean_.size(), kNothing);
+    campaign.sigma(places) =
+        (repeatability_.spread().widened() * covariance.diagonal()).cwiseSqrt()(places);
+    campaign.fit_sigma(places) = campaign.fit_covariance.diagonal().cwiseSqrt()(places);
+    if (places.empty()) return;
+    const bool member =
+        std::count(history_.reference_state.begin(), history_.reference_state.end(), at) > 0;
+    test(campaign, member, worse, covariance, places);
+    // Without what is compared with, nothing tells whether the first one since then is other, or
+    // those behind it are.
+    if (options_.since && campaign.record.time < *options_.since && !member) return;
+    MatrixXd weight = usual_weight_;
+    if (!worse.isZero(0) || places.size() < static_cast<std::size_t>(mean_.size())) {
+      weight.setZero();
+      weight(places, places) = MatrixXd(MatrixXd(covariance(places, places)).inverse());
+    }
+    series_.times.push_back(years(campaign.record.time));
+    series_.values.push_back(campaign.values);
+    series_.weights.push_back(std::move(weight));
+    places_in_time_.push_back(at);
+  }
+
+  void date_changes() {
+    series_.degrees = history_.degrees;
+    if (places_in_time_.size() <= 2) return;
+    for (DatedChange change : dated_changes(series_, options_.level)) {
+      for (std::size_t* at : {&change.at, &change.earliest, &change.latest})
+        *at = places_in_time_[*at];
+      history_.changes.push_back(change);
+    }
+  }
+
+  /// What a campaign with all numbers would have to show.
+  void set_limits() {
+    const auto count = static_cast<double>(mean_.size());
+    const double wider = test_.wider_by(count, history_.degrees);
+    history_.t_limit =
+        wider * quantile(complement(boost::math::chi_squared(count), options_.level));
+    const ChangeTest usual = test_change(VectorXd::Zero(mean_.size()),
+                                         wider * (1 + 1 / members_) * usual_, options_.level);
+    history_.smallest.resize(mean_.size());
+    for (Index k = 0; k < mean_.size(); ++k)
+      history_.smallest(k) = usual.numbers[static_cast<std::size_t>(k)].smallest;
+  }
+
+ private:
+  /// A member of the reference's state against the others of it, where there are any.
+  void test(ComparedCampaign& campaign, bool member, const MatrixXd& worse,
+            const MatrixXd& covariance, const std::vector<Index>& places) {
+    const VectorXd difference = campaign.values - mean_;
+    if (!member) {
+      test_.test(campaign, difference, covariance + usual_ / members_, history_.degrees, places);
+    } else if (members_ > 1) {
+      const double others = members_ / (members_ - 1);
+      const auto spread = repeatability_.without(difference, history_.reference_state.size());
+      test_.test(campaign, others * difference, spread.covariance * others + worse, spread.degrees,
+                 places);
+    }
+  }
+
+  const Repeatability& repeatability_;
+  const MatrixXd& average_;
+  const HistoryOptions& options_;
+  History& history_;
+  double members_;  // of the reference's state
+  VectorXd mean_;   // of theirs
+  const MatrixXd& usual_;
+  MatrixXd usual_weight_;
+  CampaignTest test_;
+  NumberSeries series_;
+  std::vector<std::size_t> places_in_time_;  // in the history, of those in the series
+};
+
 }  // namespace
 
 void compare_campaigns(std::vector<CampaignRecord> records, const std::vector<std::string>& states,
@@ -143,79 +252,16 @@ void compare_campaigns(std::vector<CampaignRecord> records, const std::vector<st
   const Scatter scatter = scatter_of(history);
   const MatrixXd average = average_fit(history);
   const Repeatability repeatability(average, varying(history), scatter);
+  const Repeatability::Spread& spread = repeatability.spread();
   history.between = repeatability.between();
-  history.degrees = repeatability.spread().degrees;
-  const double widened = repeatability.spread().widened();
-  history.sigma = (widened * repeatability.spread().covariance.diagonal()).cwiseSqrt();
+  history.degrees = spread.degrees;
+  history.sigma = (spread.widened() * spread.covariance.diagonal()).cwiseSqrt();
   history.fit_sigma = average.diagonal().cwiseSqrt();
-
-  const std::string& state = history.campaigns[reference].state;
-  for (std::size_t i = 0; i < history.campaigns.size(); ++i)
-    if (i == reference ||
-        (!state.empty() && history.campaigns[i].state == state && history.campaigns[i].tells_all()))
-      history.reference_state.push_back(i);
-  const auto members = static_cast<double>(history.reference_state.size());
-  VectorXd mean = VectorXd::Zero(history.sigma.size());
-  for (const std::size_t i : history.reference_state) mean += history.campaigns[i].values / members;
-
-  CampaignTest test(options.level);
-  NumberSeries series;
-  std::vector<std::size_t> places_in_time;
-  const MatrixXd usual_weight = repeatability.spread().covariance.inverse();
-  for (std::size_t i = 0; i < history.campaigns.size(); ++i) {
-    ComparedCampaign& campaign = history.campaigns[i];
-    const std::vector<Index> places = places_of(campaign.values);
-    MatrixXd worse = MatrixXd::Zero(average.rows(), average.cols());
-    if (!places.empty())
-      worse(places, places) =
-          worse_by(campaign.fit_covariance(places, places), average(places, places));
-    const MatrixXd covariance = repeatability.spread().covariance + worse;
-    campaign.sigma = campaign.fit_sigma = VectorXd::Constant(mean.size(), kNothing);
-    campaign.sigma(places) = (widened * covariance.diagonal()).cwiseSqrt()(places);
-    campaign.fit_sigma(places) = campaign.fit_covariance.diagonal().cwiseSqrt()(places);
-    if (places.empty()) continue;
-    const bool member =
-        std::count(history.reference_state.begin(), history.reference_state.end(), i) > 0;
-    const VectorXd difference = campaign.values - mean;
-    if (!member)
-      test.test(campaign, difference, covariance + repeatability.spread().covariance / members,
-                history.degrees, places);
-    else if (members > 1) {  // against the others of its state
-      const double others = members / (members - 1);
-      const auto spread = repeatability.without(difference, history.reference_state.size());
-      test.test(campaign, others * difference, spread.covariance * others + worse, spread.degrees,
-                places);
-    }
-    // Without what is compared with, nothing tells whether the first one since then is other, or
-    // those behind it are.
-    if (options.since && campaign.record.time < *options.since && !member) continue;
-    MatrixXd weight = usual_weight;
-    if (!worse.isZero(0) || places.size() < static_cast<std::size_t>(mean.size())) {
-      weight.setZero();
-      weight(places, places) = MatrixXd(MatrixXd(covariance(places, places)).inverse());
-    }
-    series.times.push_back(years(campaign.record.time));
-    series.values.push_back(campaign.values);
-    series.weights.push_back(std::move(weight));
-    places_in_time.push_back(i);
-  }
-  series.degrees = history.degrees;
-  if (places_in_time.size() > 2)
-    for (DatedChange change : dated_changes(series, options.level)) {
-      for (std::size_t* at : {&change.at, &change.earliest, &change.latest})
-        *at = places_in_time[*at];
-      history.changes.push_back(change);
-    }
-  const double wider = test.wider_by(static_cast<double>(mean.size()), history.degrees);
-  history.t_limit =
-      wider * quantile(complement(boost::math::chi_squared(static_cast<double>(mean.size())),
-                                  options.level));
-  const ChangeTest usual =
-      test_change(VectorXd::Zero(mean.size()),
-                  wider * (1 + 1 / members) * repeatability.spread().covariance, options.level);
-  history.smallest.resize(mean.size());
-  for (Index k = 0; k < mean.size(); ++k)
-    history.smallest(k) = usual.numbers[static_cast<std::size_t>(k)].smallest;
+  set_reference_state(history);
+  CampaignComparison comparison(repeatability, average, options, history);
+  for (std::size_t i = 0; i < history.campaigns.size(); ++i) comparison.compare(i);
+  comparison.date_changes();
+  comparison.set_limits();
 }
 
 }  // namespace sweepd

@@ -186,6 +186,93 @@ std::optional<identify::TurnRange> limits_of(const Json& limits, double home_deg
                              radians(limits[1].get<double>() - home_deg)};
 }
 
+/// Who tells it, and the rows of the table.
+ToldArm table_told_in(const Json& json, const std::filesystem::path& file) {
+  ToldArm told;
+  told.file = file;
+  told.robot = text_of(json, "robot");
+  told.status = text_of(json, "status");
+  told.reason = text_of(json, "reason");
+  told.describes = text_of(json, "describes");
+  if (told.status == "failed")
+    refuse(told.file, "is a failed result, there is nothing to compare: " + told.reason);
+  check_numbers(list_of(json, "dh"), told.file);
+  told.arm.dh = table_of(list_of(json, "dh"));
+  const std::size_t joints = told.joints();
+  if (joints < 2 || joints > identify::kMostJoints)
+    refuse(told.file, "has a table of " + std::to_string(joints) +
+                          " joints: at least two are needed, and at most " +
+                          std::to_string(identify::kMostJoints));
+  told.all_joints = joints;
+  return told;
+}
+
+/// The joints of the model by Denavit and Hartenberg; older results have their senses there.
+const Json& dh_models_in(const Json& json) {
+  return list_of(part_of(part_of(json, "models"), "dh"), "joints");
+}
+
+/// Refuses what leaves too much open to be compared. How many axes there are before the first that
+/// is open.
+std::size_t known_axes(const Json& json, const ToldArm& told) {
+  const Json& table = list_of(json, "dh");
+  const std::size_t joints = told.joints();
+  const std::size_t known = axes_before_open(table);
+  if (known < std::min(kFewestAxes, joints))
+    refuse(told.file, "does not know enough of the table" +
+                          (told.reason.empty() ? "" : " (" + told.reason + ')') +
+                          ": identify it again with sweeps of every joint");
+  if (dh_models_in(json).size() != joints && !table[0].contains("positive") &&
+      !list_of(json, "specified").empty())
+    refuse(told.file,
+           "was written by an earlier sweepd and leaves axes open, without the senses of the "
+           "others: make it again with replay or identify");
+  return known;
+}
+
+void take_covariance(const Json& json, ToldArm& told) {
+  told.arm.covariance = covariance_of(part_of(json, "covariance"), told.joints());
+  if (told.arm.covariance.size() == 0)
+    refuse(told.file,
+           "has no covariance of its numbers: without it nobody can tell a change from noise. "
+           "Make the result again with replay or identify, from samples and not from axes");
+  check_covariance(told.arm.covariance, told.file);
+}
+
+/// Senses, home, gears and ranges; home is no better known than it is printed.
+void take_joints(const Json& json, ToldArm& told) {
+  const Json& table = list_of(json, "dh");
+  const Json& models = dh_models_in(json);
+  const Json& home = list_of(json, "home_deg");
+  const Json& limits = list_of(json, "limits_deg");
+  const Json& joint_list = list_of(json, "joints");
+  const Json& chain = part_of(part_of(json, "estimates"), "chain");
+  const Json& angles = list_of(chain, "angles");
+  const double correlated = std::max(1.0, number_of(chain, "samples_per_independent"));
+  const double step_deg = number_of(json, "angle_step_deg");
+  told.with_limits = true;
+  for (std::size_t j = 0; j < told.joints(); ++j) {
+    told.reach.linear.push_back(told.arm.dh[j].linear);
+    const Json& sense = table[j].contains("positive") || j >= models.size() ? table[j] : models[j];
+    told.arm.positive.push_back(number_of(sense, "positive") < 0 ? -1 : 1);
+    const double home_deg =
+        j < home.size() && home[j].is_number() ? home[j].get<double>() : std::nan("");
+    told.arm.home_rad.push_back(std::isfinite(home_deg) ? std::optional(radians(home_deg))
+                                                        : std::nullopt);
+    const Json evidence = j < angles.size() ? angles[j] : Json();
+    told.arm.gear.push_back(
+        gear_of(evidence, j < joint_list.size() ? joint_list[j] : Json(), correlated));
+    const Index variable = static_cast<Index>(5 * j) + (told.arm.dh[j].linear ? 0 : 1);
+    double& variance = told.arm.covariance(variable, variable);
+    if (text_of(evidence, "trust") != "trusted" && variance > 0 && step_deg > 0)
+      variance += std::pow(step_deg * (told.arm.dh[j].linear ? 1 : radians(1)), 2) / 12;
+    const auto range = limits_of(j < limits.size() ? limits[j] : Json(), home_deg);
+    told.with_limits = told.with_limits && range;
+    told.reach.ranges.push_back(
+        range.value_or(identify::TurnRange{-radians(kUsualTurn_deg), radians(kUsualTurn_deg)}));
+  }
+}
+
 }  // namespace
 
 std::filesystem::path result_file(const std::filesystem::path& path) {
@@ -212,77 +299,16 @@ ToldArm told_arm(std::string_view bytes, const std::filesystem::path& file) {
 }
 
 ToldArm told_arm_in(const Json& json, const std::filesystem::path& file) {
-  ToldArm told;
-  told.file = file;
-  told.robot = text_of(json, "robot");
-  told.status = text_of(json, "status");
-  told.reason = text_of(json, "reason");
-  told.describes = text_of(json, "describes");
-  if (told.status == "failed")
-    refuse(told.file, "is a failed result, there is nothing to compare: " + told.reason);
-  check_numbers(list_of(json, "dh"), told.file);
-  told.arm.dh = table_of(list_of(json, "dh"));
-  const std::size_t joints = told.joints();
-  if (joints < 2 || joints > identify::kMostJoints)
-    refuse(told.file, "has a table of " + std::to_string(joints) +
-                          " joints: at least two are needed, and at most " +
-                          std::to_string(identify::kMostJoints));
-  const Json& table = list_of(json, "dh");
-  const Json& models = list_of(part_of(part_of(json, "models"), "dh"), "joints");
-  const std::size_t known = axes_before_open(table);
-  if (known < std::min(kFewestAxes, joints))
-    refuse(told.file, "does not know enough of the table" +
-                          (told.reason.empty() ? "" : " (" + told.reason + ')') +
-                          ": identify it again with sweeps of every joint");
-  if (models.size() != joints && !table[0].contains("positive") &&
-      !list_of(json, "specified").empty())
-    refuse(told.file,
-           "was written by an earlier sweepd and leaves axes open, without the senses of the "
-           "others: make it again with replay or identify");
-  told.arm.covariance = covariance_of(part_of(json, "covariance"), joints);
-  if (told.arm.covariance.size() == 0)
-    refuse(told.file,
-           "has no covariance of its numbers: without it nobody can tell a change from noise. "
-           "Make the result again with replay or identify, from samples and not from axes");
-  check_covariance(told.arm.covariance, told.file);
-
+  ToldArm told = table_told_in(json, file);
+  const std::size_t known = known_axes(json, told);
+  take_covariance(json, told);
   const Json& warnings = list_of(json, "warnings");
   told.arm.height_known = std::none_of(warnings.begin(), warnings.end(), [](const Json& warning) {
     return text_of(warning, "code") == "height_unknown" && number_of(warning, "joint") == 1;
   });
   told.arm.specified = values(table_of(list_of(json, "specified")));
-
-  const Json& home = list_of(json, "home_deg");
-  const Json& limits = list_of(json, "limits_deg");
-  const Json& joint_list = list_of(json, "joints");
-  const Json& chain = part_of(part_of(json, "estimates"), "chain");
-  const Json& angles = list_of(chain, "angles");
-  const double correlated = std::max(1.0, number_of(chain, "samples_per_independent"));
-  const double step_deg = number_of(json, "angle_step_deg");
-  told.with_limits = true;
-  for (std::size_t j = 0; j < joints; ++j) {
-    told.reach.linear.push_back(told.arm.dh[j].linear);
-    const Json& sense = table[j].contains("positive") || j >= models.size() ? table[j] : models[j];
-    told.arm.positive.push_back(number_of(sense, "positive") < 0 ? -1 : 1);
-    const double home_deg =
-        j < home.size() && home[j].is_number() ? home[j].get<double>() : std::nan("");
-    told.arm.home_rad.push_back(std::isfinite(home_deg) ? std::optional(radians(home_deg))
-                                                        : std::nullopt);
-    const Json evidence = j < angles.size() ? angles[j] : Json();
-    told.arm.gear.push_back(
-        gear_of(evidence, j < joint_list.size() ? joint_list[j] : Json(), correlated));
-    const Index variable = static_cast<Index>(5 * j) + (told.arm.dh[j].linear ? 0 : 1);
-    double& variance = told.arm.covariance(variable, variable);
-    if (text_of(evidence, "trust") != "trusted" && variance > 0 &&
-        step_deg > 0)  // home is no better known than it is printed
-      variance += std::pow(step_deg * (told.arm.dh[j].linear ? 1 : radians(1)), 2) / 12;
-    const auto range = limits_of(j < limits.size() ? limits[j] : Json(), home_deg);
-    told.with_limits = told.with_limits && range;
-    told.reach.ranges.push_back(
-        range.value_or(identify::TurnRange{-radians(kUsualTurn_deg), radians(kUsualTurn_deg)}));
-  }
+  take_joints(json, told);
   told.reach.tool_mm = tool_of(json);
-  told.all_joints = joints;
   told.cut(known);
   return told;
 }
