@@ -4,15 +4,12 @@
 #include <stdexcept>
 #include <string>
 #include <system_error>
-#include <vector>
+
+#include "tests/rsi/lines.hpp"
 
 namespace sweepd::test {
 
-inline std::string joined(const std::vector<std::string>& lines) {
-  std::string text;
-  for (const auto& line : lines) text += line + '\n';
-  return text;
-}
+using rsi::test::joined;
 
 /// `text` with `other` in the place of the first `part`.
 inline std::string replaced(std::string text, const std::string& part, const std::string& other) {

@@ -107,10 +107,10 @@ TEST_CASE("there is a thread while there are jobs, and a new one for those that 
   const auto before = threads();
   sweepd::JobThread jobs("test", Share::fair);
   for (int k = 0; k < 3; ++k) {
-    int done = 0;
-    jobs.submit([&] { ++done; }, false);
+    auto during = before;
+    jobs.submit([&] { during = threads(); }, false);
     jobs.drain();
-    CHECK(done == 1);
+    CHECK(during == before + 1);
     CHECK(sweepd::test::eventually([&] { return threads() == before; }));
   }
 }

@@ -1,15 +1,13 @@
 #include "daemon/settings/robot_description.hpp"
 
 #include <array>
-#include <fstream>
 #include <limits>
 #include <random>
-
-#include <unistd.h>
 
 #include "daemon/settings/toml_table.hpp"
 #include "identify/geometry/angle.hpp"
 #include "tests/catch.hpp"
+#include "tests/daemon/temporary_folder.hpp"
 
 using Eigen::AngleAxisd;
 using Eigen::Isometry3d;
@@ -70,13 +68,10 @@ Isometry3d pose_from_axes(const Model& m, const std::vector<double>& angles_rad)
 }
 
 struct RobotFile {
-  fs::path path =
-      fs::temp_directory_path() / ("sweepd-robot-" + std::to_string(getpid()) + ".toml");
+  sweepd::test::TemporaryFolder folder;
+  fs::path path;
 
-  explicit RobotFile(const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
-  RobotFile(const RobotFile&) = delete;
-  RobotFile& operator=(const RobotFile&) = delete;
-  ~RobotFile() { fs::remove(path); }
+  explicit RobotFile(const std::string& text) : path(folder.write("robot.toml", text)) {}
 };
 
 /// The error without the file's name; "no error" if the description is fine.

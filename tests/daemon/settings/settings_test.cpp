@@ -3,8 +3,6 @@
 #include <fstream>
 #include <sstream>
 
-#include <unistd.h>
-
 #include "daemon/settings/toml_table.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/temporary_folder.hpp"
@@ -19,16 +17,10 @@ namespace {
 
 /// A settings file in a folder of its own, which goes when the test ends.
 struct SettingsFile {
-  fs::path folder = fs::temp_directory_path() / ("sweepd-settings-" + std::to_string(getpid()));
-  fs::path path = folder / "sweepd.toml";
+  sweepd::test::TemporaryFolder folder;
+  fs::path path;
 
-  explicit SettingsFile(const std::string& text) {
-    fs::create_directories(folder);
-    std::ofstream(path, std::ios::binary) << text;
-  }
-  SettingsFile(const SettingsFile&) = delete;
-  SettingsFile& operator=(const SettingsFile&) = delete;
-  ~SettingsFile() { fs::remove_all(folder); }
+  explicit SettingsFile(const std::string& text) : path(folder.write("sweepd.toml", text)) {}
 };
 
 /// The four keys that every robot must have, each in a line of its own after [[robot]].
@@ -100,7 +92,7 @@ TEST_CASE("a relative path starts at the folder of the settings, an absolute one
   const SettingsFile file(replaced(replaced(kRobotText, "\"a.toml\"", "\"../x/./a.toml\""),
                                    "\"out\"", "\"/var/lib/sweepd\""));
   const auto robot = load_settings(file.path).robots.at(0);
-  CHECK(robot.description == file.folder.parent_path() / "x" / "a.toml");
+  CHECK(robot.description == file.folder.path().parent_path() / "x" / "a.toml");
   CHECK(robot.output == "/var/lib/sweepd");
 }
 

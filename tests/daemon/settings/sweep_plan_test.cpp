@@ -1,12 +1,9 @@
 #include "daemon/settings/sweep_plan.hpp"
 
-#include <fstream>
-
-#include <unistd.h>
-
 #include "daemon/settings/toml_table.hpp"
 #include "tests/catch.hpp"
 #include "tests/config_folder.hpp"
+#include "tests/daemon/temporary_folder.hpp"
 
 using sweepd::check_plan;
 using sweepd::load_plan;
@@ -16,12 +13,10 @@ namespace fs = std::filesystem;
 namespace {
 
 struct PlanFile {
-  fs::path path = fs::temp_directory_path() / ("sweepd-plan-" + std::to_string(getpid()) + ".toml");
+  sweepd::test::TemporaryFolder folder;
+  fs::path path;
 
-  explicit PlanFile(const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
-  PlanFile(const PlanFile&) = delete;
-  PlanFile& operator=(const PlanFile&) = delete;
-  ~PlanFile() { fs::remove(path); }
+  explicit PlanFile(const std::string& text) : path(folder.write("plan.toml", text)) {}
 };
 
 /// The error without the file's name; "no error" if the plan is fine.

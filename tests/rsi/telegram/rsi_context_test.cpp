@@ -3,21 +3,17 @@
 #include <filesystem>
 
 #include "tests/catch.hpp"
+#include "tests/rsi/lines.hpp"
 
 using Catch::Matchers::ContainsSubstring;
 using rsi::EthernetConfig;
 using rsi::RsiContext;
+using rsi::test::joined;
 
 namespace {
 
 const std::filesystem::path kKrc4 =
     std::filesystem::path(SWEEPD_SOURCE_DIR) / "config/controller/krc4";
-
-std::string joined(const std::vector<std::string>& lines) {
-  std::string text;
-  for (const auto& line : lines) text += line + '\n';
-  return text;
-}
 
 /// In the form of RSI 3; channels count from 1.
 std::string rsi3(const std::string& parameters, const std::string& others = "",
