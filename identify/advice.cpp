@@ -244,7 +244,10 @@ class Adviser {
       warn("backlash", j,
            "its error depends on the direction of the motion, by " + arcsec(backlash) + " or " +
                brief(backlash * circle.radius_mm) +
-               " mm at the target: sweep it in one direction only, or look after the gear");
+               " mm at the target: sweep it in one direction only, or look after the gear" +
+               (seen.backlash_repeats ? ""
+                                      : ". Sweep it there and back once more: that tells play from "
+                                        "a joint that settles elsewhere each time"));
     if (seen.trust == AngleTrust::free)
       warn("angles_not_used", j,
            "its angles were not used, each of its circles stands by its points alone: " +

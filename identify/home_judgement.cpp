@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "identify/chain/chain_start.hpp"
-#include "identify/chain/incident_search.hpp"
 #include "identify/geometry/circle_fit.hpp"
 #include "identify/geometry/median.hpp"
 #include "identify/geometry/warning.hpp"
@@ -310,7 +309,8 @@ void judge_home(Identification& found, bool timed) {
   }
   if (const auto step = step_of_home(found)) {
     // Few circles meet where joints came home badly, and then elsewhere. The chain allows for that.
-    if (step->mm > kMostMove_mm || found.estimator != Estimator::chain) {
+    if (found.estimator != Estimator::chain ||
+        step->mm > most_move_mm(found.chain->chain, known_of(found.chain->axes))) {
       found.doubts.push_back(told(*step, timed, ""));
       return;
     }

@@ -134,7 +134,7 @@ void write_link(MetricsWriter& to, const std::vector<RobotMetrics>& robots) {
       to.value({{"robot", state->name}}, *missed);
   to.counter("sweepd_telegrams_answered_total",
              "Telegrams by what became of their reply, once 64 more have come or the stream has "
-             "ended; none where the controller wants none.");
+             "ended.");
   for (const auto& [state, result] : robots)
     for (const auto& [label, count] : kAnswers)
       to.value({{"robot", state->name}, {"outcome", std::string(label)}}, state->link.*count);

@@ -104,7 +104,7 @@ Json newest_result(const ResultState& result) {
           {"interim", newest.interim},
           {"session", newest.session},
           {"at", utc_text(newest.at)},
-          {"took_ms", ms(newest.took)},
+          {"took_ms", rounded(ms(newest.took), 3)},
           {"warnings", newest.warnings}};
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <utility>
 
 #include "daemon/text/units.hpp"
@@ -12,6 +13,11 @@ namespace {
 constexpr double kWatchedPoint_s = 0.025;
 constexpr double kPoint_s = 0.1;
 constexpr std::size_t kPath = 32;
+
+/// Whether the next telegram's rise counts from this one.
+bool leads(const rsi::Cycle& cycle) {
+  return cycle.arrival == rsi::Arrival::in_order || cycle.arrival == rsi::Arrival::restart;
+}
 
 std::array<float, 3> place(const identify::Sample& sample) {
   const auto mm = sample.position_mm.cast<float>();
@@ -110,8 +116,10 @@ void LiveFeed::take_cycles(const rsi::Link& link, bool expects_replies) {
         case rsi::Fate::unanswered:
           ++slice_.unanswered;
       }
-    if (now->rise == 0 || now->arrival != rsi::Arrival::in_order || now == all.begin()) continue;
-    const auto pace = now->received - std::prev(now)->received;
+    if (now->rise == 0 || now->arrival != rsi::Arrival::in_order) continue;
+    const auto before = std::find_if(std::make_reverse_iterator(now), all.rend(), leads);
+    if (before == all.rend()) continue;
+    const auto pace = now->received - before->received;
     const auto off = pace - static_cast<std::int64_t>(now->rise) * unit;
     slice_.jitter_us = std::max(slice_.jitter_us, static_cast<float>(std::abs(us(off))));
   }

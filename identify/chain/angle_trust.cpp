@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include <Eigen/LU>
 
@@ -145,13 +147,56 @@ class Curves {
   /// where a figure hides those across the motion.
   [[nodiscard]] double errors_of(std::size_t joint) const { return errors_[joint]; }
 
-  /// One a joint.
-  [[nodiscard]] std::vector<ErrorCurve> sums(std::size_t joints) const {
+  /// By how much a joint's strokes are off otherwise, as a variance; one a joint. Nothing where no
+  /// two strokes go the same way.
+  using Levels = std::vector<std::optional<double>>;
+
+  /// One a joint. `levels`: one a joint, or none; see ErrorCurve::add().
+  [[nodiscard]] std::vector<ErrorCurve> sums(std::size_t joints, const Levels& levels = {}) const {
     std::vector<ErrorCurve> curves(joints);
-    for (std::size_t u = 0; u < units_.size(); ++u)
-      curves[nodes_.strokes[nodes_.units[u].front()].content.joint].add(
-          units_[u], variances_.col(static_cast<Index>(u)));
+    for (std::size_t u = 0; u < units_.size(); ++u) {
+      const std::size_t joint = joint_of(u);
+      curves[joint].add(units_[u], variances_.col(static_cast<Index>(u)),
+                        levels.empty() ? 0 : levels[joint].value_or(0));
+    }
     return curves;
+  }
+
+  /// Those of which strokes of one direction differ by more than their noise and effects tell
+  /// (DerSimonian & Laird, Controlled Clinical Trials 7, 1986). `curves`: the sums without them.
+  [[nodiscard]] Levels levels(const std::vector<ErrorCurve>& curves) const {
+    Levels found;
+    for (std::size_t j = 0; j < curves.size(); ++j) {
+      const auto smooth = curves[j].fit(ErrorCurve::kSmooth);
+      const double scale = noise_scale(curves[j], smooth, j);
+      double beyond = 0, share = 0;
+      for (const bool falls : {false, true}) {
+        double weights = 0, squared = 0, sum = 0, squares = 0, strokes = 0;
+        for (std::size_t u = 0; u < units_.size(); ++u) {
+          if (joint_of(u) != j) continue;
+          const auto seen =
+              ErrorCurve::level_of(units_[u], variances_.col(static_cast<Index>(u)), smooth);
+          if (seen.falls != falls || !(seen.weight > 0)) continue;
+          weights += seen.weight;
+          squared += seen.weight * seen.weight;
+          sum += seen.weight * seen.error_rad;
+          squares += seen.weight * seen.error_rad * seen.error_rad;
+          ++strokes;
+        }
+        if (strokes < 2 || !(scale > 0)) continue;
+        beyond += (squares - sum * sum / weights) / scale - (strokes - 1);
+        share += weights - squared / weights;
+      }
+      found.push_back(share > 0 ? std::optional(std::max(0.0, beyond / share)) : std::nullopt);
+    }
+    return found;
+  }
+  /// Variance of what a fit leaves of a joint's errors, in that of the noise that they have.
+  [[nodiscard]] double noise_scale(const ErrorCurve& curve, const ErrorCurve::Fit& fit,
+                                   std::size_t joint) const {
+    const double samples = errors_of(joint) / correlation_of(nodes_, joint);
+    return std::max(0.0, curve.squares() - fit.explained) /
+           std::max(1.0, samples - static_cast<double>(fit.terms));
   }
 
  private:
@@ -163,6 +208,9 @@ class Curves {
     return effects;
   }
   ErrorCurve::Stroke& of(const SeenNode& at) { return units_[unit_[at.stroke]]; }
+  [[nodiscard]] std::size_t joint_of(std::size_t unit) const {
+    return nodes_.strokes[nodes_.units[unit].front()].content.joint;
+  }
 
   const ChainNodes& nodes_;
   ChainEffects effects_;
@@ -206,7 +254,9 @@ std::vector<AngleEvidence> seen_angle_errors(const Chain& chain, const ChainNode
     expected[joint] += at.seen.weight * (at.sigma * at.sigma + quantum_rad * quantum_rad +
                                          weighed.add_with_effects(at, error, quantum_rad));
   });
-  const auto plain_sums = plain.sums(joints), weighed_sums = weighed.sums(joints);
+  const auto plain_sums = plain.sums(joints);
+  const auto levels = weighed.levels(weighed.sums(joints));
+  const auto weighed_sums = weighed.sums(joints, levels);
   for (std::size_t j = 0; j < joints; ++j) {
     AngleEvidence& found = evidence[j];
     if (found.samples == 0) {
@@ -230,8 +280,9 @@ std::vector<AngleEvidence> seen_angle_errors(const Chain& chain, const ChainNode
     for (std::size_t k = 0; k < found.curve.size(); ++k)
       found.curve[k] = smooth.coefficients(static_cast<Index>(k));
     if (against.both_ways()) {
-      const double more = left / std::max(1.0, samples - static_cast<double>(smooth.terms));
+      const double more = weighed.noise_scale(against, smooth, j);
       found.backlash_rad = smooth.coefficients(ErrorCurve::kBacklash);
+      found.backlash_repeats = levels[j].has_value();
       found.backlash_sigma_rad = std::sqrt(more * smooth.variances(ErrorCurve::kBacklash));
     }
     const bool described = found.remainder_coherence <= kMostCoherence &&

@@ -110,6 +110,15 @@ struct SineOfTurn {
   }
 };
 
+/// A target's distance from the joint's axis, at most.
+double farthest_mm(const Chain& chain, std::size_t joint) {
+  const ChainAxis& axis = chain.axes[joint];
+  double farthest = 0;
+  for (const Eigen::Vector3d& target : chain.targets_mm)
+    farthest = std::max(farthest, (target - axis.point_mm).cross(axis.direction).norm());
+  return farthest;
+}
+
 }  // namespace
 
 ChainPose::ChainPose(const Chain& chain)
@@ -203,6 +212,22 @@ std::optional<std::size_t> first_turning(const Chain& chain) {
   for (std::size_t j = 0; j < chain.axes.size(); ++j)
     if (!chain.axes[j].linear) return j;
   return std::nullopt;
+}
+
+double reach_mm(const Chain& chain, const std::vector<bool>& known) {
+  double reach = 1;
+  for (std::size_t j = 0; j < chain.axes.size(); ++j)
+    if (known[j]) reach = std::max(reach, farthest_mm(chain, j));
+  return reach;
+}
+
+double lever_mm(const Chain& chain, std::size_t joint) {
+  return chain.axes[joint].linear ? kLinear_mm : farthest_mm(chain, joint);
+}
+
+double most_move_mm(const Chain& chain, const std::vector<bool>& known) {
+  constexpr double kMost_mm = 0.5, kMost_rad = 0.02 * kDegree;
+  return std::max(kMost_mm, kMost_rad * reach_mm(chain, known));
 }
 
 }  // namespace identify

@@ -141,4 +141,15 @@ class ChainPose {
 /// The first joint that turns, which is taken to stand upright. Nothing where none does.
 [[nodiscard]] std::optional<std::size_t> first_turning(const Chain& chain);
 
+/// How far the targets are from the axes at most; from those that are known.
+[[nodiscard]] double reach_mm(const Chain& chain, const std::vector<bool>& known);
+
+/// By how much a joint that is off moves a target, at most, for a radian: little where the targets
+/// are near its axis.
+[[nodiscard]] double lever_mm(const Chain& chain, std::size_t joint);
+
+/// What was moved by more is a mistake, and none of the effects. Joints come home to hundredths of
+/// a degree, which moves the target of a large arm as far.
+[[nodiscard]] double most_move_mm(const Chain& chain, const std::vector<bool>& known);
+
 }  // namespace identify

@@ -177,6 +177,7 @@ struct AngleEvidence {
   double center_sigma_rad = 0;  ///< what is not known of the axis' place looks like such a curve
   double backlash_rad = 0;      ///< error of falling strokes minus that of rising ones
   double backlash_sigma_rad = 0;
+  bool backlash_repeats = false;  ///< strokes that go the same way show how far they differ
 
   [[nodiscard]] double curve_at(double turn_rad) const;
 };

@@ -6,6 +6,26 @@
 #include <utility>
 
 namespace identify {
+namespace {
+
+/// Along an arc on which the joint's angle is free nothing tells where a target is, and what is
+/// left there of its equations is rounding.
+void leave_out_rounding(const ChainParameters& parameters, NormalEquations& equations) {
+  constexpr double kRounding = 1e-12;
+  for (std::size_t t = 0; t < parameters.targets; ++t) {
+    const Eigen::Index from = parameters.target(t);
+    const double most = equations.normal.diagonal().segment<3>(from).maxCoeff();
+    for (Eigen::Index k = from; k < from + 3; ++k) {
+      if (!(equations.normal(k, k) < kRounding * most)) continue;
+      equations.normal.row(k).setZero();
+      equations.normal.col(k).setZero();
+      equations.gradient(k) = 0;
+    }
+  }
+}
+
+}  // namespace
+
 template <int Size>
 ChainProblem<Size>::ChainProblem(const Chain& chain, ChainNodes& nodes, const ChainNoise& noise,
                                  const ChainEffects& shape)
@@ -69,6 +89,7 @@ NormalEquations ChainProblem<Size>::linearised(const Chain& chain) {
   const auto all = EffectElimination(products(chain), nodes_.group_of, nodes_.home_of,
                                      columns_.home(), count_all(chain))(variances_);
   NormalEquations equations{all.normal, all.gradient, all.squares / 2};
+  leave_out_rounding({chain.axes.size(), chain.targets_mm.size()}, equations);
   const Eigen::VectorXd known = prior(chain);
   equations.normal.diagonal() += known;
   Eigen::Index at = count(chain);

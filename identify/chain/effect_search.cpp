@@ -32,15 +32,6 @@ const Incident* likeliest(const std::vector<Incident>& all) {
   return one == all.end() ? nullptr : &*one;
 }
 
-/// A target's distance from the joint's axis, at most.
-double farthest_mm(const Chain& chain, std::size_t joint) {
-  const ChainAxis& axis = chain.axes[joint];
-  double farthest = 0;
-  for (const Eigen::Vector3d& target : chain.targets_mm)
-    farthest = std::max(farthest, (target - axis.point_mm).cross(axis.direction).norm());
-  return farthest;
-}
-
 /// Off home, a linear joint moves the target by about as much as one that turns does at its reach.
 std::vector<double> usual_home_times(const Chain& chain, double reach_mm) {
   std::vector<double> times;
@@ -220,7 +211,7 @@ EffectSearch::Tried EffectSearch::tried(FittedChain from, const ChainEffects& sh
   const ChainEffects effects = effects_;
   size_twice(from, shape);
   const auto move = move_of(from.fit, nodes_);
-  const bool mistaken = move && move->mm.norm() > kMostMove_mm;
+  const bool mistaken = move && move->mm.norm() > most_move_mm(from.fit.chain, nodes_.known);
   const double deviance = mistaken ? std::numeric_limits<double>::infinity() : deviance_of(from);
   return {std::move(from), std::exchange(effects_, effects),
           std::exchange(nodes_.observations, observations), deviance};
@@ -261,17 +252,6 @@ void EffectSearch::size(FittedChain& best, const ChainEffects& shape) {
   if (!(effects_.steady_mm > 0)) chain.drift_mm.setZero();
   if (!(effects_.moved_mm > 0)) chain.move.resize(0);
   best.fit = fit_chain(chain, nodes_, best.noise, effects_, false);
-}
-
-double reach_mm(const Chain& chain, const std::vector<bool>& known) {
-  double reach = 1;
-  for (std::size_t j = 0; j < chain.axes.size(); ++j)
-    if (known[j]) reach = std::max(reach, farthest_mm(chain, j));
-  return reach;
-}
-
-double lever_mm(const Chain& chain, std::size_t joint) {
-  return chain.axes[joint].linear ? kLinear_mm : farthest_mm(chain, joint);
 }
 
 }  // namespace identify

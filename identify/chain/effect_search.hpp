@@ -72,11 +72,4 @@ class EffectSearch {
   double happened_ = 0;
 };
 
-/// How far the targets are from the axes at most; from those that are known.
-[[nodiscard]] double reach_mm(const Chain& chain, const std::vector<bool>& known);
-
-/// By how much a joint that is off moves a target, at most, for a radian: little where the targets
-/// are near its axis.
-[[nodiscard]] double lever_mm(const Chain& chain, std::size_t joint);
-
 }  // namespace identify

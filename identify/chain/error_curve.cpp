@@ -42,16 +42,32 @@ void ErrorCurve::Stroke::add(double turn, bool falling, double samples, double e
       {Eigen::MatrixXd(0, 1), one(1), one(error), one(within), one(weight)});
 }
 
-void ErrorCurve::add(const Stroke& stroke, const Eigen::Ref<const Eigen::VectorXd>& variances) {
+void ErrorCurve::add(const Stroke& stroke, const Eigen::Ref<const Eigen::VectorXd>& variances,
+                     double level) {
   double log_determinant = 0;
-  const Eigen::MatrixXd left = without_effects(stroke.products_, variances, log_determinant);
+  Eigen::MatrixXd left = without_effects(stroke.products_, variances, log_determinant);
   constexpr Index kLast = Row::SizeAtCompileTime;
+  const Eigen::VectorXd by_level = left.col(0);
+  left.triangularView<Eigen::Lower>() -=
+      level / (1 + level * by_level(0)) * by_level * by_level.transpose();
   normal_ += decltype(normal_)(left.topLeftCorner<kLast, kLast>().selfadjointView<Eigen::Lower>());
   right_ += left.bottomLeftCorner<1, kLast>().transpose();
   squares_ += left(kLast, kLast);
   samples_ += stroke.samples_;
   rises_ = rises_ || stroke.rises_;
   falls_ = falls_ || stroke.falls_;
+}
+
+ErrorCurve::Level ErrorCurve::level_of(const Stroke& stroke,
+                                       const Eigen::Ref<const Eigen::VectorXd>& variances,
+                                       const Fit& fit) {
+  double log_determinant = 0;
+  const Eigen::VectorXd by_level =
+      without_effects(stroke.products_, variances, log_determinant).col(0);
+  constexpr Index kLast = Row::SizeAtCompileTime;
+  if (!(by_level(0) > 0)) return {0, 0, stroke.falls_};
+  return {(by_level(kLast) - by_level.head<kLast>().dot(fit.coefficients)) / by_level(0),
+          by_level(0), stroke.falls_};
 }
 
 ErrorCurve::Fit ErrorCurve::fit(Index count) const {

@@ -44,8 +44,10 @@ class ErrorCurve {
     double samples_ = 0;
     bool rises_ = false, falls_ = false;
   };
-  /// `variances`: of the stroke's effects.
-  void add(const Stroke& stroke, const Eigen::Ref<const Eigen::VectorXd>& variances);
+  /// `variances`: of the stroke's effects. `level`: of what the joint's own angle is off by all
+  /// along a stroke and in no other (rad^2).
+  void add(const Stroke& stroke, const Eigen::Ref<const Eigen::VectorXd>& variances,
+           double level = 0);
 
   struct Fit {
     Row coefficients = Row::Zero();
@@ -55,6 +57,17 @@ class ErrorCurve {
   };
   /// By the first `count` regressors, and the backlash where there are strokes both ways.
   [[nodiscard]] Fit fit(Eigen::Index count) const;
+
+  /// What a stroke's errors are beside a fit's curve, on the average (rad), and how much that
+  /// counts: one by its variance, which the stroke's effects have a part in.
+  struct Level {
+    double error_rad = 0;
+    double weight = 0;
+    bool falls = false;
+  };
+  [[nodiscard]] static Level level_of(const Stroke& stroke,
+                                      const Eigen::Ref<const Eigen::VectorXd>& variances,
+                                      const Fit& fit);
 
   /// Of all errors, weighed.
   [[nodiscard]] double squares() const { return squares_; }

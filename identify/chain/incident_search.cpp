@@ -23,7 +23,8 @@ IncidentSearch::IncidentSearch(ChainNodes& nodes, const FittedChain& from, Chain
 }
 
 IncidentSearch::Sizes IncidentSearch::sizes_of(Incident::Kind kind) const {
-  if (kind == Incident::Kind::move) return {smallest_mm_, kMostMove_mm, 4};
+  if (kind == Incident::Kind::move)
+    return {smallest_mm_, most_move_mm(from_.fit.chain, nodes_.known), 4};
   return {4 * smallest_mm_, kMostStray_mm, 8};
 }
 

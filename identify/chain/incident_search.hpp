@@ -9,8 +9,7 @@
 
 namespace identify {
 
-/// Larger ones are mistakes, and none of the effects.
-inline constexpr double kMostMove_mm = 0.5;
+/// What single strokes are off by more is a mistake, and none of the effects.
 inline constexpr double kMostStray_mm = 5;
 
 /// What may have happened once while sweeps ran: something was moved and stayed there, or one

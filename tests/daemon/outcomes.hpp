@@ -51,14 +51,6 @@ inline Outcome complete_outcome() {
   return once;
 }
 
-/// As complete, theta of row 4 identified in another turn than it is specified.
-inline Outcome outcome_in_another_turn() {
-  Outcome outcome = complete_outcome();
-  outcome.identification.specified[3].theta_rad = 3;
-  outcome.identification.dh[3].theta_rad.value = -3;
-  return outcome;
-}
-
 /// Joints 1, 2 and 4.
 inline Outcome partial_outcome() {
   static const Outcome once = [] {

@@ -106,6 +106,7 @@ std::vector<identify::Sweep> Simulation::sweeps() const {
   auto home_errors = stream(seed_, Source::home_error);
   auto creeps = stream(seed_, Source::creep);
   auto strays = stream(seed_, Source::stray);
+  auto settles = stream(seed_, Source::settle);
   auto wobble = stream(seed_, Source::wobble);
   auto shapes = stream(seed_, Source::shape);
   std::normal_distribution<> normal;
@@ -136,6 +137,8 @@ std::vector<identify::Sweep> Simulation::sweeps() const {
       locked[k] += stray[k];
       (world_.home.seen || world_.controller ? locked[k] : play[k]) += errors[k];
     }
+    if (world_.gears.settles_deg > 0)
+      play[j] += world_.gears.settles_deg * kDegree * normal(settles);
     sides[j] = stroke.direction();
     for (std::size_t k = 0; k < joints; ++k)
       if (k == j || world_.home.lasts == identify::HomeLasts::stroke ||

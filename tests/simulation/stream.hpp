@@ -23,7 +23,8 @@ enum class Source {
   clock,
   weights,
   move,
-  creep
+  creep,
+  settle
 };
 
 [[nodiscard]] inline std::mt19937_64 stream(std::uint32_t seed, Source source) {

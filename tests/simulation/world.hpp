@@ -57,6 +57,9 @@ struct Gears {
   /// their sweep; before it, either way. The true table has them in the middle. Else all came home
   /// rising, in the true table, too.
   bool play_as_left = false;
+  /// Before each of its strokes the sweeping joint settles elsewhere behind its motor, and stays so
+  /// through it: standard deviation.
+  double settles_deg = 0;
 };
 
 /// When angles were read: `late_s` before the position of the same sample, and later by the

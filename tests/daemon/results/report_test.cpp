@@ -92,11 +92,9 @@ TEST_CASE("a complete report has the robot, its table beside the specified one, 
                        ContainsSubstring("theta is the"));
 }
 
-TEST_CASE("angles are in the turn of the specified ones, and what is not compared says why",
-          "[report]") {
-  auto outcome = outcome_in_another_turn();
-  CHECK_THAT(report(outcome), ContainsSubstring("188.1126") && !ContainsSubstring("-171.887") &&
-                                  !ContainsSubstring("not compared"));
+TEST_CASE("what is not compared says why", "[report]") {
+  auto outcome = complete_outcome();
+  CHECK_THAT(report(outcome), !ContainsSubstring("not compared"));
   outcome.identification.home_rad[3].reset();
   check_layout(report(outcome));
   CHECK_THAT(flowing(report(outcome)),

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -346,6 +347,31 @@ TEST_CASE("A device that sways accuses no gear", "[effect_search][chain_fit][lon
     REQUIRE(found.status == identify::Status::complete);
     for (const Warning& warning : found.warnings) CHECK(warning.code != "backlash");
   }
+}
+
+TEST_CASE("Where strokes repeat, joints that settle elsewhere each time do not play",
+          "[effect_search][angle_trust][long]") {
+  const auto told = [](const simulation::World& world, int rounds) {
+    simulation::Strokes how;
+    how.samples = 200;
+    how.there_and_back = true;
+    how.rounds = rounds;
+    std::vector<std::string> all;
+    for (const Identification& found : identified(campaigns_of(2, how, world))) {
+      REQUIRE(found.status == Status::complete);
+      for (const Warning& warning : found.warnings)
+        if (warning.code == "backlash") all.push_back(warning.message);
+    }
+    return all;
+  };
+  simulation::World settles = seen_with_angles(), plays = settles;
+  settles.gears.settles_deg = 0.003;
+  plays.gears.backlash_arcsec = 30;
+  CHECK(told(plays, 3).size() == 12);
+  CHECK(told(settles, 3).empty());
+  const auto once = told(settles, 1);  // nothing tells it from play
+  REQUIRE_FALSE(once.empty());
+  CHECK_THAT(once.front(), Catch::Matchers::ContainsSubstring("there and back once more"));
 }
 
 TEST_CASE("What gives way is told also where the device drifts",

@@ -53,6 +53,15 @@ TEST_CASE("the paper's table comes back from its own axes", "[dh_extraction]") {
   CHECK(table[5].a_mm.knowledge == Knowledge::by_convention);
 }
 
+TEST_CASE("angles are within half a turn of the specified ones", "[dh_extraction]") {
+  const std::vector<DhRow> rows{{0, 0.1, 180, 1.5}, {620, 3.141, 90, -1.2}, {100, 9, 50, 3}, {}};
+  auto built = rows;
+  built[1].theta_rad += 1e-3;  // beyond half a turn
+  const auto table = extract_dh(axes_of(built), 2000, rows);
+  CHECK(table[1].theta_rad.value == Approx(3.142).epsilon(1e-9));
+  CHECK(table[2].theta_rad.value == Approx(9).epsilon(1e-9));
+}
+
 TEST_CASE("random arms of two to twelve joints come back from their axes", "[dh_extraction]") {
   std::mt19937 random(11);
   std::uniform_real_distribution<> uniform(-1, 1);
