@@ -44,8 +44,12 @@ struct Exchanges {
     time += pace;
     see(latency);
   }
-  /// The last telegram once more.
-  void copy() { see(std::nullopt); }
+  /// The last telegram once more, half a millisecond later.
+  void copy() {
+    time += 500us;
+    see(std::nullopt);
+    time -= 500us;
+  }
 
   LiveSlices slices;
   LiveFeed live{slices};
