@@ -94,11 +94,9 @@ class Estimation {
 
   void set_quanta(bool with_angles) {
     const Resolution& step = campaign_.resolution;
-    quantum_.position_mm = std::max(kLeastPosition_mm, kEvenlySpread * step.position_mm);
     const double angle = std::max(kLeastAngle_rad, kEvenlySpread * step.angle_rad);
-    quantum_.orientation_rad = angle;
-    quantum_.locked_rad = with_angles ? angle : 0;
-    quantum_.swept_rad.assign(joints_, angle);
+    quantum_ = {std::max(kLeastPosition_mm, kEvenlySpread * step.position_mm), angle,
+                with_angles ? angle : 0, std::vector<double>(joints_, angle)};
     // A locked joint whose angle is printed the same all the time does not scatter by its quantum.
     floor_ = quantum_;
     floor_.locked_rad = 0;
