@@ -48,8 +48,8 @@ void ErrorCurve::add(const Stroke& stroke, const Eigen::Ref<const Eigen::VectorX
   Eigen::MatrixXd left = without_effects(stroke.products_, variances, log_determinant);
   constexpr Index kLast = Row::SizeAtCompileTime;
   const Eigen::VectorXd by_level = left.col(0);
-  left.triangularView<Eigen::Lower>() -=
-      level / (1 + level * by_level(0)) * by_level * by_level.transpose();
+  const double share = level / (1 + level * by_level(0));
+  for (Index c = 0; c < left.cols(); ++c) left.col(c) -= share * by_level(c) * by_level;
   normal_ += decltype(normal_)(left.topLeftCorner<kLast, kLast>().selfadjointView<Eigen::Lower>());
   right_ += left.bottomLeftCorner<1, kLast>().transpose();
   squares_ += left(kLast, kLast);

@@ -367,7 +367,7 @@ TEST_CASE("where joints never come home to the same place, the nearest sweeps se
   CHECK(found.estimator == Estimator::chain);
   const Warning* warning = find_warning(found, "off_home");
   REQUIRE(warning);
-  CHECK_THAT(warning->message, Catch::Matchers::ContainsSubstring("deg or more"));
+  CHECK_THAT(warning->message, Catch::Matchers::ContainsSubstring("° or more"));
   for (std::size_t i = 0; i < 5; ++i) {
     CAPTURE(i);
     const auto covers = [](const DhNumber& number, double truth, double half_turn) {
