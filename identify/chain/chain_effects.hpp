@@ -22,17 +22,20 @@ inline constexpr Eigen::Index kFigureOrders = 8;
 ///   - `turned`: as many of A, B, C, and three that bend as the second Legendre polynomial of the
 ///     turn, where printed orientations are shifted;
 ///   - `swept`: the sweeping joint's angle grows and bends, where rounding shifts it;
-///   - `carried`: what joints of which no axis is known carry turns as one body and, as far as it
-///   is
-///     behind the sweeping joint, is shifted and turned on it;
+///   - `carried`: what joints of which no axis is known carry turns as one body; as far as it is
+///     behind the sweeping joint, it is shifted and turned on that;
 ///   - `creep`: a turn of each joint that goes on;
 ///   - `bent`: three shifts that bend, where rounding bends a stroke, or where a joint has swept
 ///     again, so that a device that wanders can be told from homes that are off.
+///
 /// A stand's: a turn of each joint, where homes stay.
+///
 /// A group's: of each target the orders of its radial and then of its axial `figure`; `wander`,
 /// three shifts where several units share a device that wanders; `told`, the orders of the joint's
-/// angle. A home's: `offset`, a turn of each joint, and `rest`, one for each rest through which
-/// joints stand off home alike.
+/// angle.
+///
+/// A home's: `offset`, a turn of each joint, and `rest`, one for each rest through which joints
+/// stand off home alike.
 struct EffectColumns {
   EffectColumns(const ChainEffects& shape, const ChainNodes& nodes);
   Eigen::Index own = 0;
