@@ -207,8 +207,15 @@ std::string explanation(const Outcome& outcome) {
             "(sag_arcsec)."
           : "Elastic deformation is in the uncertainties as far as sweeps from several homes show "
             "it.";
+  const bool told =
+      chain && std::any_of(chain->angles.begin(), chain->angles.end(),
+                           [](const identify::AngleEvidence& joint) { return joint.samples > 0; });
+  const std::string_view play =
+      told ? ""
+           : "What joints play by is not in the uncertainties: only angles beside the positions "
+             "show it. ";
   return "the arm as a device measured it: for calibration, and to compare with its model. " +
-         std::string(elastic) + " " + std::string(kScale);
+         std::string(elastic) + " " + std::string(play) + std::string(kScale);
 }
 
 }  // namespace sweepd

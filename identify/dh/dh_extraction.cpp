@@ -98,8 +98,10 @@ void turn_to(const std::vector<DhRow>& specified, std::vector<DhEstimate>& table
 }  // namespace
 
 double wrapped(double angle) {
+  // Half a turn but for what home is uncertain by is not one time this way, the other time that.
+  constexpr double kHalfTurn = 0.1 * kDegree;
   const double turned = std::remainder(angle, 2 * kPi);
-  return turned <= -kPi ? turned + 2 * kPi : turned;
+  return turned <= -kPi + kHalfTurn ? turned + 2 * kPi : turned;
 }
 
 Eigen::Isometry3d first_frame(const Axis& axis) {

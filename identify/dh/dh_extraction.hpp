@@ -102,7 +102,7 @@ inline constexpr std::array<DhNumberName, 5> kDhNumbers{
                                                           const std::vector<DhEstimate>& table,
                                                           const std::vector<DhRow>& specified);
 
-/// An angle brought to (-pi, pi].
+/// An angle brought to -179.9 to 180.1 degrees (rad).
 [[nodiscard]] double wrapped(double angle_rad);
 
 }  // namespace identify

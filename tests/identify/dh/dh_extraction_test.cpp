@@ -227,5 +227,6 @@ TEST_CASE("the uncertainty of a DH number is the scatter that uncertain axes cau
 TEST_CASE("angles are wrapped to one turn", "[dh_extraction]") {
   CHECK(wrapped(190 * kDegree) == Approx(-170 * kDegree));
   CHECK(wrapped(-180 * kDegree) == Approx(180 * kDegree));
+  CHECK(wrapped(-179.95 * kDegree) == Approx(180.05 * kDegree));  // what home is uncertain by
   CHECK(wrapped(720 * kDegree) == Approx(0).margin(1e-12));
 }
