@@ -100,8 +100,7 @@ Identification identify_given_axes(const std::vector<Axis>& axes, const Campaign
     found.specified = campaign.specified->rows;
     for (std::size_t j = 0; j < axes.size(); ++j) {
       if (!found.home_rad[j]) continue;
-      found.specified[j] = campaign.specified->row_at(j, *found.home_rad[j]);
-      found.specified[j].theta_rad = wrapped(found.specified[j].theta_rad);
+      found.specified[j] = specified_row(*campaign.specified, j, *found.home_rad[j]);
     }
     z = agreeing(z, found, size, campaign);
   }

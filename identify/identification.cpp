@@ -208,10 +208,8 @@ void take_poses(Identification& found, const std::vector<Pose>& poses, const Cam
   const PoseModel& model = found.poses->fit.model;
   for (std::size_t j = 0; j < model.home_rad.size(); ++j) {
     found.home_rad[j] = model.home_rad[j];
-    if (campaign.specified) {
-      found.specified[j] = campaign.specified->row_at(j, model.home_rad[j]);
-      found.specified[j].theta_rad = wrapped(found.specified[j].theta_rad);
-    }
+    if (campaign.specified)
+      found.specified[j] = specified_row(*campaign.specified, j, model.home_rad[j]);
   }
   found.doubt.clear();  // what a sweep alone left open, angles tell
   found.by_sense.clear();

@@ -161,10 +161,7 @@ class Explanation {
     Axes axes = axes_;
     auto specified = specified_;
     axes[j] = axes[j]->reversed();
-    if (home_rad_[j]) {
-      specified[j] = campaign_.specified->row_at(j, -*home_rad_[j]);
-      specified[j].theta_rad = wrapped(specified[j].theta_rad);
-    }
+    if (home_rad_[j]) specified[j] = specified_row(*campaign_.specified, j, -*home_rad_[j]);
     return fits(axes, specified, home_rad_, false);
   }
 
@@ -180,8 +177,7 @@ class Explanation {
     auto specified = specified_;
     for (std::size_t j = 0; j < specified.size(); ++j) {
       if (!home_rad_[j]) continue;
-      specified[j] = campaign_.specified->row_at(j, *home_rad_[j] / kDegree);
-      specified[j].theta_rad = wrapped(specified[j].theta_rad);
+      specified[j] = specified_row(*campaign_.specified, j, *home_rad_[j] / kDegree);
     }
     return told_ && fits(axes_, specified, home_rad_, false);
   }
@@ -195,10 +191,7 @@ class Explanation {
     if (told_) {
       std::swap(home[i], home[j]);
       for (const std::size_t k : {i, j})
-        if (home[k]) {
-          specified[k] = campaign_.specified->row_at(k, *home[k]);
-          specified[k].theta_rad = wrapped(specified[k].theta_rad);
-        }
+        if (home[k]) specified[k] = specified_row(*campaign_.specified, k, *home[k]);
     }
     return fits(axes, specified, home, !told_);
   }

@@ -12,7 +12,6 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "daemon/report/report_folder.hpp"
 #include "daemon/results/result_files.hpp"
 #include "daemon/system/atomic_file.hpp"
 #include "daemon/system/line_file.hpp"
@@ -39,7 +38,7 @@ std::string beginning(const fs::path& file, std::size_t bytes) {
 std::string command_of(const fs::path& folder) {
   std::ifstream stream(folder / file_names::kRun, std::ios::binary);
   const auto run = nlohmann::json::parse(stream, nullptr, false);
-  if (!run.is_object() || run.value("schema", nlohmann::json()) != kRunSchema) return {};
+  if (!run.is_object() || run.value("schema", nlohmann::json()) != schemas::kRun) return {};
   const auto command = run.find("command");
   return command != run.end() && command->is_string() ? command->get<std::string>() : "";
 }

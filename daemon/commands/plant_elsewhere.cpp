@@ -30,11 +30,9 @@ int become(const std::vector<std::string>& arguments) {
   for (auto& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   ::execv(path.c_str(), pointers.data());
-  const int reason = errno;
-  throw std::runtime_error(
-      (reason == ENOENT ? "sweepd-plant is missing: " : "") +
-      ("cannot start " + path.string() + " (" + std::generic_category().message(reason) +
-       "), which speaks with brokers and databases: install the whole package"));
+  throw std::runtime_error("cannot start " + path.string() + " (" +
+                           std::generic_category().message(errno) +
+                           "), which speaks with brokers and databases: install the whole package");
 }
 
 }  // namespace

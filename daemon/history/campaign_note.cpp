@@ -10,6 +10,7 @@
 
 #include "daemon/report/file_parts.hpp"
 #include "daemon/system/atomic_file.hpp"
+#include "daemon/text/json_text.hpp"
 #include "daemon/text/utc.hpp"
 
 namespace sweepd {

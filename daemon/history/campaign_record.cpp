@@ -8,7 +8,6 @@
 
 #include "daemon/record/session_folder.hpp"
 #include "daemon/report/file_parts.hpp"
-#include "daemon/report/report_folder.hpp"
 #include "daemon/text/file_names.hpp"
 #include "daemon/text/utc.hpp"
 
@@ -84,7 +83,7 @@ std::vector<JointFriction> friction_of(const Json& result, std::string_view curr
 }
 
 std::optional<LinkQuality> link_of(const Json& json) {
-  if (text_of(json, "schema") != kLinkSchema) return std::nullopt;
+  if (text_of(json, "schema") != schemas::kLink) return std::nullopt;
   const Json& telegrams = part_of(json, "telegrams");
   return LinkQuality{text_of(json, "verdict"),
                      number_of(telegrams, "received"),

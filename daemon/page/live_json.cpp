@@ -2,8 +2,8 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/page/page_json.hpp"
-#include "daemon/report/file_parts.hpp"
 #include "daemon/results/json_parts.hpp"
+#include "daemon/text/json_text.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
 #include "daemon/text/utc.hpp"

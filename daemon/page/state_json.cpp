@@ -1,8 +1,8 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/page/page_json.hpp"
-#include "daemon/report/report_folder.hpp"
 #include "daemon/results/run_json.hpp"
+#include "daemon/text/file_names.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
 #include "daemon/text/utc.hpp"
@@ -135,7 +135,7 @@ Json robot_state_json(const RobotMetrics& metrics) {
 
 std::string state_json(const ServiceStatus& status, const std::vector<RobotMetrics>& robots,
                        const ProcessState& process) {
-  Json json = {{"schema", kStateSchema},
+  Json json = {{"schema", schemas::kState},
                {"version", SWEEPD_VERSION},
                {"started", utc_text(process.started)},
                {"phase", text(status.phase)},

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "daemon/settings/toml_table.hpp"
+#include "daemon/system/atomic_file.hpp"
 #include "daemon/system/disk_room.hpp"
 #include "rsi/file_bytes.hpp"
 
@@ -153,11 +154,7 @@ BrokerLink::Names names_of(const mqtt::properties& properties) {
 }  // namespace
 
 void make_spool(const std::filesystem::path& spool) {
-  std::error_code error;
-  std::filesystem::create_directories(spool, error);
-  if (error)
-    throw std::runtime_error("cannot make the folder " + spool.string() + " (" + error.message() +
-                             "): give another `spool`, or make this one writable");
+  make_folder(spool, "give another `spool`, or make this one writable");
 }
 
 BrokerLink::BrokerLink(Options options, Log log)

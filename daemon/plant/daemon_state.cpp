@@ -13,7 +13,7 @@
 
 #include "daemon/drawing/markup.hpp"
 #include "daemon/report/file_parts.hpp"
-#include "daemon/report/report_folder.hpp"
+#include "daemon/text/file_names.hpp"
 #include "daemon/text/utc.hpp"
 
 namespace sweepd {
@@ -75,7 +75,7 @@ DaemonState trouble(const std::string& what) {
 
 DaemonState parse_daemon_state(const std::string& body, const std::string& at) {
   const Json all = Json::parse(body, nullptr, false);
-  if (text_of(all, "schema") != kStateSchema) return trouble("what answers is no sweepd");
+  if (text_of(all, "schema") != schemas::kState) return trouble("what answers is no sweepd");
   DaemonState state;
   for (const Json& robot : list_of(all, "robots")) {
     Json one = {{"schema", text_of(all, "schema")}, {"at", at}};

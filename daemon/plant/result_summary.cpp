@@ -8,6 +8,7 @@
 #include "daemon/report/file_parts.hpp"
 #include "daemon/results/change.hpp"
 #include "daemon/text/file_names.hpp"
+#include "daemon/text/json_text.hpp"
 
 namespace sweepd {
 namespace {

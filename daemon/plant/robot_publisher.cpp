@@ -6,6 +6,7 @@
 
 #include "daemon/plant/result_summary.hpp"
 #include "daemon/report/file_parts.hpp"
+#include "daemon/text/json_text.hpp"
 
 namespace sweepd {
 namespace {

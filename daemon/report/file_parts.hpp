@@ -15,7 +15,7 @@
 namespace sweepd {
 
 // Parts of JSON, and cells of CSV, that another program may have written or shortened: what is
-// missing, or is something else, is nothing, and never an error. And JSON as it is written.
+// missing, or is something else, is nothing, and never an error.
 
 /// Not a number.
 inline constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
@@ -36,15 +36,6 @@ inline constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 [[nodiscard]] bool is_linear(const nlohmann::ordered_json& joint);
 /// An array of three numbers, or three NaN.
 [[nodiscard]] Eigen::Vector3d vector_of(const nlohmann::ordered_json& json);
-
-/// JSON as a file of its own, and on one line. Bytes that are no UTF-8, as names of files may have,
-/// are replaced.
-[[nodiscard]] inline std::string json_text(const nlohmann::ordered_json& json) {
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
-}
-[[nodiscard]] inline std::string json_line(const nlohmann::ordered_json& json) {
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-}
 
 /// Takes the first line off `text`.
 [[nodiscard]] inline std::string_view take_line(std::string_view& text) {

@@ -134,11 +134,11 @@ void read_strokes(std::string_view text, ReportFolder& folder) {
 
 void require_result(const nlohmann::ordered_json& json, const std::filesystem::path& file) {
   const std::string schema = text_of(json, "schema");
-  if (schema == kResultSchema) return;
+  if (schema == schemas::kResult) return;
   throw std::runtime_error(
       file.string() +
       (schema.starts_with("sweepd.result/")
-           ? " has the schema " + schema + ", and this sweepd reads " + kResultSchema +
+           ? " has the schema " + schema + ", and this sweepd reads " + schemas::kResult +
                  ": use the sweepd that wrote it"
            : " holds no result of sweepd: give a folder that run, replay or identify has "
              "written, or its result.json"));

@@ -11,13 +11,7 @@
 
 namespace sweepd {
 
-/// What files say of themselves that sweepd reads again: result.json, link.json, run.json, and what
-/// /api/state shows.
-inline constexpr const char* kResultSchema = "sweepd.result/1";
-inline constexpr const char* kLinkSchema = "sweepd.link/1";
-inline constexpr const char* kRunSchema = "sweepd.run/1";
-inline constexpr const char* kStateSchema = "sweepd.state/1";
-/// Throws std::runtime_error where `json`, the content of `file`, is none of kResultSchema.
+/// Throws std::runtime_error where `json`, the content of `file`, is none of schemas::kResult.
 void require_result(const nlohmann::ordered_json& json, const std::filesystem::path& file);
 
 /// One row of sweeps.csv, as far as a picture needs it. Not a number where the file has nothing.
@@ -68,7 +62,7 @@ struct ReportFolder {
   /// recorded: the report of a day is as long as that of a minute.
   static constexpr std::size_t kMostPoints = 1600;
 
-  nlohmann::ordered_json result;  ///< of kResultSchema
+  nlohmann::ordered_json result;  ///< of schemas::kResult
   nlohmann::ordered_json run;     ///< run.json; null where there is none
   nlohmann::ordered_json link;    ///< link.json; null where there is none
   std::string dh_csv;             ///< empty where there is none

@@ -1,8 +1,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "daemon/report/file_parts.hpp"
 #include "daemon/results/change.hpp"
+#include "daemon/text/json_text.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
 

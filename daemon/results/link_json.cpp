@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "daemon/report/report_folder.hpp"
 #include "daemon/results/link_files.hpp"
+#include "daemon/text/file_names.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
 #include "daemon/text/utc.hpp"
@@ -104,12 +104,12 @@ nanoseconds next_limit(nanoseconds limit, int index) {
 }  // namespace
 
 std::string link_json_begins() {
-  return std::string("{\n  \"schema\": \"") + kLinkSchema + '"';
+  return std::string("{\n  \"schema\": \"") + schemas::kLink + '"';
 }
 
 std::string link_json(const rsi::Conversation& conversation, const LinkReport& report) {
   const rsi::Verdict verdict = rsi::verdict(report);
-  Json json = {{"schema", kLinkSchema},
+  Json json = {{"schema", schemas::kLink},
                {"controller", rsi::address_text(conversation.controller)},
                {"server", rsi::text(conversation.sweepd)},
                {"start", utc_text(report.start)},

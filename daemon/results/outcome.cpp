@@ -126,8 +126,7 @@ void doubt_stream(const SourceCounts& counts, identify::Identification& found) {
     doubt = {"malformed",
              {},
              "none of " + rsi::counted(counts.malformed_in_all(), "datagram") +
-                 " held a whole telegram: capture whole packets (tcpdump -s 0), and see whether "
-                 "another program on the controller's address uses this port"};
+                 " held a whole telegram: " + rsi::kNoWholeTelegram};
   if (doubt.message.empty()) return;
   found.doubts.insert(found.doubts.begin(), std::move(doubt));
   apply_doubts(found);

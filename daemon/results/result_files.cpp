@@ -83,11 +83,7 @@ void write_or_remove(const std::filesystem::path& file, const Content& content) 
 }  // namespace
 
 void make_folder(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error)
-    throw std::runtime_error("cannot make the folder " + folder.string() + " (" + error.message() +
-                             "): give one that may be written with --output");
+  make_folder(folder, "give one that may be written with --output");
 }
 
 std::vector<std::string> result_file_names() {

@@ -5,13 +5,14 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
-#include "daemon/report/file_parts.hpp"
 #include "daemon/report/report_folder.hpp"
 #include "daemon/results/json_parts.hpp"
 #include "daemon/results/models.hpp"
 #include "daemon/results/outcome.hpp"
 #include "daemon/results/poses_json.hpp"
 #include "daemon/results/result_formats.hpp"
+#include "daemon/text/file_names.hpp"
+#include "daemon/text/json_text.hpp"
 #include "daemon/text/numbers.hpp"
 #include "daemon/text/units.hpp"
 #include "identify/chain/delay.hpp"
@@ -218,7 +219,7 @@ void print(const Json& json, const std::string& indent, std::string& out) {
 
 std::string result_json(const Outcome& outcome) {
   const Identification& found = outcome.identification;
-  Json json = {{"schema", kResultSchema},
+  Json json = {{"schema", schemas::kResult},
                {"robot", outcome.robot},
                {"status", identify::text(found.status)}};
   if (!found.reason.empty()) json["reason"] = found.reason;

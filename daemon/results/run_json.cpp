@@ -4,10 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "daemon/report/file_parts.hpp"
-#include "daemon/report/report_folder.hpp"
 #include "daemon/system/atomic_file.hpp"
 #include "daemon/text/file_names.hpp"
+#include "daemon/text/json_text.hpp"
 #include "rsi/file_bytes.hpp"
 
 namespace sweepd {
@@ -50,7 +49,7 @@ Json run_in(const std::filesystem::path& folder) {
 }
 
 Json begun(std::string_view command) {
-  return {{"schema", kRunSchema}, {"sweepd", SWEEPD_VERSION}, {"command", command}};
+  return {{"schema", schemas::kRun}, {"sweepd", SWEEPD_VERSION}, {"command", command}};
 }
 
 }  // namespace

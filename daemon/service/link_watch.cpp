@@ -26,8 +26,7 @@ struct Kind {
 constexpr Kind kKindsOfTrouble[] = {
     {&Counts::refused, "reply", "replies",
      "not sent, because a correction was not zero: stop the robot, this is a fault of sweepd; "
-     "report "
-     "it with the Ethernet file"},
+     "report it with the Ethernet file"},
     {&Counts::not_begun, "telegram", "telegrams", "not answered: ", rsi::kBegunBefore},
     {&Counts::send_failures, "reply", "replies",
      "refused by the system: see `ip -s link` and the firewall of this machine"},

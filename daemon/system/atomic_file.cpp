@@ -99,6 +99,14 @@ void end_by(int signal) noexcept {
   raise(signal);
 }
 
+void make_folder(const std::filesystem::path& folder, const std::string& remedy) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error)
+    throw std::runtime_error("cannot make the folder " + folder.string() + " (" + error.message() +
+                             "): " + remedy);
+}
+
 std::string cannot_write(const std::filesystem::path& path, int error) {
   const char* const remedy = error == EISDIR   ? "name a file"
                              : error == ENOENT ? "make that folder first, or name another one"

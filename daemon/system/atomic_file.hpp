@@ -19,6 +19,10 @@ void replace_file(const std::filesystem::path& path, std::string_view content);
 /// Which files it has is on the disk when this returns, as far as the disk allows.
 void sync_folder(const std::filesystem::path& folder) noexcept;
 
+/// With all folders above it; it may be there already. Throws std::runtime_error with the reason
+/// and `remedy`.
+void make_folder(const std::filesystem::path& folder, const std::string& remedy);
+
 /// Why `path` cannot be written, by the number of the error, and what to do.
 [[nodiscard]] std::string cannot_write(const std::filesystem::path& path, int error);
 

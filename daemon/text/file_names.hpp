@@ -32,4 +32,14 @@ inline constexpr std::string_view kTraceStem = "trace", kTraceEnding = ".pcap";
 inline constexpr std::string_view kSamplesStem = "samples", kSamplesEnding = ".csv";
 
 }  // namespace file_names
+
+/// What JSON that sweepd reads again says of itself: these files, and what /api/state shows.
+namespace schemas {
+
+inline constexpr const char* kResult = "sweepd.result/1";
+inline constexpr const char* kLink = "sweepd.link/1";
+inline constexpr const char* kRun = "sweepd.run/1";
+inline constexpr const char* kState = "sweepd.state/1";
+
+}  // namespace schemas
 }  // namespace sweepd

@@ -319,10 +319,8 @@ class Circles {
     if (!campaign_.specified) return;
     result_.specified = campaign_.specified->rows;
     for (std::size_t j = 0; j < campaign_.joints; ++j)
-      if (result_.home_rad[j]) {
-        result_.specified[j] = campaign_.specified->row_at(j, *result_.home_rad[j]);
-        result_.specified[j].theta_rad = wrapped(result_.specified[j].theta_rad);
-      }
+      if (result_.home_rad[j])
+        result_.specified[j] = specified_row(*campaign_.specified, j, *result_.home_rad[j]);
   }
 
   const Campaign& campaign_;

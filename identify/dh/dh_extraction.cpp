@@ -98,10 +98,15 @@ void turn_to(const std::vector<DhRow>& specified, std::vector<DhEstimate>& table
 }  // namespace
 
 double wrapped(double angle) {
-  // Half a turn but for what home is uncertain by is not one time this way, the other time that.
-  constexpr double kHalfTurn = 0.1 * kDegree;
   const double turned = std::remainder(angle, 2 * kPi);
-  return turned <= -kPi + kHalfTurn ? turned + 2 * kPi : turned;
+  return turned <= -kPi ? turned + 2 * kPi : turned;
+}
+
+DhRow specified_row(const Arm& arm, std::size_t joint, double home_rad) {
+  constexpr double kOfHome = 0.1 * kDegree;
+  DhRow row = arm.row_at(joint, home_rad);
+  row.theta_rad = wrapped(row.theta_rad - kOfHome) + kOfHome;
+  return row;
 }
 
 Eigen::Isometry3d first_frame(const Axis& axis) {

@@ -102,7 +102,11 @@ inline constexpr std::array<DhNumberName, 5> kDhNumbers{
                                                           const std::vector<DhEstimate>& table,
                                                           const std::vector<DhRow>& specified);
 
-/// An angle brought to -179.9 to 180.1 degrees (rad).
+/// An angle brought to (-pi, pi].
 [[nodiscard]] double wrapped(double angle_rad);
+
+/// A row of the arm as it is specified where the controller says `home_rad`. Theta is from -179.9
+/// to 180.1 degrees, so that half a turn is +180 to whichever side home is uncertain.
+[[nodiscard]] DhRow specified_row(const Arm& arm, std::size_t joint, double home_rad);
 
 }  // namespace identify

@@ -198,8 +198,7 @@ class Judge {
     add(grade, "malformed",
         counted_of(report_.malformed, all, "datagram", "datagrams") +
             " held no whole telegram, and " + std::to_string(report_.unanswerable) +
-            " of them could not even be answered: see whether another program on the "
-            "controller's address uses this port, and whether the capture was cut (tcpdump -s 0)");
+            " of them could not even be answered: " + kNoWholeTelegram);
   }
 
   void two_senders() {

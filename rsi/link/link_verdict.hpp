@@ -57,8 +57,12 @@ struct VerdictLimits {
 /// Why a telegram is not answered on purpose, and what to do.
 inline constexpr const char* kBegunBefore =
     "the stream had begun before sweepd listened, perhaps with another server, and zeros might "
-    "move "
-    "the robot: switch RSI off, and on again after a second or more";
+    "move the robot: switch RSI off, and on again after a second or more";
+
+/// What to do where datagrams hold no whole telegram.
+inline constexpr const char* kNoWholeTelegram =
+    "see whether another program on the controller's address uses this port, and whether the "
+    "capture was cut (tcpdump -s 0)";
 
 /// What is wrong where two controllers streamed at once, and what to do; empty where they did not.
 [[nodiscard]] std::string text_of_two_senders(const LinkCounts& link);

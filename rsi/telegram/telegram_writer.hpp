@@ -33,9 +33,9 @@ struct SignalValues {
 
 /// Writes telegrams byte for byte as they were recorded on a KR C4: elements in the order of the
 /// SEND list, then IPOC, then one LF; no blank before "/>"; two blanks before the seventh
-/// attribute of a technology parameter. An element of one's own with X, Y, Z, A, B and C (Pos.X
-/// ..., as outputs of ST_ACTPOS feed it) is the actual pose. Other tags that SignalValues does not
-/// have are zero.
+/// attribute of a technology parameter. An element of one's own with X, Y, Z, A, B and C, as Pos.X
+/// that outputs of ST_ACTPOS feed, is the actual pose. Other tags that SignalValues does not have
+/// are zero.
 class TelegramWriter {
  public:
   /// `precision`: decimals of a DOUBLE, as at the ETHERNET object (whose default is 1). Throws

@@ -224,9 +224,18 @@ TEST_CASE("the uncertainty of a DH number is the scatter that uncertain axes cau
   }
 }
 
+TEST_CASE("a specified half turn is on one side, whatever home is uncertain by",
+          "[dh_extraction]") {
+  Arm arm = test::kr5_arc();
+  arm.rows[3].theta_rad = kPi;
+  for (const double off : {-1e-6, 0.0, 1e-6})
+    CHECK(specified_row(arm, 3, arm.home_rad[3] + off).theta_rad == Approx(kPi).margin(2e-6));
+  CHECK(specified_row(arm, 3, arm.home_rad[3] + arm.positive[3] * kPi / 2).theta_rad ==
+        Approx(-kPi / 2));
+}
+
 TEST_CASE("angles are wrapped to one turn", "[dh_extraction]") {
   CHECK(wrapped(190 * kDegree) == Approx(-170 * kDegree));
   CHECK(wrapped(-180 * kDegree) == Approx(180 * kDegree));
-  CHECK(wrapped(-179.95 * kDegree) == Approx(180.05 * kDegree));  // what home is uncertain by
   CHECK(wrapped(720 * kDegree) == Approx(0).margin(1e-12));
 }
