@@ -1,5 +1,6 @@
 #include "daemon/history/campaign_record.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <stdexcept>

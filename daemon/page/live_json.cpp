@@ -1,4 +1,6 @@
 
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 #include "daemon/page/page_json.hpp"

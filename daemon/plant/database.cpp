@@ -1,6 +1,7 @@
 #include "daemon/plant/database.hpp"
 
 #include <array>
+#include <utility>
 
 #include <libpq-fe.h>
 

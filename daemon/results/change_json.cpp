@@ -1,4 +1,6 @@
 
+#include <utility>
+
 #include <nlohmann/json.hpp>
 
 #include "daemon/results/change.hpp"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 #include <type_traits>
+#include <utility>
 
 #include <spdlog/fmt/fmt.h>
 

@@ -1,6 +1,7 @@
 #include "identify/correction/combined_poses.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "identify/poses/pose_rows.hpp"
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "identify/geometry/angle.hpp"
 #include "identify/geometry/warning.hpp"

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <numeric>
 #include <queue>
+#include <utility>
 #include <vector>
 
 #include "identify/geometry/line.hpp"

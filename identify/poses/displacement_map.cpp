@@ -1,5 +1,6 @@
 #include "identify/poses/displacement_map.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 

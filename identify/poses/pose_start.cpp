@@ -1,6 +1,7 @@
 #include "identify/poses/pose_start.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <Eigen/Cholesky>
 

@@ -1,6 +1,7 @@
 #include "rsi/capture/tcp_stream.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace rsi {
 namespace {

@@ -4,6 +4,7 @@
 #include <iostream>
 #include <set>
 #include <sstream>
+#include <utility>
 
 #include <pugixml.hpp>
 

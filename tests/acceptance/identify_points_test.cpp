@@ -1,6 +1,7 @@
 // Files of other devices as they come, through the command that a user types.
 
 #include <array>
+#include <cmath>
 #include <iostream>
 #include <sstream>
 #include <utility>

@@ -1,6 +1,7 @@
 // Static poses of a real arm: a Universal Robots UR5 before a laser tracker.
 
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <random>
 #include <string>

@@ -2,8 +2,10 @@
 // rests at both ends.
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <iostream>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

@@ -2,6 +2,7 @@
 // campaigns of one arm, each identified, written as result.json and read again. Fixed seeds;
 // figures, not a test.
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdlib>

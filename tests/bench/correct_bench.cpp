@@ -3,6 +3,7 @@
 // and the level table beside one that was worked out by differences. Fixed seeds; figures, not a
 // test.
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <iostream>

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "identify/geometry/angle.hpp"
 #include "tests/simulation/truth.hpp"

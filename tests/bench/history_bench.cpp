@@ -2,6 +2,7 @@
 // its alarms are false, and how long it takes: simulated histories with a crash, a slow drift and a
 // cycle of temperature. Fixed seeds; figures, not a test.
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>

@@ -4,6 +4,7 @@
 // of the live page and one that never reads in windows of twenty, at whose beginning each gets the
 // last minute.
 
+#include <algorithm>
 #include <atomic>
 #include <exception>
 #include <fstream>

@@ -2,6 +2,7 @@
 // that the machine's noise meets both alike. The service does all that it does: recording, sweeps,
 // identification.
 
+#include <algorithm>
 #include <atomic>
 #include <iostream>
 #include <optional>

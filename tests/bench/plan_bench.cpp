@@ -1,6 +1,7 @@
 // How right `sweepd plan` is: the standard uncertainties that it predicts against the scatter of
 // simulated campaigns with other seeds, identified. Fixed seeds; figures, not a test.
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>

@@ -2,6 +2,7 @@
 // the stated uncertainties, effects of joints that are found or invented, and how long it takes.
 // Fixed seeds; figures, not a test.
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -11,6 +12,7 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>

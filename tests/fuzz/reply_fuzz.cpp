@@ -1,5 +1,7 @@
 // Replies of any bytes, as a controller checks them. Beside pugixml: where a reply passes, an XML
 // parser does not see a number other than zero in any tag that the controller takes either.
+#include <utility>
+
 #include <pugixml.hpp>
 
 #include "rsi/ascii.hpp"

@@ -1,6 +1,7 @@
 #include "identify/advice.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <utility>

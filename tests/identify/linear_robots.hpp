@@ -5,6 +5,7 @@
 // the form that a result has, so that each number can be compared: a of a linear joint's row and b
 // of the next as specified, b zero and beta present where axes are parallel.
 
+#include <cmath>
 #include <cstdint>
 #include <random>
 

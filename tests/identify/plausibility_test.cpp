@@ -1,5 +1,7 @@
 #include "identify/plausibility.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <memory>

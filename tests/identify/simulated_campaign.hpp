@@ -3,6 +3,7 @@
 // A KR 5 arc that sweeps its joints one after the other, for tests of the numerics. Noise is a
 // wobble of every joint, as on a controller whose positions are computed from its encoders.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <functional>

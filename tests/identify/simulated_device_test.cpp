@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "tests/catch.hpp"
 #include "tests/identify/simulated_robots.hpp"
 #include "tests/simulation/device.hpp"

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <complex>
 
 #include "tests/catch.hpp"

@@ -1,5 +1,6 @@
 #include "tests/simulation/simulation.hpp"
 
+#include <cmath>
 #include <functional>
 
 #include <Eigen/Dense>

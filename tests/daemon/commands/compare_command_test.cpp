@@ -1,5 +1,6 @@
 #include "daemon/commands/compare_command.hpp"
 
+#include <cmath>
 #include <sstream>
 
 #include <nlohmann/json.hpp>

@@ -1,5 +1,6 @@
 #include "daemon/commands/export_command.hpp"
 
+#include <algorithm>
 #include <sstream>
 
 #include "rsi/capture/capture_reader.hpp"

@@ -1,6 +1,7 @@
 #include "daemon/commands/identify_command.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 #include <nlohmann/json.hpp>

@@ -1,6 +1,7 @@
 // A KR 5 arc from the files that measuring devices leave, without an option that says whose they
 // are.
 
+#include <cmath>
 #include <sstream>
 
 #include <nlohmann/json.hpp>

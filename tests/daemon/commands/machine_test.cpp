@@ -1,5 +1,6 @@
 #include "daemon/commands/machine.hpp"
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 

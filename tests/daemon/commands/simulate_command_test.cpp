@@ -1,6 +1,8 @@
 #include "daemon/commands/simulate_command.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <csignal>
 #include <map>
 

@@ -1,3 +1,5 @@
+#include <utility>
+
 #include "daemon/devices/maker_formats.hpp"
 #include "daemon/text/units.hpp"
 #include "tests/catch.hpp"

@@ -1,6 +1,7 @@
 #include "daemon/drawing/picture.hpp"
 
 #include <cmath>
+#include <vector>
 
 #include "tests/catch.hpp"
 

@@ -1,5 +1,7 @@
 #include "daemon/drawing/view.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include <Eigen/Geometry>

@@ -1,5 +1,7 @@
 #include "daemon/history/campaign_record.hpp"
 
+#include <cmath>
+
 #include "daemon/text/utc.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/history/whole_result.hpp"

@@ -1,5 +1,7 @@
 #include "daemon/history/history.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <sstream>
 
 #include "daemon/history/history_words.hpp"

@@ -1,6 +1,8 @@
 #include "daemon/history/repeatability.hpp"
 
+#include <cmath>
 #include <random>
+#include <utility>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>

@@ -1,6 +1,7 @@
 #include "daemon/krl/corrected_program.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include <spdlog/fmt/fmt.h>

@@ -1,5 +1,7 @@
 #include "daemon/krl/krl_position.hpp"
 
+#include <cmath>
+
 #include "identify/geometry/angle.hpp"
 #include "tests/catch.hpp"
 #include "tests/simulation/robot.hpp"

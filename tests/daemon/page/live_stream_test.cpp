@@ -1,5 +1,6 @@
 #include "daemon/page/live_stream.hpp"
 
+#include <algorithm>
 #include <map>
 #include <numeric>
 

@@ -1,5 +1,7 @@
 #include "daemon/plan/pose_plan.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "daemon/plan/krl_program.hpp"

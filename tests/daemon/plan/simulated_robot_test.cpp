@@ -1,5 +1,6 @@
 #include "daemon/plan/simulated_robot.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <numbers>

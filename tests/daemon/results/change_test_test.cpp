@@ -1,5 +1,6 @@
 #include "daemon/results/change_test.hpp"
 
+#include <cmath>
 #include <random>
 
 #include <Eigen/Cholesky>

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <sstream>
 
 #include "daemon/results/result_formats.hpp"

@@ -1,6 +1,8 @@
 #include "daemon/results/models.hpp"
 
+#include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <map>
 #include <random>
 #include <sstream>

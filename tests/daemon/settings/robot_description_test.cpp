@@ -1,5 +1,6 @@
 #include "daemon/settings/robot_description.hpp"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <random>

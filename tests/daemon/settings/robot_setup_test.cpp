@@ -1,5 +1,7 @@
 #include "daemon/settings/robot_setup.hpp"
 
+#include <utility>
+
 #include "daemon/settings/toml_table.hpp"
 #include "daemon/text/units.hpp"
 #include "tests/catch.hpp"

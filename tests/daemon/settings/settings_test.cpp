@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <sstream>
+#include <utility>
 
 #include "daemon/settings/toml_table.hpp"
 #include "tests/catch.hpp"

@@ -1,5 +1,7 @@
 #include "daemon/settings/sweep_plan.hpp"
 
+#include <utility>
+
 #include "daemon/settings/toml_table.hpp"
 #include "tests/catch.hpp"
 #include "tests/config_folder.hpp"

@@ -1,6 +1,7 @@
 #include "daemon/stream/pipeline.hpp"
 
 #include <chrono>
+#include <cmath>
 #include <memory>
 
 #include "daemon/text/units.hpp"

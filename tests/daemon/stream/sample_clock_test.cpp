@@ -1,6 +1,7 @@
 #include "daemon/stream/sample_clock.hpp"
 
 #include <chrono>
+#include <vector>
 
 #include "tests/catch.hpp"
 #include "tests/rsi/link_stream.hpp"

@@ -2,6 +2,7 @@
 
 #include <csignal>
 #include <optional>
+#include <vector>
 
 #include <sys/resource.h>
 #include <sys/wait.h>

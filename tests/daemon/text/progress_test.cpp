@@ -1,5 +1,6 @@
 #include "daemon/text/progress.hpp"
 
+#include <cstddef>
 #include <string>
 #include <vector>
 

@@ -1,5 +1,7 @@
 #include "identify/chain/angle_trust.hpp"
 
+#include <cmath>
+
 #include "identify/chain/chain_fit.hpp"
 #include "identify/geometry/angle.hpp"
 #include "tests/catch.hpp"

@@ -1,5 +1,7 @@
 #include "identify/chain/chain_fit.hpp"
 
+#include <cmath>
+
 #include "tests/catch.hpp"
 #include "tests/identify/random_chain.hpp"
 

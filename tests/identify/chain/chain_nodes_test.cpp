@@ -1,6 +1,7 @@
 #include "identify/chain/chain_nodes.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "tests/catch.hpp"
 #include "tests/identify/simulated_robots.hpp"

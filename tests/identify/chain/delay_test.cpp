@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "identify/chain/chain_start.hpp"
 #include "identify/circle/circle_estimator.hpp"

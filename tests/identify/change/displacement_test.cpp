@@ -1,5 +1,7 @@
 #include "identify/change/displacement.hpp"
 
+#include <algorithm>
+
 #include "identify/geometry/angle.hpp"
 #include "identify/identification.hpp"
 #include "tests/catch.hpp"

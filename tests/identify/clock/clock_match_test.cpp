@@ -1,5 +1,6 @@
 #include "identify/clock/clock_match.hpp"
 
+#include <cmath>
 #include <string>
 #include <utility>
 

@@ -1,5 +1,7 @@
 #include "identify/correction/combined_poses.hpp"
 
+#include <algorithm>
+
 #include "identify/correction/controller_fit.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/poses/simulated_poses.hpp"

@@ -1,5 +1,6 @@
 #include "identify/correction/controller_fit.hpp"
 
+#include <cmath>
 #include <random>
 
 #include "identify/geometry/angle.hpp"

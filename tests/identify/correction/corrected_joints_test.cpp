@@ -1,5 +1,7 @@
 #include "identify/correction/corrected_joints.hpp"
 
+#include <cmath>
+
 #include "tests/catch.hpp"
 #include "tests/identify/poses/simulated_poses.hpp"
 

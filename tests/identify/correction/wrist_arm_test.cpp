@@ -1,5 +1,7 @@
 #include "identify/correction/wrist_arm.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <random>
 #include <set>
 

@@ -1,5 +1,6 @@
 #include "identify/geometry/sines.hpp"
 
+#include <cmath>
 #include <random>
 
 #include "tests/catch.hpp"

@@ -1,5 +1,8 @@
 #include "identify/poses/displacement_map.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "tests/catch.hpp"
 #include "tests/identify/poses/simulated_poses.hpp"
 

@@ -1,5 +1,6 @@
 #include "identify/poses/pose_design.hpp"
 
+#include <algorithm>
 #include <random>
 
 #include <Eigen/Cholesky>

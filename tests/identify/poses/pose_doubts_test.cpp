@@ -1,6 +1,7 @@
 #include "identify/poses/pose_doubts.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <numeric>
 #include <random>

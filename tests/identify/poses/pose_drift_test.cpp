@@ -1,5 +1,8 @@
 #include "identify/poses/pose_drift.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "identify/identification.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/poses/simulated_poses.hpp"

@@ -1,7 +1,9 @@
 #include "identify/poses/pose_estimate.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <random>
+#include <utility>
 
 #include "identify/identification.hpp"
 #include "identify/poses/pose_start.hpp"

@@ -1,5 +1,7 @@
 #include "identify/poses/pose_fit.hpp"
 
+#include <algorithm>
+
 #include "identify/poses/arm_fit.hpp"
 #include "tests/catch.hpp"
 #include "tests/identify/poses/simulated_poses.hpp"

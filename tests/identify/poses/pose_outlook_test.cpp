@@ -1,5 +1,6 @@
 #include "identify/poses/pose_outlook.hpp"
 
+#include <algorithm>
 #include <random>
 
 #include "identify/identification.hpp"

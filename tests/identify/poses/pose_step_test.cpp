@@ -1,6 +1,7 @@
 #include "identify/poses/pose_step.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "identify/identification.hpp"
 #include "tests/catch.hpp"

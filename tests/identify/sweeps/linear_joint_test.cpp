@@ -1,5 +1,6 @@
 #include "identify/sweeps/linear_joint.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 

@@ -1,5 +1,6 @@
 #include "identify/sweeps/stroke_moments.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <string>

@@ -1,5 +1,6 @@
 #include "identify/sweeps/window.hpp"
 
+#include <algorithm>
 #include <deque>
 #include <random>
 

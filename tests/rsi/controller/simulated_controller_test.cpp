@@ -1,6 +1,7 @@
 #include "rsi/controller/simulated_controller.hpp"
 
 #include <string>
+#include <utility>
 
 #include "rsi/telegram/ipoc.hpp"
 #include "tests/catch.hpp"

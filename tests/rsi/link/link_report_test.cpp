@@ -1,5 +1,6 @@
 #include "rsi/link/link_report.hpp"
 
+#include <algorithm>
 #include <random>
 #include <vector>
 

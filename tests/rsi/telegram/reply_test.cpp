@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <random>
+#include <utility>
 
 #include "rsi/telegram/correction_gate.hpp"
 #include "tests/catch.hpp"
