@@ -1,6 +1,5 @@
 #include "identify/given_axes.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>

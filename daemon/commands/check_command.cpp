@@ -1,6 +1,5 @@
 #include "daemon/commands/check_command.hpp"
 
-#include <memory>
 #include <set>
 #include <string>
 

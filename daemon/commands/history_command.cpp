@@ -1,6 +1,5 @@
 #include "daemon/commands/history_command.hpp"
 
-#include <algorithm>
 #include <stdexcept>
 #include <utility>
 

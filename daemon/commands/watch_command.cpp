@@ -1,6 +1,5 @@
 #include "daemon/commands/watch_command.hpp"
 
-#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <map>

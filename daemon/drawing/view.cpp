@@ -1,7 +1,6 @@
 #include "daemon/drawing/view.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include <Eigen/Geometry>

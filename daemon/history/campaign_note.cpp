@@ -2,7 +2,6 @@
 
 #include <cerrno>
 #include <stdexcept>
-#include <system_error>
 
 #include <fcntl.h>
 #include <nlohmann/json.hpp>

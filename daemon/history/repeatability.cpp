@@ -1,6 +1,5 @@
 #include "daemon/history/repeatability.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 

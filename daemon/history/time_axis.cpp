@@ -1,7 +1,5 @@
 #include "daemon/history/time_axis.hpp"
 
-#include <array>
-
 #include "daemon/history/history.hpp"
 #include "daemon/text/utc.hpp"
 

@@ -1,7 +1,6 @@
 #include "daemon/krl/corrected_program.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include <spdlog/fmt/fmt.h>
 

@@ -4,7 +4,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 
 #include "daemon/service/live_slices.hpp"
 #include "daemon/service/service_status.hpp"

@@ -1,6 +1,5 @@
 #include "daemon/plan/plan_text.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include <spdlog/fmt/fmt.h>

@@ -3,7 +3,6 @@
 #include <array>
 #include <cstddef>
 #include <functional>
-#include <string>
 #include <vector>
 
 #include "daemon/plan/pose_rules.hpp"

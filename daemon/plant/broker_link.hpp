@@ -5,11 +5,8 @@
 #include <filesystem>
 #include <functional>
 #include <map>
-#include <mutex>
-#include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include <mqtt/async_client.h>
 

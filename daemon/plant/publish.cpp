@@ -3,8 +3,6 @@
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
-#include <string>
-#include <utility>
 #include <vector>
 
 #include <sys/inotify.h>

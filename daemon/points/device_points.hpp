@@ -1,8 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "daemon/devices/device_formats.hpp"
 #include "daemon/points/points_file.hpp"

@@ -1,7 +1,6 @@
 #include "daemon/record/record_writer.hpp"
 
 #include <algorithm>
-#include <stdexcept>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>

@@ -1,6 +1,5 @@
 #include <cmath>
 #include <map>
-#include <string>
 #include <utility>
 #include <vector>
 

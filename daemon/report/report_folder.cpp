@@ -1,8 +1,6 @@
 #include "daemon/report/report_folder.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <stdexcept>
 #include <string_view>

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 #include <vector>
 
 #include "daemon/results/report.hpp"

@@ -1,8 +1,5 @@
 #include "daemon/results/correction.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/krl/krl_position.hpp"

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <optional>
-#include <string_view>
 
 #include <spdlog/fmt/fmt.h>
 

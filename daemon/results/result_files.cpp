@@ -3,7 +3,6 @@
 #include <array>
 #include <exception>
 #include <optional>
-#include <stdexcept>
 
 #include "daemon/report/html_report.hpp"
 #include "daemon/results/displacement_csv.hpp"

@@ -1,7 +1,6 @@
 #include "daemon/settings/plant_settings.hpp"
 
 #include <charconv>
-#include <iterator>
 
 #include "daemon/settings/option.hpp"
 #include "daemon/settings/toml_table.hpp"

@@ -4,7 +4,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <system_error>
 #include <tuple>
 #include <utility>
 

@@ -1,7 +1,5 @@
 #include "daemon/system/log_repeats.hpp"
 
-#include <iterator>
-
 namespace sweepd {
 namespace {
 

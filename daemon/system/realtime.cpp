@@ -1,6 +1,5 @@
 #include "daemon/system/realtime.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdint>

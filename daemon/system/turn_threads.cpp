@@ -1,6 +1,5 @@
 #include "daemon/system/turn_threads.hpp"
 
-#include <algorithm>
 #include <exception>
 #include <system_error>
 

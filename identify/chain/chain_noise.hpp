@@ -1,7 +1,5 @@
 #pragma once
 
-#include <vector>
-
 #include "identify/chain/chain_estimate.hpp"
 #include "identify/chain/chain_nodes.hpp"
 

@@ -1,7 +1,6 @@
 #include "identify/chain/chain_table.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "identify/chain/target_level.hpp"
 #include "identify/dh/base_height.hpp"

@@ -1,7 +1,6 @@
 #include "identify/chain/linearised_chain.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>

@@ -1,8 +1,6 @@
 #include "identify/clock/clock_rates.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <utility>
 
 namespace identify {
 namespace {

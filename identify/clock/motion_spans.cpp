@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "identify/geometry/angle.hpp"
 #include "identify/sweeps/segmentation.hpp"

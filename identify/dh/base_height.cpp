@@ -1,7 +1,6 @@
 #include "identify/dh/base_height.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "identify/dh/placed_axes.hpp"

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <limits>
 #include <random>
-#include <vector>
 
 #include <Eigen/Cholesky>
 

@@ -1,7 +1,6 @@
 #include "identify/poses/arm_fit.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include "identify/geometry/median.hpp"

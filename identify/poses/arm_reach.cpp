@@ -1,7 +1,6 @@
 #include "identify/poses/arm_reach.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include <Eigen/Cholesky>

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "identify/geometry/line.hpp"
 #include "identify/geometry/spread.hpp"

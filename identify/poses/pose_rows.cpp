@@ -1,6 +1,5 @@
 #include "identify/poses/pose_rows.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Cholesky>

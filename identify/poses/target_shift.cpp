@@ -1,7 +1,6 @@
 #include "identify/poses/target_shift.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "identify/geometry/angle.hpp"

@@ -1,6 +1,5 @@
 #include "tests/acceptance/campaign.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <sstream>

@@ -1,7 +1,6 @@
 // The recording with late packets, played again as its controller did: a telegram every 4 ms where
 // SWEEPD_CYCLE_US says 4000, every 0.5 ms otherwise.
 
-#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdlib>

@@ -1,6 +1,5 @@
 // Points that were measured on a positioning table with one rotary joint.
 
-#include <cmath>
 #include <iostream>
 
 #include "daemon/text/units.hpp"

@@ -3,7 +3,6 @@
 // hold. Arguments: takes, rounds of sweeps, jitter and step of the stamps in microseconds, play in
 // arcsec, the joint that alone plays (0: all).
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>

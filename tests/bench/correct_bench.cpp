@@ -7,7 +7,6 @@
 #include <atomic>
 #include <cmath>
 #include <iostream>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>

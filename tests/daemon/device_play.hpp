@@ -2,7 +2,6 @@
 
 // What a measuring device sees of a simulated robot that runs a plan, by a clock of its own.
 
-#include <cmath>
 #include <filesystem>
 #include <random>
 #include <string>

@@ -2,7 +2,6 @@
 
 // A SCARA (R R P R) from its description and plan to an outcome, as the daemon has it.
 
-#include <filesystem>
 #include <string>
 
 #include "daemon/plan/rehearsal.hpp"

@@ -12,7 +12,6 @@
 //   is not compared.
 // - pugixml takes text and further elements beside the root: that is not well-formed.
 #include <algorithm>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>

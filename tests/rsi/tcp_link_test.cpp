@@ -1,7 +1,6 @@
 // A simulated controller over TCP, with a server or with one that misbehaves.
 
 #include <chrono>
-#include <memory>
 #include <optional>
 #include <string>
 #include <thread>

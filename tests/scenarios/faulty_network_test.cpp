@@ -1,5 +1,4 @@
 #include <cmath>
-#include <sstream>
 
 #include <nlohmann/json.hpp>
 

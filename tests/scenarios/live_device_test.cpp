@@ -1,7 +1,6 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
-#include <fstream>
 #include <thread>
 
 #include <nlohmann/json.hpp>

@@ -1,6 +1,5 @@
 #include <csignal>
 #include <filesystem>
-#include <fstream>
 
 #include <nlohmann/json.hpp>
 

@@ -1,8 +1,6 @@
 #include "tests/simulation/level_oracle.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "daemon/history/history_words.hpp"
 #include "daemon/results/change.hpp"

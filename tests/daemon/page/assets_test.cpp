@@ -1,9 +1,5 @@
 #include "daemon/page/assets.hpp"
 
-#include <cstdio>
-#include <fstream>
-#include <sstream>
-
 #include "tests/catch.hpp"
 #include "tests/daemon/temporary_folder.hpp"
 

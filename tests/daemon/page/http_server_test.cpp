@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <atomic>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <stdexcept>
-#include <thread>
 
 #include "tests/catch.hpp"
 #include "tests/daemon/http_client.hpp"

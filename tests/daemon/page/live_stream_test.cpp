@@ -1,8 +1,6 @@
 #include "daemon/page/live_stream.hpp"
 
 #include <algorithm>
-#include <map>
-#include <numeric>
 
 #include <nlohmann/json.hpp>
 

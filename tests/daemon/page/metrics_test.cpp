@@ -1,6 +1,5 @@
 #include "daemon/page/metrics.hpp"
 
-#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <iostream>

@@ -1,8 +1,5 @@
 #include "tests/daemon/plan/krl_checker.hpp"
 
-#include <filesystem>
-#include <stdexcept>
-
 #include "daemon/plan/krl_program.hpp"
 #include "rsi/ascii.hpp"
 #include "tests/catch.hpp"

@@ -1,7 +1,6 @@
 #include "daemon/plan/krl_program.hpp"
 
 #include <algorithm>
-#include <filesystem>
 #include <limits>
 #include <stdexcept>
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "daemon/plan/krl_program.hpp"
 #include "daemon/plan/plan_text.hpp"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 
 #include "daemon/settings/toml_table.hpp"
 #include "identify/geometry/angle.hpp"

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <future>
 #include <sstream>
-#include <thread>
 
 #include <sys/resource.h>
 

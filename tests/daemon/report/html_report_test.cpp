@@ -1,6 +1,5 @@
 #include "daemon/report/html_report.hpp"
 
-#include <algorithm>
 #include <set>
 #include <sstream>
 

@@ -1,5 +1,3 @@
-#include <array>
-#include <cmath>
 #include <random>
 
 #include <nlohmann/json.hpp>

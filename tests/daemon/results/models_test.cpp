@@ -1,7 +1,6 @@
 #include "daemon/results/models.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <random>

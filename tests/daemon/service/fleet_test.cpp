@@ -1,8 +1,6 @@
 #include "daemon/service/fleet.hpp"
 
-#include <functional>
 #include <optional>
-#include <thread>
 
 #include <fcntl.h>
 #include <spdlog/spdlog.h>

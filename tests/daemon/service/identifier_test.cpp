@@ -1,8 +1,5 @@
 #include "daemon/service/identifier.hpp"
 
-#include <functional>
-#include <thread>
-
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 

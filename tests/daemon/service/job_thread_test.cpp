@@ -3,7 +3,6 @@
 #include <atomic>
 #include <filesystem>
 #include <future>
-#include <optional>
 #include <vector>
 
 #include "tests/catch.hpp"

@@ -1,7 +1,6 @@
 #include "daemon/settings/toml_table.hpp"
 
 #include <filesystem>
-#include <fstream>
 
 #include "tests/catch.hpp"
 

@@ -1,12 +1,10 @@
 #include "daemon/stream/kept_sweeps.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <memory>
 #include <set>
-#include <string>
 #include <utility>
 #include <vector>
 

@@ -1,7 +1,6 @@
 #include "daemon/stream/session.hpp"
 
 #include <algorithm>
-#include <filesystem>
 
 #include "daemon/results/report.hpp"
 #include "daemon/results/result_formats.hpp"

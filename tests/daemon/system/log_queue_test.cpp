@@ -2,7 +2,6 @@
 
 #include <csignal>
 #include <string>
-#include <thread>
 
 #include <fcntl.h>
 #include <unistd.h>

@@ -1,7 +1,5 @@
 #include "identify/chain/chain_effects.hpp"
 
-#include <cmath>
-
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 

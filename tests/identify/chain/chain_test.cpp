@@ -2,8 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <utility>
-#include <vector>
 
 #include "identify/geometry/angle.hpp"
 #include "tests/catch.hpp"

@@ -2,8 +2,6 @@
 #include <cmath>
 #include <cstdint>
 #include <random>
-#include <utility>
-#include <vector>
 
 #include "identify/geometry/angle.hpp"
 #include "identify/identification.hpp"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
-#include <set>
 
 #include "identify/geometry/angle.hpp"
 #include "tests/catch.hpp"

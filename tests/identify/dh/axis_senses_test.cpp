@@ -1,6 +1,5 @@
 #include "identify/dh/axis_senses.hpp"
 
-#include <cmath>
 #include <random>
 
 #include "identify/geometry/angle.hpp"

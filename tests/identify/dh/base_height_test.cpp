@@ -1,9 +1,7 @@
 #include "identify/dh/base_height.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <random>
-#include <string>
 
 #include "identify/given_axes.hpp"
 #include "identify/identification.hpp"

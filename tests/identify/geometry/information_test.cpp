@@ -1,7 +1,5 @@
 #include "identify/geometry/information.hpp"
 
-#include <cmath>
-
 #include <Eigen/LU>
 
 #include "tests/catch.hpp"

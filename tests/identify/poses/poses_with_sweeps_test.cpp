@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 #include "identify/identification.hpp"
 #include "identify/poses/pose_start.hpp"

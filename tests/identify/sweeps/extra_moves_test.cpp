@@ -1,7 +1,6 @@
 // Streams in which several joints also moved at once: what looks like an arc may be no joint's.
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <random>
 #include <string>

@@ -1,6 +1,5 @@
 #include "rsi/link/link.hpp"
 
-#include <memory>
 #include <random>
 
 #include "tests/catch.hpp"

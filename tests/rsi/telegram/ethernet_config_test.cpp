@@ -1,7 +1,6 @@
 #include "rsi/telegram/ethernet_config.hpp"
 
 #include <filesystem>
-#include <fstream>
 
 #include "rsi/telegram/wire_layout.hpp"
 #include "tests/catch.hpp"

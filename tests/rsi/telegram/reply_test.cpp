@@ -1,6 +1,5 @@
 #include "rsi/telegram/reply.hpp"
 
-#include <limits>
 #include <random>
 #include <utility>
 
