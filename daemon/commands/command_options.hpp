@@ -47,6 +47,13 @@ void refuse_empty_paths(CLI::App& command);
 [[nodiscard]] CLI::Validator finite();
 [[nodiscard]] CLI::Validator more_than_zero();
 
+/// A number in `range`; help has the default, which is the value so far. `command` is a CLI::App.
+template <typename Command, typename Number>
+auto* add_number(Command& command, const char* name, Number& value, const CLI::Validator& range,
+                 const char* help) {
+  return command.add_option(name, value, help)->check(range)->capture_default_str();
+}
+
 inline constexpr const char* kAnAddress = "expected an IPv4 address, as 192.168.1.20";
 inline constexpr const char* kAnEndpoint =
     "expected an IPv4 address and a port (1 to 65535), as 192.168.1.10:49152";

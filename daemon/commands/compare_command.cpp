@@ -36,11 +36,8 @@ CLI::App* add_compare(CLI::App& app, CompareOptions& options) {
   command->add_option("B", options.second, "The later result: a folder, or its result.json")
       ->required()
       ->type_name("");
-  command
-      ->add_option("--level", options.level,
-                   "Call this share of unchanged pairs changed, and no more")
-      ->check(number_between(1e-6, 0.5))
-      ->capture_default_str()
+  add_number(*command, "--level", options.level, number_between(1e-6, 0.5),
+             "Call this share of unchanged pairs changed, and no more")
       ->type_name("SHARE");
   command
       ->add_option("--database", options.database,

@@ -160,12 +160,9 @@ CLI::App* add_correct(CLI::App& app, CorrectOptions& options) {
                    "Say where $FLANGE is in the frame after the last row of the robot description")
       ->type_name("FRAME")
       ->default_str("the same frame");
-  command
-      ->add_option("--largest-shift", options.largest_shift_mm,
-                   "Refuse to shift a point by more than so many mm")
-      ->check(number_between(0.0, 100.0))
+  add_number(*command, "--largest-shift", options.largest_shift_mm, number_between(0.0, 100.0),
+             "Refuse to shift a point by more than so many mm")
       ->needs(program)
-      ->capture_default_str()
       ->type_name("MM");
   command->add_option("--leave", options.leave, "Leave the points of these names as they are")
       ->delimiter(',')

@@ -111,11 +111,8 @@ CLI::App* add_history(CLI::App& app, HistoryCommandOptions& options) {
       ->check(CLI::IsMember({"arm", "model"}))
       ->type_name("arm|model")
       ->default_str("arm where there is any");
-  command
-      ->add_option("--level", options.level,
-                   "Call this share of unchanged campaigns, and of unchanged histories, changed")
-      ->check(number_between(1e-6, 0.5))
-      ->capture_default_str()
+  add_number(*command, "--level", options.level, number_between(1e-6, 0.5),
+             "Call this share of unchanged campaigns, and of unchanged histories, changed")
       ->type_name("SHARE");
   command->add_option("--csv", options.csv, "Write a line for each campaign to this file")
       ->type_name("FILE");

@@ -166,23 +166,14 @@ CLI::App* add_plan(CLI::App& app, PlanOptions& options) {
           ->check(whole_number(1, 1000))
           ->type_name("N");
   what->require_option(1);
-  command
-      ->add_option("--cycle-ms", options.cycle_ms,
-                   "Assume a telegram every so many milliseconds: 4 on IPO_FAST, 12 on IPO")
-      ->needs(sweeps)
-      ->check(whole_number(1, 1000))
-      ->capture_default_str();
-  command
-      ->add_option("--precision", options.precision,
-                   "Assume numbers with this many decimals, as set at the ETHERNET object")
-      ->needs(sweeps)
-      ->check(whole_number(0, rsi::kMostPrecision))
-      ->capture_default_str();
-  command
-      ->add_option("--wobble-deg", options.wobble_deg,
-                   "Assume that every joint wobbles with this standard deviation, in degrees")
-      ->check(number_between(0.0, kMostWobble_deg))
-      ->capture_default_str();
+  add_number(*command, "--cycle-ms", options.cycle_ms, whole_number(1, 1000),
+             "Assume a telegram every so many milliseconds: 4 on IPO_FAST, 12 on IPO")
+      ->needs(sweeps);
+  add_number(*command, "--precision", options.precision, whole_number(0, rsi::kMostPrecision),
+             "Assume numbers with this many decimals, as set at the ETHERNET object")
+      ->needs(sweeps);
+  add_number(*command, "--wobble-deg", options.wobble_deg, number_between(0.0, kMostWobble_deg),
+             "Assume that every joint wobbles with this standard deviation, in degrees");
   command
       ->add_option("--position-sigma-mm", options.position_sigma_mm,
                    "Assume that another device measures positions and no angles, with this "
@@ -225,13 +216,10 @@ CLI::App* add_plan(CLI::App& app, PlanOptions& options) {
       ->type_name("NAME")
       ->needs(output)
       ->default_str("sweepd_sweeps, of poses sweepd_poses");
-  command
-      ->add_option("--krl-tool", options.krl_tool,
-                   "Use the controller's tool of this number in the KRL program, whose point is "
-                   "the target")
-      ->check(whole_number(1, kMostKrlTools))
-      ->needs(krl)
-      ->capture_default_str();
+  add_number(*command, "--krl-tool", options.krl_tool, whole_number(1, kMostKrlTools),
+             "Use the controller's tool of this number in the KRL program, whose point is the "
+             "target")
+      ->needs(krl);
   command
       ->add_option("--rsi-file", options.rsi_file,
                    "Let the KRL program load this Ethernet file (krc2) or RSI context (krc4, "

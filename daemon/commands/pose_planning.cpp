@@ -1,7 +1,6 @@
 #include <array>
 #include <stdexcept>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -68,11 +67,8 @@ void add_pose_options(CLI::App& command, PoseTask& poses, CLI::Option& count) {
       ->type_name("X,Y,Z")
       ->delimiter(',')
       ->default_str("0,0,1");
-  command
-      .add_option("--arm-radius-mm", limits.arm_radius_mm,
-                  "Keep the line of sight this far off the arm. With 0 it may cross it")
-      ->check(zero_or_more())
-      ->capture_default_str();
+  add_number(command, "--arm-radius-mm", limits.arm_radius_mm, zero_or_more(),
+             "Keep the line of sight this far off the arm. With 0 it may cross it");
   command
       .add_option_function<std::vector<double>>(
           "--keep-out",
@@ -99,13 +95,10 @@ void add_pose_options(CLI::App& command, PoseTask& poses, CLI::Option& count) {
                   "Keep all behind the third axis this far off axis 1, up to the height of axis 2")
       ->check(more_than_zero())
       ->type_name("R");
-  for (const auto& [name, value, help] :
-       {std::tuple{"--speed-deg-s", &poses.speed_deg_s,
-                   "Drive from pose to pose at this speed of every axis"},
-        std::tuple{"--dwell-s", &poses.dwell_s, "Rest so many seconds at each pose"}})
-    command.add_option(name, *value, help)
-        ->check(number_between(0.1, 1000.0))
-        ->capture_default_str();
+  add_number(command, "--speed-deg-s", poses.speed_deg_s, number_between(0.1, 1000.0),
+             "Drive from pose to pose at this speed of every axis");
+  add_number(command, "--dwell-s", poses.dwell_s, number_between(0.1, 1000.0),
+             "Rest so many seconds at each pose");
   const auto all = command.get_options();
   for (std::size_t k = before; k < all.size(); ++k) all[k]->needs(&count);
 }

@@ -256,32 +256,17 @@ CLI::App* add_simulate(CLI::App& app, SimulateOptions& options) {
                    "Read the controller's Ethernet file from here")
       ->type_name("FILE")
       ->default_str("the one that sweepd ships");
-  command
-      ->add_option("--seed", options.seed,
-                   "Start the random numbers of wobble and faults from this number")
-      ->check(whole_number(0))
-      ->capture_default_str();
-  command
-      ->add_option("--wobble-deg", options.wobble_deg,
-                   "Let every joint wobble with this standard deviation, in degrees")
-      ->check(number_between(0.0, kMostWobble_deg))
-      ->capture_default_str();
-  command
-      ->add_option("--precision", options.precision,
-                   "Write numbers with this many decimals, as set at the ETHERNET object")
-      ->check(whole_number(0, rsi::kMostPrecision))
-      ->capture_default_str();
-  command
-      ->add_option("--cycle-ms", options.cycle_ms,
-                   "Send a telegram every so many milliseconds: 4 on IPO_FAST, 12 on IPO")
-      ->check(whole_number(1, 1000))
-      ->capture_default_str();
-  command
-      ->add_option("--timeout-cycles", options.timeout_cycles,
-                   "Stop after this many unanswered cycles in a row, as a controller does")
-      ->check(whole_number(1))
-      ->needs(to)
-      ->capture_default_str();
+  add_number(*command, "--seed", options.seed, whole_number(0),
+             "Start the random numbers of wobble and faults from this number");
+  add_number(*command, "--wobble-deg", options.wobble_deg, number_between(0.0, kMostWobble_deg),
+             "Let every joint wobble with this standard deviation, in degrees");
+  add_number(*command, "--precision", options.precision, whole_number(0, rsi::kMostPrecision),
+             "Write numbers with this many decimals, as set at the ETHERNET object");
+  add_number(*command, "--cycle-ms", options.cycle_ms, whole_number(1, 1000),
+             "Send a telegram every so many milliseconds: 4 on IPO_FAST, 12 on IPO");
+  add_number(*command, "--timeout-cycles", options.timeout_cycles, whole_number(1),
+             "Stop after this many unanswered cycles in a row, as a controller does")
+      ->needs(to);
   command
       ->add_option_function<std::string>(
           "--check",
@@ -294,19 +279,15 @@ CLI::App* add_simulate(CLI::App& app, SimulateOptions& options) {
       ->check(CLI::IsMember({"controller", "sweepd"}))
       ->needs(to)
       ->default_str("controller");
-  command->add_option("--first-ipoc", options.first_ipoc, "Give the first telegram this IPOC")
-      ->check(whole_number(0))
-      ->capture_default_str();
-  for (const auto& [name, value, help] :
-       {std::tuple{"--lose-percent", &options.lose_percent,
-                   "Lose this share of the telegrams on purpose, in percent"},
-        std::tuple{"--duplicate-percent", &options.duplicate_percent,
-                   "Send this share of the telegrams twice, in percent"},
-        std::tuple{"--swap-percent", &options.swap_percent,
-                   "Exchange this share of the telegrams with the next one, in percent"}})
-    command->add_option(name, *value, help)
-        ->check(number_between(0.0, 100.0))
-        ->capture_default_str();
+  add_number(*command, "--first-ipoc", options.first_ipoc, whole_number(0),
+             "Give the first telegram this IPOC");
+  const auto percent = number_between(0.0, 100.0);
+  add_number(*command, "--lose-percent", options.lose_percent, percent,
+             "Lose this share of the telegrams on purpose, in percent");
+  add_number(*command, "--duplicate-percent", options.duplicate_percent, percent,
+             "Send this share of the telegrams twice, in percent");
+  add_number(*command, "--swap-percent", options.swap_percent, percent,
+             "Exchange this share of the telegrams with the next one, in percent");
   add_tool(*command, options.tool_mm);
   add_quiet(*command, options.quiet);
   add_force(*command, options.force);
