@@ -146,6 +146,81 @@ int plan(const PlanOptions& options, std::ostream& out, std::ostream& errors) {
   return 0;
 }
 
+namespace {
+
+/// What a rehearsal takes for granted. `sweeps` is --plan.
+void add_assumptions(CLI::App& command, PlanOptions& options, CLI::Option& sweeps) {
+  add_number(command, "--cycle-ms", options.cycle_ms, whole_number(1, 1000),
+             "Assume a telegram every so many milliseconds: 4 on IPO_FAST, 12 on IPO")
+      ->needs(&sweeps);
+  add_number(command, "--precision", options.precision, whole_number(0, rsi::kMostPrecision),
+             "Assume numbers with this many decimals, as set at the ETHERNET object")
+      ->needs(&sweeps);
+  add_number(command, "--wobble-deg", options.wobble_deg, number_between(0.0, kMostWobble_deg),
+             "Assume that every joint wobbles with this standard deviation, in degrees");
+  command
+      .add_option("--position-sigma-mm", options.position_sigma_mm,
+                  "Assume that another device measures positions and no angles, with this "
+                  "standard deviation of each coordinate in mm")
+      ->check(number_between(1e-6, 100.0))
+      ->default_str(fmt::format("positions and angles are the controller's; of static poses {}",
+                                PoseTask().position_sigma_mm));
+  add_tool(command, options.tool_mm);
+}
+
+void add_proposal(CLI::App& command, PlanOptions& options) {
+  auto* propose = command.add_flag("--propose", options.propose,
+                                   "Look for better sweep ranges within the joint limits");
+  command
+      .add_option("--margin-deg", options.margin_deg,
+                  "Keep proposed ranges and poses this many degrees off the joint limits")
+      ->check(number_between(0.0, 90.0))
+      ->default_str(std::to_string(PlanOptions::kMargin_deg));
+  command.add_option("--write-plan", options.write_plan, "Write the proposed plan to this file")
+      ->type_name("FILE")
+      ->needs(propose);
+}
+
+void add_krl(CLI::App& command, PlanOptions& options) {
+  auto* krl = command
+                  .add_option_function<std::string>(
+                      "--krl",
+                      [&options](const std::string& dialect) {
+                        options.krl = dialect == "krc2"   ? KrlDialect::krc2
+                                      : dialect == "krc4" ? KrlDialect::krc4
+                                                          : KrlDialect::iiqka;
+                      },
+                      "Write the KRL program of the plan that was given, for a KR C2 (krc2: RSI "
+                      "2), a KR C4 or KR C5 with KSS (krc4: RSI 3 to 5), or a KR C5 with iiQKA "
+                      "(iiqka: RSI 6)")
+                  ->type_name("krc2|krc4|iiqka")
+                  ->check(CLI::IsMember({"krc2", "krc4", "iiqka"}));
+  auto* output =
+      command
+          .add_option("--output", options.output,
+                      "Write the KRL program into this folder, as NAME.src and NAME.dat, and the "
+                      "table of static poses as NAME.csv")
+          ->type_name("DIR");
+  krl->needs(output);
+  command.add_option("--name", options.name, "Give the KRL program this name")
+      ->type_name("NAME")
+      ->needs(output)
+      ->default_str("sweepd_sweeps, of poses sweepd_poses");
+  add_number(command, "--krl-tool", options.krl_tool, whole_number(1, kMostKrlTools),
+             "Use the controller's tool of this number in the KRL program, whose point is the "
+             "target")
+      ->needs(krl);
+  command
+      .add_option("--rsi-file", options.rsi_file,
+                  "Let the KRL program load this Ethernet file (krc2) or RSI context (krc4, "
+                  "iiqka)")
+      ->type_name("NAME")
+      ->needs(krl)
+      ->default_str("sweepd_udp.xml, sweepd.rsi or sweepd; a program of poses has no RSI then");
+}
+
+}  // namespace
+
 CLI::App* add_plan(CLI::App& app, PlanOptions& options) {
   auto* command = app.add_subcommand(
       "plan",
@@ -166,67 +241,9 @@ CLI::App* add_plan(CLI::App& app, PlanOptions& options) {
           ->check(whole_number(1, 1000))
           ->type_name("N");
   what->require_option(1);
-  add_number(*command, "--cycle-ms", options.cycle_ms, whole_number(1, 1000),
-             "Assume a telegram every so many milliseconds: 4 on IPO_FAST, 12 on IPO")
-      ->needs(sweeps);
-  add_number(*command, "--precision", options.precision, whole_number(0, rsi::kMostPrecision),
-             "Assume numbers with this many decimals, as set at the ETHERNET object")
-      ->needs(sweeps);
-  add_number(*command, "--wobble-deg", options.wobble_deg, number_between(0.0, kMostWobble_deg),
-             "Assume that every joint wobbles with this standard deviation, in degrees");
-  command
-      ->add_option("--position-sigma-mm", options.position_sigma_mm,
-                   "Assume that another device measures positions and no angles, with this "
-                   "standard deviation of each coordinate in mm")
-      ->check(number_between(1e-6, 100.0))
-      ->default_str(fmt::format("positions and angles are the controller's; of static poses {}",
-                                PoseTask().position_sigma_mm));
-  add_tool(*command, options.tool_mm);
-  auto* propose = command->add_flag("--propose", options.propose,
-                                    "Look for better sweep ranges within the joint limits");
-  command
-      ->add_option("--margin-deg", options.margin_deg,
-                   "Keep proposed ranges and poses this many degrees off the joint limits")
-      ->check(number_between(0.0, 90.0))
-      ->default_str(std::to_string(PlanOptions::kMargin_deg));
-  command->add_option("--write-plan", options.write_plan, "Write the proposed plan to this file")
-      ->type_name("FILE")
-      ->needs(propose);
-  auto* krl = command
-                  ->add_option_function<std::string>(
-                      "--krl",
-                      [&options](const std::string& dialect) {
-                        options.krl = dialect == "krc2"   ? KrlDialect::krc2
-                                      : dialect == "krc4" ? KrlDialect::krc4
-                                                          : KrlDialect::iiqka;
-                      },
-                      "Write the KRL program of the plan that was given, for a KR C2 (krc2: RSI "
-                      "2), a KR C4 or KR C5 with KSS (krc4: RSI 3 to 5), or a KR C5 with iiQKA "
-                      "(iiqka: RSI 6)")
-                  ->type_name("krc2|krc4|iiqka")
-                  ->check(CLI::IsMember({"krc2", "krc4", "iiqka"}));
-  auto* output =
-      command
-          ->add_option("--output", options.output,
-                       "Write the KRL program into this folder, as NAME.src and NAME.dat, and the "
-                       "table of static poses as NAME.csv")
-          ->type_name("DIR");
-  krl->needs(output);
-  command->add_option("--name", options.name, "Give the KRL program this name")
-      ->type_name("NAME")
-      ->needs(output)
-      ->default_str("sweepd_sweeps, of poses sweepd_poses");
-  add_number(*command, "--krl-tool", options.krl_tool, whole_number(1, kMostKrlTools),
-             "Use the controller's tool of this number in the KRL program, whose point is the "
-             "target")
-      ->needs(krl);
-  command
-      ->add_option("--rsi-file", options.rsi_file,
-                   "Let the KRL program load this Ethernet file (krc2) or RSI context (krc4, "
-                   "iiqka)")
-      ->type_name("NAME")
-      ->needs(krl)
-      ->default_str("sweepd_udp.xml, sweepd.rsi or sweepd; a program of poses has no RSI then");
+  add_assumptions(*command, options, *sweeps);
+  add_proposal(*command, options);
+  add_krl(*command, options);
   add_pose_options(*command, options.poses, *poses);
   add_force(*command, options.force);
   command->footer(exit_status(
