@@ -67,10 +67,6 @@ BodyTurns::BodyTurns(const std::vector<Sweep>& strokes, std::size_t joints) : st
     if (!any_whole || !add(turns, true)) to_tell_.push_back(std::move(turns));
 }
 
-double BodyTurns::begin_s(const Turn& turn) const {
-  return strokes_[turn.strokes.front().place].first().time_s;
-}
-
 double BodyTurns::end_s(const Turn& turn) const {
   return strokes_[turn.strokes.back().place].last().time_s;
 }
@@ -95,8 +91,8 @@ const BodyTurns::Members* BodyTurns::seen_by_others(const Turn& turn) const {
     for (const Turn& other : members)
       apart_s = run_at_once(other, turn)
                     ? -1
-                    : std::min(apart_s, std::max(begin_s(other) - end_s(turn),
-                                                 begin_s(turn) - end_s(other)));
+                    : std::min(apart_s, std::max(other.begin_s() - end_s(turn),
+                                                 turn.begin_s() - end_s(other)));
     if (apart_s >= least_s) continue;
     least_s = apart_s;
     nearest = &members;
@@ -140,13 +136,11 @@ std::vector<Turn> BodyTurns::together() const {
         turn.strokes.push_back(stroke);
       }
     std::sort(turn.strokes.begin(), turn.strokes.end(),
-              [&](const Turn::Stroke& a, const Turn::Stroke& b) {
-                return strokes_[a.place].first().time_s < strokes_[b.place].first().time_s;
-              });
+              [&](const Turn::Stroke& a, const Turn::Stroke& b) { return a.begin_s < b.begin_s; });
     all.push_back(std::move(turn));
   }
   std::stable_sort(all.begin(), all.end(),
-                   [&](const Turn& a, const Turn& b) { return begin_s(a) < begin_s(b); });
+                   [&](const Turn& a, const Turn& b) { return a.begin_s() < b.begin_s(); });
   return all;
 }
 

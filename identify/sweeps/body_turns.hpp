@@ -34,7 +34,6 @@ class BodyTurns {
   [[nodiscard]] const Members* seen_by_others(const Turn& turn) const;
   [[nodiscard]] std::vector<Turn> together() const;
   [[nodiscard]] bool run_at_once(const Turn& first, const Turn& second) const;
-  [[nodiscard]] double begin_s(const Turn& turn) const;
   [[nodiscard]] double end_s(const Turn& turn) const;
 
   const std::vector<Sweep>& strokes_;

@@ -97,13 +97,22 @@ class Assigner {
                    "or name the joint of each point");
   }
 
-  /// Parts turns of joints that have one axis at home and swept one after the other, where the plan
-  /// tells, and the description has such joints. Without one all of the plan has to be seen.
+  /// Parts turns of joints that have one axis at home, where the plan tells, and the description
+  /// has such joints. Without one all strokes of the plan have to be seen, and in its order.
   void part() {
-    const auto seen = turns_;
-    while (turns_.size() < plan_.order().size())
-      if (!plan_.part(turns_, !campaign_.specified)) break;
-    if (turns_.size() > seen.size() && campaign_.specified && fits_at_home().empty()) turns_ = seen;
+    while (turns_.size() < plan_.order().size()) {
+      const auto before = turns_;
+      const auto partings = plan_.partings(before);
+      if (std::none_of(partings.begin(), partings.end(), [&](const auto& parting) {
+            turns_ = parting.of(before);
+            if (campaign_.specified) return !fits_at_home().empty();
+            return parting.whole &&
+                   (turns_.size() < plan_.order().size() || plan_.explains_in_order(turns_));
+          })) {
+        turns_ = before;
+        return;
+      }
+    }
   }
 
   void mismatch() {

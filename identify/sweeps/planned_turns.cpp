@@ -1,7 +1,9 @@
 #include "identify/sweeps/planned_turns.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "identify/geometry/angle.hpp"
@@ -20,52 +22,87 @@ std::size_t whole_strokes(const Turn& turn) {
                     [](const Turn::Stroke& stroke) { return !stroke.gap_rad; }));
 }
 
-std::pair<Turn, Turn> halves(const Turn& turn, std::size_t cut) {
-  Turn head = turn, tail = turn;
-  const auto at = static_cast<std::ptrdiff_t>(cut);
-  head.strokes.erase(head.strokes.begin() + at, head.strokes.end());
-  tail.strokes.erase(tail.strokes.begin(), tail.strokes.begin() + at);
-  tail.strokes.front().gap_rad.reset();
-  tail.strokes.front().goes_on = false;
-  return {head, tail};
-}
-
 /// In what is allowed for. A stroke that was not seen whole may have been any longer.
 double difference(double angle, double wanted, bool whole, double unsure) {
   if (!whole && angle * wanted > 0 && std::abs(angle) < std::abs(wanted)) return 0;
   return (angle - wanted) / (kDegree + (0.02 + unsure) * std::abs(wanted));
 }
 
-/// The cheapest way to lay the strokes that were seen beside the planned ones, which may have been
-/// run several times: the edit distance. What the stream saw in pieces may be one stroke, and so
-/// may what paused.
-double distance(const std::vector<double>& planned, const Turn& turn, int sense) {
+/// How strokes that were seen lie beside planned ones.
+struct Laid {
+  double cost = 0;
+  /// For each that was seen, the planned one that it is or is a piece of, counted over all rounds
+  /// of the plan; nothing where no plan has it.
+  std::vector<std::optional<std::size_t>> as;
+};
+
+/// The cheapest way to lay the strokes that were seen beside the planned ones (rad about the turn's
+/// axis), which may have been run several times: the edit distance. What the stream saw in pieces
+/// may be one stroke, and so may what paused.
+Laid lay(const std::vector<double>& planned, const Turn& turn) {
   const auto& seen = turn.strokes;
   const std::size_t repeats =
       std::max<std::size_t>(1, (whole_strokes(turn) + planned.size() / 2) / planned.size());
-  std::vector<std::vector<double>> cost(seen.size() + 1,
-                                        std::vector<double>(1 + repeats * planned.size()));
-  for (std::size_t k = 1; k < cost[0].size(); ++k) cost[0][k] = cost[0][k - 1] + kUnseen;
-  for (std::size_t i = 1; i <= seen.size(); ++i) {
-    cost[i][0] = cost[i - 1][0] + kStray;
-    for (std::size_t k = 1; k < cost[i].size(); ++k) {
-      const double wanted = planned[(k - 1) % planned.size()];
-      cost[i][k] = std::min(cost[i - 1][k] + kStray, cost[i][k - 1] + kUnseen);
+  struct Step {
+    double cost = 0;
+    std::size_t seen = 0, planned = 0;  // where it comes from
+  };
+  std::vector<std::vector<Step>> steps(seen.size() + 1,
+                                       std::vector<Step>(1 + repeats * planned.size()));
+  for (std::size_t i = 0; i <= seen.size(); ++i)
+    for (std::size_t k = 0; k < steps[i].size(); ++k) {
+      if (i + k == 0) continue;
+      Step& step = steps[i][k] = {kNever};
+      const auto come = [&](std::size_t from, std::size_t after, double cost) {
+        cost += steps[from][after].cost;
+        if (cost < step.cost) step = {cost, from, after};
+      };
+      if (i > 0) come(i - 1, k, kStray);
+      if (k > 0) come(i, k - 1, kUnseen);
       double angle = 0;
-      for (std::size_t first = i; first-- > 0;) {
+      for (std::size_t first = k > 0 ? i : 0; first-- > 0;) {
         angle += seen[first].angle_rad;
         const bool whole = seen[first].begin_seen && seen[i - 1].end_seen;
-        const double off = difference(sense * angle, wanted, whole, turn.unsure);
-        cost[i][k] = std::min(cost[i][k], cost[first][k - 1] + off * off);
+        const double off = difference(angle, planned[(k - 1) % planned.size()], whole, turn.unsure);
+        come(first, k - 1, off * off);
         if (!seen[first].gap_rad && !seen[first].goes_on) break;
         angle += seen[first].gap_rad.value_or(0);
       }
     }
+  Laid laid{steps.back().back().cost, std::vector<std::optional<std::size_t>>(seen.size())};
+  for (std::size_t i = seen.size(), k = steps[i].size() - 1; i + k > 0;) {
+    const Step& step = steps[i][k];
+    if (step.planned < k)
+      std::fill(laid.as.begin() + static_cast<std::ptrdiff_t>(step.seen),
+                laid.as.begin() + static_cast<std::ptrdiff_t>(i), k - 1);
+    i = step.seen;
+    k = step.planned;
   }
-  return cost.back().back();
+  return laid;
+}
+
+double distance(std::vector<double> planned, const Turn& turn, int sense) {
+  for (double& stroke : planned) stroke *= sense;
+  return lay(planned, turn).cost;
+}
+
+/// Whether a stroke of another turn began between these times.
+bool others_between(const std::vector<Turn>& turns, std::size_t turn, double from_s, double to_s) {
+  for (std::size_t t = 0; t < turns.size(); ++t)
+    for (const Turn::Stroke& stroke : turns[t].strokes)
+      if (t != turn && stroke.begin_s > from_s && stroke.begin_s < to_s) return true;
+  return false;
 }
 
 }  // namespace
+
+std::vector<Turn> PlannedTurns::Parting::of(std::vector<Turn> turns) const {
+  turns[turn] = parts[0];
+  turns.push_back(parts[1]);
+  std::stable_sort(turns.begin(), turns.end(),
+                   [](const Turn& a, const Turn& b) { return a.begin_s() < b.begin_s(); });
+  return turns;
+}
 
 PlannedTurns::PlannedTurns(const Campaign& campaign)
     : strokes_(campaign.joints), first_(campaign.joints, 0) {
@@ -80,6 +117,7 @@ PlannedTurns::PlannedTurns(const Campaign& campaign)
     }
     strokes_[turn.joint].insert(strokes_[turn.joint].end(), turn.strokes_rad.begin(),
                                 turn.strokes_rad.end());
+    for (const double stroke : turn.strokes_rad) sequence_.push_back({turn.joint, stroke});
   }
   given_ = !order_.empty();
   if (given_) return;
@@ -144,32 +182,79 @@ double PlannedTurns::misfit(const Turn& turn, std::size_t joint) const {
   return std::min(misfit(turn, joint, 1), misfit(turn, joint, -1));
 }
 
-bool PlannedTurns::part(std::vector<Turn>& turns, bool whole) const {
-  if (!given_) return false;
-  const auto explained = [&](const Turn& turn, std::size_t joint) {
-    return explains(turn, joint, 1) || explains(turn, joint, -1);
-  };
-  double least = whole ? kUnseen : kNever;
-  bool found = false;
-  std::size_t place = 0;
-  std::pair<Turn, Turn> best;
-  for (std::size_t t = 0; t < turns.size(); ++t)
-    for (std::size_t cut = 1; cut < turns[t].strokes.size(); ++cut) {
-      const auto [head, tail] = halves(turns[t], cut);
-      for (std::size_t p = 0; p + 1 < order_.size(); ++p) {
-        if (strokes_[order_[p]].empty() || strokes_[order_[p + 1]].empty()) continue;
-        const double cost = misfit(head, order_[p]) + misfit(tail, order_[p + 1]);
-        if (cost >= least || !explained(head, order_[p]) || !explained(tail, order_[p + 1]))
-          continue;
-        least = cost;
-        found = true;
-        place = t;
-        best = {head, tail};
+std::optional<std::array<Turn, 2>> PlannedTurns::parted(const std::vector<Turn>& turns,
+                                                        std::size_t turn,
+                                                        const std::array<Sensed, 2>& joints) const {
+  std::vector<double> planned;
+  std::vector<std::size_t> whose;
+  std::vector<bool> after_others;  // other joints have strokes since the one before of these
+  bool others = false;
+  for (const auto& [joint, stroke] : sequence_) {
+    const std::size_t which = joint == joints[0].joint ? 0 : 1;
+    others = others || joint != joints[which].joint;
+    if (joint != joints[which].joint) continue;
+    planned.push_back(joints[which].sense * stroke);
+    whose.push_back(which);
+    after_others.push_back(std::exchange(others, false));
+  }
+  after_others.front() = after_others.front() || others;  // where the plan begins again
+  const Turn& seen = turns[turn];
+  const Laid laid = lay(planned, seen);
+  std::array<Turn, 2> parts{seen, seen};
+  for (Turn& part : parts) part.strokes.clear();
+  std::optional<std::size_t> last;
+  std::size_t which = whose.front();
+  double last_s = 0;
+  for (std::size_t s = 0; s < seen.strokes.size(); ++s) {
+    Turn::Stroke stroke = seen.strokes[s];
+    if (const auto now = laid.as[s]) {
+      bool apart = false;
+      for (std::size_t k = last.value_or(*now); k < *now; ++k)
+        apart = apart || after_others[(k + 1) % planned.size()];
+      if (whose[*now % planned.size()] != which) {
+        if (apart && !others_between(turns, turn, last_s, stroke.begin_s)) return std::nullopt;
+        which = whose[*now % planned.size()];
+        stroke.gap_rad.reset();
+        stroke.goes_on = false;
       }
+      last = now;
     }
-  if (!found) return false;
-  turns[place] = best.first;
-  turns.insert(turns.begin() + static_cast<std::ptrdiff_t>(place) + 1, best.second);
+    last_s = stroke.begin_s;
+    parts[which].strokes.push_back(stroke);
+  }
+  if (parts[0].strokes.empty() || parts[1].strokes.empty()) return std::nullopt;
+  return parts;
+}
+
+std::vector<PlannedTurns::Parting> PlannedTurns::partings(const std::vector<Turn>& turns) const {
+  std::vector<Parting> found;
+  if (!given_) return found;
+  const auto consider = [&](std::size_t turn, const std::array<Sensed, 2>& joints) {
+    auto parts = parted(turns, turn, joints);
+    if (!parts) return;
+    double cost = 0;
+    for (std::size_t k = 0; k < joints.size(); ++k) {
+      const auto& [joint, sense] = joints[k];
+      if (!explains((*parts)[k], joint, sense)) return;
+      cost += misfit((*parts)[k], joint, sense);
+    }
+    found.push_back({cost, cost < kUnseen, turn, std::move(*parts)});
+  };
+  for (std::size_t t = 0; t < turns.size(); ++t)
+    for (std::size_t p = 0; p < order_.size(); ++p)
+      for (std::size_t q = p + 1; q < order_.size(); ++q) {
+        if (strokes_[order_[p]].empty() || strokes_[order_[q]].empty()) continue;
+        for (const int first : {1, -1})
+          for (const int second : {1, -1}) consider(t, {{{order_[p], first}, {order_[q], second}}});
+      }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Parting& a, const Parting& b) { return a.cost < b.cost; });
+  return found;
+}
+
+bool PlannedTurns::explains_in_order(const std::vector<Turn>& turns) const {
+  for (std::size_t t = 0; t < std::min(turns.size(), order_.size()); ++t)
+    if (!explains(turns[t], order_[t], 1) && !explains(turns[t], order_[t], -1)) return false;
   return true;
 }
 

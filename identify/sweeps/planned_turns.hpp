@@ -1,6 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "identify/dh/joint_order.hpp"
@@ -33,18 +36,39 @@ class PlannedTurns {
   /// Which of the turns agree best with the plan's joints, in its order: a joint for each, or
   /// kNoJoint where there are more turns than joints. At least as many turns as joints.
   [[nodiscard]] std::vector<std::size_t> joints_of(const std::vector<Turn>& turns) const;
-  /// Parts one of the turns in two, of joints that the plan has one after the other and whose
-  /// strokes these are. Two joints may have one axis. `whole`: all their strokes have to be there.
-  /// False: no turn is like that.
-  [[nodiscard]] bool part(std::vector<Turn>& turns, bool whole) const;
+  /// Whether the turns may be what the plan has for its joints, one after the other.
+  [[nodiscard]] bool explains_in_order(const std::vector<Turn>& turns) const;
+
+  /// One of the turns as those of two joints.
+  struct Parting {
+    double cost = 0;     ///< chi squared
+    bool whole = false;  ///< all strokes that the plan has for these joints were seen
+    std::size_t turn = 0;
+    std::array<Turn, 2> parts;
+
+    /// All turns with it, in the order of time.
+    [[nodiscard]] std::vector<Turn> of(std::vector<Turn> turns) const;
+  };
+  /// How one of the turns may be those of two joints, since two joints may have one axis: by their
+  /// strokes, in the plan's order. Where the plan has others between theirs, others came between
+  /// here, too. The likeliest first.
+  [[nodiscard]] std::vector<Parting> partings(const std::vector<Turn>& turns) const;
 
  private:
+  struct Sensed {
+    std::size_t joint = 0;
+    int sense = 1;
+  };
+
+  [[nodiscard]] std::optional<std::array<Turn, 2>> parted(
+      const std::vector<Turn>& turns, std::size_t turn, const std::array<Sensed, 2>& joints) const;
   [[nodiscard]] double misfit(const Turn& turn, std::size_t joint) const;
   [[nodiscard]] bool begins(const Turn& turn, std::size_t joint, int sense) const;
 
   bool given_ = false;
   std::vector<std::size_t> order_;
   std::vector<std::vector<double>> strokes_;
+  std::vector<std::pair<std::size_t, double>> sequence_;  // all strokes, with their joints
   std::vector<int> first_;
 };
 

@@ -208,7 +208,8 @@ std::vector<Turn> turns_in(const std::vector<Sweep>& strokes,
     for (std::size_t s = 0; s < group.strokes.size(); ++s) {
       const Sweep& seen = strokes[group.strokes[s]];
       const auto angles = turns_about(*circle, group.points[s]);
-      Turn::Stroke stroke{group.strokes[s], 0, seen.begin_seen, seen.end_seen, {}};
+      Turn::Stroke stroke{group.strokes[s], seen.first().time_s, 0,
+                          seen.begin_seen,  seen.end_seen,       {}};
       if (!angles.empty()) {
         stroke.angle_rad = (1 - turn.unsure) * (angles.back() - angles.front());
         if (ended_rad && stroke.angle_rad * turn.strokes.back().angle_rad > 0) {

@@ -51,7 +51,8 @@ struct Sweep {
 struct Turn {
   struct Stroke {
     std::size_t place = 0;  ///< in the list that was searched
-    double angle_rad = 0;   ///< positive about the axis
+    double begin_s = 0;
+    double angle_rad = 0;  ///< positive about the axis
     bool begin_seen = true, end_seen = true;
     /// Where the stroke before may have gone on in this one: by how much while the stream was
     /// blind.
@@ -62,6 +63,8 @@ struct Turn {
   std::vector<Stroke> strokes;
   double unsure = 0;  ///< the share of the angles that noise may have made up
   Axis axis;          ///< its sense of rotation is any
+
+  [[nodiscard]] double begin_s() const { return strokes.front().begin_s; }
 };
 
 /// Groups strokes without a defect: those one after the other whose points lie on one circle are of

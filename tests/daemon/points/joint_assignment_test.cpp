@@ -62,13 +62,19 @@ Seen seen(const identify::Arm& arm, const std::array<SweptRange, 6>& ranges,
   return result;
 }
 
-/// The strokes without their joints, in an order of joints.
+/// The strokes without their joints, in an order of joints, one after the other.
 std::vector<Sweep> in_order(const Seen& seen, const Order& order) {
   std::vector<Sweep> strokes;
+  double end_s = 0;
   for (const std::size_t joint : order)
     for (Sweep stroke : seen.strokes[joint]) {
       stroke.joint.reset();
       stroke.direction = 0;
+      std::vector<identify::Sample> samples = *stroke.samples;
+      const double later_s = end_s + 1 - samples.front().time_s;
+      for (identify::Sample& sample : samples) sample.time_s += later_s;
+      end_s = samples.back().time_s;
+      stroke.samples = std::make_shared<const std::vector<identify::Sample>>(std::move(samples));
       strokes.push_back(std::move(stroke));
     }
   return strokes;
@@ -333,6 +339,49 @@ TEST_CASE("joints of one axis at home that sweep one after the other are parted 
         CHECK((joint == 3 || joint == 5 ? !told : told == joint));
       }
   }
+}
+
+TEST_CASE("joints of one axis at home are parted where a plan has several rounds",
+          "[joint_assignment]") {
+  const auto [arm, home, ranges] = straight_wrist();
+  const Seen campaign = seen(arm, ranges, home);
+  identify::Campaign known;
+  known.specified = arm;
+  declare(known, campaign, home);
+  const bool in_turn = GENERATE(true, false);  // joint 5 between joints 4 and 6, or after both
+  CAPTURE(in_turn);
+  Order order{0, 1, 2, 3, 4, 5};
+  if (!in_turn) {
+    std::swap(order[4], order[5]);
+    std::swap(known.order[4], known.order[5]);
+  }
+  for (int round = 1; round < 3; ++round)
+    for (std::size_t j = 0; j < 6; ++j) {
+      order.push_back(order[j]);
+      known.order.push_back(known.order[j]);
+    }
+  SECTION("that was run") {}
+  SECTION("that was run twice") {
+    const Order once = order;
+    order.insert(order.end(), once.begin(), once.end());
+  }
+  SECTION("whose last joint of the wrist did not sweep in one round") {
+    order.erase(order.begin() + 5);
+  }
+  SECTION("without a description") {
+    known.specified.reset();
+    if (GENERATE(false, true)) order.insert(order.end(), order.begin(), order.begin() + 18);
+    auto strokes = in_order(campaign, order);
+    const auto found = assign_joints(strokes, known);
+    CHECK(is_right(strokes, campaign, order, false));
+    CHECK_FALSE(warns(found, "order_mismatch"));
+    return;
+  }
+  auto strokes = in_order(campaign, order);
+  const auto found = assign_joints(strokes, known);
+  CHECK(found.doubt.empty());
+  CHECK(found.warnings.empty());
+  CHECK(is_right(strokes, campaign, order, true));
 }
 
 TEST_CASE("a plan or a description that is another's is said to be",
