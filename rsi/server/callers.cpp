@@ -1,6 +1,8 @@
 #include "rsi/server/callers.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "rsi/telegram/ipoc.hpp"
 
@@ -12,6 +14,9 @@ constexpr std::uint64_t kLargestStep = 100'000'000;
 /// So many steps at once: some telegrams were lost.
 constexpr std::uint64_t kMostSteps = 4;
 
+/// A second without a reply has at least so many cycles, and the first telegrams may be lost.
+constexpr std::uint64_t kLongMissed = 20;
+
 /// Two rises of one step, which a clock may shorten or lengthen.
 bool are_alike(std::uint64_t rise, std::uint64_t other) noexcept {
   const auto [less, more] = std::minmax(rise, other);
@@ -19,6 +24,30 @@ bool are_alike(std::uint64_t rise, std::uint64_t other) noexcept {
 }
 
 }  // namespace
+
+void Callers::Stream::take(std::uint16_t from, const Telegram& next) noexcept {
+  const bool goes_back = next.ipoc < last.ipoc && !comes_late(next);
+  if (port != from || goes_back) *this = {from, next, next};
+  if (next.ipoc > last.ipoc) last = next;
+}
+
+bool Callers::Stream::comes_late(const Telegram& next) const noexcept {
+  return next.ipoc == last.ipoc || was_overtaken(last.ipoc, next.ipoc);
+}
+
+bool Callers::Stream::goes_on(std::uint16_t from, const Telegram& next) const noexcept {
+  using Seconds = std::chrono::duration<double>;
+  constexpr Seconds kTellsPace{0.1};
+  if (port == 0 || port != from) return false;
+  if (comes_late(next)) return true;
+  if (next.ipoc < last.ipoc) return false;
+  const Seconds heard = last.at - first.at;
+  if (heard < kTellsPace) return true;  // how fast its IPOC rises is not known
+  const double a_second = static_cast<double>(last.ipoc - first.ipoc) / heard.count();
+  const Seconds silent = next.at - last.at;
+  const double off = static_cast<double>(next.ipoc - last.ipoc) - a_second * silent.count();
+  return std::abs(off) <= a_second * (0.25 * silent.count() + kTellsPace.count());
+}
 
 void Callers::deaf_until(Time time) noexcept {
   unknown_until_ = time;
@@ -30,7 +59,7 @@ bool Callers::hear(std::uint32_t address, Time now) noexcept {
   const bool may_be = may_be_controller(address);
   Caller& caller = place_of(address);
   if (heard_all_ - caller.heard >= kSilence) {
-    caller.began = true;
+    caller.silent = true;
     caller.spoke = false;
   }
   caller.heard = now;
@@ -43,8 +72,14 @@ bool Callers::may_be_controller(std::uint32_t address) const noexcept {
   return controller == nullptr || heard_all_ - controller->streamed >= kSilence;
 }
 
-void Callers::telegram(std::uint32_t address, std::uint64_t ipoc, Time now) noexcept {
-  Caller& caller = place_of(address);
+void Callers::telegram(const Endpoint& source, std::uint64_t ipoc, Time now,
+                       std::uint64_t missed) noexcept {
+  Caller& caller = place_of(source.address);
+  const Telegram heard{ipoc, now};
+  if (std::exchange(caller.silent, false) && missed < kLongMissed &&
+      !caller.stream.goes_on(source.port, heard))
+    caller.began = true;
+  caller.stream.take(source.port, heard);
   if (caller.spoke && was_overtaken(caller.ipoc, ipoc)) return;
   const auto rise = ipoc - caller.ipoc;
   const auto last_rise = ipoc - caller.odd_ipoc;
@@ -68,7 +103,7 @@ void Callers::telegram(std::uint32_t address, std::uint64_t ipoc, Time now) noex
   if (caller.steps < kSteps) return;
   caller.steps = 0;
   caller.first = caller.streamed = now;
-  if (may_be_controller(address)) controller_ = address;
+  if (may_be_controller(source.address)) controller_ = source.address;
 }
 
 std::optional<unsigned> Callers::rank(std::uint32_t address) const noexcept {

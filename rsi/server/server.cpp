@@ -1,5 +1,7 @@
 #include "rsi/server/server.hpp"
 
+#include <charconv>
+#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -13,6 +15,17 @@ namespace {
 
 void count(std::atomic<std::uint64_t>& counter) noexcept {
   counter.fetch_add(1, std::memory_order_relaxed);
+}
+
+/// In a row, up to this telegram, by its <Delay>; 0 where it has none.
+std::uint64_t missed_replies(std::string_view telegram) noexcept {
+  constexpr std::string_view kDelay = "<Delay D=\"";
+  const auto at = telegram.find(kDelay);
+  std::uint64_t missed = 0;
+  if (at != telegram.npos)
+    std::from_chars(telegram.data() + at + kDelay.size(), telegram.data() + telegram.size(),
+                    missed);
+  return missed;
 }
 
 }  // namespace
@@ -91,7 +104,6 @@ void Server::serve(std::span<const Datagram> received) noexcept {
     fates[i] = judge(received[i], digits, taken);
     if (digits.empty()) continue;
     const Candidate candidate{i, digits, *ipoc_number(digits), source};
-    callers_.telegram(source.address, candidate.ipoc, taken);
     if (fates[i] == Fate::answer && (!newest || displaces(candidate, *newest))) newest = candidate;
   }
   Datagram sent;
@@ -131,6 +143,9 @@ Server::Fate Server::judge(const Datagram& received, std::string_view& digits,
     count(known ? unanswerable_ : foreign_);
     return known ? Fate::hand_over : Fate::drop;
   }
+  const bool begins = options_.only_from_the_beginning && !callers_.began(address);
+  callers_.telegram(received.source, *ipoc_number(digits), taken,
+                    begins ? missed_replies(received.payload) : 0);
   if (options_.only_from_the_beginning && !callers_.began(address)) {
     count(not_begun_);
     return Fate::hand_over;

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <csignal>
 #include <filesystem>
+#include <optional>
 #include <thread>
 
 #include <nlohmann/json.hpp>
@@ -60,11 +61,8 @@ class OtherServer {
 /// A controller that another server has moved by 50 mm before it went, with sweepd in its place.
 class Takeover {
  public:
-  explicit Takeover(const std::string& received, const std::string& settings = "")
-      : streamer_(port_, {.speaks = [this](std::uint64_t cycle) {
-                    cycles_ = cycle;
-                    return speaks_.load();
-                  }}) {
+  explicit Takeover(const std::string& received, const std::string& settings = "") {
+    switch_on();
     {
       const OtherServer other(port_);
       REQUIRE(eventually([&] { return answered_since(0) > 20; }));
@@ -82,22 +80,28 @@ class Takeover {
     daemon_ = std::make_unique<SweepdProcess>(
         std::vector<std::string>{"run", "--config", config.string()});
     REQUIRE(eventually([&] { return says("listening on"); }));
-    taken_over_ = streamer_.sent().size();
+    taken_over_ = streamer_->sent().size();
   }
 
   [[nodiscard]] bool says(const std::string& text) const {
     return daemon_->errors().find(text) != std::string::npos;
   }
   /// Telegrams since sweepd listens.
-  [[nodiscard]] std::size_t telegrams() const { return streamer_.sent().size() - taken_over_; }
+  [[nodiscard]] std::size_t telegrams() const { return streamer_->sent().size() - taken_over_; }
   [[nodiscard]] std::size_t answered() const { return answered_since(taken_over_); }
 
-  /// RSI is off for so many cycles, then on.
-  void pause(std::uint64_t cycles) {
-    speaks_ = false;
-    const auto until = cycles_ + cycles;
-    REQUIRE(eventually([&] { return cycles_ >= until; }));
+  /// The network is down for so many cycles, in which RSI goes on.
+  void lose(std::uint64_t cycles) {
+    fall_silent(cycles);
     speaks_ = true;
+  }
+  /// RSI is off for so many cycles, then on.
+  void restart(std::uint64_t cycles) {
+    fall_silent(cycles);
+    streamer_.reset();
+    speaks_ = true;
+    switch_on();
+    taken_over_ = 0;
   }
   [[nodiscard]] std::filesystem::path session() const {
     for (const auto& session : std::filesystem::directory_iterator(folder_ / "output/kr5-arc"))
@@ -108,15 +112,26 @@ class Takeover {
   Json end() {
     daemon_->signal(SIGUSR1);  // of a good link without sweeps nothing is written by itself
     REQUIRE(eventually([&] { return std::filesystem::exists(session() / "link.txt"); }));
-    static_cast<void>(streamer_.stop());
+    static_cast<void>(streamer_->stop());
     daemon_->signal(SIGTERM);
     REQUIRE(daemon_->wait() == 0);
     return Json::parse(content(session() / "link.json"));
   }
 
  private:
+  void fall_silent(std::uint64_t cycles) {
+    speaks_ = false;
+    const auto until = cycles_ + cycles;
+    REQUIRE(eventually([&] { return cycles_ >= until; }));
+  }
+  void switch_on() {
+    streamer_.emplace(port_, Streamer::Options{.speaks = [this](std::uint64_t cycle) {
+                        cycles_ = cycle;
+                        return speaks_.load();
+                      }});
+  }
   [[nodiscard]] std::size_t answered_since(std::size_t first) const {
-    const auto sent = streamer_.sent();
+    const auto sent = streamer_->sent();
     return static_cast<std::size_t>(
         std::count_if(sent.begin() + static_cast<std::ptrdiff_t>(first), sent.end(),
                       [](const auto& telegram) { return telegram.answered_after.has_value(); }));
@@ -126,7 +141,7 @@ class Takeover {
   std::uint16_t port_ = free_port();
   std::atomic<std::uint64_t> cycles_{0};
   std::atomic<bool> speaks_{true};
-  Streamer streamer_;
+  std::optional<Streamer> streamer_;
   std::unique_ptr<SweepdProcess> daemon_;
   std::size_t taken_over_ = 0;
 };
@@ -143,7 +158,12 @@ TEST_CASE("a robot that another server moves is not taken over, but answered whe
   REQUIRE(eventually([&] { return takeover.telegrams() > 300; }));
   CHECK(takeover.answered() == 0);
 
-  takeover.pause(350);  // of 4 ms: 1.4 s
+  takeover.lose(350);  // of 4 ms: 1.4 s
+  const auto before = takeover.telegrams();
+  REQUIRE(eventually([&] { return takeover.telegrams() > before + 50; }));
+  CHECK(takeover.answered() == 0);
+
+  takeover.restart(350);
   CHECK(eventually([&] { return takeover.answered() > 100; }));
   const auto link = takeover.end();
   INFO(link.dump(2));

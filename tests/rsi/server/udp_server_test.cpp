@@ -271,6 +271,23 @@ TEST_CASE("a stream whose beginning was not heard is handed over unanswered, if 
   CHECK(running.server.counts().not_begun == 3);
 }
 
+TEST_CASE("a stream that says it was not answered for long is not taken over behind a silence",
+          "[udp_server]") {
+  auto options = on_loopback();
+  options.only_from_the_beginning = true;
+  HandClock::time = 1h;
+  options.clock = HandClock::now;
+  UdpRunning running(std::move(options));
+  UdpController controller(running.server);
+  running.look_at(1h + 2s);
+  const std::string late = "<Rob Type=\"KUKA\"><Delay D=\"90\"/><IPOC>400</IPOC></Rob>";
+  controller.send(late);
+  CHECK(running.next().payload == late);
+  running.stop();
+  CHECK(running.server.counts().not_begun == 1);
+  CHECK(running.server.counts().answered == 0);
+}
+
 TEST_CASE("a controller that only sends gets no reply", "[udp_server]") {
   auto options = on_loopback();
   options.reply.reset();
