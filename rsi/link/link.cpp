@@ -233,7 +233,8 @@ void Link::score_arrival(const Kept& cycle) {
     report_.earliest = std::min(report_.earliest, deviation);
     report_.latest = std::max(report_.latest, deviation);
   }
-  const auto missing = static_cast<std::int64_t>(cycle.rise / statistics_.step().value_or(1)) - 1;
+  const auto missing =
+      static_cast<std::int64_t>(cycle.rise / statistics_.step_of_run().value_or(1)) - 1;
   if (missing > report_.longest_gap.amount) report_.longest_gap = {cycle.at, *cycle.ipoc, missing};
 }
 

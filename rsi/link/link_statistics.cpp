@@ -94,7 +94,7 @@ Arrival LinkStatistics::add(const Datagram& datagram, std::uint64_t ipoc,
       }
       source_before_ = source_;
     }
-    counts_.lost += lost_in(run_);
+    counts_.lost += lost_in_run();
     run_ = {};
     delay_.reset();
   }
@@ -117,7 +117,7 @@ Arrival LinkStatistics::add(const Datagram& datagram, std::uint64_t ipoc,
 
 LinkCounts LinkStatistics::counts() const {
   LinkCounts counts = counts_;
-  counts.lost += lost_in(run_);
+  counts.lost += lost_in_run();
   return counts;
 }
 
@@ -153,11 +153,17 @@ std::optional<std::chrono::nanoseconds> LinkStatistics::cycle() const {
   return static_cast<std::int64_t>(*step) * unit();
 }
 
-std::uint64_t LinkStatistics::lost_in(const Run& run) const {
+std::optional<std::uint64_t> LinkStatistics::step_of_run() const {
   const auto step = this->step();
-  if (!step || run.distinct == 0) return 0;
-  const std::uint64_t cycles = (run.newest - run.oldest) / *step + 1;
-  return cycles > run.distinct ? cycles - run.distinct : 0;
+  if (!step || run_.votes == 0) return step;
+  return run_.votes >= kTellsStep ? run_.rise : std::max(*step, run_.rise);
+}
+
+std::uint64_t LinkStatistics::lost_in_run() const {
+  const auto step = step_of_run();
+  if (!step || run_.distinct == 0) return 0;
+  const std::uint64_t cycles = (run_.newest - run_.oldest) / *step + 1;
+  return cycles > run_.distinct ? cycles - run_.distinct : 0;
 }
 
 Arrival LinkStatistics::judge(const Seen& came, const Endpoint& source) const {
@@ -177,7 +183,7 @@ bool LinkStatistics::ran_ahead(const Seen& came) const {
 }
 
 Arrival LinkStatistics::judge_fallen(const Seen& came) const {
-  const std::uint64_t step = this->step().value_or(1);
+  const std::uint64_t step = step_of_run().value_or(1);
   if (const Seen* before = seen(came.ipoc)) {
     if (!before->content && came.content) return Arrival::completed;
     const bool other = before->content && came.content && *before->content != *came.content;
@@ -225,7 +231,9 @@ void LinkStatistics::learn_pace(std::uint64_t rise, const Milestone& now) {
   if (rise > kLargestStep) return;
   const std::uint64_t lead = steps_[usual_step_];
   if (++steps_[rise] > lead || (steps_[rise] == lead && rise < usual_step_)) usual_step_ = rise;
-  if (rise == usual_step_) ++run_.in_step;
+  if (run_.votes == 0) run_.rise = rise;
+  rise == run_.rise ? ++run_.votes : --run_.votes;
+  if (rise == step_of_run()) ++run_.in_step;
 }
 
 void LinkStatistics::count_late(std::uint64_t ipoc, std::uint64_t delay) {
@@ -236,7 +244,7 @@ void LinkStatistics::count_late(std::uint64_t ipoc, std::uint64_t delay) {
     delay_before_ = delay;
   } else {
     const std::uint64_t cycles =
-        std::max<std::uint64_t>(1, (ipoc - delay_ipoc_) / step().value_or(1));
+        std::max<std::uint64_t>(1, (ipoc - delay_ipoc_) / step_of_run().value_or(1));
     const bool goes_on = *delay_ > 0 && delay >= *delay_ + cycles;
     if (!goes_on) delay_before_ = 0;
     const std::uint64_t counted = goes_on ? *delay_ : 0;

@@ -73,6 +73,9 @@ class LinkStatistics {
   [[nodiscard]] std::optional<std::uint64_t> step() const {
     return steps_[usual_step_] > 0 ? std::optional(usual_step_) : std::nullopt;
   }
+  /// The same since the last restart, as soon as that tells: RSI may begin anew in another cycle.
+  /// Before, the larger one of the two counts, so that none is lost for what is not known yet.
+  [[nodiscard]] std::optional<std::uint64_t> step_of_run() const;
 
   /// What one count of the IPOC lasts by the last 1024 telegrams, see ipoc_unit().
   /// 1 ms too where stamps are coarser than eight cycles.
@@ -92,7 +95,9 @@ class LinkStatistics {
     std::uint64_t newest = 0;
     std::uint64_t distinct = 0;
     std::uint64_t whole = 0;    ///< of these, not cut
-    std::uint64_t in_step = 0;  ///< that came a usual step after the one before
+    std::uint64_t in_step = 0;  ///< that came a step of the run after the one before
+    std::uint64_t rise = 0;     ///< the most frequent one, as far as most are alike,
+    std::uint64_t votes = 0;    ///< by so many more than all others
   };
   struct Seen {
     std::uint64_t ipoc = 0;
@@ -105,7 +110,7 @@ class LinkStatistics {
     Timestamp time{};
   };
 
-  [[nodiscard]] std::uint64_t lost_in(const Run& run) const;
+  [[nodiscard]] std::uint64_t lost_in_run() const;
   [[nodiscard]] Arrival judge(const Seen& came, const Endpoint& source) const;
   [[nodiscard]] Arrival judge_fallen(const Seen& came) const;
   [[nodiscard]] bool ran_ahead(const Seen& came) const;
@@ -126,6 +131,8 @@ class LinkStatistics {
   static constexpr std::size_t kPaces = 1024;
   /// From so many telegrams in step on an IPOC out of step is not of the same run.
   static constexpr std::uint64_t kSureOfStep = 16;
+  /// By so many votes a run tells its step.
+  static constexpr std::uint64_t kTellsStep = 8;
   /// A latecomer from before the first telegram is older than that by no more cycles.
   static constexpr std::uint64_t kBeforeFirst = 8;
   /// A copy comes no later after the telegram.

@@ -94,6 +94,24 @@ TEST_CASE("an IPOC that jumps, or a new port, is a restart and not a loss", "[li
   CHECK(link.counts().lost == 0);
 }
 
+TEST_CASE("RSI that begins anew in another cycle has lost nothing", "[link_statistics]") {
+  const auto [before, after] = GENERATE(std::pair(4u, 12u), std::pair(12u, 4u), std::pair(1u, 4u));
+  CAPTURE(before, after);
+  RestingLink link;
+  std::uint64_t ipoc = 5'000'000;
+  for (int k = 0; k < 500; ++k) link.add(ipoc += before, kController, {});
+  ipoc = GENERATE(100u, 8'000'000u);
+  for (int k = 0; k < 200; ++k) {
+    link.add(ipoc += after, kRestarted, {});
+    CHECK(link.counts().lost == 0);
+  }
+  CHECK(link.counts().restarts == 1);
+  CHECK(link.step() == before);
+  ipoc += 3 * after;
+  link.add(ipoc += after, kRestarted, {});
+  CHECK(link.counts().lost == 3);
+}
+
 TEST_CASE("an IPOC that jumps ahead of the clock is a restart and not a loss",
           "[link_statistics]") {
   const std::uint64_t step = GENERATE(1u, 4u, 10u);
