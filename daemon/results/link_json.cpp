@@ -78,6 +78,7 @@ Json telegrams_json(const LinkReport& report) {
                            {"ipoc", report.longest_gap.ipoc}};
   json["worst_late_runs"] = count_places(report.late_runs, "replies");
   if (report.missed_by_tap > 0) json["missed_by_tap"] = report.missed_by_tap;
+  if (report.queue_full > 0) json["queue_full"] = report.queue_full;
   return json;
 }
 

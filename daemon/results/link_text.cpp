@@ -80,6 +80,9 @@ std::string telegrams(const LinkReport& report) {
          (report.missed_by_tap == 0
               ? ""
               : row("  missed by the tap", report.missed_by_tap, "packets of both directions")) +
+         (report.queue_full == 0
+              ? ""
+              : row("  queue full", report.queue_full, "datagrams of both directions")) +
          row("  duplicated", link.duplicated, of(link.duplicated)) +
          row("  reordered", link.reordered, of(link.reordered)) +
          row("  malformed", report.malformed,

@@ -84,7 +84,10 @@ std::string run_json(const RunFacts& facts) {
                                   {"dropped", facts.link.dropped},
                                   {"skipped_bytes", facts.link.skipped},
                                   {"overflows", facts.link.overflows}};
-  if (facts.recording) run["recording"] = json(*facts.recording);
+  if (facts.recording) {
+    run["recording"] = json(*facts.recording);
+    run["recording"]["not_recorded"]["queue_full"] = {{"datagrams", facts.queue_full}};
+  }
   if (facts.ended.empty()) run[kRecordingPaused] = false;
   return json_text(run);
 }

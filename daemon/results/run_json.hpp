@@ -27,6 +27,8 @@ struct RunFacts {
   std::string watched_on;    ///< the interface, where another program answers; else empty
   rsi::Server::Counts link;  ///< since the start of sweepd
   std::optional<Recording::Counts> recording;  ///< once it ended
+  std::uint64_t queue_full =
+      0;  ///< datagrams of the session that the server's queue had no room for
 };
 
 /// As all that sweepd tells of recordings has it.

@@ -53,12 +53,19 @@ constexpr Kind kKindsOfTrouble[] = {
 rsi::LinkReport completed(rsi::LinkReport report, const LinkWatch& of) {
   report.replies.withheld = of.withheld;
   report.missed_by_tap = of.missed_by_tap;
+  report.queue_full = of.queue_full;
   report.from_recording = of.from_recording;
   report.replies.unanswered -= std::min(report.replies.unanswered, of.withheld);
   return report;
 }
 
 }  // namespace
+
+void LinkWatch::count(const Counts& now, const Counts& before) {
+  withheld = now.not_begun - before.not_begun;
+  missed_by_tap = now.missed - before.missed;
+  queue_full = now.overflows - before.overflows;
+}
 
 rsi::LinkReport LinkWatch::report(const rsi::Link& link) const {
   return completed(link.report(), *this);
@@ -79,7 +86,7 @@ LinkFiles LinkWatch::files(const rsi::Link& link, bool at_end) const {
   files.text = link_text(conversation, report);
   files.json = link_json(conversation, report);
   if (!at_end) return files;
-  const rsi::LastCycles last(link, expects_replies);
+  const rsi::LastCycles last(link, expects_replies, withheld);
   files.bad_end = last.reason();
   if (withheld > 0 && report.replies.sent == 0)
     files.bad_end = "it was not answered, since it had begun before sweepd listened";

@@ -32,8 +32,13 @@ struct LinkWatch {
   std::uint64_t withheld = 0;
   /// So many packets a tap did not see, though they passed.
   std::uint64_t missed_by_tap = 0;
-  /// The recording tells: neither of the two numbers above is known.
+  /// So many datagrams the server's queue had no room for.
+  std::uint64_t queue_full = 0;
+  /// The recording tells: none of the three numbers above is known.
   bool from_recording = false;
+
+  /// What the server has counted since this session began.
+  void count(const rsi::Server::Counts& now, const rsi::Server::Counts& before);
 
   [[nodiscard]] rsi::LinkReport report(const rsi::Link& link) const;
   [[nodiscard]] rsi::Link::Reports reports(const rsi::Link& link) const;

@@ -162,9 +162,7 @@ bool RobotService::drain() {
     ++taken;
   }
   if (device_port_) take_device();
-  const auto counts = server_->counts();
-  if (session_) watch_.withheld = counts.not_begun - not_begun_;
-  if (session_) watch_.missed_by_tap = counts.missed - missed_;
+  if (session_) watch_.count(server_->counts(), before_);
   while (const auto remark = server_->remark()) session_log_.warning("{}", *remark);
   complain();
   return taken < kMostInATurn;
@@ -293,8 +291,7 @@ void RobotService::end_session() {
   session_.reset();
   --threads_->streaming;
   session_log_.about({}, {});
-  not_begun_ = server_->counts().not_begun;
-  missed_ = server_->counts().missed;
+  before_ = server_->counts();
 }
 
 void RobotService::sweep(const identify::Sweep& sweep) {
@@ -342,6 +339,7 @@ RunFacts RobotService::run_facts() const {
   facts.started = started_;
   facts.listen = server_->local();
   facts.link = server_->counts();
+  facts.queue_full = watch_.queue_full;
   if (inputs_.settings.tap) facts.watched_on = inputs_.settings.tap->interface;
   return facts;
 }

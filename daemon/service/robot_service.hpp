@@ -119,8 +119,7 @@ class RobotService : private StreamSink {
   std::uint32_t controller_ = 0;  // address
   WaitingDatagrams waiting_;
   LinkComplaints complaints_;
-  std::uint64_t not_begun_ = 0;  // telegrams before this session
-  std::uint64_t missed_ = 0;     // packets of a tap, before this session
+  rsi::Server::Counts before_;  // this session
   RobotTally tally_;
   LiveFeed live_;
   bool facts_told_ = true;

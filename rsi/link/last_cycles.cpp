@@ -29,12 +29,16 @@ std::string optional_number(const std::optional<std::uint64_t>& value) {
 
 }  // namespace
 
-LastCycles::LastCycles(const Link& link, bool expects_replies)
+LastCycles::LastCycles(const Link& link, bool expects_replies, std::uint64_t withheld)
     : cycles_(link.last()),
       expects_replies_(expects_replies),
       same_machine_(link.statistics().same_machine()),
-      step_(link.statistics().step().value_or(0)),
-      cycle_time_(link.statistics().cycle().value_or(nanoseconds(0))) {}
+      step_(link.statistics().step_of_run().value_or(0)),
+      cycle_time_(link.statistics().cycle().value_or(nanoseconds(0))) {
+  const std::uint64_t all = link.statistics().counts().telegrams;
+  const std::uint64_t before = all - std::min<std::uint64_t>(all, cycles_.size());
+  withheld_ = withheld - std::min(withheld, before);
+}
 
 std::string LastCycles::reason() const {
   std::array<std::uint64_t, kEvents> count{};
@@ -99,7 +103,7 @@ std::string LastCycles::csv() const {
 std::string_view LastCycles::text(Event event) {
   constexpr std::array<std::string_view, kEvents> kTexts{"answered",   "late",        "superseded",
                                                          "unanswered", "send_failed", "received",
-                                                         "duplicate",  "malformed"};
+                                                         "duplicate",  "malformed",   "withheld"};
   return kTexts[static_cast<std::size_t>(event)];
 }
 
@@ -111,6 +115,7 @@ LastCycles::Event LastCycles::event(std::size_t index) const {
     if (seen.arrival == Arrival::duplicate || seen.arrival == Arrival::completed)
       return Event::duplicate;
     if (!expects_replies_) return Event::received;
+    if (index < withheld_) return Event::withheld;
   }
   const Fate became = fate(cycles_, index, cycle_time_);
   const bool waits =

@@ -14,8 +14,9 @@ namespace rsi {
 /// The last 256 cycles of a link, to show what went before when its stream ends badly.
 class LastCycles {
  public:
-  /// `expects_replies`: false for a controller with ONLYSEND.
-  LastCycles(const Link& link, bool expects_replies);
+  /// `expects_replies`: false for a controller with ONLYSEND. `withheld`: so many telegrams at the
+  /// link's beginning were not answered on purpose.
+  LastCycles(const Link& link, bool expects_replies, std::uint64_t withheld = 0);
 
   /// Why the stream ended badly, as a sentence: in the kept cycles a reply could not be sent, is
   /// missing or later than a cycle, the controller reports Delay, or telegrams were malformed or
@@ -28,6 +29,7 @@ class LastCycles {
   ///   late          answered later than a cycle
   ///   superseded    no reply of its own, but one to a newer telegram within two cycles
   ///   unanswered    no reply
+  ///   withheld      no reply, on purpose
   ///   send_failed   the system refused to send the reply
   ///   received      no reply is expected, or the cycle was not over when the stream ended
   ///   duplicate     its IPOC was there before
@@ -43,9 +45,10 @@ class LastCycles {
     send_failed,
     received,
     duplicate,
-    malformed
+    malformed,
+    withheld
   };
-  static constexpr std::size_t kEvents = 8;
+  static constexpr std::size_t kEvents = 9;
 
   [[nodiscard]] static std::string_view text(Event event);
   [[nodiscard]] Event event(std::size_t index) const;
@@ -56,6 +59,7 @@ class LastCycles {
   bool same_machine_;
   std::uint64_t step_;  // of the IPOC; 0: not known
   std::chrono::nanoseconds cycle_time_;
+  std::uint64_t withheld_;  // of the kept ones, the first
 };
 
 }  // namespace rsi

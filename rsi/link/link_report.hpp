@@ -102,6 +102,9 @@ struct LinkReport {
   /// Packets of either direction that passed a tap unseen: what counts as lost, unanswered or stray
   /// may be among them.
   std::uint64_t missed_by_tap = 0;
+  /// Datagrams of either direction that the server did not hand over, as its queue was full: among
+  /// these, too.
+  std::uint64_t queue_full = 0;
   /// Of a session that was cut, told by what was recorded of it: what a tap missed, what was not
   /// answered on purpose and what the recording lacks is not known.
   bool from_recording = false;

@@ -63,7 +63,7 @@ class Judge {
     wrong_replies();
     latency();
     jitter();
-    missed_by_tap();
+    not_seen();
     from_recording();
     good_to_know();
     std::stable_sort(verdict_.reasons.begin(), verdict_.reasons.end(),
@@ -128,7 +128,7 @@ class Judge {
   void telegrams_without_reply() {
     const ReplyCounts& replies = report_.replies;
     const auto count = replies.not_in_time();
-    if (count <= std::min(replies.unanswered, report_.missed_by_tap)) return;
+    if (count <= std::min(replies.unanswered, unseen())) return;
     const Place& worst = report_.silent_runs.worst();
     std::string message = counted_of(count, cycles_, "telegram", "telegrams") +
                           " got no reply within a cycle (" + std::to_string(replies.late) +
@@ -155,7 +155,7 @@ class Judge {
   void lost() {
     constexpr std::int64_t kLongGap = 1000;
     const auto lost = report_.link.lost;
-    if (lost <= report_.missed_by_tap) return;
+    if (lost <= unseen()) return;
     const auto gap = std::min(report_.longest_gap.amount, static_cast<std::int64_t>(lost));
     std::string message = counted_of(lost, cycles_ + lost, "telegram", "telegrams") +
                           " never came, at most " + std::to_string(gap) + " in a row";
@@ -174,13 +174,21 @@ class Judge {
     add(grade(lost, gap), "lost", std::move(message));
   }
 
-  void missed_by_tap() {
-    const auto missed = report_.missed_by_tap;
-    if (missed == 0) return;
-    add(Grade::good, "missed_by_tap",
-        rsi::counted(missed, "packet", "packets") +
-            " passed the tap unseen, as its machine was too busy: as many of the telegrams that "
-            "count as lost or unanswered here, and of the stray replies, were well on the link");
+  /// Packets that were on the link, though not counted here.
+  [[nodiscard]] std::uint64_t unseen() const { return report_.missed_by_tap + report_.queue_full; }
+
+  void not_seen() {
+    const std::string on_the_link =
+        "as many of what counts as lost, unanswered or stray here were well on the link";
+    if (const auto missed = report_.missed_by_tap; missed > 0)
+      add(Grade::good, "missed_by_tap",
+          rsi::counted(missed, "packet", "packets") +
+              " passed the tap unseen, as its machine was too busy: " + on_the_link);
+    if (const auto missed = report_.queue_full; missed > 0)
+      add(Grade::good, "queue_full",
+          rsi::counted(missed, "datagram was", "datagrams were") +
+              " neither counted here nor recorded, as sweepd's queue was full: " + on_the_link +
+              "; raise `queue_bytes`, or free this machine");
   }
 
   void from_recording() {
@@ -226,7 +234,7 @@ class Judge {
 
   void wrong_replies() {
     const ReplyCounts& replies = report_.replies;
-    if (replies.stray > report_.missed_by_tap)
+    if (replies.stray > unseen())
       add(share(replies.stray, replies.sent) > Limits::kBadShare ? Grade::bad : Grade::marginal,
           "stray_replies",
           counted_of(replies.stray, replies.sent, "reply", "replies") +

@@ -16,12 +16,13 @@ constexpr const char* kFlightHeader =
 
 struct Flight {
   explicit Flight(bool replies = true) : expects_replies(replies) {}
-  [[nodiscard]] LastCycles last() const { return {link, expects_replies}; }
+  [[nodiscard]] LastCycles last() const { return {link, expects_replies, withheld}; }
   [[nodiscard]] std::string csv() const { return last().csv(); }
   [[nodiscard]] std::string reason() const { return last().reason(); }
   [[nodiscard]] bool ended_badly() const { return !reason().empty(); }
 
   bool expects_replies;
+  std::uint64_t withheld = 0;
   rsi::Link link;
   LinkStream<rsi::Link> stream{link};
 };
@@ -147,6 +148,21 @@ TEST_CASE("what is no telegram has a row and is a bad end", "[last_cycles]") {
   flight.stream.cycles(20, 30);
   CHECK_THAT(flight.csv(), ContainsSubstring("1735689600.079000000,,,,,0,malformed\n"));
   CHECK_THAT(flight.reason(), ContainsSubstring("1 datagram was no whole telegram"));
+}
+
+TEST_CASE("telegrams that were not answered on purpose are no bad end", "[last_cycles]") {
+  Flight flight;
+  for (std::uint64_t k = 0; k < 250; ++k)
+    flight.stream.telegram(flight.stream.at(k), flight.stream.ipoc(k));
+  flight.stream.cycles(250, 350);
+  flight.withheld = 250;
+  CHECK_FALSE(flight.ended_badly());
+  CHECK(rows(flight, "withheld") == 156);  // 94 were before the last 256
+  CHECK(rows(flight, "answered") == 100);
+  flight.withheld = 200;
+  CHECK(flight.ended_badly());
+  CHECK(rows(flight, "unanswered") == 49);
+  CHECK(rows(flight, "superseded") == 1);  // by the first that was answered
 }
 
 TEST_CASE("a controller with ONLYSEND ends badly only by what got lost", "[last_cycles]") {

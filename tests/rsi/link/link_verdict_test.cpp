@@ -71,6 +71,18 @@ TEST_CASE("what a tap has missed is not held against the link, and what goes bey
   CHECK(reason(rsi::verdict(report), "lost") != nullptr);
 }
 
+TEST_CASE("what the queue had no room for is not held against the link", "[link_verdict]") {
+  auto report = flawless();
+  report.queue_full = 12;
+  report.link.lost = 12;
+  report.replies.stray = 5;
+  report.replies.unanswered = 3;
+  check_only(report, Grade::good, "queue_full",
+             "12 datagrams were neither counted here nor recorded");
+  report.link.lost = 13;
+  CHECK(reason(rsi::verdict(report), "lost") != nullptr);
+}
+
 TEST_CASE("one late reply by the controller's Delay is marginal, five in a row or one per cent bad",
           "[link_verdict]") {
   auto report = flawless();
