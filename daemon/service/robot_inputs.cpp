@@ -9,6 +9,7 @@
 #include <spdlog/fmt/ranges.h>
 #include <unistd.h>
 
+#include "daemon/service/robot_server.hpp"
 #include "daemon/system/disk_room.hpp"
 #include "rsi/file_bytes.hpp"
 #include "rsi/telegram/ethernet_config.hpp"
@@ -87,6 +88,7 @@ ReloadedInputs::ReloadedInputs(const RobotSettings& given)
 
 void ReloadedInputs::reload(const RobotSettings& settings, const Log& log) {
   auto inputs = RobotInputs::read(settings);
+  static_cast<void>(ethernet_config_of(settings));  // it has to be good when sweepd starts again
   inputs.make_folder(log);
   const auto waits = change(started_with_, settings).of(TakesEffect::after_restart);
   const auto changed = change(given_, settings);

@@ -10,25 +10,34 @@
 #include "rsi/server/tap.hpp"
 #include "rsi/server/tcp_server.hpp"
 #include "rsi/server/udp_server.hpp"
-#include "rsi/telegram/ethernet_config.hpp"
 
 namespace sweepd {
 namespace {
 
 /// Replies are as the Ethernet file says, or where there is none, expected.
-std::unique_ptr<rsi::Server> make_tap(const RobotSettings& settings, rsi::Server::Options options) {
+std::unique_ptr<rsi::Server> make_tap(const RobotSettings& settings,
+                                      const std::optional<rsi::EthernetConfig>& config,
+                                      rsi::Server::Options options) {
   rsi::Tap::Settings tap;
   tap.capture.interface = settings.tap->interface;
   tap.capture.promiscuous = settings.tap->promiscuous;
-  if (settings.ethernet_config) {
-    const auto config = rsi::EthernetConfig::load(*settings.ethernet_config);
-    if (config.protocol == rsi::EthernetConfig::Protocol::TCP) tap.transport = rsi::Transport::tcp;
-    tap.replies = !config.only_send;
+  if (config) {
+    if (config->protocol == rsi::EthernetConfig::Protocol::TCP) tap.transport = rsi::Transport::tcp;
+    tap.replies = !config->only_send;
   }
   return std::make_unique<rsi::Tap>(std::move(tap), std::move(options));
 }
 
 }  // namespace
+
+std::optional<rsi::EthernetConfig> ethernet_config_of(const RobotSettings& settings) {
+  if (!settings.ethernet_config) return std::nullopt;
+  auto config = rsi::EthernetConfig::load(*settings.ethernet_config);
+  if (!settings.tap)
+    for (const auto& objection : objections_to_answers(settings, config))
+      throw ConfigError(objection);
+  return config;
+}
 
 std::unique_ptr<rsi::Server> make_server(const RobotSettings& settings) {
   const Log log(settings.name);
@@ -36,17 +45,16 @@ std::unique_ptr<rsi::Server> make_server(const RobotSettings& settings) {
   options.listen = settings.listen;
   options.controller = settings.controller;
   options.queue_bytes = settings.queue_bytes;
-  if (settings.tap) return make_tap(settings, std::move(options));
+  const auto found = ethernet_config_of(settings);
+  if (settings.tap) return make_tap(settings, found, std::move(options));
   // Warnings come after the port: until it is had, this is tried again and again.
-  if (!settings.ethernet_config) {
+  if (!found) {
     options.reply.emplace("ImFree");
     auto server = std::make_unique<rsi::UdpServer>(std::move(options));
     log.warning("no ethernet_config: {}", kWithoutEthernetConfig);
     return server;
   }
-  const auto config = rsi::EthernetConfig::load(*settings.ethernet_config);
-  for (const auto& objection : objections_to_answers(settings, config))
-    throw ConfigError(objection);
+  const rsi::EthernetConfig& config = *found;
   if (!config.only_send) options.reply.emplace(config);
   const auto tags = commanding_tags(config);
   options.only_from_the_beginning = !tags.empty();

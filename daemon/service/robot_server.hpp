@@ -2,18 +2,23 @@
 
 #include <future>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "daemon/settings/settings.hpp"
 #include "daemon/system/realtime.hpp"
 #include "rsi/server/server.hpp"
+#include "rsi/telegram/ethernet_config.hpp"
 
 namespace sweepd {
 
+/// The robot's Ethernet file; nothing where the settings name none. Throws
+/// rsi::EthernetConfigError, or ConfigError where it must not be answered (see answers.hpp).
+[[nodiscard]] std::optional<rsi::EthernetConfig> ethernet_config_of(const RobotSettings& settings);
+
 /// The server for a robot: over UDP or TCP, with the replies that its controller's Ethernet file
 /// asks for; where `tap` is set, what listens to another program's. What is doubtful is logged.
-/// Throws rsi::EthernetConfigError, ConfigError where it must not answer (see answers.hpp), or
-/// std::runtime_error.
+/// Throws as ethernet_config_of does, or std::runtime_error.
 [[nodiscard]] std::unique_ptr<rsi::Server> make_server(const RobotSettings& settings);
 
 /// The thread that answers a robot's controller, and nothing else.

@@ -147,7 +147,12 @@ bool Reader::is_understood(const pugi::xml_node& node, const std::string& name, 
 std::optional<std::string> Reader::value(const pugi::xml_node& config, const char* key) {
   const auto node = config.child(key);
   if (const auto second = node.next_sibling(key)) fail(second, key, "this key once", "it again");
-  const auto text = trimmed(node.text().get());
+  std::string text;
+  for (const auto& part : node.children()) {  // a comment parts the text
+    if (part.type() == pugi::node_element) fail(part, key, "text alone", in_short(part.name()));
+    text += part.value();
+  }
+  text = trimmed(text);
   return text.empty() ? std::nullopt : std::optional<std::string>(text);
 }
 

@@ -273,6 +273,13 @@ TEST_CASE("SIGHUP takes over what it can, says what it cannot, and survives a mi
   write(daemon.config(), changed + "plan = \"missing.toml\"\n" + other);
   daemon.process().signal(SIGHUP);
   CHECK(said(daemon, "missing.toml"));
+  const auto ethernet = content(folder / "ethernet.xml");
+  write(folder / "ethernet.xml", "<ROOT");
+  write(daemon.config(), changed + other);
+  daemon.process().signal(SIGHUP);
+  CHECK(said(daemon, "ethernet.xml"));
+  CHECK(said(daemon, "kr5-arc: the robot goes on with the settings", 2));
+  write(folder / "ethernet.xml", ethernet);
   {
     Controller second(other_port);
     CHECK(second.streams(20));

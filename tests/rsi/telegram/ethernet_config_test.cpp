@@ -117,6 +117,18 @@ TEST_CASE("KUKA's comments, tabs, CRLF, units and booleans of any case are accep
   CHECK(config.send[3].line == 12);
 }
 
+TEST_CASE("a comment or CDATA amid a value does not end it", "[ethernet_config]") {
+  const auto config =
+      parse(file("<IP_NUMBER>10.0.<!-- x -->0.5</IP_NUMBER><PORT>491<!-- x -->52</PORT>"
+                 "<SENTYPE>Im<![CDATA[Free]]></SENTYPE><ONLYSEND><!-- x -->TRUE</ONLYSEND>"));
+  CHECK(config.ip_number == "10.0.0.5");
+  CHECK(config.port == 49152);
+  CHECK(config.sentype == "ImFree");
+  CHECK(config.only_send);
+  CHECK_THAT(error_of(file("<PORT>49152</PORT><SENTYPE>Im<b/>Free</SENTYPE>")),
+             ContainsSubstring("SENTYPE: expected text alone, found \"b\""));
+}
+
 TEST_CASE("a placeholder for the address is a warning with its line, not an error",
           "[ethernet_config]") {
   const auto config = parse(
