@@ -78,8 +78,8 @@ PrincipalFrame frame_of(const Matrix3Xd& points, double flat) {
   edges = frame.axes.transpose() * edges;
   // Directions that the set does not have are none of the least wide.
   for (int k = frame.rank; k < 3; ++k) edges(k, k) = length;
-  const Eigen::JacobiSVD<Matrix3d> svd(edges);
-  frame.least_width = svd.singularValues()(2) / std::sqrt(frame.rank);
+  const Vector3d widths = edges.jacobiSvd().singularValues();
+  frame.least_width = widths(2) / std::sqrt(frame.rank);
   return frame;
 }
 
