@@ -41,13 +41,19 @@ struct Look {
 };
 
 /// Okabe and Ito, Color Universal Design (2008), without their yellow, which white paper swallows.
-constexpr std::array<Look, 7> kLooks{{{"#0072b2", "none"},
-                                      {"#d55e00", "7 3"},
-                                      {"#009e73", "2 2"},
-                                      {"#cc79a7", "9 3 2 3"},
-                                      {"#e69f00", "12 4"},
-                                      {"#56b4e9", "4 2 1 2"},
-                                      {"#7f7f7f", "1 3"}}};
+// Behind the seventh the colours come again, with other dashes.
+constexpr std::array<Look, 12> kLooks{{{"#0072b2", "none"},
+                                       {"#d55e00", "7 3"},
+                                       {"#009e73", "2 2"},
+                                       {"#cc79a7", "9 3 2 3"},
+                                       {"#e69f00", "12 4"},
+                                       {"#56b4e9", "4 2 1 2"},
+                                       {"#7f7f7f", "1 3"},
+                                       {"#0072b2", "2 4 8 4"},
+                                       {"#d55e00", "1 2"},
+                                       {"#009e73", "14 3 2 3 2 3"},
+                                       {"#cc79a7", "4 6"},
+                                       {"#e69f00", "3 3 9 3 3 6"}}};
 
 std::string look(char letter, std::size_t index) {
   return letter + std::to_string(index % kLooks.size() + 1);

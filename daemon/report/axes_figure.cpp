@@ -64,22 +64,27 @@ void draw_joint(Picture& picture, const View& view, const JointShape& shape, dou
   picture.arrow(centre, tip, kind + " whole");
 }
 
-/// The joints' names, each beside the tip of its normal or its centre, where no other name is.
+/// The joints' names within a frame, each beside the tip of its normal or its centre, where no
+/// other name is.
 void name_joints(Picture& picture, const View& view, const std::vector<JointShape>& shapes,
-                 double axis_length) {
+                 double axis_length, const Frame& frame) {
+  constexpr double kWidth_px = 28, kHeight_px = 10;
   std::vector<Spot> taken;
   for (const JointShape& shape : shapes) {
     if (!shape.centre.allFinite() && !shape.on_axis.allFinite()) continue;
     const Vector3d tip = shape.centre.allFinite()
                              ? Vector3d(shape.centre + 0.8 * axis_length * shape.normal)
                              : Vector3d(shape.on_axis + axis_length * shape.along_axis);
-    Spot at = view.spot(tip) + Spot(5, -4);
+    const Spot beside = view.spot(tip) + Spot(5, -4);
+    Spot at(std::clamp(beside.x(), frame.left + 2, frame.right() - kWidth_px),
+            std::clamp(beside.y(), frame.top + kHeight_px, frame.bottom() - 3));
+    const double way = at.y() + 6 * kHeight_px > frame.bottom() ? -11 : 11;
     for (std::size_t tries = 0; tries < 12; ++tries) {
       const bool free = std::none_of(taken.begin(), taken.end(), [&](const Spot& other) {
-        return std::abs(other.x() - at.x()) < 18 && std::abs(other.y() - at.y()) < 11;
+        return std::abs(other.x() - at.x()) < kWidth_px && std::abs(other.y() - at.y()) < 11;
       });
       if (free) break;
-      at.y() += 11;
+      at.y() += way;
     }
     taken.push_back(at);
     picture.words(at, "A" + std::to_string(shape.index + 1), Anchor::start, "strong");
@@ -99,10 +104,10 @@ void draw_scale(Picture& picture, const View& view, const Frame& frame) {
 }
 
 void draw_space(Picture& picture, const View& view, const std::vector<JointShape>& shapes,
-                const Points& arm, double axis_length) {
+                const Points& arm, double axis_length, const Frame& frame) {
   picture.path(view.spots(arm), "arm");
   for (const JointShape& shape : shapes) draw_joint(picture, view, shape, axis_length);
-  name_joints(picture, view, shapes, axis_length);
+  name_joints(picture, view, shapes, axis_length, frame);
 }
 
 void draw_flat_view(Picture& picture, View view, const Frame& frame, const char* title,
@@ -114,7 +119,7 @@ void draw_flat_view(Picture& picture, View view, const Frame& frame, const char*
   const Eigen::Vector2d high = view.place({frame.right(), frame.top});
   Plot plot(picture, frame, {{low.x(), high.x()}, axes[0], false, 5},
             {{low.y(), high.y()}, axes[1], false, 5});
-  draw_space(plot.inside(), view, shapes, arm, axis_length);
+  draw_space(plot.inside(), view, shapes, arm, axis_length, frame);
   picture.words({frame.left, frame.top - 6}, title, Anchor::start, "strong");
 }
 
@@ -163,7 +168,7 @@ void add_axes_figure(Markup parent, const ReportFolder& folder) {
   draw_flat_view(picture, View::side(), {kLeft, last.top, kWidth, kHeight}, "From the side",
                  {"Y, mm", "Z, mm"}, shapes, arm, extent, axis_length);
   picture.words({last.left, last.top - 6}, "In perspective", Anchor::start, "strong");
-  draw_space(picture, whole, shapes, arm, axis_length);
+  draw_space(picture, whole, shapes, arm, axis_length, last);
   draw_triad(picture, whole, {last.left + 26, last.bottom() + 16});
   for (std::size_t i = 0; i < small.size() && i < 5; ++i) {
     const Frame inset{kLeft + static_cast<double>(i) * (kInset + 10), height - kInset - 4, kInset,

@@ -86,15 +86,24 @@ void draw_circle_panel(Picture& picture, const JointShape& shape, const Frame& f
   picture.words({frame.right() - 6, frame.top + 14}, text, Anchor::end, "small");
 }
 
-void draw_decomposition_panel(Picture& picture, const JointShape& shape, const Decomposition& found,
-                              const Frame& frame) {
-  picture.words({frame.left, frame.top - 5}, "Joint " + std::to_string(shape.index + 1),
-                Anchor::start, "strong");
+/// Of the target that `found` is of.
+Points points_of(const ReportFolder& folder, std::size_t joint) {
+  Points points;
+  for (const Stroke& stroke : folder.strokes)
+    if (stroke.joint == joint && stroke.target == folder.sums[joint].target)
+      for (const StrokePoint& point : stroke.points) points.push_back(point.position_mm);
+  return points;
+}
+
+void draw_decomposition_panel(Picture& picture, std::size_t joint, const Points& points,
+                              const Decomposition& found, const Frame& frame) {
+  picture.words({frame.left, frame.top - 5}, "Joint " + std::to_string(joint + 1), Anchor::start,
+                "strong");
   picture.bar(frame, "hollow axis");
   // The longest axis is drawn as long as the points reach, the others in proportion.
   Points places;
   double reach = 0;
-  for (const Vector3d& point : shape.moved) {
+  for (const Vector3d& point : points) {
     places.emplace_back(found.axes.transpose() * (point - found.mean));
     reach = std::max(reach, std::abs(places.back().x()));
   }
@@ -154,13 +163,14 @@ void add_circle_figures(Markup parent, const ReportFolder& folder) {
       parent, "Spread of the points of each joint.",
       "As figure 4 of the paper: the points in the frame (V₁, V₂, V₃) of their singular value "
       "decomposition. The axes are as long, beside each other, as the singular values σ. A dashed "
-      "arrow is an axis that is too short to be seen: V₃ is the normal of the plane.");
+      "arrow is an axis that is too short to be seen: V₃ is the normal of the plane. Where there "
+      "are several targets, it is the first.");
   Picture spread_picture(spread, kPanelsWidth, panels_height(drawn.size()),
                          "points and singular values of each joint");
   for (std::size_t i = 0; i < drawn.size(); ++i)
-    if (drawn[i].index < folder.sums.size())
-      draw_decomposition_panel(spread_picture, drawn[i], decompose(folder.sums[drawn[i].index]),
-                               panel(i));
+    if (const std::size_t joint = drawn[i].index; joint < folder.sums.size())
+      draw_decomposition_panel(spread_picture, joint, points_of(folder, joint),
+                               decompose(folder.sums[joint]), panel(i));
 }
 
 }  // namespace sweepd

@@ -149,17 +149,23 @@ void add_displacement(Markup parent, const ReportFolder& folder) {
   for (std::size_t across = 0; across < 3; ++across)
     if (!slices.across.at(across).points.empty()) drawn.push_back(across);
   if (drawn.empty() || grid.points.empty()) return;
-  const auto most = std::max_element(
-      grid.points.begin(), grid.points.end(),
-      [](const Displaced& one, const Displaced& other) { return one.size < other.size; });
+  const Displaced* most = &grid.points.front();
+  const auto look = [&most](const DrawnSlice& points) {
+    for (const Displaced& point : points.points)
+      if (point.size > most->size) most = &point;
+  };
+  look(grid);
+  for (const DrawnSlice& slice : slices.across) look(slice);
   double squares = 0;
   for (const Displaced& point : grid.points) squares += point.size * point.size;
   auto figure = add_figure(
       parent, "From the specification to the arm that was identified",
       fmt::format(
           "how far the first target stands off, base and tool fitted: {:.3f} mm root mean "
-          "square at {} points of the workspace, at most {:.3f} ± {:.3f} mm (95 %) at X "
-          "{:.0f}, Y {:.0f}, Z {:.0f} mm of the robot's base. Slices through the target at home. "
+          "square at {} points of the workspace. The largest of these and of the slices is {:.3f} "
+          "± "
+          "{:.3f} mm (95 %) at X {:.0f}, Y {:.0f}, Z {:.0f} mm of the robot's base. The slices go "
+          "through the target at home. "
           "A line in each cell shows the direction of the displacement. It is as long as the cell "
           "where the displacement is that of the darkest shade. A dot stands where the "
           "displacement is no larger than its 95 % band. displacement.csv has all of it.",

@@ -26,6 +26,12 @@ std::size_t axes_of(const Json& result) {
                     [](const Json& joint) { return part_of(joint, "axis").is_object(); }));
 }
 
+bool warns(const Json& result, std::string_view code) {
+  const Json warnings = list_of(result, "warnings");
+  return std::any_of(warnings.begin(), warnings.end(),
+                     [&](const Json& warning) { return text_of(warning, "code") == code; });
+}
+
 std::string because(const Json& result) {
   const std::string reason = text_of(result, "reason");
   if (reason.empty()) return ".";
@@ -40,7 +46,10 @@ void add_fact(Markup list, const std::string& name, const std::string& text,
   line.add("bdi", {{"class", kind}}).text(text);
 }
 
-std::string source_text(const Json& source) {
+std::string source_text(const Json& result) {
+  if (text_of(result, "estimator") == "axes")
+    return fmt::format("{} axes, given as lines", axes_of(result));
+  const Json& source = part_of(result, "source");
   const auto count = [&](const char* key) {
     return part_of(source, key).is_number() ? part_of(source, key).get<std::uint64_t>() : 0;
   };
@@ -58,17 +67,6 @@ std::string moment_text(const std::string& started) {
   if (!time) return started;
   const auto text = utc_text(*time);
   return text.substr(0, 10) + ' ' + text.substr(11, 8) + " UTC";
-}
-
-/// The verdict, with what made it so.
-std::string link_text(const Json& link) {
-  std::string text = text_of(link, "verdict");
-  const char* before = ": ";
-  for (const Json& reason : list_of(link, "reasons")) {
-    text += before + text_of(reason, "message");
-    before = ", ";
-  }
-  return text;
 }
 
 std::string home_text(const Json& result) {
@@ -134,7 +132,11 @@ std::string verdict_sentence(const ReportFolder& folder) {
   const std::size_t joints = joints_of(result);
   if (status == "complete")
     return "All " + rsi::counted(joints, "joint") +
-           " are identified, and nothing in the data contradicts the result.";
+           " are identified, and nothing in the data contradicts the result." +
+           (warns(result, "direction_ambiguous")
+                ? " Nothing tells which way some of them move: what depends on that is assumed, "
+                  "see the warnings."
+                : "");
   if (status == "partial")
     return fmt::format("{} of {} {} an axis. The result is not complete{}", axes_of(result),
                        rsi::counted(joints, "joint"), axes_of(result) == 1 ? "has" : "have",
@@ -164,8 +166,12 @@ void add_first_page(Markup parent, const ReportFolder& folder, const ReportFacts
   add_fact(list, "Folder", folder.name);
   if (!text_of(folder.run, "started").empty())
     add_fact(list, "Started", moment_text(text_of(folder.run, "started")));
-  add_fact(list, "Data", source_text(part_of(result, "source")));
-  if (const auto link = link_text(folder.link); !link.empty()) add_fact(list, "Link", link);
+  add_fact(list, "Data", source_text(result));
+  Json reasons = list_of(folder.link, "reasons");
+  for (Json& reason : reasons)
+    reason["message"] = text_of(reason, "grade") + ": " + text_of(reason, "message");
+  if (const auto link = text_of(folder.link, "verdict"); !link.empty())
+    add_fact(list, "Link", link + (reasons.empty() ? "" : ", see below"));
   add_fact(list, "Home", home_text(result));
   for (const auto& [name, text] : facts)
     add_fact(list, name, text.empty() ? "not stated" : text, text.empty() ? "missing" : "given");
@@ -173,6 +179,7 @@ void add_first_page(Markup parent, const ReportFolder& folder, const ReportFacts
            "sweepd cannot know the facts in italics. Those that are not stated can be given with "
            "sweepd report --facts FILE.",
            {{"class", "note"}});
+  add_messages(page, "What the verdict on the link rests on", reasons);
 }
 
 }  // namespace sweepd

@@ -110,7 +110,11 @@ void read_strokes(std::string_view text, ReportFolder& folder) {
     if (!position.allFinite()) continue;
     if (folder.sums.size() <= stroke.joint && stroke.joint < 64)
       folder.sums.resize(stroke.joint + 1);
-    if (stroke.joint < folder.sums.size()) add(folder.sums[stroke.joint], position);
+    if (stroke.joint < folder.sums.size()) {
+      PointSums& sums = folder.sums[stroke.joint];
+      if (!sums.target) sums.target = stroke.target;
+      if (sums.target == stroke.target) add(sums, position);
+    }
     const double axial = either(value_in(cells[at.chain_axial]), value_in(cells[at.plane]));
     const double radial = either(value_in(cells[at.chain_radial]), value_in(cells[at.radial]));
     const double along = value_in(cells[at.error]);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,8 @@ struct PointSums {
   MeanSquare axial_mm;
   MeanSquare radial_mm;
   MeanSquare along_arcsec;
+  /// Of the target that comes first; one target's points alone lie on one circle.
+  std::optional<std::size_t> target;
   std::size_t count = 0;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   Eigen::Matrix3d products = Eigen::Matrix3d::Zero();  ///< of positions, from `origin`

@@ -215,8 +215,10 @@ std::string report(const Outcome& outcome) {
   const Identification& found = outcome.identification;
   std::string status(identify::text(found.status));
   if (!found.reason.empty()) status += ": " + found.reason;
-  std::string text = paragraph("describes   ", explanation(outcome)) +
-                     paragraph("robot       ", outcome.robot) + paragraph("status      ", status);
+  std::string text;
+  if (found.status != identify::Status::failed)
+    text = paragraph("describes   ", explanation(outcome));
+  text += paragraph("robot       ", outcome.robot) + paragraph("status      ", status);
   for (std::size_t i = 1; i < found.doubts.size(); ++i)
     text += paragraph("            ", "and " + found.doubts[i].message);
   text += source_text(outcome) + home_text(found) + "\n";

@@ -47,7 +47,7 @@ function robot_row(robot) {
 export function show_robots(main) {
   const body = element("tbody");
   const troubles = element("ul", { class: "messages" });
-  const table = element("table", {}, head("Robot", "RSI", "Replies", "Swept", "Result"), body);
+  const table = element("table", { class: "robots" }, head("Robot", "RSI", "Replies", "Swept", "Result"), body);
   const facts = element("p", { class: "quiet" });
   main.append(panel("All robots of this sweepd", element("div", { class: "scroll" }, table), troubles, facts));
   let told = "";

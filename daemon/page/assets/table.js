@@ -5,8 +5,8 @@ const NUMBERS = [["b", "_mm", "b", "mm"], ["theta", "_deg", "θ", "°"], ["a", "
 const STATUS = {
   complete: "Every joint has an axis, and nothing in the data contradicts the result.",
   doubtful: "Something in the data contradicts the result: do not use the numbers before the reasons under Warnings are understood.",
-  partial: "Not every joint has an axis yet.",
-  failed: "No axis was found.",
+  partial: "The result is not complete",
+  failed: "Nothing is identified",
 };
 const NONE = "–";
 const NO_RESULT = "No result yet: it comes once enough joints were swept.";
@@ -18,6 +18,13 @@ function shown(digits, decimals) {
   const fixed = Number(digits).toFixed(decimals);
   if (Number(fixed) !== 0) return fixed;
   return Number(digits) > 0 && decimals === DECIMALS.sigma ? `<${(10 ** -decimals).toFixed(decimals)}` : (0).toFixed(decimals);
+}
+
+/** Ends the sentence of STATUS. */
+function because({ status, reason }) {
+  const open = status === "partial" || status === "failed";
+  if (!reason) return open ? "." : "";
+  return `${open ? ":" : " The reason:"} ${reason}${/[.?!]$/.test(reason) ? "" : "."}`;
 }
 
 export function make_table() {
@@ -66,7 +73,7 @@ export function make_table() {
     if (!result) return;
     const now = session !== null && result.session !== session;
     say(status, (now ? "This result is of an earlier stream. " : result.interim ? "Interim result: it grows with each sweep. " : "Last result of this stream. ") +
-      `${result.status[0].toUpperCase()}${result.status.slice(1)}. ${STATUS[result.status] ?? ""}` + (result.reason ? ` ${result.reason}` : ""));
+      `${result.status[0].toUpperCase()}${result.status.slice(1)}. ${STATUS[result.status] ?? ""}` + because(result));
     status.className = result.status === "complete" ? "good" : "bad";
     const told = [...(result.doubts ?? []).map((one) => ["bad", one]), ...(result.warnings ?? []).map((one) => ["", one])];
     list.replaceChildren(...told.map(([kind, one]) => element("li", { class: kind, "data-code": one.code }, bdi(one.message))));

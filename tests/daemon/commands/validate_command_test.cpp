@@ -107,9 +107,10 @@ TEST_CASE("Poses that were kept back judge a result, and used ones are refused",
     for (const auto& attribute : document.child("svg").attributes())
       CHECK(names.insert(attribute.name()).second);
   }
-  CHECK_THAT(content(result / "report.html"),
-             ContainsSubstring("From the specification to the arm that was identified") &&
-                 ContainsSubstring("mm of the robot's base. Slices through the target at home."));
+  CHECK_THAT(
+      content(result / "report.html"),
+      ContainsSubstring("From the specification to the arm that was identified") &&
+          ContainsSubstring("mm of the robot's base. The slices go through the target at home."));
 
   options.points = {held, fit};
   CHECK_THROWS_WITH(validate(options, out),

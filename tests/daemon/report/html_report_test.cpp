@@ -114,9 +114,39 @@ TEST_CASE("start, link and the command that repeats a session are told as they a
   const ReportFolder read = read_report_folder(folder.path());
   const auto words = words_of(html_report(std::span(&read, 1)));
   CHECK_THAT(words, ContainsSubstring(" 2026-11-25 13:19:30 UTC "));
-  CHECK_THAT(words, ContainsSubstring(" bad: 57 telegrams are lost "));
+  CHECK_THAT(words, ContainsSubstring(" bad, see below "));
+  CHECK_THAT(words, ContainsSubstring(" bad: 57 telegrams are lost  lost "));
   CHECK_THAT(words, ContainsSubstring("sweepd replay trace*.pcap --config SETTINGS"));
   CHECK_THAT(words, !ContainsSubstring("--robot robots/kr5_arc.toml"));
+}
+
+TEST_CASE(
+    "axes that are given are no telegrams, and senses that nothing tells are said to be assumed",
+    "[html_report]") {
+  const TemporaryFolder folder;
+  write_result(folder.path(), complete_outcome());
+  ReportFolder read = read_report_folder(folder.path());
+  CHECK_THAT(words_of(html_report(std::span(&read, 1))),
+             ContainsSubstring(" one every ") && !ContainsSubstring("which way some of them move"));
+  read.result["estimator"] = "axes";
+  read.result["warnings"] = {{{"code", "direction_ambiguous"}, {"message", "nothing tells"}}};
+  const auto words = words_of(html_report(std::span(&read, 1)));
+  CHECK_THAT(words, ContainsSubstring(" 6 axes, given as lines "));
+  CHECK_THAT(words, !ContainsSubstring(" telegrams, "));
+  CHECK_THAT(words, ContainsSubstring("Nothing tells which way some of them move"));
+}
+
+TEST_CASE("the largest displacement is that of all points that are shown", "[html_report]") {
+  const TemporaryFolder folder;
+  write_result(folder.path(), complete_outcome());
+  ReportFolder read = read_report_folder(folder.path());
+  read.displacement_csv =
+      "slice,x_mm,y_mm,z_mm,dx_mm,dy_mm,dz_mm,size_mm,band95_mm\n"
+      ",0,0,100,1,0,0,1,0.02\n,0,0,200,2,0,0,2,0.02\n"
+      "x,5,0,100,1,0,0,1,0.02\nx,5,50,300,2.5,0,0,2.5,0.03\n";
+  CHECK_THAT(words_of(html_report(std::span(&read, 1))),
+             ContainsSubstring("The largest of these and of the slices is 2.500 ± 0.030 mm (95 %) "
+                               "at X 5, Y 50, Z 300 mm"));
 }
 
 TEST_CASE("the same files give the same bytes", "[html_report]") {

@@ -44,6 +44,21 @@ TEST_CASE("strokes are told apart by joint, sweep and target", "[report_folder]"
   CHECK(folder.sums[0].count == 2);
 }
 
+TEST_CASE("the sums of a joint's points are of one target, whose points lie on one circle",
+          "[report_folder]") {
+  ReportFolder folder;
+  std::string csv = kHead;
+  for (const char* const target : {"2", "3"})
+    for (int k = 0; k < 5; ++k)
+      csv += "1,1," + std::to_string(k) + "," + std::to_string(k) + ",7," + target +
+             "00,0,0,,,,,,," + target + "\n";
+  read_strokes(csv, folder);
+  REQUIRE(folder.sums.size() == 1);
+  CHECK(folder.sums[0].target == 1);
+  CHECK(folder.sums[0].count == 5);
+  CHECK(folder.sums[0].products(2, 2) == 0);  // all at the same height
+}
+
 TEST_CASE("a day's sweep is thinned for drawing, its sums are of all points", "[report_folder]") {
   ReportFolder folder;
   std::string csv = kHead;
