@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -315,6 +316,24 @@ class Adviser {
 
 void add_advice(Identification& found, const Campaign& campaign) {
   Adviser(found, campaign).run();
+}
+
+void leave_out_consequences(Identification& found) {
+  const auto is_one_of = [](const Warning& warning, std::initializer_list<const char*> codes) {
+    return std::find(codes.begin(), codes.end(), warning.code) != codes.end();
+  };
+  const auto doubted = [&](std::initializer_list<const char*> codes) {
+    return std::any_of(found.doubts.begin(), found.doubts.end(),
+                       [&](const Warning& doubt) { return is_one_of(doubt, codes); });
+  };
+  const bool told_wrongly = doubted(
+      {"unit_factor", "frame_mirrored", "angles_negated", "joints_exchanged", "targets_exchanged"});
+  const bool moved = doubted({"device_moved", "target_moved"});
+  std::erase_if(found.warnings, [&](const Warning& warning) {
+    return (told_wrongly && is_one_of(warning, {"target_near_axis", "joint_not_turned",
+                                                "pose_outliers", "poses_drift"})) ||
+           (moved && is_one_of(warning, {"device_drifts"}));
+  });
 }
 
 std::vector<Warning> advice_on_height(const Identification& found,

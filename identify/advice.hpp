@@ -15,6 +15,10 @@ inline constexpr double kPoorDirection_rad = 0.05 * kDegree;
 /// would give. By the final axes and their covariance, and by what the chain saw of the noise.
 void add_advice(Identification& found, const Campaign& campaign);
 
+/// Leaves out warnings that follow from what a doubt says: they would have the user measure again
+/// what was only told wrongly, or warm up what was moved.
+void leave_out_consequences(Identification& found);
+
 /// Where the first axes are parallel, in a device's frame or behind a joint without an axis: that
 /// nothing tells where along them the arm stands, at which height the numbers are stated, and which
 /// are by convention for it. `measured` is the table of `found` before that convention.

@@ -64,7 +64,9 @@ class ChainAdviser {
       warn("outliers", {},
            std::to_string(chain_.outliers) + " of " + std::to_string(chain_.samples) +
                " samples (" + fixed(100 * share, 1) +
-               " %) lie far off and hardly count: look for an interrupted line of sight or a "
+               (chain_.outliers == 1 ? " %) lies" : " %) lie") + " far off and hardly count" +
+               (chain_.outliers == 1 ? "s" : "") +
+               ": look for an interrupted line of sight or a "
                "loose target");
     if (chain_.samples_per_independent > kManySamples && chain_.noise.position_mm > kRounding_mm)
       warn("correlated_noise", {},

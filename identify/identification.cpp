@@ -339,6 +339,7 @@ Identification identify(std::vector<Sweep> sweeps, const Campaign& campaign,
   judge_plausibility(found, campaign);
   apply_doubts(found);
   add_advice(found, campaign);
+  leave_out_consequences(found);
   return found;
 }
 

@@ -235,8 +235,9 @@ std::vector<AngleEvidence> seen_angle_errors(const Chain& chain, const ChainNode
   const std::size_t joints = chain.axes.size();
   std::vector<AngleEvidence> evidence(joints);
   std::vector<double> expected(joints, 0.0);
-  std::vector<bool> astray(joints, false);
+  std::vector<bool> astray(joints, false), swept(joints, false);
   for (const StrokeMoments& stroke : nodes.strokes) {
+    swept[stroke.content.joint] = true;
     if (!stroke.squares) continue;
     if (stroke.told)
       evidence[stroke.content.joint].samples += stroke.samples;
@@ -259,7 +260,9 @@ std::vector<AngleEvidence> seen_angle_errors(const Chain& chain, const ChainNode
   for (std::size_t j = 0; j < joints; ++j) {
     AngleEvidence& found = evidence[j];
     if (found.samples == 0) {
-      found.reason = astray[j] ? "the angles do not follow the arc" : "no angles";
+      found.reason = astray[j]  ? "the angles do not follow the arc"
+                     : swept[j] ? "no angles"
+                                : "not swept";
       continue;
     }
     const ErrorCurve& errors = plain_sums[j];

@@ -96,9 +96,10 @@ class Circles {
         warn(code(worst), j, joint_name(j) + ": " + std::string(remedy(worst, joint.linear)));
       else
         warn("joint_never_moved", j,
-             !directions_assigned_ ? joint_name(j) + " was never swept alone"
-             : !joint.linear       ? "no sweep was told to be of " + joint_name(j)
-                                   : joint_name(j) +
+             !directions_assigned_
+                 ? joint_name(j) + " was never swept alone: sweep it while all others rest"
+             : !joint.linear ? "no sweep was told to be of " + joint_name(j)
+                             : joint_name(j) +
                                    " moves along a line, which is not looked for without angles: "
                                    "send joint angles (AIPos), or name the joint of each point");
       return;
@@ -265,9 +266,15 @@ class Circles {
     return std::nullopt;
   }
 
-  static std::string unknown(const std::vector<std::size_t>& joints) {
-    return "nothing tells which way " + joints_named(joints) +
-           (joints.size() > 1 ? " turn" : " turns");
+  [[nodiscard]] std::string unknown(const std::vector<std::size_t>& joints) const {
+    return "nothing tells which way " + joints_named(joints) + ' ' + verb(joints) +
+           (joints.size() > 1 ? "" : "s");
+  }
+
+  [[nodiscard]] const char* verb(const std::vector<std::size_t>& joints) const {
+    const bool any_linear = std::any_of(joints.begin(), joints.end(),
+                                        [&](std::size_t j) { return result_.joints[j].linear; });
+    return any_linear ? "move" : "turn";
   }
 
   /// Without a table to agree with, which would be the wrong one the other way.
@@ -278,10 +285,10 @@ class Circles {
         joints.push_back(j);
     if (joints.empty()) return;
     warn("direction_ambiguous", joints.front(),
-         unknown(joints) +
-             ": each is taken to turn the way that it moved first. The other way, b and alpha "
-             "change their signs, and theta is half a turn off; record joint angles, name the "
-             "robot, or give the plan that was run");
+         unknown(joints) + ": each is taken to " + verb(joints) +
+             " the way that it moved first. The other way, b and alpha change their signs, and "
+             "theta is half a turn off; record joint angles, name the robot, or give the plan that "
+             "was run");
   }
 
   /// Plan and description tell two robots, whose axes turn one way and the other.

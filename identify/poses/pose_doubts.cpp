@@ -264,7 +264,9 @@ std::vector<Warning> advice_on(const PoseEstimate& found, const std::vector<Pose
     advice.push_back({"pose_outliers",
                       {},
                       std::to_string(found.outliers.size()) + " of " +
-                          std::to_string(poses.size()) + " poses lie far off and hardly count: " +
+                          std::to_string(poses.size()) +
+                          (found.outliers.size() == 1 ? " poses lies far off and hardly counts: "
+                                                      : " poses lie far off and hardly count: ") +
                           names + ": look at them, or measure them again"});
   }
   if (found.drift.seen && found.drift.moved_mm <= kMostWarming_mm)

@@ -164,6 +164,9 @@ TEST_CASE("metres in a column for millimetres are named, and the other way round
         simulation.campaign());
     check_doubt(found, "unit_factor");
     CHECK_THAT(found.reason, ContainsSubstring(unit.second));
+    // Nobody has to measure with another target.
+    CHECK(std::none_of(found.warnings.begin(), found.warnings.end(),
+                       [](const Warning& one) { return one.code == "target_near_axis"; }));
   }
 }
 
@@ -262,6 +265,9 @@ TEST_CASE("a device that was moved between two sweeps is told from joints that s
   const auto found =
       identify::identify(changed(simulation.sweeps(), bumped), simulation.campaign());
   check_doubt(found, "device_moved", first);
+  // It did not drift as well.
+  CHECK(std::none_of(found.warnings.begin(), found.warnings.end(),
+                     [](const Warning& one) { return one.code == "device_drifts"; }));
 
   World scattered = tracker(seed != 2);
   scattered.home.sigma_deg = 0.05;
