@@ -31,6 +31,15 @@ struct HandClock {
   static Callers::Time now() noexcept { return Callers::Time(time); }
 };
 
+/// Streams alone whose beginning was heard are answered, by the hand clock, which is at one hour.
+inline Server::Options from_the_beginning() {
+  Server::Options options = on_loopback();
+  options.only_from_the_beginning = true;
+  HandClock::time = std::chrono::hours(1);
+  options.clock = HandClock::now;
+  return options;
+}
+
 inline std::string ipoc_element(std::uint64_t ipoc) {
   return "<IPOC>" + std::to_string(ipoc) + "</IPOC>";
 }

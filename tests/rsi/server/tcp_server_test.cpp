@@ -292,11 +292,7 @@ TEST_CASE("a controller that closes its end is answered to the last telegram, an
 
 TEST_CASE("over TCP, too, a stream whose beginning was not heard is not answered",
           "[tcp_server][issue11][point_1]") {
-  auto options = on_loopback();
-  options.only_from_the_beginning = true;
-  HandClock::time = 1h;
-  options.clock = HandClock::now;
-  TcpRunning running(std::move(options));
+  TcpRunning running(from_the_beginning());
   TcpController controller(running.server);
   for (std::uint64_t ipoc : {4U, 8U}) {
     controller.send(telegram(ipoc));
@@ -319,11 +315,8 @@ TEST_CASE("over TCP, too, a stream whose beginning was not heard is not answered
 
 TEST_CASE("who connects again and again does not hide that the controller was silent",
           "[tcp_server]") {
-  auto options = on_loopback();
-  options.only_from_the_beginning = true;
+  auto options = from_the_beginning();
   options.controller = 0x7f000002;
-  HandClock::time = 1h;
-  options.clock = HandClock::now;
   TcpRunning running(std::move(options));
   for (auto time = 1h + 0ms; time < 1h + 2s; time += 10ms) {
     HandClock::time = time;

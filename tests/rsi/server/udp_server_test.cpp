@@ -244,11 +244,7 @@ TEST_CASE("a reply leaves from the address that the telegram came to",
 
 TEST_CASE("a stream whose beginning was not heard is handed over unanswered, if that is wanted",
           "[udp_server][issue11][point_1]") {
-  auto options = on_loopback();
-  options.only_from_the_beginning = true;
-  HandClock::time = 1h;
-  options.clock = HandClock::now;
-  UdpRunning running(std::move(options));
+  UdpRunning running(from_the_beginning());
   UdpController controller(running.server);
   for (std::uint64_t ipoc : {4U, 8U}) {
     controller.send(telegram(ipoc));
@@ -273,11 +269,7 @@ TEST_CASE("a stream whose beginning was not heard is handed over unanswered, if 
 
 TEST_CASE("a stream that says it was not answered for long is not taken over behind a silence",
           "[udp_server]") {
-  auto options = on_loopback();
-  options.only_from_the_beginning = true;
-  HandClock::time = 1h;
-  options.clock = HandClock::now;
-  UdpRunning running(std::move(options));
+  UdpRunning running(from_the_beginning());
   UdpController controller(running.server);
   running.look_at(1h + 2s);
   const std::string late = "<Rob Type=\"KUKA\"><Delay D=\"90\"/><IPOC>400</IPOC></Rob>";
