@@ -16,10 +16,10 @@ namespace {
 using Counts = rsi::Server::Counts;
 
 struct Kind {
-  std::uint64_t Counts::*count;
-  const char* one;
-  const char* many;
-  const char* were;  ///< what they were, and what to do
+  std::uint64_t Counts::*count = nullptr;
+  const char* one = "";
+  const char* many = "";
+  const char* were = "";  ///< what they were, and what to do
   const char* more = "";
 };
 

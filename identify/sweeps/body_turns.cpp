@@ -102,6 +102,7 @@ const BodyTurns::Members* BodyTurns::seen_by_others(const Turn& turn) const {
 
 bool BodyTurns::add(const std::vector<Turn>& turns, bool seen_before) {
   std::vector<const Members*> seen;
+  seen.reserve(turns.size());
   for (const Turn& turn : turns) seen.push_back(seen_by_others(turn));
   if (seen_before && std::find(seen.begin(), seen.end(), nullptr) != seen.end()) return false;
   const Members* const first = turns_.data();
