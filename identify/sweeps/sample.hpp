@@ -40,14 +40,7 @@ struct Resolution {
 };
 
 /// Columns: the positions of those samples that have one, in their order.
-[[nodiscard]] inline Eigen::Matrix3Xd positions(const std::vector<Sample>& samples) {
-  Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(samples.size()));
-  Eigen::Index count = 0;
-  for (const Sample& sample : samples)
-    if (sample.has_position) points.col(count++) = sample.position_mm;
-  points.conservativeResize(3, count);
-  return points;
-}
+[[nodiscard]] Eigen::Matrix3Xd positions(const std::vector<Sample>& samples);
 
 /// Of the tool, R = Rz(a) Ry(b) Rx(c).
 [[nodiscard]] inline Eigen::Matrix3d orientation(const Sample& sample) {
