@@ -1,7 +1,5 @@
 #pragma once
 
-#include <vector>
-
 #include "identify/geometry/angle.hpp"
 #include "identify/identification.hpp"
 
@@ -18,12 +16,5 @@ void add_advice(Identification& found, const Campaign& campaign);
 /// Leaves out warnings that follow from what a doubt says: they would have the user measure again
 /// what was only told wrongly, or warm up what was moved.
 void leave_out_consequences(Identification& found);
-
-/// Where the first axes are parallel, in a device's frame or behind a joint without an axis: that
-/// nothing tells where along them the arm stands, at which height the numbers are stated, and which
-/// are by convention for it. `measured` is the table of `found` before that convention.
-[[nodiscard]] std::vector<Warning> advice_on_height(const Identification& found,
-                                                    const std::vector<DhEstimate>& measured,
-                                                    const Campaign& campaign);
 
 }  // namespace identify

@@ -4,10 +4,10 @@
 #include <optional>
 #include <utility>
 
-#include "identify/advice.hpp"
 #include "identify/chain/chain_table.hpp"
 #include "identify/dh/base_height.hpp"
 #include "identify/geometry/angle.hpp"
+#include "identify/height_advice.hpp"
 #include "identify/identification.hpp"
 #include "identify/specified_fit.hpp"
 

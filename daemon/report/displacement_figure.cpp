@@ -162,9 +162,9 @@ void add_displacement(Markup parent, const ReportFolder& folder) {
       parent, "From the specification to the arm that was identified",
       fmt::format(
           "how far the first target stands off, base and tool fitted: {:.3f} mm root mean "
-          "square at {} points of the workspace. The largest of these and of the slices is {:.3f} "
-          "± "
-          "{:.3f} mm (95 %) at X {:.0f}, Y {:.0f}, Z {:.0f} mm of the robot's base. The slices go "
+          "square at {} points of the workspace. The largest of these and of the slices is "
+          "{:.3f} ± {:.3f} mm (95 %) at X {:.0f}, Y {:.0f}, Z {:.0f} mm of the robot's base. The "
+          "slices go "
           "through the target at home. "
           "A line in each cell shows the direction of the displacement. It is as long as the cell "
           "where the displacement is that of the darkest shade. A dot stands where the "

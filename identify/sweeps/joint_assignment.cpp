@@ -6,6 +6,7 @@
 
 #include "identify/dh/joint_order.hpp"
 #include "identify/sweeps/body_turns.hpp"
+#include "identify/sweeps/fitting_orders.hpp"
 #include "identify/sweeps/planned_turns.hpp"
 #include "identify/sweeps/sweep.hpp"
 
@@ -26,19 +27,6 @@ std::string names(const Order& joints) {
 Order without_none(Order joints) {
   std::erase(joints, kNoJoint);
   return joints;
-}
-
-std::vector<Axis> axes_of(const std::vector<Turn>& turns) {
-  std::vector<Axis> axes(turns.size());
-  for (std::size_t t = 0; t < turns.size(); ++t) axes[t] = turns[t].axis;
-  return axes;
-}
-
-/// How many joints turn, and do not slide.
-std::size_t turning(const Arm& arm) {
-  std::size_t count = 0;
-  for (std::size_t j = 0; j < arm.joints(); ++j) count += arm.is_linear(j) ? 0U : 1U;
-  return count;
 }
 
 /// Those of `joints` that `others` has too.
@@ -105,7 +93,7 @@ class Assigner {
       const auto partings = plan_.partings(before);
       if (std::none_of(partings.begin(), partings.end(), [&](const auto& parting) {
             turns_ = parting.of(before);
-            if (campaign_.specified) return !fits_at_home().empty();
+            if (campaign_.specified) return fit_at_home(turns_, campaign_);
             return parting.whole &&
                    (turns_.size() < plan_.order().size() || plan_.explains_in_order(turns_));
           })) {
@@ -117,7 +105,8 @@ class Assigner {
 
   void mismatch() {
     const std::string more = turns_.size() < 2 * plan_.order().size() ? "" : " or more";
-    const bool linear = campaign_.specified && turning(*campaign_.specified) < campaign_.joints;
+    const bool linear =
+        campaign_.specified && turning_joints(*campaign_.specified) < campaign_.joints;
     const std::string declared =
         std::to_string(plan_.order().size()) + (linear ? " joints that turn: " : " joints: ");
     const std::string remedy = plan_.given()
@@ -211,50 +200,22 @@ class Assigner {
       doubt(both + "the first is taken", "order_ambiguous");
   }
 
-  /// As the campaign declares it, or else the description.
-  std::vector<JointOrder> fits_at_home() const {
-    const Arm& arm = *campaign_.specified;
-    const auto& home = campaign_.declared_home_rad;
-    const auto axes = axes_of(turns_);
-    return orders_that_fit(axes, axes.size(), arm,
-                           home.size() == arm.joints() ? home : arm.home_rad)
-        .fitting;
-  }
-
-  /// Orders that agree with the description at the first pose where any does.
+  /// Orders that agree with the description. The plan may lack a joint that swept, and the arm one
+  /// that did not.
   std::vector<JointOrder> fits() {
     undecided_ = false;
     if (!campaign_.specified) return {};
-    const Arm& arm = *campaign_.specified;
-    const auto axes = axes_of(turns_);
-    const auto& declared_home = campaign_.declared_home_rad;
-    const bool has_home = declared_home.size() == arm.joints();
-    using Home = std::optional<std::vector<double>>;
-    std::vector<Home> poses;
-    if (has_home) poses.emplace_back(declared_home);
-    if (!has_home || declared_home != arm.home_rad) poses.emplace_back(arm.home_rad);
-    poses.emplace_back(std::nullopt);
-    // The plan may lack a joint that swept, and the arm one that did not.
-    const std::size_t most = std::min(axes.size(), turning(arm));
+    const std::size_t most = std::min(turns_.size(), turning_joints(*campaign_.specified));
     const std::size_t least = std::min(most, plan_.given() ? plan_.order().size() : most);
-    for (const Home& pose : poses) {
-      JointOrders orders;
-      for (std::size_t count = most; count >= least && orders.fitting.empty(); --count) {
-        orders = orders_that_fit(axes, count, arm, pose);
-        if (orders.undecided || count == 0) break;
-      }
-      undecided_ = orders.undecided;
-      if (undecided_) return {};
-      if (orders.fitting.empty()) continue;
-      if (has_home && pose != declared_home) {
-        found_.home_holds = false;
-        warn("home_contradicted",
-             "the arm did not stand at the plan's home: its angles at home are taken as unknown; "
-             "check that the plan is the one that was run");
-      }
-      return std::move(orders.fitting);
+    FittingOrders orders = fitting_orders(turns_, least, most, campaign_);
+    undecided_ = orders.undecided;
+    if (orders.elsewhere) {
+      found_.home_holds = false;
+      warn("home_contradicted",
+           "the arm did not stand at the plan's home: its angles at home are taken as unknown; "
+           "check that the plan is the one that was run");
     }
-    return {};
+    return std::move(orders.fitting);
   }
 
   /// The declared order, as far as it goes.

@@ -105,6 +105,8 @@ struct LinkReport {
   /// Datagrams of either direction that the server did not hand over, as its queue was full: among
   /// these, too.
   std::uint64_t queue_full = 0;
+  /// Packets that were on the link, though not counted here.
+  [[nodiscard]] std::uint64_t unseen() const { return missed_by_tap + queue_full; }
   /// Of a session that was cut, told by what was recorded of it: what a tap missed, what was not
   /// answered on purpose and what the recording lacks is not known.
   bool from_recording = false;

@@ -1,24 +1,17 @@
 #include "rsi/link/link_verdict.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <utility>
 
 #include "rsi/counted.hpp"
+#include "rsi/fixed.hpp"
+#include "rsi/link/link_remarks.hpp"
 
 namespace rsi {
 namespace {
 
 using Limits = VerdictLimits;
 using std::chrono::nanoseconds;
-
-std::string fixed(double value, int decimals) {
-  std::array<char, 400> digits{};
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value,
-                                 std::chars_format::fixed, decimals);
-  return {digits.data(), end.ptr};
-}
 
 std::string ms(nanoseconds time) {
   return fixed(static_cast<double>(time.count()) / 1e6, 2) + " ms";
@@ -63,9 +56,7 @@ class Judge {
     wrong_replies();
     latency();
     jitter();
-    not_seen();
-    from_recording();
-    good_to_know();
+    for (Reason& remark : remarks_on(report_)) verdict_.reasons.push_back(std::move(remark));
     std::stable_sort(verdict_.reasons.begin(), verdict_.reasons.end(),
                      [](const Reason& a, const Reason& b) { return a.grade > b.grade; });
     if (!verdict_.reasons.empty()) verdict_.grade = verdict_.reasons.front().grade;
@@ -128,7 +119,7 @@ class Judge {
   void telegrams_without_reply() {
     const ReplyCounts& replies = report_.replies;
     const auto count = replies.not_in_time();
-    if (count <= std::min(replies.unanswered, unseen())) return;
+    if (count <= std::min(replies.unanswered, report_.unseen())) return;
     const Place& worst = report_.silent_runs.worst();
     std::string message = counted_of(count, cycles_, "telegram", "telegrams") +
                           " got no reply within a cycle (" + std::to_string(replies.late) +
@@ -155,7 +146,7 @@ class Judge {
   void lost() {
     constexpr std::int64_t kLongGap = 1000;
     const auto lost = report_.link.lost;
-    if (lost <= unseen()) return;
+    if (lost <= report_.unseen()) return;
     const auto gap = std::min(report_.longest_gap.amount, static_cast<std::int64_t>(lost));
     std::string message = counted_of(lost, cycles_ + lost, "telegram", "telegrams") +
                           " never came, at most " + std::to_string(gap) + " in a row";
@@ -172,31 +163,6 @@ class Judge {
       message += std::string(": check cable, connectors and switch, and this machine's ") +
                  kBuffer + "; a simulator may have left them out";
     add(grade(lost, gap), "lost", std::move(message));
-  }
-
-  /// Packets that were on the link, though not counted here.
-  [[nodiscard]] std::uint64_t unseen() const { return report_.missed_by_tap + report_.queue_full; }
-
-  void not_seen() {
-    const std::string on_the_link =
-        "as many of what counts as lost, unanswered or stray here were well on the link";
-    if (const auto missed = report_.missed_by_tap; missed > 0)
-      add(Grade::good, "missed_by_tap",
-          rsi::counted(missed, "packet", "packets") +
-              " passed the tap unseen, as its machine was too busy: " + on_the_link);
-    if (const auto missed = report_.queue_full; missed > 0)
-      add(Grade::good, "queue_full",
-          rsi::counted(missed, "datagram was", "datagrams were") +
-              " neither counted here nor recorded, as sweepd's queue was full: " + on_the_link +
-              "; raise `queue_bytes`, or free this machine");
-  }
-
-  void from_recording() {
-    if (!report_.from_recording) return;
-    add(Grade::good, "from_recording",
-        "sweepd was cut off in this session, and its recording alone tells of the link: telegrams "
-        "that got no answer on purpose count as unanswered here, and what a tap or the recording "
-        "missed counts as lost or unanswered; how the stream ended is not known");
   }
 
   void malformed() {
@@ -234,7 +200,7 @@ class Judge {
 
   void wrong_replies() {
     const ReplyCounts& replies = report_.replies;
-    if (replies.stray > unseen())
+    if (replies.stray > report_.unseen())
       add(share(replies.stray, replies.sent) > Limits::kBadShare ? Grade::bad : Grade::marginal,
           "stray_replies",
           counted_of(replies.stray, replies.sent, "reply", "replies") +
@@ -274,53 +240,6 @@ class Judge {
                  : "the sender, or the way from it, does not keep the pace; give the robot a "
                    "network card and cable of its own, without other load on the switch; without "
                    "time stamps of the kernel a busy machine here looks like that too"));
-  }
-
-  void good_to_know() {
-    const LinkCounts& link = report_.link;
-    if (cycles_ > 0 && cycles_ < Limits::kTelling)
-      add(Grade::good, "few_telegrams",
-          rsi::counted(cycles_, "telegram is", "telegrams are") +
-              " too few to judge a link by: what comes once in " +
-              std::to_string(Limits::kTelling) +
-              " need not be among them; record a minute or more");
-    if (link.restarts > 0 && link.alternations < Limits::kAlternations)
-      add(Grade::good, "restarts",
-          "RSI began anew " + rsi::counted(link.restarts, "time") +
-              ": if no program on the controller did that, look there for why it stopped");
-    if (link.missed_before > 0)
-      add(Grade::good, "missed_before",
-          "the controller had missed " + rsi::counted(link.missed_before, "reply", "replies") +
-              " before the first telegram that was seen: nobody answered until then");
-    if (report_.clock_steps > 0) clock_steps();
-    const bool read = share(report_.malformed, cycles_ + report_.unanswerable) < 0.5;
-    if (read && report_.replies.sent > 0 && !report_.link.late_replies)
-      add(Grade::good, "no_delay",
-          "the telegrams carry no Delay, so what reached the controller too late cannot be seen: "
-          "add DEF_Delay to SEND in its Ethernet file");
-    if (!report_.ipoc_counts_ms)
-      add(Grade::good, "ipoc_no_clock",
-          "the IPOC does not count milliseconds of this machine's clock: a simulator, or a "
-          "capture that was not made in real time; the cycle is the median time between telegrams");
-  }
-
-  /// A clock that goes back was set. Of one that runs ahead of the IPOC nothing tells whether it
-  /// was set, or the sender paused.
-  void clock_steps() {
-    const auto ahead = report_.clock_steps - report_.clock_steps_back;
-    const std::string size =
-        fixed(static_cast<double>(report_.largest_clock_step.count()) / 1e9, 3) + " s";
-    std::string message;
-    if (report_.clock_steps_back > 0)
-      message = "the clock of the machine was set back " +
-                rsi::counted(report_.clock_steps_back, "time") + " (let chrony slew it instead)" +
-                (ahead > 0 ? ", and " : "");
-    if (ahead > 0)
-      message += rsi::counted(ahead, "time") +
-                 " the clock of the machine ran ahead of the IPOC and stayed there: it was set, or "
-                 "the sender paused with its IPOC (a simulator, a machine that was suspended)";
-    add(Grade::good, "clock_steps",
-        message + "; by at most " + size + ", and replies around it are not timed");
   }
 
   const LinkReport& report_;

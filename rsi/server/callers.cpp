@@ -75,11 +75,11 @@ bool Callers::may_be_controller(std::uint32_t address) const noexcept {
 void Callers::telegram(const Endpoint& source, std::uint64_t ipoc, Time now,
                        std::uint64_t missed) noexcept {
   Caller& caller = place_of(source.address);
-  const Telegram heard{ipoc, now};
-  if (std::exchange(caller.silent, false) && missed < kLongMissed &&
-      !caller.stream.goes_on(source.port, heard))
-    caller.began = true;
-  caller.stream.take(source.port, heard);
+  const bool silent = std::exchange(caller.silent, false);
+  if (const Telegram heard{ipoc, now}; !caller.began) {
+    caller.began = silent && missed < kLongMissed && !caller.stream.goes_on(source.port, heard);
+    caller.stream.take(source.port, heard);
+  }
   if (caller.spoke && was_overtaken(caller.ipoc, ipoc)) return;
   const auto rise = ipoc - caller.ipoc;
   const auto last_rise = ipoc - caller.odd_ipoc;

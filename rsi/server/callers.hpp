@@ -61,7 +61,7 @@ class Callers {
     std::uint64_t ipoc = 0;
     Time at;
   };
-  /// What a stream has sent, from one port and with an IPOC that rises.
+  /// What a stream that did not begin here has sent, from one port and with an IPOC that rises.
   struct Stream {
     std::uint16_t port = 0;  // 0: there is none
     Telegram first, last;

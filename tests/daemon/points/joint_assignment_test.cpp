@@ -95,6 +95,14 @@ void declare(identify::Campaign& campaign, const Seen& seen, const std::vector<d
   }
 }
 
+/// The campaign of that plan, with the description.
+identify::Campaign described(const Seen& seen, const std::vector<double>& home_rad) {
+  identify::Campaign campaign;
+  campaign.specified = seen.arm;
+  declare(campaign, seen, home_rad);
+  return campaign;
+}
+
 /// Whether every stroke has its own joint, and its own direction where that is said to be known.
 bool is_right(const std::vector<Sweep>& assigned, const Seen& seen, const Order& order,
               bool with_directions) {
@@ -224,9 +232,7 @@ TEST_CASE("repeated turns, lone strokes and joints left out do not make a wrong 
           "[joint_assignment][issue11][point_22]") {
   const auto arm = identify::test::kr5_arc();
   const Seen campaign = seen(arm, kNarrow, arm.home_rad);
-  identify::Campaign known;
-  known.specified = arm;
-  declare(known, campaign, arm.home_rad);
+  identify::Campaign known = described(campaign, arm.home_rad);
   SECTION("the whole plan twice") {
     const Order order{0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
     auto strokes = in_order(campaign, order);
@@ -285,9 +291,7 @@ TEST_CASE("joints whose axes are one line at home stay apart, and which is which
           "[joint_assignment][issue11][point_22]") {
   const auto [arm, home, ranges] = straight_wrist();
   const Seen campaign = seen(arm, ranges, home);
-  identify::Campaign known;
-  known.specified = arm;
-  declare(known, campaign, home);
+  identify::Campaign known = described(campaign, home);
   const Order order{0, 1, 2, 3, 4, 5};
   auto strokes = in_order(campaign, order);
   auto found = assign_joints(strokes, known);
@@ -308,9 +312,7 @@ TEST_CASE("joints of one axis at home that sweep one after the other are parted 
   CAPTURE(alike);
   if (alike) ranges[3] = ranges[5] = {-40, 40};
   const Seen campaign = seen(arm, ranges, home);
-  identify::Campaign known;
-  known.specified = arm;
-  declare(known, campaign, home);
+  identify::Campaign known = described(campaign, home);
   std::swap(known.order[4], known.order[5]);
   const Order order{0, 1, 2, 3, 5, 4};
   auto strokes = in_order(campaign, order);
@@ -345,9 +347,7 @@ TEST_CASE("joints of one axis at home are parted where a plan has several rounds
           "[joint_assignment]") {
   const auto [arm, home, ranges] = straight_wrist();
   const Seen campaign = seen(arm, ranges, home);
-  identify::Campaign known;
-  known.specified = arm;
-  declare(known, campaign, home);
+  identify::Campaign known = described(campaign, home);
   const bool in_turn = GENERATE(true, false);  // joint 5 between joints 4 and 6, or after both
   CAPTURE(in_turn);
   Order order{0, 1, 2, 3, 4, 5};
@@ -480,9 +480,7 @@ TEST_CASE("short strokes whose own circles noise turns are still those of the pl
   for (const unsigned seed : {1U, 2U, 3U, 4U, 5U}) {
     INFO("seed " << seed);
     const Seen campaign = seen(arm, ranges, arm.home_rad, {.position_mm = 0.3, .seed = seed});
-    identify::Campaign known;
-    known.specified = arm;
-    declare(known, campaign, arm.home_rad);
+    identify::Campaign known = described(campaign, arm.home_rad);
     const Order order{0, 1, 2, 3, 4, 5};
     auto strokes = in_order(campaign, order);
     const auto found = assign_joints(strokes, known);
@@ -503,9 +501,7 @@ TEST_CASE("joints that have nothing but short strokes do not contradict their pl
   for (unsigned seed = 1; seed <= 10; ++seed) {
     INFO("seed " << seed);
     const Seen campaign = seen(arm, ranges, arm.home_rad, {.position_mm = 0.3, .seed = seed});
-    identify::Campaign known;
-    known.specified = arm;
-    declare(known, campaign, arm.home_rad);
+    identify::Campaign known = described(campaign, arm.home_rad);
     auto strokes = in_order(campaign, {0, 1, 2, 3, 4, 5});
     const auto found = assign_joints(strokes, known);
     CHECK_FALSE(warns(found, "plan_contradicted"));

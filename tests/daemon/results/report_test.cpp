@@ -165,6 +165,7 @@ TEST_CASE("a failed report names the reason and shows no table of nothing", "[re
   const auto outcome = failed_outcome();
   const auto text = report(outcome);
   CHECK_THAT(flowing(text), ContainsSubstring("failed: " + outcome.identification.reason));
+  CHECK_THAT(text, Catch::Matchers::StartsWith("robot "));  // there is nothing to describe
   CHECK_THAT(text, !ContainsSubstring("identified") && !ContainsSubstring("Smallest box"));
 }
 

@@ -140,6 +140,17 @@ TEST_CASE("Joints whose angles are not used are not tested", "[angle_trust]") {
   CHECK(evidence[1].size > 0);
 }
 
+TEST_CASE("A joint that was not swept is told from one without angles", "[angle_trust]") {
+  Random random(36);
+  const Chain chain = random_chain(4, 1, random);
+  auto samples = sweeps_of(chain, tracked(), random);
+  std::erase_if(samples, [](const ChainObservation& sample) { return sample.joint == 2; });
+  const auto evidence = seen_errors(chain, samples);
+  CHECK(evidence[2].samples == 0);
+  CHECK(evidence[2].reason == "not swept");
+  CHECK(evidence[1].samples > 0);
+}
+
 TEST_CASE("A smooth error of an angle is seen as the curve that it is", "[angle_trust]") {
   Random random(38);
   const Chain chain = random_chain(3, 1, random);

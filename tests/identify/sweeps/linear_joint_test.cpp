@@ -524,6 +524,23 @@ TEST_CASE("A linear joint whose mm come late is no doubt", "[linear_joint]") {
   CHECK(found.status == Status::complete);
 }
 
+TEST_CASE("Which way linear joints move, where nothing tells it, is not told of a turn",
+          "[linear_joint]") {
+  const auto sweeps =
+      changed(scara_sweeps(scara(), {0, 0.02, 1}), [](Sweep& sweep, std::vector<Sample>& samples) {
+        samples = without_angles(std::move(samples));
+        sweep.direction = 0;
+      });
+  Campaign campaign;
+  campaign.joints = 4;
+  const auto found = identify::identify(sweeps, campaign);
+  const Warning* const warned = find_warning(found, "direction_ambiguous");
+  REQUIRE(warned != nullptr);
+  CHECK_THAT(warned->message,
+             Catch::Matchers::StartsWith("nothing tells which way joints 1, 2, 3, 4 move: each is "
+                                         "taken to move the way that it moved first"));
+}
+
 TEST_CASE("Numbers of arms with linear joints are as uncertain as stated", "[linear_joint][long]") {
   struct Kind {
     std::string name;
