@@ -18,7 +18,7 @@ using Eigen::VectorXd;
 
 /// Of what an effect does, so much must be left when the others have taken up what they can.
 constexpr double kOwnShare = 1e-3;
-constexpr int kMostRounds = 4;
+constexpr int kMostFits = 4;
 /// So much likelier, in twice the logarithm, is what the poses tell.
 constexpr double kClearly = 10;
 constexpr double kStartGears_rad = 10 * kArcsec;
@@ -163,7 +163,7 @@ void assume_others(PoseFit& fit, const std::vector<Pose>& poses,
 std::vector<EffectEvidence> add_effects(PoseFit& fit, const std::vector<Pose>& poses,
                                         const std::optional<ChainPrior>& prior) {
   std::vector<EffectEvidence> added;
-  for (int round = 0; round < kMostRounds && fit.converged; ++round) {
+  for (int round = 0; round < kMostFits && fit.converged; ++round) {
     Scores scores(fit, poses, candidates(fit.model));
     PoseModel model = fit.model;
     const std::size_t known = added.size();
