@@ -85,6 +85,7 @@ Json telegrams_json(const LinkReport& report) {
 Json replies_json(const LinkReport& report) {
   const rsi::ReplyCounts& replies = report.replies;
   return {{"sent", replies.sent},
+          {"failed", replies.failed},
           {"in_time", replies.in_time},
           {"late", replies.late},
           {"superseded", replies.superseded},
@@ -129,7 +130,7 @@ std::string link_json(const rsi::Conversation& conversation, const LinkReport& r
     json["jitter"]["earliest_us"] = us(report.earliest);
     json["jitter"]["latest_us"] = us(report.latest);
   }
-  if (report.replies.sent > 0 || report.replies.withheld > 0)
+  if (report.replies.sent + report.replies.failed + report.replies.withheld > 0)
     json["replies"] = replies_json(report);
   if (report.replies.sent > 0) {
     json["latency"] = histogram(report.latency);

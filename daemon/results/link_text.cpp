@@ -76,7 +76,7 @@ std::string telegrams(const LinkReport& report) {
   const rsi::LinkCounts& link = report.link;
   const auto of = [&](std::uint64_t part) { return percent(part, link.telegrams); };
   return row("Telegrams", link.telegrams, cycle_remark(report)) +
-         row("  lost", link.lost, percent(link.lost, link.telegrams + link.lost)) +
+         row("  lost", link.lost, percent(link.lost, link.cycles())) +
          (report.missed_by_tap == 0
               ? ""
               : row("  missed by the tap", report.missed_by_tap, "packets of both directions")) +
@@ -96,7 +96,7 @@ std::string telegrams(const LinkReport& report) {
 
 std::string replies(const LinkReport& report) {
   const rsi::ReplyCounts& replies = report.replies;
-  if (replies.sent == 0)
+  if (replies.sent + replies.failed == 0)
     return left("Replies", kLabel) + right("none", kCount) +
            (replies.withheld > 0 ? "   the stream had begun before sweepd listened\n"
                                  : "   ONLYSEND, or only one direction was captured\n");
@@ -112,6 +112,7 @@ std::string replies(const LinkReport& report) {
                      line("  unanswered", replies.unanswered, "telegrams without any reply");
   if (replies.withheld > 0)
     text += row("  withheld", replies.withheld, "the stream had begun before sweepd listened");
+  if (replies.failed > 0) text += row("  not sent", replies.failed, "the system refused them");
   if (replies.untimed > 0)
     text += row("  not timed", replies.untimed, "clock stepped between telegram and reply");
   if (replies.repeated > 0)

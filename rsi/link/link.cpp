@@ -100,6 +100,7 @@ void Link::reply(const Datagram& datagram) {
   const auto end = std::make_reverse_iterator(cycles_.begin());
   if (datagram.payload.empty()) {
     if (size_ > 0) begin->send_failed = true;
+    ++report_.replies.failed;
     return;
   }
   ++report_.replies.sent;
@@ -150,7 +151,7 @@ LinkReport Link::settled() const {
   report.duration = settled_until_;
   report.cycle = cycle_;
   report.ipoc_counts_ms = unit_ == 1ms;
-  if (report.replies.sent == 0) {
+  if (report.replies.sent == 0 && report.replies.failed == 0) {
     report.replies = {};
     report.silent_runs = {};
   }

@@ -53,6 +53,16 @@ class Remarks {
                                " too few to judge a link by: what comes once in " +
                                std::to_string(VerdictLimits::kTelling) +
                                " need not be among them; record a minute or more");
+    const ReplyCounts& replies = report_.replies;
+    const bool told = link.late_replies.value_or(0) > 0;  // with them
+    if (cycles > 0 && !told && replies.sent + replies.failed + replies.withheld == 0)
+      add("no_replies",
+          std::string("no reply was seen: ") +
+              (report_.from_recording
+                   ? "unless the controller wants none (ONLYSEND), sweepd gave none on purpose, as "
+                     "to a stream that had begun before it listened"
+                   : "unless the controller wants none (ONLYSEND), nothing is known of what it "
+                     "got; record both directions"));
     if (link.restarts > 0 && link.alternations < VerdictLimits::kAlternations)
       add("restarts",
           "RSI began anew " + counted(link.restarts, "time") +

@@ -60,7 +60,9 @@ enum class Fate { in_time, late, superseded, unanswered };
 
 /// What became of the telegrams, each counted once however often it came or was answered.
 struct ReplyCounts {
-  std::uint64_t sent = 0;  ///< replies seen, of any kind; with none the rest is zero too
+  /// Replies seen, of any kind. With none, and none that was to be sent, the rest is zero too.
+  std::uint64_t sent = 0;
+  std::uint64_t failed = 0;  ///< the system refused to send these
   std::uint64_t in_time = 0;
   std::uint64_t late = 0;        ///< answered later than one cycle after the telegram came
   std::uint64_t superseded = 0;  ///< no reply of its own, but one to a newer telegram within two

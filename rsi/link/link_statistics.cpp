@@ -237,19 +237,20 @@ void LinkStatistics::learn_pace(std::uint64_t rise, const Milestone& now) {
 }
 
 void LinkStatistics::count_late(std::uint64_t ipoc, std::uint64_t delay) {
-  // Within a run of late replies Delay rises with each cycle. Where it rose by less it was 0 in
-  // between, and a new run has begun.
+  // Delay counts a run of late replies, and is 0 behind it: where a cycle with 0 fits in between, a
+  // new run has begun. Else what it rose by is new: also where it counts all since RSI began, or
+  // missed replies and not cycles.
   if (!delay_) {
     counts_.missed_before += delay;
     delay_before_ = delay;
   } else {
     const std::uint64_t cycles =
         std::max<std::uint64_t>(1, (ipoc - delay_ipoc_) / step_of_run().value_or(1));
-    const bool goes_on = *delay_ > 0 && delay >= *delay_ + cycles;
-    if (!goes_on) delay_before_ = 0;
+    const bool goes_on = delay >= *delay_ && delay >= cycles;
+    if (!goes_on || delay == *delay_) delay_before_ = goes_on ? delay : 0;
     const std::uint64_t counted = goes_on ? *delay_ : 0;
     *counts_.late_replies += delay - counted;
-    if (delay > 0 && counted == delay_before_) ++counts_.late_runs;
+    if (delay > counted && counted == delay_before_) ++counts_.late_runs;
     counts_.longest_late_run = std::max(counts_.longest_late_run, delay - delay_before_);
   }
   delay_ = delay;

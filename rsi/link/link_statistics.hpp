@@ -46,6 +46,9 @@ struct LinkCounts {
   std::uint64_t missed_before = 0;
   std::uint64_t late_runs = 0;  ///< runs of consecutive late replies
   std::uint64_t longest_late_run = 0;
+
+  /// Of which a telegram came, or was lost.
+  [[nodiscard]] std::uint64_t cycles() const { return telegrams - duplicated + lost; }
 };
 
 /// Link statistics of one controller, from its telegrams in order of reception. The IPOC's step per
@@ -150,7 +153,7 @@ class LinkStatistics {
   bool same_machine_ = false;
   std::optional<std::uint64_t> delay_;  // the last one of this run, and its telegram
   std::uint64_t delay_ipoc_ = 0;
-  std::uint64_t delay_before_ = 0;  // of the late run, what was before the first telegram
+  std::uint64_t delay_before_ = 0;                       // of the late run, what Delay began at
   std::array<std::uint64_t, kLargestStep + 1> steps_{};  // how often IPOC rose by so much
   std::uint64_t usual_step_ = 0;                         // the most frequent, of equals the least
   std::array<Seen, kRecent> recent_;  // of this run, number k at k modulo kRecent

@@ -47,6 +47,7 @@ class Judge {
 
   Verdict judged() {
     withheld();
+    not_sent();
     controllers_delay();
     telegrams_without_reply();
     lost();
@@ -80,12 +81,20 @@ class Judge {
             " got no answer on purpose: " + kBegunBefore);
   }
 
+  void not_sent() {
+    const auto count = report_.replies.failed;
+    if (count == 0) return;
+    add(grade(count, 0), "not_sent",
+        "the system of this machine refused to send " +
+            counted_of(count, cycles_, "reply", "replies") + ": see `ip -s link` and its firewall");
+  }
+
   void controllers_delay() {
     const LinkCounts& link = report_.link;
     const std::uint64_t late = link.late_replies.value_or(0);
     if (late <= report_.replies.withheld) return;
     const auto longest = static_cast<std::int64_t>(link.longest_late_run);
-    std::string message = counted_of(late, cycles_, "reply", "replies") +
+    std::string message = counted_of(late, report_.link.cycles(), "reply", "replies") +
                           " missed the controller's cycle by its own Delay, in " +
                           rsi::counted(link.late_runs, "run");
     if (!report_.late_runs.empty())
@@ -93,7 +102,11 @@ class Judge {
                  where(report_.late_runs.worst()) + ")";
     message += ": ";
     const auto here = report_.replies.not_in_time();
-    if (report_.replies.sent == 0)
+    if (report_.replies.failed >= late)
+      message += "the system of this machine refused to send them";
+    else if (report_.replies.sent == 0 && report_.replies.withheld > 0)
+      message += "sweepd gave none, on purpose";
+    else if (report_.replies.sent == 0)
       message +=
           "this capture has no replies, so record both directions to see whether the server or "
           "the network is slow";
@@ -119,7 +132,7 @@ class Judge {
   void telegrams_without_reply() {
     const ReplyCounts& replies = report_.replies;
     const auto count = replies.not_in_time();
-    if (count <= std::min(replies.unanswered, report_.unseen())) return;
+    if (count <= std::min(replies.unanswered, report_.unseen() + replies.failed)) return;
     const Place& worst = report_.silent_runs.worst();
     std::string message = counted_of(count, cycles_, "telegram", "telegrams") +
                           " got no reply within a cycle (" + std::to_string(replies.late) +
@@ -148,7 +161,7 @@ class Judge {
     const auto lost = report_.link.lost;
     if (lost <= report_.unseen()) return;
     const auto gap = std::min(report_.longest_gap.amount, static_cast<std::int64_t>(lost));
-    std::string message = counted_of(lost, cycles_ + lost, "telegram", "telegrams") +
+    std::string message = counted_of(lost, report_.link.cycles(), "telegram", "telegrams") +
                           " never came, at most " + std::to_string(gap) + " in a row";
     if (gap > 0) message += " (" + where(report_.longest_gap) + ")";
     constexpr const char* kBuffer = "receive buffer (`netstat -su`, receive buffer errors)";

@@ -87,7 +87,8 @@ std::string cannot_listen(Transport transport, const Endpoint& local, int error,
   const auto place = text(transport) + ' ' + text(local);
   if (error != EADDRINUSE)
     return "cannot listen on " + place + " (" + std::generic_category().message(error) +
-           "): use an address of this machine, or 0.0.0.0";
+           (error == EACCES ? "): ports below 1024 are for the system: use a higher one"
+                            : "): use an address of this machine, or 0.0.0.0");
   const auto owner = port_owner(transport, local);
   const bool own = owner.ends_with("(process " + std::to_string(::getpid()) + ')');
   std::string text = place + " is in use by ";

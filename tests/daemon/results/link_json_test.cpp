@@ -82,8 +82,9 @@ TEST_CASE("what was not seen is absent from the JSON", "[link_json]") {
     INFO(absent);
     CHECK_FALSE(json.contains(absent));
   }
-  REQUIRE(json["reasons"].size() == 1);
+  REQUIRE(json["reasons"].size() == 2);
   CHECK(json["reasons"][0]["code"] == "few_telegrams");
+  CHECK(json["reasons"][1]["code"] == "no_replies");
 }
 
 TEST_CASE("bins end at 1, 2 and 5 times a power of ten, from the first used to the last",

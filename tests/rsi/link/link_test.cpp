@@ -422,6 +422,26 @@ TEST_CASE("runs of late replies by the controller's Delay have their places, the
   check_place(runs[4], 40ms, 1'000'040, 1);
 }
 
+TEST_CASE("a Delay that does not go back counts what it rises by, once", "[link]") {
+  MonitoredLink link;
+  const auto telegrams = [&](std::initializer_list<std::uint64_t> delays, std::uint64_t from,
+                             std::uint64_t apart) {
+    for (const std::uint64_t delay : delays) {
+      link.stream.telegram(link.stream.at(from), link.stream.ipoc(from), delay);
+      from += apart;
+    }
+  };
+  telegrams({0, 0, 1, 1, 1, 3, 3}, 0, 1);  // of all since the start, as some simulators tell it
+  CHECK(link.report().link.late_replies == 3);
+  CHECK(link.report().link.late_runs == 2);
+  telegrams({0}, 7, 1);
+  // The controller missed a cycle of its own now and then, and counts replies, not cycles.
+  telegrams({1, 2, 3, 4, 5}, 8, 2);
+  CHECK(link.report().link.late_replies == 3 + 5);
+  CHECK(link.report().link.late_runs == 3);
+  CHECK(link.report().link.longest_late_run == 5);
+}
+
 TEST_CASE("a run of late replies begins with the first one that was seen", "[link]") {
   MonitoredLink link;
   const std::vector<std::uint64_t> delays{248, 249, 250, 0, 0, 1, 0};

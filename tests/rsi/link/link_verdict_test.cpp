@@ -47,6 +47,39 @@ TEST_CASE("a flawless link is good, without a word", "[link_verdict]") {
   CHECK(rsi::verdict(LinkReport()).grade == Grade::good);
 }
 
+TEST_CASE("a link none of whose replies could be sent is bad", "[link_verdict]") {
+  rsi::Link monitor;
+  LinkStream stream(monitor);
+  for (std::uint64_t k = 0; k < 1500; ++k) {
+    stream.telegram(stream.at(k), stream.ipoc(k));
+    monitor.reply({});
+  }
+  auto report = monitor.report();
+  CHECK(report.replies.failed == 1500);
+  CHECK(report.replies.unanswered > 1490);
+  const auto verdict = rsi::verdict(report);
+  CHECK(verdict.grade == Grade::bad);
+  REQUIRE(reason(verdict, "not_sent") != nullptr);
+  CHECK_THAT(reason(verdict, "not_sent")->message,
+             ContainsSubstring("refused to send 1500 replies (100.00 %)"));
+  CHECK(reason(verdict, "not_answered_in_time") == nullptr);
+  CHECK(reason(verdict, "no_replies") == nullptr);
+  report.link.late_replies = 1499;
+  CHECK_THAT(reason(rsi::verdict(report), "late_at_controller")->message,
+             Catch::Matchers::EndsWith("the system of this machine refused to send them"));
+}
+
+TEST_CASE("a link without any reply says so", "[link_verdict]") {
+  rsi::Link monitor;
+  LinkStream stream(monitor);
+  for (std::uint64_t k = 0; k < 1500; ++k) stream.telegram(stream.at(k), stream.ipoc(k));
+  check_only(monitor.report(), Grade::good, "no_replies", "record both directions");
+  auto cut = monitor.report();
+  cut.from_recording = true;
+  CHECK_THAT(reason(rsi::verdict(cut), "no_replies")->message,
+             ContainsSubstring("sweepd gave none on purpose"));
+}
+
 TEST_CASE("a link of few telegrams is not called good without a word", "[link_verdict]") {
   const auto link_of = [](std::uint64_t telegrams) {
     rsi::Link monitor;
@@ -185,6 +218,15 @@ TEST_CASE("a server that leaves telegrams out is not excused by their having com
              ContainsSubstring("they came together"));
 }
 
+TEST_CASE("the share of lost telegrams is that of cycles, however often a telegram came",
+          "[link_verdict]") {
+  auto report = flawless();
+  report.link.duplicated = 5000;
+  report.link.lost = 5000;
+  CHECK_THAT(reason(rsi::verdict(report), "lost")->message,
+             Catch::Matchers::StartsWith("5000 telegrams (50.00 %) never came"));
+}
+
 TEST_CASE("lost telegrams point at cable and buffer, a long gap at sleep or a cable that was out",
           "[link_verdict]") {
   auto report = flawless();
@@ -296,7 +338,7 @@ TEST_CASE("restarts, clock steps and missing Delay are good to know, and no faul
   CHECK(reason(rsi::verdict(report), "no_delay") == nullptr);
   report.malformed = 0;
   report.replies = {};
-  CHECK(rsi::verdict(report).reasons.empty());
+  check_only(report, Grade::good, "no_replies", "nothing is known of what it got");
   report = flawless();
   report.link.missed_before = 248;
   check_only(report, Grade::good, "missed_before", "had missed 248 replies before");

@@ -54,4 +54,6 @@ TEST_CASE("why a port cannot be had is said with what to do", "[port_owner]") {
   CHECK_THAT(rsi::cannot_listen(Transport::tcp, place, EADDRINUSE), ContainsSubstring("ss -ulptn"));
   CHECK_THAT(rsi::cannot_listen(Transport::tcp, place, EADDRNOTAVAIL),
              ContainsSubstring("cannot listen on TCP") && ContainsSubstring("0.0.0.0"));
+  CHECK_THAT(rsi::cannot_listen(Transport::udp, {kLoopback, 502}, EACCES),
+             ContainsSubstring("ports below 1024 are for the system: use a higher one"));
 }
