@@ -39,6 +39,11 @@ Json stream(const RobotState& state) {
   return json;
 }
 
+Json verdict(const RobotState& state) {
+  if (!state.verdict) return nullptr;
+  return {{"verdict", rsi::text(state.verdict->grade)}, {"reason", state.verdict->reason}};
+}
+
 Json telegrams(const LinkTotals& link) {
   return {{"received", link.telegrams},
           {"lost", link.lost},
@@ -117,6 +122,7 @@ Json robot_state_json(const RobotMetrics& metrics) {
           {"transport", rsi::text(state.transport)},
           {"replies_expected", state.replies},
           {"stream", stream(state)},
+          {"link", verdict(state)},
           {"sessions", state.sessions},
           {"telegrams", telegrams(state.link)},
           {"replies", replies(state)},

@@ -3,6 +3,15 @@
 #include <utility>
 
 namespace sweepd {
+namespace {
+
+LinkVerdict verdict_on(const rsi::LinkReport& report) {
+  const rsi::Verdict verdict = rsi::verdict(report);
+  if (verdict.grade == rsi::Grade::good) return {};
+  return {verdict.grade, verdict.reasons.front().message};
+}
+
+}  // namespace
 
 void RobotTally::begin_session(StreamState stream, std::shared_ptr<const Recording> recording) {
   ++state_.sessions;
@@ -18,6 +27,7 @@ void RobotTally::sweep(const identify::Sweep& sweep, std::string words) {
 
 void RobotTally::end_session(const rsi::LinkReport& report) {
   ended_.add(report);
+  state_.verdict = verdict_on(report);
   state_.stream.reset();
 }
 
@@ -29,6 +39,7 @@ const RobotState& RobotTally::state(const rsi::Server::Counts& server, bool reco
   if (under_way && state_.stream) {
     link.add(under_way->settled);
     const rsi::LinkReport& now = under_way->now;
+    state_.verdict = verdict_on(now);
     state_.stream->cycle = now.cycle;
     state_.stream->latency_p50 = now.latency.quantile(0.5);
     state_.stream->latency_p99 = now.latency.quantile(0.99);

@@ -16,6 +16,7 @@
 #include "daemon/service/published.hpp"
 #include "daemon/settings/robot_description.hpp"
 #include "identify/identification.hpp"
+#include "rsi/link/link_verdict.hpp"
 #include "rsi/server/server.hpp"
 
 namespace sweepd {
@@ -28,6 +29,12 @@ struct StreamState {
   std::chrono::nanoseconds cycle{};  ///< 0 until it is known
   /// Of its replies.
   std::chrono::nanoseconds latency_p50{}, latency_p99{}, latency_max{};
+};
+
+/// What link.txt would say of a stream first.
+struct LinkVerdict {
+  rsi::Grade grade = rsi::Grade::good;
+  std::string reason;  ///< the worst one; empty where it is good
 };
 
 /// Strokes of one joint between two rests.
@@ -52,7 +59,8 @@ struct RobotState {
   bool replies = true;  ///< false: the controller wants none
 
   std::optional<StreamState> stream;
-  std::uint64_t sessions = 0;  ///< that have begun
+  std::optional<LinkVerdict> verdict;  ///< of it, or of the one before
+  std::uint64_t sessions = 0;          ///< that have begun
   rsi::Server::Counts server;
   LinkTotals link;
 

@@ -103,6 +103,13 @@ TEST_CASE("all joints go from moving to used, and the table has the digits of re
   CHECK(browser.becomes("document.getElementById('result').textContent.startsWith('Last result')"));
   page.look("after");
 
+  const auto link =
+      nlohmann::json::parse(HttpClient(page.port).get("/api/state").body)["robots"][0]["link"];
+  const std::string verdict = link["verdict"], reason = link["reason"];
+  const auto shown_verdict = browser.text("document.getElementById('verdict').textContent");
+  CHECK(shown_verdict.ends_with(verdict == "good" ? "" : verdict + ": " + reason + "."));
+  CHECK(shown_verdict.empty() == (verdict == "good"));
+
   // As text: a number that JavaScript has read has lost its digits.
   const auto result = HttpClient(page.port).get("/api/result").body;
   CHECK(eventually([&] { return content(page.daemon.session() / "result.json") == result; }));

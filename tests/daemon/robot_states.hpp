@@ -11,6 +11,7 @@ inline RobotState busy_robot(const std::string& name = "kr5-arc") {
   robot.listen = {0x7f000001, 49152};
   robot.stream = {"20250101T000000Z", std::chrono::seconds(1'735'689'600), 0xc0a80114,
                   std::chrono::milliseconds(4)};
+  robot.verdict = LinkVerdict{rsi::Grade::bad, "the cable was out"};
   robot.sessions = 3;
   robot.server.answered = 1000;
   robot.server.foreign = 7;

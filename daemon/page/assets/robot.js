@@ -4,7 +4,7 @@ import { listen } from "./live.js";
 import { make_link } from "./link.js";
 import { make_space } from "./space.js";
 import { make_table } from "./table.js";
-import { bdi, dark, disk_words, element, last_told, say, utc } from "./text.js";
+import { bdi, dark, disk_words, element, last_told, link_words, say, utc } from "./text.js";
 
 const DESCRIBES = {
   controller_model:
@@ -23,6 +23,7 @@ export function show_robot(main, name) {
   document.getElementById("title").replaceChildren(bdi(name));
   const stream = element("p", { id: "stream" }, "Waiting for sweepd.");
   const describes = element("p", { id: "describes", class: "quiet" });
+  const verdict = element("p", { id: "verdict" });
   const disk = element("p", { id: "disk", class: "bad", role: "status" });
   const gaps = element("p", { id: "gaps", class: "bad", role: "status", hidden: "" });
   const link = make_link();
@@ -31,7 +32,7 @@ export function show_robot(main, name) {
   const table = make_table();
   const beside = element("div", { class: "stack" }, lanes.panel, table.messages);
   const panels = element("div", { class: "panels", hidden: "" }, space.panel, beside, link.panel, table.panel);
-  main.append(stream, describes, disk, gaps, panels);
+  main.append(stream, describes, verdict, disk, gaps, panels);
   const parts = [link, lanes, space, table];
   let session = 0;
   let missed = 0;
@@ -55,6 +56,8 @@ export function show_robot(main, name) {
     },
     link: (state) => {
       say(stream, stream_words(state));
+      say(verdict, link_words(state));
+      verdict.className = state.link?.verdict === "bad" ? "bad" : "";
       const waiting = disk_words(state);
       say(disk, waiting && `${waiting[0].toUpperCase()}${waiting.slice(1)}.`);
       lanes.streams(state.stream !== null);

@@ -10,6 +10,11 @@ function stream_words(robot) {
   return `RSI from ${robot.stream.controller}${cycle}`;
 }
 
+function stream_cell(robot) {
+  const link = robot.stream && robot.link && robot.link.verdict !== "good" ? `; the link is ${robot.link.verdict}` : "";
+  return element("td", {}, stream_words(robot), link ? element("span", { class: robot.link.verdict === "bad" ? "bad" : "" }, link) : null);
+}
+
 function reply_words(robot) {
   if (!robot.replies_expected) return "none are wanted";
   const { in_time, late, superseded, unanswered } = robot.replies;
@@ -40,7 +45,7 @@ function result_cell(robot) {
 
 function robot_row(robot) {
   const link = element("a", { href: "/?robot=" + encodeURIComponent(robot.robot) }, bdi(robot.robot));
-  const cells = [element("th", { scope: "row" }, link), stream_words(robot), reply_words(robot), sweep_words(robot), result_cell(robot)];
+  const cells = [element("th", { scope: "row" }, link), stream_cell(robot), reply_words(robot), sweep_words(robot), result_cell(robot)];
   return row("td", cells);
 }
 

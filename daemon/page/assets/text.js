@@ -52,6 +52,12 @@ export function disk_words(robot) {
   return [robot.results_refused > 0 ? "the disk refuses the result's files" : "", robot.recording.paused ? "the recording is paused" : ""].filter(Boolean).join(", ");
 }
 
+/** Where the link is not good: what is wrong, and what to do. */
+export function link_words(robot) {
+  if (!robot.link || robot.link.verdict === "good") return "";
+  return `The link ${robot.stream ? "is" : "was"} ${robot.link.verdict}: ${robot.link.reason}.`;
+}
+
 export const dark = matchMedia("(prefers-color-scheme: dark)");
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 

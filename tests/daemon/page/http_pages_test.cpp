@@ -273,6 +273,7 @@ TEST_CASE("the state of each robot is told in JSON", "[http_pages]") {
   CHECK(robot["stream"]["cycle_ms"] == 4);
   CHECK(robot["replies"]["missed_by_controller"].is_null());  // no Delay came
   CHECK(robot["stream"]["since"] == "2025-01-01T00:00:00.000Z");
+  CHECK(robot["link"] == Json{{"verdict", "bad"}, {"reason", "the cable was out"}});
   CHECK(robot["telegrams"]["received"] == 1010);
   CHECK(robot["replies"]["late"] == 1);
   CHECK(robot["replies"]["not_begun"] == 5);
@@ -289,6 +290,7 @@ TEST_CASE("the state of each robot is told in JSON", "[http_pages]") {
     idle.published.publish(idle.status);
     const auto state = Json::parse(idle.get("/api/state").body);
     CHECK(state["robots"][0]["stream"].is_null());
+    CHECK(state["robots"][0]["link"].is_null());
     CHECK(state["robots"][0]["result"].is_null());
   }
 }

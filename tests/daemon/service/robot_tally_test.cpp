@@ -71,6 +71,21 @@ TEST_CASE("totals are those of all sessions, the one under way included", "[robo
   CHECK(state.recording_paused);
 }
 
+TEST_CASE("the verdict is that of the stream, and stays behind it", "[robot_tally]") {
+  sweepd::RobotTally tally(robot_state());
+  CHECK_FALSE(tally.state({}, false, std::nullopt).verdict);
+  tally.begin_session(stream(), std::make_shared<sweepd::Recording>());
+  CHECK(tally.state({}, false, settled(report(10'000, 0, 10'000))).verdict->grade ==
+        rsi::Grade::good);
+  const auto bad = report(10'000, 500, 9500);
+  CHECK(tally.state({}, false, settled(bad)).verdict->grade == rsi::Grade::bad);
+  tally.end_session(bad);
+  const auto verdict = tally.state({}, false, std::nullopt).verdict;
+  REQUIRE(verdict);
+  CHECK(verdict->grade == rsi::Grade::bad);
+  CHECK_THAT(verdict->reason, Catch::Matchers::StartsWith("500 telegrams (4.76 %) never came"));
+}
+
 TEST_CASE("a count does not fall when a telegram that was taken for lost comes after all",
           "[robot_tally]") {
   sweepd::RobotTally tally(robot_state());
