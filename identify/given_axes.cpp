@@ -1,5 +1,6 @@
 #include "identify/given_axes.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -111,6 +112,13 @@ Identification identify_given_axes(const std::vector<Axis>& axes, const Campaign
   }
   for (Warning& warning : advice_on_height(found, extract_dh(z, size, found.specified), campaign))
     found.warnings.push_back(std::move(warning));
+  if (std::all_of(axes.begin(), axes.end(),
+                  [](const Axis& axis) { return axis.covariance.isZero(0); }))
+    found.warnings.push_back(
+        {"no_uncertainties",
+         {},
+         "the axes came without uncertainties, so the table has none: it shows what differs, and "
+         "not whether that is more than chance. Give how well each axis is known"});
   name_undetermined(found);
   if (auto contradiction = contradiction_of_specified(found, campaign))
     found.doubts.push_back(std::move(*contradiction));

@@ -48,7 +48,7 @@ std::vector<NumberPlace> measured_numbers(const Identification& found) {
     for (std::size_t k = 0; k < kDhNumbers.size(); ++k) {
       const auto& of = kDhNumbers[k];
       const auto row = static_cast<Eigen::Index>(kDhNumbers.size() * i + k);
-      if ((found.dh[i].*of.number).knowledge != Knowledge::identified &&
+      if (!(found.dh[i].*of.number).has_sigma() &&
           !(found.dh_covariance.size() > 0 && found.dh_covariance(row, row) > 0))
         continue;
       places.push_back(
@@ -71,12 +71,12 @@ Json dh_json(std::size_t index, const DhEstimate& row) {
       return fmt::format("{}{}_{}", of.name, what, of.unit());
     };
     const bool known = number.knowledge != Knowledge::undetermined;
-    const bool identified = number.knowledge == Knowledge::identified;
+    const bool uncertain = number.has_sigma();
     const double half = identify::kSigmasOf95Percent * number.sigma;
     json[key("")] = known ? in_unit(number.value) : Json();
-    json[key("_sigma")] = identified ? in_unit(number.sigma) : Json();
-    json[key("_low")] = identified ? in_unit(number.value - half) : Json();
-    json[key("_high")] = identified ? in_unit(number.value + half) : Json();
+    json[key("_sigma")] = uncertain ? in_unit(number.sigma) : Json();
+    json[key("_low")] = uncertain ? in_unit(number.value - half) : Json();
+    json[key("_high")] = uncertain ? in_unit(number.value + half) : Json();
     if (number.knowledge == Knowledge::by_convention) by_convention.push_back(key(""));
   }
   if (row.linear) json["variable"] = "b_mm";

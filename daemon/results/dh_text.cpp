@@ -126,7 +126,7 @@ class Table {
     text_ += right(first ? std::to_string(i + 1) : "", 5) + "   " + left(line.name, kName - 8) +
              number(value(number_found, line.scale), line.decimals, kValue);
     std::optional<double> sigma;
-    if (number_found.knowledge == Knowledge::identified) sigma = line.scale * number_found.sigma;
+    if (number_found.has_sigma()) sigma = line.scale * number_found.sigma;
     if (number_found.knowledge == Knowledge::by_convention) {
       text_ += right("(set)", kSigma);
       conventions_ = true;

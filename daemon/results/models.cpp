@@ -35,7 +35,7 @@ void add_numbers(Json& json, const KinematicModel::Group& group) {
                                                            : "";
     const std::string parameter = std::string(name) + unit;
     json[parameter] = in_file_units(number.value, quantity);
-    if (number.sigma > 0)
+    if (number.has_sigma())
       json[std::string(name) + "_sigma" + unit] = in_file_units(number.sigma, quantity);
     if (number.knowledge == Knowledge::by_convention) by_convention.push_back(parameter);
   }
@@ -70,7 +70,7 @@ std::string models_csv(const std::vector<identify::KinematicModel>& models) {
         csv += std::string(text(model.form)) + ',' + std::to_string(joint) + ',' +
                std::string(name) + ',' + in_text(number.value) + ',' + std::string(unit(quantity)) +
                ',';
-        if (number.sigma > 0) {
+        if (number.has_sigma()) {
           const double half = identify::kSigmasOf95Percent * number.sigma;
           csv += in_text(number.sigma) + ',' + in_text(number.value - half) + ',' +
                  in_text(number.value + half);

@@ -88,7 +88,7 @@ std::string dh_csv(const Outcome& outcome) {
       csv += ',';
       if (number.knowledge != Knowledge::undetermined) csv += unit(number.value);
       csv += ',';
-      if (number.knowledge == Knowledge::identified) csv += unit(number.sigma);
+      if (number.has_sigma()) csv += unit(number.sigma);
       csv += ',';
       if (specified != nullptr) csv += unit(expected);
       csv += ',';
@@ -108,19 +108,18 @@ std::string dh_csv(const Outcome& outcome) {
     csv += "," + std::string(identify::text(row.relation)) + "," + by_convention + ",";
     if (has_beta(row)) csv += angle_text(row.beta_rad.value);
     csv += ",";
-    const bool beta_identified = has_beta(row) && row.beta_rad.knowledge == Knowledge::identified;
-    if (beta_identified) csv += angle_text(row.beta_rad.sigma);
+    const bool beta_uncertain = has_beta(row) && row.beta_rad.has_sigma();
+    if (beta_uncertain) csv += angle_text(row.beta_rad.sigma);
     const auto interval = [&](const DhNumber& number, auto unit) {
       const double half = identify::kSigmasOf95Percent * number.sigma;
-      csv += number.knowledge == Knowledge::identified
-                 ? "," + unit(number.value - half) + "," + unit(number.value + half)
-                 : ",,";
+      csv += number.has_sigma() ? "," + unit(number.value - half) + "," + unit(number.value + half)
+                                : ",,";
     };
     interval(row.b_mm, length_text);
     interval(row.theta_rad, angle_text);
     interval(row.a_mm, length_text);
     interval(row.alpha_rad, angle_text);
-    interval(beta_identified ? row.beta_rad : DhNumber{}, angle_text);
+    interval(beta_uncertain ? row.beta_rad : DhNumber{}, angle_text);
     csv += "," + std::to_string(i < outcome.positive.size() ? outcome.positive[i] : 1) + ",";
     if (i < found.home_rad.size() && found.home_rad[i]) csv += angle_text(*found.home_rad[i]);
     csv += row.linear ? ",b_mm\n" : ",theta_deg\n";

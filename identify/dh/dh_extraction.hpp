@@ -19,6 +19,9 @@ struct DhNumber {
   double value = 0;  ///< mm or rad; meaningless when undetermined
   double sigma = 0;  ///< standard uncertainty; zero unless identified
   Knowledge knowledge = Knowledge::undetermined;
+
+  /// False too of what was identified from axes that came without uncertainties.
+  [[nodiscard]] bool has_sigma() const { return knowledge == Knowledge::identified && sigma > 0; }
 };
 
 struct DhEstimate {

@@ -253,6 +253,21 @@ TEST_CASE("perpendicular axes with uncertainties of a degree and a millimetre ar
   CHECK_FALSE(has_word_for_not_finite(files_of(found)));
 }
 
+TEST_CASE("axes that come without uncertainties make a table without them", "[given_axes]") {
+  auto axes = axes_of(identify::test::kr5_arc());
+  const auto found = identify_given_axes(axes, given_campaign());
+  const auto is_said = [](const identify::Identification& of) {
+    return std::ranges::count(of.warnings, "no_uncertainties", &identify::Warning::code);
+  };
+  CHECK(is_said(found) == 1);
+  const auto json = nlohmann::json::parse(sweepd::result_json({"arm", "axes", {}, found}));
+  CHECK(json["dh"][1]["a_mm"].is_number());
+  for (const char* unknown : {"a_sigma_mm", "a_low_mm", "a_high_mm", "theta_sigma_deg"})
+    CHECK(json["dh"][1][unknown].is_null());
+  for (Axis& axis : axes) axis = with_sigmas(axis, 1e-5, 0.01);
+  CHECK(is_said(identify_given_axes(axes, given_campaign())) == 0);
+}
+
 TEST_CASE("axes whose directions are not known have no table, and the result says so",
           "[given_axes][issue11][point_21]") {
   auto axes = axes_of(identify::test::kr5_arc());
