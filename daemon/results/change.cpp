@@ -63,6 +63,13 @@ std::vector<std::string> notes_on(const Change& change) {
         "Nothing tells where along its first axes the arm stands. A and B agree best where B's "
         "base is {:.0f} mm {} than its frame has it. What that can take up is in U.",
         std::abs(*change.arms.height_mm), *change.arms.height_mm < 0 ? "lower" : "higher"));
+  if (change.arms.height_open_mm > 0)
+    notes.push_back(fmt::format(
+        "The description alone tells where along its parallel first axes the arm stands. What "
+        "{:.0f} "
+        "mm of that would change is in U. Points in the robot's own frame (`sweepd identify "
+        "--frame robot`) tell it, and make U smaller.",
+        change.arms.height_open_mm));
   if (!change.arms.other_homes.empty()) {
     std::string joints;
     for (const std::size_t j : change.arms.other_homes)

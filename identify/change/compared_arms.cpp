@@ -196,8 +196,10 @@ ComparedArms compared(const MeasuredArm& first, const MeasuredArm& second) {
     if (!beside) take(linear ? Kind::zero : Kind::b, true, from_base, after_coincident);
     take(linear ? Kind::theta : Kind::zero, false, i == 0, coincident || after_coincident);
     take(Kind::a, true, false, coincident);
-    take(Kind::alpha, false, false, coincident);
-    if (beside) take(Kind::beta, false, false, coincident);
+    // Where a linear joint's axis lies is open, and where it points is not.
+    const bool points = linear && i > 0;
+    take(Kind::alpha, false, false, coincident && !points);
+    if (beside) take(Kind::beta, false, false, coincident && !points);
     from_base = from_base && beside;
     after_coincident = coincident;
   }
@@ -226,7 +228,8 @@ ComparedArms compared(const MeasuredArm& first, const MeasuredArm& second) {
     return RewrittenArm(second, higher, a.rows()).numbers()(places) - b.numbers()(places);
   };
   if (described_alike(first, second)) {
-    const VectorXd open = kHeightByTool_mm * slope_of(arms, change, 0);
+    arms.height_open_mm = kHeightByTool_mm;
+    const VectorXd open = arms.height_open_mm * slope_of(arms, change, 0);
     arms.second_covariance += open * open.transpose();
   } else {
     find_height(arms, change);

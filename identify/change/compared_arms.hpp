@@ -46,8 +46,10 @@ struct ComparedArms {
   Eigen::MatrixXd first_covariance, second_covariance;
   /// By how much higher along its first axis the second arm's base is taken than its table has it:
   /// where the two agree best. How open that is is in the second covariance. Nothing where both
-  /// tell it, or have it by one description: there it is open by where targets are on the tool.
+  /// tell it, or have it by one description.
   std::optional<double> height_mm;
+  /// Where both have it by one description: so far it is open, which is in the second covariance.
+  double height_open_mm = 0;
   /// Joints whose homes are apart: what their gears are off by there is in the second covariance.
   std::vector<std::size_t> other_homes;
 

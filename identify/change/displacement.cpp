@@ -186,7 +186,11 @@ Displacement largest_displacement(const ComparedArms& arms, const VectorXd& diff
     normal += frames.transpose() * frames;
     mixed += frames.transpose() * motion.by_numbers(at);
   }
-  const MatrixXd taken_up = least_norm(normal, mixed);
+  // Where all axes are nearly parallel, a tool that is metres longer seems to take up tenths of a
+  // millimetre. Of what moves the tool by less than this share of itself nothing is taken up.
+  constexpr double kOwnShare = 0.01;
+  normal.diagonal().array() += kOwnShare * kOwnShare * static_cast<double>(turns.size());
+  const MatrixXd taken_up = normal.ldlt().solve(mixed);
   const auto left_at = [&](const std::vector<double>& at) -> Eigen::Matrix3Xd {
     return motion.by_numbers(at) - motion.by_frames(at) * taken_up;
   };

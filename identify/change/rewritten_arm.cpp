@@ -158,6 +158,9 @@ std::vector<DhRow> RewrittenArm::written(const VectorXd& table, const std::vecto
             along);
       }
     }
+    // What is a normal by convention is the same one of both arms.
+    if (choose && !like.empty() && i > 0 && arm_.dh[i].linear && steps_[i].parallel())
+      normals[i] = Eigen::AngleAxisd(like[i].theta_rad, frame.z) * frame.x;
     AxisStep taken = step(normals[i]);
     if (choose && !like.empty()) {
       const AxisStep other = step(-normals[i]);

@@ -50,20 +50,21 @@ Eigen::Isometry3d other_base() {
 
 /// A SCARA whose upright axes are some hundredths of a degree off parallel. Its linear joint is
 /// seen by a target that is so high at home, at which it has gone so far.
-MeasuredArm scara(double target_height_mm, double base_height_mm = 0, double gone_mm = 0) {
+MeasuredArm scara(double target_height_mm, double base_height_mm = 0, double gone_mm = 0,
+                  double leans_deg = 0, const std::vector<DhRow>& specified = {}) {
   const auto upright = [&](double x, double y, double tilt_x, double tilt_y) {
     const Vector3d along = Vector3d(tilt_x * kDegree, tilt_y * kDegree, 1).normalized();
     return Axis{along, Vector3d(x, y, -base_height_mm)};
   };
   std::vector<std::optional<Axis>> axes = {upright(0, 0, 0, 0), upright(350, 40, 0.03, -0.02),
-                                           upright(0, 0, -0.04, 0.05),
+                                           upright(0, 0, -0.04, 0.05 + leans_deg),
                                            upright(500, 320, 0.02, 0.03)};
   axes[2]->linear = true;
   axes[2]->point_mm = {480, 300, target_height_mm - base_height_mm};
   for (const std::size_t k : {2UL, 3UL}) axes[k]->point_mm += gone_mm * axes[2]->direction;
   for (auto& axis : axes) axis->covariance = 1e-10 * Eigen::Matrix<double, 6, 6>::Identity();
   MeasuredArm arm;
-  arm.dh = placed_table(axes, {}, 1500);
+  arm.dh = placed_table(axes, specified, 1500);
   arm.covariance = Eigen::MatrixXd::Zero(20, 20);
   Eigen::Index at = 0;
   for (DhEstimate& row : arm.dh)
@@ -88,9 +89,29 @@ TEST_CASE("where convention puts a linear joint's axis changes no number of the 
   REQUIRE(first.dh[2].linear);
   REQUIRE(std::abs(first.dh[1].theta_rad.value - lower.dh[1].theta_rad.value) > 0.05 * kDegree);
   const auto arms = compared(first, lower);
-  CHECK(names(arms) == "a1 alpha1 beta1 zero2 a2 alpha2 beta2 ");
+  CHECK(names(arms) == "a1 alpha1 beta1 zero2 a2 alpha2 beta2 alpha3 beta3 ");
   CHECK(arms.difference.cwiseAbs().maxCoeff() < kNothingLeft);
   CHECK_FALSE(arms.height_mm);
+}
+
+TEST_CASE("a linear joint that leans shows in where it points", "[compared_arms]") {
+  std::vector<DhRow> specified(4);
+  specified[0].a_mm = specified[1].a_mm = 300;
+  std::optional<double> alpha;
+  for (const double theta3_deg : {0.0, 90.0}) {  // whatever convention its table has
+    CAPTURE(theta3_deg);
+    specified[2].theta_rad = theta3_deg * kDegree;
+    const auto leaning = scara(150, 0, 0, 0.3, specified);
+    CHECK(std::abs(wrapped(leaning.dh[2].theta_rad.value - specified[2].theta_rad)) < kDegree);
+    const auto arms = compared(scara(150), leaning);
+    const double by_alpha = difference(arms, ArmNumberKind::alpha, 2);
+    if (alpha) CHECK(by_alpha == Approx(*alpha).epsilon(1e-3));
+    alpha = by_alpha;
+    CHECK(std::hypot(by_alpha, difference(arms, ArmNumberKind::beta, 2)) ==
+          Approx(0.3 * kDegree).epsilon(0.01));
+    for (const ArmNumberKind kind : {ArmNumberKind::a, ArmNumberKind::alpha, ArmNumberKind::beta})
+      CHECK(std::abs(difference(arms, kind, 0)) < kNothingLeft);
+  }
 }
 
 TEST_CASE("a linear joint that stands elsewhere at home changes no number of the arm",

@@ -93,6 +93,43 @@ TEST_CASE("what base and tool can take up is no displacement", "[displacement]")
   CHECK(by(ArmNumberKind::a, 0, 1) < 0.01);
 }
 
+TEST_CASE("a tool that would be metres longer takes up nothing", "[displacement]") {
+  // Three upright axes, a tenth of a degree off parallel, and a zero that is off by 0.3 degrees.
+  const auto arm = [](double tilt_deg, double off_deg) {
+    const auto upright = [&](double x, double tilted) {
+      Axis axis{Eigen::Vector3d(tilted * kDegree, 0, 1).normalized(), {x, 0, 0}};
+      axis.covariance = 1e-10 * Eigen::Matrix<double, 6, 6>::Identity();
+      return axis;
+    };
+    MeasuredArm measured;
+    measured.dh = extract_dh({upright(0, 0), upright(325, tilt_deg), upright(600, -tilt_deg)}, 600);
+    measured.dh[1].theta_rad.value += off_deg * kDegree;
+    measured.covariance = 1e-10 * Eigen::MatrixXd::Identity(15, 15);
+    measured.positive.assign(3, 1);
+    measured.home_rad.assign(3, 0);
+    measured.gear.assign(3, 0);
+    return measured;
+  };
+  ToolReach reach;
+  reach.linear.assign(3, false);
+  reach.ranges.assign(3, {-150 * kDegree, 150 * kDegree});
+  reach.tool_mm = {80, 0, 0};
+  const auto moved = [&](double tilt_deg) {
+    const auto arms = compared(arm(tilt_deg, 0), arm(tilt_deg, 0.3));
+    Eigen::VectorXd zero = 0 * arms.difference;
+    for (std::size_t k = 0; k < arms.numbers.size(); ++k)
+      if (arms.numbers[k].kind == ArmNumberKind::zero && arms.numbers[k].joint == 1)
+        zero(static_cast<Eigen::Index>(k)) = 0.3 * kDegree;
+    return largest_displacement(arms, zero, arms.covariance(), reach).largest_mm;
+  };
+  const double upright = moved(0);
+  CHECK(upright > 1);
+  for (const double tilt_deg : {0.01, 0.1, 0.3}) {
+    CAPTURE(tilt_deg);
+    CHECK(moved(tilt_deg) == Approx(upright).epsilon(0.1));
+  }
+}
+
 TEST_CASE("an axis that is known to half a degree makes no change of what is known well",
           "[displacement][long]") {
   simulation::Strokes all, little;
