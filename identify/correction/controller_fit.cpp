@@ -205,11 +205,15 @@ std::vector<ControllerNumber*> those(std::vector<ControllerNumber>& all, Verdict
   return found;
 }
 
+/// That a number which is right shows as much.
+double chance_of(const ControllerNumber& number) {
+  return std::erfc(std::abs(number.change) / number.sigma / std::sqrt(2.0));
+}
+
 /// Holm's step-down test of each number against zero, of so many that there were at first; the
 /// least significant one comes last.
 void judge(std::vector<ControllerNumber*>& numbers, std::size_t tested) {
-  for (auto* number : numbers)
-    number->chance = std::erfc(std::abs(number->change) / number->sigma / std::sqrt(2.0));
+  for (auto* number : numbers) number->chance = chance_of(*number);
   std::sort(numbers.begin(), numbers.end(),
             [](const auto* a, const auto* b) { return a->chance < b->chance; });
   double before = 0;
@@ -237,9 +241,21 @@ void choose(std::vector<ControllerNumber>& numbers, LevelFitting& fitting) {
     taken.pop_back();
     fitting.fit(taken);
   }
-  for (std::size_t k = 0; k < numbers.size(); ++k)
-    if (numbers[k].taken())
+  // What makes up for a number that is left is not told by the poses: none is taken that is no more
+  // than it is uncertain by so.
+  for (;;) {
+    ControllerNumber* least = nullptr;
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+      if (!numbers[k].taken()) continue;
       numbers[k].sigma = std::hypot(whole[k].sigma, numbers[k].change - whole[k].change);
+      if (least == nullptr || chance_of(numbers[k]) > chance_of(*least)) least = &numbers[k];
+    }
+    if (least == nullptr || chance_of(*least) < kSignificant) return;
+    least->chance = chance_of(*least);
+    least->verdict = Verdict::not_significant;
+    std::erase(taken, least);
+    fitting.fit(taken);
+  }
 }
 
 }  // namespace

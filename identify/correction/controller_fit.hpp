@@ -21,7 +21,7 @@ enum class ControllerLevel {
 struct ControllerNumber {
   enum class Kind { zero, b, a, alpha };
   enum class Verdict {
-    significant,      ///< it is changed
+    significant,      ///< it is changed, by more than it is uncertain by
     not_significant,  ///< it may be right as it is; it is left
     inseparable,      ///< the poses do not tell it from base, tool or another number; it is left
   };

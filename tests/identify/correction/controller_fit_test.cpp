@@ -103,6 +103,7 @@ TEST_CASE("A number is as uncertain as those beside it that are left", "[control
     const Arm &arm = built.robot().arm, &specified = built.robot().specified;
     for (const auto& one : found.numbers) {
       if (!one.taken()) continue;
+      CHECK(std::abs(one.change) > 1.95 * one.sigma);
       const DhRow &row = arm.rows[one.joint], &meant = specified.rows[one.joint];
       const double off = one.kind == Kind::zero ? row.theta_rad - meant.theta_rad
                          : one.kind == Kind::a  ? row.a_mm - meant.a_mm
