@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -230,6 +231,7 @@ std::vector<Turn> turns_in(const std::vector<Sweep>& strokes,
 namespace {
 
 constexpr double kSway_rad = 2 * kDegree;
+constexpr double kSway_mm = 2;  // of a linear joint
 constexpr double kFewestInStroke = 4;
 /// What goes back by more than so many usual steps from one sample to the next was not seen to. An
 /// arc of more than a half circle looks as if it went on from there.
@@ -248,16 +250,41 @@ std::vector<double> running_medians(const std::vector<double>& numbers) {
   return medians;
 }
 
+/// How far a motion has gone at each point, on its circle (rad) or, of less than a sway of that, on
+/// its line (mm).
+struct Way {
+  std::vector<double> gone;
+  double sway = 0;
+  double unseen = 0;  ///< who goes on by more in one step was not seen to
+};
+
+double range_of(const std::vector<double>& numbers) {
+  const auto [least, most] = std::minmax_element(numbers.begin(), numbers.end());
+  return numbers.empty() ? 0 : *most - *least;
+}
+
+Way way_of(const Matrix3Xd& points) {
+  constexpr double kNoises = 6;
+  if (const auto circle = fit_robust_circle(points)) {
+    Way way{running_medians(turns_about(*circle, points)), 0, kUnseen_rad};
+    way.sway = std::max(kSway_rad, kNoises * circle->radial_rms_mm / circle->radius_mm);
+    if (range_of(way.gone) > kSway_rad) return way;
+  }
+  const Matrix3Xd centred = points.colwise() - Vector3d(points.rowwise().mean());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(centred * centred.transpose());
+  const Eigen::VectorXd along = centred.transpose() * axes.eigenvectors().col(2);
+  const double across_mm =
+      std::sqrt(std::max(0.0, axes.eigenvalues()(1)) / static_cast<double>(points.cols()));
+  return {running_medians({along.begin(), along.end()}), std::max(kSway_mm, kNoises * across_mm),
+          std::numeric_limits<double>::infinity()};
+}
+
 }  // namespace
 
 std::vector<std::size_t> turning_points(const std::vector<Sample>& samples) {
   const auto points = positions(samples);
-  if (static_cast<std::size_t>(points.cols()) != samples.size()) return {};
-  const auto circle = fit_robust_circle(points);
-  if (!circle) return {};
-  const double noise = circle->radial_rms_mm / circle->radius_mm;
-  const double sway = std::max(kSway_rad, 6 * noise);
-  const auto turns = running_medians(turns_about(*circle, points));
+  if (samples.empty() || static_cast<std::size_t>(points.cols()) != samples.size()) return {};
+  const auto [turns, sway, goes_on_unseen] = way_of(points);
   std::vector<double> steps;
   for (std::size_t i = 1; i < turns.size(); ++i) steps.push_back(std::abs(turns[i] - turns[i - 1]));
   const double unseen = std::max(sway, kUnseenSteps * median_of(steps));
@@ -268,7 +295,7 @@ std::vector<std::size_t> turning_points(const std::vector<Sample>& samples) {
   int way = 0;
   for (std::size_t i = 1; i < turns.size(); ++i) {
     const double step = way * (turns[i] - turns[i - 1]);
-    if (step < -unseen || step > std::max(unseen, kUnseen_rad)) {
+    if (step < -unseen || step > std::max(unseen, goes_on_unseen)) {
       found.push_back(i);
       farthest = nearest = i;
       way = 0;

@@ -342,6 +342,30 @@ TEST_CASE("Strokes whose way back was not recorded are apart", "[position_segmen
   CHECK(turning_points(samples).empty());
 }
 
+TEST_CASE("A linear joint turns round, too", "[position_segmentation]") {
+  std::mt19937 random(5);
+  std::normal_distribution<> noise(0, 0.02);
+  const Eigen::Vector3d way = Eigen::Vector3d(1, 2, 3).normalized();
+  for (const double length_mm : {8.0, 200.0, 800.0, 6000.0}) {
+    CAPTURE(length_mm);
+    std::vector<Sample> samples;
+    for (int i = 0; i <= 200; ++i) {
+      Sample sample;
+      sample.has_position = true;
+      const Eigen::Vector3d off(noise(random), noise(random), noise(random));
+      sample.position_mm = length_mm * (i <= 100 ? i : 200 - i) / 100 * way + off;
+      samples.push_back(sample);
+    }
+    const auto turns = turning_points(samples);
+    REQUIRE(turns.size() == 1);
+    CHECK(std::abs(static_cast<int>(turns[0]) - 100) < 8);
+    samples.resize(101);
+    CHECK(turning_points(samples).empty());
+    for (Sample& sample : samples) sample.position_mm *= 1e-3;  // stands still, nearly
+    if (length_mm < 1000) CHECK(turning_points(samples).empty());
+  }
+}
+
 TEST_CASE("A point far off is no turn", "[position_segmentation]") {
   auto samples = along({-50, 40, -50}, 0.02);
   const auto turns = turning_points(samples);
