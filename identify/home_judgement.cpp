@@ -307,9 +307,10 @@ void judge_home(Identification& found, bool timed) {
     return;
   }
   if (const auto step = step_of_home(found)) {
-    // Few circles meet where joints came home badly, and then elsewhere. The chain allows for that.
-    if (found.estimator != Estimator::chain ||
-        step->mm > most_move_mm(found.chain->chain, known_of(found.chain->axes))) {
+    // Few circles meet where joints came home badly, and then elsewhere: a chain allows for that.
+    const bool by_chain =
+        found.estimator == Estimator::chain || (found.poses && found.poses->with_sweeps);
+    if (!by_chain || step->mm > most_move_mm(found.chain->chain, known_of(found.chain->axes))) {
       found.doubts.push_back(told(*step, timed, ""));
       return;
     }

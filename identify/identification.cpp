@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <memory>
 #include <string>
 #include <utility>
 
@@ -17,6 +16,7 @@
 #include "identify/dh/placed_axes.hpp"
 #include "identify/geometry/angle.hpp"
 #include "identify/plausibility.hpp"
+#include "identify/poses/finite_input.hpp"
 #include "identify/poses/pose_doubts.hpp"
 #include "identify/poses/pose_sag.hpp"
 #include "identify/poses/target_exchange.hpp"
@@ -91,9 +91,7 @@ Identification by_circles(CircleEstimate circles) {
   if (found.no_positions) {
     // Strokes that angles alone tell are something: partial, not failed.
     found.status = Status::partial;
-    found.reason =
-        "the data carry no positions: on a KUKA controller, add DEF_RIst to the SEND list of the "
-        "Ethernet file";
+    found.reason = "the data carry no positions";
     found.warnings.push_back({"no_positions", {}, found.reason});
   } else if (missing.empty()) {
     found.status = Status::complete;
@@ -120,6 +118,20 @@ void leave_to_device(Identification& found, const Campaign& campaign) {
   leave_to_height(found.dh, z, size_mm, found.specified);
 }
 
+/// Where joint 1 stood off its home in all sweeps of the others, the base seems to be turned, or of
+/// a linear joint moved, along its axis: as far as joints come home badly.
+void widen_by_home(RobotPose& robot, const ChainEstimate& chain, const TableAxes& axes) {
+  const Eigen::Vector3d home = chain.effects.home_rad_of(0) * axes.z.front()->direction;
+  const auto widened = [](const Eigen::Vector3d& sigma,
+                          const Eigen::Vector3d& by) -> Eigen::Vector3d {
+    return (sigma.cwiseAbs2() + by.cwiseAbs2()).cwiseSqrt();
+  };
+  if (axes.z.front()->linear)
+    robot.position_sigma_mm = widened(robot.position_sigma_mm, kLinear_mm * home);
+  else
+    robot.rotation_sigma_rad = widened(robot.rotation_sigma_rad, home);
+}
+
 /// Sets what follows from `found.chain`, which has converged.
 void take_chain(Identification& found, const Campaign& campaign, Estimator estimator) {
   const std::size_t joints = found.joints.size();
@@ -132,6 +144,7 @@ void take_chain(Identification& found, const Campaign& campaign, Estimator estim
   found.tool = tool_pose(*found.chain, axes, found.dh, found.specified);
   if (campaign.device_frame) {
     found.robot_pose = robot_pose(axes, found.specified);
+    if (found.robot_pose) widen_by_home(*found.robot_pose, *found.chain, axes);
     leave_first_to_frame(found.dh, found.specified);
   }
   // What hangs on the height keeps its variance: results of one arm are compared at one height.
@@ -195,9 +208,23 @@ std::vector<Pose> without_drift(std::vector<Pose> poses, const std::vector<Sweep
   return poses;
 }
 
+/// Why sweeps tell nothing beside poses.
+std::string no_use_of_sweeps(const Identification& found) {
+  std::vector<std::size_t> unknown;
+  for (std::size_t j = 0; j < found.home_rad.size(); ++j)
+    if (!found.home_rad[j]) unknown.push_back(j);
+  if (!found.chain) return "no chain of axes was found in them";
+  if (!unknown.empty())
+    return "nothing tells the controller's angle at home of " + joints_named(unknown) +
+           "; give angles with the sweeps, or the plan with its home";
+  return "the fit of them did not come to its end (" + std::string(found.chain->summary.ending) +
+         ")";
+}
+
 /// With the poses in place of the chain's estimate, or beside it.
 void take_poses(Identification& found, const std::vector<Pose>& poses, const Campaign& campaign) {
   std::string reason;
+  const std::string no_use = no_use_of_sweeps(found);
   found.poses = estimate_poses(poses, campaign, found.chain ? &*found.chain : nullptr,
                                found.home_rad, reason);
   if (!found.poses) {
@@ -205,6 +232,10 @@ void take_poses(Identification& found, const std::vector<Pose>& poses, const Cam
     if (found.status == Status::failed) found.reason = reason;
     return;
   }
+  if (found.any_sweep && !found.poses->with_sweeps)
+    found.warnings.push_back({"sweeps_not_used",
+                              {},
+                              "the numbers are by the poses alone, not by the sweeps: " + no_use});
   const PoseModel& model = found.poses->fit.model;
   for (std::size_t j = 0; j < model.home_rad.size(); ++j) {
     found.home_rad[j] = model.home_rad[j];
@@ -269,43 +300,6 @@ Identification with_poses(const std::vector<Sweep>& sweeps, const std::vector<Po
     found = with_sag(granted_rad);
   }
   return found;
-}
-
-/// Whether all that is known of it is.
-bool is_finite(const Sample& sample) {
-  const auto finite = [](double number) { return std::isfinite(number); };
-  const auto& angles = sample.angles_rad;
-  return finite(sample.time_s) && (!sample.has_position || sample.position_mm.allFinite()) &&
-         (!sample.has_orientation ||
-          std::all_of(sample.abc_rad.begin(), sample.abc_rad.end(), finite)) &&
-         std::all_of(angles.begin(), angles.begin() + std::min<int>(sample.joints, kMostJoints),
-                     finite);
-}
-
-/// Samples and poses with a number that is infinite or none, and sweeps of which nothing stays. A
-/// warning says how many samples and poses. All others stay as they are.
-void leave_out_not_finite(std::vector<Sweep>& sweeps, std::vector<Pose>& poses,
-                          std::vector<Warning>& warnings) {
-  std::size_t left_out = 0;
-  std::erase_if(sweeps, [&](Sweep& sweep) {
-    const bool has_range = std::isfinite(sweep.range_rad);
-    const auto counts = [&](const Sample& sample) { return has_range && is_finite(sample); };
-    const auto& samples = *sweep.samples;
-    if (std::all_of(samples.begin(), samples.end(), counts)) return false;
-    std::vector<Sample> kept;
-    std::copy_if(samples.begin(), samples.end(), std::back_inserter(kept), counts);
-    left_out += samples.size() - kept.size();
-    if (kept.empty()) return true;
-    sweep.samples = std::make_shared<const std::vector<Sample>>(std::move(kept));
-    return false;
-  });
-  left_out += std::erase_if(poses, [](const Pose& pose) { return !is_finite(pose.sample); });
-  if (left_out > 0)
-    warnings.push_back({"not_finite",
-                        {},
-                        std::to_string(left_out) +
-                            " of the samples and poses hold a number that is infinite or none, "
-                            "and were left out"});
 }
 
 /// Where the specified table had to tell which way about its axis a joint's angle rises, its

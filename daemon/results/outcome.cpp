@@ -132,11 +132,22 @@ void doubt_stream(const SourceCounts& counts, identify::Identification& found) {
   apply_doubts(found);
 }
 
+/// The engine does not know what the telegrams hold.
+void advise_on_positions(const std::string& advice, identify::Identification& found) {
+  for (identify::Warning& warning : found.warnings) {
+    if (warning.code != "no_positions") continue;
+    const bool is_reason = found.reason == warning.message;
+    warning.message += ": " + advice;
+    if (is_reason) found.reason = warning.message;
+  }
+}
+
 }  // namespace
 
 Outcome outcome_of(const Snapshot& snapshot) {
   const identify::Campaign& campaign = snapshot.campaign;
   Outcome outcome = first_outcome(snapshot);
+  advise_on_positions(snapshot.without_positions, outcome.identification);
   doubt_stream(snapshot.counts, outcome.identification);
   if (campaign.specified) outcome.positive = campaign.specified->positive;
   outcome.limits = snapshot.limits;

@@ -78,6 +78,15 @@ std::string missing_signals(const SignalNames& names, std::size_t joints,
   return rsi::printable(text);
 }
 
+std::string advice_on_positions(const SignalNames& names, std::string_view telegram) {
+  SignalNames positions;
+  positions.position = names.position;
+  const std::string named_wrongly = missing_signals(positions, 0, telegram);
+  return named_wrongly.empty()
+             ? "on a KUKA controller, add DEF_RIst to the SEND list of the Ethernet file"
+             : named_wrongly;
+}
+
 namespace {
 
 /// What one in a hundred telegrams lacks, and others have.
@@ -103,6 +112,7 @@ Session::Session(const RobotSetup& setup, std::string source_kind, StreamSink& s
       source_kind_(std::move(source_kind)),
       sink_(sink),
       missing_signals_(sweepd::missing_signals(setup.signals, setup.joints, first)),
+      without_positions_(advice_on_positions(setup.signals, first)),
       pipeline_(setup.joints, setup.signals, *this, has_currents(first)) {}
 
 Snapshot Session::snapshot() const {
@@ -117,7 +127,8 @@ Snapshot Session::snapshot() const {
           setup_.limits(),
           {},
           currents_.joints(),
-          missing_signals_.empty() ? lost_signals(pipeline_.incomplete()) : missing_signals_};
+          missing_signals_.empty() ? lost_signals(pipeline_.incomplete()) : missing_signals_,
+          without_positions_};
 }
 
 bool Session::worth_identifying() const {

@@ -34,6 +34,7 @@ struct Snapshot {
   std::vector<JointCurrents::Joint> currents = {};  ///< empty: the stream has none
   /// What missing_signals() says of the first telegram; or else what one in a hundred lacks.
   std::string missing_signals = {};
+  std::string without_positions = {};  ///< what advice_on_positions() says of the first telegram
   /// What a device measured meanwhile: its positions take the place of the controller's.
   std::shared_ptr<const DeviceTake> device = {};
 };
@@ -43,6 +44,9 @@ struct Snapshot {
 /// a kind where they are not the usual names, which other controllers leave out.
 [[nodiscard]] std::string missing_signals(const SignalNames& names, std::size_t joints,
                                           std::string_view telegram);
+
+/// What to do where telegrams carry no positions.
+[[nodiscard]] std::string advice_on_positions(const SignalNames& names, std::string_view telegram);
 
 /// One stream of a controller, from its first telegram to its end. No files. One thread, unless it
 /// is asked for two. What it finds it passes on to its sink.
@@ -92,6 +96,7 @@ class Session : private StreamSink {
   std::string source_kind_;
   StreamSink& sink_;
   std::string missing_signals_;
+  std::string without_positions_;
   Pipeline pipeline_;
   KeptSweeps kept_{kMostSamples};
   JointCurrents currents_;

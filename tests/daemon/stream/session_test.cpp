@@ -74,6 +74,40 @@ TEST_CASE("signals that are no numbers are told, with what stood there", "[sessi
         "file");
 }
 
+TEST_CASE("without positions it is told what to correct", "[session]") {
+  // A stroke of joint 1 by its angles alone, with `pose` in each telegram.
+  const auto reason = [](const std::string& pose, const sweepd::SignalNames& names = {}) {
+    auto with_names = setup();
+    with_names.signals = names;
+    std::optional<Session> session;
+    sweepd::StreamSink nobody;
+    std::uint64_t ipoc = 4000;
+    for (const double angle : stroke_deg(0, 60)) {
+      auto text = telegram(ipoc, joint_1_at(angle));
+      const auto from = text.find("<RIst"), to = text.find("/>", from);
+      text.replace(from, to + 2 - from, pose);
+      if (!session) session.emplace(with_names, "trace", nobody, text);
+      session->telegram(from_controller(text, std::chrono::milliseconds(ipoc)));
+      ipoc += 4;
+    }
+    session->finish();
+    const auto found = outcome_of(session->snapshot()).identification;
+    CHECK(identify::test::find_warning(found, "no_positions")->message == found.reason);
+    return found.reason;
+  };
+  CHECK(reason("") ==
+        "the data carry no positions: on a KUKA controller, add DEF_RIst to the SEND list of the "
+        "Ethernet file");
+  CHECK(reason(R"(<RIst X="1,5" Y="2,5" Z="3,5"/>)") ==
+        "the data carry no positions: the first telegram's RIst.X, RIst.Y, RIst.Z cannot be read "
+        "as numbers, as \"1,5\": numbers have a decimal point, no comma: correct what sends them");
+  sweepd::SignalNames names;
+  names.position = {"RIst.X", "RIst.Y", "RIst.z"};
+  CHECK(reason(R"(<RIst X="1" Y="2" Z="3"/>)", names) ==
+        "the data carry no positions: the telegrams have no RIst.z: correct `signals` in the "
+        "settings, or SEND in the Ethernet file");
+}
+
 TEST_CASE("a session recognises sweeps, and identifies from them", "[session]") {
   Heard heard;
   Session session(setup(), "trace", heard);

@@ -101,6 +101,46 @@ TEST_CASE("A device that drifted between sweeps and poses accuses no joint",
   CHECK(static_cast<double>(all.inside) / all.numbers > 0.92);
 }
 
+TEST_CASE("Joints that come home badly between sweeps are no moved device, beside poses neither",
+          "[pose_estimate][home_judgement][long]") {
+  auto world = tracker(0.005);
+  world.home.lasts = HomeLasts::rest;
+  for (std::uint32_t seed = 1; seed <= 8; ++seed) {
+    const auto built = arm_with(world, seed);
+    INFO("seed " << seed);
+    const auto alone = identify::identify(built.sweeps(), built.campaign());
+    REQUIRE(alone.status == Status::complete);
+    // Joint 1 off home while the others sweep is a base that is turned.
+    REQUIRE(alone.robot_pose);
+    CHECK(alone.chain->effects.home_rad_of(0) > 0);
+    CHECK(alone.robot_pose->rotation_sigma_rad.norm() >= alone.chain->effects.home_rad_of(0));
+    const auto beside = identify::identify(built.sweeps(), built.campaign(), built.poses(20));
+    INFO(beside.reason);
+    CHECK(beside.status == Status::complete);
+  }
+}
+
+TEST_CASE("Sweeps that the fit of poses does not use are named", "[pose_estimate][long]") {
+  const auto built = arm_with(tracker());
+  auto sweeps = built.sweeps();
+  for (Sweep& sweep : sweeps) {  // no angles, and nothing tells home
+    auto samples = *sweep.samples;
+    for (Sample& sample : samples) sample.joints = 0;
+    sweep.samples = std::make_shared<const std::vector<Sample>>(std::move(samples));
+  }
+  auto campaign = built.campaign();
+  campaign.declared_home_rad.clear();
+  const auto found = identify::identify(sweeps, campaign, built.poses(30));
+  REQUIRE(found.poses);
+  REQUIRE_FALSE(found.poses->with_sweeps);
+  const auto* said = identify::test::find_warning(found, "sweeps_not_used");
+  REQUIRE(said != nullptr);
+  CHECK_THAT(said->message, Catch::Matchers::StartsWith("the numbers are by the poses alone"));
+  const auto with_all = identify::identify(built.sweeps(), built.campaign(), built.poses(30));
+  REQUIRE(with_all.poses->with_sweeps);
+  CHECK(identify::test::find_warning(with_all, "sweeps_not_used") == nullptr);
+}
+
 TEST_CASE("Few poses of a device that was moved are told to scatter",
           "[pose_estimate][advice][long]") {
   const bool moved = GENERATE(false, true);
