@@ -178,7 +178,7 @@ CLI::App* add_correct(CLI::App& app, CorrectOptions& options) {
 int correct(const CorrectOptions& options, std::ostream& out) {
   check_together(options);
   const Correctable of = read_correctable(options.result);
-  const auto json = options.output.value_or(of.file.parent_path() / "correction.json");
+  const auto json = options.output.value_or(of.file.parent_path() / file_names::kCorrection);
   if (options.write) check_apart("--write and the JSON (--output)", *options.write, json);
   std::vector<fs::path> inputs = {of.file, of.file.parent_path() / file_names::kPoses};
   if (options.program) inputs.push_back(*options.program);

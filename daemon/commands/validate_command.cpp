@@ -1,7 +1,6 @@
 #include "daemon/commands/validate_command.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -17,12 +16,13 @@
 #include "daemon/points/point_poses.hpp"
 #include "daemon/points/points_file.hpp"
 #include "daemon/report/figures.hpp"
+#include "daemon/report/file_parts.hpp"
 #include "daemon/results/displacement_csv.hpp"
+#include "daemon/results/told_arm.hpp"
 #include "daemon/results/validation.hpp"
 #include "daemon/text/file_names.hpp"
 #include "daemon/text/text_layout.hpp"
 #include "rsi/counted.hpp"
-#include "rsi/file_bytes.hpp"
 
 namespace sweepd {
 namespace {
@@ -33,22 +33,24 @@ using identify::Pose;
 constexpr double kSame_mm = 1e-5;
 constexpr double kSamePose_rad = 1e-7;
 
-/// Slices of the displacement, across X, Y and Z.
-constexpr std::array kSliceFiles = {"displacement-x.svg", "displacement-y.svg",
-                                    "displacement-z.svg"};
-
 struct Result {
   PosePredictor predictor;
   std::vector<JointLimits> limits;
+  std::string doubt;  // a sentence; empty where it is complete
 };
 
-Result result_in(const std::filesystem::path& folder) {
-  const auto file = folder / file_names::kResult;
-  const std::string text = rsi::file_bytes(file);
-  const auto json = nlohmann::ordered_json::parse(text, nullptr, false);
+std::string doubt_in(const nlohmann::ordered_json& json) {
+  const std::string status = text_of(json, "status"), reason = text_of(json, "reason");
+  return status == "complete"
+             ? ""
+             : "The result is " + status + (reason.empty() ? "" : ": " + reason) + ".";
+}
+
+Result result_in(const std::filesystem::path& file) {
+  const auto json = read_result(file);
   try {
-    if (json.is_discarded()) throw std::runtime_error("it is no whole JSON");
-    if (json.contains("poses")) return {pose_predictor(json.at("poses")), limits_in(json)};
+    if (json.contains("poses"))
+      return {pose_predictor(json.at("poses")), limits_in(json), doubt_in(json)};
   } catch (const std::exception& error) {
     throw std::runtime_error(file.string() + ": is not as sweepd writes it (" + error.what() +
                              "): identify again");
@@ -113,7 +115,9 @@ void refuse_used(const std::vector<Pose>& poses, const std::filesystem::path& fo
 }  // namespace
 
 int validate(const ValidateOptions& options, std::ostream& out) {
-  const Result result = result_in(options.result);
+  const std::filesystem::path result_json = result_file(options.result);
+  const std::filesystem::path folder = result_json.parent_path();
+  const Result result = result_in(result_json);
   const PosePredictor& predictor = result.predictor;
   std::vector<JointKind> kinds;
   for (const auto& axis : predictor.fit.model.chain.axes)
@@ -123,17 +127,17 @@ int validate(const ValidateOptions& options, std::ostream& out) {
     throw std::runtime_error("no line holds a position and all angles: " +
                              (read.untold.empty() ? "give static poses" : read.untold));
   name_targets(read, predictor);
-  refuse_used(read.poses, options.result, kinds);
-  const auto file = options.output.value_or(options.result / "validation.json");
+  refuse_used(read.poses, folder, kinds);
+  const auto file = options.output.value_or(folder / file_names::kValidation);
   auto inputs = options.points;
-  inputs.push_back(options.result / file_names::kResult);
+  inputs.push_back(result_json);
   const Outputs outputs(std::move(inputs), options.force);
   outputs.check_made_again(file, R"({
   "schema": "sweepd.validation/)");
   std::vector<std::pair<std::filesystem::path, std::string>> pictures;
   const std::string csv = displacement_csv(displacement_of(predictor, result.limits));
-  for (std::size_t across = 0; across < kSliceFiles.size(); ++across) {
-    const auto picture = file.parent_path() / kSliceFiles.at(across);
+  for (std::size_t across = 0; across < file_names::kSlices.size(); ++across) {
+    const auto picture = file.parent_path() / file_names::kSlices.at(across);
     outputs.check_made_again(picture, "<svg");
     pictures.emplace_back(picture, displacement_svg(csv, across));
   }
@@ -142,6 +146,7 @@ int validate(const ValidateOptions& options, std::ostream& out) {
 
   const Validation found = validated(predictor, read.poses);
   write_output(file, validation_json(found).dump(2) + "\n");
+  if (!result.doubt.empty()) out << paragraph("", result.doubt) << '\n';
   out << validation_text(found);
   if (predictor.levels.empty()) return 0;
   write_output(table, csv);

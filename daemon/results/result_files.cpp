@@ -79,6 +79,14 @@ void write_or_remove(const std::filesystem::path& file, const Content& content) 
     std::filesystem::remove(file, ignored);  // an earlier result may have left it
 }
 
+/// What other commands made of a result that was here before.
+void remove_made_of_it(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  for (const char* name : {file_names::kValidation, file_names::kCorrection})
+    std::filesystem::remove(folder / name, ignored);
+  for (const char* name : file_names::kSlices) std::filesystem::remove(folder / name, ignored);
+}
+
 }  // namespace
 
 void make_folder(const std::filesystem::path& folder) {
@@ -95,6 +103,7 @@ std::vector<std::string> result_file_names() {
 void write_result(const std::filesystem::path& folder, const Outcome& outcome,
                   std::set<std::string>& written) {
   std::exception_ptr failure;
+  if (!written.contains(file_names::kResult)) remove_made_of_it(folder);
   for (const ResultFile& file : kFiles) {
     if (written.contains(file.name) || (file.of_files && failure)) continue;
     try {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string_view>
 
 namespace sweepd {
@@ -27,6 +28,12 @@ inline constexpr const char* kLink = "link.json";
 inline constexpr const char* kLinkText = "link.txt";
 inline constexpr const char* kLastCycles = "last_cycles.csv";
 inline constexpr const char* kSamples = "samples.csv";
+/// What `validate` and `correct` make of a result, and leave beside it.
+inline constexpr const char* kValidation = "validation.json";
+inline constexpr const char* kCorrection = "correction.json";
+/// Slices of the displacement, across X, Y and Z.
+inline constexpr std::array kSlices = {"displacement-x.svg", "displacement-y.svg",
+                                       "displacement-z.svg"};
 /// Of recordings, which go on in numbered files: see part_name() in recording_files.hpp.
 inline constexpr std::string_view kTraceStem = "trace", kTraceEnding = ".pcap";
 inline constexpr std::string_view kSamplesStem = "samples", kSamplesEnding = ".csv";

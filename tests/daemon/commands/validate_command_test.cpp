@@ -1,5 +1,6 @@
 #include "daemon/commands/validate_command.hpp"
 
+#include <fstream>
 #include <set>
 #include <sstream>
 
@@ -115,6 +116,24 @@ TEST_CASE("Poses that were kept back judge a result, and used ones are refused",
   options.points = {held, fit};
   CHECK_THROWS_WITH(validate(options, out),
                     ContainsSubstring("fit.csv line 2") && ContainsSubstring("made of this pose"));
+
+  options.points = {held};
+  options.result = result / "result.json";
+  auto edited = Json::parse(content(options.result));
+  edited["status"] = "doubtful";
+  edited["reason"] = "the device was moved";
+  std::ofstream(options.result) << edited.dump(2);
+  out.str("");
+  CHECK(validate(options, out) == 0);
+  CHECK_THAT(out.str(),
+             Catch::Matchers::StartsWith("The result is doubtful: the device was moved.\n"));
+  edited["schema"] = "sweepd.result/9";
+  std::ofstream(options.result) << edited.dump(2);
+  CHECK_THROWS_WITH(validate(options, out), ContainsSubstring("sweepd.result/9"));
+
+  REQUIRE(identify_points(of_poses(fit, result), out) == 0);
+  for (const char* of_the_old : {"validation.json", "displacement-x.svg"})
+    CHECK_FALSE(fs::exists(result / of_the_old));
 }
 
 TEST_CASE("A result of joints that play predicts poses of which nobody knows how they came to rest",
@@ -155,10 +174,11 @@ TEST_CASE("A result without poses, another file, and poses without angles are re
                     ContainsSubstring("cannot be read: No such file or directory: "));
   (void)folder.write("result.json", R"({"schema":"sweepd.result/1"})");
   CHECK_THROWS_WITH(validate(options, out), ContainsSubstring("not made of static poses"));
-  (void)folder.write("result.json", R"({"poses":{"model":{"axes":[1]}}})");
+  (void)folder.write("result.json",
+                     R"({"schema":"sweepd.result/1","poses":{"model":{"axes":[1]}}})");
   CHECK_THROWS_WITH(validate(options, out), ContainsSubstring("not as sweepd writes it"));
   (void)folder.write("result.json", "{");
-  CHECK_THROWS_WITH(validate(options, out), ContainsSubstring("not as sweepd writes it"));
+  CHECK_THROWS_WITH(validate(options, out), ContainsSubstring("holds no result of sweepd"));
   auto wanted =
       of_poses(folder.write("bare.csv", "pose,x_mm,y_mm,z_mm\n1,2,3,4\n"), folder / "none");
   CHECK_THROWS_WITH(identify_points(wanted, out), ContainsSubstring("joint angles"));
