@@ -34,8 +34,12 @@ CLI::Validator expecting(const std::string& expected, const Holds& holds) {
             if (error == std::errc() && holds(value)) return std::string();
             const bool too_large = error == std::errc::result_out_of_range &&
                                    std::is_integral_v<Number> && holds(kMost);
-            return "expected " + (too_large ? fmt::format("at most {}", kMost) : expected) +
-                   ", found " + rsi::in_short(text);
+            double any{};
+            const bool no_whole = std::is_integral_v<Number> && error != std::errc() &&
+                                  number_from(text, any) == std::errc() && any != std::floor(any);
+            return std::string("expected ") + (no_whole ? "a whole number, " : "") +
+                   (too_large ? fmt::format("at most {}", kMost) : expected) + ", found " +
+                   rsi::in_short(text);
           },
           "(" + expected + ")"};
 }

@@ -172,7 +172,8 @@ int listen(const ListenOptions& options, std::ostream& out, std::ostream& errors
   const auto began = Steady::now();
   const auto ends = began + std::chrono::duration<double>(options.seconds);
   const auto is_over = [&] {
-    return (options.lines > 0 && shown.lines() >= options.lines) ||
+    return !out ||  // whoever read it has gone
+           (options.lines > 0 && shown.lines() >= options.lines) ||
            (options.seconds > 0 && Steady::now() >= ends);
   };
   while (!is_over() && !events.next_signal()) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <regex>
 #include <string_view>
 #include <vector>
@@ -61,6 +62,11 @@ std::string usage_problem(const CLI::App& command, const CLI::ParseError& proble
   const std::string said = problem.what();
   constexpr std::size_t kLongest = 1000;  // std::regex takes stack for each character
   if (said.size() > kLongest) return rsi::printable(said.substr(0, kLongest)) + "...";
+  // An option whose name is wrong is also one that is missing.
+  const auto extra = command.remaining();
+  const auto wrong =
+      std::ranges::find_if(extra, [](const std::string& word) { return word.starts_with('-'); });
+  if (wrong != extra.end()) return not_expected(command, *wrong);
   std::smatch part;
   const auto is = [&](const std::regex& what) { return std::regex_match(said, part, what); };
   const auto listed = [](const std::string& names, const char* between) {

@@ -58,7 +58,7 @@ std::size_t line_from(const DeviceText& text, std::size_t line) {
 bool is_own_name(std::string_view name) {
   constexpr std::array<std::string_view, 7> kOwn{"t_s", "x_mm", "y_mm", "z_mm",
                                                  "x_m", "y_m",  "z_m"};
-  return std::ranges::find(kOwn, name) != kOwn.end() || names_joint(name);
+  return std::ranges::find(kOwn, name) != kOwn.end() || name == "T_S" || names_joint(name);
 }
 
 /// The row that names the columns, if there is one.

@@ -250,6 +250,14 @@ void find_friction(History& history) {
   }
 }
 
+/// Of no campaign it cannot be said that nothing changed.
+void refuse_none_since(const std::vector<CampaignRecord>& records, std::chrono::nanoseconds since) {
+  const auto newest = std::ranges::max_element(records, {}, &CampaignRecord::time);
+  if (newest == records.end() || newest->time >= since) return;
+  throw std::runtime_error("no campaign is from --since " + date_of(since) +
+                           " on: the newest is of " + date_of(newest->time));
+}
+
 }  // namespace
 
 double years(std::chrono::nanoseconds time) {
@@ -281,6 +289,7 @@ History history_of(FoundCampaigns found, const HistoryOptions& options) {
   }
   std::size_t reference = reference_in(records, options, states);
   history.robot = records[reference].arm->robot;
+  if (options.since) refuse_none_since(records, *options.since);
   if (options.since)  // earlier ones go, but for what is compared with
     for (std::size_t i = records.size(); i-- > 0;) {
       if (i == reference || !states[i].empty() || records[i].time >= *options.since) continue;

@@ -23,8 +23,15 @@ std::string point_text(const Eigen::Vector3d& point) {
   return fmt::format("{}, {}, {} mm", plain(point.x()), plain(point.y()), plain(point.z()));
 }
 
-std::string rules_text(const PoseLimits& limits) {
-  std::string text = fmt::format("{} deg off the joint limits", plain(limits.margin_deg));
+/// Of one number for all joints: "5 deg", "5 deg (linear joints: mm)".
+std::string joints_text(const RobotDescription& robot, double number, std::string_view per = "") {
+  const bool linear = std::ranges::any_of(robot.limits, &JointLimits::linear);
+  return fmt::format("{} deg{}", plain(number), per) +
+         (linear ? fmt::format(" (linear joints: mm{})", per) : "");
+}
+
+std::string rules_text(const RobotDescription& robot, const PoseLimits& limits) {
+  std::string text = joints_text(robot, limits.margin_deg) + " off the joint limits";
   if (limits.device_mm) text += "; seen from " + point_text(*limits.device_mm);
   if (limits.device_mm && limits.cone_deg)
     text += fmt::format(" within {} deg", plain(*limits.cone_deg));
@@ -96,15 +103,16 @@ std::string pose_plan_text(const RobotDescription& robot, const PosePlan& plan) 
                     [](const PlannedPose& pose) { return pose.over_home; }));
   std::string text =
       paragraph("robot       ", robot.name) +
-      paragraph("poses       ",
-                fmt::format("{}, each rested at for {} s, at {} deg/s: takes {} min",
-                            plan.poses.size(), plain(plan.task.dwell_s),
-                            plain(plan.task.speed_deg_s), fixed(plan.duration_s / 60, 1))) +
-      paragraph("kept        ", rules_text(plan.task.limits)) +
+      paragraph("poses       ", fmt::format("{}, each rested at for {} s, at {}: takes {} min",
+                                            plan.poses.size(), plain(plan.task.dwell_s),
+                                            joints_text(robot, plan.task.speed_deg_s, "/s"),
+                                            fixed(plan.duration_s / 60, 1))) +
+      paragraph("kept        ", rules_text(robot, plan.task.limits)) +
       paragraph("measured    ",
-                fmt::format("by a device, to {} mm (sigma) a coordinate; joints stand {} deg "
+                fmt::format("by a device, to {} mm (sigma) a coordinate; joints stand {} "
                             "(sigma) off their angles",
-                            plain(plan.task.position_sigma_mm), plain(plan.task.joint_sigma_deg))) +
+                            plain(plan.task.position_sigma_mm),
+                            joints_text(robot, plan.task.joint_sigma_deg))) +
       paragraph("target      ",
                 point_text(robot.arm->tool_mm) + " in the frame behind the last row");
   text += "\n" + removed_text(plan) + "\nDH parameters and the uncertainties to be expected\n\n" +
@@ -127,9 +135,9 @@ std::string pose_plan_text(const RobotDescription& robot, const PosePlan& plan) 
                                           " cannot be reached straight from the one before: the "
                                           "program goes over home");
   for (const std::size_t joint : plan.without_limits)
-    text += paragraph(
-        "limits      ",
-        fmt::format("joint {}: the description has none; 90 deg from home are taken", joint + 1));
+    text += paragraph("limits      ",
+                      fmt::format("joint {}: the description has none; 90 {} from home are taken",
+                                  joint + 1, robot.limits[joint].linear ? "mm" : "deg"));
   return text + paragraph("CAUTION     ",
                           "sweepd knows joint limits, boxes and a line for the arm, but neither "
                           "the cell, nor cables, nor the robot's own body and tool: drive every "

@@ -12,7 +12,8 @@ namespace sweepd::plant {
 namespace {
 
 [[noreturn]] void refuse_name(const std::string& name, const std::string& how) {
-  throw std::invalid_argument(name + " names no robot: write " + how);
+  throw std::invalid_argument(name + " names no robot: write " + how +
+                              ", and of a name that holds / or % those as %2F and %25");
 }
 
 [[noreturn]] void refuse_missing(const std::string& name) {

@@ -25,8 +25,8 @@ std::string escaped(std::string_view name) {
   return text;
 }
 
-/// Nothing of what escaped() does not write.
-std::optional<std::string> name_of(std::string_view text) {
+/// Nothing where % begins no byte, and of nothing.
+std::optional<std::string> unescaped(std::string_view text) {
   std::string name;
   for (std::size_t i = 0; i < text.size(); ++i) {
     if (text[i] != '%') {
@@ -39,16 +39,26 @@ std::optional<std::string> name_of(std::string_view text) {
     name += static_cast<char>(high << 4 | low);
     i += 2;
   }
-  if (name.empty() || escaped(name) != text) return std::nullopt;
+  if (name.empty()) return std::nullopt;
   return name;
 }
 
-/// Takes the first name off `text`, and the / behind it.
-std::optional<std::string> take_name(std::string_view& text) {
+/// Takes the first name off `text`, and the / behind it. `written`: only as escaped() writes it.
+std::optional<std::string> take_name(std::string_view& text, bool written) {
   const auto end = text.find('/');
-  auto name = name_of(text.substr(0, end));
+  const auto part = text.substr(0, end);
+  auto name = unescaped(part);
+  if (name && written && escaped(*name) != part) name.reset();
   text.remove_prefix(end == text.npos ? text.size() : end + 1);
   return name;
+}
+
+/// Takes three names off `text`.
+std::optional<RobotPlace> take_place(std::string_view& text, bool written) {
+  auto site = take_name(text, written), cell = take_name(text, written),
+       robot = take_name(text, written);
+  if (!site || !cell || !robot) return std::nullopt;
+  return RobotPlace{std::move(*site), std::move(*cell), std::move(*robot)};
 }
 
 }  // namespace
@@ -58,9 +68,9 @@ std::string text(const RobotPlace& place) {
 }
 
 std::optional<RobotPlace> parse_robot_place(std::string_view text) {
-  auto site = take_name(text), cell = take_name(text), robot = take_name(text);
-  if (!site || !cell || !robot || !text.empty()) return std::nullopt;
-  return RobotPlace{std::move(*site), std::move(*cell), std::move(*robot)};
+  auto place = take_place(text, false);
+  if (!text.empty()) return std::nullopt;
+  return place;
 }
 
 std::string topic_of(const RobotPlace& place, std::string_view kind) {
@@ -70,9 +80,9 @@ std::string topic_of(const RobotPlace& place, std::string_view kind) {
 std::optional<RobotTopic> parse_topic(std::string_view topic) {
   if (!topic.starts_with(kBegin)) return std::nullopt;
   topic.remove_prefix(kBegin.size());
-  auto site = take_name(topic), cell = take_name(topic), robot = take_name(topic);
-  if (!site || !cell || !robot || topic.empty()) return std::nullopt;
-  return RobotTopic{{std::move(*site), std::move(*cell), std::move(*robot)}, std::string(topic)};
+  auto place = take_place(topic, true);
+  if (!place || topic.empty()) return std::nullopt;
+  return RobotTopic{std::move(*place), std::string(topic)};
 }
 
 std::string topics_of_all(std::string_view kind) {

@@ -16,6 +16,7 @@ struct RobotPlace {
 
 /// For a person, and for a log: SITE/CELL/ROBOT, each as in a topic.
 [[nodiscard]] std::string text(const RobotPlace& place);
+/// As a person writes it: of what a topic escapes only / and % have to be.
 [[nodiscard]] std::optional<RobotPlace> parse_robot_place(std::string_view text);
 
 /// sweepd/1/SITE/CELL/ROBOT/KIND. What is neither letter, digit nor one of - _ . ~ stands in a name

@@ -1,5 +1,6 @@
 #include "daemon/stream/traces.hpp"
 
+#include <algorithm>
 #include <system_error>
 
 #include "daemon/text/progress.hpp"
@@ -9,12 +10,16 @@ namespace sweepd {
 
 std::vector<std::filesystem::path> traces_in_order(
     const std::vector<std::filesystem::path>& traces) {
-  for (const auto& path : traces) {
+  for (auto path = traces.begin(); path != traces.end(); ++path) {
     std::error_code error;
-    const auto status = std::filesystem::status(path, error);
+    const auto status = std::filesystem::status(*path, error);
     if (std::filesystem::is_fifo(status) || std::filesystem::is_socket(status))
-      throw rsi::CaptureError(path.string() +
+      throw rsi::CaptureError(path->string() +
                               " is a pipe, which can be read once only: save it to a file first");
+    if (std::any_of(traces.begin(), path, [&](const auto& before) {
+          return std::filesystem::equivalent(before, *path, error);
+        }))
+      throw rsi::CaptureError(path->string() + " is given twice: give each capture once");
   }
   return rsi::in_order_of_time(traces);
 }

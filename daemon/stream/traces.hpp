@@ -10,8 +10,8 @@
 
 namespace sweepd {
 
-/// Captures in the order in which they were recorded. Throws rsi::CaptureError, also of a pipe:
-/// they are read more than once.
+/// Captures in the order in which they were recorded. Throws rsi::CaptureError, also of a pipe, as
+/// they are read more than once, and of one that is given twice.
 [[nodiscard]] std::vector<std::filesystem::path> traces_in_order(
     const std::vector<std::filesystem::path>& traces);
 

@@ -83,6 +83,8 @@ TEST_CASE("wrong usage is told in this program's words", "[command_line]") {
              StartsWith("--krl takes krc2, krc4, iiqka: found krc3"));
   CHECK_THAT(problem({"plan", "--robot", "r", "--plan", "p", "--cycle-ms", "0"}),
              StartsWith("--cycle-ms: expected 1 to 1000, found 0"));
+  CHECK_THAT(problem({"plan", "--robot", "r", "--plan", "p", "--cycle-ms", "12.5"}),
+             StartsWith("--cycle-ms: expected a whole number, 1 to 1000, found 12.5"));
   for (const char* option : {"--floor-mm=nan", "--device=0,nan,0", "--facing=inf,0,1",
                              "--keep-out=0,0,0,1,1,nan", "--tool-mm=nan,0,0"})
     CHECK_THAT(problem({"plan", "--robot", "r", "--poses", "20", option}),
@@ -94,6 +96,11 @@ TEST_CASE("wrong usage is told in this program's words", "[command_line]") {
   CHECK_THAT(problem(both), StartsWith("give --to or --write, and only one: "));
   CHECK_THAT(problem({"inspect", "--quite", "x"}),
              StartsWith("--quite is no option: did you mean --quiet?"));
+  // And not that the one is missing that was meant.
+  CHECK_THAT(problem({"plan", "--robt", "r", "--plan", "p"}),
+             StartsWith("--robt is no option: did you mean --robot?"));
+  CHECK_THAT(problem({"correct", "a", "--levl", "frames"}),
+             StartsWith("--levl is no option: did you mean --level?"));
   CHECK_THAT(problem({"compare", "--level", "nan", "a", "b"}),
              StartsWith("--level: expected 0.000001 to 0.5, found nan"));
   CHECK_THAT(problem({"compare", "a", "b", "c"}), StartsWith("c is one argument too many: "));

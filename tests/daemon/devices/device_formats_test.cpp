@@ -169,8 +169,9 @@ TEST_CASE("a file that is cut anywhere is an error with its place, or gives the 
 
 TEST_CASE("files of sweepd's own columns are no device's", "[device_formats]") {
   for (const std::string text :
-       {"t_s,x_mm,y_mm,z_mm\n0,1.5,2.5,3.5\n", "joint,x_m,y_m,z_m,qx,qy,qz,qw\n1,1,2,3,0,0,0,1\n",
-        "x_mm;y_mm;z_mm\n1.5;2.5;3.5\n", "1.5,2.5,3.5\n", "1.5 2.5 3.5\n", "x,y,z\n1.5,2.5,3.5\n",
+       {"t_s,x_mm,y_mm,z_mm\n0,1.5,2.5,3.5\n", "T_S,X_MM,Y_MM,Z_MM\n0,1.5,2.5,3.5\n",
+        "joint,x_m,y_m,z_m,qx,qy,qz,qw\n1,1,2,3,0,0,0,1\n", "x_mm;y_mm;z_mm\n1.5;2.5;3.5\n",
+        "1.5,2.5,3.5\n", "1.5 2.5 3.5\n", "x,y,z\n1.5,2.5,3.5\n",
         "# Leica AT960, FARO, T-Mac\nx_mm,y_mm,z_mm\n1.5,2.5,3.5\n", "", "\n", "Frame\n", "Tools\n",
         "Objects\n", "joint,x_mm,y_mm,z_mm,dx,dy,dz\n", "t_s,X [mm],Y [mm],Z [mm]\n0,1.5,2.5,3.5\n",
         "Time [s],X [mm],Y [mm],Z [mm],A1,A2 [deg],a3_mm\n0,1.5,2.5,3.5,1,2,3\n"}) {

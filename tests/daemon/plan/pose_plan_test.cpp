@@ -109,6 +109,17 @@ TEST_CASE("Chosen poses are better than poses at random, and their order is shor
   }
 }
 
+TEST_CASE("Where joints are linear, margin, speed and noise are told for both kinds",
+          "[pose_plan]") {
+  RobotDescription robot = kr5_description();
+  const PosePlan plan = plan_poses(robot, quick_task(12));
+  CHECK_THAT(pose_plan_text(robot, plan), !ContainsSubstring("linear"));
+  robot.limits[0].linear = true;
+  const std::string text = pose_plan_text(robot, plan);
+  CHECK_THAT(text, ContainsSubstring(" deg/s (linear joints: mm/s)"));
+  CHECK_THAT(text, ContainsSubstring(" deg (linear joints: mm) off the joint limits"));
+}
+
 TEST_CASE("Too few poses, no poses left, a forbidden home and no table are refused with reasons",
           "[pose_plan]") {
   const RobotDescription robot = kr5_description();

@@ -28,6 +28,10 @@ TEST_CASE("what is no topic of a robot is none", "[topics]") {
     INFO(topic);
     CHECK_FALSE(parse_topic(topic));
   }
+  const RobotPlace spaced{"north", "hall 2", "kr+5"};
+  for (const char* const written : {"north/hall 2/kr+5", "north/hall%202/kr%2B5"})
+    CHECK(sweepd::parse_robot_place(written) == spaced);
+  CHECK_FALSE(sweepd::parse_robot_place("north/50 % full/a"));
   CHECK_FALSE(sweepd::parse_robot_place("a/b"));
   CHECK_FALSE(sweepd::parse_robot_place("a/b/c/d"));
 }

@@ -26,3 +26,14 @@ TEST_CASE("a pipe is no capture, as captures are read more than once", "[traces]
       ContainsSubstring(piped + " is a pipe, which can be read once only: save it to a"));
   close(ends[0]);
 }
+
+TEST_CASE("a capture that is given twice, by whatever name, is refused", "[traces]") {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.pcap", "b.pcap"})
+    Capture(folder / name).add(telegram(1, joint_1_at(0)));
+  std::filesystem::create_symlink(folder / "a.pcap", folder / "link.pcap");
+  CHECK(sweepd::traces_in_order({folder / "a.pcap", folder / "b.pcap"}).size() == 2);
+  CHECK_THROWS_WITH(
+      sweepd::traces_in_order({folder / "a.pcap", folder / "b.pcap", folder / "link.pcap"}),
+      ContainsSubstring("link.pcap is given twice: give each capture once"));
+}
