@@ -255,7 +255,7 @@ std::vector<double> running_medians(const std::vector<double>& numbers) {
 struct Way {
   std::vector<double> gone;
   double sway = 0;
-  double unseen = 0;  ///< who goes on by more in one step was not seen to
+  double goes_on_unseen = 0;  ///< what goes on by more in one step was not seen to
 };
 
 double range_of(const std::vector<double>& numbers) {
@@ -279,15 +279,28 @@ Way way_of(const Matrix3Xd& points) {
           std::numeric_limits<double>::infinity()};
 }
 
+/// The middle between where a motion came near its farthest point and where it left that: medians
+/// are level there. Two samples of the stroke before would bend the next one's arc.
+std::size_t middle_of_turn(const Way& way, std::size_t farthest) {
+  const auto is_near = [&](std::size_t i) {
+    return std::abs(way.gone[i] - way.gone[farthest]) < way.sway / 2;
+  };
+  std::size_t before = farthest, behind = farthest;
+  while (before > 0 && is_near(before)) --before;
+  while (behind + 1 < way.gone.size() && is_near(behind)) ++behind;
+  return (before + behind + 1) / 2;
+}
+
 }  // namespace
 
 std::vector<std::size_t> turning_points(const std::vector<Sample>& samples) {
   const auto points = positions(samples);
   if (samples.empty() || static_cast<std::size_t>(points.cols()) != samples.size()) return {};
-  const auto [turns, sway, goes_on_unseen] = way_of(points);
+  const Way motion = way_of(points);
+  const std::vector<double>& turns = motion.gone;
   std::vector<double> steps;
   for (std::size_t i = 1; i < turns.size(); ++i) steps.push_back(std::abs(turns[i] - turns[i - 1]));
-  const double unseen = std::max(sway, kUnseenSteps * median_of(steps));
+  const double unseen = std::max(motion.sway, kUnseenSteps * median_of(steps));
   std::vector<std::size_t> found;
   // The farthest point of the stroke under way; the stroke has ended once the motion came back from
   // it by more than a sway. Where it came back unseen, the next one begins there, either way.
@@ -295,7 +308,7 @@ std::vector<std::size_t> turning_points(const std::vector<Sample>& samples) {
   int way = 0;
   for (std::size_t i = 1; i < turns.size(); ++i) {
     const double step = way * (turns[i] - turns[i - 1]);
-    if (step < -unseen || step > std::max(unseen, goes_on_unseen)) {
+    if (step < -unseen || step > std::max(unseen, motion.goes_on_unseen)) {
       found.push_back(i);
       farthest = nearest = i;
       way = 0;
@@ -303,14 +316,14 @@ std::vector<std::size_t> turning_points(const std::vector<Sample>& samples) {
     if (way >= 0 && turns[i] > turns[farthest]) farthest = i;
     if (way <= 0 && turns[i] < turns[nearest]) nearest = i;
     if (way == 0) {
-      if (turns[i] - turns[nearest] > sway) way = 1;
-      if (turns[farthest] - turns[i] > sway) way = -1;
-    } else if (way > 0 && turns[farthest] - turns[i] > sway) {
-      found.push_back(farthest);
+      if (turns[i] - turns[nearest] > motion.sway) way = 1;
+      if (turns[farthest] - turns[i] > motion.sway) way = -1;
+    } else if (way > 0 && turns[farthest] - turns[i] > motion.sway) {
+      found.push_back(middle_of_turn(motion, farthest));
       nearest = i;
       way = -1;
-    } else if (way < 0 && turns[i] - turns[nearest] > sway) {
-      found.push_back(nearest);
+    } else if (way < 0 && turns[i] - turns[nearest] > motion.sway) {
+      found.push_back(middle_of_turn(motion, nearest));
       farthest = i;
       way = 1;
     }

@@ -77,9 +77,9 @@ struct Turn {
                                          std::size_t joints);
 
 /// Where positions on an arc or a line, in the order of time, turn round: the first sample of each
-/// stroke but the first. So does a stroke that begins elsewhere than the one before ended, since nobody
-/// recorded the way there. Sways below two degrees or 2 mm, and what noise could feign, are none.
-/// Nothing where the samples turn so often that they are in no order.
+/// stroke but the first. So does a stroke that begins elsewhere than the one before ended, since
+/// nobody recorded the way there. Sways below two degrees or 2 mm, and what noise could feign, are
+/// none. Nothing where the samples turn so often that they are in no order.
 [[nodiscard]] std::vector<std::size_t> turning_points(const std::vector<Sample>& samples);
 
 }  // namespace identify

@@ -342,6 +342,28 @@ TEST_CASE("Strokes whose way back was not recorded are apart", "[position_segmen
   CHECK(turning_points(samples).empty());
 }
 
+TEST_CASE("A turn is between the last sample there and the first one back",
+          "[position_segmentation]") {
+  std::mt19937 random(7);
+  for (const double noise_mm : {0.0, 0.02}) {
+    CAPTURE(noise_mm);
+    std::normal_distribution<> noise(0, noise_mm > 0 ? noise_mm : 1);
+    std::vector<Sample> samples;
+    for (int i = 0; i < 180; ++i) {  // soft at its ends, and twice at the turn
+      const double share = (i < 90 ? i : 179 - i) / 89.0;
+      const double angle = 90 * kDegree * (0.5 - 0.5 * std::cos(kPi * share));
+      Sample sample;
+      sample.has_position = true;
+      sample.position_mm = {600 * std::cos(angle), 600 * std::sin(angle), 0};
+      if (noise_mm > 0)
+        for (double& number : sample.position_mm) number += noise(random);
+      samples.push_back(sample);
+    }
+    REQUIRE(turning_points(samples).size() == 1);
+    CHECK(turning_points(samples)[0] == 90);
+  }
+}
+
 TEST_CASE("A linear joint turns round, too", "[position_segmentation]") {
   std::mt19937 random(5);
   std::normal_distribution<> noise(0, 0.02);
