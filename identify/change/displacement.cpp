@@ -157,7 +157,8 @@ VectorXd by_chance(const ComparedArms& arms, const VectorXd& difference) {
 VectorXd second_order(const ComparedArms& arms, const ToolReach& reach) {
   if (arms.numbers.empty()) return {};
   const ToolMotion motion(arms, reach);
-  const VectorXd difference = by_chance(arms, arms.difference), none = 0 * difference;
+  const VectorXd difference = by_chance(arms, arms.difference);
+  VectorXd none = 0 * difference;
   if (difference.isZero(0)) return none;
   const Index count = ToolMotion::ByFrames::ColsAtCompileTime + difference.size();
   MatrixXd normal = MatrixXd::Zero(count, count);

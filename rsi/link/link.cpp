@@ -136,9 +136,9 @@ LinkReport Link::report() const {
 Link::Reports Link::reports() const {
   Link end = *this;
   end.settle(size_ - std::min(size_, kUnsettled), false);
-  LinkReport settled = end.settled();
+  const LinkReport settled = end.settled();
   end.settle(end.size_, true);
-  return {end.settled(), std::move(settled)};
+  return {end.settled(), settled};
 }
 
 LinkReport Link::settled() const {
