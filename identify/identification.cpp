@@ -144,7 +144,8 @@ void take_chain(Identification& found, const Campaign& campaign, Estimator estim
   found.tool = tool_pose(*found.chain, axes, found.dh, found.specified);
   if (campaign.device_frame) {
     found.robot_pose = robot_pose(axes, found.specified);
-    if (found.robot_pose) widen_by_home(*found.robot_pose, *found.chain, axes);
+    if (found.robot_pose && estimator == Estimator::chain)
+      widen_by_home(*found.robot_pose, *found.chain, axes);
     leave_first_to_frame(found.dh, found.specified);
   }
   // What hangs on the height keeps its variance: results of one arm are compared at one height.

@@ -66,8 +66,7 @@ std::vector<std::string> notes_on(const Change& change) {
   if (change.arms.height_open_mm > 0)
     notes.push_back(fmt::format(
         "The description alone tells where along its parallel first axes the arm stands. What "
-        "{:.0f} "
-        "mm of that would change is in U. Points in the robot's own frame (`sweepd identify "
+        "{:.0f} mm of that would change is in U. Points in the robot's own frame (`sweepd identify "
         "--frame robot`) tell it, and make U smaller.",
         change.arms.height_open_mm));
   if (!change.arms.other_homes.empty()) {
