@@ -118,20 +118,6 @@ void leave_to_device(Identification& found, const Campaign& campaign) {
   leave_to_height(found.dh, z, size_mm, found.specified);
 }
 
-/// Where joint 1 stood off its home in all sweeps of the others, the base seems to be turned, or of
-/// a linear joint moved, along its axis: as far as joints come home badly.
-void widen_by_home(RobotPose& robot, const ChainEstimate& chain, const TableAxes& axes) {
-  const Eigen::Vector3d home = chain.effects.home_rad_of(0) * axes.z.front()->direction;
-  const auto widened = [](const Eigen::Vector3d& sigma,
-                          const Eigen::Vector3d& by) -> Eigen::Vector3d {
-    return (sigma.cwiseAbs2() + by.cwiseAbs2()).cwiseSqrt();
-  };
-  if (axes.z.front()->linear)
-    robot.position_sigma_mm = widened(robot.position_sigma_mm, kLinear_mm * home);
-  else
-    robot.rotation_sigma_rad = widened(robot.rotation_sigma_rad, home);
-}
-
 /// Sets what follows from `found.chain`, which has converged.
 void take_chain(Identification& found, const Campaign& campaign, Estimator estimator) {
   const std::size_t joints = found.joints.size();
@@ -144,8 +130,6 @@ void take_chain(Identification& found, const Campaign& campaign, Estimator estim
   found.tool = tool_pose(*found.chain, axes, found.dh, found.specified);
   if (campaign.device_frame) {
     found.robot_pose = robot_pose(axes, found.specified);
-    if (found.robot_pose && estimator == Estimator::chain)
-      widen_by_home(*found.robot_pose, *found.chain, axes);
     leave_first_to_frame(found.dh, found.specified);
   }
   // What hangs on the height keeps its variance: results of one arm are compared at one height.

@@ -35,8 +35,7 @@ int inspect(const InspectOptions& options, std::ostream& out, std::ostream& erro
   if (!json_only && !options.quiet) out << link_text(*search.chosen, report);
   const auto verdict = rsi::verdict(report);
   if (verdict.grade != rsi::Grade::bad) return kOk.code;
-  if (options.quiet)
-    errors << "sweepd: the link is bad: " << verdict.reasons.front().message << '\n';
+  if (options.quiet) errors << "sweepd: the link is bad: " << verdict.worst() << '\n';
   return kFailed;
 }
 

@@ -39,18 +39,12 @@ struct Result {
   std::string doubt;  // a sentence; empty where it is complete
 };
 
-std::string doubt_in(const nlohmann::ordered_json& json) {
-  const std::string status = text_of(json, "status"), reason = text_of(json, "reason");
-  return status == "complete"
-             ? ""
-             : "The result is " + status + (reason.empty() ? "" : ": " + reason) + ".";
-}
-
 Result result_in(const std::filesystem::path& file) {
   const auto json = read_result(file);
   try {
     if (json.contains("poses"))
-      return {pose_predictor(json.at("poses")), limits_in(json), doubt_in(json)};
+      return {pose_predictor(json.at("poses")), limits_in(json),
+              told_status("The result", text_of(json, "status"), text_of(json, "reason"))};
   } catch (const std::exception& error) {
     throw std::runtime_error(file.string() + ": is not as sweepd writes it (" + error.what() +
                              "): identify again");

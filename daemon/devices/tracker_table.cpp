@@ -56,9 +56,9 @@ std::size_t line_from(const DeviceText& text, std::size_t line) {
 
 /// As sweepd names columns of points. A device's program may write X_mm, but knows no joints.
 bool is_own_name(std::string_view name) {
-  constexpr std::array<std::string_view, 7> kOwn{"t_s", "x_mm", "y_mm", "z_mm",
-                                                 "x_m", "y_m",  "z_m"};
-  return std::ranges::find(kOwn, name) != kOwn.end() || name == "T_S" || names_joint(name);
+  constexpr std::array<std::string_view, 8> kOwn{"t_s",  "T_S", "x_mm", "y_mm",
+                                                 "z_mm", "x_m", "y_m",  "z_m"};
+  return std::ranges::find(kOwn, name) != kOwn.end() || names_joint(name);
 }
 
 /// The row that names the columns, if there is one.

@@ -250,10 +250,10 @@ void find_friction(History& history) {
   }
 }
 
-/// Of no campaign it cannot be said that nothing changed.
+/// Of no campaign it cannot be said that nothing changed. There are records.
 void refuse_none_since(const std::vector<CampaignRecord>& records, std::chrono::nanoseconds since) {
   const auto newest = std::ranges::max_element(records, {}, &CampaignRecord::time);
-  if (newest == records.end() || newest->time >= since) return;
+  if (newest->time >= since) return;
   throw std::runtime_error("no campaign is from --since " + date_of(since) +
                            " on: the newest is of " + date_of(newest->time));
 }

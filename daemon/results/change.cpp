@@ -38,10 +38,8 @@ void refuse_other_kinds(const ToldArm& first, const ToldArm& second) {
 std::vector<std::string> notes_on(const Change& change) {
   std::vector<std::string> notes;
   const auto add_status = [&](const char* letter, const ToldArm& told) {
-    if (told.status == "complete") return;
-    const std::string note = std::string(letter) + " is " + told.status +
-                             (told.reason.empty() ? "" : ": " + told.reason);
-    notes.push_back(note + (note.back() == '?' ? "" : "."));
+    auto note = told_status(letter, told.status, told.reason);
+    if (!note.empty()) notes.push_back(std::move(note));
   };
   add_status("A", change.first);
   add_status("B", change.second);

@@ -85,7 +85,7 @@ Json telegrams_json(const LinkReport& report) {
 Json replies_json(const LinkReport& report) {
   const rsi::ReplyCounts& replies = report.replies;
   return {{"sent", replies.sent},
-          {"failed", replies.failed},
+          {"send_failures", replies.failed},
           {"in_time", replies.in_time},
           {"late", replies.late},
           {"superseded", replies.superseded},

@@ -29,6 +29,11 @@ Content always(const Outcome& outcome, const std::filesystem::path&) {
   return text(outcome);
 }
 
+/// What other commands made of the result before goes.
+Content none(const Outcome&, const std::filesystem::path&) {
+  return {};
+}
+
 const auto kFiles = std::to_array<ResultFile>({
     {file_names::kResult, always<result_json>, true},
     {file_names::kReport, always<report>, true},
@@ -62,6 +67,11 @@ const auto kFiles = std::to_array<ResultFile>({
      [](const Outcome& outcome, const std::filesystem::path&) -> Content {
        return outcome.currents.empty() ? Content() : currents_csv(outcome);
      }},
+    {file_names::kValidation, none},
+    {file_names::kCorrection, none},
+    {file_names::kSlices[0], none},
+    {file_names::kSlices[1], none},
+    {file_names::kSlices[2], none},
     // Made of the files above and of what else is in the folder.
     {file_names::kReportPage,
      [](const Outcome&, const std::filesystem::path& folder) -> Content {
@@ -77,14 +87,6 @@ void write_or_remove(const std::filesystem::path& file, const Content& content) 
     replace_file(file, *content);
   else
     std::filesystem::remove(file, ignored);  // an earlier result may have left it
-}
-
-/// What other commands made of a result that was here before.
-void remove_made_of_it(const std::filesystem::path& folder) {
-  std::error_code ignored;
-  for (const char* name : {file_names::kValidation, file_names::kCorrection})
-    std::filesystem::remove(folder / name, ignored);
-  for (const char* name : file_names::kSlices) std::filesystem::remove(folder / name, ignored);
 }
 
 }  // namespace
@@ -103,7 +105,6 @@ std::vector<std::string> result_file_names() {
 void write_result(const std::filesystem::path& folder, const Outcome& outcome,
                   std::set<std::string>& written) {
   std::exception_ptr failure;
-  if (!written.contains(file_names::kResult)) remove_made_of_it(folder);
   for (const ResultFile& file : kFiles) {
     if (written.contains(file.name) || (file.of_files && failure)) continue;
     try {

@@ -274,6 +274,14 @@ void take_joints(const Json& json, ToldArm& told) {
 
 }  // namespace
 
+std::string told_status(const std::string& who, const std::string& status,
+                        const std::string& reason) {
+  if (status == "complete") return {};
+  std::string text = who + " is " + status + (reason.empty() ? "" : ": " + reason);
+  if (text.back() != '?') text += '.';
+  return text;
+}
+
 std::filesystem::path result_file(const std::filesystem::path& path) {
   return std::filesystem::is_directory(path) ? path / file_names::kResult : path;
 }

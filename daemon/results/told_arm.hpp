@@ -31,6 +31,10 @@ struct ToldArm {
   void cut(std::size_t joints);
 };
 
+/// "A is doubtful: the device was moved."; empty where it is complete.
+[[nodiscard]] std::string told_status(const std::string& who, const std::string& status,
+                                      const std::string& reason);
+
 /// A result.json, or that of a folder; throws std::runtime_error where it is none of this sweepd.
 [[nodiscard]] std::filesystem::path result_file(const std::filesystem::path& path);
 [[nodiscard]] nlohmann::ordered_json read_result(const std::filesystem::path& file);

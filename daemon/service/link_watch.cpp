@@ -82,7 +82,7 @@ LinkFiles LinkWatch::files(const rsi::Link& link, bool at_end) const {
   LinkFiles files;
   files.good = verdict.grade == rsi::Grade::good;
   files.verdict = rsi::text(verdict.grade);
-  if (!files.good) files.verdict += ": " + verdict.reasons.front().message;
+  if (!files.good) files.verdict += ": " + std::string(verdict.worst());
   files.text = link_text(conversation, report);
   files.json = link_json(conversation, report);
   if (!at_end) return files;

@@ -7,8 +7,7 @@ namespace {
 
 LinkVerdict verdict_on(const rsi::LinkReport& report) {
   const rsi::Verdict verdict = rsi::verdict(report);
-  if (verdict.grade == rsi::Grade::good) return {};
-  return {verdict.grade, verdict.reasons.front().message};
+  return {verdict.grade, std::string(verdict.worst())};
 }
 
 }  // namespace

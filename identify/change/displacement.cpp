@@ -189,8 +189,8 @@ Displacement largest_displacement(const ComparedArms& arms, const VectorXd& diff
   }
   // Where all axes are nearly parallel, a tool that is metres longer seems to take up tenths of a
   // millimetre. Of what moves the tool by less than this share of itself nothing is taken up.
-  constexpr double kOwnShare = 0.01;
-  normal.diagonal().array() += kOwnShare * kOwnShare * static_cast<double>(turns.size());
+  constexpr double kOwnPart = 0.05;
+  normal.diagonal().array() += kOwnPart * kOwnPart * static_cast<double>(turns.size());
   const MatrixXd taken_up = normal.ldlt().solve(mixed);
   const auto left_at = [&](const std::vector<double>& at) -> Eigen::Matrix3Xd {
     return motion.by_numbers(at) - motion.by_frames(at) * taken_up;

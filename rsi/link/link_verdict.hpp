@@ -26,6 +26,11 @@ struct Reason {
 struct Verdict {
   Grade grade = Grade::good;    ///< the worst of the reasons
   std::vector<Reason> reasons;  ///< the worst first
+
+  /// The message of the worst one; empty where the link is good.
+  [[nodiscard]] std::string_view worst() const {
+    return grade == Grade::good ? std::string_view() : reasons.front().message;
+  }
 };
 
 /// Where marginal and bad begin. "Not in time" is what the controller says in Delay, what had no

@@ -1,6 +1,6 @@
 // The first page: all robots of this sweepd, asked for every two seconds.
 import { connection } from "./live.js";
-import { bdi, counted, disk_words, element, head, last_told, panel, row, say, utc } from "./text.js";
+import { bdi, counted, disk_words, element, head, last_told, link_words, panel, row, say, utc } from "./text.js";
 
 const PAUSE_MS = 2000;
 
@@ -11,7 +11,7 @@ function stream_words(robot) {
 }
 
 function stream_cell(robot) {
-  const link = robot.stream && robot.link && robot.link.verdict !== "good" ? `; the link is ${robot.link.verdict}` : "";
+  const link = robot.stream && link_words(robot) ? `; the link is ${robot.link.verdict}` : "";
   return element("td", {}, stream_words(robot), link ? element("span", { class: robot.link.verdict === "bad" ? "bad" : "" }, link) : null);
 }
 

@@ -127,6 +127,12 @@ TEST_CASE("Poses that were kept back judge a result, and used ones are refused",
   CHECK(validate(options, out) == 0);
   CHECK_THAT(out.str(),
              Catch::Matchers::StartsWith("The result is doubtful: the device was moved.\n"));
+  edited["reason"] = "are the positions in metres?";
+  std::ofstream(options.result) << edited.dump(2);
+  out.str("");
+  CHECK(validate(options, out) == 0);
+  CHECK_THAT(out.str(),
+             Catch::Matchers::StartsWith("The result is doubtful: are the positions in metres?\n"));
   edited["schema"] = "sweepd.result/9";
   std::ofstream(options.result) << edited.dump(2);
   CHECK_THROWS_WITH(validate(options, out), ContainsSubstring("sweepd.result/9"));

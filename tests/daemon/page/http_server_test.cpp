@@ -192,11 +192,11 @@ TEST_CASE("a client that is too slow is let go, whichever way it is slow", "[htt
 
 TEST_CASE("of a thousand connections that hang, few are kept, and the page is served all the time",
           "[http_server]") {
-  constexpr std::size_t kMany = 1000;
+  constexpr std::size_t kClients = 1000;
   sweepd::test::allow_many_files();
   const PagesServer server;
   std::vector<std::unique_ptr<HttpClient>> clients;
-  for (std::size_t i = 0; i < kMany; ++i) {
+  for (std::size_t i = 0; i < kClients; ++i) {
     clients.push_back(std::make_unique<HttpClient>(server.port()));
     clients.back()->send(i % 2 == 0 ? "GET /metr" : "");
     if (i % 100 == 99) CHECK(server.answers());
@@ -204,7 +204,7 @@ TEST_CASE("of a thousand connections that hang, few are kept, and the page is se
   CHECK(eventually([&] {
     return std::count_if(clients.begin(), clients.end(), [](auto& client) {
              return client->closed_now();
-           }) >= static_cast<std::ptrdiff_t>(kMany - HttpServer::Limits{}.connections);
+           }) >= static_cast<std::ptrdiff_t>(kClients - HttpServer::Limits{}.connections);
   }));
   CHECK(server.answers());
 }

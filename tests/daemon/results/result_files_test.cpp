@@ -1,5 +1,7 @@
 #include "daemon/results/result_files.hpp"
 
+#include <algorithm>
+
 #include "tests/catch.hpp"
 #include "tests/daemon/outcomes.hpp"
 #include "tests/daemon/temporary_folder.hpp"
@@ -23,6 +25,7 @@ TEST_CASE("a file that cannot be written keeps no other from it, and is all that
   CHECK_FALSE(fs::exists(folder / "result.json"));
   CHECK_FALSE(fs::exists(folder / "report.html"));  // it would tell of an earlier result
 
+  CHECK(std::ranges::count(names, "validation.json") == 1);  // so that a stranger's is refused
   fs::remove(folder / "dh.csv");
   fs::remove(folder / "result.json.tmp");
   write_result(folder.path(), outcome, written);

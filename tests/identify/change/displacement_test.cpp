@@ -97,7 +97,7 @@ TEST_CASE("a tool that would be metres longer takes up nothing", "[displacement]
   // Three upright axes, a tenth of a degree off parallel, and a zero that is off by 0.3 degrees.
   const auto arm = [](double tilt_deg, double off_deg) {
     const auto upright = [&](double x, double tilted) {
-      Axis axis{Eigen::Vector3d(tilted * kDegree, 0, 1).normalized(), {x, 0, 0}};
+      Axis axis{Eigen::Vector3d(0, tilted * kDegree, 1).normalized(), {x, 0, 0}};
       axis.covariance = 1e-10 * Eigen::Matrix<double, 6, 6>::Identity();
       return axis;
     };
