@@ -6,7 +6,7 @@
 The order of the rooms is that of add_subdirectory in rsi/, identify/ and daemon/CMakeLists.txt, from
 the ground up. What lies in rsi/ itself is below its rooms; in identify/ and daemon/, above them.
 What daemon/ builds in_one_thread has no means for more: ThreadSanitizer does not see it.
-The libraries never print, log or abort. First the check has to find what is planted in a folder of
+The libraries never print, log or abort. Tests know Catch2 by one header. First the check has to find what is planted in a folder of
 its own, then nothing in the tree.
 """
 import pathlib
@@ -81,6 +81,14 @@ def violations(root):
                     if floor.get(other[1], 99) > floor[room]:
                         yield f"{where}  (the room is above this one)"
     yield from circles(included)
+    yield from bare_catch(root)
+
+
+def bare_catch(root):
+    """Tests that would not build on Debian 13, whose Catch2 has other headers."""
+    for path in sorted((root / "tests").rglob("*.?pp")):
+        if path != root / "tests/catch.hpp" and "<catch2/" in path.read_text():
+            yield f"{path.relative_to(root)}: include \"tests/catch.hpp\" in place of Catch2's own header"
 
 
 def circles(included):
@@ -121,6 +129,8 @@ def planted():
         (1, "daemon/low/one.hpp", '#include "rsi/asio.hpp"'),
         (0, "daemon/low/one.cpp", "std::this_thread::sleep_for(1s);"),
         (0, "daemon/low/some.cpp", "std::mutex mutex;"),
+        (1, "tests/low/some.cpp", "#include <catch2/catch.hpp>"),
+        (0, "tests/catch.hpp", "#include <catch2/catch.hpp>"),
     ]
     cases += [(1, "identify/low/some.cpp", f"  #  include {header}  // needed here") for header in
               ("<thread>", "<fstream>", "<boost/asio/buffer.hpp>", "<unistd.h>", '"daemon/some.hpp"')]
@@ -140,7 +150,7 @@ def planted():
                     "add_subdirectory(low)\nadd_subdirectory(high)\n")
             (root / "daemon/low").mkdir()
             (root / "daemon/low/CMakeLists.txt").write_text("set(sources one.cpp)\nin_one_thread(${sources})\n")
-            (root / name).parent.mkdir(exist_ok=True)
+            (root / name).parent.mkdir(parents=True, exist_ok=True)
             (root / name).write_text(line + "\n")
             seen = list(violations(root))
             if len(seen) != wanted:

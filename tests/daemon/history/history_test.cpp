@@ -251,7 +251,7 @@ TEST_CASE("campaigns before a date only tell what is compared with", "[history][
   options.since = month(1200);
   CHECK_THROWS_WITH(history_of({campaigns(20, 6), {}, {}}, options),
                     Catch::Matchers::StartsWith("no campaign is from --since ") &&
-                        Catch::Matchers::Contains(" on: the newest is of "));
+                        Catch::Matchers::ContainsSubstring(" on: the newest is of "));
 }
 
 TEST_CASE("a crash after the first campaign since a date is a jump", "[history][long]") {

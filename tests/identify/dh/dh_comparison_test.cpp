@@ -40,7 +40,7 @@ TEST_CASE("How far each of other tables has a number elsewhere is told, angles b
   REQUIRE(others.size() == 2);
   CHECK(others[0].row == 0);
   CHECK(kDhNumbers[others[0].number].name == "b");
-  CHECK_THAT(others[0].differences, Catch::Approx(std::vector<double>{-10}));
+  CHECK_THAT(others[0].differences, Catch::Matchers::Approx(std::vector<double>{-10}));
   CHECK(kDhNumbers[others[1].number].name == "theta");
   REQUIRE(others[1].differences.size() == 1);
   CHECK(others[1].differences[0] == Approx(20 * kDegree));

@@ -4,10 +4,9 @@
 #include <string_view>
 #include <vector>
 
-#include <catch2/catch.hpp>
-
 #include "rsi/telegram/ipoc.hpp"
 #include "rsi/telegram/telegram.hpp"
+#include "tests/catch.hpp"
 
 namespace {
 
