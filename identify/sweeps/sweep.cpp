@@ -13,6 +13,7 @@
 #include "identify/geometry/median.hpp"
 #include "identify/geometry/symmetric_eigen.hpp"
 #include "identify/sweeps/sample.hpp"
+#include "identify/sweeps/stroke_groups.hpp"
 
 namespace identify {
 
@@ -56,37 +57,6 @@ using Eigen::Vector3d;
 
 /// A stroke that paused goes on from where it was, but for what is slower than motion.
 constexpr double kPaused_rad = 1 * kDegree;
-/// Enough points to tell two circles apart.
-constexpr Eigen::Index kPoints = 200;
-
-Matrix3Xd thinned(const Matrix3Xd& points) {
-  const auto step = std::max<Eigen::Index>(1, points.cols() / kPoints);
-  Matrix3Xd few(3, (points.cols() + step - 1) / step);
-  for (Eigen::Index i = 0; i < few.cols(); ++i) few.col(i) = points.col(i * step);
-  if (few.cols() > 0) few.rightCols<1>() = points.rightCols<1>();  // all of the turn
-  return few;
-}
-
-void leave_strays(Matrix3Xd& points, const UsualCircle& usual) {
-  Eigen::Index count = 0;
-  for (Eigen::Index i = 0; i < points.cols(); ++i) {
-    const CircleResidual off = residual(usual.circle, points.col(i));
-    if (std::hypot(off.plane_mm, off.radial_mm) <= usual.within_mm)
-      points.col(count++) = points.col(i);
-  }
-  points.conservativeResize(Eigen::NoChange, count);
-}
-
-Matrix3Xd joined(const Matrix3Xd& first, const Matrix3Xd& second) {
-  Matrix3Xd both(3, first.cols() + second.cols());
-  both << first, second;
-  return both;
-}
-
-double misfit(const CircleFit& circle) {
-  return std::max(circle.plane_rms_mm, circle.radial_rms_mm);
-}
-
 /// Turned about the circle, unwrapped. A point that is beside it stands where the one before it
 /// did.
 std::vector<double> turns_about(const CircleFit& circle, const Matrix3Xd& points) {
@@ -123,82 +93,12 @@ double noise_in_bend(const Matrix3Xd& points) {
   return extents(1) > 0 ? std::clamp(extents(0) / extents(1), 0.0, 1.0) : 1;
 }
 
-/// Strokes about one axis.
-struct StrokeGroup {
-  std::vector<std::size_t> strokes;
-  std::vector<Matrix3Xd> points;  // one a stroke
-  Matrix3Xd all = Matrix3Xd(3, 0);
-  double misfit_mm = 0;  // of the circle through all
-};
-
-double misfit(const CircleFit& circle, const Matrix3Xd& points) {
-  double plane = 0, radial = 0;
-  for (Eigen::Index i = 0; i < points.cols(); ++i) {
-    const CircleResidual off = residual(circle, points.col(i));
-    plane += off.plane_mm * off.plane_mm;
-    radial += off.radial_mm * off.radial_mm;
-  }
-  return std::sqrt(std::max(plane, radial) /
-                   static_cast<double>(std::max<Eigen::Index>(1, points.cols())));
-}
-
-/// Arcs of one circle fit together as well as each alone; those of two joints, which pass through
-/// the same home point about different axes, miss by millimetres: also a short one beside many
-/// others, which make little of it. Homes and devices that moved miss by less.
-bool same_circle(const StrokeGroup& first, const StrokeGroup& second) {
-  const auto both = fit_circle(joined(first.all, second.all));
-  constexpr double kSlack_mm = 0.05, kSlackOfOne_mm = 0.3;
-  const double twice_mm = 2 * std::max(first.misfit_mm, second.misfit_mm);
-  return both && misfit(*both) <= kSlack_mm + twice_mm &&
-         std::max(misfit(*both, first.all), misfit(*both, second.all)) <= kSlackOfOne_mm + twice_mm;
-}
-
-void add(const StrokeGroup& more, StrokeGroup& group) {
-  group.strokes.insert(group.strokes.end(), more.strokes.begin(), more.strokes.end());
-  group.points.insert(group.points.end(), more.points.begin(), more.points.end());
-  if (group.all.cols() >= 4 * kPoints) return;
-  group.all = joined(group.all, more.all);
-  const auto circle = fit_circle(group.all);
-  group.misfit_mm = circle ? misfit(*circle) : group.misfit_mm;
-}
-
-/// Groups to which the motion came back later are one. Of motion that never does so only the first
-/// `most` count: so the time is in proportion to the number of groups.
-std::vector<StrokeGroup> returned(const std::vector<StrokeGroup>& groups, std::size_t most) {
-  std::vector<StrokeGroup> whole;
-  for (const StrokeGroup& group : groups) {
-    const auto same = std::find_if(whole.begin(), whole.end(), [&](const StrokeGroup& known) {
-      return same_circle(known, group);
-    });
-    if (same != whole.end())
-      add(group, *same);
-    else if (whole.size() < most)
-      whole.push_back(group);
-  }
-  return whole;
-}
-
 }  // namespace
 
 std::vector<Turn> turns_in(const std::vector<Sweep>& strokes,
                            const std::vector<std::size_t>& places, std::size_t joints) {
-  std::vector<StrokeGroup> groups;
-  for (const std::size_t place : places) {
-    const Sweep& stroke = strokes[place];
-    if (stroke.defect != SweepDefect::none) continue;
-    Matrix3Xd points = thinned(positions(*stroke.samples));
-    const auto usual = fit_usual_circle(points);
-    if (!usual) continue;
-    leave_strays(points, *usual);
-    const StrokeGroup alone{{place}, {points}, points, misfit(usual->circle)};
-    if (groups.empty() || !same_circle(groups.back(), alone))
-      groups.push_back(alone);
-    else
-      add(alone, groups.back());
-  }
-  if (groups.size() > joints) groups = returned(groups, 2 * joints);
   std::vector<Turn> turns;
-  for (const StrokeGroup& group : groups) {
+  for (const StrokeGroup& group : stroke_groups(strokes, places, joints)) {
     const auto circle = fit_circle(group.all);
     if (!circle) continue;
     Turn turn{{}, noise_in_bend(group.all), {circle->normal, circle->center_mm, {}}};

@@ -282,6 +282,25 @@ std::vector<Sample> along(const std::vector<double>& corners_deg, double noise_m
   return samples;
 }
 
+/// An arc of the circle that passes the origin, where the turn is zero.
+Sweep arc_of(double radius_mm, double from_deg, double to_deg, double begin_s, double noise_mm,
+             std::mt19937& random) {
+  std::normal_distribution<double> noise(0, noise_mm);
+  std::vector<Sample> samples;
+  for (int i = 0; i < 200; ++i) {
+    const double turn = (from_deg + (to_deg - from_deg) * i / 199) * kDegree;
+    Sample sample;
+    sample.time_s = begin_s + i * 0.01;
+    sample.has_position = true;
+    sample.position_mm = Eigen::Vector3d(radius_mm * (std::cos(turn) - 1) + noise(random),
+                                         radius_mm * std::sin(turn) + noise(random), noise(random));
+    samples.push_back(sample);
+  }
+  Sweep sweep;
+  sweep.samples = std::make_shared<const std::vector<Sample>>(std::move(samples));
+  return sweep;
+}
+
 }  // namespace
 
 TEST_CASE("a short arc beside long ones of another circle is another turn",
@@ -289,28 +308,39 @@ TEST_CASE("a short arc beside long ones of another circle is another turn",
   // A marker near an axis: 40 degrees of a circle of 40 mm. It begins where the long arcs, of 668
   // mm, pass home, and goes the same way.
   std::mt19937 random(1);
-  std::normal_distribution<double> noise(0, 0.3);
   const auto arc = [&](double radius_mm, double from_deg, double to_deg, double begin_s) {
-    std::vector<Sample> samples;
-    for (int i = 0; i < 200; ++i) {
-      const double turn = (from_deg + (to_deg - from_deg) * i / 199) * kDegree;
-      Sample sample;
-      sample.time_s = begin_s + i * 0.01;
-      sample.has_position = true;
-      sample.position_mm =
-          Eigen::Vector3d(radius_mm * (std::cos(turn) - 1) + noise(random),
-                          radius_mm * std::sin(turn) + noise(random), noise(random));
-      samples.push_back(sample);
-    }
-    Sweep sweep;
-    sweep.samples = std::make_shared<const std::vector<Sample>>(std::move(samples));
-    return sweep;
+    return arc_of(radius_mm, from_deg, to_deg, begin_s, 0.3, random);
   };
   std::vector<Sweep> strokes{arc(668, 0, -27, 0), arc(668, -27, 13, 3), arc(668, 13, 0, 6),
                              arc(-40, -20, 20, 9)};
   CHECK(turns_in(strokes, {0, 1, 2, 3}, 7).size() == 2);
   strokes.back() = arc(668, 0, 2.5, 9);
   CHECK(turns_in(strokes, {0, 1, 2, 3}, 7).size() == 1);
+}
+
+TEST_CASE("strokes of a long arm that came home badly are of one turn", "[position_segmentation]") {
+  std::mt19937 random(1);
+  const auto arc = [&](double radius_mm, double from_deg, double to_deg, double begin_s,
+                       double off_mm) {
+    Sweep sweep = arc_of(radius_mm, from_deg, to_deg, begin_s, 0.01, random);
+    auto samples = *sweep.samples;
+    for (Sample& sample : samples) sample.position_mm += off_mm * Eigen::Vector3d(1, 0, 1);
+    sweep.samples = std::make_shared<const std::vector<Sample>>(std::move(samples));
+    return sweep;
+  };
+  const auto turns = [&](double radius_mm, double most_deg, double off_mm) {
+    const std::vector<Sweep> strokes{arc(2000, 0, 90, 0, 0), arc(2000, 90, 0, 3, off_mm),
+                                     arc(1000, 0, -90, 6, 0), arc(1000, -90, 0, 9, -off_mm),
+                                     arc(radius_mm, 0, most_deg, 12, off_mm)};
+    return turns_in(strokes, {0, 1, 2, 3, 4}, 3).size();
+  };
+  CHECK(turns(-800, 90, 0.3) == 3);
+  // Joints that go the same way from home about parallel axes are two.
+  CHECK(turns(900, -90, 0.3) == 3);
+  CHECK(turns(900, -20, 0.3) == 3);
+  CHECK(turns(980, -20, 0.05) == 3);
+  // What is centimetres off is no joint that came home badly.
+  CHECK(turns(-800, 90, 30) > 3);
 }
 
 TEST_CASE("Each turn of the motion is found, where it is and no other", "[position_segmentation]") {
