@@ -125,6 +125,8 @@ std::vector<Case> cases() {
   world.home.lasts = identify::HomeLasts::stand;
   add("home_002_stands", "0.002 deg until another joint sweeps, there and back", world, back);
   world.home.lasts = identify::HomeLasts::rest;
+  add("home_002_rests_once", "0.002 deg until the joint itself sweeps", world);
+  add("home_002_rests_markers", "the same, three targets seen in one stroke", world, at_once, 3);
   Strokes rounds = back;
   rounds.rounds = 2;
   add("home_002_rests", "0.002 deg until the joint itself sweeps, there and back, all twice", world,
