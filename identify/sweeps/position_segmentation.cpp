@@ -176,7 +176,7 @@ PositionSegmenter::Slope PositionSegmenter::slope_at(std::size_t centre) const {
     speeds += velocity.squaredNorm();
     variances += 3 * inverse(1, 1) / (kHalfWindow_s * kHalfWindow_s);
     ++used;
-    if (fit.count < 6) continue;
+    if (fit.count < 5) continue;
     const Eigen::Matrix3d found = fit.normal.ldlt().solve(fit.right);
     left += std::max(0.0, fit.squares - found.cwiseProduct(fit.right).sum());
     freedom += 3 * (fit.count - 3);

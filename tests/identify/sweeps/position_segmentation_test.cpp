@@ -188,6 +188,22 @@ TEST_CASE("noise says how slow a motion and how short an arc is still seen",
   CHECK(good(fast, 0)[0].range_rad > 37 * kDegree);
 }
 
+TEST_CASE("a stream of 20 lines a second tells its noise, and what that hides",
+          "[position_segmentation]") {
+  const auto rate_hz = GENERATE(20.0, 25.0);
+  CAPTURE(rate_hz);
+  const Stream how{.markers = 1, .noise_mm = 0.3, .rate_hz = rate_hz};
+  PositionSegmenter segmenter;
+  const auto noisy = strokes_of(how, segmenter);
+  REQUIRE(segmenter.limit());
+  CHECK(segmenter.limit()->noise_mm == Approx(0.3).epsilon(0.25));
+  CHECK(segmenter.limit()->by_noise());
+  Stream without_noise = how;
+  without_noise.noise_mm = 0;
+  const auto quiet = strokes_of(without_noise);
+  CHECK(good(noisy, 0).size() == good(quiet, 0).size());
+}
+
 TEST_CASE("there and back without a rest is two strokes, in noise as well",
           "[position_segmentation]") {
   const auto strokes = good(strokes_of({.noise_mm = 0.3},
