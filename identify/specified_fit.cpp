@@ -295,11 +295,12 @@ std::optional<Warning> no_robots_size(const Identification& found) {
     if (joint.circle) largest_mm = std::max(largest_mm, joint.circle->radius_mm);
   if (largest_mm == 0 || (largest_mm > kSmallest_mm && largest_mm < kLargest_mm))
     return std::nullopt;
-  return Warning{"unit_factor",
-                 {},
-                 "the largest circle has a radius of " + brief(largest_mm) +
-                     " mm, and no robot is like that: are the positions in " +
-                     (largest_mm < kLargest_mm ? "metres?" : "micrometres?")};
+  return Warning{
+      "unit_factor",
+      {},
+      "the largest circle has a radius of " + brief(largest_mm) +
+          " mm, and no robot is like that: are the positions in " +
+          (largest_mm < kLargest_mm ? "metres?" : "micrometres, or in mm under names in m?")};
 }
 
 }  // namespace

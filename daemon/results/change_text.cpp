@@ -110,7 +110,7 @@ std::string displacement(const Change& change) {
     text = "moved by up to " + size_of(*change.changes_displacement) +
            " by the changes that are named. All differences, noise included, make ";
   else
-    text = "moved by up to, by all differences, noise included: ";
+    text = "all differences, noise included, move it by up to ";
   return text + size_of(change.displacement) + " at the worst of " +
          std::to_string(kComparedPoses) + " poses " +
          (change.first.with_limits ? "within the limits" : "up to 90 deg from home") +

@@ -104,6 +104,10 @@ std::string mastering_text(const Correction& correction) {
   text += labelled("chance",
                    "that an arm whose zero is right shows as much (all joints together, Holm); "
                    "named are those below 0.05");
+  const auto& zeros = correction.fit.numbers;
+  if (!std::any_of(zeros.begin(), zeros.end(), [](const auto& zero) { return zero.taken(); }))
+    return text + labelled("to do", "Nothing. No zero is seen to be off.") +
+           levels_text(correction, "");
   text += labelled("to do",
                    "Of each joint named: move it to where it is mastered, less the offset, as the "
                    "controller shows it, and master it there. Then the controller shows q + offset "

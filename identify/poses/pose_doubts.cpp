@@ -52,7 +52,9 @@ std::vector<Mistake> mistakes(std::size_t joints) {
     all.push_back({"unit_factor", text, [=](Pose& pose) { pose.sample.position_mm *= factor; }});
   };
   scaled(1000, "the positions are in metres, not in millimetres: correct the header");
-  scaled(1e-3, "the positions are in micrometres, not in millimetres: correct the header");
+  scaled(1e-3,
+         "the positions are 1000 times too large, in micrometres or in mm under names in m: "
+         "correct the header");
   scaled(25.4, "the positions are in inches, not in millimetres: correct them");
   const auto turned = [&](double factor, const char* text) {
     all.push_back({"unit_factor", text, [=](Pose& pose) {

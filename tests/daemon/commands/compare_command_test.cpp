@@ -100,11 +100,12 @@ TEST_CASE("the same result twice has not changed, and that is said to be little"
   results.write("a", complete());
   results.write("b", complete());
   CHECK(results.exit_code() == 0);
-  CHECK_THAT(results.text, Catch::Matchers::StartsWith("No change seen: ") &&
-                               ContainsSubstring("A and B are the same result") &&
-                               ContainsSubstring("Both are the controller's model") &&
-                               ContainsSubstring("left out  b1, zero1") &&
-                               ContainsSubstring("moved by up to, by all differences, noise"));
+  CHECK_THAT(results.text,
+             Catch::Matchers::StartsWith("No change seen: ") &&
+                 ContainsSubstring("A and B are the same result") &&
+                 ContainsSubstring("Both are the controller's model") &&
+                 ContainsSubstring("left out  b1, zero1") &&
+                 ContainsSubstring("all differences, noise included, move it by up to"));
 }
 
 TEST_CASE("a result that was made without the specified table is of the same arm",

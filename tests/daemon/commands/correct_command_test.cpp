@@ -24,12 +24,12 @@ constexpr const char* kTwoPoints =
     "DECL E6AXIS XP2={A1 100.0,A2 -80.0,A3 80.0,A4 -30.0,A5 50.0,A6 40.0,E1 5.0}\r\n"
     "ENDDAT\r\n";
 
-/// A result of a built KR 5's poses, as a tracker saw them.
-void identify_once(const TemporaryFolder& folder) {
+/// A result of a KR 5's poses, as a tracker saw them.
+void identify_once(const TemporaryFolder& folder, const simulation::Robot& robot) {
   simulation::World world;
   world.angles = world.placed = true;
   world.noise.range_mm = world.noise.across_mm = 0.02;
-  const simulation::Simulation built(simulation::built(simulation::kr5(), 3), {}, world, 3);
+  const simulation::Simulation built(robot, {}, world, 3);
   std::ostringstream csv;
   csv.precision(12);
   csv << "pose,x_mm,y_mm,z_mm,a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg\n";
@@ -56,7 +56,8 @@ struct CorrectableFolder {
 
   CorrectableFolder() {
     static const TemporaryFolder first;
-    if (!fs::exists(first / "result")) identify_once(first);
+    if (!fs::exists(first / "result"))
+      identify_once(first, simulation::built(simulation::kr5(), 3));
     fs::create_directory(path);
     for (const char* name : {"result.json", "poses.csv"})
       fs::copy_file(first / "result" / name, path / name);
@@ -117,6 +118,19 @@ TEST_CASE("Each level says what is to be corrected, and by how much", "[correct_
   CHECK(data["unheld"]["rms_mm"].get<double>() > 0.02);
   CHECK_THAT(result.out.str(), ContainsSubstring("Only KUKA's service") &&
                                    !ContainsSubstring("where the joint stands"));
+}
+
+TEST_CASE("An arm as specified needs no mastering", "[correct_command][long]") {
+  const TemporaryFolder folder;
+  identify_once(folder, simulation::kr5());
+  CorrectOptions options;
+  options.result = folder / "result";
+  options.level = CorrectionLevel::mastering;
+  std::ostringstream out;
+  REQUIRE(correct(options, out) == 0);
+  CHECK_THAT(out.str(), ContainsSubstring("Nothing. No zero is seen to be off.") &&
+                            !ContainsSubstring("master anew") &&
+                            !ContainsSubstring("are named   "));
 }
 
 TEST_CASE("A program's points are corrected into another file", "[correct_command][long]") {
