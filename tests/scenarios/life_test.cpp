@@ -247,9 +247,10 @@ TEST_CASE("SIGHUP takes over what it can, says what it cannot, and survives a mi
   // A second robot comes, the first one changes.
   const auto other_port = free_port();
   auto changed = sound + "silence_ms = 300\nqueue_bytes = 1048576\n";
-  const auto other =
-      "[[robot]]\nname = \"other\"\ndescription = \"" + (kConfig / "robots/kr5_arc.toml").string() +
-      "\"\nlisten = \"127.0.0.1:" + std::to_string(other_port) + "\"\noutput = \"output\"\n";
+  const auto other = "[[robot]]\nname = \"other\"\ndescription = \"" +
+                     (kConfig / "robots/kr5_arc.toml").string() +
+                     "\"\nlisten = \"127.0.0.1:" + std::to_string(other_port) +
+                     "\"\noutput = \"output\"\nsilence_ms = 60000\n";
   write(daemon.config(), changed + other);
   daemon.process().signal(SIGHUP);
   CHECK(said(daemon, "kr5-arc: taken over for the next session: silence_ms"));
