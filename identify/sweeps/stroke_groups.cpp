@@ -17,7 +17,7 @@ using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
 /// By how much strokes of one joint may miss each other.
-constexpr std::array kSlacks_mm{0.05, 0.2, 0.8};
+constexpr std::array kSlacks_mm{0.05, 0.1, 0.2, 0.4, 0.8};
 /// Enough points to tell two circles apart.
 constexpr Eigen::Index kPoints = 200;
 
