@@ -180,6 +180,8 @@ namespace {
 
 /// No arm changes by as much.
 constexpr double kFarOff_mm = 8;
+/// So many poses most of which lie outside are no chance.
+constexpr std::size_t kFewestToJudge = 6;
 
 std::string left_text(const identify::Left& of) {
   return fmt::format("mean {:.4f} mm, rms {:.4f} mm, max {:.4f} mm", of.mean_mm, of.rms_mm,
@@ -204,7 +206,7 @@ Json levels_json(const JudgedPoses& of) {
 }  // namespace
 
 std::string validation_text(const Validation& validation) {
-  std::string text = paragraph("validated   ", left_text(validation.left) + " of " +
+  std::string text = paragraph("off by      ", left_text(validation.left) + " of " +
                                                    rsi::counted(validation.poses.size(), "pose") +
                                                    " that the result was not made of");
   text += paragraph("predicted   ", inside_text(validation));
@@ -223,6 +225,12 @@ std::string validation_text(const Validation& validation) {
                       "the result. Where the device was set up anew, give six poses or more, far "
                       "apart: then the frame is told");
   const JudgedPoses& found = validation.frame ? validation.frame->judged : validation;
+  if (found.poses.size() >= kFewestToJudge && 2 * found.inside() < found.poses.size())
+    text += paragraph("verdict     ",
+                      "These poses contradict the result: 95 % of them should lie in their "
+                      "ellipsoids. The arm has changed since, or is off in what the result's "
+                      "uncertainties do not hold. Measure a campaign anew, and compare both "
+                      "(`sweepd compare`)");
   if (!found.levels.empty()) {
     text += "\nWhat is left when so much of the specified arm is corrected\n\n" + left_header();
     for (std::size_t f = 0; f < found.levels.size(); ++f)

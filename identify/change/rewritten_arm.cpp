@@ -158,11 +158,12 @@ std::vector<DhRow> RewrittenArm::written(const VectorXd& table, const std::vecto
             along);
       }
     }
-    // What is a normal by convention is the same one of both arms.
-    if (choose && !like.empty() && i > 0 && arm_.dh[i].linear && steps_[i].parallel())
+    // What is a normal by convention is the same one of both arms: the row tells none.
+    const bool conventional = i > 0 && arm_.dh[i].linear && steps_[i].parallel();
+    if (choose && !like.empty() && conventional)
       normals[i] = Eigen::AngleAxisd(like[i].theta_rad, frame.z) * frame.x;
     AxisStep taken = step(normals[i]);
-    if (choose && !like.empty()) {
+    if (choose && !like.empty() && !conventional) {
       const AxisStep other = step(-normals[i]);
       if (apart(other.row, like[i]) < apart(taken.row, like[i])) taken = other;
     }

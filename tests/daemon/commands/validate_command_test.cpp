@@ -234,6 +234,9 @@ TEST_CASE("Poses of a device that was set up elsewhere are judged in the frame t
   auto nudged_poses = poses;
   for (auto& pose : nudged_poses) pose.sample.position_mm += Eigen::Vector3d(0.08, -0.08, 0.08);
   const auto nudged = folder.write("nudged.csv", lines_of(nudged_poses, 60, 90));
+  auto changed_poses = poses;  // a joint has lost its mastering
+  for (auto& pose : changed_poses) pose.sample.angles_rad[2] += 0.05 * identify::kDegree;
+  const auto changed = folder.write("changed.csv", lines_of(changed_poses, 60, 90));
   for (auto& pose : poses)
     pose.sample.position_mm = turn * pose.sample.position_mm + Eigen::Vector3d(500, -3000, 200);
   const auto elsewhere = folder.write("elsewhere.csv", lines_of(poses, 60, 90));
@@ -250,7 +253,9 @@ TEST_CASE("Poses of a device that was set up elsewhere are judged in the frame t
   };
   const auto here = judge(kept);
   CHECK_FALSE(here.contains("frame"));
-  CHECK_THAT(out.str(), !ContainsSubstring("frame"));
+  CHECK_THAT(out.str(), !ContainsSubstring("frame") && !ContainsSubstring("verdict"));
+  CHECK(judge(changed)["inside_95"].get<int>() < 15);
+  CHECK_THAT(out.str(), ContainsSubstring("verdict     These poses contradict the result"));
   const auto there = judge(elsewhere);
   CHECK(there["mean_mm"].get<double>() > 1000);
   REQUIRE(there.contains("frame"));
@@ -260,6 +265,7 @@ TEST_CASE("Poses of a device that was set up elsewhere are judged in the frame t
   CHECK(there["frame"]["mean_mm"].get<double>() ==
         Approx(here["mean_mm"].get<double>()).epsilon(0.3));
   CHECK(there["frame"]["inside_95"].get<int>() >= 25);
+  CHECK_THAT(out.str(), !ContainsSubstring("verdict"));
   CHECK_FALSE(judge(few).contains("frame"));
   CHECK_THAT(out.str(), ContainsSubstring("lie far off"));
   // As little as 0.14 mm, seven times the noise.

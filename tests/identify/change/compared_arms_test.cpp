@@ -114,6 +114,27 @@ TEST_CASE("a linear joint that leans shows in where it points", "[compared_arms]
   }
 }
 
+TEST_CASE("a linear joint's row stays as it is where its alpha passes zero", "[compared_arms]") {
+  std::vector<DhRow> specified(4);
+  specified[0].a_mm = specified[1].a_mm = 300;
+  constexpr double kBy_deg = 0.002;
+  int signs = 0;
+  for (const double theta3_deg : {0.0, 90.0}) {
+    specified[2].theta_rad = theta3_deg * kDegree;
+    for (double leans_deg = -0.1; leans_deg < 0.1; leans_deg += kBy_deg) {
+      CAPTURE(theta3_deg, leans_deg);
+      const auto first = scara(150, 0, 0, leans_deg, specified);
+      const auto arms = compared(first, scara(150, 0, 0, leans_deg + kBy_deg, specified));
+      CHECK(std::hypot(difference(arms, ArmNumberKind::alpha, 2),
+                       difference(arms, ArmNumberKind::beta, 2)) ==
+            Approx(kBy_deg * kDegree).epsilon(0.01));
+      const auto alpha = static_cast<Eigen::Index>(arms.numbers.size()) - 2;
+      if (arms.first(alpha) * arms.second(alpha) < 0) ++signs;
+    }
+  }
+  CHECK(signs > 0);
+}
+
 TEST_CASE("a linear joint that stands elsewhere at home changes no number of the arm",
           "[compared_arms]") {
   const auto first = scara(150), lower = scara(150, 0, -80);
