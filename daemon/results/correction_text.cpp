@@ -187,8 +187,9 @@ std::string targets_text(const Correction& correction) {
                                          correction.frames.rms_mm));
   return text + labelled("kept",
                          "Base and tool stay as they are. A point is wanted where the specified "
-                         "arm has it, standing as it fits the poses best. What positions of the "
-                         "target do not tell, its turn about the last axis, is not corrected.");
+                         "arm has it with the base and tool of `--level frames`. What positions "
+                         "of the target do not tell, its turn about the last axis, is not "
+                         "corrected.");
 }
 
 }  // namespace
