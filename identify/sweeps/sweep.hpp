@@ -68,10 +68,11 @@ struct Turn {
 };
 
 /// Groups strokes without a defect: those one after the other whose points lie on one circle are of
-/// one turn. Where that makes more turns than there are `joints`, those about one axis that others
-/// came between are one, too, and no more than twice as many turns are told. (Two joints may have
-/// one axis at home: they stay apart as long as there is room.) Turns in the order in which they
-/// began. Of `strokes` those count whose place is in `places`.
+/// one turn. As long as that makes more turns than there are `joints`, they may miss it by more, as
+/// homes do that joints come to anew; then those about one axis that others came between are one,
+/// too, and no more than twice as many turns are told. (Two joints may have one axis at home: they
+/// stay apart as long as there is room.) Turns in the order in which they began. Of `strokes` those
+/// count whose place is in `places`.
 [[nodiscard]] std::vector<Turn> turns_in(const std::vector<Sweep>& strokes,
                                          const std::vector<std::size_t>& places,
                                          std::size_t joints);
