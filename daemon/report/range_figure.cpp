@@ -106,7 +106,8 @@ std::string cell(double value, int decimals) {
 void add_boxes_table(Markup figure, std::span<const ReportFolder> folders) {
   auto table = figure.add("table");
   table.put("caption",
-            "As table 4 of the paper: the smallest box that holds all points. The "
+            "As table 4 of the paper: the smallest box that holds the points of all "
+            "circles and lines. The "
             "columns of the orientation are the box's axes, the longest first.");
   auto head = table.add("thead").add("tr");
   head.put("th", "", {{"scope", "col"}});

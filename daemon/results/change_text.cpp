@@ -104,6 +104,12 @@ std::string size_of(const identify::Displacement& found) {
          fixed(found.high_mm, 4) + ')';
 }
 
+std::string usual_range(const Change& change) {
+  const auto& linear = change.first.reach.linear;
+  return std::any_of(linear.begin(), linear.end(), [](bool one) { return one; }) ? "90 deg or 90 mm"
+                                                                                 : "90 deg";
+}
+
 std::string displacement(const Change& change) {
   std::string text;
   if (change.changes_displacement)
@@ -113,7 +119,8 @@ std::string displacement(const Change& change) {
     text = "all differences, noise included, move it by up to ";
   return text + size_of(change.displacement) + " at the worst of " +
          std::to_string(kComparedPoses) + " poses " +
-         (change.first.with_limits ? "within the limits" : "up to 90 deg from home") +
+         (change.first.with_limits ? "within the limits"
+                                   : "up to " + usual_range(change) + " from home") +
          ". Base and tool are fitted: what they take up does not count.";
 }
 
