@@ -6,8 +6,8 @@
 The order of the rooms is that of add_subdirectory in rsi/, identify/ and daemon/CMakeLists.txt, from
 the ground up. What lies in rsi/ itself is below its rooms; in identify/ and daemon/, above them.
 What daemon/ builds in_one_thread has no means for more: ThreadSanitizer does not see it.
-The libraries never print, log or abort. Tests know Catch2 by one header. First the check has to find what is planted in a folder of
-its own, then nothing in the tree.
+The libraries never print, log or abort. Tests know Catch2 by one header. First the check has to find
+what is planted in a folder of its own, then nothing in the tree.
 """
 import pathlib
 import re

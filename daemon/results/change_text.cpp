@@ -106,8 +106,9 @@ std::string size_of(const identify::Displacement& found) {
 
 std::string usual_range(const Change& change) {
   const auto& linear = change.first.reach.linear;
-  return std::any_of(linear.begin(), linear.end(), [](bool one) { return one; }) ? "90 deg or 90 mm"
-                                                                                 : "90 deg";
+  const bool any_linear = std::find(linear.begin(), linear.end(), true) != linear.end();
+  return any_linear ? fmt::format("{0} deg or {0} mm", kUsualTurn_deg)
+                    : fmt::format("{} deg", kUsualTurn_deg);
 }
 
 std::string displacement(const Change& change) {

@@ -27,7 +27,6 @@ using identify::DhNumberName;
 using identify::kDhNumbers;
 using Json = nlohmann::ordered_json;
 
-constexpr double kUsualTurn_deg = 90;
 /// Of fewer axes nothing but one row would be compared.
 constexpr std::size_t kFewestAxes = 3;
 

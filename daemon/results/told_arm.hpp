@@ -11,6 +11,9 @@
 
 namespace sweepd {
 
+/// From home, where no limits are known. Of a linear joint these are mm.
+inline constexpr int kUsualTurn_deg = 90;
+
 /// What a result.json tells of an arm, as far as another is compared with it.
 struct ToldArm {
   std::filesystem::path file;
@@ -19,7 +22,7 @@ struct ToldArm {
   std::string reason;     ///< why the status is not complete
   std::string describes;  ///< controller_model or arm
   identify::MeasuredArm arm;
-  /// The description's limits; 90 degrees from home where they are not known.
+  /// The description's limits; kUsualTurn_deg from home where they are not known.
   identify::ToolReach reach;
   bool with_limits = false;  ///< all ranges are the description's
   /// The table's. Where the data leave axes open, `arm` and `reach` end with the last before these.

@@ -121,18 +121,15 @@ TEST_CASE("Poses that were kept back judge a result, and used ones are refused",
   options.result = result / "result.json";
   auto edited = Json::parse(content(options.result));
   edited["status"] = "doubtful";
-  edited["reason"] = "the device was moved";
-  std::ofstream(options.result) << edited.dump(2);
-  out.str("");
-  CHECK(validate(options, out) == 0);
-  CHECK_THAT(out.str(),
-             Catch::Matchers::StartsWith("The result is doubtful: the device was moved.\n"));
-  edited["reason"] = "are the positions in metres?";
-  std::ofstream(options.result) << edited.dump(2);
-  out.str("");
-  CHECK(validate(options, out) == 0);
-  CHECK_THAT(out.str(),
-             Catch::Matchers::StartsWith("The result is doubtful: are the positions in metres?\n"));
+  const auto says = [&](const std::string& reason, const std::string& begin) {
+    edited["reason"] = reason;
+    std::ofstream(options.result) << edited.dump(2);
+    out.str("");
+    CHECK(validate(options, out) == 0);
+    CHECK_THAT(out.str(), Catch::Matchers::StartsWith(begin));
+  };
+  says("the device was moved", "The result is doubtful: the device was moved.\n");
+  says("are the positions in metres?", "The result is doubtful: are the positions in metres?\n");
   edited["schema"] = "sweepd.result/9";
   std::ofstream(options.result) << edited.dump(2);
   CHECK_THROWS_WITH(validate(options, out), ContainsSubstring("sweepd.result/9"));
